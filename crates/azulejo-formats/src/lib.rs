@@ -1,0 +1,1 @@
+//! bytes to Scene and back: GRF, OBJ

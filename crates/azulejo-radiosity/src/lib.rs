@@ -1,0 +1,1 @@
+//! first pass: scene to irradiance

@@ -1,0 +1,1 @@
+//! second pass: scene to image

@@ -1,0 +1,45 @@
+//! What is there: the scene that every other part of azulejo reads.
+//!
+//! A [`Scene`] is plain data with public fields. Readers (in `azulejo-formats`) make it, the
+//! first pass writes irradiance onto its vertices, the second pass draws it. Everything a
+//! renderer may assume stands in one page and one function, [`Scene::validate`].
+//!
+//! Conventions: geometry is `f64` in scene units ([`Units`] says how long one is), images are
+//! `f32`, radiometric quantities are linear RGB ([`Rgb`]). Faces are counter-clockwise seen from
+//! their front. Transforms are named `world_from_object`, so that products read by cancelling.
+//!
+//! ```
+//! use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};
+//! use glam::DVec3;
+//!
+//! let mut scene = Scene::default();
+//! let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.7)));
+//! let mut mesh = Mesh::default();
+//! mesh.positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+//! mesh.push_face(&[0, 1, 2], white);
+//! scene.objects.push(Object::new("triangle", Shape::Mesh(mesh)));
+//! scene.validate().unwrap();
+//! ```
+
+mod camera;
+mod image;
+mod light;
+mod material;
+pub mod math;
+mod mesh;
+mod rgb;
+mod scene;
+mod shape;
+mod solution;
+mod validate;
+
+pub use camera::Camera;
+pub use image::Image;
+pub use light::{Light, LightKind};
+pub use material::{Brdf, Dielectric, Material, MaterialId, Texture, TextureId};
+pub use mesh::{Attribute, Faces, Mesh};
+pub use rgb::Rgb;
+pub use scene::{Object, Scene, Units};
+pub use shape::{Primitive, PrimitiveKind, Shape, SurfaceGrid, SurfaceLight, SurfacePoint};
+pub use solution::{Irradiance, ObjectIrradiance};
+pub use validate::Invalid;

@@ -1,0 +1,127 @@
+//! Surfaces: what they reflect, transmit and emit.
+
+use crate::{Image, Rgb};
+
+/// Index of a material in [`Scene::materials`](crate::Scene::materials).
+pub type MaterialId = u32;
+
+/// Index of a texture in [`Scene::textures`](crate::Scene::textures).
+pub type TextureId = u32;
+
+/// One surface, as the solver and the renderer see it.
+///
+/// The model is additive (Sillion and Puech 1989): light that arrives is reflected diffusely in
+/// the share `diffuse`, mirrored in the share `mirror`, and what is left is absorbed; for every
+/// channel `diffuse + mirror <= 1`. With a `dielectric` the two shares that are mirrored and
+/// transmitted come from Fresnel's equations instead, and `mirror` scales the reflected part.
+/// Diffuse and mirror surfaces act on both sides; emission leaves the front only.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Material {
+    /// Name in the file; may be empty.
+    pub name: String,
+    /// Diffuse reflectance ρ_d, 0..=1 per channel.
+    pub diffuse: Rgb,
+    /// Reflectance of the perfect mirror ρ_s, 0..=1 per channel.
+    pub mirror: Rgb,
+    /// Present on the smooth boundary of a transparent body.
+    pub dielectric: Option<Dielectric>,
+    /// Emitted radiance of the front side, W/(sr·m²), the same in all directions.
+    pub emission: Rgb,
+    /// Multiplies `diffuse`, where the mesh has texture coordinates. Several are multiplied
+    /// with each other (GRF's multitexture).
+    pub textures: Vec<TextureId>,
+    /// A reflection model that azulejo keeps for the file's sake but does not evaluate:
+    /// the passes use the fields above.
+    pub brdf: Option<Brdf>,
+}
+
+/// The smooth boundary between the outside and a transparent body.
+///
+/// The front of the face looks outside. No absorption inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Index of refraction of the body relative to the outside, > 0.
+    pub ior: f64,
+    /// Scales the light that passes, 0..=1 per channel; white for clear glass.
+    pub transmittance: Rgb,
+}
+
+/// A reflection model written out in a file, or named by one.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Brdf {
+    /// `brdf model key = value ...`, the words after `brdf` as they stood.
+    Model {
+        /// The model's name, lower case.
+        name: String,
+        /// Parameters in file order; a number, or three for RGB.
+        parameters: Vec<(String, Vec<f64>)>,
+    },
+    /// `brdf "file"`: measured data or a model in another file.
+    File(String),
+}
+
+/// A picture that surfaces refer to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Texture {
+    /// File name as the model gives it, relative to the model.
+    pub path: String,
+    /// Its pixels, linear, if they could be loaded.
+    pub image: Option<Image>,
+}
+
+impl Material {
+    /// A matt surface.
+    pub fn diffuse(name: impl Into<String>, reflectance: Rgb) -> Material {
+        Material {
+            name: name.into(),
+            diffuse: reflectance,
+            ..Material::default()
+        }
+    }
+
+    /// A perfect mirror.
+    pub fn mirror(name: impl Into<String>, reflectance: Rgb) -> Material {
+        Material {
+            name: name.into(),
+            mirror: reflectance,
+            ..Material::default()
+        }
+    }
+
+    /// A smooth clear dielectric.
+    pub fn dielectric(name: impl Into<String>, ior: f64) -> Material {
+        Material {
+            name: name.into(),
+            mirror: Rgb::WHITE,
+            dielectric: Some(Dielectric {
+                ior,
+                transmittance: Rgb::WHITE,
+            }),
+            ..Material::default()
+        }
+    }
+
+    /// A black surface that emits `radiance`, W/(sr·m²), from its front.
+    pub fn emitter(name: impl Into<String>, radiance: Rgb) -> Material {
+        Material {
+            name: name.into(),
+            emission: radiance,
+            ..Material::default()
+        }
+    }
+
+    /// Emitted exitance M = πL, W/m².
+    pub fn exitance(&self) -> Rgb {
+        self.emission * std::f64::consts::PI
+    }
+
+    /// Whether light that arrives can leave in a mirrored or refracted direction.
+    pub fn is_specular(&self) -> bool {
+        self.dielectric.is_some() || !self.mirror.is_black()
+    }
+
+    /// Whether the front shines by itself.
+    pub fn is_emitter(&self) -> bool {
+        !self.emission.is_black()
+    }
+}

@@ -1,0 +1,161 @@
+//! Polygon meshes.
+
+use crate::math::{Aabb, area_vector};
+use crate::{MaterialId, Rgb};
+use glam::{DVec2, DVec3};
+
+/// Polygons over shared positions, placed in the world.
+///
+/// Positions, colours and irradiance belong to vertices; normals and texture coordinates belong
+/// to vertices or, where a file says so, to the corners of faces ([`Attribute`]).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// World position of each vertex.
+    pub positions: Vec<DVec3>,
+    /// Unit shading normals, if any.
+    pub normals: Option<Attribute<DVec3>>,
+    /// Texture coordinates, if any.
+    pub uvs: Option<Attribute<DVec2>>,
+    /// Colour of each vertex, which multiplies the diffuse reflectance; empty when absent.
+    pub colors: Vec<Rgb>,
+    /// Irradiance of each vertex on the front side, W/m²; empty until the light is solved.
+    pub irradiance: Vec<Rgb>,
+    /// Standard error of each vertex's irradiance; empty when absent.
+    pub irradiance_error: Vec<Rgb>,
+    /// The polygons.
+    pub faces: Faces,
+    /// Material of each face.
+    pub face_materials: Vec<MaterialId>,
+    /// Smoothing group of each face, 0 for none; empty when the file has no groups. Faces of one
+    /// group that meet at an edge are one smooth surface there.
+    pub smoothing: Vec<u32>,
+}
+
+/// Values that belong to vertices, or to corners of faces by way of an index.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Attribute<T> {
+    /// The values.
+    pub values: Vec<T>,
+    /// One index into `values` per corner, in the order of [`Faces::corners`]; `None` when the
+    /// values belong to the vertices in their order.
+    pub corners: Option<Vec<u32>>,
+}
+
+impl<T: Copy> Attribute<T> {
+    /// One value per vertex.
+    pub fn per_vertex(values: Vec<T>) -> Attribute<T> {
+        Attribute {
+            values,
+            corners: None,
+        }
+    }
+
+    /// The value at a corner: `corner` counts all corners of the mesh, `vertex` is its vertex.
+    pub fn at(&self, corner: usize, vertex: u32) -> T {
+        match &self.corners {
+            Some(index) => self.values[index[corner] as usize],
+            None => self.values[vertex as usize],
+        }
+    }
+}
+
+/// Polygons of three or more corners, stored one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Faces {
+    /// Where each face's corners start, and after the last face where they end: one more
+    /// entry than there are faces, the first of them 0.
+    pub starts: Vec<u32>,
+    /// Vertex index of each corner, counter-clockwise from the front.
+    pub corners: Vec<u32>,
+}
+
+impl Default for Faces {
+    fn default() -> Faces {
+        Faces {
+            starts: vec![0],
+            corners: Vec::new(),
+        }
+    }
+}
+
+impl Faces {
+    /// Number of polygons.
+    pub fn len(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Whether there is no polygon.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Appends a polygon.
+    pub fn push(&mut self, corners: &[u32]) {
+        self.corners.extend_from_slice(corners);
+        self.starts.push(self.corners.len() as u32);
+    }
+
+    /// Vertex indices of face `face`.
+    pub fn get(&self, face: usize) -> &[u32] {
+        &self.corners[self.corner_range(face)]
+    }
+
+    /// Where the corners of face `face` stand in `corners`.
+    pub fn corner_range(&self, face: usize) -> std::ops::Range<usize> {
+        self.starts[face] as usize..self.starts[face + 1] as usize
+    }
+
+    /// All polygons in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        (0..self.len()).map(|f| self.get(f))
+    }
+
+    /// Number of triangles that the polygons make: corners − 2 each.
+    pub fn triangle_count(&self) -> usize {
+        self.corners.len() - 2 * self.len()
+    }
+}
+
+impl Mesh {
+    /// Appends a polygon of one material.
+    pub fn push_face(&mut self, corners: &[u32], material: MaterialId) {
+        self.faces.push(corners);
+        self.face_materials.push(material);
+    }
+
+    /// World positions of the corners of a face.
+    pub fn face_positions(&self, face: usize) -> Vec<DVec3> {
+        self.faces
+            .get(face)
+            .iter()
+            .map(|&v| self.positions[v as usize])
+            .collect()
+    }
+
+    /// Area vector of a face: area times the unit normal of its front.
+    pub fn face_area_vector(&self, face: usize) -> DVec3 {
+        area_vector(&self.face_positions(face))
+    }
+
+    /// Smoothing group of a face, 0 for none.
+    pub fn smoothing_group(&self, face: usize) -> u32 {
+        self.smoothing.get(face).copied().unwrap_or(0)
+    }
+
+    /// The smallest box around the vertices that faces use.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::around(
+            self.faces
+                .corners
+                .iter()
+                .map(|&v| self.positions[v as usize]),
+        )
+    }
+
+    /// Sum of the faces' areas.
+    pub fn area(&self) -> f64 {
+        (0..self.faces.len())
+            .map(|f| self.face_area_vector(f).length())
+            .sum()
+    }
+}

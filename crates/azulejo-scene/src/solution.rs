@@ -1,0 +1,26 @@
+//! What the first pass returns and the second pass reads: irradiance on vertices.
+
+use crate::{Mesh, Rgb, SurfaceLight};
+
+/// The light of a whole scene, one entry per object in the scene's order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Irradiance {
+    /// One entry per object.
+    pub objects: Vec<ObjectIrradiance>,
+}
+
+/// The light of one object.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ObjectIrradiance {
+    /// Irradiance on the vertices that the mesh already has.
+    Vertices {
+        /// W/m², one per vertex.
+        irradiance: Vec<Rgb>,
+        /// Standard error, one per vertex or empty.
+        error: Vec<Rgb>,
+    },
+    /// The mesh divided into patches, irradiance on its vertices.
+    Refined(Mesh),
+    /// Irradiance on the surface of an exact primitive.
+    Surface(SurfaceLight),
+}

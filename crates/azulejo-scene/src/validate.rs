@@ -1,0 +1,396 @@
+//! The promises of a scene, checked.
+
+use crate::{Attribute, LightKind, Mesh, Object, Primitive, PrimitiveKind, Scene, Shape};
+use glam::DVec3;
+use std::fmt;
+
+/// The first promise that a scene breaks: where, and what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Invalid {
+    /// Which part, as a path: `objects[3] "floor": faces[7]`.
+    pub place: String,
+    /// What was found and what was expected.
+    pub problem: String,
+}
+
+impl fmt::Display for Invalid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.problem)
+    }
+}
+
+impl std::error::Error for Invalid {}
+
+type Check = Result<(), Invalid>;
+
+fn ensure(holds: bool, place: impl FnOnce() -> String, problem: impl FnOnce() -> String) -> Check {
+    if holds {
+        Ok(())
+    } else {
+        Err(Invalid {
+            place: place(),
+            problem: problem(),
+        })
+    }
+}
+
+impl Scene {
+    /// Checks every promise on which the passes rely:
+    ///
+    /// 1. Every index is in range: corners into positions, attributes into their values, faces
+    ///    and primitives into materials, materials into textures.
+    /// 2. Every face has three or more corners and one material; per-vertex lists are empty or
+    ///    as long as the positions, per-face lists as long as the faces.
+    /// 3. Every number is finite. Reflectances are in 0..=1 and `diffuse + mirror <= 1`;
+    ///    emission, irradiance and intensities are not negative.
+    /// 4. Normals have length 1 (to 1e-3) or are absent; so have the directions of lights.
+    /// 5. Primitives' maps are invertible, cone tops in 0..=1, `ior > 0`, units > 0.
+    /// 6. A camera's eye, target and up span a plane; its field of view is in 0..π.
+    ///
+    /// Degenerate faces (no area) are allowed: they see nothing, and nothing sees them.
+    ///
+    /// # Errors
+    /// The first broken promise.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let units = self.units.metres_per_unit;
+        ensure(
+            units > 0.0 && units.is_finite(),
+            || "units".into(),
+            || format!("metres_per_unit is {units}, expected > 0"),
+        )?;
+        self.validate_materials()?;
+        for (i, object) in self.objects.iter().enumerate() {
+            let place = || format!("objects[{i}] \"{}\"", object.name);
+            self.validate_object(object).map_err(|e| Invalid {
+                place: format!("{}: {}", place(), e.place),
+                ..e
+            })?;
+        }
+        self.validate_lights()?;
+        self.validate_cameras()
+    }
+
+    fn validate_materials(&self) -> Check {
+        for (i, m) in self.materials.iter().enumerate() {
+            let place = || format!("materials[{i}] \"{}\"", m.name);
+            for k in 0..3 {
+                let (d, s, e) = (m.diffuse[k], m.mirror[k], m.emission[k]);
+                ensure(
+                    (0.0..=1.0).contains(&d) && (0.0..=1.0).contains(&s),
+                    place,
+                    || format!("reflectances are diffuse {d} and mirror {s}, expected 0..=1"),
+                )?;
+                ensure(d + s <= 1.0 + 1e-9, place, || {
+                    format!("diffuse {d} + mirror {s} exceed 1, which creates energy")
+                })?;
+                ensure(e >= 0.0 && e.is_finite(), place, || {
+                    format!("emission is {e}, expected a finite number >= 0")
+                })?;
+            }
+            if let Some(g) = m.dielectric {
+                ensure(g.ior > 0.0 && g.ior.is_finite(), place, || {
+                    format!("index of refraction is {}, expected > 0", g.ior)
+                })?;
+                let t = g.transmittance;
+                ensure((0..3).all(|k| (0.0..=1.0).contains(&t[k])), place, || {
+                    format!("transmittance is {t:?}, expected 0..=1")
+                })?;
+            }
+            let count = self.textures.len();
+            for &t in &m.textures {
+                ensure((t as usize) < count, place, || {
+                    format!("texture {t} of {count}")
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_object(&self, object: &Object) -> Check {
+        let materials = self.materials.len();
+        match &object.shape {
+            Shape::Mesh(mesh) => validate_mesh(mesh, materials),
+            Shape::Primitive(p) => validate_primitive(p, materials),
+        }
+    }
+
+    fn validate_lights(&self) -> Check {
+        for (i, light) in self.lights.iter().enumerate() {
+            let place = || format!("lights[{i}] \"{}\"", light.name);
+            let bright = |c: crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
+            let unit = |d: DVec3| (d.length() - 1.0).abs() < 1e-3;
+            let (finite, colour, direction) = match light.kind {
+                LightKind::Point {
+                    position,
+                    intensity,
+                } => (position.is_finite(), bright(intensity), true),
+                LightKind::Spot {
+                    position,
+                    direction,
+                    intensity,
+                    inner,
+                    outer,
+                } => {
+                    let angles =
+                        0.0 <= inner && inner <= outer && outer <= std::f64::consts::PI + 1e-12;
+                    ensure(angles, place, || {
+                        format!(
+                            "spot angles are {inner} and {outer}, expected 0 <= inner <= outer <= π"
+                        )
+                    })?;
+                    (position.is_finite(), bright(intensity), unit(direction))
+                }
+                LightKind::Directional {
+                    direction,
+                    irradiance,
+                } => (true, bright(irradiance), unit(direction)),
+                LightKind::Ambient { radiance } => (true, bright(radiance), true),
+            };
+            ensure(finite, place, || "the position is not finite".into())?;
+            ensure(colour, place, || {
+                "the colour is negative or not finite".into()
+            })?;
+            ensure(direction, place, || {
+                "the direction is not a unit vector".into()
+            })?;
+        }
+        Ok(())
+    }
+
+    fn validate_cameras(&self) -> Check {
+        for (i, c) in self.cameras.iter().enumerate() {
+            let place = || format!("cameras[{i}] \"{}\"", c.name);
+            let (right, up, forward) = c.axes();
+            let spans =
+                c.eye.is_finite() && right.is_finite() && up.is_finite() && forward.is_finite();
+            ensure(spans, place, || {
+                "eye, target and up do not span a plane".into()
+            })?;
+            let fov = c.vertical_fov;
+            ensure(fov > 0.0 && fov < std::f64::consts::PI, place, || {
+                format!("field of view is {fov} rad, expected 0..π")
+            })?;
+            ensure(c.size.is_none_or(|(w, h)| w > 0 && h > 0), place, || {
+                "the picture has no pixels".into()
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
+    let (vertices, faces) = (mesh.positions.len(), mesh.faces.len());
+    let whole = || "mesh".to_string();
+    let starts = &mesh.faces.starts;
+    ensure(
+        starts.first() == Some(&0)
+            && starts.last().copied().map(|e| e as usize) == Some(mesh.faces.corners.len()),
+        whole,
+        || "face starts do not span the corners".into(),
+    )?;
+    for (f, w) in starts.windows(2).enumerate() {
+        ensure(
+            w[1] >= w[0].saturating_add(3),
+            || format!("faces[{f}]"),
+            || "fewer than 3 corners".into(),
+        )?;
+    }
+    let bad_corner = mesh.faces.corners.iter().find(|&&v| v as usize >= vertices);
+    ensure(bad_corner.is_none(), whole, || {
+        format!(
+            "a corner is vertex {} of {vertices}",
+            bad_corner.unwrap_or(&0)
+        )
+    })?;
+    ensure(mesh.face_materials.len() == faces, whole, || {
+        format!("{} materials for {faces} faces", mesh.face_materials.len())
+    })?;
+    let bad_material = mesh
+        .face_materials
+        .iter()
+        .find(|&&m| m as usize >= materials);
+    ensure(bad_material.is_none(), whole, || {
+        format!("material {} of {materials}", bad_material.unwrap_or(&0))
+    })?;
+    ensure(
+        mesh.smoothing.is_empty() || mesh.smoothing.len() == faces,
+        whole,
+        || "smoothing groups for some faces only".into(),
+    )?;
+    for (name, list) in [
+        ("color", &mesh.colors),
+        ("irradiance", &mesh.irradiance),
+        ("irradiance error", &mesh.irradiance_error),
+    ] {
+        ensure(list.is_empty() || list.len() == vertices, whole, || {
+            format!("{} {name}s for {vertices} vertices", list.len())
+        })?;
+        let bad = list
+            .iter()
+            .position(|c| (0..3).any(|k| !(c[k] >= 0.0 && c[k].is_finite())));
+        ensure(
+            bad.is_none(),
+            || format!("vertices[{}]", bad.unwrap_or(0)),
+            || format!("{name} is negative or not finite"),
+        )?;
+    }
+    let bad = mesh.positions.iter().position(|p| !p.is_finite());
+    ensure(
+        bad.is_none(),
+        || format!("vertices[{}]", bad.unwrap_or(0)),
+        || "the position is not finite".into(),
+    )?;
+    validate_attribute(mesh, "normal", mesh.normals.as_ref(), |n| {
+        (n.length() - 1.0).abs() < 1e-3
+    })?;
+    validate_attribute(mesh, "texture coordinate", mesh.uvs.as_ref(), |t| {
+        t.is_finite()
+    })
+}
+
+fn validate_attribute<T: Copy>(
+    mesh: &Mesh,
+    name: &str,
+    attribute: Option<&Attribute<T>>,
+    good: impl Fn(&T) -> bool,
+) -> Check {
+    let Some(attribute) = attribute else {
+        return Ok(());
+    };
+    let whole = || "mesh".to_string();
+    let count = attribute.values.len();
+    match &attribute.corners {
+        None => ensure(count == mesh.positions.len(), whole, || {
+            format!("{count} {name}s for {} vertices", mesh.positions.len())
+        })?,
+        Some(index) => {
+            ensure(index.len() == mesh.faces.corners.len(), whole, || {
+                format!("{name}s for some corners only")
+            })?;
+            ensure(index.iter().all(|&k| (k as usize) < count), whole, || {
+                format!("a corner's {name} is out of range")
+            })?;
+        }
+    }
+    let bad = attribute.values.iter().position(|v| !good(v));
+    ensure(bad.is_none(), whole, || {
+        format!(
+            "{name} {} is not usable: not finite, or not of unit length",
+            bad.unwrap_or(0)
+        )
+    })
+}
+
+fn validate_primitive(p: &Primitive, materials: usize) -> Check {
+    let place = || "primitive".to_string();
+    ensure((p.material as usize) < materials, place, || {
+        format!("material {} of {materials}", p.material)
+    })?;
+    let m = p.world_from_object.matrix3;
+    let size = match p.kind {
+        PrimitiveKind::Square => m.x_axis.cross(m.y_axis).length(),
+        _ => m.determinant(),
+    };
+    ensure(
+        p.world_from_object.is_finite() && size != 0.0 && size.is_finite(),
+        place,
+        || "its map is not invertible".into(),
+    )?;
+    if let PrimitiveKind::Cone { top } = p.kind {
+        ensure((0.0..=1.0).contains(&top), place, || {
+            format!("the cone's top radius is {top}, expected 0..=1")
+        })?;
+    }
+    let Some(light) = &p.light else { return Ok(()) };
+    let cells = light.grids.iter().all(|g| g.nu > 0 && g.nv > 0);
+    let count: usize = light.grids.iter().map(crate::SurfaceGrid::vertices).sum();
+    ensure(
+        cells && light.grids.len() == p.kind.parts() && count == light.irradiance.len(),
+        place,
+        || "its light does not fit its grids".into(),
+    )?;
+    ensure(
+        light.error.is_empty() || light.error.len() == count,
+        place,
+        || "its light's error does not fit".into(),
+    )?;
+    ensure(
+        light
+            .irradiance
+            .iter()
+            .chain(&light.error)
+            .all(|c| c.is_finite()),
+        place,
+        || "its light is not finite".into(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::*;
+    use glam::DVec3;
+
+    fn triangle() -> Scene {
+        let mut scene = Scene::default();
+        let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+        let mut mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2], white);
+        scene.objects.push(Object::new("t", Shape::Mesh(mesh)));
+        scene
+    }
+
+    fn mesh(scene: &mut Scene) -> &mut Mesh {
+        match &mut scene.objects[0].shape {
+            Shape::Mesh(mesh) => mesh,
+            Shape::Primitive(_) => unreachable!("the test scene is a mesh"),
+        }
+    }
+
+    fn check(spoil: impl Fn(&mut Scene), expected: &str) {
+        let mut scene = triangle();
+        assert_eq!(scene.validate(), Ok(()));
+        spoil(&mut scene);
+        let said = scene.validate().unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    }
+
+    #[test]
+    fn broken_promises_are_named() {
+        check(|s| mesh(s).faces.corners[1] = 9, "vertex 9 of 3");
+        check(
+            |s| mesh(s).faces.starts = vec![0, 2, 3],
+            "faces[0]: fewer than 3",
+        );
+        check(
+            |s| mesh(s).positions[2].y = f64::NAN,
+            "vertices[2]: the position",
+        );
+        check(|s| mesh(s).face_materials[0] = 4, "material 4 of 1");
+        check(
+            |s| mesh(s).irradiance = vec![Rgb::WHITE],
+            "1 irradiances for 3",
+        );
+        check(
+            |s| mesh(s).normals = Some(Attribute::per_vertex(vec![DVec3::ONE; 3])),
+            "normal 0",
+        );
+        check(|s| s.materials[0].mirror = Rgb::grey(0.6), "exceed 1");
+        check(|s| s.units.metres_per_unit = 0.0, "metres_per_unit");
+        let spot = LightKind::Directional {
+            direction: DVec3::ONE,
+            irradiance: Rgb::WHITE,
+        };
+        check(
+            |s| {
+                s.lights.push(Light {
+                    name: "l".into(),
+                    kind: spot,
+                })
+            },
+            "unit vector",
+        );
+    }
+}

@@ -1,0 +1,5 @@
+//! What does a point see: ray tracing kernel over a scene.
+
+mod progress;
+
+pub use progress::{Cancelled, Progress};
