@@ -1,1 +1,16 @@
-//! bytes to Scene and back: GRF, OBJ
+//! Bytes to [`Scene`](azulejo_scene::Scene) and back, and pictures to files.
+//!
+//! Every format is a module with `read` and, where it makes sense, `write`. A reader returns
+//! [`Loaded`]: the scene, which keeps every promise of
+//! [`Scene::validate`](azulejo_scene::Scene::validate), and warnings that count what was
+//! skipped; or a [`ReadError`] that says which file, where in it, what was found and what was
+//! expected. Nothing in a file makes a reader panic, hang or reserve memory that the file's own
+//! size does not justify. Other files that a model names (includes, materials, pictures) come
+//! through one small trait, [`Files`], so that a folder, a test's map of strings and a sandbox
+//! work alike.
+
+mod error;
+mod files;
+
+pub use error::{Loaded, Position, ReadError, Warning};
+pub use files::{FileError, Files, Folder, Memory};

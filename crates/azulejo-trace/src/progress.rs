@@ -51,7 +51,11 @@ impl Progress {
     /// [`Cancelled`] once [`cancel`](Progress::cancel) was called.
     pub fn advance(&self, steps: u64) -> Result<(), Cancelled> {
         self.done.fetch_add(steps, Ordering::Relaxed);
-        if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
+        if self.cancelled.load(Ordering::Relaxed) {
+            Err(Cancelled)
+        } else {
+            Ok(())
+        }
     }
 
     /// Asks all work to stop at its next step.
@@ -69,7 +73,9 @@ impl Progress {
 
     /// Whether the deadline has passed.
     pub fn out_of_time(&self) -> bool {
-        self.deadline.lock().is_ok_and(|d| d.is_some_and(|d| Instant::now() >= d))
+        self.deadline
+            .lock()
+            .is_ok_and(|d| d.is_some_and(|d| Instant::now() >= d))
     }
 
     /// Steps of the current stage that are done.
