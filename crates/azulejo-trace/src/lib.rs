@@ -1,5 +1,6 @@
 //! What does a point see: ray tracing kernel over a scene.
 
+pub mod lambert;
 mod progress;
 pub mod sampling;
 

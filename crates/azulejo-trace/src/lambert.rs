@@ -1,0 +1,466 @@
+//! What a point receives from a polygon, exactly; polygons clipped to planes and windows; their
+//! mirror images.
+//!
+//! The form factor from a surface element to a polygon is a sum over the polygon's edges (J. H.
+//! Lambert, *Photometria*, 1760): F = 1/(2π) Σ γₖ uₖ·n, where γₖ is the angle under which edge k
+//! appears and uₖ the unit normal of the plane through it and the element. The angles come from
+//! `atan2(|a × b|, a · b)`, which keeps its digits for thin and for wide angles alike.
+//!
+//! A polygon is a slice of corners in one plane, counter-clockwise seen from its front; it may be
+//! concave but must not cross itself. Points further apart than about 1e150 overflow, and a
+//! result that overflows or is not a number is returned as 0.
+
+use azulejo_scene::math::area_vector;
+use glam::DVec3;
+use std::f64::consts::TAU;
+use std::ops::Deref;
+
+/// Share of the plane's tilt below which a point counts as lying in a polygon's plane.
+const COPLANAR: f64 = 1e-14;
+
+/// Form factor from a surface element at `point` with unit `normal` to `polygon`.
+///
+/// In 0..=1: the part of the element's diffuse light that reaches the front of the polygon, when
+/// nothing stands between. The part of the polygon below the element's horizon is cut off. Zero
+/// if the point lies behind the polygon or in its plane, if the polygon has no area, and for
+/// coordinates that are not finite. Absolute error about 1e-16 times distance over size.
+///
+/// ```
+/// use azulejo_trace::lambert::point_to_polygon;
+/// use glam::{DVec3, dvec3};
+///
+/// let ceiling = [dvec3(0., 0., 1.), dvec3(0., 1., 1.), dvec3(1., 1., 1.), dvec3(1., 0., 1.)];
+/// let f = point_to_polygon(DVec3::ZERO, DVec3::Z, &ceiling);
+/// assert!((f - 0.138531605994893).abs() < 1e-15);
+/// ```
+pub fn point_to_polygon(point: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
+    if !is_in_front(point, polygon) {
+        return 0.0;
+    }
+    let mut contour = Contour::default();
+    clipped_corners(polygon, point, normal, |corner| {
+        contour.visit(corner - point)
+    });
+    let f = contour.close().dot(normal);
+    // Rounding may leave the sum a hair outside its range; NaN fails the comparison.
+    if f > 0.0 && f.is_finite() {
+        f.min(1.0)
+    } else {
+        0.0
+    }
+}
+
+/// Irradiance vector at `point` of a `polygon` that emits one unit of exitance: no horizon.
+///
+/// Its product with a unit normal n is the form factor from an element with that normal, provided
+/// the whole polygon lies above the element's horizon; one vector so serves several normals. It
+/// is signed: it points towards a polygon that shows its front, away from one that shows its
+/// back, and is zero within rounding for a point in the polygon's plane but outside it.
+/// Not clamped; zero if the coordinates are not finite.
+pub fn polygon_vector(point: DVec3, polygon: &[DVec3]) -> DVec3 {
+    let mut contour = Contour::default();
+    for &corner in polygon {
+        contour.visit(corner - point);
+    }
+    let vector = contour.close();
+    if vector.is_finite() {
+        vector
+    } else {
+        DVec3::ZERO
+    }
+}
+
+/// Whether `point` lies on the front side of the plane of `polygon`, by more than rounding.
+///
+/// False for a polygon without area and for coordinates that are not finite.
+pub fn is_in_front(point: DVec3, polygon: &[DVec3]) -> bool {
+    let Some(&first) = polygon.first() else {
+        return false;
+    };
+    let area = area_vector(polygon);
+    let away = point - first;
+    let height = away.dot(area);
+    height > 0.0
+        && height * height > COPLANAR * COPLANAR * away.length_squared() * area.length_squared()
+}
+
+/// Lambert's sum along a contour whose corners, seen from the element, arrive one at a time.
+#[derive(Default)]
+struct Contour {
+    ends: Option<(DVec3, DVec3)>,
+    sum: DVec3,
+}
+
+impl Contour {
+    fn visit(&mut self, corner: DVec3) {
+        self.ends = match self.ends {
+            None => Some((corner, corner)),
+            Some((first, last)) => {
+                self.sum += edge_vector(last, corner);
+                Some((first, corner))
+            }
+        };
+    }
+
+    fn close(self) -> DVec3 {
+        let last_edge = self
+            .ends
+            .map_or(DVec3::ZERO, |(first, last)| edge_vector(last, first));
+        (self.sum + last_edge) / TAU
+    }
+}
+
+/// γ u of one edge, `a` and `b` its ends seen from the element: positive sums face the element.
+fn edge_vector(a: DVec3, b: DVec3) -> DVec3 {
+    // a × (b - a) rather than a × b: far away, the product of two long vectors loses digits.
+    let cross = (b - a).cross(a);
+    let sine = cross.length();
+    // An edge in line with the element spans no plane; a NaN goes on to the caller.
+    if sine == 0.0 {
+        DVec3::ZERO
+    } else {
+        cross * (sine.atan2(a.dot(b)) / sine)
+    }
+}
+
+/// Hands the corners of `polygon`, clipped to the side of the plane that `normal` points to, to
+/// `visit`: Sutherland and Hodgman 1974, one plane.
+fn clipped_corners(
+    polygon: &[DVec3],
+    plane_point: DVec3,
+    normal: DVec3,
+    mut visit: impl FnMut(DVec3),
+) {
+    let height = |p: DVec3| (p - plane_point).dot(normal);
+    let Some(&last) = polygon.last() else { return };
+    let (mut a, mut height_a) = (last, height(last));
+    for &b in polygon {
+        let height_b = height(b);
+        // Always from the inner end to the outer, so that neighbours with a common edge agree.
+        if height_a > 0.0 && height_b < 0.0 {
+            visit(a.lerp(b, height_a / (height_a - height_b)));
+        } else if height_a < 0.0 && height_b > 0.0 {
+            visit(b.lerp(a, height_b / (height_b - height_a)));
+        }
+        if height_b >= 0.0 {
+            visit(b);
+        }
+        (a, height_a) = (b, height_b);
+    }
+}
+
+/// The part of `polygon` on the side of a plane that `plane_normal` (any length) points to.
+///
+/// Corners in the plane are kept; a polygon that does no more than touch the plane comes back
+/// empty, or within rounding as a sliver. A concave polygon that falls apart stays one contour,
+/// its parts joined by edges that run there and back along the plane, which every contour
+/// integral cancels. Corners that are not numbers are left out.
+pub fn clip(polygon: &[DVec3], plane_point: DVec3, plane_normal: DVec3) -> ArrayPolygon {
+    let is_inside = |&p: &DVec3| (p - plane_point).dot(plane_normal) > 0.0;
+    let mut clipped = ArrayPolygon::default();
+    if polygon.iter().any(is_inside) {
+        clipped_corners(polygon, plane_point, plane_normal, |corner| {
+            clipped.push(corner)
+        });
+    }
+    clipped
+}
+
+/// The part of `polygon` that an `eye` sees through a convex `window`.
+///
+/// That is the part inside the pyramid from the eye through the window's edges and beyond the
+/// window's plane. The window may show the eye either side. Empty if the eye lies in the window's
+/// plane within rounding, where the window is seen edge-on, or if the window has no area.
+pub fn clip_to_window(polygon: &[DVec3], eye: DVec3, window: &[DVec3]) -> ArrayPolygon {
+    let front = is_in_front(eye, window);
+    let back = !front && is_in_back(eye, window);
+    if !front && !back {
+        return ArrayPolygon::default();
+    }
+    let outward = area_vector(window);
+    // A window that shows its front has its edges running counter-clockwise round the line of
+    // sight reversed; the sign makes all planes of the pyramid face inwards.
+    let sign = if front { -1.0 } else { 1.0 };
+    let mut seen = clip(polygon, window[0], sign * outward);
+    for (k, &a) in window.iter().enumerate() {
+        let b = window[(k + 1) % window.len()];
+        // From a, not from the eye: an eye close to the window leaves its own rounding out.
+        seen = clip(&seen, a, sign * (a - eye).cross(b - a));
+    }
+    seen
+}
+
+/// Whether `point` lies behind the plane of `polygon`, by more than rounding.
+fn is_in_back(point: DVec3, polygon: &[DVec3]) -> bool {
+    // The mirror image of the point in the first corner lies on the other side.
+    polygon
+        .first()
+        .is_some_and(|&first| is_in_front(2.0 * first - point, polygon))
+}
+
+/// The mirror image of `point` in a plane; `plane_normal` of any length but zero.
+///
+/// A zero normal spans no plane and leaves the point where it is.
+pub fn mirror_point(point: DVec3, plane_point: DVec3, plane_normal: DVec3) -> DVec3 {
+    let squared = plane_normal.length_squared();
+    if squared > 0.0 {
+        point - plane_normal * (2.0 * (point - plane_point).dot(plane_normal) / squared)
+    } else {
+        point
+    }
+}
+
+/// The mirror image of `polygon` in a plane, as a polygon of the mirrored world.
+///
+/// The order of the corners is reversed, because a mirror turns the winding: the front of the
+/// image is the image of the front, and what saw the front directly sees it by the mirror.
+pub fn mirror_polygon(polygon: &[DVec3], plane_point: DVec3, plane_normal: DVec3) -> ArrayPolygon {
+    let image = |&p: &DVec3| mirror_point(p, plane_point, plane_normal);
+    polygon.iter().rev().map(image).collect()
+}
+
+/// A polygon kept on the stack up to [`ArrayPolygon::INLINE`] corners, beyond that on the heap.
+#[derive(Clone, Debug)]
+pub struct ArrayPolygon {
+    inline: [DVec3; ArrayPolygon::INLINE],
+    len: usize,
+    /// Holds all corners once there are too many for `inline`, until then empty.
+    spilled: Vec<DVec3>,
+}
+
+impl ArrayPolygon {
+    /// Corners that need no allocation: a quadrilateral clipped by twelve planes.
+    pub const INLINE: usize = 16;
+
+    /// Appends a corner.
+    pub fn push(&mut self, corner: DVec3) {
+        if self.len < Self::INLINE {
+            self.inline[self.len] = corner;
+        } else {
+            if self.spilled.is_empty() {
+                self.spilled.extend(self.inline);
+            }
+            self.spilled.push(corner);
+        }
+        self.len += 1;
+    }
+}
+
+impl Default for ArrayPolygon {
+    fn default() -> Self {
+        ArrayPolygon {
+            inline: [DVec3::ZERO; Self::INLINE],
+            len: 0,
+            spilled: Vec::new(),
+        }
+    }
+}
+
+impl Deref for ArrayPolygon {
+    type Target = [DVec3];
+
+    fn deref(&self) -> &[DVec3] {
+        if self.len <= Self::INLINE {
+            &self.inline[..self.len]
+        } else {
+            &self.spilled
+        }
+    }
+}
+
+impl FromIterator<DVec3> for ArrayPolygon {
+    fn from_iter<I: IntoIterator<Item = DVec3>>(corners: I) -> Self {
+        let mut polygon = ArrayPolygon::default();
+        for corner in corners {
+            polygon.push(corner);
+        }
+        polygon
+    }
+}
+
+impl Extend<DVec3> for ArrayPolygon {
+    fn extend<I: IntoIterator<Item = DVec3>>(&mut self, corners: I) {
+        for corner in corners {
+            self.push(corner);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+    use proptest::prelude::*;
+
+    const ABOVE: [DVec3; 4] = [
+        dvec3(0., 0., 1.),
+        dvec3(0., 1., 1.),
+        dvec3(1., 1., 1.),
+        dvec3(1., 0., 1.),
+    ];
+
+    fn check(point: DVec3, normal: DVec3, polygon: &[DVec3], expected: f64) {
+        let f = point_to_polygon(point, normal, polygon);
+        assert!((f - expected).abs() < 1e-15, "{f} is not {expected}");
+    }
+
+    #[test]
+    fn howell_b3_and_b4() {
+        check(DVec3::ZERO, DVec3::Z, &ABOVE, 0.138531605994893);
+        let wall = [
+            dvec3(1., 0., 0.),
+            dvec3(1., 0., 1.),
+            dvec3(1., 1., 1.),
+            dvec3(1., 1., 0.),
+        ];
+        check(DVec3::ZERO, DVec3::Z, &wall, 0.0557341970025535);
+    }
+
+    #[test]
+    fn the_horizon_cuts() {
+        // A wall that reaches as far below the horizon as above it.
+        let wall = [
+            dvec3(1., 0., -1.),
+            dvec3(1., 0., 1.),
+            dvec3(1., 1., 1.),
+            dvec3(1., 1., -1.),
+        ];
+        check(DVec3::ZERO, DVec3::Z, &wall, 0.0557341970025535);
+        check(DVec3::ZERO, -DVec3::Z, &wall, 0.0557341970025535);
+        check(DVec3::ZERO, -DVec3::Z, &ABOVE, 0.0);
+    }
+
+    #[test]
+    fn behind_beside_or_degenerate_is_exactly_zero() {
+        for point in [
+            dvec3(0.5, 0.5, 1.0),
+            dvec3(2.0, 0.5, 1.0),
+            dvec3(0.5, 0.5, 2.0),
+            ABOVE[1],
+        ] {
+            for normal in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::Z] {
+                assert_eq!(point_to_polygon(point, normal, &ABOVE), 0.0);
+            }
+        }
+        let bad = |p: DVec3| [p, ABOVE[1], ABOVE[2], ABOVE[3]];
+        for polygon in [
+            bad(DVec3::NAN),
+            bad(DVec3::INFINITY),
+            bad(1e200 * DVec3::Z),
+            [DVec3::Z; 4],
+        ] {
+            assert_eq!(point_to_polygon(DVec3::ZERO, DVec3::Z, &polygon), 0.0);
+        }
+        assert_eq!(point_to_polygon(DVec3::ZERO, DVec3::Z, &[]), 0.0);
+        assert_eq!(point_to_polygon(DVec3::ZERO, DVec3::Z, &ABOVE[..2]), 0.0);
+        assert_eq!(polygon_vector(DVec3::ZERO, &bad(DVec3::NAN)), DVec3::ZERO);
+    }
+
+    #[test]
+    fn a_polygon_all_round_fills_the_hemisphere() {
+        let r = 1e6;
+        let sky = [
+            dvec3(-r, -r, 1.),
+            dvec3(-r, r, 1.),
+            dvec3(r, r, 1.),
+            dvec3(r, -r, 1.),
+        ];
+        let f = point_to_polygon(DVec3::ZERO, DVec3::Z, &sky);
+        assert!((f - 1.0).abs() < 1e-11 && f <= 1.0);
+    }
+
+    #[test]
+    fn concave_is_the_sum_of_its_parts() {
+        let l = [(0., 0.), (0., 2.), (1., 2.), (1., 1.), (2., 1.), (2., 0.)]
+            .map(|(x, y)| dvec3(x, y, 1.));
+        let a = [(0., 0.), (0., 2.), (1., 2.), (1., 0.)].map(|(x, y)| dvec3(x, y, 1.));
+        let b = [(1., 0.), (1., 1.), (2., 1.), (2., 0.)].map(|(x, y)| dvec3(x, y, 1.));
+        let point = dvec3(1.7, 1.8, 0.2);
+        for normal in [
+            DVec3::Z,
+            DVec3::X,
+            -DVec3::Y,
+            dvec3(-0.6, 0.0, 0.8),
+            dvec3(-0.48, -0.64, 0.6),
+        ] {
+            let parts = point_to_polygon(point, normal, &a) + point_to_polygon(point, normal, &b);
+            check(point, normal, &l, parts);
+        }
+    }
+
+    #[test]
+    fn a_window_of_either_side_clips_alike() {
+        let big = ABOVE.map(|p| dvec3(8.0 * p.x - 4.0, 8.0 * p.y - 4.0, 2.0));
+        let eye = dvec3(0.4, 0.3, 0.0);
+        let mut window = ABOVE;
+        // Twice as far as the window: four times its area, and it covers what the window covers.
+        for _side in 0..2 {
+            let seen = clip_to_window(&big, eye, &window);
+            assert!((area_vector(&seen).length() - 4.0).abs() < 1e-14);
+            let through = point_to_polygon(eye, DVec3::Z, &seen);
+            check(eye, DVec3::Z, &ABOVE, through);
+            window.reverse();
+        }
+        assert!(clip_to_window(&big, dvec3(3.0, 0.5, 1.0), &window).is_empty());
+        assert!(clip_to_window(&big, dvec3(0.5, 0.5, 3.0), &window).is_empty());
+        assert!(clip_to_window(&big, eye, &window[..2]).is_empty());
+    }
+
+    #[test]
+    fn an_eye_close_to_the_window_sees_nearly_everything_beyond() {
+        let far = ABOVE.map(|p| p + 9.0 * DVec3::Z);
+        for gap in [1e-3, 1e-6, 1e-9, 1e-12] {
+            let seen = clip_to_window(&far, dvec3(0.5, 0.5, 1.0 - gap), &ABOVE);
+            assert!((area_vector(&seen).length() - 1.0).abs() < 1e-12, "{gap}");
+        }
+    }
+
+    #[test]
+    fn images_keep_their_front() {
+        let plane = (dvec3(2.0, 0.0, 0.0), dvec3(-3.0, 0.0, 0.0));
+        let image = mirror_polygon(&ABOVE, plane.0, plane.1);
+        let eye = dvec3(0.3, 0.2, 0.1);
+        let image_eye = mirror_point(eye, plane.0, plane.1);
+        assert!((image_eye - dvec3(3.7, 0.2, 0.1)).length() < 1e-15);
+        check(
+            image_eye,
+            DVec3::Z,
+            &image,
+            point_to_polygon(eye, DVec3::Z, &ABOVE),
+        );
+        assert_eq!(mirror_point(eye, plane.0, DVec3::ZERO), eye);
+    }
+
+    #[test]
+    fn many_corners_spill() {
+        let circle: ArrayPolygon = (0..40)
+            .map(|k| f64::from(-k) * TAU / 40.0)
+            .map(|a| dvec3(a.cos(), a.sin(), 1.0))
+            .collect();
+        assert_eq!(circle.len(), 40);
+        let half = clip(&circle, DVec3::ZERO, DVec3::X);
+        let whole = area_vector(&circle).length();
+        assert!((area_vector(&half).length() - 0.5 * whole).abs() < 1e-14);
+    }
+
+    fn point() -> impl Strategy<Value = DVec3> {
+        (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| dvec3(x, y, z))
+    }
+
+    proptest! {
+        /// An element inside a tetrahedron sees nothing but its four faces.
+        #[test]
+        fn closure(corners in [point(), point(), point(), point()], n in point(), w in [0.05..1.0, 0.05..1.0, 0.05..1.0, 0.05..1.0]) {
+            let [a, b, c, d] = corners;
+            let volume = (b - a).cross(c - a).dot(d - a);
+            prop_assume!(volume.abs() > 1e-3 && n.length() > 1e-3);
+            let (b, c) = if volume > 0.0 { (b, c) } else { (c, b) };
+            let eye = (w[0] * a + w[1] * b + w[2] * c + w[3] * d) / w.iter().sum::<f64>();
+            let sum: f64 = [[a, b, c], [a, c, d], [a, d, b], [b, d, c]]
+                .iter()
+                .map(|face| point_to_polygon(eye, n.normalize(), face))
+                .sum();
+            prop_assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+        }
+    }
+}
