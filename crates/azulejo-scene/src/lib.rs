@@ -25,12 +25,14 @@ mod camera;
 mod image;
 mod light;
 mod material;
+pub mod fresnel;
 pub mod math;
 mod mesh;
 mod rgb;
 mod scene;
 mod shape;
 mod solution;
+mod triangulate;
 mod validate;
 
 pub use camera::Camera;

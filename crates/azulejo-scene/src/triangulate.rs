@@ -1,0 +1,305 @@
+//! The triangles of a face: one answer for tracer, patches and renderer.
+
+use crate::Mesh;
+use crate::math::{Frame, area_vector};
+use earcut::Earcut;
+use glam::{DVec2, DVec3};
+
+/// A triangle of a face: three positions among the face's corners, counted from 0.
+type Corners = [u32; 3];
+
+/// Up to this many corners every apex of a fan is tried; the trials are quadratic.
+const BEST_FAN_CORNERS: usize = 32;
+
+impl Mesh {
+    /// The triangles of a face, as positions 0..n among its n corners, front kept.
+    ///
+    /// A convex quadrilateral is split along its shorter diagonal (the one from corner 0 when
+    /// both are equal to 1e-9), any other convex polygon becomes a fan, a concave one loses its
+    /// ears (Meisters 1975) in the plane of its area vector. Corners on a straight line are kept,
+    /// so neighbours that share them leave no crack. Always n − 2 triangles; for degenerate and
+    /// self-crossing polygons they are a fan from corner 0.
+    ///
+    /// # Panics
+    /// If `face` or its vertices are out of range.
+    pub fn triangulate(&self, face: usize) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::new();
+        self.triangulate_into(face, &mut triangles);
+        triangles
+    }
+
+    /// Appends what [`triangulate`](Mesh::triangulate) returns, for callers with many faces.
+    ///
+    /// # Panics
+    /// If `face` or its vertices are out of range.
+    pub fn triangulate_into(&self, face: usize, triangles: &mut Vec<[u32; 3]>) {
+        let corner = |&v: &u32| self.positions[v as usize];
+        match self.faces.get(face) {
+            [_, _, _] => triangles.push([0, 1, 2]),
+            [a, b, c, d] => {
+                triangles.extend(quadrilateral(&[a, b, c, d].map(corner)));
+            }
+            corners => {
+                let polygon: Vec<DVec3> = corners.iter().map(corner).collect();
+                triangles.extend(general(&polygon));
+            }
+        }
+    }
+}
+
+fn quadrilateral(p: &[DVec3; 4]) -> [Corners; 2] {
+    const FROM_0: [Corners; 2] = [[0, 1, 2], [0, 2, 3]];
+    const FROM_1: [Corners; 2] = [[0, 1, 3], [1, 2, 3]];
+    let area = area_vector(p);
+    // A diagonal serves if both its triangles face the same way as the whole.
+    let serves = |split: &[Corners; 2]| {
+        split
+            .iter()
+            .all(|t| area_vector(&t.map(|k| p[k as usize])).dot(area) > 0.0)
+    };
+    let shorter = (p[3] - p[1]).length_squared() < (1.0 - 1e-9) * (p[2] - p[0]).length_squared();
+    match (serves(&FROM_0), serves(&FROM_1)) {
+        (true, true) if shorter => FROM_1,
+        (false, true) => FROM_1,
+        _ => FROM_0,
+    }
+}
+
+fn general(polygon: &[DVec3]) -> Vec<Corners> {
+    let n = polygon.len() as u32;
+    let normal = area_vector(polygon).normalize_or_zero();
+    if n < 3 || normal == DVec3::ZERO || !normal.is_finite() {
+        return fan(n, 0);
+    }
+    let frame = Frame::from_normal(normal);
+    let flat: Vec<DVec2> = polygon
+        .iter()
+        .map(|&p| frame.to_local(p - polygon[0]).truncate())
+        .collect();
+    convex_fan(&flat)
+        .or_else(|| ears(&flat))
+        .unwrap_or_else(|| fan(n, 0))
+}
+
+/// All triangles from one corner.
+fn fan(n: u32, apex: u32) -> Vec<Corners> {
+    (1..n.max(2) - 1)
+        .map(|k| [apex, (apex + k) % n, (apex + k + 1) % n])
+        .collect()
+}
+
+fn signed_area(flat: &[DVec2], [a, b, c]: Corners) -> f64 {
+    let at = |k: u32| flat[k as usize];
+    0.5 * (at(b) - at(a)).perp_dot(at(c) - at(a))
+}
+
+/// For a convex polygon the fan whose smallest triangle is largest; `None` for any other, or if
+/// every fan has a triangle without area.
+fn convex_fan(flat: &[DVec2]) -> Option<Vec<Corners>> {
+    let n = flat.len() as u32;
+    let convex = (0..n).all(|k| signed_area(flat, [k, (k + 1) % n, (k + 2) % n]) >= 0.0);
+    if !convex || turns(flat) > 1.5 {
+        return None;
+    }
+    let smallest = |apex: u32| {
+        fan(n, apex)
+            .iter()
+            .map(|&t| signed_area(flat, t))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let apexes = if flat.len() <= BEST_FAN_CORNERS { n } else { 1 };
+    let whole: f64 = fan(n, 0).iter().map(|&t| signed_area(flat, t)).sum();
+    let (mut best, mut best_area) = (0, 0.0);
+    for apex in 0..apexes {
+        // Only a clearly better apex wins, so that rounding does not choose.
+        let area = smallest(apex);
+        if area > best_area * (1.0 + 1e-6) + 1e-12 * whole {
+            (best, best_area) = (apex, area);
+        }
+    }
+    (best_area > 0.0).then(|| fan(n, best))
+}
+
+/// How often the outline turns around: 1 for a simple polygon, 2 for a pentagram.
+fn turns(flat: &[DVec2]) -> f64 {
+    let n = flat.len();
+    let edge = |k: usize| flat[(k + 1) % n] - flat[k % n];
+    let angle: f64 = (0..n).map(|k| edge(k).angle_to(edge(k + 1))).sum();
+    angle / std::f64::consts::TAU
+}
+
+/// Ear clipping; `None` unless it covers the polygon with n − 2 triangles.
+fn ears(flat: &[DVec2]) -> Option<Vec<Corners>> {
+    let n = flat.len() as u32;
+    let mut indices: Vec<u32> = Vec::new();
+    Earcut::new().earcut(flat.iter().map(|p| [p.x, p.y]), &[], &mut indices);
+    let mut triangles: Vec<Corners> = indices
+        .chunks_exact(3)
+        .map(|t| [t[0], t[1], t[2]])
+        .map(|t| {
+            if signed_area(flat, t) < 0.0 {
+                [t[0], t[2], t[1]]
+            } else {
+                t
+            }
+        })
+        .collect();
+    restore_dropped(n, &mut triangles);
+    (triangles.len() as u32 == n - 2).then_some(triangles)
+}
+
+/// Puts back corners that ear clipping left out because they lie on a straight line: the triangle
+/// on whose edge they lie is divided.
+fn restore_dropped(n: u32, triangles: &mut Vec<Corners>) {
+    let mut used = vec![false; n as usize];
+    for &k in triangles.iter().flatten() {
+        used[k as usize] = true;
+    }
+    let Some(first) = used.iter().position(|&u| u) else {
+        return;
+    };
+    let ring: Vec<u32> = (0..n).map(|k| (first as u32 + k) % n).collect();
+    let mut from = 0;
+    for to in 1..=ring.len() {
+        if to < ring.len() && !used[ring[to] as usize] {
+            continue;
+        }
+        let (a, b) = (ring[from], ring[to % ring.len()]);
+        divide_edge(triangles, a, &ring[from + 1..to], b);
+        from = to;
+    }
+}
+
+/// Replaces the triangle with the directed edge `a b` by a fan over `a`, `between`, `b`.
+fn divide_edge(triangles: &mut Vec<Corners>, a: u32, between: &[u32], b: u32) {
+    if between.is_empty() {
+        return;
+    }
+    for k in 0..triangles.len() {
+        for turn in 0..3 {
+            let [p, q, apex] = [0, 1, 2].map(|i| triangles[k][(i + turn) % 3]);
+            if (p, q) == (a, b) {
+                let mut last = a;
+                for &m in between {
+                    triangles.push([last, m, apex]);
+                    last = m;
+                }
+                triangles[k] = [last, b, apex];
+                return;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh(points: &[(f64, f64)]) -> Mesh {
+        // A tilted, far plane: the polygon's own plane must be found.
+        let place = |&(x, y): &(f64, f64)| {
+            DVec3::new(4e5, 5e6, 10.0) + x * DVec3::new(0.6, 0.0, 0.8) + y * DVec3::Y
+        };
+        let mut mesh = Mesh {
+            positions: points.iter().map(place).collect(),
+            ..Mesh::default()
+        };
+        mesh.push_face(&(0..points.len() as u32).collect::<Vec<_>>(), 0);
+        mesh
+    }
+
+    /// n − 2 triangles, none turned over, that add up to the polygon and use every corner.
+    fn check(points: &[(f64, f64)]) -> Vec<Corners> {
+        let mesh = mesh(points);
+        let triangles = mesh.triangulate(0);
+        let whole = mesh.face_area_vector(0);
+        let areas: Vec<f64> = triangles
+            .iter()
+            .map(|t| area_vector(&t.map(|k| mesh.positions[k as usize])).dot(whole.normalize()))
+            .collect();
+        assert_eq!(triangles.len(), points.len() - 2, "{triangles:?}");
+        assert!(areas.iter().all(|&a| a > -1e-9), "{triangles:?} {areas:?}");
+        let sum: f64 = areas.iter().sum();
+        assert!(
+            (sum / whole.length() - 1.0).abs() < 1e-6,
+            "{sum} of {}",
+            whole.length()
+        );
+        for k in 0..points.len() as u32 {
+            assert!(
+                triangles.iter().flatten().any(|&c| c == k),
+                "corner {k} unused"
+            );
+        }
+        triangles
+    }
+
+    #[test]
+    fn quadrilaterals_take_the_shorter_diagonal() {
+        let square = [(0., 0.), (1., 0.), (1., 1.), (0., 1.)];
+        assert_eq!(check(&square), [[0, 1, 2], [0, 2, 3]]);
+        let kite = [(0., 0.), (2., -0.5), (4., 0.), (2., 0.5)];
+        assert_eq!(check(&kite), [[0, 1, 3], [1, 2, 3]]);
+    }
+
+    #[test]
+    fn concave_quadrilaterals_split_at_the_dent() {
+        let dent_at = |k: usize| {
+            let mut arrow = [(0., 0.), (2., -2.), (0.5, 0.), (2., 2.)];
+            arrow.rotate_left(k);
+            check(&arrow);
+        };
+        (0..4).for_each(dent_at);
+    }
+
+    #[test]
+    fn corners_on_straight_lines_stay_in_use() {
+        check(&[(0., 0.), (1., 0.), (2., 0.), (2., 2.), (0., 2.)]);
+        let ring = [(0., 0.), (1., 0.), (2., 0.), (3., 0.), (3., 1.), (3., 2.)];
+        let other = [(3., 3.), (2., 3.), (1., 3.), (0., 3.), (0., 2.), (0., 1.)];
+        check(&[ring, other].concat());
+    }
+
+    #[test]
+    fn concave_polygons() {
+        check(&[(0., 0.), (2., 0.), (2., 1.), (1., 1.), (1., 2.), (0., 2.)]);
+        // A comb with collinear teeth tips.
+        let mut comb: Vec<(f64, f64)> = vec![(10.0, 3.0), (0.0, 3.0)];
+        for k in 0..10 {
+            let x = f64::from(k);
+            comb.extend([(x, 0.0), (x + 0.5, 0.0), (x + 0.5, 2.0), (x + 1.0, 2.0)]);
+        }
+        check(&comb);
+        let star: Vec<(f64, f64)> = (0..100)
+            .map(|k| {
+                let (s, c) = (f64::from(k) * std::f64::consts::TAU / 100.0).sin_cos();
+                let r = if k % 2 == 0 { 3.0 } else { 1.0 };
+                (r * c, r * s)
+            })
+            .collect();
+        check(&star);
+    }
+
+    #[test]
+    fn hopeless_polygons_are_fans() {
+        let count = |points: &[(f64, f64)], expected: usize| {
+            let triangles = mesh(points).triangulate(0);
+            assert_eq!(triangles.len(), expected);
+            assert!(
+                triangles
+                    .iter()
+                    .flatten()
+                    .all(|&k| (k as usize) < points.len())
+            );
+        };
+        count(&[(1., 1.); 6], 4);
+        count(&[(0., 0.), (1., 0.), (2., 0.), (3., 0.), (4., 0.)], 3);
+        count(&[(f64::NAN, 0.), (1., 0.), (2., 5.), (3., 0.), (4., 0.)], 3);
+        count(&[(f64::INFINITY, 0.), (1., 0.), (2., 5.), (3., 0.)], 2);
+        let pentagram: Vec<(f64, f64)> = (0..5)
+            .map(|k| (f64::from(2 * k) * std::f64::consts::TAU / 5.0).sin_cos())
+            .map(|(s, c)| (c, s))
+            .collect();
+        count(&pentagram, 3);
+    }
+}
