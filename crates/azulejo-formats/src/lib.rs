@@ -11,6 +11,10 @@
 
 mod error;
 mod files;
+pub mod obj;
+mod picture;
+pub mod png;
 
 pub use error::{Loaded, Position, ReadError, Warning};
 pub use files::{FileError, Files, Folder, Memory};
+pub use picture::PictureError;

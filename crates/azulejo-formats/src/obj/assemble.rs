@@ -1,0 +1,238 @@
+//! From the flat lists of a file to a scene: one mesh per object, each with its own vertices.
+
+use super::mtl::Library;
+use super::read::{NONE, Part, Raw};
+use super::warnings::Warnings;
+use azulejo_scene::math::area_vector;
+use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Object, Rgb, Scene, Shape};
+use glam::{DVec2, DVec3};
+use std::ops::Range;
+
+/// Builds the scene of a file whose indices are all in range.
+pub(super) fn assemble(
+    raw: Raw,
+    mut library: Library,
+    file: &str,
+    warnings: &mut Warnings,
+) -> Scene {
+    let names = &raw.material_names;
+    let mut materials: Vec<MaterialId> = names
+        .iter()
+        .map(|name| library.find_or_default(name, file, warnings))
+        .collect();
+    // The last entry stands for faces before the first `usemtl`.
+    if raw.face_materials.contains(&NONE) {
+        materials.push(library.default_material());
+    }
+    if raw.faces.is_empty() {
+        warnings.add_whole(file, "no faces: the scene is empty");
+    }
+    let mut builder = Builder {
+        raw: &raw,
+        materials: &materials,
+        local: Vec::new(),
+        warnings,
+        file,
+    };
+    let objects = parts(&raw)
+        .into_iter()
+        .map(|(name, faces)| Object::new(name, Shape::Mesh(builder.mesh(faces))))
+        .collect();
+    Scene {
+        objects,
+        materials: library.materials,
+        textures: library.textures,
+        ..Scene::default()
+    }
+}
+
+/// Names and faces of the objects: by `o` if the file has any, else by `g`.
+fn parts(raw: &Raw) -> Vec<(&str, Range<usize>)> {
+    let named: &[Part] = if raw.objects.is_empty() {
+        &raw.groups
+    } else {
+        &raw.objects
+    };
+    let first = named.first().map_or(raw.faces.len(), |p| p.first_face);
+    let ends = named.iter().skip(1).map(|p| p.first_face);
+    let ends = ends.chain([raw.faces.len()]);
+    let nameless = ("", 0..first);
+    let named = named
+        .iter()
+        .zip(ends)
+        .map(|(p, end)| (p.name.as_str(), p.first_face..end));
+    std::iter::once(nameless)
+        .chain(named)
+        .filter(|(_, faces)| !faces.is_empty())
+        .collect()
+}
+
+struct Builder<'a> {
+    raw: &'a Raw,
+    materials: &'a [MaterialId],
+    /// New index of each old one while a list is renumbered; all [`NONE`] in between.
+    local: Vec<u32>,
+    warnings: &'a mut Warnings,
+    file: &'a str,
+}
+
+impl Builder<'_> {
+    fn mesh(&mut self, range: Range<usize>) -> Mesh {
+        let raw = self.raw;
+        let corners = raw.faces.starts[range.start] as usize..raw.faces.starts[range.end] as usize;
+        let (used, local) = self.renumber(&raw.faces.corners[corners.clone()]);
+        let mut mesh = Mesh {
+            positions: used.iter().map(|&v| raw.positions[v as usize]).collect(),
+            colors: colors(raw, &used),
+            faces: Faces {
+                starts: raw.faces.starts[range.start..=range.end]
+                    .iter()
+                    .map(|s| s - corners.start as u32)
+                    .collect(),
+                corners: local,
+            },
+            face_materials: raw.face_materials[range.clone()]
+                .iter()
+                .map(|&m| self.material(m))
+                .collect(),
+            smoothing: smoothing(raw, range),
+            ..Mesh::default()
+        };
+        mesh.uvs = self.uvs(&mesh, corners.clone());
+        mesh.normals = self.normals(&mesh, corners);
+        mesh
+    }
+
+    /// Material of a face; all without one share the last entry.
+    fn material(&self, named: u32) -> MaterialId {
+        self.materials[(named as usize).min(self.materials.len() - 1)]
+    }
+
+    /// The indices that occur, in order, and for each entry its place among them.
+    /// [`NONE`] stays what it is.
+    fn renumber(&mut self, indices: &[u32]) -> (Vec<u32>, Vec<u32>) {
+        let mut used = Vec::new();
+        for &i in indices.iter().filter(|i| **i != NONE) {
+            let at = i as usize;
+            if at >= self.local.len() {
+                self.local.resize(at + 1, NONE);
+            }
+            if self.local[at] == NONE {
+                self.local[at] = 0;
+                used.push(i);
+            }
+        }
+        used.sort_unstable();
+        for (new, &old) in used.iter().enumerate() {
+            self.local[old as usize] = new as u32;
+        }
+        let local = |&i: &u32| self.local.get(i as usize).copied().unwrap_or(NONE);
+        let renumbered = indices.iter().map(local).collect();
+        for &old in &used {
+            self.local[old as usize] = NONE;
+        }
+        (used, renumbered)
+    }
+
+    fn uvs(&mut self, mesh: &Mesh, corners: Range<usize>) -> Option<Attribute<DVec2>> {
+        let given = self.raw.corner_uvs.get(corners)?;
+        let (used, mut local) = self.renumber(given);
+        if used.is_empty() {
+            return None;
+        }
+        let mut values: Vec<DVec2> = used.iter().map(|&t| self.raw.uvs[t as usize]).collect();
+        if local.contains(&NONE) {
+            self.warn("object with texture coordinates on some corners only: (0, 0) on the others");
+            let origin = values.len() as u32;
+            values.push(DVec2::ZERO);
+            local
+                .iter_mut()
+                .filter(|t| **t == NONE)
+                .for_each(|t| *t = origin);
+        }
+        Some(attribute(mesh, values, local))
+    }
+
+    fn normals(&mut self, mesh: &Mesh, corners: Range<usize>) -> Option<Attribute<DVec3>> {
+        let raw = self.raw;
+        let usable = |&n: &u32| match raw.normals.get(n as usize) {
+            Some(&value) if value != DVec3::ZERO => n,
+            _ => NONE,
+        };
+        let given: Vec<u32> = raw
+            .corner_normals
+            .get(corners)?
+            .iter()
+            .map(usable)
+            .collect();
+        let (used, mut local) = self.renumber(&given);
+        if used.is_empty() {
+            return None;
+        }
+        let mut values: Vec<DVec3> = used.iter().map(|&n| raw.normals[n as usize]).collect();
+        if local.contains(&NONE) {
+            self.warn("object with normals on some corners only: the face's own on the others");
+            fill_with_face_normals(mesh, &mut values, &mut local);
+        }
+        Some(attribute(mesh, values, local))
+    }
+
+    fn warn(&mut self, message: &str) {
+        self.warnings.add_whole(self.file, message);
+    }
+}
+
+/// Gives corners without a normal that of their face.
+fn fill_with_face_normals(mesh: &Mesh, values: &mut Vec<DVec3>, local: &mut [u32]) {
+    for face in 0..mesh.faces.len() {
+        let corners = &mut local[mesh.faces.corner_range(face)];
+        if !corners.contains(&NONE) {
+            continue;
+        }
+        // A face without area is seen by nobody; any unit vector does.
+        let normal = area_vector(&mesh.face_positions(face)).normalize_or(DVec3::Z);
+        let own = values.len() as u32;
+        values.push(normal);
+        corners
+            .iter_mut()
+            .filter(|n| **n == NONE)
+            .for_each(|n| *n = own);
+    }
+}
+
+/// Values per vertex when every vertex has but one of them, else per corner.
+fn attribute<T: Copy>(mesh: &Mesh, values: Vec<T>, corners: Vec<u32>) -> Attribute<T> {
+    let mut of_vertex = vec![NONE; mesh.positions.len()];
+    let unique = mesh.faces.corners.iter().zip(&corners).all(|(&v, &k)| {
+        let known = &mut of_vertex[v as usize];
+        let agrees = *known == NONE || *known == k;
+        *known = k;
+        agrees
+    });
+    if unique {
+        // Every vertex has a value, because it stands in a mesh only if a face uses it.
+        Attribute::per_vertex(of_vertex.iter().map(|&k| values[k as usize]).collect())
+    } else {
+        Attribute {
+            values,
+            corners: Some(corners),
+        }
+    }
+}
+
+fn colors(raw: &Raw, used: &[u32]) -> Vec<Rgb> {
+    let color = |&v: &u32| raw.colors.get(v as usize).copied();
+    if used.iter().all(|v| color(v).is_none()) {
+        return Vec::new();
+    }
+    used.iter()
+        .map(|v| color(v).unwrap_or(Rgb::WHITE))
+        .collect()
+}
+
+fn smoothing(raw: &Raw, faces: Range<usize>) -> Vec<u32> {
+    match raw.smoothing.get(faces) {
+        Some(groups) if groups.iter().any(|g| *g != 0) => groups.to_vec(),
+        _ => Vec::new(),
+    }
+}

@@ -1,0 +1,16 @@
+//! Wavefront OBJ and its material files, MTL.
+//!
+//! What is read: vertices with colours, texture coordinates and normals, polygons of any number
+//! of corners and any shape, objects, groups, smoothing groups, materials with reflectance,
+//! emission, mirrors, glass and pictures. Points, lines and free-form surfaces are counted and
+//! skipped. `docs/formats/obj.md` says how every statement is understood.
+
+mod assemble;
+mod cursor;
+mod mtl;
+mod number;
+mod read;
+mod warnings;
+
+pub use mtl::read as read_materials;
+pub use read::read;

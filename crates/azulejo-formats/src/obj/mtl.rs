@@ -1,0 +1,436 @@
+//! Material libraries.
+
+use super::cursor::{Cursor, shortened, text};
+use super::warnings::Warnings;
+use crate::{FileError, Files, Loaded, ReadError};
+use azulejo_scene::{Brdf, Dielectric, Material, MaterialId, Rgb, Scene, Texture, TextureId};
+use std::collections::HashMap;
+
+/// Reflectance of what a file leaves without a material.
+const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
+
+/// Index of refraction of glass that does not say its own.
+const DEFAULT_IOR: f64 = 1.5;
+
+/// Reads a material library on its own: a scene with materials and textures, without objects.
+///
+/// # Errors
+/// A malformed number, a statement before the first `newmtl`, bytes that are no text.
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+    let (mut library, mut warnings) = (Library::default(), Warnings::default());
+    library.add(bytes, name, files, &mut warnings)?;
+    Ok(Loaded {
+        scene: Scene {
+            materials: library.materials,
+            textures: library.textures,
+            ..Scene::default()
+        },
+        warnings: warnings.finish(name),
+    })
+}
+
+/// The materials of one or more library files.
+#[derive(Debug, Default)]
+pub(super) struct Library {
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    by_name: HashMap<String, MaterialId>,
+    texture_by_path: HashMap<String, TextureId>,
+}
+
+impl Library {
+    /// The material of that name, or a new grey one under it, with a warning.
+    pub fn find_or_default(
+        &mut self,
+        name: &str,
+        file: &str,
+        warnings: &mut Warnings,
+    ) -> MaterialId {
+        if let Some(&known) = self.by_name.get(name) {
+            return known;
+        }
+        let message = "material that no library defines: grey, reflectance 0.5";
+        warnings.add_whole(file, format!("{message}, for \"{}\"", shortened(name)));
+        self.insert(Material::diffuse(name, DEFAULT_REFLECTANCE))
+    }
+
+    /// The grey material of faces that name none.
+    pub fn default_material(&mut self) -> MaterialId {
+        self.materials
+            .push(Material::diffuse("default", DEFAULT_REFLECTANCE));
+        (self.materials.len() - 1) as MaterialId
+    }
+
+    fn insert(&mut self, material: Material) -> MaterialId {
+        let id = self.materials.len() as MaterialId;
+        self.by_name.insert(material.name.clone(), id);
+        self.materials.push(material);
+        id
+    }
+
+    /// Adds the materials of a file.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn add(
+        &mut self,
+        bytes: &[u8],
+        file: &str,
+        files: &dyn Files,
+        warnings: &mut Warnings,
+    ) -> Result<(), ReadError> {
+        let mut parser = Parser {
+            cursor: Cursor::new(bytes, file)?,
+            file,
+            files,
+            warnings,
+            library: self,
+        };
+        let mut current: Option<Definition> = None;
+        while let Some(keyword) = parser.cursor.keyword() {
+            if keyword == b"newmtl" {
+                let next = Definition::new(parser.cursor.name());
+                if let Some(done) = current.replace(next) {
+                    parser.define(done);
+                }
+            } else if let Some(definition) = &mut current {
+                parser.statement(keyword, definition)?;
+            } else {
+                parser.warn("statement before the first newmtl: skipped");
+            }
+            parser.cursor.finish_statement();
+        }
+        if let Some(done) = current {
+            parser.define(done);
+        }
+        Ok(())
+    }
+}
+
+/// What a `newmtl` block says; `None` for what it does not say.
+#[derive(Debug, Default)]
+struct Definition {
+    name: String,
+    kd: Option<Rgb>,
+    ks: Option<Rgb>,
+    ke: Option<Rgb>,
+    tf: Option<Rgb>,
+    ns: Option<f64>,
+    ni: Option<f64>,
+    opacity: Option<f64>,
+    illum: Option<f64>,
+    map_kd: Option<TextureId>,
+}
+
+impl Definition {
+    fn new(name: String) -> Definition {
+        Definition {
+            name,
+            ..Definition::default()
+        }
+    }
+}
+
+struct Parser<'a> {
+    cursor: Cursor<'a>,
+    file: &'a str,
+    files: &'a dyn Files,
+    warnings: &'a mut Warnings,
+    library: &'a mut Library,
+}
+
+impl Parser<'_> {
+    #[cold]
+    fn warn(&mut self, message: impl Into<String>) {
+        let (line, column) = self.cursor.position();
+        self.warnings.add(self.file, line, column, message);
+    }
+
+    fn statement(&mut self, keyword: &[u8], m: &mut Definition) -> Result<(), ReadError> {
+        match keyword {
+            b"Kd" => m.kd = self.color()?.or(m.kd),
+            b"Ks" => m.ks = self.color()?.or(m.ks),
+            b"Ke" => m.ke = self.color()?.or(m.ke),
+            b"Tf" => m.tf = self.color()?.or(m.tf),
+            b"Ns" => m.ns = Some(self.number()?),
+            b"Ni" => m.ni = Some(self.number()?),
+            b"illum" => m.illum = Some(self.number()?),
+            b"d" => m.opacity = Some(self.opacity()?),
+            b"Tr" => m.opacity = Some(1.0 - self.number()?),
+            b"map_Kd" => m.map_kd = self.texture().or(m.map_kd),
+            // The ambient term stands for the light that azulejo computes; sharpness for
+            // pictures of surroundings that it does not use.
+            b"Ka" | b"map_Ka" | b"sharpness" => {}
+            _ => {
+                let word = shortened(&text(keyword));
+                self.warn(format!("\"{word}\" is not used: skipped"));
+            }
+        }
+        Ok(())
+    }
+
+    /// A finite number that must be there.
+    fn number(&mut self) -> Result<f64, ReadError> {
+        self.cursor.skip_blanks();
+        let start = self.cursor.offset();
+        match self.cursor.number()? {
+            Some(n) if n.value.is_finite() => Ok(n.value),
+            _ => Err(self.cursor.error_at(start, "a finite number")),
+        }
+    }
+
+    /// `d value` or `d -halo value`.
+    fn opacity(&mut self) -> Result<f64, ReadError> {
+        let mut ahead = self.cursor.clone();
+        if ahead.word() == Some(b"-halo") {
+            self.cursor = ahead;
+            self.warn("\"-halo\" is not used: skipped");
+        }
+        self.number()
+    }
+
+    /// One number for grey or three, or `xyz` or `spectral`, which give nothing but a warning.
+    fn color(&mut self) -> Result<Option<Rgb>, ReadError> {
+        let mut ahead = self.cursor.clone();
+        if let Some(b"xyz" | b"spectral") = ahead.word() {
+            self.warn("colour as CIE xyz or spectrum: skipped");
+            return Ok(None);
+        }
+        let r = self.number()?;
+        if self.cursor.at_end() {
+            return Ok(Some(Rgb::grey(r)));
+        }
+        Ok(Some(Rgb::new(r, self.number()?, self.number()?)))
+    }
+
+    /// The picture that `map_Kd` names, behind its options.
+    fn texture(&mut self) -> Option<TextureId> {
+        self.skip_options();
+        let name = self.cursor.name();
+        if name.is_empty() {
+            self.warn("map_Kd without a file: skipped");
+            return None;
+        }
+        let beside = beside(self.file, &name);
+        for path in [&beside, &name] {
+            if let Some(&known) = self.library.texture_by_path.get(path) {
+                return Some(known);
+            }
+        }
+        let (path, image) = self.image(beside, name);
+        let id = self.library.textures.len() as TextureId;
+        self.library.texture_by_path.insert(path.clone(), id);
+        self.library.textures.push(Texture { path, image });
+        Some(id)
+    }
+
+    /// Loads a picture that stands beside the library or beside the model.
+    fn image(&mut self, beside: String, name: String) -> (String, Option<azulejo_scene::Image>) {
+        let (path, read) = match self.files.read(&beside) {
+            Err(FileError::Missing) if beside != name => {
+                let read = self.files.read(&name);
+                (name, read)
+            }
+            read => (beside, read),
+        };
+        let decoded = match read {
+            Ok(bytes) => crate::png::read(&bytes).map_err(|e| e.to_string()),
+            Err(e) => Err(e.to_string()),
+        };
+        let image = match decoded {
+            Ok(image) => Some(image),
+            Err(e) => {
+                self.warn(format!(
+                    "picture \"{}\" is not shown: {e}",
+                    shortened(&path)
+                ));
+                None
+            }
+        };
+        (path, image)
+    }
+
+    /// Options stand before the file: `-s 1 1 1`, `-clamp on`...
+    fn skip_options(&mut self) {
+        loop {
+            let mut ahead = self.cursor.clone();
+            let Some(option) = ahead.word() else { return };
+            let (least, most) = match option {
+                b"-s" | b"-o" | b"-t" => (1, 3),
+                b"-mm" => (2, 2),
+                b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-texres" | b"-bm" | b"-boost"
+                | b"-imfchan" | b"-type" | b"-colorspace" => (1, 1),
+                _ => return,
+            };
+            for i in 0..most {
+                let mut next = ahead.clone();
+                if i >= least && !next.number().is_ok_and(|n| n.is_some()) {
+                    break;
+                }
+                ahead.word();
+            }
+            let option = text(option).into_owned();
+            self.cursor = ahead;
+            self.warn(format!(
+                "option \"{option}\" of a picture is not used: skipped"
+            ));
+        }
+    }
+
+    /// Turns a finished block into a material.
+    fn define(&mut self, m: Definition) {
+        let mut material = Material {
+            emission: self.at_least_black(m.ke.unwrap_or_default(), &m),
+            ..Material::default()
+        };
+        match self.surface(&m) {
+            Surface::Matt => self.matt(&m, &mut material),
+            Surface::Mirror => self.mirror(&m, &mut material),
+            Surface::Glass(ior) => self.glass(&m, ior, &mut material),
+        }
+        material.textures.extend(m.map_kd);
+        material.name = m.name;
+        if let Some(&earlier) = self.library.by_name.get(&material.name) {
+            self.warn_about(
+                &material.name,
+                "is defined again: the later definition holds",
+            );
+            self.library.materials[earlier as usize] = material;
+        } else {
+            self.library.insert(material);
+        }
+    }
+
+    /// A warning about a block that has ended.
+    fn warn_about(&mut self, name: &str, what: &str) {
+        let message = format!("material \"{}\" {what}", shortened(name));
+        self.warnings.add_whole(self.file, message);
+    }
+
+    /// What `illum` makes of a surface.
+    fn surface(&mut self, m: &Definition) -> Surface {
+        let model = m.illum.unwrap_or(2.0);
+        let ior = m.ni.filter(|ni| *ni > 1.0);
+        match model as i64 {
+            0..=2 => Surface::Matt,
+            3 | 5 => Surface::Mirror,
+            4 if ior.is_none() => {
+                self.warnings.add_whole(
+                    self.file,
+                    "material with illum 4 and Ni of 1 or none, as Maya writes for every surface: opaque",
+                );
+                Surface::Matt
+            }
+            4 | 6 | 7 => {
+                if ior.is_none() {
+                    self.warn_about(&m.name, "is glass without an Ni above 1: taken as 1.5");
+                }
+                Surface::Glass(ior.unwrap_or(DEFAULT_IOR))
+            }
+            _ => {
+                self.warn_about(&m.name, "has an unknown illum: taken as matt");
+                Surface::Matt
+            }
+        }
+    }
+
+    fn matt(&mut self, m: &Definition, material: &mut Material) {
+        material.diffuse = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
+        if m.opacity.is_some_and(|d| d < 1.0) {
+            let message = "see-through material (d or Tr) with illum 0 to 2: opaque";
+            self.warnings.add_whole(self.file, message);
+        }
+        let ks = m.ks.unwrap_or_default();
+        if !ks.is_black() && m.illum.unwrap_or(2.0) >= 2.0 {
+            let message = "glossy material (Ks, Ns): kept as brdf phong, its Kd alone reflects";
+            self.warnings.add_whole(self.file, message);
+            material.brdf = Some(phong(m.ns.unwrap_or(1.0), ks, material.diffuse));
+        }
+    }
+
+    fn mirror(&mut self, m: &Definition, material: &mut Material) {
+        let diffuse = self.reflectance(m.kd.unwrap_or_default(), m);
+        let mirror = self.reflectance(m.ks.unwrap_or_default(), m);
+        let most = (diffuse + mirror).max_channel();
+        let scale = if most > 1.0 { 1.0 / most } else { 1.0 };
+        if scale < 1.0 {
+            self.warn_about(
+                &m.name,
+                "reflects more than it gets (Kd + Ks > 1): both scaled down",
+            );
+        }
+        (material.diffuse, material.mirror) = (diffuse * scale, mirror * scale);
+    }
+
+    fn glass(&mut self, m: &Definition, ior: f64, material: &mut Material) {
+        if m.kd.is_some_and(|kd| !kd.is_black()) {
+            let message = "Kd of a glass material: not used, Fresnel's equations divide the light";
+            self.warnings.add_whole(self.file, message);
+        }
+        material.mirror = Rgb::WHITE;
+        material.dielectric = Some(Dielectric {
+            ior,
+            transmittance: self.reflectance(m.tf.unwrap_or(Rgb::WHITE), m),
+        });
+    }
+
+    /// A share of light, clamped to 0..=1.
+    fn reflectance(&mut self, given: Rgb, m: &Definition) -> Rgb {
+        let clamped = given.map(|c| c.clamp(0.0, 1.0));
+        if clamped != given {
+            self.warn_about(
+                &m.name,
+                "has a reflectance or transmittance outside 0..1: clamped",
+            );
+        }
+        clamped
+    }
+
+    fn at_least_black(&mut self, given: Rgb, m: &Definition) -> Rgb {
+        let clamped = given.map(|c| c.max(0.0));
+        if clamped != given {
+            self.warn_about(&m.name, "emits less than nothing: clamped to 0");
+        }
+        clamped
+    }
+}
+
+/// The three surfaces that `illum` chooses from.
+enum Surface {
+    Matt,
+    Mirror,
+    /// With its index of refraction, above 1.
+    Glass(f64),
+}
+
+/// What a matt surface reflects that does not say: nothing if it is a lamp, all of its picture,
+/// otherwise the default grey.
+fn missing_kd(m: &Definition) -> Rgb {
+    if m.map_kd.is_some() {
+        Rgb::WHITE
+    } else if m.ke.is_some_and(|ke| !ke.is_black()) {
+        Rgb::BLACK
+    } else {
+        DEFAULT_REFLECTANCE
+    }
+}
+
+/// Ks and Ns as GRF writes them.
+fn phong(n: f64, ks: Rgb, kd: Rgb) -> Brdf {
+    Brdf::Model {
+        name: "phong".into(),
+        parameters: vec![
+            ("n".into(), vec![n]),
+            ("ks".into(), ks.to_array().to_vec()),
+            ("kd".into(), kd.to_array().to_vec()),
+        ],
+    }
+}
+
+/// A file's name seen from the model, when a library that may stand in another folder names it.
+fn beside(library: &str, name: &str) -> String {
+    match library.rfind(['/', '\\']) {
+        Some(end) => format!("{}{name}", &library[..=end]),
+        None => name.to_owned(),
+    }
+}

@@ -1,0 +1,541 @@
+//! From statements to flat lists, in one pass over the bytes.
+
+use super::assemble::assemble;
+use super::cursor::{Cursor, shortened, text};
+use super::mtl::Library;
+use super::warnings::Warnings;
+use crate::{Files, Loaded, ReadError};
+use azulejo_scene::{Faces, Rgb};
+use glam::{DVec2, DVec3};
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+
+/// "No such index": a corner without texture coordinate or normal, a face without material.
+///
+/// No real index reaches it, because [`LARGEST`] bounds the file.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Largest file in bytes. Every vertex, corner and face takes at least two bytes, so that
+/// indices fit 32 bits with room to spare.
+const LARGEST: usize = 4 << 30;
+
+/// What an OBJ file says, in its own order and with its own numbering, from zero.
+#[derive(Debug, Default)]
+pub(super) struct Raw {
+    pub positions: Vec<DVec3>,
+    /// Empty until a vertex has a colour; then as long as `positions`, or shorter when the last
+    /// vertices have none.
+    pub colors: Vec<Rgb>,
+    pub uvs: Vec<DVec2>,
+    /// Unit length, or zero for one that cannot be used.
+    pub normals: Vec<DVec3>,
+    pub faces: Faces,
+    /// Texture coordinate of each corner or [`NONE`]; empty when no corner has one.
+    pub corner_uvs: Vec<u32>,
+    /// Normal of each corner or [`NONE`]; empty when no corner has one.
+    pub corner_normals: Vec<u32>,
+    /// Index into `material_names`, or [`NONE`].
+    pub face_materials: Vec<u32>,
+    /// Smoothing group of each face; empty as long as all are 0.
+    pub smoothing: Vec<u32>,
+    pub material_names: Vec<String>,
+    /// Where each `o` begins.
+    pub objects: Vec<Part>,
+    /// Where each `g` begins.
+    pub groups: Vec<Part>,
+}
+
+/// The faces from `first_face` to that of the next part.
+#[derive(Debug)]
+pub(super) struct Part {
+    pub name: String,
+    pub first_face: usize,
+}
+
+/// Reads a Wavefront OBJ file. `name` stands in messages; `files` gives the material libraries
+/// and pictures, by their names relative to the model.
+///
+/// One object comes out for each run of faces under one `o`, or under one `g` when the file has
+/// no `o`. It holds the positions that its faces use, in the order of the file. Missing material
+/// libraries and pictures are warnings, and so is all that is skipped.
+///
+/// # Errors
+/// A number, index or material that is malformed or out of range; bytes that are no text; a file
+/// of 4 GiB or more.
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+    if bytes.len() >= LARGEST {
+        let found = format!("{} bytes", bytes.len());
+        return Err(ReadError::whole(
+            name,
+            found,
+            format!("fewer than {LARGEST}"),
+        ));
+    }
+    let bytes = without_utf16(bytes);
+    let mut reader = Reader::new(&bytes, name, files)?;
+    while let Some(keyword) = reader.cursor.keyword() {
+        reader.statement(keyword)?;
+        reader.cursor.finish_statement();
+    }
+    reader.check_references()?;
+    let Reader {
+        raw,
+        library,
+        mut warnings,
+        ..
+    } = reader;
+    let scene = assemble(raw, library, name, &mut warnings);
+    Ok(Loaded {
+        scene,
+        warnings: warnings.finish(name),
+    })
+}
+
+/// UTF-16 with its mark at the start becomes UTF-8; anything else stays as it is.
+fn without_utf16(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let decode = |unit: fn([u8; 2]) -> u16| {
+        let (pairs, _) = bytes[2..].as_chunks::<2>();
+        let units = pairs.iter().map(|&pair| unit(pair));
+        let decoded = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+        decoded.collect::<String>().into_bytes().into()
+    };
+    match bytes {
+        [0xfe, 0xff, ..] => decode(u16::from_be_bytes),
+        [0xff, 0xfe, ..] => decode(u16::from_le_bytes),
+        _ => bytes.into(),
+    }
+}
+
+/// The three lists that corners point into.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Position,
+    Uv,
+    Normal,
+}
+
+struct Reader<'a> {
+    cursor: Cursor<'a>,
+    file: &'a str,
+    files: &'a dyn Files,
+    raw: Raw,
+    /// The largest vertex index that was ahead of its vertex, and the byte where it stands.
+    ahead: (i64, usize),
+    material: u32,
+    smoothing: u32,
+    material_index: HashMap<String, u32>,
+    library: Library,
+    libraries_read: HashSet<String>,
+    warnings: Warnings,
+}
+
+impl<'a> Reader<'a> {
+    fn new(bytes: &'a [u8], file: &'a str, files: &'a dyn Files) -> Result<Self, ReadError> {
+        Ok(Reader {
+            cursor: Cursor::new(bytes, file)?,
+            file,
+            files,
+            raw: Raw::default(),
+            ahead: (0, 0),
+            material: NONE,
+            smoothing: 0,
+            material_index: HashMap::new(),
+            library: Library::default(),
+            libraries_read: HashSet::new(),
+            warnings: Warnings::default(),
+        })
+    }
+
+    fn statement(&mut self, keyword: &[u8]) -> Result<(), ReadError> {
+        match keyword {
+            b"v" => self.vertex()?,
+            b"vt" => self.uv()?,
+            b"vn" => self.normal()?,
+            b"f" | b"fo" => self.face()?,
+            b"o" => begin_part(
+                &mut self.raw.objects,
+                self.cursor.name(),
+                self.raw.faces.len(),
+            ),
+            b"g" => begin_part(
+                &mut self.raw.groups,
+                self.cursor.name(),
+                self.raw.faces.len(),
+            ),
+            b"s" => self.smoothing_group(),
+            b"usemtl" => self.use_material(),
+            b"mtllib" => self.material_library()?,
+            b"p" | b"l" => self.warn("points and lines have no surface: skipped"),
+            _ => self.skipped(keyword),
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn warn(&mut self, message: impl Into<String>) {
+        let (line, column) = self.cursor.position();
+        self.warnings.add(self.file, line, column, message);
+    }
+
+    #[cold]
+    fn skipped(&mut self, keyword: &[u8]) {
+        const FREE_FORM: [&[u8]; 18] = [
+            b"vp", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2", b"surf", b"parm",
+            b"trim", b"hole", b"scrv", b"sp", b"end", b"con", b"bzp", b"bsp", b"res",
+        ];
+        const DISPLAY: [&[u8]; 12] = [
+            b"bevel",
+            b"c_interp",
+            b"d_interp",
+            b"lod",
+            b"shadow_obj",
+            b"trace_obj",
+            b"ctech",
+            b"stech",
+            b"mg",
+            b"maplib",
+            b"usemap",
+            b"t",
+        ];
+        let word = shortened(&text(keyword));
+        if FREE_FORM.contains(&keyword) {
+            self.warn("free-form curves and surfaces: skipped");
+        } else if DISPLAY.contains(&keyword) {
+            self.warn(format!("\"{word}\" does not change the geometry: skipped"));
+        } else {
+            self.warn(format!("unknown statement \"{word}\": skipped"));
+        }
+    }
+
+    /// The next number, if there is one; NaN and infinities included.
+    #[inline]
+    fn number(&mut self) -> Result<Option<f64>, ReadError> {
+        let Some(number) = self.cursor.number()? else {
+            return Ok(None);
+        };
+        if number.misplaced_sign {
+            self.warn("numbers like 3.1+e2, the exponent's sign before its letter: read as 3.1e+2");
+        }
+        Ok(Some(number.value))
+    }
+
+    /// `N` numbers that must be there.
+    #[inline]
+    fn numbers<const N: usize>(&mut self, expected: &str) -> Result<[f64; N], ReadError> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            *value = match self.number()? {
+                Some(v) => v,
+                None => return Err(self.cursor.error_at(self.cursor.offset(), expected)),
+            };
+        }
+        Ok(values)
+    }
+
+    /// `v x y z`, then nothing, a weight, a colour, or both.
+    fn vertex(&mut self) -> Result<(), ReadError> {
+        self.cursor.skip_blanks();
+        let start = self.cursor.offset();
+        let position = DVec3::from(self.numbers::<3>("x, y and z of a vertex")?);
+        if !position.is_finite() {
+            let found = format!("a vertex at {position}");
+            return Err(self.cursor.error_saying(start, found, "finite coordinates"));
+        }
+        self.raw.positions.push(position);
+        if self.cursor.at_end() {
+            return Ok(());
+        }
+        self.vertex_extras()
+    }
+
+    fn vertex_extras(&mut self) -> Result<(), ReadError> {
+        let start = self.cursor.offset();
+        let (mut extras, mut count) = ([0.0; 4], 0);
+        while let Some(value) = self.number()? {
+            if let Some(slot) = extras.get_mut(count) {
+                *slot = value;
+            }
+            count += 1;
+        }
+        if extras.iter().any(|e| !e.is_finite()) {
+            let found = "a number that is not finite";
+            return Err(self.cursor.error_saying(start, found, "a weight or colour"));
+        }
+        let (weight, color) = match (count, extras) {
+            (1, [w, ..]) => (w, None),
+            (3, [r, g, b, _]) => (1.0, Some([r, g, b])),
+            (4, [w, r, g, b]) => (w, Some([r, g, b])),
+            _ => {
+                self.warn("numbers behind x, y and z that are neither weight nor colour: skipped");
+                return Ok(());
+            }
+        };
+        if weight != 1.0 {
+            self.warn(
+                "a vertex with a weight w: not divided by it, only free-form surfaces use it",
+            );
+        }
+        if let Some(color) = color {
+            self.color(color);
+        }
+        Ok(())
+    }
+
+    fn color(&mut self, color: [f64; 3]) {
+        let clamped = color.map(|c| c.clamp(0.0, 1.0));
+        if clamped != color {
+            self.warn("vertex colour outside 0..1: clamped");
+        }
+        let before = self.raw.positions.len() - 1;
+        self.raw.colors.resize(before, Rgb::WHITE);
+        self.raw.colors.push(clamped.into());
+    }
+
+    /// `vt u [v [w]]`.
+    fn uv(&mut self) -> Result<(), ReadError> {
+        let [u] = self.numbers::<1>("u of a texture coordinate")?;
+        let v = self.number()?.unwrap_or(0.0);
+        let mut uv = DVec2::new(u, v);
+        if !uv.is_finite() {
+            self.warn("texture coordinate that is not finite: taken as (0, 0)");
+            uv = DVec2::ZERO;
+        }
+        self.raw.uvs.push(uv);
+        Ok(())
+    }
+
+    fn normal(&mut self) -> Result<(), ReadError> {
+        let given = DVec3::from(self.numbers::<3>("x, y and z of a normal")?);
+        let unit = unit_or_zero(given);
+        if unit == DVec3::ZERO {
+            self.warn("normal that is zero or not finite: dropped");
+        }
+        self.raw.normals.push(unit);
+        Ok(())
+    }
+
+    fn face(&mut self) -> Result<(), ReadError> {
+        let first = self.raw.faces.corners.len();
+        while !self.cursor.at_end() {
+            self.corner()?;
+        }
+        if self.raw.faces.corners.len() - first < 3 {
+            self.raw.faces.corners.truncate(first);
+            self.raw.corner_uvs.truncate(first);
+            self.raw.corner_normals.truncate(first);
+            self.warn("face of fewer than three corners: skipped");
+            return Ok(());
+        }
+        let end = self.raw.faces.corners.len() as u32;
+        self.raw.faces.starts.push(end);
+        self.raw.face_materials.push(self.material);
+        if self.smoothing != 0 || !self.raw.smoothing.is_empty() {
+            self.raw
+                .smoothing
+                .resize(self.raw.face_materials.len() - 1, 0);
+            self.raw.smoothing.push(self.smoothing);
+        }
+        Ok(())
+    }
+
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; what is missing behind a slash is absent.
+    #[inline]
+    fn corner(&mut self) -> Result<(), ReadError> {
+        let start = self.cursor.offset();
+        let corner = self.raw.faces.corners.len();
+        let position = self.index(Kind::Position, start)?;
+        let (mut uv, mut normal) = (NONE, NONE);
+        if self.cursor.slash() {
+            uv = self.optional_index(Kind::Uv, start)?;
+            if self.cursor.slash() {
+                normal = self.optional_index(Kind::Normal, start)?;
+            }
+        }
+        if !self.cursor.word_ends() {
+            return Err(self.cursor.error_at(start, CORNER));
+        }
+        self.raw.faces.corners.push(position);
+        put(&mut self.raw.corner_uvs, corner, uv);
+        put(&mut self.raw.corner_normals, corner, normal);
+        Ok(())
+    }
+
+    #[inline]
+    fn optional_index(&mut self, kind: Kind, start: usize) -> Result<u32, ReadError> {
+        if self.cursor.word_ends() || self.cursor.at_slash() {
+            return Ok(NONE);
+        }
+        self.index(kind, start)
+    }
+
+    /// An index from zero, of one from 1 or, backwards from the latest, from −1.
+    ///
+    /// A texture coordinate or normal that cannot be is [`NONE`]: the shape stands without it.
+    #[inline]
+    fn index(&mut self, kind: Kind, start: usize) -> Result<u32, ReadError> {
+        let Some(given) = self.cursor.integer() else {
+            return Err(self.cursor.error_at(start, CORNER));
+        };
+        let count = self.count(kind) as i64;
+        if given > count && matches!(kind, Kind::Position) && given > self.ahead.0 {
+            self.ahead = (given, start);
+        }
+        if given > 0 {
+            Ok((given - 1).min(i64::from(NONE - 1)) as u32)
+        } else if given < 0 && given >= -count {
+            Ok((count + given) as u32)
+        } else if matches!(kind, Kind::Position) {
+            Err(self.out_of_range(given, start))
+        } else {
+            self.warn(NO_SUCH_ATTRIBUTE);
+            Ok(NONE)
+        }
+    }
+
+    fn count(&self, kind: Kind) -> usize {
+        match kind {
+            Kind::Position => self.raw.positions.len(),
+            Kind::Uv => self.raw.uvs.len(),
+            Kind::Normal => self.raw.normals.len(),
+        }
+    }
+
+    #[cold]
+    fn out_of_range(&self, given: i64, start: usize) -> ReadError {
+        let expected = match (given, self.raw.positions.len()) {
+            (0, _) => "1 for the first or -1 for the latest".to_owned(),
+            (_, 0) => "vertices to be there first".to_owned(),
+            (1.., count) => format!("1 to {count}, the number of vertices in the file"),
+            (_, count) => format!("-{count} to -1, the number of vertices so far"),
+        };
+        self.cursor
+            .error_saying(start, format!("vertex {given}"), expected)
+    }
+
+    /// Faces may stand before their vertices; only the whole file tells whether they come.
+    fn check_references(&mut self) -> Result<(), ReadError> {
+        let (given, start) = self.ahead;
+        if given > self.raw.positions.len() as i64 {
+            return Err(self.out_of_range(given, start));
+        }
+        let (uvs, normals) = (self.raw.uvs.len(), self.raw.normals.len());
+        let dropped = drop_beyond(&mut self.raw.corner_uvs, uvs)
+            + drop_beyond(&mut self.raw.corner_normals, normals);
+        for _ in 0..dropped {
+            self.warnings.add_whole(self.file, NO_SUCH_ATTRIBUTE);
+        }
+        Ok(())
+    }
+
+    fn smoothing_group(&mut self) {
+        let word = self.cursor.word().unwrap_or(b"off");
+        let number = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok());
+        self.smoothing = match number {
+            Some(group) => group,
+            None => {
+                if word != b"off" && word != b"on" {
+                    self.warn("smoothing group that is no number: taken as off");
+                }
+                u32::from(word == b"on")
+            }
+        };
+    }
+
+    fn use_material(&mut self) {
+        let name = self.cursor.name();
+        if name.is_empty() {
+            self.material = NONE;
+            return;
+        }
+        self.material = match self.material_index.get(&name) {
+            Some(&known) => known,
+            None => {
+                let new = self.raw.material_names.len() as u32;
+                self.raw.material_names.push(name.clone());
+                self.material_index.insert(name, new);
+                new
+            }
+        };
+    }
+
+    /// `mtllib` with one name that may hold blanks, or with several.
+    fn material_library(&mut self) -> Result<(), ReadError> {
+        let (line, column) = self.cursor.position();
+        let names = self.cursor.name();
+        for name in library_names(&names, self.files) {
+            if !self.libraries_read.insert(name.clone()) {
+                continue;
+            }
+            match self.files.read(&name) {
+                Ok(bytes) => self
+                    .library
+                    .add(&bytes, &name, self.files, &mut self.warnings)
+                    .map_err(|mut e| {
+                        e.included_from.insert(0, (self.file.to_owned(), line));
+                        e
+                    })?,
+                Err(e) => {
+                    let message = format!("material library \"{name}\": {e}");
+                    self.warnings.add(self.file, line, column, message);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+const CORNER: &str = "a corner like 1, 1/2, 1//3 or 1/2/3";
+
+const NO_SUCH_ATTRIBUTE: &str = "corner whose texture coordinate or normal does not exist: without";
+
+/// Forgets the indices that `count` does not reach and says how many there were.
+fn drop_beyond(indices: &mut [u32], count: usize) -> usize {
+    let beyond = |i: &&mut u32| **i != NONE && **i as usize >= count;
+    indices.iter_mut().filter(beyond).map(|i| *i = NONE).count()
+}
+
+/// Sets the attribute of a corner, in a list that stays empty until one corner has it.
+#[inline]
+fn put(list: &mut Vec<u32>, corner: usize, value: u32) {
+    if value != NONE {
+        list.resize(corner, NONE);
+        list.push(value);
+    } else if !list.is_empty() {
+        list.push(NONE);
+    }
+}
+
+/// Begins a part, unless the current one has the same name.
+fn begin_part(parts: &mut Vec<Part>, name: String, first_face: usize) {
+    if parts.last().is_none_or(|last| last.name != name) {
+        parts.push(Part { name, first_face });
+    }
+}
+
+/// Length 1, or zero when that is impossible.
+fn unit_or_zero(n: DVec3) -> DVec3 {
+    let largest = n.abs().max_element();
+    if n.is_finite() && largest > 0.0 {
+        // Dividing first keeps the square of the length from overflow and underflow.
+        (n / largest).normalize_or_zero()
+    } else {
+        DVec3::ZERO
+    }
+}
+
+/// The files that one `mtllib` names: its whole text if there is such a file, otherwise the
+/// pieces that end in `.mtl`, otherwise its words.
+fn library_names(text: &str, files: &dyn Files) -> Vec<String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    if words.len() <= 1 || files.read(text).is_ok() {
+        return vec![text.to_owned()];
+    }
+    let ends = |w: &&str| w.to_ascii_lowercase().ends_with(".mtl");
+    if !words.iter().any(|w| ends(&w)) {
+        return words.into_iter().map(str::to_owned).collect();
+    }
+    words
+        .split_inclusive(|w| ends(&w))
+        .map(|piece| piece.join(" "))
+        .collect()
+}

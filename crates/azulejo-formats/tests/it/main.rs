@@ -1,0 +1,3 @@
+//! Readers and writers on whole files.
+
+mod obj;
