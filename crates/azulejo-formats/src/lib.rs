@@ -10,7 +10,9 @@
 //! work alike.
 
 mod error;
+pub mod exr;
 mod files;
+pub mod hdr;
 pub mod obj;
 mod picture;
 pub mod png;

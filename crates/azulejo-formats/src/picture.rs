@@ -64,3 +64,55 @@ pub(crate) fn assert_whole(image: &Image) {
         "a picture whose size is not that of its pixels"
     );
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A picture with runs, ramps, large and small values.
+    pub(crate) fn gradient(width: u32, height: u32) -> Image {
+        let pixel = |i: u32| {
+            let (x, y) = ((i % width) as f32, (i / width) as f32);
+            [
+                x * 0.25,
+                if x > 9.0 { 3.0 } else { y * 1e4 },
+                (x * y).exp2().min(1e9) * 1e-6,
+            ]
+        };
+        Image {
+            width,
+            height,
+            pixels: (0..width * height).map(pixel).collect(),
+        }
+    }
+
+    /// Cuts a file at every byte, and changes every byte: `read` must return, and must refuse
+    /// what is cut before its last tenth.
+    pub(crate) fn damage(file: &[u8], read: impl Fn(&[u8]) -> bool) {
+        assert!(read(file));
+        for end in 0..file.len() {
+            let accepted = read(&file[..end]);
+            assert!(
+                !accepted || end * 10 > file.len() * 9,
+                "accepted {end} of {} bytes",
+                file.len()
+            );
+        }
+        let mut changed = file.to_vec();
+        for at in 0..file.len() {
+            for value in [0, 0xff, file[at] ^ 0x80, file[at].wrapping_add(1)] {
+                changed[at] = value;
+                read(&changed);
+            }
+            changed[at] = file[at];
+        }
+    }
+
+    #[test]
+    fn sizes_are_justified() {
+        assert_eq!(check_size(100, 100, 100), Ok(()));
+        assert!(check_size(1000, 1000, 100).is_err());
+        assert!(check_size(1 << 20, 1 << 20, usize::MAX).is_err());
+        assert!(check_size(u64::MAX, 2, usize::MAX).is_err());
+    }
+}

@@ -90,3 +90,97 @@ pub fn write(width: u32, height: u32, rgb: &[u8], out: &mut dyn Write) -> io::Re
     writer.write_image_data(rgb)?;
     Ok(writer.finish()?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::tests::damage;
+
+    fn encoded(color: ColorType, depth: BitDepth, palette: &[u8], data: &[u8]) -> Vec<u8> {
+        let mut file = Vec::new();
+        let mut encoder = Encoder::new(&mut file, 2, 1);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        if !palette.is_empty() {
+            encoder.set_palette(palette.to_vec());
+        }
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(data).unwrap();
+        writer.finish().unwrap();
+        file
+    }
+
+    fn check(file: &[u8], expected: [[f32; 3]; 2]) {
+        let image = read(file).unwrap();
+        assert_eq!((image.width, image.height), (2, 1));
+        for (found, expected) in image.pixels.iter().zip(expected) {
+            let near = (0..3).all(|k| (found[k] - expected[k]).abs() < 1e-6);
+            assert!(near, "{found:?} {expected:?}");
+        }
+    }
+
+    #[test]
+    fn every_kind_of_pixel_becomes_linear_rgb() {
+        // 188 of 255 is half the light: ((188/255 + 0.055) / 1.055)^2.4.
+        let half = 0.502_886_5;
+        let (black, white) = ([0.0; 3], [1.0; 3]);
+        let eight = BitDepth::Eight;
+        check(
+            &encoded(ColorType::Grayscale, eight, &[], &[188, 255]),
+            [[half; 3], white],
+        );
+        check(
+            &encoded(ColorType::GrayscaleAlpha, eight, &[], &[188, 9, 255, 9]),
+            [[half; 3], white],
+        );
+        check(
+            &encoded(ColorType::Rgb, eight, &[], &[188, 0, 255, 0, 0, 0]),
+            [[half, 0.0, 1.0], black],
+        );
+        check(
+            &encoded(ColorType::Rgba, eight, &[], &[188, 0, 255, 0, 0, 0, 0, 9]),
+            [[half, 0.0, 1.0], black],
+        );
+        check(
+            &encoded(ColorType::Grayscale, BitDepth::One, &[], &[0b0100_0000]),
+            [black, white],
+        );
+        check(
+            &encoded(
+                ColorType::Indexed,
+                BitDepth::One,
+                &[188, 188, 188, 0, 255, 0],
+                &[0b0100_0000],
+            ),
+            [[half; 3], [0.0, 1.0, 0.0]],
+        );
+        check(
+            &encoded(
+                ColorType::Grayscale,
+                BitDepth::Sixteen,
+                &[],
+                &[188, 188, 0xff, 0xff],
+            ),
+            [[half; 3], white],
+        );
+    }
+
+    #[test]
+    fn written_pixels_come_back() {
+        let mut file = Vec::new();
+        write(2, 1, &[188, 0, 255, 0, 0, 0], &mut file).unwrap();
+        check(&file, [[0.502_886_5, 0.0, 1.0], [0.0; 3]]);
+        assert!(write(0, 0, &[], &mut Vec::new()).is_err());
+    }
+
+    #[test]
+    fn damaged_files_are_refused_or_read() {
+        let mut file = Vec::new();
+        let pixels: Vec<u8> = (0..16 * 16 * 3).map(|i| (i * 7) as u8).collect();
+        write(16, 16, &pixels, &mut file).unwrap();
+        damage(&file, |bytes| read(bytes).is_ok());
+        // A header that promises more than the bytes can hold.
+        file[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
+        assert!(read(&file).is_err());
+    }
+}
