@@ -1,0 +1,291 @@
+//! From a scene to a tracer: gathers triangles and shapes, places them, builds the tree.
+
+use crate::build::{Reference, binary_tree};
+use crate::bvh::{Bvh, KernelTriangle};
+use crate::primitive::ExactPrimitive;
+use crate::simd::Level;
+use crate::tracer::{Instance, MeshPositions, Other, Tracer, TriangleItem};
+use azulejo_scene::math::Aabb;
+use azulejo_scene::{Mesh, Scene, Shape};
+use glam::{DAffine3, DMat3, DVec3};
+
+/// World to kernel coordinates: `(p − centre) · scale`, which lie in −1..=1.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalFrame {
+    centre: DVec3,
+    /// A power of two, so that scaling rounds nothing.
+    scale: f64,
+}
+
+impl LocalFrame {
+    fn around(bounds: &Aabb) -> LocalFrame {
+        let half = 0.5 * bounds.size().max_element();
+        // A single point, or a size that no power of two brings to 1, is left as it is.
+        let scale = (-half.log2().ceil()).exp2();
+        LocalFrame {
+            centre: bounds.centre(),
+            scale: if scale.is_normal() { scale } else { 1.0 },
+        }
+    }
+
+    pub(crate) fn point(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) * self.scale
+    }
+
+    pub(crate) fn vector(&self, v: DVec3) -> DVec3 {
+        v * self.scale
+    }
+
+    /// Largest coordinate of a point relative to the centre, in world units.
+    pub(crate) fn distance(&self, p: DVec3) -> f64 {
+        (p - self.centre).abs().max_element()
+    }
+
+    fn world_from_local(&self) -> DAffine3 {
+        DAffine3 {
+            matrix3: DMat3::from_diagonal(DVec3::splat(1.0 / self.scale)),
+            translation: self.centre,
+        }
+    }
+
+    fn local_from_world(&self) -> DAffine3 {
+        DAffine3 {
+            matrix3: DMat3::from_diagonal(DVec3::splat(self.scale)),
+            translation: -self.centre * self.scale,
+        }
+    }
+}
+
+pub(crate) fn single(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
+pub(crate) fn double(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}
+
+/// Builds a tracer.
+///
+/// Items are numbered through the meshes' triangles, then the primitives' parts, then the
+/// instances' items, each in the order of the scene.
+pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>) -> Tracer {
+    let placed: Vec<(u32, Instance, DAffine3)> = (0..)
+        .zip(instances)
+        .filter_map(|(index, i)| {
+            let inverse = i.world_from_instance.inverse();
+            let usable = i.world_from_instance.is_finite() && inverse.is_finite();
+            usable.then_some((index, i, inverse))
+        })
+        .collect();
+    let mut bounds = scene
+        .objects
+        .iter()
+        .map(|o| finite_bounds(&o.shape))
+        .fold(Aabb::EMPTY, Aabb::union);
+    for (_, instance, _) in &placed {
+        bounds = bounds.union(instance_bounds(instance));
+    }
+    let mut parts = Parts::new(LocalFrame::around(&bounds));
+    for (object, o) in (0..).zip(&scene.objects) {
+        if let Shape::Mesh(mesh) = &o.shape {
+            parts.add_mesh(object, mesh);
+        }
+    }
+    for (object, o) in (0..).zip(&scene.objects) {
+        if let Shape::Primitive(primitive) = &o.shape {
+            parts.add_primitive(object, primitive);
+        }
+    }
+    for (index, instance, inverse) in placed {
+        parts.add_instance(index, instance, inverse);
+    }
+    parts.finish(bounds)
+}
+
+/// The box around the finite vertices of a mesh's faces, or around a primitive.
+fn finite_bounds(shape: &Shape) -> Aabb {
+    match shape {
+        Shape::Mesh(mesh) => {
+            let corners = mesh.faces.corners.iter();
+            let positions = corners.map(|&v| mesh.positions[v as usize]);
+            Aabb::around(positions.filter(|p| p.is_finite()))
+        }
+        Shape::Primitive(primitive) => {
+            let bounds = primitive.bounds();
+            let finite = bounds.min.is_finite() && bounds.max.is_finite();
+            if finite { bounds } else { Aabb::EMPTY }
+        }
+    }
+}
+
+/// The box around the corners of the placed tracer's box.
+fn instance_bounds(instance: &Instance) -> Aabb {
+    let inner = instance.tracer.bounds();
+    if inner.is_empty() {
+        return Aabb::EMPTY;
+    }
+    Aabb::around((0..8).map(|k| {
+        let pick = |bit: u32| f64::from((k >> bit) & 1);
+        let weights = DVec3::new(pick(0), pick(1), pick(2));
+        let corner = inner.min + weights * inner.size();
+        instance.world_from_instance.transform_point3(corner)
+    }))
+}
+
+/// What a tracer is made of, while it is gathered.
+struct Parts {
+    frame: LocalFrame,
+    meshes: Vec<MeshPositions>,
+    triangles: Vec<TriangleItem>,
+    kernel_triangles: Vec<KernelTriangle>,
+    others: Vec<Other>,
+    /// Boxes of `others` in kernel coordinates.
+    other_bounds: Vec<Aabb>,
+    items: u32,
+    /// The farthest that an instance reaches from its own centre, in world units.
+    reach: f64,
+}
+
+impl Parts {
+    fn new(frame: LocalFrame) -> Parts {
+        Parts {
+            frame,
+            meshes: Vec::new(),
+            triangles: Vec::new(),
+            kernel_triangles: Vec::new(),
+            others: Vec::new(),
+            other_bounds: Vec::new(),
+            items: 0,
+            reach: 0.0,
+        }
+    }
+
+    /// Takes the next `count` item numbers; returns the first.
+    fn number_items(&mut self, count: usize) -> u32 {
+        let first = self.items;
+        let after = u32::try_from(count).ok().and_then(|c| first.checked_add(c));
+        self.items = after.expect("a tracer numbers at most 2^32 - 1 items");
+        first
+    }
+
+    fn add_mesh(&mut self, object: u32, mesh: &Mesh) {
+        let local: Vec<[f32; 3]> = mesh
+            .positions
+            .iter()
+            .map(|&p| single(self.frame.point(p)))
+            .collect();
+        let first_item = self.number_items(mesh.faces.triangle_count());
+        let mut split = Vec::new();
+        for (face, corners) in mesh.faces.iter().enumerate() {
+            split.clear();
+            mesh.triangulate_into(face, &mut split);
+            for (triangle, places) in (0..).zip(&split) {
+                let vertices = places.map(|k| corners[k as usize]);
+                let item = self.triangles.len() as u32;
+                self.triangles.push(TriangleItem {
+                    vertices,
+                    face: face as u32,
+                    triangle,
+                });
+                let corners = vertices.map(|v| local[v as usize]);
+                if has_area(&corners) {
+                    self.kernel_triangles.push(KernelTriangle { corners, item });
+                }
+            }
+        }
+        self.meshes.push(MeshPositions {
+            object,
+            first_item,
+            positions: mesh.positions.clone(),
+        });
+    }
+
+    fn add_primitive(&mut self, object: u32, primitive: &azulejo_scene::Primitive) {
+        let first_item = self.number_items(primitive.kind.parts());
+        let Some(shape) = ExactPrimitive::new(primitive, &self.frame.world_from_local()) else {
+            return;
+        };
+        self.others.push(Other::Primitive {
+            object,
+            first_item,
+            shape: Box::new(shape),
+        });
+        self.push_other_bounds(&primitive.bounds());
+    }
+
+    fn add_instance(&mut self, index: u32, instance: Instance, instance_from_world: DAffine3) {
+        let Instance {
+            tracer,
+            world_from_instance,
+        } = instance.clone();
+        let first_item = self.number_items(tracer.item_count() as usize);
+        let world_from_local = self.frame.world_from_local();
+        let inner_from_instance = tracer.frame.local_from_world();
+        let m = world_from_instance.matrix3;
+        let stretch =
+            (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared())
+                .sqrt();
+        self.reach = self.reach.max(tracer.reach * stretch);
+        self.others.push(Other::Instance {
+            index,
+            first_item,
+            inner_from_local: inner_from_instance * (instance_from_world * world_from_local),
+            tracer,
+            world_from_instance,
+            instance_from_world,
+        });
+        self.push_other_bounds(&instance_bounds(&instance));
+    }
+
+    fn push_other_bounds(&mut self, world: &Aabb) {
+        self.other_bounds.push(Aabb {
+            min: self.frame.point(world.min),
+            max: self.frame.point(world.max),
+        });
+    }
+
+    fn references(&self) -> Vec<Reference> {
+        let triangles = (0..).zip(&self.kernel_triangles).map(|(id, t)| {
+            let [a, b, c] = t.corners;
+            let min = [0, 1, 2].map(|k| a[k].min(b[k]).min(c[k]));
+            let max = [0, 1, 2].map(|k| a[k].max(b[k]).max(c[k]));
+            Reference::new(min, max, id)
+        });
+        let first_other = self.kernel_triangles.len() as u32;
+        let others = (first_other..).zip(&self.other_bounds).map(|(id, b)| {
+            // Outward, so that rounding does not cut the shape off.
+            let (min, max) = (single(b.min), single(b.max));
+            Reference::new(min.map(f32::next_down), max.map(f32::next_up), id)
+        });
+        let usable = others.filter(Reference::is_finite);
+        let mut references = Vec::with_capacity(self.kernel_triangles.len() + self.others.len());
+        references.extend(triangles);
+        references.extend(usable);
+        references
+    }
+
+    fn finish(self, bounds: Aabb) -> Tracer {
+        let mut references = self.references();
+        let first_other = self.kernel_triangles.len() as u32;
+        let binary = binary_tree(&mut references, first_other);
+        let bvh = Bvh::collapse(&binary, &references, &self.kernel_triangles);
+        Tracer {
+            bvh,
+            level: Level::detect(),
+            frame: self.frame,
+            bounds,
+            reach: self.reach.max(0.5 * bounds.size().max_element()),
+            meshes: self.meshes,
+            triangles: self.triangles,
+            others: self.others,
+            items: self.items,
+        }
+    }
+}
+
+/// Whether the kernel can meet a triangle: finite, and its three corners not on one line.
+fn has_area(corners: &[[f32; 3]; 3]) -> bool {
+    let [a, b, c] = corners.map(double);
+    let area = (b - a).cross(c - a);
+    area != DVec3::ZERO && area.is_finite()
+}

@@ -1,0 +1,193 @@
+//! Exact primitives: where a line is inside of one.
+
+use azulejo_scene::{Primitive, PrimitiveKind};
+use glam::{DAffine3, DVec3};
+
+/// A primitive prepared for rays.
+#[derive(Clone, Debug)]
+pub(crate) struct ExactPrimitive {
+    pub shape: Primitive,
+    object_from_world: DAffine3,
+    object_from_local: DAffine3,
+}
+
+/// Where a ray meets a primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PrimitiveHit {
+    pub t: f64,
+    pub part: usize,
+    pub u: f64,
+    pub v: f64,
+}
+
+/// A line in the primitive's own coordinates, where it is a unit primitive.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    pub origin: DVec3,
+    pub direction: DVec3,
+}
+
+impl ExactPrimitive {
+    /// `None` for a map that cannot be inverted in double precision.
+    pub(crate) fn new(shape: &Primitive, world_from_local: &DAffine3) -> Option<ExactPrimitive> {
+        let object_from_world = object_from_world(shape)?;
+        Some(ExactPrimitive {
+            shape: Primitive {
+                light: None,
+                ..shape.clone()
+            },
+            object_from_world,
+            object_from_local: object_from_world * *world_from_local,
+        })
+    }
+
+    /// The line in object space, from kernel coordinates; `t` stays what it is.
+    pub(crate) fn local_line(&self, origin: DVec3, direction: DVec3) -> Line {
+        Line::new(&self.object_from_local, origin, direction)
+    }
+
+    /// The line in object space, from the world; `t` stays what it is.
+    pub(crate) fn world_line(&self, origin: DVec3, direction: DVec3) -> Line {
+        Line::new(&self.object_from_world, origin, direction)
+    }
+
+    /// First meeting with `t_min <= t <= t_max`.
+    pub(crate) fn first(&self, line: &Line, t_min: f64, t_max: f64) -> Option<PrimitiveHit> {
+        let (enter, leave) = self.crossings(line)?;
+        let within = |t: f64| t_min <= t && t <= t_max;
+        let t = [enter, leave].into_iter().find(|&t| within(t))?;
+        Some(self.hit_at(line, t))
+    }
+
+    /// The meeting nearest to `t_guess`, wherever on the line it is.
+    pub(crate) fn nearest_to(&self, line: &Line, t_guess: f64) -> Option<PrimitiveHit> {
+        let (enter, leave) = self.crossings(line)?;
+        let t = if (enter - t_guess).abs() <= (leave - t_guess).abs() {
+            enter
+        } else {
+            leave
+        };
+        t.is_finite().then(|| self.hit_at(line, t))
+    }
+
+    fn hit_at(&self, line: &Line, t: f64) -> PrimitiveHit {
+        let (part, u, v) = self.shape.kind.locate(line.origin + t * line.direction);
+        PrimitiveHit { t, part, u, v }
+    }
+
+    /// Where the line enters and leaves.
+    ///
+    /// All closed primitives are convex, so the part of the line inside is one interval, the
+    /// intersection of the intervals of the surfaces that bound them: no ray slips through
+    /// where two parts meet.
+    fn crossings(&self, line: &Line) -> Option<(f64, f64)> {
+        let (o, d) = (line.origin, line.direction);
+        let (enter, leave) = match self.shape.kind {
+            PrimitiveKind::Sphere => quadric(d.dot(d), o.dot(d), sphere_constant(line), None)?,
+            PrimitiveKind::Cylinder => tapered(line, 1.0)?,
+            PrimitiveKind::Cone { top } => tapered(line, top)?,
+            PrimitiveKind::Cuboid => slab(o.x, d.x, slab(o.y, d.y, slab(o.z, d.z, EVERYWHERE)?)?)?,
+            PrimitiveKind::Square => sheet(line)?,
+        };
+        (enter <= leave).then_some((enter, leave))
+    }
+}
+
+impl Line {
+    fn new(map: &DAffine3, origin: DVec3, direction: DVec3) -> Line {
+        Line {
+            origin: map.transform_point3(origin),
+            direction: map.transform_vector3(direction),
+        }
+    }
+}
+
+fn object_from_world(shape: &Primitive) -> Option<DAffine3> {
+    let mut map = shape.world_from_object;
+    if shape.kind == PrimitiveKind::Square {
+        // The third axis is not used; any other direction serves.
+        let m = map.matrix3;
+        map.matrix3.z_axis = m.x_axis.cross(m.y_axis).normalize_or_zero();
+    }
+    let inverse = map.inverse();
+    (map.is_finite() && inverse.is_finite()).then_some(inverse)
+}
+
+type Interval = (f64, f64);
+const EVERYWHERE: Interval = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// `inside` cut down to where 0 <= o + t d <= 1; `None` if nothing is left.
+fn slab(o: f64, d: f64, inside: Interval) -> Option<Interval> {
+    if d == 0.0 {
+        return (0.0..=1.0).contains(&o).then_some(inside);
+    }
+    let (a, b) = (-o / d, (1.0 - o) / d);
+    let (enter, leave) = (a.min(b).max(inside.0), a.max(b).min(inside.1));
+    (enter <= leave).then_some((enter, leave))
+}
+
+/// The crossing with the unit square in z = 0, as an interval of one point.
+fn sheet(line: &Line) -> Option<Interval> {
+    let (o, d) = (line.origin, line.direction);
+    let t = -o.z / d.z;
+    let p = o + t * d;
+    let inside = (0.0..=1.0).contains(&p.x) && (0.0..=1.0).contains(&p.y);
+    (t.is_finite() && inside).then_some((t, t))
+}
+
+/// The cone with radius 1 at z = 0 and `top` at z = 1, between those two planes.
+fn tapered(line: &Line, top: f64) -> Option<Interval> {
+    let (o, d) = (line.origin, line.direction);
+    let slope = top - 1.0;
+    let (radius, growth) = (1.0 + slope * o.z, slope * d.z);
+    let a = d.x * d.x + d.y * d.y - growth * growth;
+    let b = o.x * d.x + o.y * d.y - radius * growth;
+    let c = o.x * o.x + o.y * o.y - radius * radius;
+    quadric(a, b, c, Some(slab(o.z, d.z, EVERYWHERE)?))
+}
+
+/// |o|² − 1, from the factors that do not cancel when the origin is on the sphere.
+fn sphere_constant(line: &Line) -> f64 {
+    let r = line.origin.length();
+    (r - 1.0) * (r + 1.0)
+}
+
+/// Where a t² + 2 b t + c <= 0 within `bounds`, which must hold at most one connected piece.
+fn quadric(a: f64, b: f64, c: f64, bounds: Option<Interval>) -> Option<Interval> {
+    let bounds = bounds.unwrap_or(EVERYWHERE);
+    let cut = |piece: Interval| {
+        let (enter, leave) = (piece.0.max(bounds.0), piece.1.min(bounds.1));
+        (enter <= leave).then_some((enter, leave))
+    };
+    let discriminant = b * b - a * c;
+    if discriminant < 0.0 {
+        // No sign change: inside everywhere (a steep line in a cone), or nowhere.
+        return if a < 0.0 { cut(EVERYWHERE) } else { None };
+    }
+    // Press et al., Numerical Recipes, eq. (5.6.4): the sum that does not cancel.
+    let q = -(b + discriminant.sqrt().copysign(b));
+    if q == 0.0 {
+        // b = 0 and a c = 0: a double root at 0, or no dependence on t at all.
+        return if a > 0.0 {
+            cut((0.0, 0.0))
+        } else if c <= 0.0 {
+            cut(EVERYWHERE)
+        } else {
+            None
+        };
+    }
+    let (r, s) = (c / q, q / a);
+    if a == 0.0 {
+        return if b > 0.0 {
+            cut((f64::NEG_INFINITY, r))
+        } else {
+            cut((r, f64::INFINITY))
+        };
+    }
+    let (low, high) = (r.min(s), r.max(s));
+    if a > 0.0 {
+        cut((low, high))
+    } else {
+        cut((f64::NEG_INFINITY, low)).or_else(|| cut((high, f64::INFINITY)))
+    }
+}

@@ -1,0 +1,264 @@
+//! The kernel in vector instructions, chosen at run time.
+//!
+//! The only module with `unsafe`: loads from arrays of known length, and calls of functions that
+//! need instructions whose presence has been asked for.
+#![allow(
+    unsafe_code,
+    reason = "vector instructions double the speed of the kernel"
+)]
+
+use crate::bvh::{Bvh, Node, WIDTH};
+use crate::kernel::{self, Instructions, Others, Portable, PreparedRay};
+use crate::ray::{KernelHit, KernelRay};
+use crate::triangle::{Packet, PacketHits};
+
+/// An instruction set for the kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Level {
+    /// Plain Rust, whatever the compiler makes of it.
+    Portable,
+    /// AVX2, and FMA for boxes.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
+impl Level {
+    /// The best one of this machine.
+    pub(crate) fn detect() -> Level {
+        #[cfg(target_arch = "x86_64")]
+        if Avx2::detect().is_some() {
+            return Level::Avx2;
+        }
+        Level::Portable
+    }
+
+    /// Nearest meeting of each ray.
+    pub(crate) fn closest(
+        self,
+        bvh: &Bvh,
+        others: &impl Others,
+        rays: &[KernelRay],
+        hits: &mut [KernelHit],
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if self == Level::Avx2
+            && let Some(isa) = Avx2::detect()
+        {
+            // SAFETY: the value of `isa` is the proof that AVX2 and FMA are there.
+            return unsafe { closest_avx2(isa, bvh, others, rays, hits) };
+        }
+        closest(Portable, bvh, others, rays, hits);
+    }
+
+    /// Whether each ray meets anything.
+    pub(crate) fn any(
+        self,
+        bvh: &Bvh,
+        others: &impl Others,
+        rays: &[KernelRay],
+        blocked: &mut [bool],
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if self == Level::Avx2
+            && let Some(isa) = Avx2::detect()
+        {
+            // SAFETY: the value of `isa` is the proof that AVX2 and FMA are there.
+            return unsafe { any_avx2(isa, bvh, others, rays, blocked) };
+        }
+        any(Portable, bvh, others, rays, blocked);
+    }
+}
+
+#[inline(always)]
+fn closest<I: Instructions>(
+    isa: I,
+    bvh: &Bvh,
+    others: &impl Others,
+    rays: &[KernelRay],
+    hits: &mut [KernelHit],
+) {
+    let mut stack = kernel::EMPTY_STACK;
+    for (ray, hit) in rays.iter().zip(hits) {
+        kernel::closest(isa, bvh, others, ray, &mut stack, hit);
+    }
+}
+
+#[inline(always)]
+fn any<I: Instructions>(
+    isa: I,
+    bvh: &Bvh,
+    others: &impl Others,
+    rays: &[KernelRay],
+    blocked: &mut [bool],
+) {
+    let mut stack = kernel::EMPTY_STACK;
+    for (ray, blocked) in rays.iter().zip(blocked) {
+        let t_max = ray.t_max.next_down();
+        *blocked = kernel::any(isa, bvh, others, ray, t_max, &mut stack);
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn closest_avx2(
+    isa: Avx2,
+    bvh: &Bvh,
+    others: &impl Others,
+    rays: &[KernelRay],
+    hits: &mut [KernelHit],
+) {
+    closest(isa, bvh, others, rays, hits);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn any_avx2(isa: Avx2, bvh: &Bvh, others: &impl Others, rays: &[KernelRay], blocked: &mut [bool]) {
+    any(isa, bvh, others, rays, blocked);
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use super::{Instructions, Node, Packet, PacketHits, PreparedRay, WIDTH};
+    use std::arch::x86_64::*;
+
+    /// Proof that AVX2, FMA and the bit instructions are there: nothing else makes one.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct Avx2(());
+
+    impl Avx2 {
+        #[inline]
+        pub(crate) fn detect() -> Option<Avx2> {
+            let there = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
+            there.then_some(Avx2(()))
+        }
+    }
+
+    #[derive(Clone, Copy)]
+    pub(crate) struct Spread {
+        inverse: [__m256; 3],
+        near_offset: [__m256; 3],
+        far_offset: [__m256; 3],
+        near_row: [usize; 3],
+        t_min: __m256,
+        /// Origin, in the order of `axes`.
+        origin: [__m128; 3],
+        shear: [__m128; 3],
+        axes: [usize; 3],
+    }
+
+    /// # Safety
+    /// AVX2 and FMA must be there; in a function that enables them, so that it is inlined.
+    #[inline(always)]
+    unsafe fn row(node: &Node, row: usize) -> __m256 {
+        // SAFETY: a row is eight floats; aligned, because nodes are and rows are 32 bytes.
+        unsafe { _mm256_load_ps(node.planes[row % 6].as_ptr()) }
+    }
+
+    impl Instructions for Avx2 {
+        type Ray = Spread;
+
+        #[inline(always)]
+        fn spread(self, ray: &PreparedRay) -> Spread {
+            let [kx, ky, kz] = ray.axes;
+            // SAFETY: `self` proves the instructions.
+            unsafe {
+                Spread {
+                    inverse: ray.inverse.map(|x| _mm256_set1_ps(x)),
+                    near_offset: ray.near_offset.map(|x| _mm256_set1_ps(x)),
+                    far_offset: ray.far_offset.map(|x| _mm256_set1_ps(x)),
+                    near_row: ray.near_row,
+                    t_min: _mm256_set1_ps(ray.t_min),
+                    origin: [kx, ky, kz].map(|k| _mm_set1_ps(ray.origin[k])),
+                    shear: ray.shear.map(|x| _mm_set1_ps(x)),
+                    axes: ray.axes,
+                }
+            }
+        }
+
+        #[inline(always)]
+        fn boxes(self, ray: &Spread, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32 {
+            // SAFETY: `self` proves the instructions; `near` has room for eight floats.
+            unsafe {
+                let enter = |axis: usize| {
+                    let planes = row(node, ray.near_row[axis]);
+                    _mm256_fmsub_ps(planes, ray.inverse[axis], ray.near_offset[axis])
+                };
+                let leave = |axis: usize| {
+                    let planes = row(node, ray.near_row[axis] ^ 1);
+                    _mm256_fmsub_ps(planes, ray.inverse[axis], ray.far_offset[axis])
+                };
+                let enter = _mm256_max_ps(
+                    _mm256_max_ps(enter(0), enter(1)),
+                    _mm256_max_ps(enter(2), ray.t_min),
+                );
+                let leave = _mm256_min_ps(
+                    _mm256_min_ps(leave(0), leave(1)),
+                    _mm256_min_ps(leave(2), _mm256_set1_ps(t_max)),
+                );
+                _mm256_storeu_ps(near.as_mut_ptr(), enter);
+                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave)) as u32
+            }
+        }
+
+        #[inline(always)]
+        fn triangles(
+            self,
+            ray: &Spread,
+            packet: &Packet,
+            t_max: f32,
+            hits: &mut PacketHits,
+        ) -> u32 {
+            // SAFETY: `self` proves the instructions; every row is four floats, aligned.
+            unsafe {
+                let corner = |c: usize| {
+                    let at = |k: usize| {
+                        let row = packet.corners[(3 * c + ray.axes[k]) % 9].as_ptr();
+                        _mm_sub_ps(_mm_load_ps(row), ray.origin[k])
+                    };
+                    let z = at(2);
+                    let x = _mm_sub_ps(at(0), _mm_mul_ps(ray.shear[0], z));
+                    let y = _mm_sub_ps(at(1), _mm_mul_ps(ray.shear[1], z));
+                    (x, y, z)
+                };
+                let (ax, ay, az) = corner(0);
+                let (bx, by, bz) = corner(1);
+                let (cx, cy, cz) = corner(2);
+                let cross = |px, py, qx, qy| _mm_sub_ps(_mm_mul_ps(px, qy), _mm_mul_ps(py, qx));
+                let a = cross(cx, cy, bx, by);
+                let b = cross(ax, ay, cx, cy);
+                let c = cross(bx, by, ax, ay);
+                let zero = _mm_setzero_ps();
+                let low = _mm_min_ps(_mm_min_ps(a, b), c);
+                let high = _mm_max_ps(_mm_max_ps(a, b), c);
+                let inside = _mm_or_ps(_mm_cmpge_ps(low, zero), _mm_cmple_ps(high, zero));
+                if _mm_movemask_ps(inside) == 0 {
+                    return 0;
+                }
+                let whole = _mm_add_ps(_mm_add_ps(a, b), c);
+                let height = |w, z| _mm_mul_ps(w, _mm_mul_ps(ray.shear[2], z));
+                let sum = _mm_add_ps(_mm_add_ps(height(a, az), height(b, bz)), height(c, cz));
+                let t = _mm_div_ps(sum, whole);
+                let within = _mm_and_ps(
+                    _mm_cmpge_ps(t, _mm256_castps256_ps128(ray.t_min)),
+                    _mm_cmple_ps(t, _mm_set1_ps(t_max)),
+                );
+                let solid = _mm_cmpneq_ps(whole, zero);
+                let mask = _mm_movemask_ps(_mm_and_ps(_mm_and_ps(inside, within), solid)) as u32;
+                if mask != 0 {
+                    _mm_storeu_ps(hits.t.as_mut_ptr(), t);
+                    _mm_storeu_ps(hits.u.as_mut_ptr(), _mm_div_ps(b, whole));
+                    _mm_storeu_ps(hits.v.as_mut_ptr(), _mm_div_ps(c, whole));
+                }
+                mask
+            }
+        }
+    }
+}
