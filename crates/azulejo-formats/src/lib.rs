@@ -9,14 +9,18 @@
 //! through one small trait, [`Files`], so that a folder, a test's map of strings and a sandbox
 //! work alike.
 
+pub mod camera_json;
+mod detect;
 mod error;
 pub mod exr;
 mod files;
+pub mod grf;
 pub mod hdr;
 pub mod obj;
 mod picture;
 pub mod png;
 
+pub use detect::{Format, Unrecognised, detect};
 pub use error::{Loaded, Position, ReadError, Warning};
 pub use files::{FileError, Files, Folder, Memory};
 pub use picture::PictureError;

@@ -12,5 +12,6 @@ mod number;
 mod read;
 mod warnings;
 
+pub(crate) use cursor::without_utf16;
 pub use mtl::read as read_materials;
 pub use read::read;

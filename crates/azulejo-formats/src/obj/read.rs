@@ -1,13 +1,12 @@
 //! From statements to flat lists, in one pass over the bytes.
 
 use super::assemble::assemble;
-use super::cursor::{Cursor, shortened, text};
+use super::cursor::{Cursor, shortened, text, without_utf16};
 use super::mtl::Library;
 use super::warnings::Warnings;
 use crate::{Files, Loaded, ReadError};
 use azulejo_scene::{Faces, Rgb};
 use glam::{DVec2, DVec3};
-use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 
 /// "No such index": a corner without texture coordinate or normal, a face without material.
@@ -89,21 +88,6 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
         scene,
         warnings: warnings.finish(name),
     })
-}
-
-/// UTF-16 with its mark at the start becomes UTF-8; anything else stays as it is.
-fn without_utf16(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let decode = |unit: fn([u8; 2]) -> u16| {
-        let (pairs, _) = bytes[2..].as_chunks::<2>();
-        let units = pairs.iter().map(|&pair| unit(pair));
-        let decoded = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
-        decoded.collect::<String>().into_bytes().into()
-    };
-    match bytes {
-        [0xfe, 0xff, ..] => decode(u16::from_be_bytes),
-        [0xff, 0xfe, ..] => decode(u16::from_le_bytes),
-        _ => bytes.into(),
-    }
 }
 
 /// The three lists that corners point into.
