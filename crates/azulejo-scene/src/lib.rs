@@ -32,6 +32,7 @@ mod rgb;
 mod scene;
 mod shape;
 mod solution;
+pub mod synthetic;
 mod triangulate;
 mod validate;
 
