@@ -1,1 +1,3 @@
 //! first pass: scene to irradiance
+
+pub mod analytic;

@@ -1,0 +1,300 @@
+//! Exact form factors against closed forms, symmetry and the reference table.
+
+use crate::table::{self, Row};
+use azulejo_radiosity::analytic::{exchange_area, form_factor, form_factor_fast};
+use azulejo_trace::lambert::{mirror_polygon, point_to_polygon};
+use glam::{DQuat, DVec3, dvec3};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+const FLOOR: [DVec3; 4] = [
+    dvec3(0., 0., 0.),
+    dvec3(1., 0., 0.),
+    dvec3(1., 1., 0.),
+    dvec3(0., 1., 0.),
+];
+
+fn check(p1: &[DVec3], p2: &[DVec3], expected: f64) {
+    let f = form_factor(p1, p2);
+    assert!(
+        (f - expected).abs() <= 1e-12 * expected,
+        "{f} is not {expected}"
+    );
+}
+
+fn rectangle(x: f64, y: f64) -> [DVec3; 4] {
+    FLOOR.map(|p| p * dvec3(x, y, 1.0))
+}
+
+/// The polygon moved along z, its front turned down.
+fn ceiling(polygon: &[DVec3], z: f64) -> Vec<DVec3> {
+    polygon.iter().rev().map(|&p| p + z * DVec3::Z).collect()
+}
+
+/// Howell C-11: equal opposed rectangles of sides `x` and `y` at distance 1.
+fn c11(x: f64, y: f64) -> f64 {
+    let (x2, y2) = (1.0 + x * x, 1.0 + y * y);
+    let log = 0.5 * (x2 * y2 / (1.0 + x * x + y * y)).ln();
+    let arcs = x * y2.sqrt() * (x / y2.sqrt()).atan() + y * x2.sqrt() * (y / x2.sqrt()).atan();
+    2.0 / (PI * x * y) * (log + arcs - x * x.atan() - y * y.atan())
+}
+
+/// Howell C-14: rectangles of depth `w` and height `h` that stand square on an edge of length 1.
+fn c14(w: f64, h: f64) -> f64 {
+    let (w2, h2) = (w * w, h * h);
+    let (a, b, c, d) = (1.0 + w2, 1.0 + h2, 1.0 + w2 + h2, w2 + h2);
+    let log = (a * b / c).ln() + w2 * (w2 * c / (a * d)).ln() + h2 * (h2 * c / (b * d)).ln();
+    let arcs = w * (1.0 / w).atan() + h * (1.0 / h).atan() - d.sqrt() * (1.0 / d.sqrt()).atan();
+    (arcs + 0.25 * log) / (PI * w)
+}
+
+#[test]
+fn opposed_rectangles() {
+    for (x, y) in [(1., 1.), (2., 3.), (0.3, 7.), (0.3, 0.5), (100., 100.)] {
+        check(&rectangle(x, y), &ceiling(&rectangle(x, y), 1.0), c11(x, y));
+    }
+}
+
+#[test]
+fn rectangles_with_a_common_edge() {
+    for (w, h) in [(1., 1.), (2., 0.5), (0.1, 3.), (5., 0.2), (8., 8.)] {
+        let wall = [(0., 0.), (1., 0.), (1., h), (0., h)].map(|(y, z)| dvec3(0., y, z));
+        check(&rectangle(w, 1.0), &wall, c14(w, h));
+    }
+}
+
+#[test]
+fn far_apart_keeps_its_digits() {
+    let exact = |d: f64| {
+        // Opposed unit squares, expanded in 1/d² beyond the distances where C-11 cancels.
+        let t = 1.0 / (d * d);
+        t / PI * (1.0 - t * (2.0 / 3.0 - t * (17.0 / 30.0 - t * 58.0 / 105.0)))
+    };
+    // The method changes at 70.7.
+    for d in [60.0, 70.0, 71.0, 1e3, 1e5, 1e7] {
+        check(&FLOOR, &ceiling(&FLOOR, d), exact(d));
+    }
+}
+
+#[test]
+fn regular_solids() {
+    let (a, b, c, d) = (
+        dvec3(1., 1., 1.),
+        dvec3(1., -1., -1.),
+        dvec3(-1., 1., -1.),
+        dvec3(-1., -1., 1.),
+    );
+    check(&[c, b, a], &[d, c, a], 1.0 / 3.0);
+    check(&[c, b, a], &[b, d, a], 1.0 / 3.0);
+    check(&FLOOR, &ceiling(&FLOOR, 1.0), c11(1.0, 1.0));
+}
+
+#[test]
+fn neighbours_that_cross_each_others_plane() {
+    // A wall through the floor counts once above it; standing through its middle, half of it sees.
+    let wall = |x: f64, from: f64| {
+        [(0., from), (1., from), (1., 1.), (0., 1.)].map(|(y, z)| dvec3(x, y, z))
+    };
+    check(&FLOOR, &wall(0.0, -1.0), c14(1.0, 1.0));
+    check(&FLOOR, &wall(0.5, -1.0), 0.5 * c14(0.5, 1.0));
+    // Two walls crossing in a vertical line with all four parts facing into one quarter.
+    let cross = [
+        dvec3(-1., 0., 0.),
+        dvec3(1., 0., 0.),
+        dvec3(1., 0., 1.),
+        dvec3(-1., 0., 1.),
+    ];
+    let other = [
+        dvec3(0., 1., 0.),
+        dvec3(0., -1., 0.),
+        dvec3(0., -1., 1.),
+        dvec3(0., 1., 1.),
+    ];
+    check(&cross, &other, 0.5 * c14(1.0, 1.0));
+}
+
+#[test]
+fn what_sees_nothing_is_exactly_zero() {
+    let beside = FLOOR.map(|p| p + DVec3::X);
+    let below = FLOOR.map(|p| p - DVec3::Z);
+    let mut opposed = FLOOR;
+    opposed.reverse();
+    for other in [&beside, &below, &FLOOR, &opposed] {
+        assert_eq!(form_factor(&FLOOR, other), 0.0);
+        assert_eq!(form_factor_fast(&FLOOR, other, 1e-3), 0.0);
+        let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 1.1, -0.7);
+        let turned = |p: &[DVec3; 4]| p.map(|c| turn * c + dvec3(5.0, -80.0, 9.0));
+        assert_eq!(form_factor(&turned(&FLOOR), &turned(other)), 0.0);
+    }
+}
+
+#[test]
+fn degenerate_input_is_zero() {
+    let up = ceiling(&FLOOR, 1.0);
+    let replaced = |p: DVec3| vec![p, up[1], up[2], up[3]];
+    let mut cases: Vec<Vec<DVec3>> = [DVec3::NAN, DVec3::INFINITY, f64::NEG_INFINITY * DVec3::X]
+        .into_iter()
+        .map(replaced)
+        .collect();
+    cases.extend([
+        vec![],
+        vec![DVec3::Z],
+        vec![DVec3::Z, DVec3::ONE],
+        vec![DVec3::Z; 4],
+    ]);
+    cases.push(vec![
+        dvec3(0., 0., 1.),
+        dvec3(1., 0., 1.),
+        dvec3(0.5, 0., 1.),
+    ]);
+    for case in &cases {
+        for f in [form_factor, exchange_area, |a: &[DVec3], b: &[DVec3]| {
+            form_factor_fast(a, b, 1e-2)
+        }] {
+            assert_eq!(f(&FLOOR, case), 0.0, "{case:?}");
+            assert_eq!(f(case, &FLOOR), 0.0, "{case:?}");
+        }
+    }
+    for accuracy in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
+        let f = form_factor_fast(&FLOOR, &up, accuracy);
+        assert!((0.0..=1.0).contains(&f), "{f}");
+    }
+}
+
+#[test]
+fn doubled_corners_and_size_change_nothing() {
+    let doubled: Vec<DVec3> = FLOOR.iter().flat_map(|&p| [p, p]).collect();
+    let up = ceiling(&FLOOR, 1.0);
+    check(&doubled, &up, c11(1.0, 1.0));
+    for size in [1e-150, 1e-9, 1e9, 1e150] {
+        let scaled = |p: &[DVec3]| p.iter().map(|&c| size * c).collect::<Vec<_>>();
+        check(&scaled(&FLOOR), &scaled(&up), c11(1.0, 1.0));
+    }
+}
+
+#[test]
+fn slivers_keep_most_digits() {
+    for width in [1e-3, 1e-5, 1e-7] {
+        let sliver = rectangle(width, 1.0);
+        let wall = [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(y, z)| dvec3(2.0, 1.0 - y, z));
+        // To second order in the width the sliver is its middle line: compare two widths.
+        let moved = rectangle(0.5 * width, 1.0).map(|p| p + 0.25 * width * DVec3::X);
+        let (whole, half) = (form_factor(&sliver, &wall), form_factor(&moved, &wall));
+        assert!(
+            (whole - half).abs() < 1e-7 * whole + width * width,
+            "{width}: {whole} {half}"
+        );
+    }
+}
+
+#[test]
+fn almost_touching_is_almost_touching() {
+    // A gap, a turn or an overlap too small to matter must not be seen in the result.
+    let wall = |shift: f64, tilt: f64| {
+        [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(y, z)| dvec3(shift + tilt * y, y, z))
+    };
+    for tiny in [1e-15, 1e-13, 1e-11, 1e-9, 1e-7] {
+        for (shift, tilt) in [
+            (-tiny, 0.0),
+            (tiny, 0.0),
+            (0.0, tiny),
+            (0.0, -tiny),
+            (-tiny, tiny),
+        ] {
+            let f = form_factor(&FLOOR, &wall(shift, tilt));
+            let change = (f - c14(1.0, 1.0)).abs();
+            assert!(change < 1e-12 + 20.0 * tiny, "{shift} {tilt}: {change}");
+        }
+    }
+}
+
+fn analytic(row: &Row) -> f64 {
+    match row.point_normal {
+        Some((point, normal)) => point_to_polygon(point, normal, &row.p2),
+        None => form_factor(&row.p1, &row.p2),
+    }
+}
+
+#[test]
+fn the_reference_table() {
+    let Some(rows) = table::rows() else { return };
+    let bare: Vec<&Row> = rows.iter().filter(|row| row.is_bare()).collect();
+    assert_eq!(bare.len(), 24, "rows with polygons and nothing about them");
+    for row in bare {
+        let error = (analytic(row) / row.value - 1.0).abs();
+        eprintln!("{:14} {:17} relative error {error:.1e}", row.id, row.value);
+        // Corners with roots in them are printed to ten digits.
+        let printed = row
+            .p1
+            .iter()
+            .chain(&row.p2)
+            .any(|c| (c * 1e4).fract() != DVec3::ZERO);
+        let tolerance = row.tolerance().max(if printed { 2e-10 } else { 2e-13 });
+        assert!(
+            error <= tolerance,
+            "{}: {error:e} over {tolerance:e}",
+            row.id
+        );
+    }
+}
+
+#[test]
+fn a_mirror_wall_by_its_image() {
+    let Some(rows) = table::rows() else { return };
+    let row = rows
+        .iter()
+        .find(|row| row.id == "mir_cube")
+        .expect("row mir_cube");
+    // The mirror covers all lines of sight, so that the image needs no window.
+    let mirror = &row.mirrors[0];
+    let image = mirror_polygon(&row.p2, mirror.polygon[0], DVec3::X);
+    let f = form_factor(&row.p1, &row.p2) + mirror.rho_s * form_factor(&row.p1, &image);
+    assert!((f / row.value - 1.0).abs() <= row.tolerance(), "{f}");
+}
+
+fn corner() -> impl Strategy<Value = DVec3> {
+    (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| dvec3(x, y, z))
+}
+
+fn triangle() -> impl Strategy<Value = [DVec3; 3]> {
+    [corner(), corner(), corner()]
+}
+
+/// The six faces of a box, turned inwards.
+fn box_faces(size: DVec3) -> Vec<Vec<DVec3>> {
+    let face = |u: DVec3, v: DVec3, w: DVec3| {
+        let near = [DVec3::ZERO, u, u + v, v];
+        [near.to_vec(), near.iter().rev().map(|&p| p + w).collect()]
+    };
+    let (x, y, z) = (size.x * DVec3::X, size.y * DVec3::Y, size.z * DVec3::Z);
+    [face(x, y, z), face(y, z, x), face(z, x, y)].concat()
+}
+
+proptest! {
+    #[test]
+    fn reciprocity(p1 in triangle(), p2 in triangle()) {
+        let (there, back) = (exchange_area(&p1, &p2), exchange_area(&p2, &p1));
+        prop_assert!((there - back).abs() <= 1e-14 + 1e-12 * there, "{there} {back}");
+    }
+
+    #[test]
+    fn a_box_is_closed(x in 0.05..5.0, y in 0.05..5.0, z in 0.05..5.0, turn in corner(), shift in corner()) {
+        let turn = DQuat::from_scaled_axis(3.0 * turn);
+        let place = |face: Vec<DVec3>| face.into_iter().map(|p| turn * p + shift).collect();
+        let faces: Vec<Vec<DVec3>> = box_faces(dvec3(x, y, z)).into_iter().map(place).collect();
+        for from in &faces {
+            let sum: f64 = faces.iter().map(|to| form_factor(from, to)).sum();
+            prop_assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+        }
+    }
+
+    /// However two triangles lie, the parts of one add up to the whole.
+    #[test]
+    fn parts_add_up(p1 in triangle(), p2 in triangle(), split in 0.1..0.9) {
+        let [a, b, c] = p1;
+        let middle = a.lerp(b, split);
+        let whole = exchange_area(&p1, &p2);
+        let parts = exchange_area(&[a, middle, c], &p2) + exchange_area(&[middle, b, c], &p2);
+        prop_assert!((whole - parts).abs() <= 1e-13 + 1e-11 * whole, "{whole} {parts}");
+    }
+}
