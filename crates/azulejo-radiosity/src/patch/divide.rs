@@ -1,0 +1,225 @@
+//! How finely: pieces per edge, then cells per region.
+
+use super::PatchSize;
+use super::cells::Cells;
+use super::irregular::{Irregular, expected_triangles};
+use super::outline::{Form, Outline, Region};
+use azulejo_scene::{Primitive, Shape, SurfaceGrid};
+use rayon::prelude::*;
+
+/// No division makes more patches than this (about 150 bytes each); a smaller size is raised
+/// until it fits. Faces are never joined, so a scene of more faces has more patches.
+pub(super) const MAX_PATCHES: usize = 1 << 24;
+/// An edge may be divided this much finer than its length asks, to match its neighbours.
+const HARMONY: f64 = 1.25;
+/// Rounds of matching; each carries a count one face further.
+const HARMONY_ROUNDS: usize = 8;
+/// How far the chords of an exact shape's cells may leave it, as a share of the patch size.
+const CHORD_ERROR: f64 = 0.02;
+
+/// A chosen size and what it makes of every region.
+pub(super) struct Division {
+    /// Pieces of each edge.
+    pub pieces: Vec<u32>,
+    /// Cells of each region.
+    pub cells: Vec<Cells>,
+}
+
+impl Division {
+    pub fn new(outline: &Outline, size: PatchSize) -> Division {
+        match size {
+            PatchSize::Edge(edge) => {
+                let edge = if edge > 0.0 { edge } else { f64::INFINITY };
+                Division::at(outline, fitting(outline, edge, MAX_PATCHES as f64))
+            }
+            PatchSize::Count(count) => Division::of_count(outline, count.clamp(1, MAX_PATCHES)),
+        }
+    }
+
+    /// The division whose count comes nearest: the estimate is corrected by what it led to.
+    fn of_count(outline: &Outline, count: usize) -> Division {
+        let target = count as f64;
+        let mut asked = target;
+        let mut best: Option<(f64, Division)> = None;
+        for _ in 0..5 {
+            let division = Division::at(outline, fitting(outline, 0.0, asked));
+            let ratio = division.patches() as f64 / target;
+            let error = (ratio.max(1e-300)).ln().abs();
+            if best.as_ref().is_none_or(|b| error < b.0) {
+                best = Some((error, division));
+            }
+            if error < 0.03 || !ratio.is_finite() {
+                break;
+            }
+            asked = (asked / ratio.clamp(0.25, 4.0)).clamp(1.0, MAX_PATCHES as f64);
+        }
+        best.map_or_else(|| Division::at(outline, f64::INFINITY), |b| b.1)
+    }
+
+    fn at(outline: &Outline, size: f64) -> Division {
+        let pieces = edge_pieces(outline, size);
+        let cells = outline
+            .regions
+            .par_iter()
+            .map(|region| cells(outline, region, &pieces, size))
+            .collect();
+        Division { pieces, cells }
+    }
+
+    fn patches(&self) -> usize {
+        self.cells.iter().map(Cells::len).sum()
+    }
+}
+
+/// The smallest edge size from `least` up that is expected to make at most `count` patches.
+fn fitting(outline: &Outline, least: f64, count: f64) -> f64 {
+    let fits = |size: f64| estimate(outline, size) <= count;
+    if least > 0.0 && fits(least) {
+        return least;
+    }
+    let mut high = outline.scene.bounds().diagonal().max(f64::MIN_POSITIVE);
+    if !high.is_finite() || !fits(high) {
+        return f64::INFINITY;
+    }
+    let mut low = high;
+    // Counts grow at least like 1/size, so 2^-64 of the scene is far beyond every cap.
+    for _ in 0..64 {
+        low *= 0.5;
+        if !fits(low) {
+            break;
+        }
+        high = low;
+    }
+    for _ in 0..20 {
+        let middle = (low * high).sqrt();
+        if fits(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high.max(least)
+}
+
+fn estimate(outline: &Outline, size: f64) -> f64 {
+    let pieces = edge_pieces(outline, size);
+    let one = |region: &Region| match pattern(outline, region, &pieces, size) {
+        Some(cells) => cells_count(&cells),
+        None => {
+            let sides: Vec<(f64, u32)> = outline
+                .slots_of(region)
+                .iter()
+                .map(|s| {
+                    let edge = s.edge as usize;
+                    (outline.edges[edge].length(), pieces[edge])
+                })
+                .collect();
+            expected_triangles(region.area, &sides, size)
+        }
+    };
+    outline.regions.iter().map(one).sum()
+}
+
+/// The count in floating point: an impossible size overflows integers.
+fn cells_count(cells: &Cells) -> f64 {
+    match *cells {
+        Cells::Quad { nu, nv } | Cells::Part { nu, nv } => f64::from(nu) * f64::from(nv),
+        Cells::Triangle { k } => f64::from(k) * f64::from(k),
+        Cells::None | Cells::Irregular(_) => 0.0,
+    }
+}
+
+/// Pieces of each edge: as many as its length asks, or up to a quarter more where that lets a
+/// region keep a regular pattern. Edges that are short enough stay whole.
+fn edge_pieces(outline: &Outline, size: f64) -> Vec<u32> {
+    let asked: Vec<(u32, u32)> = outline
+        .edges
+        .iter()
+        .map(|e| {
+            let n = e.length() / size;
+            let pieces = |n: f64| (n.ceil() as u32).max(1);
+            let least = pieces(n);
+            (least, if least < 2 { 1 } else { pieces(HARMONY * n) })
+        })
+        .collect();
+    let mut pieces: Vec<u32> = asked.iter().map(|a| a.0).collect();
+    for _ in 0..HARMONY_ROUNDS {
+        let mut changed = false;
+        for region in &outline.regions {
+            let slots = outline.slots_of(region);
+            let edge = |k: usize| slots[k].edge as usize;
+            match region.form {
+                Form::Triangle => {
+                    changed |= match_edges(&mut pieces, &asked, &[edge(0), edge(1), edge(2)]);
+                }
+                Form::Quad => {
+                    changed |= match_edges(&mut pieces, &asked, &[edge(0), edge(2)]);
+                    changed |= match_edges(&mut pieces, &asked, &[edge(1), edge(3)]);
+                }
+                Form::Empty | Form::Polygon | Form::Part => {}
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    pieces
+}
+
+/// Raises all edges of a set to its greatest count, if all may go there.
+fn match_edges(pieces: &mut [u32], asked: &[(u32, u32)], set: &[usize]) -> bool {
+    let most = set.iter().map(|&e| pieces[e]).max().unwrap_or(1);
+    let equal = set.iter().all(|&e| pieces[e] == most);
+    let may = set.iter().all(|&e| pieces[e] == most || most <= asked[e].1);
+    if !equal && may {
+        set.iter().for_each(|&e| pieces[e] = most);
+    }
+    !equal && may
+}
+
+/// The regular pattern of a region, if its sides allow one.
+fn pattern(outline: &Outline, region: &Region, pieces: &[u32], size: f64) -> Option<Cells> {
+    let slots = outline.slots_of(region);
+    let side = |k: usize| pieces[slots[k].edge as usize];
+    match region.form {
+        Form::Empty => Some(Cells::None),
+        Form::Triangle if side(0) == side(1) && side(1) == side(2) => {
+            Some(Cells::Triangle { k: side(0) })
+        }
+        Form::Quad if side(0) == side(2) && side(1) == side(3) => Some(Cells::Quad {
+            nu: side(0),
+            nv: side(1),
+        }),
+        Form::Part => {
+            let grid = part_grid(outline, region, size);
+            Some(Cells::Part {
+                nu: grid.nu,
+                nv: grid.nv,
+            })
+        }
+        Form::Triangle | Form::Quad | Form::Polygon => None,
+    }
+}
+
+fn cells(outline: &Outline, region: &Region, pieces: &[u32], size: f64) -> Cells {
+    pattern(outline, region, pieces, size).unwrap_or_else(|| {
+        let sides = outline
+            .slots_of(region)
+            .iter()
+            .map(|s| pieces[s.edge as usize])
+            .collect();
+        Cells::Irregular(Box::new(Irregular::new(outline, region, sides, size)))
+    })
+}
+
+/// The grids of an exact shape at a patch size.
+pub(super) fn grids(primitive: &Primitive, size: f64) -> Vec<SurfaceGrid> {
+    primitive.grids(CHORD_ERROR * size, size)
+}
+
+fn part_grid(outline: &Outline, region: &Region, size: f64) -> SurfaceGrid {
+    match &outline.scene.objects[region.object as usize].shape {
+        Shape::Primitive(p) => grids(p, size)[region.face as usize],
+        Shape::Mesh(_) => SurfaceGrid { nu: 1, nv: 1 },
+    }
+}

@@ -1,0 +1,415 @@
+//! Regions that no regular pattern fits: triangles between fixed points on the border.
+//!
+//! The points on the sides are given, since the neighbours have them too. A hexagonal lattice
+//! fills the inside, a constrained Delaunay triangulation joins both, and Chew's refinement
+//! ("Guaranteed-quality mesh generation for curved surfaces", SoCG 1993; here `spade`'s, with
+//! the border kept) adds points where angles are still small, as beside short sides.
+
+use super::outline::{Outline, Region};
+use glam::DVec2;
+use spade::{
+    AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation,
+};
+
+/// Lattice spacing as a share of the asked size: below 1, since Delaunay triangles between
+/// lattice and border are a little longer than those of the lattice.
+const SPACING: f64 = 0.93;
+/// How near lattice points come to the border, as a share of the spacing.
+const CLEARANCE: f64 = 0.55;
+/// Angles below this are refined away where the border allows it.
+const ANGLE_DEGREES: f64 = 22.0;
+
+/// An irregular division of one region.
+pub(super) struct Irregular {
+    /// Pieces of each side.
+    pub sides: Vec<u32>,
+    /// The region's corners in its plane, about 1 across.
+    pub corners: Vec<DVec2>,
+    /// Points in the same plane: those of the border in order, then those inside.
+    pub points: Vec<DVec2>,
+    /// Local points of each patch, counter-clockwise.
+    pub triangles: Vec<[u32; 3]>,
+    /// Each point as a mean of three corners of the region.
+    pub weights: Vec<[(u32, f64); 3]>,
+}
+
+impl Irregular {
+    /// Divides a region whose sides have `sides` pieces into triangles of about `size` (scene
+    /// units; infinity for as large as the border allows).
+    ///
+    /// A region that is no longer than √2 `size` and has whole sides becomes its own triangles.
+    /// Where the triangulation fails (a border that touches itself within rounding) each of the
+    /// region's triangles is divided about its centre: thin, but without cracks.
+    pub fn new(outline: &Outline, region: &Region, sides: Vec<u32>, size: f64) -> Irregular {
+        let (corners, scale) = flatten(outline, region);
+        let own = outline.triangles_of(region);
+        let border = border_points(&corners, &sides);
+        let size = size * scale;
+        let whole = sides.iter().all(|&k| k == 1) && diameter(&corners) <= 2f64.sqrt() * size;
+        let (points, triangles) = if whole {
+            (border, own.to_vec())
+        } else {
+            triangulate(&corners, &border, size).unwrap_or_else(|| fans(&sides, &border, own))
+        };
+        let mut mesh = Irregular {
+            weights: Vec::new(),
+            sides,
+            corners,
+            points,
+            triangles,
+        };
+        mesh.triangles
+            .retain(|t| signed_area(t.map(|k| mesh.points[k as usize])) > 0.0);
+        mesh.weights = mesh.corner_weights(own);
+        mesh
+    }
+
+    /// Number of points on the border, which come first.
+    pub fn border(&self) -> usize {
+        self.sides.iter().map(|&k| k as usize).sum()
+    }
+
+    fn corner_weights(&self, own: &[[u32; 3]]) -> Vec<[(u32, f64); 3]> {
+        let n = self.corners.len() as u32;
+        let mut weights = Vec::with_capacity(self.points.len());
+        for (c, &k) in (0..).zip(&self.sides) {
+            weights.extend((0..k).map(|i| {
+                let t = f64::from(i) / f64::from(k);
+                [(c, 1.0 - t), ((c + 1) % n, t), (c, 0.0)]
+            }));
+        }
+        let inside = &self.points[self.border()..];
+        weights.extend(inside.iter().map(|&p| self.weights_at(p, own)));
+        weights
+    }
+
+    /// Barycentric weights in the triangle that holds `p`, or, by rounding, nearly does.
+    fn weights_at(&self, p: DVec2, own: &[[u32; 3]]) -> [(u32, f64); 3] {
+        let mut best = ([0; 3], [1.0, 0.0, 0.0], f64::NEG_INFINITY);
+        for &t in own {
+            let b = barycentric(t.map(|k| self.corners[k as usize]), p);
+            let least = b[0].min(b[1]).min(b[2]);
+            if least > best.2 {
+                best = (t, b, least);
+            }
+            if least >= 0.0 {
+                break;
+            }
+        }
+        let positive = best.1.map(|w| w.max(0.0));
+        let sum: f64 = positive.iter().sum();
+        [0, 1, 2].map(|i| (best.0[i], positive[i] / sum))
+    }
+}
+
+/// About how many triangles [`Irregular::new`] makes, from the region's area and the lengths and
+/// piece counts of its sides: 2 inner points + border points − 2, as Euler has it.
+pub(super) fn expected_triangles(area: f64, sides: &[(f64, u32)], size: f64) -> f64 {
+    let border: f64 = sides.iter().map(|s| f64::from(s.1)).sum();
+    let perimeter: f64 = sides.iter().map(|s| s.0).sum();
+    let spacing = SPACING * size;
+    let inner_area = (area - CLEARANCE * spacing * perimeter * 0.9).max(0.0);
+    let inner = inner_area / (0.75f64.sqrt() * spacing * spacing);
+    2.0 * inner + border - 2.0
+}
+
+/// The corners in the region's plane, the longest side along x, scaled to about 1; and the scale.
+fn flatten(outline: &Outline, region: &Region) -> (Vec<DVec2>, f64) {
+    let slots = outline.slots_of(region);
+    let n = slots.len();
+    let side = |k: usize| slots[(k + 1) % n].position - slots[k].position;
+    let longest = (0..n).fold(0, |best, k| {
+        if side(k).length_squared() > side(best).length_squared() {
+            k
+        } else {
+            best
+        }
+    });
+    let x = side(longest).normalize_or_zero();
+    let y = region.normal.cross(x);
+    let scale = 1.0 / side(longest).length();
+    let corners = slots
+        .iter()
+        .map(|s| s.position - slots[0].position)
+        .map(|d| DVec2::new(d.dot(x), d.dot(y)) * scale)
+        .collect();
+    (corners, scale)
+}
+
+fn diameter(points: &[DVec2]) -> f64 {
+    let (low, high) = bounds(points);
+    low.distance(high)
+}
+
+pub(super) fn bounds(points: &[DVec2]) -> (DVec2, DVec2) {
+    points
+        .iter()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| {
+            (low.min(p), high.max(p))
+        })
+}
+
+fn border_points(corners: &[DVec2], sides: &[u32]) -> Vec<DVec2> {
+    let n = corners.len();
+    let side = |c: usize| {
+        let (a, b, k) = (corners[c], corners[(c + 1) % n], sides[c]);
+        (0..k).map(move |i| a + (b - a) * (f64::from(i) / f64::from(k)))
+    };
+    (0..n).flat_map(side).collect()
+}
+
+fn signed_area([a, b, c]: [DVec2; 3]) -> f64 {
+    0.5 * (b - a).perp_dot(c - a)
+}
+
+fn barycentric([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
+    let whole = (b - a).perp_dot(c - a);
+    let (u, v) = (
+        (p - a).perp_dot(c - a) / whole,
+        (b - a).perp_dot(p - a) / whole,
+    );
+    [1.0 - u - v, u, v]
+}
+
+type Flat = (Vec<DVec2>, Vec<[u32; 3]>);
+
+/// Points and triangles by constrained Delaunay refinement; `None` if they do not tile the
+/// region exactly between the given border points.
+fn triangulate(corners: &[DVec2], border: &[DVec2], size: f64) -> Option<Flat> {
+    let (unique, first) = distinct(border);
+    let mut vertices: Vec<Point2<f64>> = first
+        .iter()
+        .map(|&i| border[i as usize])
+        .chain(lattice(corners, size))
+        .map(|p| Point2::new(p.x, p.y))
+        .collect();
+    // A lattice that shrinks to nothing by rounding must not take all memory.
+    vertices.truncate(super::divide::MAX_PATCHES);
+    let mut conflict = false;
+    let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
+        vertices,
+        constraints(&unique),
+        |_| conflict = true,
+    )
+    .ok()?;
+    if conflict {
+        return None;
+    }
+    let outside = mesh
+        .refine(refinement(size, mesh.num_vertices()))
+        .excluded_faces;
+    let outside: std::collections::HashSet<_> = outside.into_iter().collect();
+    let local = |v: usize| match first.get(v) {
+        Some(&b) => b,
+        None => (v - first.len() + border.len()) as u32,
+    };
+    let mut points = border.to_vec();
+    points.extend(
+        mesh.vertices()
+            .skip(first.len())
+            .map(|v| DVec2::new(v.position().x, v.position().y)),
+    );
+    let triangles: Vec<[u32; 3]> = mesh
+        .inner_faces()
+        .filter(|f| !outside.contains(&f.fix()))
+        .map(|f| f.vertices().map(|v| local(v.fix().index())))
+        .collect();
+    let area: f64 = triangles
+        .iter()
+        .map(|t| signed_area(t.map(|k| points[k as usize])))
+        .sum();
+    let whole = polygon_area(corners);
+    ((area - whole).abs() <= 1e-9 * whole).then(|| without_strays(points, triangles, border.len()))
+}
+
+fn refinement(size: f64, vertices: usize) -> RefinementParameters<f64> {
+    let fits = size.is_finite() && size < 1.0;
+    let size = if fits { size } else { 1.0 };
+    let parameters = RefinementParameters::new()
+        .exclude_outer_faces(true)
+        .keep_constraint_edges()
+        .with_angle_limit(AngleLimit::from_deg(ANGLE_DEGREES))
+        // Below this a triangle's circumcentre is rounding, and the angle is the border's fault.
+        .with_min_required_area(1e-4 * size * size)
+        .with_max_additional_vertices(2 * vertices + 32);
+    if fits {
+        parameters.with_max_allowed_area(0.5 * size * size)
+    } else {
+        parameters
+    }
+}
+
+/// For each point the first of those equal to it, numbered among the distinct ones; and which
+/// points those are. A border may visit a point twice (a hole joined to the outline by a cut).
+fn distinct(points: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
+    let key = |&i: &u32| points[i as usize].to_array().map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    order.sort_by_key(key);
+    let mut leader = vec![0; points.len()];
+    for run in order.chunk_by(|a, b| key(a) == key(b)) {
+        run.iter().for_each(|&i| leader[i as usize] = run[0]);
+    }
+    let mut first = Vec::new();
+    let mut number = vec![0; points.len()];
+    for i in 0..points.len() {
+        if leader[i] as usize == i {
+            number[i] = first.len() as u32;
+            first.push(i as u32);
+        } else {
+            number[i] = number[leader[i] as usize];
+        }
+    }
+    (number, first)
+}
+
+/// The pieces of the border as pairs of distinct points, each once.
+fn constraints(ring: &[u32]) -> Vec<[usize; 2]> {
+    let n = ring.len();
+    let mut pairs: Vec<[usize; 2]> = (0..n)
+        .map(|i| [ring[i] as usize, ring[(i + 1) % n] as usize])
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .filter(|[a, b]| a != b)
+        .collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+fn polygon_area(corners: &[DVec2]) -> f64 {
+    let n = corners.len();
+    (1..n - 1)
+        .map(|k| signed_area([corners[0], corners[k], corners[k + 1]]))
+        .sum()
+}
+
+/// Drops inner points that no triangle uses.
+fn without_strays(points: Vec<DVec2>, mut triangles: Vec<[u32; 3]>, border: usize) -> Flat {
+    let mut used: Vec<bool> = (0..points.len()).map(|i| i < border).collect();
+    triangles
+        .iter()
+        .flatten()
+        .for_each(|&k| used[k as usize] = true);
+    let mut kept = Vec::with_capacity(points.len());
+    let mut number = vec![0; points.len()];
+    for (i, p) in points.into_iter().enumerate() {
+        number[i] = kept.len() as u32;
+        if used[i] {
+            kept.push(p);
+        }
+    }
+    for t in &mut triangles {
+        *t = t.map(|k| number[k as usize]);
+    }
+    (kept, triangles)
+}
+
+/// Points of a hexagonal lattice inside the polygon, row by row, not too near its sides.
+fn lattice(corners: &[DVec2], size: f64) -> Vec<DVec2> {
+    let mut points = Vec::new();
+    let spacing = SPACING * size;
+    let (low, high) = bounds(corners);
+    let height = high.y - low.y;
+    let rows = (height / (0.75f64.sqrt() * spacing)).ceil();
+    if !(spacing > 0.0 && rows >= 2.0 && rows < super::divide::MAX_PATCHES as f64) {
+        return points;
+    }
+    for row in 1..rows as u32 {
+        let y = low.y + height * f64::from(row) / rows;
+        let shift = 0.5 * f64::from(row % 2) * spacing;
+        let taken = near_sides(corners, y, CLEARANCE * spacing);
+        for [from, to] in inside_row(corners, y) {
+            let first = ((from - low.x - shift) / spacing).ceil();
+            let count = ((to - low.x - shift) / spacing).floor() - first;
+            for i in 0..=count.clamp(-1.0, 1e8) as i64 {
+                let x = low.x + shift + (first + i as f64) * spacing;
+                if taken.iter().all(|[a, b]| x <= *a || x >= *b) {
+                    points.push(DVec2::new(x, y));
+                }
+            }
+        }
+    }
+    points
+}
+
+/// The pieces of the line at height `y` that are inside the polygon, by the even-odd rule.
+fn inside_row(corners: &[DVec2], y: f64) -> Vec<[f64; 2]> {
+    let n = corners.len();
+    let mut crossings: Vec<f64> = (0..n)
+        .map(|k| (corners[k], corners[(k + 1) % n]))
+        .filter(|(a, b)| (a.y <= y) != (b.y <= y))
+        .map(|(a, b)| a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y))
+        .collect();
+    crossings.sort_by(f64::total_cmp);
+    crossings.chunks_exact(2).map(|c| [c[0], c[1]]).collect()
+}
+
+/// The pieces of the line at height `y` that come nearer than `distance` to a side.
+fn near_sides(corners: &[DVec2], y: f64, distance: f64) -> Vec<[f64; 2]> {
+    let n = corners.len();
+    (0..n)
+        .filter_map(|k| near_side(corners[k], corners[(k + 1) % n], y, distance))
+        .collect()
+}
+
+/// A line meets the points near a segment (two discs and the strip between) in one interval.
+fn near_side(a: DVec2, b: DVec2, y: f64, distance: f64) -> Option<[f64; 2]> {
+    if y < a.y.min(b.y) - distance || y > a.y.max(b.y) + distance {
+        return None;
+    }
+    let mut interval = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut extend = |x: f64| interval = [interval[0].min(x), interval[1].max(x)];
+    for p in [a, b] {
+        let square = distance * distance - (y - p.y) * (y - p.y);
+        if square >= 0.0 {
+            extend(p.x - square.sqrt());
+            extend(p.x + square.sqrt());
+        }
+    }
+    let across = (b - a).perp().normalize_or_zero() * distance;
+    let strip = [a - across, b - across, b + across, a + across];
+    for k in 0..4 {
+        let (p, q) = (strip[k], strip[(k + 1) % 4]);
+        if (p.y <= y) != (q.y <= y) {
+            extend(p.x + (q.x - p.x) * (y - p.y) / (q.y - p.y));
+        }
+    }
+    (interval[0] <= interval[1]).then_some(interval)
+}
+
+/// Each of the region's own triangles as it is, or about its centre where sides are divided.
+fn fans(sides: &[u32], border: &[DVec2], own: &[[u32; 3]]) -> Flat {
+    let n = sides.len() as u32;
+    let starts: Vec<u32> = sides
+        .iter()
+        .scan(0, |sum, &k| {
+            let start = *sum;
+            *sum += k;
+            Some(start)
+        })
+        .collect();
+    let mut flat = (border.to_vec(), Vec::new());
+    for t in own {
+        let mut ring = Vec::new();
+        for i in 0..3 {
+            let (c, next) = (t[i], t[(i + 1) % 3]);
+            let pieces = if (c + 1) % n == next {
+                sides[c as usize]
+            } else {
+                1
+            };
+            ring.extend((0..pieces).map(|step| starts[c as usize] + step));
+        }
+        match ring[..] {
+            [a, b, c] => flat.1.push([a, b, c]),
+            _ => {
+                let centre: DVec2 = t.iter().map(|&c| border[starts[c as usize] as usize]).sum();
+                let apex = flat.0.len() as u32;
+                flat.0.push(centre / 3.0);
+                let next = |i: usize| ring[(i + 1) % ring.len()];
+                flat.1
+                    .extend((0..ring.len()).map(|i| [ring[i], next(i), apex]));
+            }
+        }
+    }
+    flat
+}

@@ -1,0 +1,137 @@
+//! Points of a patch, uniform by area, from the unit square with little distortion.
+
+use super::Patches;
+use super::cells::Cells;
+use azulejo_scene::SurfacePoint;
+use glam::DVec3;
+
+/// A point of a patch, drawn by area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PatchPoint {
+    /// Where.
+    pub position: DVec3,
+    /// Unit normal of the surface's front there.
+    pub normal: DVec3,
+    /// What a mean over samples must weigh this one with; 1 on flat patches, mean 1 on all.
+    pub weight: f64,
+}
+
+impl Patches {
+    /// The point of patch `i` for `(u1, u2)` in the unit square.
+    ///
+    /// Uniform points of the square give points uniform by area (times `weight` on curved
+    /// patches), and neighbours stay neighbours, so stratified points stay stratified.
+    /// Triangles: Heitz, *A Low-Distortion Map Between Triangle and Square*, 2019.
+    /// Quadrilaterals: the inverse of the bilinear density.
+    pub fn sample(&self, i: usize, u1: f64, u2: f64) -> PatchPoint {
+        let region = self.region(i);
+        if region.normal == DVec3::ZERO {
+            return self.sample_curved(i, u1, u2);
+        }
+        let polygon = self.corner_points(i);
+        let position = match *polygon {
+            [a, b, c] => {
+                let (v, w) = triangle_from_square(u1, u2);
+                a + v * (b - a) + w * (c - a)
+            }
+            [a, b, c, d] => {
+                let (s, t, _) = sample_bilinear(quad_densities(&polygon, region.normal), u1, u2);
+                let (low, high) = (a + s * (b - a), d + s * (c - d));
+                low + t * (high - low)
+            }
+            _ => polygon[0],
+        };
+        PatchPoint {
+            position,
+            normal: region.normal,
+            weight: 1.0,
+        }
+    }
+
+    fn sample_curved(&self, i: usize, u1: f64, u2: f64) -> PatchPoint {
+        let corner = |s, t| self.curved_point(i, s, t).area_density;
+        let densities = [
+            corner(0.0, 0.0),
+            corner(1.0, 0.0),
+            corner(1.0, 1.0),
+            corner(0.0, 1.0),
+        ];
+        let (s, t, pdf) = sample_bilinear(lifted(densities), u1, u2);
+        let point = self.curved_point(i, s, t);
+        let (nu, nv) = self.part_grid(i);
+        // area_density is per unit of the part's u v, of which a cell has 1/(nu nv).
+        let cell_density = point.area_density / (f64::from(nu) * f64::from(nv));
+        PatchPoint {
+            position: point.position,
+            normal: point.normal,
+            weight: cell_density / (pdf * self.areas[i]),
+        }
+    }
+
+    /// The point of a primitive's cell at `(s, t)` in the unit square.
+    pub(super) fn curved_point(&self, i: usize, s: f64, t: f64) -> SurfacePoint {
+        let face = self.region(i).face;
+        let (nu, nv) = self.part_grid(i);
+        let cell = i as u32 - self.region_patches[self.owner[i] as usize];
+        let u = (f64::from(cell % nu) + s) / f64::from(nu);
+        let v = (f64::from(cell / nu) + t) / f64::from(nv);
+        match &self.primitives[face.object as usize] {
+            Some(p) => p.point(face.face as usize, u, v),
+            // Only regions of primitives have no normal of their own.
+            None => SurfacePoint {
+                position: DVec3::ZERO,
+                normal: DVec3::Z,
+                area_density: 0.0,
+            },
+        }
+    }
+
+    fn part_grid(&self, i: usize) -> (u32, u32) {
+        match self.cells[self.owner[i] as usize] {
+            Cells::Part { nu, nv } => (nu, nv),
+            _ => (1, 1),
+        }
+    }
+}
+
+/// Barycentric weights of corners 1 and 2.
+fn triangle_from_square(u1: f64, u2: f64) -> (f64, f64) {
+    if u2 > u1 {
+        let x = 0.5 * u1;
+        (x, u2 - x)
+    } else {
+        let y = 0.5 * u2;
+        (u1 - y, y)
+    }
+}
+
+/// Area per unit of parameters at the corners of a quadrilateral; bilinear in between.
+fn quad_densities(p: &[DVec3], normal: DVec3) -> [f64; 4] {
+    lifted([0, 1, 2, 3].map(|k| {
+        let (next, before) = (p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k]);
+        next.cross(before).dot(normal)
+    }))
+}
+
+/// Keeps densities off zero (poles, flat corners), where their inverse has no value.
+fn lifted(densities: [f64; 4]) -> [f64; 4] {
+    let most = densities.iter().fold(f64::MIN_POSITIVE, |a, &b| a.max(b));
+    densities.map(|d| d.max(1e-3 * most))
+}
+
+/// A point of the unit square by a bilinear density with the values `w` at (0,0), (1,0), (1,1)
+/// and (0,1), all > 0; and the density there, normalised.
+fn sample_bilinear(w: [f64; 4], u1: f64, u2: f64) -> (f64, f64, f64) {
+    let t = sample_linear(w[0] + w[1], w[3] + w[2], u2);
+    let left = w[0] + t * (w[3] - w[0]);
+    let right = w[1] + t * (w[2] - w[1]);
+    let s = sample_linear(left, right, u1);
+    let mean = 0.25 * (w[0] + w[1] + w[2] + w[3]);
+    (s, t, (left + s * (right - left)) / mean)
+}
+
+/// A number in 0..=1 by a density linear from `a` to `b`.
+fn sample_linear(a: f64, b: f64, u: f64) -> f64 {
+    let root = (a * a + u * (b * b - a * a)).max(0.0).sqrt();
+    (u * (a + b) / (a + root)).min(1.0)
+}
