@@ -1,3 +1,25 @@
-//! first pass: scene to irradiance
+//! First pass: from a scene to irradiance, once for all viewpoints.
+//!
+//! [`solve`] divides the faces into [`Patches`], traces the extended form factors between them
+//! (light that arrives straight, by mirrors or through glass), solves the radiosity system, and
+//! gathers irradiance at the vertices; [`probe`] gathers it at any points. The answer carries
+//! its standard error, and is the same to the bit for any number of threads.
+//!
+//! The order of reading: [`patch`] (what is divided), [`rays`] (rows of form factors),
+//! [`system`] (their solution; [`stochastic`] does without rows), [`gather`] and [`vertices`]
+//! (irradiance), [`solve`](mod@solve) (all of it, in order).
 
 pub mod analytic;
+pub mod gather;
+pub mod light;
+pub mod matrix;
+pub mod patch;
+pub mod rays;
+pub mod solve;
+pub mod stochastic;
+pub mod system;
+pub mod vertices;
+
+pub use patch::{DisplayVertex, FaceId, GivenVertex, PatchPoint, PatchSize, Patches, Polygon, RefinedShape};
+pub use solve::{Estimate, FirstPass, Light, Method, PointNormal, Probed, Report, SolveError, probe, solve};
+pub use system::Balance;

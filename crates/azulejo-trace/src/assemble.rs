@@ -36,6 +36,14 @@ impl LocalFrame {
         v * self.scale
     }
 
+    pub(crate) fn world_point(&self, p: DVec3) -> DVec3 {
+        p / self.scale + self.centre
+    }
+
+    pub(crate) fn world_vector(&self, v: DVec3) -> DVec3 {
+        v / self.scale
+    }
+
     /// Largest coordinate of a point relative to the centre, in world units.
     pub(crate) fn distance(&self, p: DVec3) -> f64 {
         (p - self.centre).abs().max_element()

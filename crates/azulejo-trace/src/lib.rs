@@ -1,5 +1,7 @@
 //! What does a point see: ray tracing kernel over a scene.
 
+pub mod follow;
+mod gather;
 pub mod lambert;
 mod assemble;
 mod build;
@@ -9,10 +11,13 @@ mod primitive;
 mod progress;
 mod ray;
 mod simd;
+mod surfaces;
 mod tracer;
 mod triangle;
 pub mod sampling;
 
+pub use gather::{Arrival, DiffuseLight, DirectLight, GatherOptions, GatherPoint, Gathered, Gatherer, REPLICATES};
 pub use progress::{Cancelled, Progress};
 pub use ray::{Hit, Item, KernelHit, KernelRay};
+pub use surfaces::Surfaces;
 pub use tracer::{Instance, Tracer};

@@ -133,6 +133,17 @@ impl Tracer {
         }
     }
 
+    /// The ray in the world again, as exact as `f32` kept it.
+    pub fn world_ray(&self, ray: &KernelRay) -> Ray {
+        let double = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+        Ray {
+            origin: self.frame.world_point(double(ray.origin)),
+            direction: self.frame.world_vector(double(ray.direction)),
+            t_min: f64::from(ray.t_min),
+            t_max: f64::from(ray.t_max),
+        }
+    }
+
     /// First meeting of each ray; `hits` is cleared and gets one entry per ray.
     ///
     /// Runs on the calling thread; callers split their rays.

@@ -1,0 +1,262 @@
+//! The first pass: from a scene to irradiance on its vertices, or at any points.
+
+use crate::gather::{Effort, gather, relative_error, standard_error};
+use crate::light::{PatchLight, reflectances};
+use crate::patch::{PatchSize, Patches};
+use crate::stochastic;
+use crate::system::{Balance, Found, System};
+use crate::vertices;
+use azulejo_scene::{Irradiance, Rgb, Scene};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Progress, Surfaces, Tracer};
+use std::fmt;
+
+/// What the first pass should do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FirstPass {
+    /// How finely faces are divided.
+    pub size: PatchSize,
+    /// Stop when the estimated relative RMS error of irradiance is below this; `None` leaves it
+    /// to `rays`. An error and no rays: rays are chosen for it.
+    pub error: Option<f64>,
+    /// Rays per patch and per vertex; `None` chooses by `error`.
+    pub rays: Option<u32>,
+    /// Diffuse bounces of light to follow; `None` follows them to convergence.
+    pub bounces: Option<u32>,
+    /// Another seed gives other noise.
+    pub seed: u64,
+    /// Bytes that the rows of form factors may take; beyond it light is shot without a matrix.
+    pub memory: u64,
+    /// Write irradiance on the vertices the scene has instead of those of the patches.
+    pub keep_mesh: bool,
+}
+
+impl Default for FirstPass {
+    /// About 2,500 patches, 2% error, bounces to convergence, 4 GiB.
+    fn default() -> FirstPass {
+        FirstPass {
+            size: PatchSize::Count(2_500),
+            error: None,
+            rays: None,
+            bounces: None,
+            seed: 0,
+            memory: 4 << 30,
+            keep_mesh: false,
+        }
+    }
+}
+
+/// Error that is aimed at when nothing is asked for.
+const DEFAULT_ERROR: f64 = 0.02;
+
+/// A patch is too small to be worth more rays than this when only an error is asked for.
+const MOST_PATCH_RAYS: f64 = 16_384.0;
+
+impl FirstPass {
+    fn effort(&self) -> Effort {
+        match (self.rays, self.error) {
+            (Some(rays), None) => Effort::Rays(rays),
+            (_, error) => Effort::Error(error.unwrap_or(DEFAULT_ERROR)),
+        }
+    }
+
+    /// Rays per patch: those asked for; else 256 for an error of 1%, falling with its square.
+    /// The noise of single patches averages out in every gather, so that this is enough.
+    fn patch_rays(&self) -> u32 {
+        let by_error = |error: f64| (256.0 * (0.01 / error).powi(2)).clamp(128.0, MOST_PATCH_RAYS) as u32;
+        self.rays.unwrap_or_else(|| by_error(self.error.unwrap_or(DEFAULT_ERROR)))
+    }
+
+    fn key(&self) -> u32 {
+        hash(&[self.seed as u32, (self.seed >> 32) as u32])
+    }
+}
+
+/// Why there is no solution.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// Nothing in the scene shines.
+    NoLight,
+    /// There is no surface with an area.
+    NoSurface,
+    /// The caller cancelled.
+    Cancelled,
+}
+
+impl From<Cancelled> for SolveError {
+    fn from(_: Cancelled) -> SolveError {
+        SolveError::Cancelled
+    }
+}
+
+impl fmt::Display for SolveError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            SolveError::NoLight => "nothing in the scene shines: add a light, or a material that emits",
+            SolveError::NoSurface => "the scene has no surface for light to fall on",
+            SolveError::Cancelled => "cancelled",
+        })
+    }
+}
+
+impl std::error::Error for SolveError {}
+
+/// How the light between patches was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Rows of form factors, then Jacobi iteration.
+    Matrix,
+    /// Stochastic Jacobi: power shot by rays, nothing stored (Neumann 1995).
+    Stochastic,
+}
+
+/// What a first pass did, and how good its answer is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// How.
+    pub method: Method,
+    /// Number of patches.
+    pub patches: usize,
+    /// Vertices or points at which irradiance was gathered.
+    pub points: usize,
+    /// Rays that started at patches.
+    pub patch_rays: u64,
+    /// Rays that started at each point.
+    pub point_rays: u32,
+    /// Bytes of the stored rows.
+    pub bytes: usize,
+    /// Bounces of light followed.
+    pub iterations: u32,
+    /// Change of the last bounce relative to the brightest patch.
+    pub residual: f64,
+    /// Where the emitted power went.
+    pub balance: Balance,
+    /// Estimated relative RMS error of irradiance, as [`relative_error`] says.
+    pub error: f64,
+}
+
+/// A solved scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// What [`Scene::set_irradiance`] takes.
+    pub irradiance: Irradiance,
+    /// How it was found.
+    pub report: Report,
+}
+
+/// Solves the light of a scene for all viewpoints and gathers it to the vertices.
+///
+/// # Errors
+/// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of `progress` is not
+/// an error: the answer is then as good as the time allowed, and its error says how good.
+pub fn solve(scene: &Scene, tracer: &Tracer, pass: &FirstPass, progress: &Progress) -> Result<Light, SolveError> {
+    let solved = Solved::new(scene, tracer, pass, progress)?;
+    let targets = vertices::targets(scene, &solved.patches, &solved.found.incident, pass.keep_mesh);
+    let light = solved.light();
+    let seed = hash(&[pass.key(), 1]);
+    let (gathered, rays) = gather(&solved.gatherer, &light, &targets.points, pass.effort(), seed, progress)?;
+    let report = solved.report(&gathered, rays);
+    Ok(Light { irradiance: targets.irradiance(scene, &solved.patches, &gathered), report })
+}
+
+/// A place and a direction at which irradiance is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointNormal {
+    /// World position.
+    pub position: glam::DVec3,
+    /// Unit normal of the side that receives.
+    pub normal: glam::DVec3,
+}
+
+/// An estimate with its standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: Rgb,
+    /// Its standard error: two to either side hold the truth 95 times in 100.
+    pub error: Rgb,
+}
+
+/// Irradiance at points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probed {
+    /// One estimate per point, W/m².
+    pub estimates: Vec<Estimate>,
+    /// How they were found.
+    pub report: Report,
+}
+
+/// Irradiance at given points and normals. `keep_mesh` has no meaning here.
+///
+/// # Errors
+/// As [`solve`].
+pub fn probe(
+    scene: &Scene,
+    tracer: &Tracer,
+    points: &[PointNormal],
+    pass: &FirstPass,
+    progress: &Progress,
+) -> Result<Probed, SolveError> {
+    let solved = Solved::new(scene, tracer, pass, progress)?;
+    let light = solved.light();
+    let place = |(i, p): (usize, &PointNormal)| GatherPoint { position: p.position, normal: p.normal, key: i as u32 };
+    let places: Vec<GatherPoint> = points.iter().enumerate().map(place).collect();
+    let seed = hash(&[pass.key(), 2]);
+    let (gathered, rays) = gather(&solved.gatherer, &light, &places, pass.effort(), seed, progress)?;
+    let estimates = gathered.iter().map(|g| Estimate { value: g.mean(), error: standard_error(g) }).collect();
+    Ok(Probed { estimates, report: solved.report(&gathered, rays) })
+}
+
+/// Patches and the light on them, before it is gathered anywhere.
+struct Solved<'a> {
+    gatherer: Gatherer<'a>,
+    patches: Patches,
+    reflectance: Vec<Rgb>,
+    found: Found,
+    method: Method,
+}
+
+impl<'a> Solved<'a> {
+    fn new(scene: &'a Scene, tracer: &'a Tracer, pass: &FirstPass, progress: &Progress) -> Result<Solved<'a>, SolveError> {
+        if !scene.has_light() {
+            return Err(SolveError::NoLight);
+        }
+        let patches = Patches::new(scene, pass.size);
+        if patches.is_empty() {
+            return Err(SolveError::NoSurface);
+        }
+        let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
+        let reflectance = reflectances(scene, &patches);
+        let (seed, rays) = (hash(&[pass.key(), 0]), pass.patch_rays());
+        // Entries of eight bytes, hardly more of them than rays.
+        let expected = patches.len() as u64 * u64::from(rays) * 8;
+        let (found, method) = if expected <= pass.memory {
+            let system = System::trace(&gatherer, &patches, &reflectance, rays, seed, progress)?;
+            (system.solve_all(pass.bounces, progress)?, Method::Matrix)
+        } else {
+            let found = stochastic::solve(&gatherer, &patches, &reflectance, rays, pass.bounces, seed, progress)?;
+            (found, Method::Stochastic)
+        };
+        Ok(Solved { gatherer, patches, reflectance, found, method })
+    }
+
+    fn light(&self) -> PatchLight<'_> {
+        PatchLight::new(self.gatherer.surfaces(), &self.patches, &self.reflectance, &self.found.solutions)
+    }
+
+    fn report(&self, gathered: &[Gathered], rays: u32) -> Report {
+        Report {
+            method: self.method,
+            patches: self.patches.len(),
+            points: gathered.len(),
+            patch_rays: self.found.rays,
+            point_rays: rays,
+            bytes: self.found.bytes,
+            iterations: self.found.convergence.iterations,
+            residual: self.found.convergence.residual,
+            balance: self.found.balance,
+            error: relative_error(gathered),
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! Stochastic Jacobi: radiosity without a matrix, for scenes whose rows would not fit.
+//!
+//! Each iteration shoots the power that arrived in the one before, by rays in proportion to it;
+//! their number falls with the power, so that all iterations together cost little more than the
+//! first. Neumann, *Monte Carlo radiosity*, Computing 55, 1995; Bekaert, *Hierarchical and
+//! stochastic algorithms for radiosity*, 1999, section 6.
+
+use crate::patch::Patches;
+use crate::rays::{Side, side};
+use crate::system::{Balance, Convergence, Found};
+use azulejo_scene::Rgb;
+use azulejo_scene::math::{Frame, Ray};
+use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
+use azulejo_trace::sampling::{cosine_about, hash, seeds, sobol, uniform};
+use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Progress, REPLICATES};
+use rayon::prelude::*;
+
+/// Iteration ends when less than this share of the first iteration's power is left to shoot.
+const REST: f64 = 1e-4;
+
+/// Rays traced between two merges of what they found: bounds the memory for it.
+const BLOCK: usize = 1 << 18;
+
+/// Rays in one batch of a thread.
+const BATCH: usize = 4096;
+
+/// Rays per replicate that look for the surroundings' light from each side of a patch.
+const AMBIENT_RAYS: u32 = 16;
+
+/// What is being shot, which decides what counts where it arrives.
+#[derive(Clone, Copy, PartialEq)]
+enum Shot {
+    /// Emission: counts only where formulas have not counted it.
+    Emission,
+    /// Diffusely reflected light: counts everywhere.
+    Reflected,
+}
+
+/// What one batch of rays found.
+#[derive(Default)]
+struct Arrivals {
+    /// Power that reached diffuse sides, W.
+    deposits: Vec<(Side, [f32; 3])>,
+    balance: Balance,
+}
+
+/// Solves for R with about `rays` rays per patch in all replicates together.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn solve(
+    gatherer: &Gatherer,
+    patches: &Patches,
+    reflectance: &[Rgb],
+    rays: u32,
+    bounces: Option<u32>,
+    seed: u32,
+    progress: &Progress,
+) -> Result<Found, Cancelled> {
+    let shooter = Shooter { gatherer, patches, reflectance, seed };
+    let direct = shooter.direct(progress)?;
+    let budget = u64::from(rays) * patches.len() as u64 / REPLICATES as u64;
+    let mut found = Found::new(2 * patches.len());
+    for r in 0..REPLICATES {
+        let mut incident: Vec<Rgb> = direct.iter().map(|d| d.0[r]).collect();
+        let mut solution = vec![Rgb::BLACK; incident.len()];
+        let share = 1.0 / REPLICATES as f64;
+        for (s, (_, foreign)) in direct.iter().enumerate() {
+            let (area, rho) = (patches.area(s / 2), reflectance[s / 2]);
+            found.balance.emitted += *foreign * (area * share);
+            found.balance.absorbed += *foreign * (Rgb::WHITE - rho) * (area * share);
+        }
+        let exitance: Vec<Rgb> = (0..incident.len()).map(|s| shooter.exitance(s as Side)).collect();
+        found.balance.emitted += shooter.total(&exitance) * share;
+        let stray = shooter.shoot(&exitance, budget, Shot::Emission, r as u32, 0, &mut found, progress)?;
+        incident.iter_mut().zip(&stray).for_each(|(h, s)| *h += *s);
+        let mut unshot: Vec<Rgb> = (0..incident.len()).map(|s| incident[s] * reflectance[s / 2]).collect();
+        let first = shooter.total(&unshot).max_channel();
+        let mut state = Convergence { iterations: 1, residual: 0.0 };
+        loop {
+            solution.iter_mut().zip(&unshot).for_each(|(x, u)| *x += *u);
+            let power = shooter.total(&unshot).max_channel();
+            state.residual = if first > 0.0 { power / first } else { 0.0 };
+            if state.residual <= REST || bounces.is_some_and(|most| state.iterations >= most) {
+                break;
+            }
+            let count = (budget as f64 * power / first).ceil() as u64;
+            let arrived = shooter.shoot(&unshot, count, Shot::Reflected, r as u32, state.iterations, &mut found, progress)?;
+            incident.iter_mut().zip(&arrived).for_each(|(h, a)| *h += *a);
+            unshot = (0..arrived.len()).map(|s| arrived[s] * reflectance[s / 2]).collect();
+            state.iterations += 1;
+        }
+        found.add_replicate(solution, &incident, state);
+    }
+    Ok(found)
+}
+
+struct Shooter<'a> {
+    gatherer: &'a Gatherer<'a>,
+    patches: &'a Patches,
+    reflectance: &'a [Rgb],
+    seed: u32,
+}
+
+impl Shooter<'_> {
+    fn exitance(&self, s: Side) -> Rgb {
+        let material = self.patches.material((s / 2) as usize);
+        if s.is_multiple_of(2) { self.gatherer.surfaces().scene.materials[material as usize].exitance() } else { Rgb::BLACK }
+    }
+
+    /// Power of a radiosity per side, W.
+    fn total(&self, radiosity: &[Rgb]) -> Rgb {
+        radiosity.iter().enumerate().map(|(s, &b)| b * self.patches.area(s / 2)).sum()
+    }
+
+    /// H₀ of every diffuse side, one estimate per replicate, and its foreign part.
+    fn direct(&self, progress: &Progress) -> Result<Vec<([Rgb; REPLICATES], Rgb)>, Cancelled> {
+        let sides = 2 * self.patches.len();
+        progress.begin("direct light", sides as u64);
+        (0..sides as Side)
+            .into_par_iter()
+            .map_init(Scratch::default, |scratch, s| {
+                progress.advance(1)?;
+                if self.reflectance[(s / 2) as usize].is_black() {
+                    return Ok(Default::default());
+                }
+                let points: [GatherPoint; REPLICATES] = std::array::from_fn(|r| self.point(s, r as u32));
+                let light = self.gatherer.direct(&points, 1, 2, self.seed);
+                let ambient = self.ambient(s, scratch);
+                let mut lamps = ambient;
+                (0..REPLICATES).for_each(|r| lamps[r] += light[r].lamps.mean() + light[r].lights);
+                let lights = light.iter().map(|l| l.lights).sum::<Rgb>() / REPLICATES as f64;
+                Ok((lamps, lights + ambient.iter().copied().sum::<Rgb>() / REPLICATES as f64))
+            })
+            .collect()
+    }
+
+    fn point(&self, s: Side, r: u32) -> GatherPoint {
+        let key = hash(&[self.seed, s, r]);
+        let at = self.patches.sample((s / 2) as usize, uniform(&[key, 0]).into(), uniform(&[key, 1]).into());
+        GatherPoint { position: at.position, normal: facing(s) * at.normal, key }
+    }
+
+    /// Irradiance from the surroundings, per replicate; black without any.
+    fn ambient(&self, s: Side, scratch: &mut Scratch) -> [Rgb; REPLICATES] {
+        let mut sums = [Rgb::BLACK; REPLICATES];
+        let radiance = self.gatherer.ambient();
+        if radiance.is_black() {
+            return sums;
+        }
+        let share = 1.0 / f64::from(AMBIENT_RAYS);
+        let rays = (0..REPLICATES as u32).flat_map(|r| (0..AMBIENT_RAYS).map(move |k| (r, k)));
+        let mut paths: Vec<Path> = rays.map(|(r, k)| self.path(s, k, hash(&[r, 7]), r, Rgb::grey(share))).collect();
+        follow(self.gatherer.surfaces(), &mut paths, scratch, hash(&[self.seed, s]), |path, event| {
+            if let Event::Escape = event {
+                sums[path.id as usize] += radiance * std::f64::consts::PI * Rgb::from(path.weight.map(f64::from));
+            }
+        });
+        sums
+    }
+
+    /// Ray `k` of a side: area-averaged, cosine-distributed, carrying `weight`.
+    fn path(&self, s: Side, k: u32, key: u32, id: u32, weight: Rgb) -> Path {
+        let tracer = self.gatherer.surfaces().tracer;
+        let scrambling = seeds(&[self.seed, s, key]);
+        let [u1, u2, u3, u4] = std::array::from_fn(|d| f64::from(sobol(k, d, scrambling[d])));
+        let at = self.patches.sample((s / 2) as usize, u1, u2);
+        let normal = facing(s) * at.normal;
+        let direction = cosine_about(&Frame::from_normal(normal), u3, u4);
+        let ray = tracer.kernel_ray(&Ray::new(tracer.leaving(at.position, normal), direction));
+        Path { ray, id, weight: (weight * at.weight).to_f32(), via: Via::Direct, depth: 0 }
+    }
+
+    /// Shoots a radiosity per side by `count` rays; returns the irradiance that arrives per side.
+    #[allow(clippy::too_many_arguments)] // One call of one private method; a struct would only rename them.
+    fn shoot(
+        &self,
+        radiosity: &[Rgb],
+        count: u64,
+        shot: Shot,
+        replicate: u32,
+        iteration: u32,
+        found: &mut Found,
+        progress: &Progress,
+    ) -> Result<Vec<Rgb>, Cancelled> {
+        let mut power = vec![Rgb::BLACK; radiosity.len()];
+        let total: f64 = self.total(radiosity).max_channel().max(0.0);
+        if total <= 0.0 || count == 0 {
+            return Ok(power);
+        }
+        progress.begin("shooting", count);
+        let key = hash(&[self.seed, replicate, iteration, shot as u32]);
+        let work = self.share_out(radiosity, count, uniform(&[key]).into());
+        for block in split(&work, BLOCK) {
+            let batches: Vec<&[(Side, u32, Rgb)]> = split(block, BATCH).collect();
+            let arrivals: Vec<Arrivals> = batches
+                .par_iter()
+                .map_init(Scratch::default, |scratch, batch| {
+                    progress.advance(batch.iter().map(|w| u64::from(w.1)).sum())?;
+                    Ok(self.shoot_batch(batch, shot, key, scratch))
+                })
+                .collect::<Result<_, Cancelled>>()?;
+            for a in arrivals {
+                found.balance.add(&a.balance, 1.0 / REPLICATES as f64);
+                for (s, w) in a.deposits {
+                    power[s as usize] += Rgb::from(w.map(f64::from));
+                }
+            }
+        }
+        found.rays += count;
+        Ok((0..power.len()).map(|s| power[s] / self.patches.area(s / 2)).collect())
+    }
+
+    /// Sides with their number of rays and the power each of these carries: evenly spaced over
+    /// the sides' power, so that every side gets its share to within one ray.
+    fn share_out(&self, radiosity: &[Rgb], count: u64, offset: f64) -> Vec<(Side, u32, Rgb)> {
+        let power = |s: usize| radiosity[s] * self.patches.area(s / 2);
+        let total: f64 = (0..radiosity.len()).map(|s| power(s).max_channel()).sum();
+        let (mut sum, mut before, mut work) = (0.0, offset.floor(), Vec::new());
+        for s in 0..radiosity.len() {
+            let p = power(s);
+            sum += p.max_channel();
+            let reached = (sum / total * count as f64 + offset).floor();
+            let rays = (reached - before) as u32;
+            before = reached;
+            if rays > 0 {
+                work.push((s as Side, rays, p * (total / (p.max_channel() * count as f64))));
+            }
+        }
+        work
+    }
+
+    fn shoot_batch(&self, batch: &[(Side, u32, Rgb)], shot: Shot, key: u32, scratch: &mut Scratch) -> Arrivals {
+        let surfaces = self.gatherer.surfaces();
+        let one = |&(s, rays, weight): &(Side, u32, Rgb)| (0..rays).map(move |k| self.path(s, k, key, s, weight));
+        let mut paths: Vec<Path> = batch.iter().flat_map(one).collect();
+        let mut a = Arrivals::default();
+        let first = batch.first().map_or(0, |w| w.0);
+        follow(surfaces, &mut paths, scratch, hash(&[key, first]), |path, event| {
+            let weight = Rgb::from(path.weight.map(f64::from));
+            match event {
+                Event::Escape => a.balance.escaped += weight,
+                Event::Cut => a.balance.cut += weight,
+                Event::Surface { hit, front } => {
+                    let material = surfaces.material(hit.item);
+                    if material.dielectric.is_none() {
+                        a.balance.absorbed += weight * (Rgb::WHITE - material.mirror - material.diffuse);
+                    }
+                    let counted = shot == Shot::Emission && self.gatherer.counts_direct(self.patches.polygon((path.id / 2) as usize).is_some(), path.via);
+                    if !material.diffuse.is_black() && !counted {
+                        a.deposits.push((side(self.patches.locate_hit(surfaces.tracer, &hit), front), path.weight));
+                    }
+                }
+            }
+        });
+        a
+    }
+}
+
+fn facing(s: Side) -> f64 {
+    if s.is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
+/// Divides work into runs of about `rays` rays, whole sides each.
+fn split(work: &[(Side, u32, Rgb)], rays: usize) -> impl Iterator<Item = &[(Side, u32, Rgb)]> {
+    let mut rest = work;
+    std::iter::from_fn(move || {
+        let mut sum = 0;
+        let end = rest.iter().position(|w| {
+            sum += w.1 as usize;
+            sum >= rays
+        });
+        let (head, tail) = rest.split_at(end.map_or(rest.len(), |e| e + 1));
+        rest = tail;
+        (!head.is_empty()).then_some(head)
+    })
+}

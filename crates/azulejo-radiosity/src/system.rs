@@ -1,0 +1,303 @@
+//! The radiosity system B = M + ρ (H₀ + X R): its rows, and its solution.
+//!
+//! Emission M enters by way of H₀, the irradiance that arrives without diffuse reflection, which
+//! is exact where formulas give it. What is solved for is R = B − M, the light that leaves by
+//! diffuse reflection. Four replicates of every row make four independent systems; the spread of
+//! their solutions carries the noise of the rows through to the answer.
+
+use crate::matrix::Matrix;
+use crate::patch::Patches;
+use crate::rays::{Columns, RayEstimator, Row, Side, side};
+use azulejo_scene::{Material, Rgb};
+use azulejo_trace::follow::Scratch;
+use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
+use rayon::prelude::*;
+
+/// Rows computed between two looks at the progress bar.
+const BLOCK: usize = 64;
+
+/// One unknown: a side of a patch that reflects diffusely and that light can reach.
+#[derive(Clone, Debug)]
+pub struct Unknown {
+    /// Which side.
+    pub side: Side,
+    /// Area of the patch.
+    pub area: f64,
+    /// Diffuse reflectance ρ_d.
+    pub reflectance: Rgb,
+    /// Emitted exitance M of this side, W/m².
+    pub exitance: Rgb,
+    /// H₀ per replicate, W/m².
+    pub direct: [Rgb; REPLICATES],
+    /// The part of H₀ that no patch emitted.
+    pub foreign: Rgb,
+    /// Shares of what leaves this side: absorbed, escaped, cut off.
+    pub fates: [Rgb; 3],
+}
+
+/// The rows of all unknowns.
+pub struct System {
+    /// The unknowns, in the order of the matrices' rows.
+    pub unknowns: Vec<Unknown>,
+    /// One matrix per replicate; columns are sides.
+    pub matrices: Vec<Matrix>,
+    /// Number of sides: twice the patches.
+    pub sides: usize,
+    /// Rays traced from patches.
+    pub rays: u64,
+}
+
+/// How far a solution is from solving its system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Convergence {
+    /// Bounces of light followed.
+    pub iterations: u32,
+    /// Largest change of a patch in the last iteration, relative to the largest R.
+    pub residual: f64,
+}
+
+impl System {
+    /// Traces the rows of every side that light can reach: all fronts, then those backs that
+    /// rays from reached sides meet, and so on.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn trace(
+        gatherer: &Gatherer,
+        patches: &Patches,
+        reflectance: &[Rgb],
+        rays: u32,
+        seed: u32,
+        progress: &Progress,
+    ) -> Result<System, Cancelled> {
+        let estimator = RayEstimator::new(gatherer, patches, rays, seed, Columns::Diffuse);
+        let materials = &gatherer.surfaces().scene.materials;
+        let reflects = |p: usize| {
+            let m = &materials[patches.material(p) as usize];
+            !m.diffuse.is_black() || m.is_emitter()
+        };
+        let channels = if materials.iter().all(is_grey) { 1 } else { 3 };
+        let mut system = System {
+            unknowns: Vec::new(),
+            matrices: vec![Matrix::new(channels); REPLICATES],
+            sides: 2 * patches.len(),
+            rays: 0,
+        };
+        let mut is_planned = vec![false; system.sides];
+        let mut wave: Vec<Side> =
+            (0..patches.len()).filter(|&p| reflects(p)).map(|p| side(p as u32, true)).collect();
+        wave.iter().for_each(|&s| is_planned[s as usize] = true);
+        progress.begin("form factors", wave.len() as u64);
+        while !wave.is_empty() {
+            let mut met = Vec::new();
+            for block in wave.chunks(BLOCK * rayon::current_num_threads().max(1)) {
+                let row = |scratch: &mut Scratch, &s: &Side| {
+                    progress.advance(1)?;
+                    Ok(estimator.row(s, scratch))
+                };
+                let rows: Vec<Row> = block.par_iter().map_init(Scratch::default, row).collect::<Result<_, Cancelled>>()?;
+                for (&s, row) in block.iter().zip(&rows) {
+                    let material = &materials[patches.material((s / 2) as usize) as usize];
+                    system.push(s, row, patches, reflectance[(s / 2) as usize], material);
+                    for (j, _) in row.entries.iter().flatten() {
+                        if !std::mem::replace(&mut is_planned[*j as usize], true) {
+                            met.push(*j);
+                        }
+                    }
+                }
+            }
+            met.sort_unstable();
+            wave = met;
+        }
+        Ok(system)
+    }
+
+    fn push(&mut self, s: Side, row: &Row, patches: &Patches, reflectance: Rgb, material: &Material) {
+        let exitance = if s.is_multiple_of(2) { material.exitance() } else { Rgb::BLACK };
+        self.unknowns.push(Unknown {
+            side: s,
+            area: patches.area((s / 2) as usize),
+            reflectance,
+            exitance,
+            direct: row.direct,
+            foreign: row.foreign,
+            fates: [row.absorbed, row.escaped, row.cut],
+        });
+        for (matrix, entries) in self.matrices.iter_mut().zip(&row.entries) {
+            matrix.push_row(entries);
+        }
+        self.rays += u64::from(row.rays);
+    }
+
+    /// Bytes of all rows.
+    pub fn bytes(&self) -> usize {
+        self.matrices.iter().map(Matrix::bytes).sum::<usize>() + self.unknowns.len() * size_of::<Unknown>()
+    }
+
+    /// Solves the system of one replicate: R per side, W/m².
+    ///
+    /// Jacobi iteration from R = ρ H₀, one bounce of light per iteration, until the residual is
+    /// below `tolerance` or `bounces` are done. It converges since max ρ_d/(1 − ρ_s) < 1.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn solve(
+        &self,
+        replicate: usize,
+        bounces: Option<u32>,
+        tolerance: f64,
+        progress: &Progress,
+    ) -> Result<(Vec<Rgb>, Convergence), Cancelled> {
+        let most = bounces.unwrap_or(MOST_ITERATIONS);
+        let mut reflected = vec![Rgb::BLACK; self.sides];
+        let mut state = Convergence { iterations: 0, residual: 0.0 };
+        while state.iterations < most {
+            progress.advance(0)?;
+            let matrix = &self.matrices[replicate];
+            let next = matrix.map_rows(|i| {
+                let u = &self.unknowns[i];
+                u.reflectance * (u.direct[replicate] + matrix.row_times(i, &reflected))
+            });
+            let (mut change, mut largest) = (0f64, 0f64);
+            for (u, value) in self.unknowns.iter().zip(next) {
+                let old = &mut reflected[u.side as usize];
+                change = change.max((value - *old).map(f64::abs).max_channel());
+                largest = largest.max(value.max_channel());
+                *old = value;
+            }
+            state.iterations += 1;
+            state.residual = if largest > 0.0 { change / largest } else { 0.0 };
+            if state.residual <= tolerance {
+                break;
+            }
+        }
+        Ok((reflected, state))
+    }
+
+    /// Where the emitted power goes, W, with the reflected light `reflected` (mean of the
+    /// replicates, per side).
+    pub fn balance(&self, reflected: &[Rgb]) -> Balance {
+        let mut b = Balance::default();
+        for u in &self.unknowns {
+            let leaving = (u.exitance + reflected[u.side as usize]) * u.area;
+            b.emitted += u.exitance * u.area + u.foreign * u.area;
+            // Light of no patch is met by its first surface here; the rest is met by rows.
+            b.absorbed += leaving * u.fates[0] + u.foreign * (Rgb::WHITE - u.reflectance) * u.area;
+            b.escaped += leaving * u.fates[1];
+            b.cut += leaving * u.fates[2];
+        }
+        b
+    }
+}
+
+impl System {
+    /// Solves all replicates.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn solve_all(&self, bounces: Option<u32>, progress: &Progress) -> Result<Found, Cancelled> {
+        progress.begin("bounces", REPLICATES as u64);
+        let mut found = Found::new(self.sides);
+        for r in 0..REPLICATES {
+            let (solution, state) = self.solve(r, bounces, TOLERANCE, progress)?;
+            let mut incident = vec![Rgb::BLACK; self.sides];
+            let arriving = self.matrices[r].map_rows(|i| self.matrices[r].row_times(i, &solution));
+            for (u, h) in self.unknowns.iter().zip(arriving) {
+                incident[u.side as usize] = u.direct[r] + h;
+            }
+            found.add_replicate(solution, &incident, state);
+            progress.advance(1)?;
+        }
+        found.balance = self.balance(&found.mean());
+        (found.rays, found.bytes) = (self.rays, self.bytes());
+        Ok(found)
+    }
+}
+
+/// The light on the sides of patches, however it was found.
+pub struct Found {
+    /// R per side, one solution per replicate, W/m².
+    pub solutions: Vec<Vec<Rgb>>,
+    /// Irradiance per side, mean of the replicates, W/m²; black on sides without a row.
+    pub incident: Vec<Rgb>,
+    /// The worst of the replicates.
+    pub convergence: Convergence,
+    /// Where the power went.
+    pub balance: Balance,
+    /// Rays that started at patches.
+    pub rays: u64,
+    /// Bytes of stored rows.
+    pub bytes: usize,
+}
+
+impl Found {
+    /// Nothing found yet on so many sides.
+    pub fn new(sides: usize) -> Found {
+        Found {
+            solutions: Vec::with_capacity(REPLICATES),
+            incident: vec![Rgb::BLACK; sides],
+            convergence: Convergence { iterations: 0, residual: 0.0 },
+            balance: Balance::default(),
+            rays: 0,
+            bytes: 0,
+        }
+    }
+
+    /// Adds one of [`REPLICATES`] solutions, with its irradiance.
+    pub fn add_replicate(&mut self, solution: Vec<Rgb>, incident: &[Rgb], state: Convergence) {
+        self.solutions.push(solution);
+        let share = 1.0 / REPLICATES as f64;
+        self.incident.iter_mut().zip(incident).for_each(|(mean, h)| *mean += *h * share);
+        self.convergence.iterations = self.convergence.iterations.max(state.iterations);
+        self.convergence.residual = self.convergence.residual.max(state.residual);
+    }
+
+    /// Mean of the solutions, per side.
+    pub fn mean(&self) -> Vec<Rgb> {
+        let share = 1.0 / self.solutions.len().max(1) as f64;
+        (0..self.incident.len()).map(|s| self.solutions.iter().map(|x| x[s]).sum::<Rgb>() * share).collect()
+    }
+}
+
+/// Relative residual at which the iteration of bounces ends.
+const TOLERANCE: f64 = 1e-5;
+
+/// Even facing perfect mirrors end here.
+const MOST_ITERATIONS: u32 = 10_000;
+
+/// Where the emitted power went, W per channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// By surfaces, and by lights without area as far as it reaches a surface.
+    pub emitted: Rgb,
+    /// By surfaces.
+    pub absorbed: Rgb,
+    /// Out of an open scene.
+    pub escaped: Rgb,
+    /// Cut off by the limits on mirror chains.
+    pub cut: Rgb,
+}
+
+impl Balance {
+    /// Adds `share` of another balance.
+    pub fn add(&mut self, other: &Balance, share: f64) {
+        self.emitted += other.emitted * share;
+        self.absorbed += other.absorbed * share;
+        self.escaped += other.escaped * share;
+        self.cut += other.cut * share;
+    }
+
+    /// |emitted − absorbed − escaped − cut| over emitted, all channels together; zero in the
+    /// dark. It shows the noise of the rows: with exact ones it would be the solver's residual.
+    pub fn error(&self) -> f64 {
+        let rest = (self.emitted - self.absorbed - self.escaped - self.cut).mean();
+        let emitted = self.emitted.mean();
+        if emitted > 0.0 { (rest / emitted).abs() } else { 0.0 }
+    }
+}
+
+/// Whether light keeps its colour on specular ways over this material.
+fn is_grey(m: &Material) -> bool {
+    m.mirror.is_grey() && m.dielectric.is_none_or(|d| d.transmittance.is_grey())
+}
+

@@ -1,0 +1,115 @@
+//! Where irradiance is gathered for the vertices of a scene, and how it comes back to them.
+//!
+//! A face may be lit from either side. Irradiance is written for the front, so a face that does
+//! not emit and is lit more on its back is turned round: models whose faces look outwards come
+//! out lit all the same. Meshes that are kept as given are not turned, but get the light of the
+//! side that is lit more.
+
+use crate::patch::{Patches, RefinedShape};
+use azulejo_scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Scene, Shape, SurfaceLight};
+use azulejo_trace::{GatherPoint, Gathered};
+
+use crate::gather::standard_error;
+use crate::rays::side;
+
+/// The points to gather at, one per display vertex of the patches.
+pub struct Targets {
+    /// One per display vertex.
+    pub points: Vec<GatherPoint>,
+    /// Whether the point stands on the back of its faces.
+    is_turned: Vec<bool>,
+    keep_mesh: bool,
+}
+
+/// Chooses the lit side of every display vertex; `incident` is irradiance per side of the
+/// patches.
+pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bool) -> Targets {
+    let mut targets = Targets { points: Vec::new(), is_turned: Vec::new(), keep_mesh };
+    for (index, vertex) in patches.vertices().iter().enumerate() {
+        let around = patches.patches_at(index);
+        let sum = |front: bool| -> f64 {
+            around.iter().map(|&p| patches.area(p as usize) * incident[side(p, front) as usize].mean()).sum()
+        };
+        let may_turn = around.iter().all(|&p| {
+            let m = &scene.materials[patches.material(p as usize) as usize];
+            !m.is_emitter() && m.dielectric.is_none()
+        });
+        let is_mesh = matches!(scene.objects[vertex.object as usize].shape, Shape::Mesh(_));
+        let turned = may_turn && is_mesh && sum(false) > sum(true);
+        let normal = if turned { -vertex.normal } else { vertex.normal };
+        targets.points.push(GatherPoint { position: vertex.gather, normal, key: index as u32 });
+        targets.is_turned.push(turned);
+    }
+    targets
+}
+
+impl Targets {
+    /// What was gathered at the points, on the objects.
+    pub fn irradiance(&self, scene: &Scene, patches: &Patches, gathered: &[Gathered]) -> Irradiance {
+        let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
+            Shape::Mesh(mesh) if self.keep_mesh => given(patches, object as u32, mesh, gathered),
+            _ => self.refined(scene, patches, object as u32, gathered),
+        };
+        Irradiance { objects: scene.objects.iter().enumerate().map(of_object).collect() }
+    }
+
+    fn refined(&self, scene: &Scene, patches: &Patches, object: u32, gathered: &[Gathered]) -> ObjectIrradiance {
+        let range = patches.vertices_of(object);
+        let values = gathered[range.clone()].iter().map(Gathered::mean).map(positive).collect();
+        let errors = gathered[range.clone()].iter().map(standard_error).collect();
+        match patches.refined(object, scene) {
+            RefinedShape::Mesh(mut mesh) => {
+                turn_faces(&mut mesh, &self.is_turned[range]);
+                mesh.irradiance = values;
+                mesh.irradiance_error = errors;
+                ObjectIrradiance::Refined(mesh)
+            }
+            RefinedShape::Surface(grids) => {
+                ObjectIrradiance::Surface(SurfaceLight { grids, irradiance: values, error: errors })
+            }
+        }
+    }
+}
+
+/// Irradiance on the vertices that the mesh came with: where a crease gives a vertex several
+/// display vertices, their mean by corner angle.
+fn given(patches: &Patches, object: u32, mesh: &Mesh, gathered: &[Gathered]) -> ObjectIrradiance {
+    let (mut irradiance, mut error) = (Vec::new(), Vec::new());
+    for vertex in 0..mesh.positions.len() as u32 {
+        let shown = patches.given_vertices(object, vertex);
+        let total: f64 = shown.iter().map(|g| g.weight).sum();
+        let mean = |value: fn(&Gathered) -> Rgb| -> Rgb {
+            let sum: Rgb = shown.iter().map(|g| value(&gathered[g.display as usize]) * g.weight).sum();
+            if total > 0.0 { sum / total } else { Rgb::BLACK }
+        };
+        irradiance.push(positive(mean(Gathered::mean)));
+        error.push(mean(standard_error));
+    }
+    ObjectIrradiance::Vertices { irradiance, error }
+}
+
+/// The estimate of a share of visibility may fall a hair below nothing.
+fn positive(e: Rgb) -> Rgb {
+    e.map(|x| x.max(0.0))
+}
+
+/// Reverses the faces whose vertices are lit on the back, and their normals.
+fn turn_faces(mesh: &mut Mesh, is_turned: &[bool]) {
+    let turned = |corners: &[u32]| 2 * corners.iter().filter(|&&v| is_turned[v as usize]).count() > corners.len();
+    for face in 0..mesh.faces.len() {
+        let range = mesh.faces.corner_range(face);
+        if turned(&mesh.faces.corners[range.clone()]) {
+            mesh.faces.corners[range.clone()].reverse();
+            for index in [mesh.normals.as_mut().and_then(|a| a.corners.as_mut()), mesh.uvs.as_mut().and_then(|a| a.corners.as_mut())] {
+                if let Some(corners) = index {
+                    corners[range.clone()].reverse();
+                }
+            }
+        }
+    }
+    if let Some(normals) = mesh.normals.as_mut().filter(|n| n.corners.is_none()) {
+        for (n, _) in normals.values.iter_mut().zip(is_turned).filter(|(_, t)| **t) {
+            *n = -*n;
+        }
+    }
+}

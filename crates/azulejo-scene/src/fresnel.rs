@@ -1,0 +1,111 @@
+//! Fresnel and Snell: the smooth boundary of a transparent body.
+
+use crate::math::reflect;
+use glam::DVec3;
+
+/// What a boundary does with one ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// Share of the radiance that is mirrored, 0..=1; 1 when the reflection is total.
+    pub reflectance: f64,
+    /// Mirrored direction, unit.
+    pub reflected: DVec3,
+    /// Refracted direction, unit; `None` when the reflection is total.
+    pub refracted: Option<DVec3>,
+}
+
+/// Splits a ray at the boundary between two media.
+///
+/// `direction` is unit and runs against the unit normal `n` (`direction · n <= 0`);
+/// `eta` > 0 is the index of refraction of the far side over that of the near side. Snell's
+/// law and Fresnel's equations for unpolarised light, exact. At grazing incidence everything is
+/// mirrored.
+pub fn split(direction: DVec3, n: DVec3, eta: f64) -> Split {
+    let cos_i = (-direction.dot(n)).clamp(0.0, 1.0);
+    let reflected = reflect(direction, n);
+    let cos2_t = 1.0 - (1.0 - cos_i * cos_i) / (eta * eta);
+    if cos2_t <= 0.0 {
+        return Split {
+            reflectance: 1.0,
+            reflected,
+            refracted: None,
+        };
+    }
+    let cos_t = cos2_t.sqrt();
+    let bent = direction / eta + (cos_i / eta - cos_t) * n;
+    Split {
+        reflectance: reflectance(cos_i, cos_t, eta),
+        reflected,
+        refracted: Some(bent.normalize()),
+    }
+}
+
+/// Fresnel reflectance of unpolarised light: the mean over both polarisations.
+///
+/// Hecht, *Optics*, 4th ed., eqs. (4.34) and (4.40), with the indices divided by the near one.
+fn reflectance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
+    let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    0.5 * (perpendicular * perpendicular + parallel * parallel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at_angle(degrees: f64, eta: f64) -> Split {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        split(DVec3::new(sin, 0.0, -cos), DVec3::Z, eta)
+    }
+
+    #[test]
+    fn known_reflectances() {
+        let check = |degrees: f64, eta: f64, expected: f64| {
+            let r = at_angle(degrees, eta).reflectance;
+            assert!(
+                (r - expected).abs() < 1e-9,
+                "{degrees}° into {eta}: {r}, expected {expected}"
+            );
+        };
+        check(0.0, 1.5, 0.04);
+        check(0.0, 1.0 / 1.5, 0.04);
+        check(30.0, 1.0, 0.0);
+        check(90.0, 1.5, 1.0);
+        // At Brewster's angle only the perpendicular polarisation is mirrored.
+        let brewster = 1.5f64.atan();
+        let rs = (2.0 * brewster).cos().powi(2);
+        check(brewster.to_degrees(), 1.5, 0.5 * rs);
+        // The critical angle, from inside glass, is 41.81°.
+        check(42.0, 1.0 / 1.5, 1.0);
+        assert!(at_angle(41.0, 1.0 / 1.5).reflectance < 0.5);
+    }
+
+    #[test]
+    fn snell_holds_and_the_way_back_is_the_way_in() {
+        for degrees in [0.0, 10.0, 45.0, 80.0, 89.9] {
+            let s = at_angle(degrees, 1.5);
+            let t = s.refracted.expect("from the thinner medium there is always a way in");
+            assert!((1.5 * t.x - f64::to_radians(degrees).sin()).abs() < 1e-12, "{degrees}");
+            assert!((t.length() - 1.0).abs() < 1e-12 && t.z < 0.0);
+            let back = split(-t, -DVec3::Z, 1.0 / 1.5);
+            assert!((back.reflectance - s.reflectance).abs() < 1e-9, "{degrees}");
+        }
+    }
+
+    /// 2 ∫ R(cos) cos d cos, by the midpoint rule.
+    fn diffuse_average(eta: f64) -> f64 {
+        let n = 20_000;
+        let term = |i: i32| {
+            let c = (f64::from(i) + 0.5) / f64::from(n);
+            let d = DVec3::new((1.0 - c * c).sqrt(), 0.0, -c);
+            2.0 * c * split(d, DVec3::Z, eta).reflectance / f64::from(n)
+        };
+        (0..n).map(term).sum()
+    }
+
+    #[test]
+    fn diffuse_averages_match_the_tabulated_ones() {
+        assert!((diffuse_average(1.5) - 0.091_777_959_3).abs() < 1e-6);
+        assert!((diffuse_average(1.0 / 1.5) - 0.596_345_759_7).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,453 @@
+//! Direct light at points: exact formulas where nothing stands between, shadow rays where
+//! something may.
+//!
+//! The irradiance that a flat lamp would give if nothing stood between is Lambert's formula,
+//! without noise; rays are spent only on the share of it that is visible. The estimate of that
+//! share is weighted by the transport kernel cos θ cos θ′/r² and divided by its own sum of
+//! weights, so that a point that sees all or nothing of a lamp has no error at all.
+
+use super::emitters::Emitters;
+use super::{DirectLight, GatherPoint, REPLICATES};
+use crate::lambert::{ArrayPolygon, clip, clip_to_window, mirror_point, point_to_polygon};
+use crate::sampling::{hash, seeds, sobol, uniform};
+use crate::{KernelRay, Surfaces};
+use azulejo_scene::math::{Ray, area_vector};
+use azulejo_scene::{LightKind, Rgb};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Shadow rays end this share of their length before the lamp, so that they don't meet it.
+const SHORT: f64 = 1.0 - 1e-4;
+
+/// Terms weaker than this share of a point's direct light get no second round of rays.
+const WEAK: f64 = 1e-3;
+
+/// More terms than this at one point are sampled by importance instead of one by one.
+const MOST_TERMS: usize = 32;
+
+/// How many shadow rays per replicate are spent on a term.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShadowRays {
+    /// On every term.
+    pub first: u32,
+    /// In all, on terms that turned out to be partly visible.
+    pub most: u32,
+}
+
+/// One source of direct light at one point.
+struct Term {
+    point: u32,
+    /// Irradiance if nothing stood between.
+    full: Rgb,
+    /// Radiance of the lamp as it arrives; black for lights without area.
+    radiance: Rgb,
+    source: Source,
+    /// Sums of weights and of visible weights per replicate.
+    weights: [f64; REPLICATES],
+    visible: [f64; REPLICATES],
+}
+
+enum Source {
+    /// A lamp, or what of it is above the horizon; its number among the lamps.
+    Lamp(u32),
+    /// The part of a lamp's image that a window shows.
+    Image { window: u32, seen: Box<ArrayPolygon> },
+    /// A light without area: one place decides.
+    Place(DVec3),
+    /// A light without area by way of a window; the place of its image.
+    PlaceImage { window: u32, image: DVec3 },
+}
+
+/// A planned shadow test: `count` rays from `first`, all of which must be free.
+struct Test {
+    term: u32,
+    replicate: u32,
+    weight: f64,
+    first: u32,
+    count: u32,
+}
+
+/// Computes the direct light of batches of points.
+pub(super) struct Direct<'a> {
+    surfaces: &'a Surfaces<'a>,
+    emitters: &'a Emitters,
+    rays: Vec<KernelRay>,
+    blocked: Vec<bool>,
+    tests: Vec<Test>,
+}
+
+impl<'a> Direct<'a> {
+    pub(super) fn new(surfaces: &'a Surfaces<'a>, emitters: &'a Emitters) -> Direct<'a> {
+        Direct { surfaces, emitters, rays: Vec::new(), blocked: Vec::new(), tests: Vec::new() }
+    }
+
+    /// Direct irradiance of each point, one independent estimate per replicate.
+    pub(super) fn irradiance(
+        &mut self,
+        points: &[GatherPoint],
+        shadow: ShadowRays,
+        seed: u32,
+    ) -> Vec<DirectLight> {
+        let mut sums = vec![DirectLight::default(); points.len()];
+        let mut terms = Vec::new();
+        for (index, point) in points.iter().enumerate() {
+            let start = terms.len();
+            self.terms_of(index as u32, point, &mut terms);
+            if terms.len() - start > MOST_TERMS {
+                let crowd: Vec<Term> = terms.drain(start..).collect();
+                sums[index].lamps.replicates = self.pick(point, &crowd, shadow, hash(&[seed, point.key]));
+            }
+        }
+        self.test_terms(points, &mut terms, 0..shadow.first, seed, |_| true);
+        let totals = totals(&terms, points.len());
+        let is_mixed = |t: &Term| {
+            let (all, seen) = (t.weights.iter().sum::<f64>(), t.visible.iter().sum::<f64>());
+            seen > 0.0 && seen < all && t.full.max_channel() > WEAK * totals[t.point as usize]
+        };
+        self.test_terms(points, &mut terms, shadow.first..shadow.most, seed, is_mixed);
+        for term in &terms {
+            let sum = &mut sums[term.point as usize];
+            if term.is_place() {
+                sum.lights += term.full * term.visible_share(0);
+            } else {
+                (0..REPLICATES).for_each(|r| sum.lamps.replicates[r] += term.full * term.visible_share(r));
+            }
+        }
+        sums
+    }
+
+    /// One estimate of the direct light per point, from one shadow test each: unbiased, noisy.
+    pub(super) fn glimpse(&mut self, points: &[GatherPoint], seed: u32) -> Vec<Rgb> {
+        let mut values = vec![Rgb::BLACK; points.len()];
+        let mut terms = Vec::new();
+        self.tests.clear();
+        self.rays.clear();
+        for (index, point) in points.iter().enumerate() {
+            terms.clear();
+            self.terms_of(index as u32, point, &mut terms);
+            let chance = uniform(&[seed, point.key, 0]);
+            if let Some((term, probability)) = choose(&terms, f64::from(chance)) {
+                let [u1, u2] = [1, 2].map(|d| f64::from(uniform(&[seed, point.key, d])));
+                if let Some(value) = self.plan(point, index as u32, 0, term, (u1, u2)) {
+                    values[index] = self.unbiased(term, value) / probability;
+                }
+            }
+        }
+        self.surfaces.tracer.any(&self.rays, &mut self.blocked);
+        let mut seen = vec![false; points.len()];
+        for test in &self.tests {
+            seen[test.term as usize] = self.is_free(test);
+        }
+        values.iter().zip(seen).map(|(&v, s)| if s { v } else { Rgb::BLACK }).collect()
+    }
+
+    /// Irradiance from one sample of a term, uniform over its area, of kernel `weight`.
+    fn unbiased(&self, term: &Term, weight: f64) -> Rgb {
+        let area = |polygon: &[DVec3]| area_vector(polygon).length();
+        match &term.source {
+            Source::Lamp(j) => term.radiance * (weight * area(&self.emitters.lamps[*j as usize].polygon)),
+            Source::Image { seen, .. } => term.radiance * (weight * area(seen)),
+            Source::Place(_) | Source::PlaceImage { .. } => term.full,
+        }
+    }
+
+    /// All sources that could light `point`, with the irradiance they would give.
+    fn terms_of(&self, index: u32, point: &GatherPoint, terms: &mut Vec<Term>) {
+        let mut push = |full: Rgb, radiance: Rgb, source: Source| {
+            if full.max_channel() > 0.0 {
+                let zero = [0.0; REPLICATES];
+                terms.push(Term { point: index, full, radiance, source, weights: zero, visible: zero });
+            }
+        };
+        let (p, n) = (point.position, point.normal);
+        for (j, lamp) in self.emitters.lamps.iter().enumerate() {
+            let f = point_to_polygon(p, n, &lamp.polygon);
+            push(lamp.radiance * (PI * f), lamp.radiance, Source::Lamp(j as u32));
+        }
+        for light in &self.emitters.lights {
+            if let Some((place, full)) = unoccluded(light, p, n, self.surfaces) {
+                push(full, Rgb::BLACK, Source::Place(place));
+            }
+        }
+        for (w, window) in self.emitters.windows.iter().enumerate() {
+            let side = (p - window.polygon[0]).dot(window.normal);
+            for (image, lamp) in window.images.iter().zip(&self.emitters.lamps) {
+                // Only what of the lamp is on the point's side of the mirror has an image there,
+                // and that image lies on the other side.
+                let beyond = clip(image, window.polygon[0], -side.signum() * window.normal);
+                let seen = clip_to_window(&beyond, p, &window.polygon);
+                let f = if seen.len() < 3 { 0.0 } else { point_to_polygon(p, n, &seen) };
+                if f > 0.0 {
+                    let radiance = lamp.radiance * window.reflectance;
+                    push(radiance * (PI * f), radiance, Source::Image { window: w as u32, seen: Box::new(seen) });
+                }
+            }
+            for light in &self.emitters.lights {
+                let lit = unoccluded_image(light, p, n, window.polygon[0], window.normal, self.surfaces);
+                if let Some((image, full)) = lit.filter(|(image, _)| is_through(p, *image, &window.polygon)) {
+                    push(full * window.reflectance, Rgb::BLACK, Source::PlaceImage { window: w as u32, image });
+                }
+            }
+        }
+    }
+
+    /// Plans the shadow test of one sample of a term and returns its kernel weight; `None` if
+    /// the sample can't light the point.
+    fn plan(&mut self, point: &GatherPoint, tag: u32, replicate: u32, term: &Term, u: (f64, f64)) -> Option<f64> {
+        let first = self.rays.len() as u32;
+        let from = self.surfaces.tracer.leaving(point.position, point.normal);
+        let weight = match &term.source {
+            Source::Lamp(j) => {
+                let polygon = &self.emitters.lamps[*j as usize].polygon;
+                let y = sample_polygon(polygon, u);
+                self.push_segment(from, y);
+                kernel(point, y, area_vector(polygon))
+            }
+            Source::Image { window, seen } => {
+                let y = sample_polygon(seen, u);
+                self.push_reflected(from, y, *window);
+                kernel(point, y, area_vector(seen))
+            }
+            Source::Place(place) => {
+                self.push_segment(from, *place);
+                1.0
+            }
+            Source::PlaceImage { window, image } => {
+                self.push_reflected(from, *image, *window);
+                1.0
+            }
+        };
+        let count = self.rays.len() as u32 - first;
+        if weight > 0.0 && count > 0 {
+            self.tests.push(Test { term: tag, replicate, weight, first, count });
+            return Some(weight);
+        }
+        self.rays.truncate(first as usize);
+        None
+    }
+
+    fn push_segment(&mut self, from: DVec3, to: DVec3) {
+        let ray = Ray { t_max: SHORT, ..Ray::between(from, to) };
+        self.rays.push(self.surfaces.tracer.kernel_ray(&ray));
+    }
+
+    /// Both legs of the way to a point behind a mirror.
+    fn push_reflected(&mut self, from: DVec3, image: DVec3, window: u32) {
+        let window = &self.emitters.windows[window as usize];
+        let (here, there) =
+            ((from - window.polygon[0]).dot(window.normal), (image - window.polygon[0]).dot(window.normal));
+        if here * there >= 0.0 {
+            return;
+        }
+        let at = from + (image - from) * (here / (here - there));
+        let target = mirror_point(image, window.polygon[0], window.normal);
+        self.push_segment(from, at);
+        self.push_segment(self.surfaces.tracer.leaving(at, window.normal * here.signum()), target);
+    }
+
+    fn is_free(&self, test: &Test) -> bool {
+        (test.first..test.first + test.count).all(|k| !self.blocked[k as usize])
+    }
+
+    /// Adds the samples `range` of each replicate to those terms that `wanted` asks for.
+    fn test_terms(
+        &mut self,
+        points: &[GatherPoint],
+        terms: &mut [Term],
+        range: std::ops::Range<u32>,
+        seed: u32,
+        wanted: impl Fn(&Term) -> bool,
+    ) {
+        self.tests.clear();
+        self.rays.clear();
+        for (t, term) in terms.iter().enumerate().filter(|(_, t)| wanted(t)) {
+            let point = &points[term.point as usize];
+            let is_place = term.is_place();
+            // A light without area has one place, so one ray tells all.
+            let (replicates, range) = if is_place { (1, 0..range.end.min(1)) } else { (REPLICATES, range.clone()) };
+            if is_place && term.weights[0] > 0.0 {
+                continue;
+            }
+            for r in 0..replicates as u32 {
+                let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16), r]);
+                for k in range.clone() {
+                    let u = (f64::from(sobol(k, 0, s[0])), f64::from(sobol(k, 1, s[1])));
+                    self.plan(point, t as u32, r, term, u);
+                }
+            }
+        }
+        self.surfaces.tracer.any(&self.rays, &mut self.blocked);
+        for test in &self.tests {
+            let term = &mut terms[test.term as usize];
+            term.weights[test.replicate as usize] += test.weight;
+            if self.is_free(test) {
+                term.visible[test.replicate as usize] += test.weight;
+            }
+        }
+    }
+
+    /// Direct light of a point with very many sources: samples of sources chosen in proportion
+    /// to what they would give, evenly spaced over all of it. Unbiased.
+    fn pick(&mut self, point: &GatherPoint, terms: &[Term], shadow: ShadowRays, seed: u32) -> [Rgb; REPLICATES] {
+        let count = (shadow.most * 4).max(MOST_TERMS as u32 / 2);
+        self.tests.clear();
+        self.rays.clear();
+        let mut values = Vec::new();
+        for r in 0..REPLICATES as u32 {
+            let s = seeds(&[seed, r]);
+            for k in 0..count {
+                let [c, u1, u2] = [0, 1, 2].map(|d| f64::from(sobol(k, d, s[d])));
+                let Some((term, probability)) = choose(terms, c) else { continue };
+                if let Some(weight) = self.plan(point, values.len() as u32, r, term, (u1, u2)) {
+                    values.push(self.unbiased(term, weight) / (probability * f64::from(count)));
+                }
+            }
+        }
+        self.surfaces.tracer.any(&self.rays, &mut self.blocked);
+        let mut sums = [Rgb::BLACK; REPLICATES];
+        for test in self.tests.iter().filter(|t| self.is_free(t)) {
+            sums[test.replicate as usize] += values[test.term as usize];
+        }
+        sums
+    }
+}
+
+impl Term {
+    /// Whether it is a light without area, of which one ray tells all.
+    fn is_place(&self) -> bool {
+        matches!(self.source, Source::Place(_) | Source::PlaceImage { .. })
+    }
+
+    /// The visible share as replicate `r` sees it: the ratio of all replicates, and this one's
+    /// deviation from it to first order, so that the mean over replicates is the common ratio.
+    fn visible_share(&self, r: usize) -> f64 {
+        if self.is_place() {
+            return if self.visible[0] > 0.0 { 1.0 } else { 0.0 };
+        }
+        let all: f64 = self.weights.iter().sum();
+        if all <= 0.0 {
+            return 0.0;
+        }
+        let ratio = self.visible.iter().sum::<f64>() / all;
+        ratio + (self.visible[r] - ratio * self.weights[r]) * REPLICATES as f64 / all
+    }
+}
+
+/// Sum of the terms' full irradiances per point, largest channel.
+fn totals(terms: &[Term], points: usize) -> Vec<f64> {
+    let mut totals = vec![0.0; points];
+    terms.iter().for_each(|t| totals[t.point as usize] += t.full.max_channel());
+    totals
+}
+
+/// A term chosen by `u` in 0..1 in proportion to its full irradiance, and its probability.
+fn choose(terms: &[Term], u: f64) -> Option<(&Term, f64)> {
+    let total: f64 = terms.iter().map(|t| t.full.max_channel()).sum();
+    let mut rest = u * total;
+    let last = terms.len().checked_sub(1)?;
+    for (k, term) in terms.iter().enumerate() {
+        let share = term.full.max_channel();
+        if rest < share || k == last {
+            return Some((term, share / total));
+        }
+        rest -= share;
+    }
+    None
+}
+
+/// cos θ cos θ′/r² between a point and a point on a polygon of area vector `area`; zero where
+/// either turns its back.
+fn kernel(point: &GatherPoint, y: DVec3, area: DVec3) -> f64 {
+    let d = y - point.position;
+    let r2 = d.length_squared();
+    let (cos_p, cos_y) = (d.dot(point.normal), -d.dot(area.normalize_or_zero()));
+    if cos_p > 0.0 && cos_y > 0.0 && r2 > 0.0 { cos_p * cos_y / (r2 * r2) } else { 0.0 }
+}
+
+/// A point of a convex polygon, uniform by area, continuous in `u` but for fan borders.
+fn sample_polygon(polygon: &[DVec3], u: (f64, f64)) -> DVec3 {
+    let o = polygon[0];
+    let is_parallelogram = polygon.len() == 4
+        && (polygon[1] + polygon[3] - polygon[0] - polygon[2]).length_squared()
+            < 1e-18 * (polygon[2] - o).length_squared();
+    if is_parallelogram {
+        return o + u.0 * (polygon[1] - o) + u.1 * (polygon[3] - o);
+    }
+    let area = |k: usize| (polygon[k] - o).cross(polygon[k + 1] - o).length();
+    let total: f64 = (1..polygon.len() - 1).map(area).sum();
+    let mut rest = u.0 * total;
+    let mut k = 1;
+    while k + 2 < polygon.len() && rest >= area(k) {
+        rest -= area(k);
+        k += 1;
+    }
+    let a = (rest / area(k).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).sqrt();
+    o + a * (1.0 - u.1) * (polygon[k] - o) + a * u.1 * (polygon[k + 1] - o)
+}
+
+/// Place to test and irradiance at a point from a light without area, if it is above the
+/// horizon.
+fn unoccluded(light: &LightKind, p: DVec3, n: DVec3, surfaces: &Surfaces) -> Option<(DVec3, Rgb)> {
+    match *light {
+        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+            let d = position - p;
+            let r2 = d.length_squared();
+            let cos = d.dot(n) / r2.sqrt();
+            (cos > 0.0).then(|| (position, light.intensity_toward(-d / r2.sqrt()) * (cos / r2)))
+        }
+        LightKind::Directional { direction, irradiance } => {
+            let cos = -direction.dot(n);
+            (cos > 0.0).then(|| (p - direction * far(surfaces, p), irradiance * cos))
+        }
+        LightKind::Ambient { .. } => None,
+    }
+}
+
+/// The same by way of a mirror plane: place of the image, irradiance before the mirror's loss.
+fn unoccluded_image(
+    light: &LightKind,
+    p: DVec3,
+    n: DVec3,
+    plane: DVec3,
+    normal: DVec3,
+    surfaces: &Surfaces,
+) -> Option<(DVec3, Rgb)> {
+    let flip = |d: DVec3| azulejo_scene::math::reflect(d, normal);
+    let image = match *light {
+        LightKind::Point { position, intensity } => {
+            LightKind::Point { position: mirror_point(position, plane, normal), intensity }
+        }
+        LightKind::Spot { position, direction, intensity, inner, outer } => LightKind::Spot {
+            position: mirror_point(position, plane, normal),
+            direction: flip(direction),
+            intensity,
+            inner,
+            outer,
+        },
+        LightKind::Directional { direction, irradiance } => {
+            LightKind::Directional { direction: flip(direction), irradiance }
+        }
+        LightKind::Ambient { .. } => return None,
+    };
+    unoccluded(&image, p, n, surfaces)
+}
+
+/// A distance beyond everything in the scene.
+fn far(surfaces: &Surfaces, p: DVec3) -> f64 {
+    let bounds = surfaces.tracer.bounds();
+    2.0 * bounds.diagonal() + (p - bounds.centre()).length()
+}
+
+/// Whether the segment between two points crosses a convex polygon.
+fn is_through(from: DVec3, to: DVec3, polygon: &[DVec3]) -> bool {
+    let normal = area_vector(polygon);
+    let (a, b) = ((from - polygon[0]).dot(normal), (to - polygon[0]).dot(normal));
+    if a * b >= 0.0 {
+        return false;
+    }
+    let at = from + (to - from) * (a / (a - b));
+    (0..polygon.len()).all(|k| {
+        let (p, q) = (polygon[k], polygon[(k + 1) % polygon.len()]);
+        (q - p).cross(at - p).dot(normal) >= 0.0
+    })
+}

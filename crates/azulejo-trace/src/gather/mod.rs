@@ -1,0 +1,281 @@
+//! Irradiance at points: direct light by formula and shadow rays, the rest by rays over the
+//! hemisphere that read the light of whatever diffuse surface they find, by way of mirrors and
+//! glass too.
+//!
+//! Both passes end here: the first gathers at the vertices it writes, the second at the pixels
+//! of a final gather; they differ in where the light of diffuse surfaces comes from
+//! ([`DiffuseLight`]).
+
+mod direct;
+mod emitters;
+
+use crate::follow::{Event, Path, Scratch, Via, follow};
+use crate::sampling::{SobolTable, cosine_hemisphere, hash, seeds, uniform};
+use crate::{KernelHit, KernelRay, Surfaces};
+use azulejo_scene::Rgb;
+use azulejo_scene::math::{Frame, Ray};
+use direct::{Direct, ShadowRays};
+use emitters::Emitters;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Independent estimates of every quantity, from independent scramblings: their spread is its
+/// standard error.
+pub const REPLICATES: usize = 4;
+
+/// A hit nearer than the patch it falls on is replaced by a gather of its own, at most this many
+/// times in a row.
+const MOST_CONTACTS: u32 = 6;
+
+/// Where irradiance is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct GatherPoint {
+    /// World position, on or off a surface.
+    pub position: DVec3,
+    /// Unit normal of the side that receives.
+    pub normal: DVec3,
+    /// Keys the random numbers: equal keys give equal samples.
+    pub key: u32,
+}
+
+/// A diffuse surface at the end of a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// Where.
+    pub hit: KernelHit,
+    /// Which side.
+    pub front: bool,
+}
+
+/// What is known of the light that leaves diffuse surfaces.
+pub trait DiffuseLight: Sync {
+    /// Radiosity by diffuse reflection, without emission, W/m². A solver that has independent
+    /// estimates gives the one of `replicate`; others give the same to all.
+    fn radiosity(&self, at: &Arrival, replicate: usize) -> Rgb;
+
+    /// Diffuse reflectance at the hit.
+    fn reflectance(&self, at: &Arrival) -> Rgb;
+
+    /// Distance below which `radiosity` is too coarse to be seen from: the size of the patch.
+    fn grain(&self, at: &Arrival) -> f32;
+}
+
+/// Irradiance of one point as independent estimates, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gathered {
+    /// One estimate per replicate; the mean is the answer.
+    pub replicates: [Rgb; REPLICATES],
+}
+
+impl Gathered {
+    /// The estimate.
+    pub fn mean(&self) -> Rgb {
+        self.replicates.iter().copied().sum::<Rgb>() / REPLICATES as f64
+    }
+
+    /// The mean of two independent estimates, `share` of the other's.
+    pub fn blend(&self, other: &Gathered, share: f64) -> Gathered {
+        let of = |r: usize| self.replicates[r] * (1.0 - share) + other.replicates[r] * share;
+        Gathered { replicates: std::array::from_fn(of) }
+    }
+
+    /// Variance of [`mean`](Gathered::mean), per channel, from the spread of the replicates.
+    pub fn variance(&self) -> Rgb {
+        let mean = self.mean();
+        let square = |c: Rgb| c * c;
+        let spread: Rgb = self.replicates.iter().map(|&r| square(r - mean)).sum();
+        spread / (REPLICATES * (REPLICATES - 1)) as f64
+    }
+}
+
+/// Direct irradiance of one point, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DirectLight {
+    /// From lamps, one estimate per replicate.
+    pub lamps: Gathered,
+    /// From lights without area, exact.
+    pub lights: Rgb,
+}
+
+/// How much work a gather spends.
+#[derive(Clone, Copy, Debug)]
+pub struct GatherOptions {
+    /// Rays over the hemisphere per point, rounded up to a multiple of [`REPLICATES`].
+    pub rays: u32,
+    /// Keys all random numbers, with each point's own key.
+    pub seed: u32,
+}
+
+/// Gathers irradiance in a scene. Immutable; shared by all threads.
+pub struct Gatherer<'a> {
+    surfaces: Surfaces<'a>,
+    emitters: Emitters,
+}
+
+impl<'a> Gatherer<'a> {
+    /// Collects the scene's lamps, mirrors and lights.
+    pub fn new(surfaces: Surfaces<'a>) -> Gatherer<'a> {
+        let emitters = Emitters::new(&surfaces);
+        Gatherer { surfaces, emitters }
+    }
+
+    /// The scene, its tracer and its items.
+    pub fn surfaces(&self) -> &Surfaces<'a> {
+        &self.surfaces
+    }
+
+    /// Radiance of the surroundings, W/(sr·m²).
+    pub fn ambient(&self) -> Rgb {
+        self.emitters.ambient
+    }
+
+    /// Whether the light of an emitter is in the [`direct`](Gatherer::direct) light of what it
+    /// reaches `via` this way: that of flat emitters is, straight or by way of one flat mirror.
+    pub fn counts_direct(&self, is_flat: bool, via: Via) -> bool {
+        is_flat && self.emitters.counts_direct(via)
+    }
+
+    /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts
+    /// already: zero for most.
+    pub fn stray_exitance(&self, hit: &KernelHit, front: bool, via: Via) -> Rgb {
+        let material = self.surfaces.material(hit.item);
+        let is_flat = || self.surfaces.flat_normal(hit.item).is_some();
+        if front && material.is_emitter() && !self.counts_direct(is_flat(), via) {
+            material.exitance()
+        } else {
+            Rgb::BLACK
+        }
+    }
+
+    /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror.
+    /// `first` shadow rays per replicate and source, up to `most` where a source is partly seen.
+    pub fn direct(&self, points: &[GatherPoint], first: u32, most: u32, seed: u32) -> Vec<DirectLight> {
+        let shadow = ShadowRays { first, most };
+        Direct::new(&self.surfaces, &self.emitters).irradiance(points, shadow, seed)
+    }
+
+    /// Irradiance at points, direct and indirect.
+    ///
+    /// Runs on the calling thread; give it some tens of points at a time. The result depends on
+    /// the points' keys, the options and the batch, never on threads.
+    pub fn gather(&self, points: &[GatherPoint], options: &GatherOptions, light: &impl DiffuseLight) -> Vec<Gathered> {
+        let per_replicate = options.rays.div_ceil(REPLICATES as u32).max(1);
+        let (first, most) = (per_replicate.div_ceil(8).clamp(2, 16), per_replicate.div_ceil(2).max(4));
+        let direct = self.direct(points, first, most, options.seed);
+        let mut collector = Collector {
+            gatherer: self,
+            light,
+            sums: vec![[[0.0; 3]; REPLICATES]; points.len()],
+            near: Vec::new(),
+        };
+        let mut paths = self.hemispheres(points, per_replicate, options.seed);
+        let mut scratch = Scratch::default();
+        for round in 0..=MOST_CONTACTS {
+            collector.follow(&mut paths, &mut scratch, options.seed ^ round, round < MOST_CONTACTS);
+            if collector.near.is_empty() {
+                break;
+            }
+            collector.contacts(points, &mut paths, options.seed ^ (round << 8));
+        }
+        let total = |(d, sums): (&DirectLight, &[[f64; 3]; REPLICATES])| {
+            let of = |r: usize| d.lamps.replicates[r] + d.lights + Rgb::from(sums[r]) / f64::from(per_replicate);
+            Gathered { replicates: std::array::from_fn(of) }
+        };
+        direct.iter().zip(&collector.sums).map(total).collect()
+    }
+
+    /// Cosine-distributed rays of all points and replicates.
+    fn hemispheres(&self, points: &[GatherPoint], per_replicate: u32, seed: u32) -> Vec<Path> {
+        let table = SobolTable::new(per_replicate as usize);
+        let mut paths = Vec::with_capacity(points.len() * REPLICATES * per_replicate as usize);
+        for (index, point) in points.iter().enumerate() {
+            let frame = Frame::from_normal(point.normal);
+            let origin = self.surfaces.tracer.leaving(point.position, point.normal);
+            for r in 0..REPLICATES as u32 {
+                let [s1, s2, ..] = seeds(&[seed, point.key, r, 0x9a7]);
+                for k in 0..per_replicate as usize {
+                    let [u1, u2] = table.point2(k, [s1, s2]);
+                    let direction = frame.to_world(cosine_hemisphere(u1.into(), u2.into()));
+                    let ray = self.surfaces.tracer.kernel_ray(&Ray::new(origin, direction));
+                    paths.push(Path { ray, id: index as u32 * REPLICATES as u32 + r, weight: [1.0; 3], via: Via::Direct, depth: 0 });
+                }
+            }
+        }
+        paths
+    }
+}
+
+/// A hit too near to be read from its patch.
+struct Contact {
+    id: u32,
+    weight: [f32; 3],
+    ray: KernelRay,
+    at: Arrival,
+}
+
+/// Sums what paths find.
+struct Collector<'g, 'a, L> {
+    gatherer: &'g Gatherer<'a>,
+    light: &'g L,
+    sums: Vec<[[f64; 3]; REPLICATES]>,
+    near: Vec<Contact>,
+}
+
+impl<L: DiffuseLight> Collector<'_, '_, L> {
+    /// Follows `paths` and reads the light where they end; hits that are too near are kept for
+    /// [`contacts`](Collector::contacts) if those are `allowed`.
+    fn follow(&mut self, paths: &mut Vec<Path>, scratch: &mut Scratch, seed: u32, allowed: bool) {
+        let (gatherer, light) = (self.gatherer, self.light);
+        let ambient = gatherer.ambient() * PI;
+        let (sums, near) = (&mut self.sums, &mut self.near);
+        follow(&gatherer.surfaces, paths, scratch, seed, |path, event| {
+            let (point, replicate) = (path.id as usize / REPLICATES, path.id as usize % REPLICATES);
+            let found = match event {
+                Event::Escape => ambient,
+                Event::Cut => return,
+                Event::Surface { hit, front } => {
+                    let at = Arrival { hit, front };
+                    let stray = gatherer.stray_exitance(&hit, front, path.via);
+                    if allowed && path.depth == 0 && hit.t < light.grain(&at) {
+                        near.push(Contact { id: path.id, weight: path.weight, ray: path.ray, at });
+                        stray
+                    } else {
+                        stray + light.radiosity(&at, replicate)
+                    }
+                }
+            };
+            let sum = &mut sums[point][replicate];
+            (0..3).for_each(|k| sum[k] += f64::from(path.weight[k]) * found[k]);
+        });
+    }
+
+    /// Replaces the light of near hits by a gather of their own: a glimpse of the direct light,
+    /// and one ray that goes on. Fills `paths`.
+    fn contacts(&mut self, places: &[GatherPoint], paths: &mut Vec<Path>, seed: u32) {
+        let gatherer = self.gatherer;
+        let tracer = gatherer.surfaces.tracer;
+        let contacts = std::mem::take(&mut self.near);
+        let mut points = Vec::with_capacity(contacts.len());
+        paths.clear();
+        for (index, contact) in contacts.iter().enumerate() {
+            let found = tracer.resolve(&tracer.world_ray(&contact.ray), &contact.at.hit);
+            let normal = if contact.at.front { found.normal } else { -found.normal };
+            let rho = self.light.reflectance(&contact.at).to_f32();
+            let weight = [0, 1, 2].map(|k| contact.weight[k] * rho[k]);
+            let key = hash(&[places[contact.id as usize / REPLICATES].key, index as u32]);
+            points.push((GatherPoint { position: found.position, normal, key }, weight));
+            let [u1, u2] = [0, 1].map(|d| f64::from(uniform(&[seed, key, contact.id, d])));
+            let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(u1, u2));
+            let ray = tracer.kernel_ray(&Ray::new(tracer.leaving(found.position, normal), direction));
+            if weight.iter().any(|&w| w > 0.0) {
+                paths.push(Path { ray, id: contact.id, weight, via: Via::Direct, depth: 0 });
+            }
+        }
+        let places: Vec<GatherPoint> = points.iter().map(|(p, _)| *p).collect();
+        let glimpses = Direct::new(&gatherer.surfaces, &gatherer.emitters).glimpse(&places, seed ^ 0x51);
+        for ((contact, (_, weight)), e) in contacts.iter().zip(&points).zip(glimpses) {
+            let sum = &mut self.sums[contact.id as usize / REPLICATES][contact.id as usize % REPLICATES];
+            (0..3).for_each(|k| sum[k] += f64::from(weight[k]) * e[k]);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! What light transport asks of a surface at every hit, kept per traced item.
+
+use crate::{Item, KernelHit, KernelRay, Tracer};
+use azulejo_scene::{Material, MaterialId, Scene, Shape};
+use glam::DVec3;
+
+/// A scene with its tracer, and for every item the normal and material that hits look up.
+///
+/// Immutable; made once per pass.
+pub struct Surfaces<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its tracer.
+    pub tracer: &'a Tracer,
+    items: Vec<ItemSurface>,
+}
+
+/// The looked-up facts of one item.
+#[derive(Clone, Copy, Debug)]
+struct ItemSurface {
+    /// Unit normal of the front; zero where it changes over the item.
+    normal: [f32; 3],
+    material: MaterialId,
+}
+
+impl<'a> Surfaces<'a> {
+    /// Looks up every item of `tracer`, which must have been made from `scene`.
+    pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> Surfaces<'a> {
+        let items = (0..tracer.item_count()).map(|i| ItemSurface::new(scene, &tracer.item(i)));
+        Surfaces { scene, tracer, items: items.collect() }
+    }
+
+    /// Material of an item.
+    pub fn material_id(&self, item: u32) -> MaterialId {
+        self.items[item as usize].material
+    }
+
+    /// Material of an item.
+    pub fn material(&self, item: u32) -> &'a Material {
+        &self.scene.materials[self.material_id(item) as usize]
+    }
+
+    /// Unit normal of the front of a flat item; `None` where the item is curved.
+    pub fn flat_normal(&self, item: u32) -> Option<DVec3> {
+        let n = self.items[item as usize].normal;
+        (n != [0.0; 3]).then(|| DVec3::new(n[0].into(), n[1].into(), n[2].into()))
+    }
+
+    /// Whether the ray that made `hit` arrives at the front.
+    pub fn is_front(&self, ray: &KernelRay, hit: &KernelHit) -> bool {
+        let (n, d) = (self.items[hit.item as usize].normal, ray.direction);
+        if n == [0.0; 3] {
+            return self.tracer.resolve(&self.tracer.world_ray(ray), hit).entering;
+        }
+        n[0] * d[0] + n[1] * d[1] + n[2] * d[2] < 0.0
+    }
+}
+
+impl ItemSurface {
+    fn new(scene: &Scene, item: &Item) -> ItemSurface {
+        match &scene.objects[item.object as usize].shape {
+            Shape::Mesh(mesh) => {
+                let face = item.face as usize;
+                let corners = mesh.triangulate(face).get(item.triangle as usize).copied().unwrap_or([0, 1, 2]);
+                let vertices = mesh.faces.get(face);
+                let [a, b, c] = corners.map(|k| mesh.positions[vertices[k as usize] as usize]);
+                let n = (b - a).cross(c - a).normalize_or_zero();
+                ItemSurface { normal: n.as_vec3().to_array(), material: mesh.face_materials[face] }
+            }
+            Shape::Primitive(p) => {
+                use azulejo_scene::PrimitiveKind::{Cuboid, Square};
+                let is_flat = matches!(p.kind, Cuboid | Square);
+                let n = if is_flat { p.point(item.face as usize, 0.5, 0.5).normal } else { DVec3::ZERO };
+                ItemSurface { normal: n.as_vec3().to_array(), material: p.material }
+            }
+        }
+    }
+}
