@@ -1,0 +1,52 @@
+//! Time of the second pass alone: a Cornell-like room of 10,000 patches, 256 × 256 pixels, 16
+//! samples each.
+//!
+//! Prints wall seconds of one thread, which are CPU seconds on an idle machine, the best of five
+//! runs. An argument selects the cases whose name contains it.
+
+#[path = "../tests/it/gallery.rs"]
+mod gallery;
+
+use azulejo_render::{SecondPass, render};
+use azulejo_scene::{Camera, Material, Rgb, Scene};
+use azulejo_trace::{Progress, Tracer};
+use std::time::Instant;
+
+fn main() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    pool.expect("a pool of one thread").install(|| {
+        let (mut scene, eye) = gallery::gallery(45);
+        report("with mirror and glass", &scene, &eye, None);
+        report("with mirror and glass, gather 16", &scene, &eye, Some(16));
+        for material in &mut scene.materials[4..] {
+            *material = Material::diffuse("matt", Rgb::grey(0.7));
+        }
+        report("matt", &scene, &eye, None);
+    });
+}
+
+#[allow(clippy::print_stdout)] // A bench speaks to people.
+fn report(name: &str, scene: &Scene, eye: &Camera, gather: Option<u32>) {
+    let wanted = std::env::args().skip(1).find(|a| !a.starts_with("--"));
+    if wanted.is_some_and(|w| !name.contains(&w)) {
+        return;
+    }
+    let options = SecondPass {
+        size: (256, 256),
+        samples_per_pixel: if gather.is_some() { 1 } else { 16 },
+        gather,
+        ..SecondPass::default()
+    };
+    let tracer = Tracer::new(scene);
+    let seconds = (0..5).map(|_| {
+        let start = Instant::now();
+        render(scene, &tracer, eye, &options, &Progress::new()).expect("nobody cancels");
+        start.elapsed().as_secs_f64()
+    });
+    let best = seconds.fold(f64::INFINITY, f64::min);
+    let samples = 256.0 * 256.0 * f64::from(options.samples_per_pixel);
+    println!(
+        "{name}: {best:.3} s, {:.0} ns per sample",
+        best / samples * 1e9
+    );
+}

@@ -1,0 +1,339 @@
+//! Values between vertices: irradiance, colours and texture coordinates at a hit.
+
+use azulejo_scene::math::area_vector;
+use azulejo_scene::{Material, Mesh, Primitive, Rgb, Scene, Shape};
+use azulejo_trace::{Item, KernelHit, Tracer};
+use glam::{DVec2, DVec3};
+
+/// Looks up, for every item of a tracer, what its hits are interpolated from.
+pub(crate) struct Interpolator<'a> {
+    scene: &'a Scene,
+    items: Vec<ItemFace>,
+}
+
+/// One item's place in the scene.
+#[derive(Clone, Copy, Debug)]
+struct ItemFace {
+    object: u32,
+    /// Where the face's corners start in the mesh; for a primitive, the part.
+    start: u32,
+    /// Corners of the triangle, counted within the face.
+    corners: [u32; 3],
+    /// The remaining corner of a quadrilateral that is convex along its normal, in the affine
+    /// coordinates in which the triangle is (0, 0), (1, 0), (0, 1); NaN for all other faces.
+    fourth: [f32; 2],
+    /// Size of the face or of the primitive's cell; infinite without irradiance.
+    grain: f32,
+}
+
+/// Where on an object a ray arrived.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Spot<'a> {
+    /// Between the corners of a face.
+    Mesh(&'a Mesh, Weights),
+    /// At `(u, v)` of a part of a primitive.
+    Primitive(&'a Primitive, usize, f64, f64),
+}
+
+/// A mean of up to four corners of one face.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weights {
+    /// Positions in [`azulejo_scene::Faces::corners`]; unused ones repeat the first.
+    corners: [usize; 4],
+    /// Their weights, which add up to 1.
+    weights: [f64; 4],
+}
+
+impl<'a> Interpolator<'a> {
+    /// Looks up every item of `tracer`, which must have been made from `scene`.
+    pub fn new(scene: &'a Scene, tracer: &Tracer) -> Interpolator<'a> {
+        // Items of one face follow each other, so each face is divided once.
+        let mut last = (u32::MAX, u32::MAX);
+        let mut triangles = Vec::new();
+        let items = (0..tracer.item_count()).map(|i| {
+            let item = tracer.item(i);
+            if last != (item.object, item.face) {
+                last = (item.object, item.face);
+                triangles.clear();
+                if let Shape::Mesh(mesh) = &scene.objects[item.object as usize].shape {
+                    mesh.triangulate_into(item.face as usize, &mut triangles);
+                }
+            }
+            let corners = triangles.get(item.triangle as usize).copied();
+            ItemFace::new(scene, &item, corners.unwrap_or([0, 1, 2]))
+        });
+        Interpolator {
+            items: items.collect(),
+            scene,
+        }
+    }
+
+    /// The spot that a hit names.
+    pub fn spot(&self, hit: &KernelHit) -> Spot<'a> {
+        let item = &self.items[hit.item as usize];
+        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+        match &self.scene.objects[item.object as usize].shape {
+            Shape::Mesh(mesh) => Spot::Mesh(mesh, Weights::on_face(item, u, v)),
+            Shape::Primitive(p) => Spot::Primitive(p, item.start as usize, u, v),
+        }
+    }
+
+    /// Size of the patch that a hit falls on, scene units: nearer than this its interpolated
+    /// irradiance is too coarse. Infinite where there is no irradiance.
+    pub fn grain(&self, hit: &KernelHit) -> f32 {
+        self.items[hit.item as usize].grain
+    }
+}
+
+impl ItemFace {
+    fn new(scene: &Scene, item: &Item, corners: [u32; 3]) -> ItemFace {
+        let (start, fourth, grain) = match &scene.objects[item.object as usize].shape {
+            Shape::Mesh(mesh) => {
+                let positions = mesh.face_positions(item.face as usize);
+                let size = area_vector(&positions).length().sqrt();
+                let start = mesh.faces.starts[item.face as usize];
+                let is_solved = !mesh.irradiance.is_empty();
+                (
+                    start,
+                    fourth_corner(&positions, corners),
+                    is_solved.then_some(size),
+                )
+            }
+            Shape::Primitive(p) => {
+                let size = p
+                    .light
+                    .as_ref()
+                    .map(|_| cell_area(p, item.face as usize).sqrt());
+                (item.face, None, size)
+            }
+        };
+        ItemFace {
+            object: item.object,
+            start,
+            corners,
+            fourth: fourth.map_or([f32::NAN; 2], |c| c.as_vec2().to_array()),
+            grain: grain.map_or(f32::INFINITY, |size| size as f32),
+        }
+    }
+}
+
+/// The corner of a quadrilateral that a triangle of it lacks, in the triangle's affine
+/// coordinates, seen along the quadrilateral's normal. `None` unless the face is a quadrilateral
+/// and convex from there; corners of 180° are allowed.
+fn fourth_corner(positions: &[DVec3], triangle: [u32; 3]) -> Option<DVec2> {
+    let quad: &[DVec3; 4] = positions.try_into().ok()?;
+    let normal = area_vector(quad);
+    let [p, q, r] = triangle.map(|k| quad[k as usize]);
+    let missing = 6 - triangle.iter().sum::<u32>();
+    let cross = |a: DVec3, b: DVec3| a.cross(b).dot(normal);
+    let whole = cross(q - p, r - p);
+    let rest = quad[missing as usize] - p;
+    let fourth = DVec2::new(cross(rest, r - p), cross(q - p, rest)) / whole;
+    let is_convex = (0..4).all(|k| {
+        let [a, b, c] = [0, 1, 2].map(|turn| quad[(k + turn) % 4]);
+        // A corner of 180° may be a rounding error beyond it.
+        cross(b - a, c - b) >= -1e-9 * normal.length_squared()
+    });
+    (is_convex && fourth.is_finite()).then_some(fourth)
+}
+
+/// Area of a typical cell of the grid on a part of a primitive.
+fn cell_area(p: &Primitive, part: usize) -> f64 {
+    let grid = p.light.as_ref().and_then(|light| light.grids.get(part));
+    let cells = grid.map_or(1, |grid| grid.cells().max(1));
+    p.point(part, 0.5, 0.5).area_density / cells as f64
+}
+
+impl Spot<'_> {
+    /// Irradiance that the first pass left here, W/m²; black where it left none.
+    pub fn irradiance(&self) -> Rgb {
+        match self {
+            Spot::Mesh(mesh, _) if mesh.irradiance.is_empty() => Rgb::BLACK,
+            Spot::Mesh(mesh, weights) => weights.of_vertices(mesh, &mesh.irradiance),
+            Spot::Primitive(p, part, u, v) => match &p.light {
+                Some(light) => light.at(*part, *u, *v),
+                None => Rgb::BLACK,
+            },
+        }
+    }
+
+    /// Diffuse reflectance: the material's, times vertex colours, times textures.
+    ///
+    /// Textures that could not be loaded, and those on objects without texture coordinates,
+    /// change nothing.
+    pub fn reflectance(&self, scene: &Scene, material: &Material) -> Rgb {
+        let mut reflectance = material.diffuse;
+        let Spot::Mesh(mesh, weights) = self else {
+            return reflectance;
+        };
+        if !mesh.colors.is_empty() {
+            reflectance *= weights.of_vertices(mesh, &mesh.colors);
+        }
+        if let (false, Some(uv)) = (material.textures.is_empty(), weights.uv(mesh)) {
+            for &id in &material.textures {
+                if let Some(image) = &scene.textures[id as usize].image {
+                    reflectance *= Rgb::from(image.sample(uv.x, uv.y).map(f64::from));
+                }
+            }
+        }
+        reflectance
+    }
+}
+
+impl Weights {
+    /// Weights where the barycentric coordinates in the item's triangle are `u`, `v`.
+    ///
+    /// Triangles are barycentric. Convex quadrilaterals are bilinear, so that no diagonal shows;
+    /// bent ones are looked at along their normal. Other faces go by their triangles. All agree
+    /// along shared edges, where each is linear between the edge's two ends.
+    fn on_face(item: &ItemFace, u: f64, v: f64) -> Weights {
+        let start = item.start as usize;
+        if item.fourth[0].is_nan() {
+            return Weights::in_triangle(start, item.corners, u, v);
+        }
+        // The triangle's corners are 0, 1, 2 and 3 but one: the missing one makes the sum 6.
+        let mut quad = [item.fourth.map(f64::from).into(); 4];
+        for (&corner, place) in item.corners.iter().zip([DVec2::ZERO, DVec2::X, DVec2::Y]) {
+            quad[corner as usize] = place;
+        }
+        let (s, t) = bilinear(quad, DVec2::new(u, v));
+        Weights::in_quadrilateral(start, s, t)
+    }
+
+    fn in_triangle(start: usize, [a, b, c]: [u32; 3], u: f64, v: f64) -> Weights {
+        Weights {
+            corners: [a, b, c, a].map(|k| start + k as usize),
+            weights: [1.0 - u - v, u, v, 0.0],
+        }
+    }
+
+    fn in_quadrilateral(start: usize, s: f64, t: f64) -> Weights {
+        Weights {
+            corners: [start, start + 1, start + 2, start + 3],
+            weights: [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t],
+        }
+    }
+
+    /// The mean of per-vertex values.
+    fn of_vertices(&self, mesh: &Mesh, values: &[Rgb]) -> Rgb {
+        let value = |k: usize| values[mesh.faces.corners[self.corners[k]] as usize];
+        let w = self.weights;
+        (value(0) * w[0] + value(1) * w[1]) + (value(2) * w[2] + value(3) * w[3])
+    }
+
+    fn uv(&self, mesh: &Mesh) -> Option<DVec2> {
+        let uvs = mesh.uvs.as_ref()?;
+        let pairs = self.corners.iter().zip(self.weights);
+        Some(
+            pairs
+                .map(|(&c, w)| w * uvs.at(c, mesh.faces.corners[c]))
+                .sum(),
+        )
+    }
+}
+
+/// Bilinear coordinates `(s, t)`, in 0..=1, of the point
+/// `lerp(lerp(a, b, s), lerp(d, c, s), t)` of a convex counter-clockwise quadrilateral.
+///
+/// Points outside are clamped. At a corner of 180° or beyond, where the map folds up, the result
+/// is finite but need not be the point's.
+fn bilinear([a, b, c, d]: [DVec2; 4], point: DVec2) -> (f64, f64) {
+    // With h = point − a = s e + t f + s t g; eliminating s leaves k2 t² + k1 t + k0 = 0, which
+    // rises through the one root between 0 and 1.
+    let (e, f, g, h) = (b - a, d - a, a - b + c - d, point - a);
+    let (k2, k1, k0) = (g.perp_dot(f), e.perp_dot(f) + h.perp_dot(g), h.perp_dot(e));
+    let root = (k1 * k1 - 4.0 * k2 * k0).max(0.0).sqrt();
+    let t = if k1 >= 0.0 {
+        -2.0 * k0 / (k1 + root)
+    } else {
+        (root - k1) / (2.0 * k2)
+    };
+    let across = e + t * g;
+    let s = (h - t * f).dot(across) / across.length_squared();
+    // NaN, from a fold, becomes 0 in max.
+    (s.max(0.0).min(1.0), t.max(0.0).min(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bilinear coordinates come back from the point that they make, whichever triangle of the
+    /// quadrilateral was hit.
+    fn check(quad: [[f64; 2]; 4]) {
+        // A tilted plane, and a mirrored one.
+        for (x, y) in [
+            (DVec3::new(0.6, 0.8, 0.0), DVec3::Z),
+            (DVec3::new(1.0, 0.5, 0.0), -DVec3::Y),
+        ] {
+            let corners = quad.map(|[a, b]| DVec3::splat(9.0) + a * x + b * y);
+            for triangle in [[0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3]] {
+                check_triangle(&corners, triangle);
+            }
+        }
+    }
+
+    fn check_triangle(corners: &[DVec3; 4], triangle: [u32; 3]) {
+        let fourth = fourth_corner(corners, triangle).expect("convex");
+        let item = ItemFace {
+            object: 0,
+            start: 10,
+            corners: triangle,
+            fourth: fourth.as_vec2().to_array(),
+            grain: 0.0,
+        };
+        let [p, q, r] = triangle.map(|k| corners[k as usize]);
+        let normal = (q - p).cross(r - p);
+        for (s, t) in [(0.0, 0.0), (0.3, 0.8), (0.5, 0.5), (1.0, 0.2), (0.7, 1.0)] {
+            let bottom = corners[0].lerp(corners[1], s);
+            let at = bottom.lerp(corners[3].lerp(corners[2], s), t) - p;
+            let u = at.cross(r - p).dot(normal) / normal.length_squared();
+            let v = (q - p).cross(at).dot(normal) / normal.length_squared();
+            let found = Weights::on_face(&item, u, v);
+            let expected = Weights::in_quadrilateral(10, s, t);
+            assert_eq!(found.corners, expected.corners);
+            for (a, b) in found.weights.iter().zip(expected.weights) {
+                assert!((a - b).abs() < 1e-5, "{corners:?} ({s}, {t}): {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn bilinear_inverts_convex_quadrilaterals() {
+        check([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        check([[0.0, 0.0], [3.0, 0.5], [4.0, 2.0], [1.0, 1.5]]);
+        check([[0.0, 0.0], [5.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        check([[0.0, 0.0], [1.0, 0.0], [7.0, 6.0], [-1.0, 2.0]]);
+        check([[-3.0, 0.0], [0.0, -0.2], [0.5, 0.0], [0.1, 3.0]]);
+    }
+
+    #[test]
+    fn other_faces_go_by_their_triangles() {
+        let refused = |polygon: &[[f64; 2]]| {
+            let corners: Vec<DVec3> = polygon
+                .iter()
+                .map(|&[x, y]| DVec3::new(x, y, 0.0))
+                .collect();
+            assert_eq!(fourth_corner(&corners, [0, 1, 2]), None, "{polygon:?}");
+        };
+        refused(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+        refused(&[[0.0, 0.0], [2.0, -2.0], [0.5, 0.0], [2.0, 2.0]]);
+        refused(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]);
+        refused(&[[0.1, 0.1]; 4]);
+        refused(&[[0.0, 0.0], [1.0, 0.0], [1.5, 1.0], [1.0, 2.0], [0.0, 2.0]]);
+    }
+
+    #[test]
+    fn corners_of_180_degrees_and_folds_stay_finite() {
+        let bent = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0]].map(|c| DVec2::from(c));
+        for (x, y) in [(0.1, 0.1), (1.0, 0.0), (1.9, 0.0), (0.5, 0.3), (-1.0, 5.0)] {
+            let (s, t) = bilinear(bent, DVec2::new(x, y));
+            assert!(
+                (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t),
+                "{x} {y}: {s} {t}"
+            );
+        }
+        let (s, t) = bilinear([DVec2::ZERO; 4], DVec2::ZERO);
+        assert!((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t));
+    }
+}

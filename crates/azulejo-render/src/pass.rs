@@ -1,0 +1,224 @@
+//! The second pass: options, and the loops over pixels and probe rays.
+
+use crate::film::{Film, Lens, Tile, stream_seed};
+use crate::integrator::{Draws, Found, Integrator, Scratch};
+use azulejo_scene::math::Ray;
+use azulejo_scene::{Camera, Image, Rgb, Scene};
+use azulejo_trace::{Cancelled, KernelRay, Progress, Tracer};
+use rayon::prelude::*;
+
+/// How the second pass works.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SecondPass {
+    /// Picture size in pixels, width then height. A picture without pixels is allowed and empty.
+    pub size: (u32, u32),
+    /// Paths from the eye per pixel; 0 counts as 1.
+    pub samples_per_pixel: u32,
+    /// Final gather: rays over the hemisphere at each path's first diffuse hits, with the direct
+    /// light of all lamps and lights, instead of showing the irradiance between vertices. It
+    /// hides the patches and sharpens contact shadows. With `Some`, the scene need not carry
+    /// irradiance; light is then followed over six bounces only.
+    pub gather: Option<u32>,
+    /// Keys all random numbers. The same seed gives the same bits, whatever the threads.
+    pub seed: u64,
+    /// A safety cap on mirrors and boundaries along one path, for closed rooms of perfect
+    /// mirrors, from which light never leaves. What a path still carries then is lost; paths end
+    /// long before it by Russian roulette, which loses nothing on average.
+    pub max_depth: u32,
+}
+
+impl Default for SecondPass {
+    /// 512 × 512 pixels, 16 samples each, no final gather, seed 0, at most 1000 interfaces.
+    fn default() -> SecondPass {
+        SecondPass {
+            size: (512, 512),
+            samples_per_pixel: 16,
+            gather: None,
+            seed: 0,
+            max_depth: 1000,
+        }
+    }
+}
+
+impl SecondPass {
+    /// Paths that are followed together: enough to keep the kernel busy, few enough for the
+    /// cache and for cancelling within a moment.
+    fn batch(&self) -> u32 {
+        const RAYS: u32 = 4096;
+        const GATHER_RAYS: u32 = 1 << 18;
+        let gathers = self.gather.unwrap_or(0).max(1);
+        (GATHER_RAYS / gathers).clamp(1, RAYS)
+    }
+}
+
+/// Draws what `camera` sees: linear radiance, W/(sr·m²), averaged over each pixel by a tent
+/// filter of one pixel's radius.
+///
+/// `tracer` must have been made from `scene`. Radiance at a surface is its emission (front side
+/// only) plus ρ/π times the irradiance that the first pass left on the vertices; perfect mirrors
+/// and dielectrics are followed; what leaves the scene finds the ambient light. Surfaces without
+/// irradiance reflect nothing diffusely: without a first pass and without
+/// [`gather`](SecondPass::gather) only lamps, their mirror images and the ambient light show.
+/// Vertices carry the irradiance of the front; where a path meets the back of a diffuse surface,
+/// irradiance is gathered on the spot.
+///
+/// Counts pixels on `progress`.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was, within about one batch of rays per thread.
+pub fn render(
+    scene: &Scene,
+    tracer: &Tracer,
+    camera: &Camera,
+    options: &SecondPass,
+    progress: &Progress,
+) -> Result<Image, Cancelled> {
+    let (width, height) = options.size;
+    let film = Film {
+        width,
+        height,
+        seed: options.seed,
+    };
+    let pass = PicturePass {
+        integrator: Integrator::new(scene, tracer, options),
+        lens: Lens::new(camera, f64::from(width) / f64::from(height)),
+        film,
+        samples: options.samples_per_pixel.max(1),
+        batch: options.batch(),
+        progress,
+    };
+    progress.begin("render", u64::from(width) * u64::from(height));
+    let parts: Result<Vec<_>, Cancelled> = film
+        .tiles()
+        .into_par_iter()
+        .map_init(Batch::default, |batch, tile| pass.tile(tile, batch))
+        .collect();
+    Ok(film.assemble(&parts?))
+}
+
+/// Radiance that arrives at the origin of each ray from its direction, W/(sr·m²), in their order.
+///
+/// Follows `samples_per_pixel` paths along a ray where chance plays a part (dielectrics, deep
+/// mirrors, final gathers) and one where it does not. `t_min` and `t_max` of the rays hold for
+/// the first surface; a ray that ends before one finds the ambient light.
+///
+/// Counts rays on `progress`.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was.
+pub fn radiance(
+    scene: &Scene,
+    tracer: &Tracer,
+    rays: &[Ray],
+    options: &SecondPass,
+    progress: &Progress,
+) -> Result<Vec<Rgb>, Cancelled> {
+    let integrator = Integrator::new(scene, tracer, options);
+    let chunk = options.batch() as usize;
+    progress.begin("radiance", rays.len() as u64);
+    let parts: Result<Vec<Vec<Rgb>>, Cancelled> = rays
+        .par_chunks(chunk)
+        .enumerate()
+        .map_init(Batch::default, |batch, (number, rays)| {
+            progress.advance(0)?;
+            let first = (number * chunk) as u32;
+            let found = probe(&integrator, rays, first, options, batch);
+            progress.advance(rays.len() as u64)?;
+            Ok(found)
+        })
+        .collect();
+    Ok(parts?.concat())
+}
+
+/// Radiance along the rays numbered from `first`.
+fn probe(
+    integrator: &Integrator,
+    rays: &[Ray],
+    first: u32,
+    options: &SecondPass,
+    batch: &mut Batch,
+) -> Vec<Rgb> {
+    let mut sums = vec![Rgb::BLACK; rays.len()];
+    let mut counts = vec![0u32; rays.len()];
+    let mut open: Vec<usize> = (0..rays.len()).collect();
+    for sample in 0..options.samples_per_pixel.max(1) {
+        let stream = |k: usize| stream_seed(options.seed, first + open[k] as u32);
+        let kernel = open.iter().map(|&i| integrator.kernel_ray(&rays[i]));
+        batch.trace(integrator, kernel, |k| Draws::new(stream(k), sample));
+        for (&i, found) in open.iter().zip(&batch.found) {
+            sums[i] += found.radiance;
+            counts[i] += 1;
+        }
+        let mut random = batch.found.iter().map(|found| found.is_random);
+        open.retain(|_| random.next() == Some(true));
+    }
+    let mean = |(sum, count): (&Rgb, u32)| *sum / f64::from(count);
+    sums.iter().zip(counts).map(mean).collect()
+}
+
+/// Everything that the tiles of one picture share.
+struct PicturePass<'a> {
+    integrator: Integrator<'a>,
+    lens: Lens,
+    film: Film,
+    samples: u32,
+    batch: u32,
+    progress: &'a Progress,
+}
+
+/// Working memory of one thread.
+#[derive(Default)]
+struct Batch {
+    rays: Vec<KernelRay>,
+    found: Vec<Found>,
+    scratch: Scratch,
+}
+
+impl Batch {
+    /// Finds the radiance along `rays`.
+    fn trace(
+        &mut self,
+        integrator: &Integrator,
+        rays: impl Iterator<Item = KernelRay>,
+        draws: impl Fn(usize) -> Draws,
+    ) {
+        self.rays.clear();
+        self.rays.extend(rays);
+        integrator.radiance(&self.rays, draws, &mut self.scratch, &mut self.found);
+    }
+}
+
+impl PicturePass<'_> {
+    /// The pixels of one tile.
+    fn tile(&self, tile: Tile, batch: &mut Batch) -> Result<Vec<[f32; 3]>, Cancelled> {
+        let pixels: Vec<u32> = tile.pixels(self.film.width).collect();
+        let mut sums = vec![Rgb::BLACK; pixels.len()];
+        let together = (self.batch / self.samples).max(1) as usize;
+        for (pixels, sums) in pixels.chunks(together).zip(sums.chunks_mut(together)) {
+            self.expose(pixels, sums, batch)?;
+            self.progress.advance(pixels.len() as u64)?;
+        }
+        let mean = |sum: &Rgb| (*sum / f64::from(self.samples)).to_f32();
+        Ok(sums.iter().map(mean).collect())
+    }
+
+    /// Adds up all samples of some pixels, a batch at a time.
+    fn expose(&self, pixels: &[u32], sums: &mut [Rgb], batch: &mut Batch) -> Result<(), Cancelled> {
+        for start in (0..self.samples).step_by(self.batch as usize) {
+            self.progress.advance(0)?;
+            let count = self.batch.min(self.samples - start) as usize;
+            let pixel = |k: usize| pixels[k / count];
+            let sample = |k: usize| start + (k % count) as u32;
+            let rays = (0..pixels.len() * count).map(|k| {
+                let at = self.film.position(pixel(k), sample(k));
+                self.integrator.kernel_ray(&self.lens.ray(at))
+            });
+            let draws = |k| Draws::new(self.film.pixel_seed(pixel(k)), sample(k));
+            batch.trace(&self.integrator, rays, draws);
+            for (sum, found) in sums.iter_mut().zip(batch.found.chunks(count)) {
+                *sum += found.iter().map(|found| found.radiance).sum();
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,126 @@
+//! What holds for every picture: orientation, repeatability, cancelling.
+
+use crate::gallery::gallery;
+use crate::{assert_close, camera, primitive};
+use azulejo_render::{SecondPass, render};
+use azulejo_scene::{Image, Material, Primitive, Rgb, Scene};
+use azulejo_trace::{Cancelled, Progress, Tracer};
+use glam::DVec3;
+
+#[test]
+fn pictures_are_neither_mirrored_nor_upside_down() {
+    let mut scene = Scene::default();
+    let colours = [
+        (-1.0, 1.0, Rgb::new(1.0, 0.0, 0.0)),
+        (1.0, 1.0, Rgb::new(0.0, 1.0, 0.0)),
+        (-1.0, -1.0, Rgb::new(0.0, 0.0, 1.0)),
+    ];
+    for (x, y, colour) in colours {
+        let lamp = scene.add_material(Material::emitter("lamp", colour));
+        let corner = DVec3::new(x - 0.5, y - 0.5, 0.0);
+        primitive(
+            &mut scene,
+            Primitive::parallelogram(corner, DVec3::X, DVec3::Y, lamp),
+        );
+    }
+    let eye = camera(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, 53.13);
+    let options = SecondPass {
+        size: (16, 16),
+        ..SecondPass::default()
+    };
+    let image = render(
+        &scene,
+        &Tracer::new(&scene),
+        &eye,
+        &options,
+        &Progress::new(),
+    )
+    .expect("nobody cancels");
+    let at = |x, y| Rgb::from(image.pixel(x, y).map(f64::from));
+    assert_close(at(4, 4), Rgb::new(1.0, 0.0, 0.0), 1e-6);
+    assert_close(at(11, 4), Rgb::new(0.0, 1.0, 0.0), 1e-6);
+    assert_close(at(4, 11), Rgb::new(0.0, 0.0, 1.0), 1e-6);
+    assert_close(at(11, 11), Rgb::BLACK, 0.0);
+}
+
+/// The gallery in a pool of `threads`.
+fn drawn_by(threads: usize, options: &SecondPass) -> Image {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let (scene, eye) = gallery(6);
+    let tracer = Tracer::new(&scene);
+    let draw = || render(&scene, &tracer, &eye, options, &Progress::new());
+    pool.expect("a pool").install(draw).expect("nobody cancels")
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    for gather in [None, Some(4)] {
+        let options = SecondPass {
+            size: (45, 33),
+            samples_per_pixel: 3,
+            gather,
+            ..SecondPass::default()
+        };
+        let one = drawn_by(1, &options);
+        assert!(one == drawn_by(8, &options), "gather {gather:?}");
+        let other = SecondPass {
+            seed: 1 << 40,
+            ..options
+        };
+        assert!(one != drawn_by(1, &other), "the seed changes nothing");
+    }
+}
+
+#[test]
+fn odd_sizes_and_no_samples_are_drawn() {
+    for size in [(0, 0), (0, 5), (1, 1), (17, 1)] {
+        let options = SecondPass {
+            size,
+            samples_per_pixel: 0,
+            ..SecondPass::default()
+        };
+        let image = drawn_by(1, &options);
+        assert_eq!(image.pixels.len(), (size.0 * size.1) as usize);
+        assert!(image.pixels.iter().flatten().all(|x| x.is_finite()));
+    }
+}
+
+#[test]
+fn a_cancelled_picture_stops() {
+    let (scene, eye) = gallery(6);
+    let tracer = Tracer::new(&scene);
+    let options = SecondPass {
+        size: (4096, 4096),
+        samples_per_pixel: 1024,
+        ..SecondPass::default()
+    };
+    let progress = Progress::new();
+    let drawn = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while progress.done() == 0 {
+                std::thread::yield_now();
+            }
+            progress.cancel();
+        });
+        render(&scene, &tracer, &eye, &options, &progress)
+    });
+    assert_eq!(drawn, Err(Cancelled));
+    assert!(
+        progress.done() < progress.total() / 10,
+        "{}",
+        progress.done()
+    );
+}
+
+#[test]
+fn progress_counts_every_pixel() {
+    let (scene, eye) = gallery(2);
+    let options = SecondPass {
+        size: (37, 21),
+        samples_per_pixel: 1,
+        ..SecondPass::default()
+    };
+    let progress = Progress::new();
+    render(&scene, &Tracer::new(&scene), &eye, &options, &progress).expect("nobody cancels");
+    assert_eq!((progress.done(), progress.total()), (37 * 21, 37 * 21));
+}
