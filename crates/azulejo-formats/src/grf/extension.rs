@@ -1,0 +1,712 @@
+//! `ext name begin key = value ... end ext`: what GRF's own words cannot say.
+//!
+//! docs/formats/grf.md lists every extension with its keys.
+
+use super::document::{Block, BlockKind, Kind, MaterialNote, Name, ObjectNotes, PrimitiveBlock};
+use super::lexer::Lexer;
+use super::parse::Ending;
+use super::parser::{Parsed, Parser};
+use azulejo_scene::{
+    Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Units,
+};
+use glam::{DAffine3, DVec3};
+
+const EXTENSION: Ending = Ending {
+    words: &["ext"],
+    is_required: true,
+};
+
+/// Cells along one direction of a solved primitive: enough for any, and squared still a count.
+const MOST_CELLS: f64 = 65_536.0;
+
+/// What an extension is.
+pub(super) enum Extension {
+    /// Something of its own.
+    Block(Box<BlockKind>),
+    /// `ext object`, about the object that follows.
+    Names(Box<ObjectNotes>),
+    /// About the object before it, which has it now.
+    Noted,
+}
+
+/// What stands behind a key.
+enum Value<'a> {
+    Numbers(Vec<f64>),
+    Vectors(Vec<[f64; 3]>),
+    Words(Vec<&'a str>),
+    Text(String),
+}
+
+struct Entry<'a> {
+    key: &'a str,
+    /// Where the value begins.
+    offset: usize,
+    value: Value<'a>,
+}
+
+/// The keys and values of one extension. What is taken is gone; what is left at the end was not
+/// understood.
+struct Entries<'a> {
+    extension: &'a str,
+    offset: usize,
+    list: Vec<Entry<'a>>,
+}
+
+impl<'a> Entries<'a> {
+    fn take(&mut self, key: &str) -> Option<Entry<'a>> {
+        let at = self
+            .list
+            .iter()
+            .position(|e| e.key.eq_ignore_ascii_case(key))?;
+        Some(self.list.remove(at))
+    }
+}
+
+impl<'a> Parser<'a, '_, '_> {
+    /// Reads an extension; `before` is the block that stands before it.
+    pub fn extension(&mut self, before: Option<&mut Block>) -> Parsed<Extension> {
+        let offset = self.lexer.skip_blank();
+        self.expect_word("ext")?;
+        let Some(name) = self.lexer.word() else {
+            return Err(self.unexpected("the name of an extension"));
+        };
+        self.expect_word("begin")?;
+        let lower = name.to_ascii_lowercase();
+        if !KNOWN.contains(&&*lower) {
+            let text = self.unknown_text(offset)?;
+            let name = name.to_owned();
+            return Ok(Extension::Block(Box::new(BlockKind::Unknown {
+                name,
+                text,
+            })));
+        }
+        let mut entries = self.entries(name, offset)?;
+        let known = self.known(&lower, &mut entries, before)?;
+        for rest in &entries.list {
+            self.warn(
+                rest.offset,
+                format!("`ext {lower}` has no key `{}`; skipped", rest.key),
+            );
+        }
+        Ok(known)
+    }
+
+    /// The text of an extension that is not known, up to `end ext`.
+    fn unknown_text(&mut self, offset: usize) -> Parsed<String> {
+        let start = self.lexer.skip_blank();
+        loop {
+            let here = self.lexer.skip_blank();
+            let mut ahead = self.lexer;
+            if ahead.eat_word("end") && ahead.eat_word("ext") {
+                self.lexer = ahead;
+                return Ok(self.lexer.text()[start..here].trim_end().to_owned());
+            }
+            if !self.lexer.skip_any() {
+                let line = self.place(offset).line;
+                return Err(self.unexpected(format!(
+                    "`end ext` for the block that begins in line {line}"
+                )));
+            }
+        }
+    }
+
+    fn entries(&mut self, extension: &'a str, offset: usize) -> Parsed<Entries<'a>> {
+        let mut list = Vec::new();
+        while at_key(self.lexer) {
+            let key = self.lexer.word().unwrap_or("");
+            self.expect(b'=')?;
+            let offset = self.lexer.skip_blank();
+            let value = self.value()?;
+            list.push(Entry { key, offset, value });
+        }
+        self.end(offset, &EXTENSION)?;
+        Ok(Entries {
+            extension,
+            offset,
+            list,
+        })
+    }
+
+    fn value(&mut self) -> Parsed<Value<'a>> {
+        match self.lexer.peek() {
+            Some(b'"') => match self.lexer.escaped_text() {
+                Some(text) => Ok(Value::Text(unescaped(text))),
+                None => Err(self.unexpected("a text that is closed by `\"` on its line")),
+            },
+            Some(b'(') => {
+                let mut vectors = Vec::new();
+                while self.lexer.peek() == Some(b'(') {
+                    vectors.push(self.vector3()?.to_array());
+                }
+                Ok(Value::Vectors(vectors))
+            }
+            _ if self.lexer.at_number() => {
+                let mut numbers = Vec::new();
+                while !at_key(self.lexer) && self.lexer.at_number() {
+                    numbers.push(self.number()?);
+                    self.lexer.eat(b',');
+                }
+                Ok(Value::Numbers(numbers))
+            }
+            _ => {
+                let mut words = Vec::new();
+                while !at_key(self.lexer)
+                    && let Some(word) = self.lexer.peek_word()
+                    && !word.eq_ignore_ascii_case("end")
+                {
+                    self.lexer.word();
+                    words.push(word);
+                }
+                if words.is_empty() {
+                    return Err(self.unexpected("a number, a vector, a \"text\" or a word"));
+                }
+                Ok(Value::Words(words))
+            }
+        }
+    }
+
+    fn known(
+        &mut self,
+        name: &str,
+        entries: &mut Entries<'a>,
+        before: Option<&mut Block>,
+    ) -> Parsed<Extension> {
+        let block = match name {
+            "units" => BlockKind::Units(self.units(entries)?),
+            "camera" => BlockKind::Camera(self.camera(entries)?),
+            "light" => BlockKind::Light(self.light(entries)?),
+            "material" => BlockKind::Material(Box::new(self.material_note(entries)?)),
+            "texture" => {
+                let of = self.take_name(entries, "of", Kind::Texture)?;
+                let path = self.take_text(entries, "path")?;
+                BlockKind::Texture {
+                    of: self.required(entries, "of", of)?,
+                    path: self.required(entries, "path", path)?,
+                }
+            }
+            "primitive" => BlockKind::Primitive(Box::new(self.primitive(entries)?)),
+            "object" => {
+                return Ok(Extension::Names(Box::new(ObjectNotes {
+                    name: self.take_text(entries, "name")?.unwrap_or_default(),
+                    material: self.take_name(entries, "material", Kind::Brdf)?,
+                    ..ObjectNotes::default()
+                })));
+            }
+            _ => {
+                self.note_object(name, entries, before)?;
+                return Ok(Extension::Noted);
+            }
+        };
+        Ok(Extension::Block(Box::new(block)))
+    }
+
+    fn units(&mut self, entries: &mut Entries<'a>) -> Parsed<Units> {
+        let mut units = Units::default();
+        if let Some((metres, offset)) = self.take_number(entries, "metres_per_unit")? {
+            if metres <= 0.0 {
+                return Err(self.fail(
+                    offset,
+                    format!("{metres} metres per unit"),
+                    "a length above 0",
+                ));
+            }
+            units.metres_per_unit = metres;
+        }
+        if let Some((word, offset)) = self.take_word(entries, "photometric")? {
+            units.photometric = match word {
+                "true" => true,
+                "false" => false,
+                _ => {
+                    return Err(self.fail(offset, format!("`{word}`"), "`true` or `false`"));
+                }
+            };
+        }
+        Ok(units)
+    }
+
+    fn camera(&mut self, entries: &mut Entries<'a>) -> Parsed<Camera> {
+        let eye = self.take_point(entries, "eye")?;
+        let target = self.take_point(entries, "target")?;
+        let up = self.take_point(entries, "up")?;
+        let fov = self.take_angle(entries, "fov")?;
+        let camera = Camera {
+            name: self.take_text(entries, "name")?.unwrap_or_default(),
+            eye: self.required(entries, "eye", eye)?,
+            target: self.required(entries, "target", target)?,
+            up: self.required(entries, "up", up)?,
+            vertical_fov: self.required(entries, "fov", fov)?,
+            size: self.take_size(entries)?,
+        };
+        if super::is_camera(&camera) {
+            return Ok(camera);
+        }
+        Err(self.fail(
+            entries.offset,
+            "a camera that sees nothing",
+            "eye, target and up that span a plane, and a field of view between 0 and 180 degrees",
+        ))
+    }
+
+    fn take_size(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<(u32, u32)>> {
+        let Some(entry) = entries.take("size") else {
+            return Ok(None);
+        };
+        let pixels = |n: f64| (n >= 1.0 && n <= f64::from(u32::MAX)).then_some(n as u32);
+        if let Value::Numbers(numbers) = &entry.value
+            && let [width, height] = numbers[..]
+            && let (Some(width), Some(height)) = (pixels(width), pixels(height))
+        {
+            return Ok(Some((width, height)));
+        }
+        Err(self.wrong(&entry, "two numbers of pixels, 1 or more"))
+    }
+
+    fn light(&mut self, entries: &mut Entries<'a>) -> Parsed<Light> {
+        let name = self.take_text(entries, "name")?.unwrap_or_default();
+        let kind = self.take_word(entries, "kind")?;
+        let (kind, offset) = self.required(entries, "kind", kind)?;
+        let kind = match kind {
+            "point" => LightKind::Point {
+                position: self.needed_point(entries, "position")?,
+                intensity: self.needed_rgb(entries, "intensity")?,
+            },
+            "spot" => self.spot(entries)?,
+            "directional" => LightKind::Directional {
+                direction: self.needed_direction(entries)?,
+                irradiance: self.needed_rgb(entries, "irradiance")?,
+            },
+            "ambient" => LightKind::Ambient {
+                radiance: self.needed_rgb(entries, "radiance")?,
+            },
+            _ => {
+                return Err(self.fail(
+                    offset,
+                    format!("`{kind}`"),
+                    "`point`, `spot`, `directional` or `ambient`",
+                ));
+            }
+        };
+        Ok(Light { name, kind })
+    }
+
+    fn spot(&mut self, entries: &mut Entries<'a>) -> Parsed<LightKind> {
+        let inner = self.take_angle(entries, "inner")?;
+        let outer = self.take_angle(entries, "outer")?;
+        let inner = self.required(entries, "inner", inner)?;
+        let outer = self.required(entries, "outer", outer)?;
+        if !(0.0 <= inner && inner <= outer && outer <= std::f64::consts::PI + 1e-12) {
+            return Err(self.fail(
+                entries.offset,
+                "a spot light with impossible angles",
+                "0 <= inner <= outer <= 180 degrees",
+            ));
+        }
+        Ok(LightKind::Spot {
+            position: self.needed_point(entries, "position")?,
+            direction: self.needed_direction(entries)?,
+            intensity: self.needed_rgb(entries, "intensity")?,
+            inner,
+            outer,
+        })
+    }
+
+    fn material_note(&mut self, entries: &mut Entries<'a>) -> Parsed<MaterialNote> {
+        let of = self.take_name(entries, "of", Kind::Brdf)?;
+        let of = self.required(entries, "of", of)?;
+        let name = self.take_text(entries, "name")?;
+        let diffuse = self.take_reflectance(entries, "diffuse")?;
+        let mirror = self.take_reflectance(entries, "mirror")?;
+        let emission = self.take_rgb(entries, "emission")?;
+        let transmittance = self.take_reflectance(entries, "transmittance")?;
+        let ior = self.take_number(entries, "ior")?;
+        if let Some((ior, offset)) = ior
+            && ior <= 0.0
+        {
+            return Err(self.fail(
+                offset,
+                format!("an index of refraction of {ior}"),
+                "a number above 0",
+            ));
+        }
+        Ok(MaterialNote {
+            of,
+            name,
+            diffuse,
+            mirror,
+            emission,
+            ior: ior.map(|(ior, _)| ior),
+            transmittance,
+            textures: self.take_textures(entries)?,
+            brdf_file: self.take_text(entries, "brdf_file")?,
+        })
+    }
+
+    fn take_textures(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<Vec<Name>>> {
+        let Some(entry) = entries.take("textures") else {
+            return Ok(None);
+        };
+        let Value::Words(words) = &entry.value else {
+            return Err(self.wrong(&entry, "names of textures, or `none`"));
+        };
+        if words[..] == ["none"] {
+            return Ok(Some(Vec::new()));
+        }
+        let mut names = Vec::new();
+        for word in words {
+            let name = self.shared.intern(word);
+            self.note_use(entry.offset, Kind::Texture, &name);
+            names.push(name);
+        }
+        Ok(Some(names))
+    }
+
+    fn primitive(&mut self, entries: &mut Entries<'a>) -> Parsed<PrimitiveBlock> {
+        let kind = self.take_word(entries, "kind")?;
+        let (word, offset) = self.required(entries, "kind", kind)?;
+        let kind = match word {
+            "sphere" => PrimitiveKind::Sphere,
+            "cylinder" => PrimitiveKind::Cylinder,
+            "box" => PrimitiveKind::Cuboid,
+            "parallelogram" => PrimitiveKind::Square,
+            "cone" => self.cone(entries)?,
+            _ => {
+                return Err(self.fail(
+                    offset,
+                    format!("`{word}`"),
+                    "`sphere`, `cylinder`, `cone`, `box` or `parallelogram`",
+                ));
+            }
+        };
+        Ok(PrimitiveBlock {
+            kind,
+            map: self.map(entries, kind)?,
+            notes: ObjectNotes {
+                material: self.take_name(entries, "material", Kind::Brdf)?,
+                ..ObjectNotes::default()
+            },
+        })
+    }
+
+    fn cone(&mut self, entries: &mut Entries<'a>) -> Parsed<PrimitiveKind> {
+        let top = self.take_number(entries, "top")?;
+        let (top, offset) = top.unwrap_or((0.0, entries.offset));
+        if (0.0..=1.0).contains(&top) {
+            return Ok(PrimitiveKind::Cone { top });
+        }
+        Err(self.fail(
+            offset,
+            format!("a cone with the top radius {top}"),
+            "a radius from 0 to 1; the base has radius 1",
+        ))
+    }
+
+    fn map(&mut self, entries: &mut Entries<'a>, kind: PrimitiveKind) -> Parsed<DAffine3> {
+        let entry = entries.take("map");
+        let entry = self.required(entries, "map", entry)?;
+        if let Value::Numbers(numbers) = &entry.value
+            && let Ok(columns) = <[f64; 12]>::try_from(&numbers[..])
+        {
+            let map = DAffine3::from_cols_array(&columns);
+            if super::is_invertible(kind, &map) {
+                return Ok(map);
+            }
+        }
+        Err(self.wrong(
+            &entry,
+            "12 numbers, the images of the x, y and z axes and of the origin, that map space onto space",
+        ))
+    }
+
+    /// `smoothing`, `irad_error`, `surface_light`: about the object before.
+    fn note_object(
+        &mut self,
+        name: &str,
+        entries: &mut Entries<'a>,
+        before: Option<&mut Block>,
+    ) -> Parsed<()> {
+        match (name, before.map(|block| &mut block.kind)) {
+            ("smoothing", Some(BlockKind::Mesh(mesh))) => {
+                let faces = mesh.faces.len();
+                mesh.notes.smoothing = self.smoothing(entries, faces)?;
+            }
+            ("irad_error", Some(BlockKind::Mesh(mesh))) => {
+                let vertices = mesh.vertices.positions.len();
+                mesh.notes.irradiance_error = self.rgb_list(entries, "values", vertices)?;
+            }
+            ("surface_light", Some(BlockKind::AreaLight(light))) => {
+                light.notes.light = Some(self.surface_light(entries, PrimitiveKind::Square)?);
+            }
+            ("surface_light", Some(BlockKind::Primitive(primitive))) => {
+                primitive.notes.light = Some(self.surface_light(entries, primitive.kind)?);
+            }
+            _ => {
+                return Err(self.fail(
+                    entries.offset,
+                    format!("`ext {name}`"),
+                    "the block that it is about right before it",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn smoothing(&mut self, entries: &mut Entries<'a>, faces: usize) -> Parsed<Vec<u32>> {
+        let entry = entries.take("groups");
+        let entry = self.required(entries, "groups", entry)?;
+        let group = |n: &f64| (*n >= 0.0 && *n <= f64::from(u32::MAX)).then_some(*n as u32);
+        if let Value::Numbers(numbers) = &entry.value
+            && numbers.len() == faces
+            && let Some(groups) = numbers.iter().map(group).collect()
+        {
+            return Ok(groups);
+        }
+        Err(self.wrong(&entry, &format!("{faces} whole numbers, one per face")))
+    }
+
+    fn surface_light(
+        &mut self,
+        entries: &mut Entries<'a>,
+        kind: PrimitiveKind,
+    ) -> Parsed<SurfaceLight> {
+        let grids = self.grids(entries, kind.parts())?;
+        let count = grids.iter().map(SurfaceGrid::vertices).sum();
+        let error = match entries.list.iter().any(|e| e.key == "error") {
+            true => self.rgb_list(entries, "error", count)?,
+            false => Vec::new(),
+        };
+        Ok(SurfaceLight {
+            irradiance: self.rgb_list(entries, "irradiance", count)?,
+            grids,
+            error,
+        })
+    }
+
+    fn grids(&mut self, entries: &mut Entries<'a>, parts: usize) -> Parsed<Vec<SurfaceGrid>> {
+        let entry = entries.take("grids");
+        let entry = self.required(entries, "grids", entry)?;
+        let is_count = |n: &f64| (1.0..=MOST_CELLS).contains(n);
+        if let Value::Numbers(numbers) = &entry.value
+            && numbers.len() == 2 * parts
+            && numbers.iter().all(is_count)
+        {
+            let grid = |pair: &[f64]| SurfaceGrid {
+                nu: pair[0] as u32,
+                nv: pair[1] as u32,
+            };
+            return Ok(numbers.chunks(2).map(grid).collect());
+        }
+        Err(self.wrong(
+            &entry,
+            &format!("{} numbers of cells, two for each part", 2 * parts),
+        ))
+    }
+
+    /// As many triples as `count`.
+    fn rgb_list(&mut self, entries: &mut Entries<'a>, key: &str, count: usize) -> Parsed<Vec<Rgb>> {
+        let entry = match entries.take(key) {
+            // Nothing stands behind the key of an empty list.
+            None if count == 0 => return Ok(Vec::new()),
+            entry => self.required(entries, key, entry)?,
+        };
+        match &entry.value {
+            Value::Vectors(list) if list.len() == count => Ok(list
+                .iter()
+                .map(|&v| self.not_negative(entry.offset, Rgb::from(v)))
+                .collect()),
+            _ => Err(self.wrong(&entry, &format!("{count} triples (r, g, b)"))),
+        }
+    }
+}
+
+/// The values of single keys.
+impl<'a> Parser<'a, '_, '_> {
+    #[cold]
+    fn wrong(&mut self, entry: &Entry<'_>, expected: &str) -> super::document::Fail {
+        self.fail(
+            entry.offset,
+            format!("another value of `{}`", entry.key),
+            expected,
+        )
+    }
+
+    fn required<T>(&mut self, entries: &Entries<'_>, key: &str, value: Option<T>) -> Parsed<T> {
+        match value {
+            Some(value) => Ok(value),
+            None => Err(self.fail(
+                entries.offset,
+                format!("`ext {}` without `{key}`", entries.extension),
+                format!("`{key} = ...` in it"),
+            )),
+        }
+    }
+
+    fn take_number(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+    ) -> Parsed<Option<(f64, usize)>> {
+        match entries.take(key) {
+            None => Ok(None),
+            Some(entry) => match entry.value {
+                Value::Numbers(ref n) if n.len() == 1 => Ok(Some((n[0], entry.offset))),
+                _ => Err(self.wrong(&entry, "one number")),
+            },
+        }
+    }
+
+    /// Radians, from `key` in degrees or from `key_radians`, which is written when no number of
+    /// degrees gives the same bits.
+    fn take_angle(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<f64>> {
+        let degrees = self.take_number(entries, key)?;
+        let radians = self.take_number(entries, &format!("{key}_radians"))?;
+        Ok(radians
+            .map(|(r, _)| r)
+            .or(degrees.map(|(d, _)| d.to_radians())))
+    }
+
+    fn take_point(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<DVec3>> {
+        match entries.take(key) {
+            None => Ok(None),
+            Some(entry) => match entry.value {
+                Value::Vectors(ref v) if v.len() == 1 => Ok(Some(DVec3::from_array(v[0]))),
+                _ => Err(self.wrong(&entry, "one vector (x, y, z)")),
+            },
+        }
+    }
+
+    fn needed_point(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<DVec3> {
+        let point = self.take_point(entries, key)?;
+        self.required(entries, key, point)
+    }
+
+    /// A unit vector, from one of any length.
+    fn needed_direction(&mut self, entries: &mut Entries<'a>) -> Parsed<DVec3> {
+        let offset = entries.offset;
+        let direction = self.needed_point(entries, "direction")?;
+        match super::unit(direction) {
+            Some(unit) => Ok(unit),
+            None => Err(self.fail(
+                offset,
+                "a direction without length",
+                "a vector that is not 0",
+            )),
+        }
+    }
+
+    fn take_rgb(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<Rgb>> {
+        let Some(entry) = entries.take(key) else {
+            return Ok(None);
+        };
+        let rgb = match &entry.value {
+            Value::Vectors(v) if v.len() == 1 => Rgb::from(v[0]),
+            Value::Numbers(n) if n.len() == 1 => Rgb::grey(n[0]),
+            _ => return Err(self.wrong(&entry, "one number or (r, g, b)")),
+        };
+        Ok(Some(self.not_negative(entry.offset, rgb)))
+    }
+
+    fn needed_rgb(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Rgb> {
+        let rgb = self.take_rgb(entries, key)?;
+        self.required(entries, key, rgb)
+    }
+
+    fn take_reflectance(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<Rgb>> {
+        let offset = entries.offset;
+        let rgb = self.take_rgb(entries, key)?;
+        if rgb.is_some_and(|c| c.max_channel() > 1.0) {
+            self.warn(offset, "a reflectance is above 1; read as 1");
+        }
+        Ok(rgb.map(|c| c.map(|x| x.min(1.0))))
+    }
+
+    fn take_text(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<String>> {
+        match entries.take(key) {
+            None => Ok(None),
+            Some(Entry {
+                value: Value::Text(text),
+                ..
+            }) => Ok(Some(text)),
+            Some(entry) => Err(self.wrong(&entry, "a \"text\"")),
+        }
+    }
+
+    fn take_word(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+    ) -> Parsed<Option<(&'a str, usize)>> {
+        match entries.take(key) {
+            None => Ok(None),
+            Some(entry) => match entry.value {
+                Value::Words(ref w) if w.len() == 1 => Ok(Some((w[0], entry.offset))),
+                _ => Err(self.wrong(&entry, "one word")),
+            },
+        }
+    }
+
+    /// A name that a `def` must have made.
+    fn take_name(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+        kind: Kind,
+    ) -> Parsed<Option<Name>> {
+        let Some((word, offset)) = self.take_word(entries, key)? else {
+            return Ok(None);
+        };
+        let name = self.shared.intern(word);
+        self.note_use(offset, kind, &name);
+        Ok(Some(name))
+    }
+}
+
+/// The extensions that are understood.
+const KNOWN: [&str; 10] = [
+    "units",
+    "camera",
+    "light",
+    "material",
+    "texture",
+    "primitive",
+    "object",
+    "smoothing",
+    "irad_error",
+    "surface_light",
+];
+
+/// Whether `key =` follows.
+fn at_key(mut ahead: Lexer<'_>) -> bool {
+    ahead.word().is_some() && ahead.eat(b'=')
+}
+
+/// Resolves the escapes `\n`, `\r`, `\t` and `\u{hex}`; any other character behind a backslash
+/// is itself.
+fn unescaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text.chars();
+    while let Some(c) = rest.next() {
+        if c != '\\' {
+            out.push(c);
+            continue;
+        }
+        match rest.next() {
+            Some('n') => out.push('\n'),
+            Some('r') => out.push('\r'),
+            Some('t') => out.push('\t'),
+            Some('u') => {
+                let digits: String = rest
+                    .by_ref()
+                    .take_while(|&c| c != '}')
+                    .filter(|&c| c != '{')
+                    .collect();
+                let code = u32::from_str_radix(&digits, 16)
+                    .ok()
+                    .and_then(char::from_u32);
+                out.push(code.unwrap_or(char::REPLACEMENT_CHARACTER));
+            }
+            Some(other) => out.push(other),
+            None => {}
+        }
+    }
+    out
+}

@@ -1,0 +1,421 @@
+//! From a scene to a document that says it canonically.
+
+use super::brdf::is_sayable;
+use super::document::{
+    AreaLight, Block, BlockKind, Body, Change, Column, Definition, Document, Kind, MaterialNote,
+    MeshBlock, Name, ObjectNotes, Place, PrimitiveBlock, Vertices,
+};
+use super::materials::{limit, surface};
+use azulejo_scene::{
+    Attribute, Brdf, Faces, Material, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb,
+    Scene, Shape, TextureId, Units,
+};
+use glam::{DVec2, DVec3};
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+impl Document {
+    /// The canonical document of a scene that keeps the promises of [`Scene::validate`].
+    ///
+    /// Materials and textures become definitions around everything else, under their own names
+    /// where these are identifiers. Normals and texture coordinates on corners become attributes
+    /// of vertices, which are split where corners disagree. Pixels of textures are left out.
+    pub fn from_scene(scene: &Scene) -> Document {
+        let names = Names::new(scene);
+        let mut outside = Vec::new();
+        if scene.units != Units::default() {
+            outside.push(BlockKind::Units(scene.units));
+        }
+        outside.extend(scene.cameras.iter().cloned().map(BlockKind::Camera));
+        outside.extend(scene.lights.iter().cloned().map(BlockKind::Light));
+        let mut inside = Vec::new();
+        let mut definitions = Vec::new();
+        for (texture, name) in scene.textures.iter().zip(&names.textures) {
+            definitions.push(texture_definition(name, &texture.path, &mut inside));
+        }
+        for (material, name) in scene.materials.iter().zip(&names.materials) {
+            let (definition, note) = material_definition(name, material, &names.textures);
+            definitions.push(definition);
+            inside.extend(note.map(|note| BlockKind::Material(Box::new(note))));
+        }
+        inside.extend(scene.objects.iter().map(|o| names.object(scene, o)));
+        if definitions.is_empty() {
+            outside.extend(inside);
+        } else {
+            outside.push(BlockKind::Definitions {
+                definitions,
+                blocks: Some(placed(inside)),
+            });
+        }
+        Document {
+            blocks: placed(outside),
+            ..Document::default()
+        }
+    }
+}
+
+fn placed(kinds: Vec<BlockKind>) -> Vec<Block> {
+    let place = Place::default();
+    kinds
+        .into_iter()
+        .map(|kind| Block { place, kind })
+        .collect()
+}
+
+/// Identifiers of a scene's materials and textures.
+struct Names {
+    materials: Vec<Name>,
+    textures: Vec<Name>,
+}
+
+impl Names {
+    fn new(scene: &Scene) -> Names {
+        let materials = scene.materials.iter().map(|m| &*m.name);
+        let textures = scene.textures.iter().map(|_| "");
+        Names {
+            materials: identifiers(materials, "m"),
+            textures: identifiers(textures, "t"),
+        }
+    }
+
+    fn object(&self, scene: &Scene, object: &Object) -> BlockKind {
+        let notes = ObjectNotes {
+            name: object.name.clone(),
+            ..ObjectNotes::default()
+        };
+        match &object.shape {
+            Shape::Mesh(mesh) => BlockKind::Mesh(Box::new(self.mesh(scene, mesh, notes))),
+            Shape::Primitive(p) => self.primitive(scene, p, notes),
+        }
+    }
+
+    fn material(&self, id: MaterialId) -> Change {
+        Change::Use(Kind::Brdf, self.materials[id as usize].clone())
+    }
+
+    fn mesh(&self, scene: &Scene, mesh: &Mesh, notes: ObjectNotes) -> MeshBlock {
+        let mesh = split_corners(mesh);
+        let radiance = common_radiance(scene, &mesh);
+        let mut head = Vec::new();
+        let mut changes = Vec::new();
+        for run in material_runs(&mesh.face_materials) {
+            let material = mesh.face_materials[run];
+            let textures = &scene.materials[material as usize].textures;
+            let said = std::iter::once(self.material(material))
+                .chain(textures.iter().map(|t| self.texture(*t)));
+            changes.extend(said.map(|change| (run as u32, change)));
+        }
+        // One material for all stands at the head; an emitting mesh has no head.
+        if radiance.is_none() && changes.iter().all(|(at, _)| *at == 0) {
+            head = changes.drain(..).map(|(_, change)| change).collect();
+        }
+        let mesh = mesh.into_owned();
+        MeshBlock {
+            is_light: radiance.is_some(),
+            radiance,
+            head,
+            vertices: Vertices {
+                positions: mesh.positions,
+                normals: column(mesh.normals),
+                irradiance: Column::full(mesh.irradiance),
+                uvs: column(mesh.uvs),
+                colors: Column::full(mesh.colors),
+                named_colors: Vec::new(),
+            },
+            faces: mesh.faces,
+            changes,
+            notes: ObjectNotes {
+                smoothing: mesh.smoothing,
+                irradiance_error: mesh.irradiance_error,
+                ..notes
+            },
+        }
+    }
+
+    fn texture(&self, id: TextureId) -> Change {
+        Change::Use(Kind::Texture, self.textures[id as usize].clone())
+    }
+
+    /// A parallelogram that shines is GRF's own area light; everything else is an extension.
+    fn primitive(&self, scene: &Scene, p: &Primitive, notes: ObjectNotes) -> BlockKind {
+        let notes = ObjectNotes {
+            material: Some(self.materials[p.material as usize].clone()),
+            light: p.light.clone(),
+            ..notes
+        };
+        let map = p.world_from_object;
+        let (a, b) = (map.matrix3.x_axis, map.matrix3.y_axis);
+        let plain = Primitive::parallelogram(map.translation, a, b, p.material);
+        let material = &scene.materials[p.material as usize];
+        let is_area_light = p.kind == PrimitiveKind::Square
+            && plain.world_from_object == map
+            && material.is_emitter();
+        if is_area_light {
+            return BlockKind::AreaLight(Box::new(AreaLight {
+                corner: map.translation,
+                edges: [a, b],
+                radiance: Some(material.emission),
+                notes,
+            }));
+        }
+        BlockKind::Primitive(Box::new(PrimitiveBlock {
+            kind: p.kind,
+            map,
+            notes,
+        }))
+    }
+}
+
+/// Distinct identifiers: names that are identifiers and not taken, or a letter and a number.
+fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<Name> {
+    let names: Vec<&str> = names.collect();
+    let given: HashSet<&str> = names.iter().copied().collect();
+    let mut taken: HashSet<&str> = HashSet::new();
+    let mut next = 0;
+    let mut fresh = || loop {
+        let name = format!("{letter}{next}");
+        next += 1;
+        if !given.contains(&*name) {
+            return Name::from(name);
+        }
+    };
+    let mut out = Vec::with_capacity(names.len());
+    for name in names {
+        let is_free = is_identifier(name) && taken.insert(name);
+        out.push(if is_free { Name::from(name) } else { fresh() });
+    }
+    out
+}
+
+/// Whether a name can stand in a file as it is. Keywords can't: a file should be read easily.
+fn is_identifier(name: &str) -> bool {
+    const KEYWORDS: [&str; 9] = [
+        "begin", "end", "def", "use", "none", "brdf", "texture", "rgb", "ext",
+    ];
+    let is_word = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'$');
+    name.bytes().all(is_word)
+        && name.bytes().next().is_some_and(|b| !b.is_ascii_digit())
+        && !KEYWORDS.iter().any(|k| name.eq_ignore_ascii_case(k))
+}
+
+/// Whether a path can stand between quotes as it is.
+fn is_plain_path(path: &str) -> bool {
+    !path.contains(|c: char| c == '"' || c.is_control())
+}
+
+fn texture_definition(name: &Name, path: &str, notes: &mut Vec<BlockKind>) -> Definition {
+    let mut plain = path.to_owned();
+    if !is_plain_path(path) {
+        plain.retain(|c| c != '"' && !c.is_control());
+        notes.push(BlockKind::Texture {
+            of: name.clone(),
+            path: path.to_owned(),
+        });
+    }
+    Definition {
+        name: name.clone(),
+        body: Body::Texture(Name::from(plain)),
+    }
+}
+
+/// A material in GRF's words, and what these leave unsaid.
+fn material_definition(
+    name: &Name,
+    material: &Material,
+    textures: &[Name],
+) -> (Definition, Option<MaterialNote>) {
+    let brdf = brdf_of(material);
+    let mut said = surface(name, &brdf).material;
+    limit(&mut said);
+    let unless = |same: bool, color: Rgb| (!same).then_some(color);
+    let note = MaterialNote {
+        of: name.clone(),
+        name: (material.name != said.name).then(|| material.name.clone()),
+        diffuse: unless(material.diffuse == said.diffuse, material.diffuse),
+        mirror: unless(material.mirror == said.mirror, material.mirror),
+        emission: unless(!material.is_emitter(), material.emission),
+        ior: material.dielectric.map(|d| d.ior),
+        transmittance: material.dielectric.map(|d| d.transmittance),
+        // With a texture anywhere, every material says its own: GRF has no word for "none".
+        textures: (!textures.is_empty()).then(|| {
+            let named = |&t: &TextureId| textures[t as usize].clone();
+            material.textures.iter().map(named).collect()
+        }),
+        brdf_file: match &material.brdf {
+            Some(Brdf::File(path)) if material.brdf != said.brdf => Some(path.clone()),
+            _ => None,
+        },
+    };
+    let empty = MaterialNote {
+        of: name.clone(),
+        ..MaterialNote::default()
+    };
+    let definition = Definition {
+        name: name.clone(),
+        body: Body::Brdf(Arc::new(brdf)),
+    };
+    (definition, (note != empty).then_some(note))
+}
+
+/// The brdf that says most about a material.
+fn brdf_of(material: &Material) -> Brdf {
+    match &material.brdf {
+        Some(Brdf::File(path)) if is_plain_path(path) => Brdf::File(path.clone()),
+        Some(model @ Brdf::Model { .. }) if is_sayable(model) => model.clone(),
+        _ => plain_brdf(material.diffuse, material.mirror),
+    }
+}
+
+fn plain_brdf(diffuse: Rgb, mirror: Rgb) -> Brdf {
+    let value = |c: Rgb| match c.is_grey() {
+        true => vec![c.r],
+        false => c.to_array().to_vec(),
+    };
+    let parameter = |key: &str, value| (key.to_owned(), value);
+    let (name, parameters) = if mirror.is_black() {
+        ("diffuse", vec![parameter("kd", value(diffuse))])
+    } else if diffuse.is_black() {
+        ("specular", vec![parameter("ks", value(mirror))])
+    } else {
+        let parts = vec![
+            parameter("weight", vec![1.0]),
+            parameter("diffuse", vec![]),
+            parameter("kd", value(diffuse)),
+            parameter("weight", vec![1.0]),
+            parameter("specular", vec![]),
+            parameter("ks", value(mirror)),
+        ];
+        (super::brdf::COMBINATION, parts)
+    };
+    Brdf::Model {
+        name: name.to_owned(),
+        parameters,
+    }
+}
+
+/// The radiance of a mesh whose faces all emit the same.
+fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
+    let emission = |m: MaterialId| scene.materials[m as usize].emission;
+    let (first, rest) = mesh.face_materials.split_first()?;
+    let radiance = emission(*first);
+    let is_common = rest.iter().all(|&m| emission(m) == radiance);
+    (is_common && !radiance.is_black()).then_some(radiance)
+}
+
+/// The faces at which the material changes, the first face among them.
+fn material_runs(materials: &[MaterialId]) -> impl Iterator<Item = usize> {
+    (0..materials.len()).filter(|&f| f == 0 || materials[f] != materials[f - 1])
+}
+
+fn column<T: Copy + Default>(attribute: Option<Attribute<T>>) -> Column<T> {
+    Column::full(attribute.map_or_else(Vec::new, |a| a.values))
+}
+
+/// A mesh whose normals and texture coordinates belong to vertices: a vertex whose corners
+/// disagree is split. Vertices keep their indices for their first corner; copies come last.
+fn split_corners(mesh: &Mesh) -> Cow<'_, Mesh> {
+    let by_corner = |has: Option<bool>| has.unwrap_or(false);
+    let normals = by_corner(mesh.normals.as_ref().map(|a| a.corners.is_some()));
+    let uvs = by_corner(mesh.uvs.as_ref().map(|a| a.corners.is_some()));
+    if !normals && !uvs {
+        return Cow::Borrowed(mesh);
+    }
+    let mut split = Splitter::new(mesh);
+    let mut faces = Faces::default();
+    let mut corners = Vec::new();
+    for face in 0..mesh.faces.len() {
+        corners.clear();
+        for corner in mesh.faces.corner_range(face) {
+            corners.push(split.vertex(corner));
+        }
+        faces.push(&corners);
+    }
+    Cow::Owned(split.mesh(faces))
+}
+
+/// What a vertex is after splitting: position, normal and texture coordinate by index.
+type Combination = [u32; 3];
+
+struct Splitter<'m> {
+    mesh: &'m Mesh,
+    /// Of each vertex, old and new; `None` for an old one that no corner has named yet.
+    combinations: Vec<Option<Combination>>,
+    known: HashMap<Combination, u32>,
+}
+
+impl Splitter<'_> {
+    fn new(mesh: &Mesh) -> Splitter<'_> {
+        Splitter {
+            mesh,
+            combinations: vec![None; mesh.positions.len()],
+            known: HashMap::new(),
+        }
+    }
+
+    fn vertex(&mut self, corner: usize) -> u32 {
+        let position = self.mesh.faces.corners[corner];
+        let combination = [
+            position,
+            index(&self.mesh.normals, corner, position),
+            index(&self.mesh.uvs, corner, position),
+        ];
+        if let Some(&known) = self.known.get(&combination) {
+            return known;
+        }
+        let first = &mut self.combinations[position as usize];
+        let vertex = if first.is_none() {
+            *first = Some(combination);
+            position
+        } else {
+            self.combinations.push(Some(combination));
+            self.combinations.len() as u32 - 1
+        };
+        self.known.insert(combination, vertex);
+        vertex
+    }
+
+    fn mesh(self, faces: Faces) -> Mesh {
+        let old = self.mesh;
+        let position = |v: usize| self.combinations[v].map_or(v, |c| c[0] as usize);
+        let count = self.combinations.len();
+        let taken = |list: &Vec<Rgb>| match list.is_empty() {
+            true => Vec::new(),
+            false => (0..count).map(|v| list[position(v)]).collect(),
+        };
+        Mesh {
+            positions: (0..count).map(|v| old.positions[position(v)]).collect(),
+            normals: self.attribute(&old.normals, 1, DVec3::Z),
+            uvs: self.attribute(&old.uvs, 2, DVec2::ZERO),
+            colors: taken(&old.colors),
+            irradiance: taken(&old.irradiance),
+            irradiance_error: taken(&old.irradiance_error),
+            faces,
+            face_materials: old.face_materials.clone(),
+            smoothing: old.smoothing.clone(),
+        }
+    }
+
+    /// An attribute by vertices; `unused` for vertices of no face.
+    fn attribute<T: Copy>(
+        &self,
+        attribute: &Option<Attribute<T>>,
+        part: usize,
+        unused: T,
+    ) -> Option<Attribute<T>> {
+        let attribute = attribute.as_ref()?;
+        let value =
+            |c: &Option<Combination>| c.map_or(unused, |c| attribute.values[c[part] as usize]);
+        Some(Attribute::per_vertex(
+            self.combinations.iter().map(value).collect(),
+        ))
+    }
+}
+
+/// Which value of an attribute a corner has.
+fn index<T>(attribute: &Option<Attribute<T>>, corner: usize, vertex: u32) -> u32 {
+    match attribute {
+        None => 0,
+        Some(a) => a.corners.as_ref().map_or(vertex, |corners| corners[corner]),
+    }
+}

@@ -1,0 +1,106 @@
+//! Light back into the file from which the scene came.
+
+use super::document::{Block, BlockKind, Column, Document, MeshBlock};
+use azulejo_scene::{Mesh, Object, Scene, Shape, SurfaceLight};
+
+impl Document {
+    /// Takes the irradiance of a solved scene over into the document that the scene was resolved
+    /// from, so that a save keeps the definitions, transforms and comments of the file.
+    ///
+    /// Included files that hold objects become part of the document, because their light can be
+    /// written nowhere else. Returns `false`, and changes nothing, when the scene's objects are
+    /// not those of the document any more: meshes divided into patches, objects added or taken
+    /// away. [`Document::from_scene`] says such a scene.
+    pub fn set_irradiance(&mut self, scene: &Scene) -> bool {
+        let mut objects = scene.objects.iter();
+        let is_same = all_match(&self.blocks, &mut objects) && objects.next().is_none();
+        if is_same {
+            let mut objects = scene.objects.iter();
+            self.blocks = lit(std::mem::take(&mut self.blocks), &mut objects);
+        }
+        is_same
+    }
+}
+
+type Objects<'s> = std::slice::Iter<'s, Object>;
+
+fn all_match(blocks: &[Block], objects: &mut Objects<'_>) -> bool {
+    blocks.iter().all(|block| match &block.kind {
+        BlockKind::Mesh(mesh) => matches!(
+            objects.next().map(|o| &o.shape),
+            Some(Shape::Mesh(solved)) if is_same_mesh(mesh, solved)
+        ),
+        BlockKind::AreaLight(_) | BlockKind::Primitive(_) => {
+            matches!(objects.next().map(|o| &o.shape), Some(Shape::Primitive(_)))
+        }
+        BlockKind::Include { blocks, .. }
+        | BlockKind::Transform { blocks, .. }
+        | BlockKind::Definitions {
+            blocks: Some(blocks),
+            ..
+        } => all_match(blocks, objects),
+        _ => true,
+    })
+}
+
+fn is_same_mesh(block: &MeshBlock, mesh: &Mesh) -> bool {
+    let vertices = mesh.positions.len();
+    // Starts and not corners: a transform that mirrors turns the faces round.
+    block.vertices.positions.len() == vertices
+        && block.faces.starts == mesh.faces.starts
+        && (mesh.irradiance.is_empty() || mesh.irradiance.len() == vertices)
+}
+
+fn lit(blocks: Vec<Block>, objects: &mut Objects<'_>) -> Vec<Block> {
+    let mut out = Vec::with_capacity(blocks.len());
+    for mut block in blocks {
+        match &mut block.kind {
+            BlockKind::Mesh(mesh) => set_mesh(mesh, objects.next()),
+            BlockKind::AreaLight(light) => light.notes.light = surface_light(objects.next()),
+            BlockKind::Primitive(p) => p.notes.light = surface_light(objects.next()),
+            BlockKind::Transform { blocks, .. }
+            | BlockKind::Definitions {
+                blocks: Some(blocks),
+                ..
+            } => *blocks = lit(std::mem::take(blocks), objects),
+            BlockKind::Include { blocks, .. } if has_objects(blocks) => {
+                // An include means what its text means in its place.
+                out.extend(lit(std::mem::take(blocks), objects));
+                continue;
+            }
+            _ => {}
+        }
+        out.push(block);
+    }
+    out
+}
+
+fn has_objects(blocks: &[Block]) -> bool {
+    blocks.iter().any(|block| match &block.kind {
+        BlockKind::Mesh(_) | BlockKind::AreaLight(_) | BlockKind::Primitive(_) => true,
+        BlockKind::Include { blocks, .. }
+        | BlockKind::Transform { blocks, .. }
+        | BlockKind::Definitions {
+            blocks: Some(blocks),
+            ..
+        } => has_objects(blocks),
+        _ => false,
+    })
+}
+
+fn set_mesh(block: &mut MeshBlock, object: Option<&Object>) {
+    if let Some(Shape::Mesh(mesh)) = object.map(|o| &o.shape) {
+        block.vertices.irradiance = Column::full(mesh.irradiance.clone());
+        block
+            .notes
+            .irradiance_error
+            .clone_from(&mesh.irradiance_error);
+    }
+}
+
+fn surface_light(object: Option<&Object>) -> Option<SurfaceLight> {
+    match object.map(|o| &o.shape) {
+        Some(Shape::Primitive(p)) => p.light.clone(),
+        _ => None,
+    }
+}

@@ -1,0 +1,283 @@
+//! Meshes: vertex lists and face lists, where nearly all bytes of a file are.
+
+use super::document::{Change, Column, Kind, MeshBlock, Vertices};
+use super::parse::Ending;
+use super::parser::{Parsed, Parser};
+use azulejo_scene::Rgb;
+
+const MESH: Ending = Ending::optional(&["mesh"]);
+const MESH_LIGHT: Ending = Ending::optional(&["mesh", "light"]);
+const VERTICES: Ending = Ending::optional(&["vertices", "vertexs"]);
+const FACES: Ending = Ending::optional(&["faces"]);
+
+/// Vertices of one mesh.
+const MOST_VERTICES: usize = 1 << 31;
+/// Corners of one mesh: they are counted in 32 bits.
+const MOST_CORNERS: usize = u32::MAX as usize;
+
+/// The largest index of a mesh's faces and where it stands.
+type Largest = Option<(u32, usize)>;
+
+/// Whether a word opens or ends a vertex list.
+pub(super) fn is_vertices(word: &str) -> bool {
+    word.eq_ignore_ascii_case("vertices") || word.eq_ignore_ascii_case("vertexs")
+}
+
+impl Parser<'_, '_, '_> {
+    /// The inside of a mesh and its `end`.
+    pub fn mesh_body(&mut self, offset: usize, mut mesh: MeshBlock) -> Parsed<Box<MeshBlock>> {
+        let ending = if mesh.is_light { &MESH_LIGHT } else { &MESH };
+        let mut largest = None;
+        loop {
+            if self.lexer.eat_word("begin") {
+                self.mesh_list(&mut mesh, &mut largest)?;
+                continue;
+            }
+            let at = self.lexer.skip_blank();
+            if mesh.is_light && self.lexer.eat_word("rgb") {
+                mesh.radiance = Some(self.rgb()?);
+            } else if let Some(change) = self.change()? {
+                if mesh.faces.is_empty() {
+                    mesh.head.push(change);
+                } else {
+                    self.warn(
+                        at,
+                        "`use` after the faces of a mesh changes nothing; skipped",
+                    );
+                }
+            } else if self.lexer.eat(b';') {
+            } else if self.at_end() {
+                break;
+            } else {
+                return Err(
+                    self.unexpected("`begin vertices`, `begin faces`, `use`, or `end mesh`")
+                );
+            }
+        }
+        self.check_indices(&mesh, largest)?;
+        self.end(offset, ending)?;
+        Ok(Box::new(mesh))
+    }
+
+    /// At `end`, and at the end of the file, which [`end`](Parser::end) reports.
+    fn at_end(&mut self) -> bool {
+        self.lexer.peek().is_none()
+            || self
+                .lexer
+                .peek_word()
+                .is_some_and(|word| word.eq_ignore_ascii_case("end"))
+    }
+
+    /// `begin` was read inside a mesh.
+    fn mesh_list(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+        let offset = self.lexer.skip_blank();
+        if self.lexer.peek_word().is_some_and(is_vertices) {
+            self.lexer.word();
+            return self.vertices(offset, &mut mesh.vertices);
+        }
+        if self.lexer.eat_word("faces") {
+            return self.faces(offset, mesh, largest);
+        }
+        Err(self.unexpected("`vertices` or `faces`"))
+    }
+
+    fn check_indices(&mut self, mesh: &MeshBlock, largest: Largest) -> Parsed<()> {
+        let count = mesh.vertices.positions.len();
+        match largest {
+            Some((index, at)) if index as usize >= count => Err(self.fail(
+                at,
+                format!("vertex {index} of a mesh of {count} vertices"),
+                match count {
+                    0 => "a vertex list with that vertex".to_owned(),
+                    _ => format!("an index from 0 to {}", count - 1),
+                },
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn vertices(&mut self, offset: usize, vertices: &mut Vertices) -> Parsed<()> {
+        loop {
+            match self.lexer.peek() {
+                Some(b'(') => {
+                    let position = self.vector3()?;
+                    if vertices.positions.len() >= MOST_VERTICES {
+                        return Err(self.unexpected("at most 2^31 vertices in a mesh"));
+                    }
+                    vertices.positions.push(position);
+                }
+                Some(b';') => {
+                    self.lexer.eat(b';');
+                }
+                Some(_) if !self.at_end() => self.vertex_attribute(vertices)?,
+                _ => return self.end(offset, &VERTICES),
+            }
+        }
+    }
+
+    fn vertex_attribute(&mut self, vertices: &mut Vertices) -> Parsed<()> {
+        let offset = self.lexer.skip_blank();
+        let vertex = vertices.positions.len();
+        if self.lexer.eat_word("normal") {
+            let normal = self.vector3()?;
+            self.set(&mut vertices.normals, vertex, normal, offset);
+        } else if self.lexer.eat_word("irad") {
+            let irradiance = self.rgb()?;
+            self.set(&mut vertices.irradiance, vertex, irradiance, offset);
+        } else if self.lexer.eat_word("uv") {
+            let uv = self.vector2()?;
+            self.set(&mut vertices.uvs, vertex, uv, offset);
+        } else if self.lexer.eat_word("rgb") {
+            let color = self.rgb()?;
+            self.set(&mut vertices.colors, vertex, color, offset);
+        } else if self.lexer.eat_word("use") {
+            self.color_word()?;
+            let name = self.used(Kind::Color)?;
+            // The column holds a place for it, so that it counts as present.
+            self.set(&mut vertices.colors, vertex, Rgb::WHITE, offset);
+            vertices.named_colors.push((vertex as u32, name));
+        } else {
+            return Err(self.unexpected(
+                "a vertex (`normal`, `irad`, `uv`, `rgb` or `use color`, and `(x, y, z)`), or `end vertices`",
+            ));
+        }
+        Ok(())
+    }
+
+    fn color_word(&mut self) -> Parsed<()> {
+        if self.lexer.eat_word("colour") || self.lexer.eat_word("rgb") {
+            return Ok(());
+        }
+        self.expect_word("color")
+    }
+
+    fn set<T: Copy + Default>(
+        &mut self,
+        column: &mut Column<T>,
+        vertex: usize,
+        value: T,
+        offset: usize,
+    ) {
+        if column.get(vertex).is_some() {
+            self.warn(
+                offset,
+                "a vertex has the same attribute twice; the first one holds",
+            );
+        } else {
+            column.push(vertex, value);
+        }
+    }
+
+    fn faces(&mut self, offset: usize, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+        loop {
+            match self.lexer.peek() {
+                Some(b'(') => self.face_in_brackets(mesh, largest)?,
+                Some(b'0'..=b'9') => self.counted_face(mesh, largest)?,
+                Some(b';') => {
+                    self.lexer.eat(b';');
+                }
+                Some(_) if !self.at_end() => {
+                    let Some(change) = self.change()? else {
+                        return Err(self.unexpected(
+                            "a face `(i, j, k, ...)`, `rgb`, `brdf`, `texture`, `use`, or `end faces`",
+                        ));
+                    };
+                    mesh.changes.push((mesh.faces.len() as u32, change));
+                }
+                _ => return self.end(offset, &FACES),
+            }
+        }
+    }
+
+    /// What changes the look of the faces that follow; `None` if something else comes next.
+    fn change(&mut self) -> Parsed<Option<Change>> {
+        let word = self.lexer.peek_word().unwrap_or("");
+        let is = |list: &[&str]| list.iter().any(|w| word.eq_ignore_ascii_case(w));
+        if is(&["rgb", "brdf", "texture"]) {
+            return self.body().map(|body| Some(Change::Set(body)));
+        }
+        if !is(&["use"]) {
+            return Ok(None);
+        }
+        self.lexer.word();
+        let kind = if self.lexer.eat_word("brdf") {
+            Kind::Brdf
+        } else if self.lexer.eat_word("texture") {
+            Kind::Texture
+        } else if self.lexer.eat_word("color")
+            || self.lexer.eat_word("colour")
+            || self.lexer.eat_word("rgb")
+        {
+            Kind::Color
+        } else {
+            return Err(self.unexpected("`color`, `brdf` or `texture`"));
+        };
+        let name = self.used(kind)?;
+        Ok(Some(Change::Use(kind, name)))
+    }
+
+    /// `(i, j, k, ...)`
+    fn face_in_brackets(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+        let start = self.lexer.skip_blank();
+        self.expect(b'(')?;
+        let first = mesh.faces.corners.len();
+        loop {
+            self.corner(mesh, largest)?;
+            if self.lexer.eat(b',') {
+                continue;
+            }
+            if self.lexer.eat(b')') {
+                break;
+            }
+            let next = self.lexer.skip_blank();
+            if !self.lexer.at_number() {
+                return Err(self.unexpected("`,` or `)`"));
+            }
+            self.warn(next, "a comma is missing between two numbers");
+        }
+        self.close_face(mesh, first, start)
+    }
+
+    /// `n i1 i2 ... in`
+    fn counted_face(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+        let start = self.lexer.skip_blank();
+        let count = self
+            .lexer
+            .index()
+            .map_err(|_| self.unexpected("the number of a face's corners"))?;
+        let first = mesh.faces.corners.len();
+        for k in 0..count {
+            if k > 0 {
+                self.lexer.eat(b',');
+            }
+            self.corner(mesh, largest)?;
+        }
+        self.close_face(mesh, first, start)
+    }
+
+    fn corner(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+        let at = self.lexer.skip_blank();
+        let index = self.index()?;
+        if largest.is_none_or(|(most, _)| index > most) {
+            *largest = Some((index, at));
+        }
+        mesh.faces.corners.push(index);
+        Ok(())
+    }
+
+    fn close_face(&mut self, mesh: &mut MeshBlock, first: usize, start: usize) -> Parsed<()> {
+        let end = mesh.faces.corners.len();
+        if end - first < 3 {
+            return Err(self.fail(
+                start,
+                format!("a face of {} corners", end - first),
+                "a face of 3 corners or more",
+            ));
+        }
+        if end > MOST_CORNERS {
+            return Err(self.unexpected("at most 2^32 corners in a mesh"));
+        }
+        mesh.faces.starts.push(end as u32);
+        Ok(())
+    }
+}

@@ -1,0 +1,802 @@
+//! From a document to a scene: scopes, transforms, materials.
+
+use super::document::{
+    AreaLight, Block, BlockKind, Body, Change, Column, Document, Fail, Kind, MaterialNote,
+    MeshBlock, Name, ObjectNotes, Place, PrimitiveBlock, Step,
+};
+use super::materials::{DEFAULT_REFLECTANCE, Surface, limit, surface};
+use super::warnings::Warnings;
+use super::{has_area, is_camera, is_invertible, unit};
+use crate::{Loaded, ReadError};
+use azulejo_scene::math::normal_matrix;
+use azulejo_scene::{
+    Attribute, Brdf, Camera, Faces, Light, LightKind, Material, MaterialId, Mesh, Object,
+    Primitive, PrimitiveKind, Rgb, Scene, Shape, Texture, TextureId,
+};
+use glam::{DAffine3, DMat3, DVec3};
+use std::collections::HashMap;
+
+/// Radiance of a light that says none.
+const DEFAULT_RADIANCE: Rgb = Rgb::WHITE;
+
+type Resolved<T> = Result<T, Fail>;
+
+impl Document {
+    /// The scene that the document describes. Textures have no pixels yet: see
+    /// [`load_textures`](super::load_textures).
+    ///
+    /// # Errors
+    /// A transform that carries numbers out of range. The error names the place but doesn't draw
+    /// its line.
+    pub fn resolve(&self) -> Result<Loaded, ReadError> {
+        let mut resolver = Resolver {
+            document: self,
+            scene: Scene::default(),
+            warnings: Warnings::default(),
+            scopes: Vec::new(),
+            surfaces: HashMap::new(),
+            derived: HashMap::new(),
+            texture_ids: HashMap::new(),
+        };
+        resolver
+            .list(&self.blocks, &[], None)
+            .map_err(|fail| *fail)?;
+        let scene = resolver.scene;
+        if let Err(invalid) = scene.validate() {
+            let name = self.sources.get(0).map_or("", |s| &s.shown);
+            return Err(ReadError::whole(
+                name,
+                invalid.to_string(),
+                "a possible scene",
+            ));
+        }
+        Ok(Loaded {
+            scene,
+            warnings: resolver.warnings.into_vec(),
+        })
+    }
+}
+
+struct Resolver<'d> {
+    document: &'d Document,
+    scene: Scene,
+    warnings: Warnings,
+    scopes: Vec<Scope<'d>>,
+    /// What stands behind the materials that a `def brdf` made.
+    surfaces: HashMap<MaterialId, Known>,
+    /// Materials made from looks, so that equal looks share one.
+    derived: HashMap<Key, MaterialId>,
+    /// Textures named in place.
+    texture_ids: HashMap<String, TextureId>,
+}
+
+/// A material of a `def brdf`.
+struct Known {
+    surface: Surface,
+    /// Whether `use` of it also says the textures.
+    sets_textures: bool,
+}
+
+/// The names of one list of blocks.
+#[derive(Default)]
+struct Scope<'d> {
+    colors: HashMap<&'d str, Rgb>,
+    brdfs: HashMap<&'d str, MaterialId>,
+    textures: HashMap<&'d str, TextureId>,
+}
+
+/// How faces look at some point of a list.
+#[derive(Clone, Debug, Default)]
+struct Look<'d> {
+    color: Option<Rgb>,
+    color_name: &'d str,
+    brdf: Option<Base<'d>>,
+    textures: Vec<TextureId>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Base<'d> {
+    /// A `def brdf`.
+    Named(MaterialId),
+    InPlace(&'d Brdf),
+}
+
+/// What makes a derived material distinct. Numbers are compared by their bits.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Key {
+    named: Option<MaterialId>,
+    in_place: Option<String>,
+    color: Option<[u64; 3]>,
+    color_name: String,
+    textures: Vec<TextureId>,
+    emission: Option<[u64; 3]>,
+    is_colored: bool,
+}
+
+fn bits(rgb: Rgb) -> [u64; 3] {
+    rgb.to_array().map(f64::to_bits)
+}
+
+/// The transform around a block; `None` where there is none, so that numbers stay as written.
+type Outer = Option<DAffine3>;
+
+impl<'d> Resolver<'d> {
+    fn warn(&mut self, place: Place, message: impl Into<String>, count: usize) {
+        self.warnings
+            .add_many(&self.document.sources, place, message.into(), count);
+    }
+
+    fn fail(&self, place: Place, found: impl Into<String>, expected: &str) -> Fail {
+        self.document.sources.fail(place, found, expected)
+    }
+
+    /// A list of blocks is a scope: its definitions are known before any of its blocks.
+    fn list(
+        &mut self,
+        blocks: &'d [Block],
+        definitions: &'d [super::document::Definition],
+        outer: Outer,
+    ) -> Resolved<()> {
+        self.scopes.push(Scope::default());
+        let place = blocks.first().map_or(Place::default(), |b| b.place);
+        self.define(definitions, place);
+        self.gather_definitions(blocks);
+        self.gather_notes(blocks)?;
+        self.blocks(blocks, outer)?;
+        self.scopes.pop();
+        Ok(())
+    }
+
+    fn blocks(&mut self, blocks: &'d [Block], outer: Outer) -> Resolved<()> {
+        for block in blocks {
+            self.block(block, outer)?;
+        }
+        Ok(())
+    }
+
+    fn block(&mut self, block: &'d Block, outer: Outer) -> Resolved<()> {
+        let place = block.place;
+        match &block.kind {
+            BlockKind::Mesh(mesh) => self.mesh(mesh, place, outer)?,
+            BlockKind::AreaLight(light) => self.area_light(light, place, outer)?,
+            BlockKind::Primitive(primitive) => self.primitive(primitive, place, outer)?,
+            BlockKind::Include { blocks, .. } => self.blocks(blocks, outer)?,
+            BlockKind::Transform { steps, blocks } => {
+                let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
+                if !map.is_finite() {
+                    return Err(self.fail(place, "a transform out of range", "finite numbers"));
+                }
+                self.list(blocks, &[], Some(map))?;
+            }
+            BlockKind::Definitions {
+                definitions,
+                blocks: Some(blocks),
+            } => self.list(blocks, definitions, outer)?,
+            BlockKind::Units(units) => self.scene.units = *units,
+            BlockKind::Camera(camera) => {
+                let camera = moved_camera(camera, outer);
+                if !is_camera(&camera) {
+                    return Err(self.fail(place, "a transform that blinds the camera", "another"));
+                }
+                self.scene.cameras.push(camera);
+            }
+            BlockKind::Light(light) => {
+                let light = moved_light(light, outer).ok_or_else(|| {
+                    self.fail(place, "a transform that flattens a light", "another")
+                })?;
+                self.scene.lights.push(light);
+            }
+            BlockKind::Definitions { blocks: None, .. }
+            | BlockKind::Material(_)
+            | BlockKind::Texture { .. }
+            | BlockKind::Params(_)
+            | BlockKind::Unknown { .. } => {}
+        }
+        Ok(())
+    }
+
+    /// Definitions without blocks of their own, also those in included files.
+    fn gather_definitions(&mut self, blocks: &'d [Block]) {
+        for block in blocks {
+            match &block.kind {
+                BlockKind::Include { blocks, .. } => self.gather_definitions(blocks),
+                BlockKind::Definitions {
+                    definitions,
+                    blocks: None,
+                } => self.define(definitions, block.place),
+                _ => {}
+            }
+        }
+    }
+
+    fn define(&mut self, definitions: &'d [super::document::Definition], place: Place) {
+        for definition in definitions {
+            let name: &'d str = &definition.name;
+            match &definition.body {
+                Body::Color(rgb) => {
+                    self.scope().colors.insert(name, *rgb);
+                }
+                Body::Texture(path) => {
+                    let id = self.add_texture(path, place);
+                    self.scope().textures.insert(name, id);
+                }
+                Body::Brdf(brdf) => {
+                    let surface = surface(name, brdf);
+                    let mut material = surface.material.clone();
+                    if !limit(&mut material) {
+                        self.warn(place, REFLECTS_TOO_MUCH, 1);
+                    }
+                    self.warn_unevaluated(&surface, place);
+                    let id = self.scene.add_material(material);
+                    let known = Known {
+                        surface,
+                        sets_textures: false,
+                    };
+                    self.surfaces.insert(id, known);
+                    self.scope().brdfs.insert(name, id);
+                }
+            }
+        }
+    }
+
+    /// `ext material` and `ext texture`, which complete definitions.
+    fn gather_notes(&mut self, blocks: &'d [Block]) -> Resolved<()> {
+        for block in blocks {
+            match &block.kind {
+                BlockKind::Include { blocks, .. } => self.gather_notes(blocks)?,
+                BlockKind::Texture { of, path } => {
+                    let id = self.texture_named(of, block.place)?;
+                    self.scene.textures[id as usize].path.clone_from(path);
+                }
+                BlockKind::Material(note) => self.annotate(note, block.place)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn annotate(&mut self, note: &'d MaterialNote, place: Place) -> Resolved<()> {
+        let id = self.brdf_named(&note.of, place)?;
+        let textures = match &note.textures {
+            None => None,
+            Some(names) => Some(
+                names
+                    .iter()
+                    .map(|name| self.texture_named(name, place))
+                    .collect::<Resolved<Vec<_>>>()?,
+            ),
+        };
+        if let Some(known) = self.surfaces.get_mut(&id) {
+            known.sets_textures |= textures.is_some();
+            known.surface.annotate(note, textures);
+            let mut material = known.surface.material.clone();
+            if !limit(&mut material) {
+                self.warn(place, REFLECTS_TOO_MUCH, 1);
+            }
+            self.scene.materials[id as usize] = material;
+        }
+        Ok(())
+    }
+
+    fn scope(&mut self) -> &mut Scope<'d> {
+        if self.scopes.is_empty() {
+            self.scopes.push(Scope::default());
+        }
+        let last = self.scopes.len() - 1;
+        &mut self.scopes[last]
+    }
+
+    fn lookup<T: Copy>(
+        &self,
+        kind: Kind,
+        name: &str,
+        place: Place,
+        names: impl for<'s> Fn(&'s Scope<'d>) -> &'s HashMap<&'d str, T>,
+    ) -> Resolved<T> {
+        let found = self.scopes.iter().rev().find_map(|s| names(s).get(name));
+        // Only a document that was changed by hand has such a name.
+        found.copied().ok_or_else(|| {
+            self.fail(
+                place,
+                format!("`{name}`, which is not defined"),
+                &format!("a {} that is defined", kind.word()),
+            )
+        })
+    }
+
+    fn brdf_named(&self, name: &Name, place: Place) -> Resolved<MaterialId> {
+        self.lookup(Kind::Brdf, name, place, |s| &s.brdfs)
+    }
+
+    fn texture_named(&self, name: &Name, place: Place) -> Resolved<TextureId> {
+        self.lookup(Kind::Texture, name, place, |s| &s.textures)
+    }
+
+    fn color_named(&self, name: &Name, place: Place) -> Resolved<Rgb> {
+        self.lookup(Kind::Color, name, place, |s| &s.colors)
+    }
+
+    fn add_texture(&mut self, path: &str, place: Place) -> TextureId {
+        let path = self.texture_path(path, place);
+        self.scene.textures.push(Texture { path, image: None });
+        (self.scene.textures.len() - 1) as TextureId
+    }
+
+    /// The path of a texture from the folder of the outermost file.
+    fn texture_path(&self, path: &str, place: Place) -> String {
+        match self.document.sources.get(place.file) {
+            Some(source) if source.path.contains('/') => super::parse::joined(&source.path, path),
+            _ => path.to_owned(),
+        }
+    }
+
+    fn texture_in_place(&mut self, path: &str, place: Place) -> TextureId {
+        let key = self.texture_path(path, place);
+        if let Some(&known) = self.texture_ids.get(&key) {
+            return known;
+        }
+        let id = self.add_texture(path, place);
+        self.texture_ids.insert(key, id);
+        id
+    }
+
+    fn warn_unevaluated(&mut self, surface: &Surface, place: Place) {
+        if let Some(what) = &surface.unevaluated {
+            let message = format!("of the brdf {what} only the diffuse part kd is used");
+            self.warn(place, message, 1);
+        }
+    }
+}
+
+/// Looks of faces.
+impl<'d> Resolver<'d> {
+    fn change(
+        &mut self,
+        look: &mut Look<'d>,
+        change: &'d Change,
+        is_stacking: &mut bool,
+        place: Place,
+    ) -> Resolved<()> {
+        match change {
+            Change::Set(Body::Color(rgb)) => (look.color, look.color_name) = (Some(*rgb), ""),
+            Change::Use(Kind::Color, name) => {
+                (look.color, look.color_name) = (Some(self.color_named(name, place)?), name);
+            }
+            Change::Set(Body::Brdf(brdf)) => look.brdf = Some(Base::InPlace(brdf)),
+            Change::Use(Kind::Brdf, name) => {
+                let id = self.brdf_named(name, place)?;
+                look.brdf = Some(Base::Named(id));
+                if self.surfaces.get(&id).is_some_and(|s| s.sets_textures) {
+                    look.textures
+                        .clone_from(&self.scene.materials[id as usize].textures);
+                    *is_stacking = false;
+                }
+            }
+            Change::Set(Body::Texture(path)) => {
+                let id = self.texture_in_place(path, place);
+                look.texture(id, is_stacking);
+            }
+            Change::Use(Kind::Texture, name) => {
+                let id = self.texture_named(name, place)?;
+                look.texture(id, is_stacking);
+            }
+        }
+        Ok(())
+    }
+
+    /// The material of a look. `emission` is the radiance of the mesh or light; a mesh with
+    /// colours at its vertices `is_colored`.
+    fn material(
+        &mut self,
+        look: &Look<'d>,
+        emission: Option<Rgb>,
+        is_colored: bool,
+        place: Place,
+    ) -> MaterialId {
+        let key = Key {
+            named: match look.brdf {
+                Some(Base::Named(id)) => Some(id),
+                _ => None,
+            },
+            in_place: match look.brdf {
+                Some(Base::InPlace(brdf)) => Some(format!("{brdf:?}")),
+                _ => None,
+            },
+            color: look.color.map(bits),
+            color_name: look.color_name.to_owned(),
+            textures: look.textures.clone(),
+            emission: emission.map(bits),
+            is_colored,
+        };
+        if let Some(&known) = self.derived.get(&key) {
+            return known;
+        }
+        let material = self.derive(look, emission, is_colored, place);
+        let id = match key.named {
+            Some(base) if self.scene.materials[base as usize] == material => base,
+            _ => self.scene.add_material(material),
+        };
+        self.derived.insert(key, id);
+        id
+    }
+
+    fn derive(
+        &mut self,
+        look: &Look<'d>,
+        emission: Option<Rgb>,
+        is_colored: bool,
+        place: Place,
+    ) -> Material {
+        let mut made = match look.brdf {
+            Some(Base::Named(id)) => match self.surfaces.get(&id) {
+                Some(known) => known.surface.clone(),
+                None => Surface::default(),
+            },
+            Some(Base::InPlace(brdf)) => {
+                let made = surface("", brdf);
+                self.warn_unevaluated(&made, place);
+                made
+            }
+            None => Surface {
+                material: Material::diffuse("", silent_reflectance(emission, is_colored)),
+                ..Surface::default()
+            },
+        };
+        let material = &mut made.material;
+        if let Some(color) = look.color {
+            material.diffuse = match made.says_diffuse {
+                true => material.diffuse * color,
+                false => color,
+            };
+        }
+        if material.name.is_empty() {
+            material.name = look.color_name.to_owned();
+        }
+        material.textures.clone_from(&look.textures);
+        if let Some(radiance) = emission {
+            material.emission = radiance;
+        }
+        if !limit(material) {
+            self.warn(place, REFLECTS_TOO_MUCH, 1);
+        }
+        made.material
+    }
+
+    /// The material of a light or primitive, of which a note may name the brdf.
+    fn noted_material(
+        &mut self,
+        notes: &'d ObjectNotes,
+        emission: Option<Rgb>,
+        place: Place,
+    ) -> Resolved<MaterialId> {
+        let mut look = Look::default();
+        if let Some(name) = &notes.material {
+            let id = self.brdf_named(name, place)?;
+            look.brdf = Some(Base::Named(id));
+            look.textures
+                .clone_from(&self.scene.materials[id as usize].textures);
+        }
+        Ok(self.material(&look, emission, false, place))
+    }
+}
+
+const REFLECTS_TOO_MUCH: &str =
+    "a material reflects less than nothing or more than arrives; limited to 0..1";
+
+/// Reflectance of a surface about which a file says nothing: a lamp's is black, and colours at
+/// vertices are the reflectance themselves.
+fn silent_reflectance(emission: Option<Rgb>, is_colored: bool) -> Rgb {
+    match (emission, is_colored) {
+        (Some(_), _) => Rgb::BLACK,
+        (None, true) => Rgb::WHITE,
+        (None, false) => DEFAULT_REFLECTANCE,
+    }
+}
+
+impl Look<'_> {
+    /// A texture replaces those before the last face, and is added to those behind it.
+    fn texture(&mut self, id: TextureId, is_stacking: &mut bool) {
+        if !*is_stacking {
+            self.textures.clear();
+        }
+        self.textures.push(id);
+        *is_stacking = true;
+    }
+}
+
+/// Objects.
+impl<'d> Resolver<'d> {
+    fn area_light(&mut self, light: &'d AreaLight, place: Place, outer: Outer) -> Resolved<()> {
+        let map = outer.unwrap_or(DAffine3::IDENTITY);
+        let [mut a, mut b] = light.edges.map(|edge| map.matrix3 * edge);
+        if is_mirror(outer) {
+            // In a mirror the lamp still shines on the mirrored room.
+            (a, b) = (b, a);
+        }
+        let corner = map.transform_point3(light.corner);
+        if !has_area(a, b) || !corner.is_finite() {
+            return Err(self.fail(
+                place,
+                "a light that a transform leaves without area",
+                "a transform that keeps it",
+            ));
+        }
+        let radiance = light.radiance.unwrap_or(DEFAULT_RADIANCE);
+        let material = self.noted_material(&light.notes, Some(radiance), place)?;
+        let mut primitive = Primitive::parallelogram(corner, a, b, material);
+        primitive.light.clone_from(&light.notes.light);
+        let shape = Shape::Primitive(primitive);
+        self.scene
+            .objects
+            .push(Object::new(&*light.notes.name, shape));
+        Ok(())
+    }
+
+    fn primitive(&mut self, block: &'d PrimitiveBlock, place: Place, outer: Outer) -> Resolved<()> {
+        let mut map = outer.map_or(block.map, |outer| outer * block.map);
+        if block.kind == PrimitiveKind::Square && is_mirror(outer) {
+            let axes = &mut map.matrix3;
+            (axes.x_axis, axes.y_axis) = (axes.y_axis, axes.x_axis);
+        }
+        if !is_invertible(block.kind, &map) {
+            return Err(self.fail(
+                place,
+                "a primitive that a transform flattens",
+                "a transform that keeps it",
+            ));
+        }
+        let material = self.noted_material(&block.notes, None, place)?;
+        let mut primitive = Primitive::new(block.kind, map, material);
+        primitive.light.clone_from(&block.notes.light);
+        let shape = Shape::Primitive(primitive);
+        self.scene
+            .objects
+            .push(Object::new(&*block.notes.name, shape));
+        Ok(())
+    }
+
+    fn mesh(&mut self, block: &'d MeshBlock, place: Place, outer: Outer) -> Resolved<()> {
+        let vertices = &block.vertices;
+        let count = vertices.positions.len();
+        let mut positions = vertices.positions.clone();
+        if let Some(map) = outer {
+            for p in &mut positions {
+                *p = map.transform_point3(*p);
+            }
+            if !positions.iter().all(|p| p.is_finite()) {
+                return Err(self.fail(
+                    place,
+                    "a mesh that a transform carries out of range",
+                    "finite positions",
+                ));
+            }
+        }
+        let mut faces = block.faces.clone();
+        if is_mirror(outer) {
+            turn_round(&mut faces);
+        }
+        let mut mesh = Mesh {
+            positions,
+            faces,
+            face_materials: self.face_materials(block, place)?,
+            smoothing: block.notes.smoothing.clone(),
+            colors: self.colors(block, place)?,
+            irradiance: self.filled(
+                &vertices.irradiance,
+                count,
+                Rgb::BLACK,
+                place,
+                "a vertex has no `irad` beside others that have; read as black",
+            ),
+            irradiance_error: block.notes.irradiance_error.clone(),
+            ..Mesh::default()
+        };
+        let uvs = self.filled(
+            &vertices.uvs,
+            count,
+            glam::DVec2::ZERO,
+            place,
+            "a vertex has no `uv` beside others that have; read as (0, 0)",
+        );
+        mesh.uvs = (!vertices.uvs.is_empty()).then(|| Attribute::per_vertex(uvs));
+        if !vertices.normals.is_empty() {
+            let normals = self.normals(block, &mesh, outer, place);
+            mesh.normals = Some(Attribute::per_vertex(normals));
+        }
+        let flat = degenerate_faces(&mesh);
+        self.warn(place, "a face has no area; kept", flat);
+        let shape = Shape::Mesh(mesh);
+        self.scene
+            .objects
+            .push(Object::new(&*block.notes.name, shape));
+        Ok(())
+    }
+
+    /// An attribute with `substitute` where it is missing; empty when all vertices lack it.
+    fn filled<T: Copy + Default>(
+        &mut self,
+        column: &Column<T>,
+        count: usize,
+        substitute: T,
+        place: Place,
+        message: &str,
+    ) -> Vec<T> {
+        if column.is_empty() {
+            return Vec::new();
+        }
+        if let Some(all) = column.complete(count) {
+            return all.to_vec();
+        }
+        self.warn(place, message, column.lacking(count));
+        (0..count)
+            .map(|v| column.get(v).unwrap_or(substitute))
+            .collect()
+    }
+
+    fn colors(&mut self, block: &'d MeshBlock, place: Place) -> Resolved<Vec<Rgb>> {
+        let vertices = &block.vertices;
+        let mut colors = self.filled(
+            &vertices.colors,
+            vertices.positions.len(),
+            Rgb::WHITE,
+            place,
+            "a vertex has no colour beside others that have; read as white",
+        );
+        for (vertex, name) in &vertices.named_colors {
+            let color = self.color_named(name, place)?;
+            if let Some(slot) = colors.get_mut(*vertex as usize) {
+                *slot = color;
+            }
+        }
+        Ok(colors)
+    }
+
+    /// Unit normals in the world; those that are missing or zero come from the faces around.
+    fn normals(
+        &mut self,
+        block: &MeshBlock,
+        mesh: &Mesh,
+        outer: Outer,
+        place: Place,
+    ) -> Vec<DVec3> {
+        let matrix = outer.map(|map| normal_matrix(map.matrix3));
+        let given = |v: usize| {
+            let normal = block.vertices.normals.get(v)?;
+            // A matrix that is not there leaves a unit normal as it was written.
+            unit(matrix.map_or(normal, |m| m * normal))
+        };
+        let mut normals: Vec<Option<DVec3>> = (0..mesh.positions.len()).map(given).collect();
+        let missing = normals.iter().filter(|n| n.is_none()).count();
+        if missing > 0 {
+            let message = "a vertex has no normal beside others that have; taken from its faces";
+            self.warn(place, message, missing);
+            let around = face_normals(mesh);
+            for (normal, faces) in normals.iter_mut().zip(around) {
+                *normal = normal.or(unit(faces));
+            }
+        }
+        normals.into_iter().map(|n| n.unwrap_or(DVec3::Z)).collect()
+    }
+
+    fn face_materials(&mut self, block: &'d MeshBlock, place: Place) -> Resolved<Vec<MaterialId>> {
+        let emission = match block.is_light {
+            true => Some(block.radiance.unwrap_or(DEFAULT_RADIANCE)),
+            false => None,
+        };
+        let is_colored = !block.vertices.colors.is_empty();
+        let mut look = Look::default();
+        let mut is_stacking = false;
+        for change in &block.head {
+            self.change(&mut look, change, &mut is_stacking, place)?;
+        }
+        let faces = block.faces.len();
+        let mut materials = Vec::with_capacity(faces);
+        let mut changes = block.changes.iter().peekable();
+        while materials.len() < faces {
+            is_stacking = false;
+            let here = materials.len();
+            while let Some((_, change)) = changes.next_if(|(at, _)| *at as usize <= here) {
+                self.change(&mut look, change, &mut is_stacking, place)?;
+            }
+            let end = changes.peek().map_or(faces, |(at, _)| *at as usize);
+            let material = self.material(&look, emission, is_colored, place);
+            materials.resize(end.clamp(here + 1, faces), material);
+        }
+        Ok(materials)
+    }
+}
+
+/// Whether a transform turns left into right.
+fn is_mirror(outer: Outer) -> bool {
+    outer.is_some_and(|map| map.matrix3.determinant() < 0.0)
+}
+
+/// Makes the back of each face its front, from the same first corner: what was the outside of a
+/// body is the outside of its mirror image.
+fn turn_round(faces: &mut Faces) {
+    for face in 0..faces.len() {
+        let corners = faces.corner_range(face);
+        faces.corners[corners][1..].reverse();
+    }
+}
+
+/// Area vectors of the faces around each vertex, summed.
+fn face_normals(mesh: &Mesh) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+    for face in mesh.faces.iter() {
+        let area = area_vector(&mesh.positions, face);
+        for &v in face {
+            sums[v as usize] += area;
+        }
+    }
+    sums
+}
+
+/// Newell's sum from the first corner, as [`azulejo_scene::math::area_vector`] has it, without
+/// a list of positions in between.
+fn area_vector(positions: &[DVec3], face: &[u32]) -> DVec3 {
+    let first = positions[face[0] as usize];
+    let edge = |v: u32| positions[v as usize] - first;
+    face[1..]
+        .windows(2)
+        .map(|w| edge(w[0]).cross(edge(w[1])))
+        .sum()
+}
+
+fn degenerate_faces(mesh: &Mesh) -> usize {
+    let faces: &Faces = &mesh.faces;
+    faces
+        .iter()
+        .filter(|face| area_vector(&mesh.positions, face) == DVec3::ZERO)
+        .count()
+}
+
+/// Elementary transformations as one; the first written acts first.
+fn affine(steps: &[Step]) -> DAffine3 {
+    steps.iter().fold(DAffine3::IDENTITY, |done, step| {
+        let next = match *step {
+            Step::Scale(s) => DAffine3::from_scale(s),
+            Step::Translation(t) => DAffine3::from_translation(t),
+            Step::Rotation(degrees) => DAffine3::from_mat3(
+                DMat3::from_rotation_z(degrees.z.to_radians())
+                    * DMat3::from_rotation_y(degrees.y.to_radians())
+                    * DMat3::from_rotation_x(degrees.x.to_radians()),
+            ),
+        };
+        next * done
+    })
+}
+
+fn moved_camera(camera: &Camera, outer: Outer) -> Camera {
+    let mut camera = camera.clone();
+    if let Some(map) = outer {
+        camera.eye = map.transform_point3(camera.eye);
+        camera.target = map.transform_point3(camera.target);
+        camera.up = map.matrix3 * camera.up;
+    }
+    camera
+}
+
+/// A light under a transform; `None` if it loses its direction. Brightness doesn't change.
+fn moved_light(light: &Light, outer: Outer) -> Option<Light> {
+    let mut light = light.clone();
+    let Some(map) = outer else {
+        return Some(light);
+    };
+    match &mut light.kind {
+        LightKind::Point { position, .. } => *position = map.transform_point3(*position),
+        LightKind::Spot {
+            position,
+            direction,
+            ..
+        } => {
+            *position = map.transform_point3(*position);
+            *direction = unit(map.matrix3 * *direction)?;
+        }
+        LightKind::Directional { direction, .. } => {
+            *direction = unit(map.matrix3 * *direction)?;
+        }
+        LightKind::Ambient { .. } => {}
+    }
+    Some(light)
+}

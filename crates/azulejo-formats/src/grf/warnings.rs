@@ -1,0 +1,59 @@
+//! Warnings, each said once with a count.
+
+use super::document::{Place, Sources};
+use crate::{Position, Warning};
+
+/// Different messages that are kept; a file that earns more is past reading.
+const MOST: usize = 100;
+
+/// What was mended, skipped or guessed so far.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Warnings(Vec<Warning>);
+
+impl Warnings {
+    /// Counts a message that was said before; `false` if it is new.
+    pub fn counts(&mut self, message: &str) -> bool {
+        self.counts_many(message, 1)
+    }
+
+    fn counts_many(&mut self, message: &str, count: usize) -> bool {
+        let known = self.0.iter_mut().find(|w| w.message == message);
+        if let Some(warning) = known {
+            warning.count += count;
+            return true;
+        }
+        self.0.len() > MOST
+    }
+
+    /// Says a message.
+    pub fn add(&mut self, sources: &Sources, place: Place, message: String) {
+        self.add_many(sources, place, message, 1);
+    }
+
+    /// Says a message about several things, or about none.
+    pub fn add_many(&mut self, sources: &Sources, place: Place, message: String, count: usize) {
+        if count == 0 || self.counts_many(&message, count) {
+            return;
+        }
+        let message = if self.0.len() == MOST {
+            "there are more kinds of warning than are listed".to_owned()
+        } else {
+            message
+        };
+        self.0.push(Warning {
+            file: sources
+                .get(place.file)
+                .map_or_else(String::new, |s| s.shown.clone()),
+            position: match place.line {
+                0 => Position::Whole,
+                line => Position::Line(line, place.column),
+            },
+            message,
+            count,
+        });
+    }
+
+    pub fn into_vec(self) -> Vec<Warning> {
+        self.0
+    }
+}

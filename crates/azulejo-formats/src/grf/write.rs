@@ -1,0 +1,534 @@
+//! From a document to text: canonical, stable, every number in its shortest exact form.
+
+use super::document::{
+    AreaLight, Block, BlockKind, Body, Change, Definition, Document, MaterialNote, MeshBlock,
+    ObjectNotes, PrimitiveBlock, Step,
+};
+use azulejo_scene::{Brdf, Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceLight, Units};
+use glam::{DVec2, DVec3};
+use std::fmt;
+use std::io::{self, BufWriter, Write};
+
+type Out<'w> = BufWriter<&'w mut dyn Write>;
+
+impl Document {
+    /// Writes the document, through a buffer of its own. Included files are not written.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let mut out = BufWriter::with_capacity(1 << 16, out);
+        for comment in &self.comments {
+            // A comment that a program sets may have several lines.
+            for line in comment.split(['\n', '\r']) {
+                writeln!(out, "//{}", line.trim_end())?;
+            }
+        }
+        blocks(&mut out, &self.blocks)?;
+        out.flush()
+    }
+}
+
+/// A number in the shortest form that reads back to the same bits.
+struct Number(f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if size == 0.0 || (1e-5..1e16).contains(&size) {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
+}
+
+/// `(x, y, z)`
+struct Vector<const N: usize>([f64; N]);
+
+impl<const N: usize> fmt::Display for Vector<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        list(f, &self.0)
+    }
+}
+
+fn list(f: &mut fmt::Formatter<'_>, numbers: &[f64]) -> fmt::Result {
+    for (k, &number) in numbers.iter().enumerate() {
+        let before = if k == 0 { "(" } else { ", " };
+        write!(f, "{before}{}", Number(number))?;
+    }
+    f.write_str(")")
+}
+
+fn point(v: DVec3) -> Vector<3> {
+    Vector(v.to_array())
+}
+
+fn pair(v: DVec2) -> Vector<2> {
+    Vector(v.to_array())
+}
+
+fn rgb(c: Rgb) -> Vector<3> {
+    Vector(c.to_array())
+}
+
+/// The value of a brdf's parameter: a number, or a list in brackets.
+struct Parameter<'a>(&'a [f64]);
+
+impl fmt::Display for Parameter<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            [number] => Number(*number).fmt(f),
+            numbers => list(f, numbers),
+        }
+    }
+}
+
+/// A text of an extension, in quotes, with escapes.
+struct Quoted<'a>(&'a str);
+
+impl fmt::Display for Quoted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("\"")?;
+        for c in self.0.chars() {
+            match c {
+                '"' | '\\' => write!(f, "\\{c}")?,
+                '\n' => f.write_str("\\n")?,
+                '\r' => f.write_str("\\r")?,
+                '\t' => f.write_str("\\t")?,
+                c if c.is_control() => write!(f, "\\u{{{:x}}}", u32::from(c))?,
+                c => write!(f, "{c}")?,
+            }
+        }
+        f.write_str("\"")
+    }
+}
+
+/// A file name: in quotes, or bare if it came bare with a quote inside.
+struct FileName<'a>(&'a str);
+
+impl fmt::Display for FileName<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.contains('"') {
+            f.write_str(self.0)
+        } else {
+            write!(f, "\"{}\"", self.0)
+        }
+    }
+}
+
+fn blocks(out: &mut Out<'_>, blocks: &[Block]) -> io::Result<()> {
+    blocks.iter().try_for_each(|b| block(out, &b.kind))
+}
+
+fn block(out: &mut Out<'_>, kind: &BlockKind) -> io::Result<()> {
+    match kind {
+        BlockKind::Params(text) => enclosed(out, "params", text, "params"),
+        BlockKind::Mesh(block) => mesh(out, block),
+        BlockKind::AreaLight(light) => area_light(out, light),
+        BlockKind::Primitive(block) => primitive(out, block),
+        BlockKind::Include { name, .. } => writeln!(out, "include {}", FileName(name)),
+        BlockKind::Transform {
+            steps,
+            blocks: inner,
+        } => {
+            out.write_all(b"transform")?;
+            steps.iter().try_for_each(|s| step(out, s))?;
+            out.write_all(b" begin\n")?;
+            blocks(out, inner)?;
+            out.write_all(b"end transform\n")
+        }
+        BlockKind::Definitions {
+            definitions,
+            blocks: inner,
+        } => {
+            definitions.iter().try_for_each(|d| definition(out, d))?;
+            let Some(inner) = inner else { return Ok(()) };
+            out.write_all(b"begin\n")?;
+            blocks(out, inner)?;
+            out.write_all(b"end def\n")
+        }
+        BlockKind::Units(u) => units(out, u),
+        BlockKind::Camera(c) => camera(out, c),
+        BlockKind::Light(l) => light(out, l),
+        BlockKind::Material(note) => material(out, note),
+        BlockKind::Texture { of, path } => writeln!(
+            out,
+            "ext texture begin of = {of} path = {} end ext",
+            Quoted(path)
+        ),
+        BlockKind::Unknown { name, text } => enclosed(out, &format!("ext {name}"), text, "ext"),
+    }
+}
+
+/// A block whose inside is kept as text.
+fn enclosed(out: &mut Out<'_>, head: &str, text: &str, end: &str) -> io::Result<()> {
+    writeln!(out, "{head} begin")?;
+    if !text.is_empty() {
+        writeln!(out, "{text}")?;
+    }
+    writeln!(out, "end {end}")
+}
+
+fn step(out: &mut Out<'_>, step: &Step) -> io::Result<()> {
+    match *step {
+        Step::Scale(v) => write!(out, " scale {}", point(v)),
+        Step::Rotation(v) => write!(out, " rotation {}", point(v)),
+        Step::Translation(v) => write!(out, " translation {}", point(v)),
+    }
+}
+
+fn definition(out: &mut Out<'_>, definition: &Definition) -> io::Result<()> {
+    write!(out, "def {} = ", definition.name)?;
+    body(out, &definition.body)
+}
+
+fn body(out: &mut Out<'_>, body: &Body) -> io::Result<()> {
+    match body {
+        Body::Texture(path) => writeln!(out, "texture {}", FileName(path)),
+        Body::Color(color) => writeln!(out, "rgb {}", rgb(*color)),
+        Body::Brdf(model) => brdf(out, model),
+    }
+}
+
+fn brdf(out: &mut Out<'_>, brdf: &Brdf) -> io::Result<()> {
+    match brdf {
+        Brdf::File(path) => writeln!(out, "brdf {}", FileName(path)),
+        Brdf::Model { name, parameters } => {
+            write!(out, "brdf {name}")?;
+            for (key, value) in parameters {
+                match value[..] {
+                    [] => write!(out, " {key}")?,
+                    _ => write!(out, " {key} = {}", Parameter(value))?,
+                }
+            }
+            writeln!(out)
+        }
+    }
+}
+
+fn change(out: &mut Out<'_>, change: &Change) -> io::Result<()> {
+    match change {
+        Change::Set(set) => body(out, set),
+        Change::Use(kind, name) => writeln!(out, "use {} {name}", kind.word()),
+    }
+}
+
+fn mesh(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+    object(out, &mesh.notes, None)?;
+    if mesh.is_light {
+        out.write_all(b"mesh light begin\n")?;
+    } else {
+        out.write_all(b"begin mesh\n")?;
+    }
+    if let Some(radiance) = mesh.radiance {
+        writeln!(out, "rgb {}", rgb(radiance))?;
+    }
+    mesh.head.iter().try_for_each(|c| change(out, c))?;
+    vertices(out, mesh)?;
+    faces(out, mesh)?;
+    out.write_all(b"end mesh\n")?;
+    mesh_notes(out, &mesh.notes)
+}
+
+fn vertices(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+    let vertices = &mesh.vertices;
+    let mut named = vertices.named_colors.iter().peekable();
+    out.write_all(b"begin vertices\n")?;
+    for (v, &position) in vertices.positions.iter().enumerate() {
+        if let Some(n) = vertices.normals.get(v) {
+            write!(out, "normal {} ", point(n))?;
+        }
+        if let Some(e) = vertices.irradiance.get(v) {
+            write!(out, "irad {} ", rgb(e))?;
+        }
+        if let Some(t) = vertices.uvs.get(v) {
+            write!(out, "uv {} ", pair(t))?;
+        }
+        if let Some((_, name)) = named.next_if(|(at, _)| *at as usize == v) {
+            write!(out, "use color {name} ")?;
+        } else if let Some(c) = vertices.colors.get(v) {
+            write!(out, "rgb {} ", rgb(c))?;
+        }
+        writeln!(out, "{}", point(position))?;
+    }
+    out.write_all(b"end vertices\n")
+}
+
+fn faces(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+    let mut changes = mesh.changes.iter().peekable();
+    out.write_all(b"begin faces\n")?;
+    for (f, corners) in mesh.faces.iter().enumerate() {
+        while let Some((_, c)) = changes.next_if(|(at, _)| *at as usize <= f) {
+            change(out, c)?;
+        }
+        for (k, corner) in corners.iter().enumerate() {
+            write!(out, "{}{corner}", if k == 0 { "(" } else { ", " })?;
+        }
+        out.write_all(b")\n")?;
+    }
+    out.write_all(b"end faces\n")
+}
+
+/// `ext object`, if there is something to say.
+fn object(out: &mut Out<'_>, notes: &ObjectNotes, material: Option<&str>) -> io::Result<()> {
+    if notes.name.is_empty() && material.is_none() {
+        return Ok(());
+    }
+    out.write_all(b"ext object begin")?;
+    if !notes.name.is_empty() {
+        write!(out, " name = {}", Quoted(&notes.name))?;
+    }
+    if let Some(name) = material {
+        write!(out, " material = {name}")?;
+    }
+    out.write_all(b" end ext\n")
+}
+
+fn mesh_notes(out: &mut Out<'_>, notes: &ObjectNotes) -> io::Result<()> {
+    if !notes.smoothing.is_empty() {
+        out.write_all(b"ext smoothing begin groups =")?;
+        for group in &notes.smoothing {
+            write!(out, " {group}")?;
+        }
+        out.write_all(b" end ext\n")?;
+    }
+    if !notes.irradiance_error.is_empty() {
+        out.write_all(b"ext irad_error begin\n")?;
+        rgb_list(out, "values", &notes.irradiance_error)?;
+        out.write_all(b"end ext\n")?;
+    }
+    Ok(())
+}
+
+fn rgb_list(out: &mut Out<'_>, key: &str, values: &[Rgb]) -> io::Result<()> {
+    writeln!(out, "{key} =")?;
+    values.iter().try_for_each(|&c| writeln!(out, "{}", rgb(c)))
+}
+
+fn surface_light(out: &mut Out<'_>, light: &SurfaceLight) -> io::Result<()> {
+    out.write_all(b"ext surface_light begin\ngrids =")?;
+    for grid in &light.grids {
+        write!(out, " {} {}", grid.nu, grid.nv)?;
+    }
+    writeln!(out)?;
+    rgb_list(out, "irradiance", &light.irradiance)?;
+    if !light.error.is_empty() {
+        rgb_list(out, "error", &light.error)?;
+    }
+    out.write_all(b"end ext\n")
+}
+
+fn area_light(out: &mut Out<'_>, light: &AreaLight) -> io::Result<()> {
+    object(out, &light.notes, light.notes.material.as_deref())?;
+    out.write_all(b"light begin")?;
+    if let Some(radiance) = light.radiance {
+        write!(out, " rgb {}", rgb(radiance))?;
+    }
+    let [a, b] = light.edges;
+    writeln!(
+        out,
+        " {} {} {} end light",
+        point(light.corner),
+        point(a),
+        point(b)
+    )?;
+    light
+        .notes
+        .light
+        .iter()
+        .try_for_each(|l| surface_light(out, l))
+}
+
+fn primitive(out: &mut Out<'_>, primitive: &PrimitiveBlock) -> io::Result<()> {
+    object(out, &primitive.notes, None)?;
+    let kind = match primitive.kind {
+        PrimitiveKind::Sphere => "sphere",
+        PrimitiveKind::Cylinder => "cylinder",
+        PrimitiveKind::Cone { .. } => "cone",
+        PrimitiveKind::Cuboid => "box",
+        PrimitiveKind::Square => "parallelogram",
+    };
+    write!(out, "ext primitive begin kind = {kind}")?;
+    if let PrimitiveKind::Cone { top } = primitive.kind {
+        write!(out, " top = {}", Number(top))?;
+    }
+    out.write_all(b" map =")?;
+    for number in primitive.map.to_cols_array() {
+        write!(out, " {}", Number(number))?;
+    }
+    if let Some(name) = &primitive.notes.material {
+        write!(out, " material = {name}")?;
+    }
+    out.write_all(b" end ext\n")?;
+    primitive
+        .notes
+        .light
+        .iter()
+        .try_for_each(|l| surface_light(out, l))
+}
+
+fn units(out: &mut Out<'_>, units: &Units) -> io::Result<()> {
+    writeln!(
+        out,
+        "ext units begin metres_per_unit = {} photometric = {} end ext",
+        Number(units.metres_per_unit),
+        units.photometric
+    )
+}
+
+/// An angle in degrees, or in radians under another key where degrees would lose a bit.
+struct Angle<'a>(&'a str, f64);
+
+impl fmt::Display for Angle<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Angle(key, radians) = *self;
+        let near = radians.to_degrees();
+        let candidates = [
+            (near * 1e9).round() / 1e9,
+            near,
+            near.next_up(),
+            near.next_down(),
+        ];
+        match candidates.into_iter().find(|d| d.to_radians() == radians) {
+            Some(degrees) => write!(f, "{key} = {}", Number(degrees)),
+            None => write!(f, "{key}_radians = {}", Number(radians)),
+        }
+    }
+}
+
+fn camera(out: &mut Out<'_>, camera: &Camera) -> io::Result<()> {
+    writeln!(
+        out,
+        "ext camera begin\nname = {}\neye = {}\ntarget = {}\nup = {}\n{}",
+        Quoted(&camera.name),
+        point(camera.eye),
+        point(camera.target),
+        point(camera.up),
+        Angle("fov", camera.vertical_fov),
+    )?;
+    if let Some((width, height)) = camera.size {
+        writeln!(out, "size = {width} {height}")?;
+    }
+    out.write_all(b"end ext\n")
+}
+
+fn light(out: &mut Out<'_>, light: &Light) -> io::Result<()> {
+    write!(
+        out,
+        "ext light begin name = {} kind = ",
+        Quoted(&light.name)
+    )?;
+    match light.kind {
+        LightKind::Point {
+            position,
+            intensity,
+        } => write!(
+            out,
+            "point position = {} intensity = {}",
+            point(position),
+            rgb(intensity)
+        ),
+        LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner,
+            outer,
+        } => write!(
+            out,
+            "spot position = {} direction = {} intensity = {} {} {}",
+            point(position),
+            point(direction),
+            rgb(intensity),
+            Angle("inner", inner),
+            Angle("outer", outer),
+        ),
+        LightKind::Directional {
+            direction,
+            irradiance,
+        } => write!(
+            out,
+            "directional direction = {} irradiance = {}",
+            point(direction),
+            rgb(irradiance)
+        ),
+        LightKind::Ambient { radiance } => write!(out, "ambient radiance = {}", rgb(radiance)),
+    }?;
+    out.write_all(b" end ext\n")
+}
+
+fn material(out: &mut Out<'_>, note: &MaterialNote) -> io::Result<()> {
+    write!(out, "ext material begin of = {}", note.of)?;
+    if let Some(name) = &note.name {
+        write!(out, " name = {}", Quoted(name))?;
+    }
+    let colors = [
+        ("diffuse", note.diffuse),
+        ("mirror", note.mirror),
+        ("emission", note.emission),
+    ];
+    for (key, color) in colors {
+        if let Some(color) = color {
+            write!(out, " {key} = {}", rgb(color))?;
+        }
+    }
+    if let Some(ior) = note.ior {
+        write!(out, " ior = {}", Number(ior))?;
+    }
+    if let Some(color) = note.transmittance {
+        write!(out, " transmittance = {}", rgb(color))?;
+    }
+    if let Some(path) = &note.brdf_file {
+        write!(out, " brdf_file = {}", Quoted(path))?;
+    }
+    match note.textures.as_deref() {
+        None => {}
+        Some([]) => out.write_all(b" textures = none")?,
+        Some(names) => {
+            out.write_all(b" textures =")?;
+            names.iter().try_for_each(|name| write!(out, " {name}"))?;
+        }
+    }
+    out.write_all(b" end ext\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(number: f64, expected: &str) {
+        assert_eq!(Number(number).to_string(), expected);
+        assert_eq!(
+            expected.parse::<f64>().map(f64::to_bits),
+            Ok(number.to_bits())
+        );
+    }
+
+    #[test]
+    fn numbers_are_short_and_exact() {
+        check(1.0, "1");
+        check(-0.0, "-0");
+        check(0.1, "0.1");
+        check(1.0 / 3.0, "0.3333333333333333");
+        check(1e300, "1e300");
+        check(-2.5e-7, "-2.5e-7");
+        check(f64::MIN_POSITIVE, "2.2250738585072014e-308");
+        check(f64::MAX, "1.7976931348623157e308");
+    }
+
+    #[test]
+    fn angles_are_degrees_where_degrees_are_exact() {
+        assert_eq!(Angle("fov", 40f64.to_radians()).to_string(), "fov = 40");
+        let radians = 1.0_f64.next_up();
+        let said = Angle("fov", radians).to_string();
+        let (_, number) = said.split_once(" = ").unwrap();
+        let number: f64 = number.parse().unwrap();
+        let read = if said.contains("radians") {
+            number
+        } else {
+            number.to_radians()
+        };
+        assert_eq!(read, radians, "{said}");
+    }
+}
