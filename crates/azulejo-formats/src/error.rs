@@ -48,9 +48,9 @@ pub struct ReadError {
     /// Where in it.
     pub position: Position,
     /// What stood there.
-    pub found: String,
+    pub found: Box<str>,
     /// What would have been right, or what to do.
-    pub expected: String,
+    pub expected: Box<str>,
     /// The text of the line, for text files.
     pub source_line: Option<String>,
     /// The files that led here by include, outermost first, each with the line of its include.
@@ -67,8 +67,8 @@ impl ReadError {
         ReadError {
             file: file.into(),
             position: Position::Whole,
-            found: found.into(),
-            expected: expected.into(),
+            found: found.into().into(),
+            expected: expected.into().into(),
             source_line: None,
             included_from: Vec::new(),
         }

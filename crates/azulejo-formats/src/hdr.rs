@@ -87,8 +87,8 @@ pub fn write(image: &Image, out: &mut dyn Write) -> io::Result<()> {
 /// Radiance's own rounding: mantissas are cut off, and read back as the middle of their step.
 fn encode(pixel: [f32; 3]) -> Rgbe {
     const LARGEST: f32 = 1.7e38;
-    // `max` also turns NaN into 0.
-    let pixel = pixel.map(|c| c.max(0.0).min(LARGEST));
+    // NaN is not above 0 either.
+    let pixel = pixel.map(|c| if c > 0.0 { c.min(LARGEST) } else { 0.0 });
     let largest = pixel[0].max(pixel[1]).max(pixel[2]);
     if largest < 1e-32 {
         return [0; 4];

@@ -221,7 +221,7 @@ fn attribute<T: Copy>(mesh: &Mesh, values: Vec<T>, corners: Vec<u32>) -> Attribu
 }
 
 fn colors(raw: &Raw, used: &[u32]) -> Vec<Rgb> {
-    let color = |&v: &u32| raw.colors.get(v as usize).copied();
+    let color = |&v: &u32| raw.colors.get(v as usize).copied().flatten();
     if used.iter().all(|v| color(v).is_none()) {
         return Vec::new();
     }

@@ -81,14 +81,17 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Whether the backslash at the cursor stands before a line end.
+    /// Whether the backslash at the cursor stands before a line end, or at the end of the file.
     fn continues(&self) -> bool {
-        self.bytes.get(self.at + 1).is_some_and(|&b| is_line_end(b))
+        self.bytes.get(self.at + 1).is_none_or(|&b| is_line_end(b))
     }
 
     fn pass_line_end(&mut self) {
-        let two = self.bytes[self.at..].starts_with(b"\r\n");
-        self.at += if two { 2 } else { 1 };
+        match self.bytes[self.at..] {
+            [] => return,
+            [b'\r', b'\n', ..] => self.at += 2,
+            _ => self.at += 1,
+        }
         self.line += 1;
         self.line_start = self.at;
     }

@@ -1,9 +1,10 @@
 //! Material libraries.
 
 use super::cursor::{Cursor, shortened, text};
+use super::phong;
 use super::warnings::Warnings;
 use crate::{FileError, Files, Loaded, ReadError};
-use azulejo_scene::{Brdf, Dielectric, Material, MaterialId, Rgb, Scene, Texture, TextureId};
+use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, Texture, TextureId};
 use std::collections::HashMap;
 
 /// Reflectance of what a file leaves without a material.
@@ -344,7 +345,7 @@ impl Parser<'_> {
         if !ks.is_black() && m.illum.unwrap_or(2.0) >= 2.0 {
             let message = "glossy material (Ks, Ns): kept as brdf phong, its Kd alone reflects";
             self.warnings.add_whole(self.file, message);
-            material.brdf = Some(phong(m.ns.unwrap_or(1.0), ks, material.diffuse));
+            material.brdf = Some(phong::brdf(m.ns.unwrap_or(1.0), ks, material.diffuse));
         }
     }
 
@@ -412,18 +413,6 @@ fn missing_kd(m: &Definition) -> Rgb {
         Rgb::BLACK
     } else {
         DEFAULT_REFLECTANCE
-    }
-}
-
-/// Ks and Ns as GRF writes them.
-fn phong(n: f64, ks: Rgb, kd: Rgb) -> Brdf {
-    Brdf::Model {
-        name: "phong".into(),
-        parameters: vec![
-            ("n".into(), vec![n]),
-            ("ks".into(), ks.to_array().to_vec()),
-            ("kd".into(), kd.to_array().to_vec()),
-        ],
     }
 }
 

@@ -22,9 +22,8 @@ const LARGEST: usize = 4 << 30;
 #[derive(Debug, Default)]
 pub(super) struct Raw {
     pub positions: Vec<DVec3>,
-    /// Empty until a vertex has a colour; then as long as `positions`, or shorter when the last
-    /// vertices have none.
-    pub colors: Vec<Rgb>,
+    /// Colours of the vertices up to the last that has one.
+    pub colors: Vec<Option<Rgb>>,
     pub uvs: Vec<DVec2>,
     /// Unit length, or zero for one that cannot be used.
     pub normals: Vec<DVec3>,
@@ -136,16 +135,8 @@ impl<'a> Reader<'a> {
             b"vt" => self.uv()?,
             b"vn" => self.normal()?,
             b"f" | b"fo" => self.face()?,
-            b"o" => begin_part(
-                &mut self.raw.objects,
-                self.cursor.name(),
-                self.raw.faces.len(),
-            ),
-            b"g" => begin_part(
-                &mut self.raw.groups,
-                self.cursor.name(),
-                self.raw.faces.len(),
-            ),
+            b"o" => self.object(),
+            b"g" => self.group(),
             b"s" => self.smoothing_group(),
             b"usemtl" => self.use_material(),
             b"mtllib" => self.material_library()?,
@@ -271,8 +262,8 @@ impl<'a> Reader<'a> {
             self.warn("vertex colour outside 0..1: clamped");
         }
         let before = self.raw.positions.len() - 1;
-        self.raw.colors.resize(before, Rgb::WHITE);
-        self.raw.colors.push(clamped.into());
+        self.raw.colors.resize(before, None);
+        self.raw.colors.push(Some(clamped.into()));
     }
 
     /// `vt u [v [w]]`.
@@ -411,6 +402,20 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    fn object(&mut self) {
+        let (name, first_face) = (self.cursor.name(), self.raw.faces.len());
+        self.raw.objects.push(Part { name, first_face });
+    }
+
+    /// Begins a group, unless the current one has the same name: exporters repeat it after
+    /// every change of material.
+    fn group(&mut self) {
+        let (name, first_face) = (self.cursor.name(), self.raw.faces.len());
+        if self.raw.groups.last().is_none_or(|last| last.name != name) {
+            self.raw.groups.push(Part { name, first_face });
+        }
+    }
+
     fn smoothing_group(&mut self) {
         let word = self.cursor.word().unwrap_or(b"off");
         let number = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok());
@@ -489,17 +494,13 @@ fn put(list: &mut Vec<u32>, corner: usize, value: u32) {
     }
 }
 
-/// Begins a part, unless the current one has the same name.
-fn begin_part(parts: &mut Vec<Part>, name: String, first_face: usize) {
-    if parts.last().is_none_or(|last| last.name != name) {
-        parts.push(Part { name, first_face });
-    }
-}
-
 /// Length 1, or zero when that is impossible.
 fn unit_or_zero(n: DVec3) -> DVec3 {
     let largest = n.abs().max_element();
-    if n.is_finite() && largest > 0.0 {
+    if (n.length_squared() - 1.0).abs() < 1e-15 {
+        // What was written by us stays the same to the last bit.
+        n
+    } else if n.is_finite() && largest > 0.0 {
         // Dividing first keeps the square of the length from overflow and underflow.
         (n / largest).normalize_or_zero()
     } else {
@@ -515,11 +516,11 @@ fn library_names(text: &str, files: &dyn Files) -> Vec<String> {
         return vec![text.to_owned()];
     }
     let ends = |w: &&str| w.to_ascii_lowercase().ends_with(".mtl");
-    if !words.iter().any(|w| ends(&w)) {
+    if !words.iter().any(ends) {
         return words.into_iter().map(str::to_owned).collect();
     }
     words
-        .split_inclusive(|w| ends(&w))
+        .split_inclusive(ends)
         .map(|piece| piece.join(" "))
         .collect()
 }

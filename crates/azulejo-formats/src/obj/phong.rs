@@ -1,0 +1,35 @@
+//! MTL's glossy surfaces, Ks and Ns, as the reflection model `phong` of GRF.
+
+use azulejo_scene::{Brdf, Material, Rgb};
+
+/// The model with exponent `n`, glossy reflectance `ks` and diffuse reflectance `kd`.
+pub(super) fn brdf(n: f64, ks: Rgb, kd: Rgb) -> Brdf {
+    let parameter = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
+    Brdf::Model {
+        name: "phong".into(),
+        parameters: vec![
+            parameter("n", &[n]),
+            parameter("ks", &ks.to_array()),
+            parameter("kd", &kd.to_array()),
+        ],
+    }
+}
+
+/// Exponent and glossy reflectance, if the material carries this model.
+pub(super) fn parse(material: &Material) -> Option<(f64, Rgb)> {
+    let Some(Brdf::Model { name, parameters }) = &material.brdf else {
+        return None;
+    };
+    let value = |key: &str| {
+        parameters
+            .iter()
+            .find(|p| p.0 == key)
+            .map(|p| p.1.as_slice())
+    };
+    let ks = match *value("ks")? {
+        [grey] => Rgb::grey(grey),
+        [r, g, b] => Rgb::new(r, g, b),
+        _ => return None,
+    };
+    (name == "phong").then_some((*value("n")?.first()?, ks))
+}

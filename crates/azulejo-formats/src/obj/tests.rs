@@ -1,0 +1,658 @@
+//! Rules of OBJ and MTL, each by a small file.
+
+use super::read;
+use crate::{Loaded, Memory, Position};
+use azulejo_scene::{Brdf, Material, Mesh, Rgb, Shape};
+use glam::{DVec2, DVec3};
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn load(text: impl AsRef<[u8]>) -> Loaded {
+    load_with(text, &Memory::new())
+}
+
+fn load_with(text: impl AsRef<[u8]>, files: &Memory) -> Loaded {
+    let loaded = read(text.as_ref(), "a.obj", files).unwrap_or_else(|e| panic!("{e}"));
+    loaded.scene.validate().unwrap_or_else(|e| panic!("{e}"));
+    loaded
+}
+
+fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
+    match &loaded.scene.objects[object].shape {
+        Shape::Mesh(mesh) => mesh,
+        Shape::Primitive(_) => panic!("OBJ has meshes only"),
+    }
+}
+
+fn only_mesh(text: impl AsRef<[u8]>) -> Mesh {
+    let loaded = load(text);
+    assert_eq!(loaded.warnings, []);
+    mesh(&loaded, 0).clone()
+}
+
+/// The faces that a text makes of the square's vertices.
+fn check_faces(text: &str, expected: &[&[u32]]) {
+    let mesh = only_mesh(format!("{SQUARE}{text}"));
+    assert_eq!(mesh.faces.iter().collect::<Vec<_>>(), expected, "{text}");
+}
+
+/// The error of a text behind the square's vertices, up to its drawing.
+fn check_error(text: &str, expected: &str) {
+    let Err(error) = read(
+        format!("{SQUARE}{text}").as_bytes(),
+        "a.obj",
+        &Memory::new(),
+    ) else {
+        panic!("{text}: read");
+    };
+    let said = error.to_string();
+    assert_eq!(said.lines().next(), Some(expected), "{text}");
+}
+
+/// Messages and counts of the warnings of a text behind the square's vertices.
+fn check_warnings(text: &str, expected: &[(&str, usize)]) {
+    let loaded = load(format!("{SQUARE}{text}"));
+    let said: Vec<(&str, usize)> = loaded
+        .warnings
+        .iter()
+        .map(|w| (w.message.as_str(), w.count))
+        .collect();
+    assert_eq!(said, expected, "{text}");
+}
+
+#[test]
+fn index_forms() {
+    check_faces("f 1 2 3", &[&[0, 1, 2]]);
+    check_faces("f -4 -3 -2 -1", &[&[0, 1, 2, 3]]);
+    check_faces("vt 0 0\nf 1/1 2/1 3/1", &[&[0, 1, 2]]);
+    check_faces("vn 0 0 1\nf 1//1 2//-1 3//1", &[&[0, 1, 2]]);
+    check_faces("vt 0\nvn 0 0 1\nf 1/1/1 2/-1/-1 3/1/1", &[&[0, 1, 2]]);
+    check_faces("f 1/ 2// 3/", &[&[0, 1, 2]]);
+    check_faces("fo 1 2 3 4", &[&[0, 1, 2, 3]]);
+    check_faces("f +1 02 3", &[&[0, 1, 2]]);
+    check_faces("f 1 1 1", &[&[0, 0, 0]]);
+}
+
+#[test]
+fn indices_count_from_where_they_stand() {
+    let text =
+        "v 9 0 0\nv 0 0 0\nv 1 0 0\nf -1 -2 -3\nv 0 2 0\nf -1 -2 -3\nf 6 1 2\nv 0 0 0\nv 6 6 6\n";
+    let mesh = only_mesh(text);
+    assert_eq!(mesh.positions.len(), 5);
+    let faces: Vec<_> = mesh.faces.iter().collect();
+    assert_eq!(faces, [[2, 1, 0], [3, 2, 1], [4, 0, 1]]);
+    assert_eq!(mesh.positions[4], DVec3::splat(6.0));
+}
+
+#[test]
+fn wrong_indices() {
+    check_error(
+        "f 1 0 3",
+        "a.obj:5:5: found vertex 0, expected 1 for the first or -1 for the latest",
+    );
+    check_error(
+        "f 1 2 5",
+        "a.obj:5:7: found vertex 5, expected 1 to 4, the number of vertices in the file",
+    );
+    check_error(
+        "\t f 1 2 -5",
+        "a.obj:5:9: found vertex -5, expected -4 to -1, the number of vertices so far",
+    );
+    check_error(
+        "f 1 2 99999999999999999999",
+        "a.obj:5:7: found \"99999999999999999999\", expected a corner like 1, 1/2, 1//3 or 1/2/3",
+    );
+    check_error(
+        "f 1 2 9999999999",
+        "a.obj:5:7: found vertex 9999999999, expected 1 to 4, the number of vertices in the file",
+    );
+    check_error(
+        "f 1 2 3.5",
+        "a.obj:5:7: found \"3.5\", expected a corner like 1, 1/2, 1//3 or 1/2/3",
+    );
+    check_error(
+        "f 1 2 3/4/5/6",
+        "a.obj:5:7: found \"3/4/5/6\", expected a corner like 1, 1/2, 1//3 or 1/2/3",
+    );
+    check_error(
+        "f 1 2 x",
+        "a.obj:5:7: found \"x\", expected a corner like 1, 1/2, 1//3 or 1/2/3",
+    );
+    let error = read(b"f -1 2 3\nv 0 0 0", "a.obj", &Memory::new()).unwrap_err();
+    assert_eq!(&*error.found, "vertex -1");
+    let missing = "corner whose texture coordinate or normal does not exist: without";
+    check_warnings("vn 0 0 1\nf 1/9/1 2/0/1 3//1", &[(missing, 2)]);
+    check_warnings("vt 0 0\nf 1//-1 2/-2/1 3//1", &[(missing, 4)]);
+}
+
+#[test]
+fn wrong_numbers() {
+    check_error(
+        "v 1 2",
+        "a.obj:5:6: found the end of the line, expected x, y and z of a vertex",
+    );
+    check_error("v 1 2 x3", "a.obj:5:7: found \"x3\", expected a number");
+    check_error("v 1,5 2 3", "a.obj:5:3: found \"1,5\", expected a number");
+    check_error(
+        "  v 1 nan 3",
+        "a.obj:5:5: found a vertex at [1, NaN, 3], expected finite coordinates",
+    );
+    check_error(
+        "v 1 -1.#IND 3",
+        "a.obj:5:3: found a vertex at [1, NaN, 3], expected finite coordinates",
+    );
+    check_error(
+        "v 1 1e999 3",
+        "a.obj:5:3: found a vertex at [1, inf, 3], expected finite coordinates",
+    );
+    check_error(
+        "v 1 2 3 nan",
+        "a.obj:5:9: found a number that is not finite, expected a weight or colour",
+    );
+    check_error(
+        "vn 1 2",
+        "a.obj:5:7: found the end of the line, expected x, y and z of a normal",
+    );
+    check_error(
+        "vt",
+        "a.obj:5:3: found the end of the line, expected u of a texture coordinate",
+    );
+}
+
+#[test]
+fn an_error_is_drawn_whatever_ends_the_lines() {
+    for end in ["\n", "\r\n", "\r"] {
+        let text = format!("# ñ{end}{end}v 0 0 0{end}f 1 ñ 2 \\{end} 1 é 7 # x{end}v 1 1 1{end}");
+        let error = read(text.as_bytes(), "a.obj", &Memory::new()).unwrap_err();
+        assert_eq!(error.position, Position::Line(4, 5), "{end:?}");
+        let line = error.source_line.as_deref();
+        assert_eq!(line, Some("f 1 ñ 2 \\"));
+        let text = text.replace('ñ', "1").replace('é', "é");
+        let error = read(text.as_bytes(), "a.obj", &Memory::new()).unwrap_err();
+        assert_eq!(error.position, Position::Line(5, 4), "{end:?}");
+    }
+}
+
+#[test]
+fn lines_end_in_every_way() {
+    let text = format!("{SQUARE}f 1 2 3\nf 3 4 1 # comment\n");
+    for end in ["\n", "\r\n", "\r", "\n\n", " \t\n", "\r\0\0"] {
+        check_same(&text, &text.replace('\n', end));
+    }
+    let mixed = text.replacen('\n', "\r\n", 2).replacen("0\nv", "0\rv", 1);
+    check_same(&text, &mixed);
+}
+
+fn check_same(a: &str, b: &str) {
+    assert_eq!(only_mesh(a), only_mesh(b), "{b:?}");
+}
+
+#[test]
+fn a_backslash_continues() {
+    check_faces("f 1 \\\n 2 3", &[&[0, 1, 2]]);
+    check_faces("f 1\\\r\n 2 \\\r3 \\\n\n", &[&[0, 1, 2]]);
+    check_faces("# a comment does not \\\nf 1 2 3", &[&[0, 1, 2]]);
+    check_warnings(
+        "f 1 2 3\nnonsense \\\n f 1 2",
+        &[("unknown statement \"nonsense\": skipped", 1)],
+    );
+    let loaded = load(format!("{SQUARE}o a \\\n  b\\c\nf 1 2 3 \\"));
+    assert_eq!(loaded.scene.objects[0].name, "a   b\\c");
+}
+
+#[test]
+fn comments_and_names() {
+    check_faces("f 1 2 3 # 4", &[&[0, 1, 2]]);
+    let name_of = |text: &str| {
+        load(format!("{SQUARE}{text}\nf 1 2 3")).scene.objects[0]
+            .name
+            .clone()
+    };
+    assert_eq!(name_of("o  a b  # comment"), "a b");
+    assert_eq!(name_of("o #1"), "#1");
+    assert_eq!(name_of("o a#1"), "a#1");
+    assert_eq!(name_of("g left wall \t"), "left wall");
+    assert_eq!(name_of("o"), "");
+    let latin = load(b"v 0 0 0\no ni\xf1o\nf 1 1 1");
+    assert_eq!(latin.scene.objects[0].name, "niño");
+}
+
+#[test]
+fn other_encodings() {
+    let text = format!("o ñ\n{SQUARE}f 1 2 3");
+    let expected = load(&text).scene;
+    let marked = [b"\xef\xbb\xbf", text.as_bytes()].concat();
+    let big: Vec<u8> = "\u{feff}"
+        .encode_utf16()
+        .chain(text.encode_utf16())
+        .flat_map(u16::to_be_bytes)
+        .collect();
+    let little: Vec<u8> = "\u{feff}"
+        .encode_utf16()
+        .chain(text.encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    for bytes in [marked, big, little] {
+        assert_eq!(load(bytes).scene, expected);
+    }
+    let error = read(b"v 0 0 0\nf \0 1 1", "a.obj", &Memory::new()).unwrap_err();
+    assert_eq!(error.position, Position::Byte(10));
+}
+
+#[test]
+fn vertices_belong_to_objects() {
+    let loaded = load(format!(
+        "{SQUARE}v 5 5 5\nf 1 2 3\no a\nf 4 3 1\nf 4 2 1\no b\no a\nf 5 5 5\n"
+    ));
+    let names: Vec<&str> = loaded
+        .scene
+        .objects
+        .iter()
+        .map(|o| o.name.as_str())
+        .collect();
+    assert_eq!(names, ["", "a", "a"]);
+    let sizes = [0, 1, 2].map(|i| mesh(&loaded, i).positions.len());
+    assert_eq!(sizes, [3, 4, 1]);
+    assert_eq!(mesh(&loaded, 1).faces.get(0), [3, 2, 0]);
+}
+
+#[test]
+fn groups_are_objects_only_without_objects() {
+    let text = format!("{SQUARE}g a\nf 1 2 3\ng a\nf 1 2 4\ng b c\nf 1 3 4\ng a\nf 2 3 4\n");
+    let names = |text: &str| -> Vec<String> {
+        load(text)
+            .scene
+            .objects
+            .into_iter()
+            .map(|o| o.name)
+            .collect()
+    };
+    assert_eq!(names(&text), ["a", "b c", "a"]);
+    assert_eq!(names(&format!("o x\n{text}")), ["x"]);
+}
+
+#[test]
+fn vertices_with_more_than_a_place() {
+    let colored = only_mesh("v 0 0 0\nv 1 0 0 1 0 0.5\nv 0 1 0 1 0 0 1\nf 1 2 3");
+    let colors = [Rgb::WHITE, Rgb::new(1.0, 0.0, 0.5), Rgb::new(0.0, 0.0, 1.0)];
+    assert_eq!(colored.colors, colors);
+    let plain = load(format!("{SQUARE}v 0 0 0 1 1 1\no a\nf 1 2 3\no b\nf 1 2 5"));
+    assert_eq!(mesh(&plain, 0).colors, []);
+    assert_eq!(mesh(&plain, 1).colors.len(), 3);
+    assert_eq!(
+        only_mesh("v 1 2 3 1.0\nf 1 1 1").positions[0],
+        DVec3::new(1.0, 2.0, 3.0)
+    );
+    check_warnings(
+        "v 1 2 3 0.5\nf 1 2 5",
+        &[(
+            "a vertex with a weight w: not divided by it, only free-form surfaces use it",
+            1,
+        )],
+    );
+    check_warnings(
+        "v 1 2 3 0 2 0\nf 1 2 5",
+        &[("vertex colour outside 0..1: clamped", 1)],
+    );
+    check_warnings(
+        "v 1 2 3 4 5\nf 1 2 5",
+        &[(
+            "numbers behind x, y and z that are neither weight nor colour: skipped",
+            1,
+        )],
+    );
+}
+
+#[test]
+fn texture_coordinates_and_normals() {
+    let shared = only_mesh(format!(
+        "{SQUARE}vt 0.5 0.25 9\nvt 1\nvn 0 0 2\nf 1/2/1 2/1/1 3/1/1"
+    ));
+    let uvs = shared.uvs.unwrap();
+    assert_eq!((uvs.corners, uvs.values[0]), (None, DVec2::new(1.0, 0.0)));
+    assert_eq!(uvs.values[2], DVec2::new(0.5, 0.25));
+    assert_eq!(shared.normals.unwrap().values, [DVec3::Z; 3]);
+
+    let creased = only_mesh(format!(
+        "{SQUARE}vn 0 0 1\nvn 3 0 4\nvn 0 1 0\nf 1//3 2//3 3//3\nf 1//1 3//1 4//1"
+    ));
+    let normals = creased.normals.unwrap();
+    assert_eq!(normals.values, [DVec3::Z, DVec3::Y]);
+    assert_eq!(normals.corners, Some(vec![1, 1, 1, 0, 0, 0]));
+    assert_eq!(
+        only_mesh("v 0 0 0\nvn 1e300 1e300 0\nf 1//1 1//1 1//1")
+            .normals
+            .unwrap()
+            .values[0]
+            .z,
+        0.0
+    );
+}
+
+#[test]
+fn missing_attributes_are_filled() {
+    let text = format!(
+        "{SQUARE}vt 1 1\nvn 0 1 0\nvn 0 0 0\nvn nan 0 0\nf 1/1/1 2/1/1 3/1/1\nf 1//2 3//3 4\n"
+    );
+    let loaded = load(&text);
+    let mesh = mesh(&loaded, 0);
+    let normals = mesh.normals.as_ref().unwrap();
+    assert_eq!((normals.at(0, 0), normals.at(5, 3)), (DVec3::Y, DVec3::Z));
+    assert_eq!(mesh.uvs.as_ref().unwrap().at(5, 3), DVec2::ZERO);
+    let said: Vec<(&str, usize)> = loaded
+        .warnings
+        .iter()
+        .map(|w| (w.message.as_str(), w.count))
+        .collect();
+    assert_eq!(
+        said,
+        [
+            ("normal that is zero or not finite: dropped", 2),
+            (
+                "object with texture coordinates on some corners only: (0, 0) on the others",
+                1
+            ),
+            (
+                "object with normals on some corners only: the face's own on the others",
+                1
+            ),
+        ]
+    );
+    assert_eq!(only_mesh(format!("{SQUARE}f 1 2 3")).normals, None);
+    check_warnings(
+        "vt nan 1\nf 1/1 2/1 3/1",
+        &[("texture coordinate that is not finite: taken as (0, 0)", 1)],
+    );
+}
+
+#[test]
+fn smoothing_groups() {
+    let groups = |text: &str| only_mesh(format!("{SQUARE}{text}")).smoothing;
+    assert!(groups("s 0\nf 1 2 3\ns off\nf 1 2 3").is_empty());
+    assert_eq!(
+        groups("f 1 2 3\ns 7\nf 1 2 3\ns off\nf 1 2 3\ns on\nf 1 2 3\ns\nf 1 2 3"),
+        [0, 7, 0, 1, 0]
+    );
+    check_warnings(
+        "s -1\nf 1 2 3",
+        &[("smoothing group that is no number: taken as off", 1)],
+    );
+}
+
+#[test]
+fn what_has_no_surface_is_counted() {
+    let skipped = "points and lines have no surface: skipped";
+    check_warnings("f 1 2 3\np 1 2\nl 1 2 3\nl 1/1 2/1", &[(skipped, 3)]);
+    check_warnings(
+        "f 1 2 3\ncstype bezier\nsurf 0 1 0 1 \\\n 1 2\nend",
+        &[("free-form curves and surfaces: skipped", 3)],
+    );
+    check_warnings(
+        "f 1 2 3\nf 1 2\nf",
+        &[("face of fewer than three corners: skipped", 2)],
+    );
+    check_warnings(
+        "f 1 2 3\nbevel on",
+        &[("\"bevel\" does not change the geometry: skipped", 1)],
+    );
+    check_warnings("", &[("no faces: the scene is empty", 1)]);
+    check_warnings(
+        "v 3.1+e2 0 0\nf 1 2 3",
+        &[(
+            "numbers like 3.1+e2, the exponent's sign before its letter: read as 3.1e+2",
+            1,
+        )],
+    );
+}
+
+/// Reads a triangle of material `m`, defined by `mtl`; the material and the warnings.
+fn material(mtl: &str) -> (Material, Vec<String>) {
+    let files = Memory::new().with("m.mtl", format!("newmtl m\n{mtl}"));
+    let loaded = load_with(format!("mtllib m.mtl\n{SQUARE}usemtl m\nf 1 2 3"), &files);
+    assert_eq!(loaded.scene.materials.len(), 1);
+    let warnings = loaded.warnings.iter().map(|w| w.message.clone()).collect();
+    (loaded.scene.materials[0].clone(), warnings)
+}
+
+fn check_material(mtl: &str, expected: Material, warnings: &[&str]) {
+    let (found, said) = material(mtl);
+    let expected = Material {
+        name: "m".into(),
+        ..expected
+    };
+    assert_eq!(found, expected, "{mtl}");
+    assert_eq!(said, warnings, "{mtl}");
+}
+
+#[test]
+fn matt_materials() {
+    let (half, quarter) = (Rgb::grey(0.5), Rgb::grey(0.25));
+    check_material("", Material::diffuse("", half), &[]);
+    check_material(
+        "Kd 0.25\nKa 1 1 1\nNi 1\nillum 1",
+        Material::diffuse("", quarter),
+        &[],
+    );
+    check_material(
+        "  Kd 0.1 0.2 0.3 # dark\r\n\tillum 2",
+        Material::diffuse("", Rgb::new(0.1, 0.2, 0.3)),
+        &[],
+    );
+    check_material(
+        "Ke 17 12 4",
+        Material::emitter("", Rgb::new(17.0, 12.0, 4.0)),
+        &[],
+    );
+    let over = "material \"m\" has a reflectance or transmittance outside 0..1: clamped";
+    check_material(
+        "Kd 2 -1 0.5",
+        Material::diffuse("", Rgb::new(1.0, 0.0, 0.5)),
+        &[over],
+    );
+    let dark = "material \"m\" emits less than nothing: clamped to 0";
+    check_material(
+        "Kd 0.25\nKe -1 0 0",
+        Material::diffuse("", quarter),
+        &[dark],
+    );
+    let clear = "see-through material (d or Tr) with illum 0 to 2: opaque";
+    check_material("d 0.5", Material::diffuse("", half), &[clear]);
+    check_material("Tr 0.5", Material::diffuse("", half), &[clear]);
+    check_material("Tr 0\nd 1", Material::diffuse("", half), &[]);
+    check_material(
+        "Kd xyz 1 1 1",
+        Material::diffuse("", half),
+        &["colour as CIE xyz or spectrum: skipped"],
+    );
+    check_material(
+        "Pr 0.5",
+        Material::diffuse("", half),
+        &["\"Pr\" is not used: skipped"],
+    );
+    check_material(
+        "illum 9",
+        Material::diffuse("", half),
+        &["material \"m\" has an unknown illum: taken as matt"],
+    );
+}
+
+#[test]
+fn glossy_materials_are_kept() {
+    let (found, said) = material("Kd 0.25\nKs 0.5\nNs 20");
+    let Some(Brdf::Model { name, parameters }) = &found.brdf else {
+        panic!("a model")
+    };
+    assert_eq!(name, "phong");
+    let expected = [
+        ("n", vec![20.0]),
+        ("ks", vec![0.5; 3]),
+        ("kd", vec![0.25; 3]),
+    ];
+    assert_eq!(*parameters, expected.map(|(k, v)| (k.to_owned(), v)));
+    assert_eq!(
+        said,
+        ["glossy material (Ks, Ns): kept as brdf phong, its Kd alone reflects"]
+    );
+    check_material(
+        "Kd 0.25\nKs 0.5\nillum 1",
+        Material::diffuse("", Rgb::grey(0.25)),
+        &[],
+    );
+}
+
+#[test]
+fn mirrors_and_glass() {
+    check_material("Ks 0.9\nillum 3", Material::mirror("", Rgb::grey(0.9)), &[]);
+    let both = Material {
+        diffuse: Rgb::grey(0.25),
+        mirror: Rgb::grey(0.75),
+        ..Material::default()
+    };
+    check_material("Kd 0.25\nKs 0.75\nillum 5", both.clone(), &[]);
+    let scaled = "material \"m\" reflects more than it gets (Kd + Ks > 1): both scaled down";
+    let dim = Material {
+        diffuse: Rgb::grey(0.5),
+        mirror: Rgb::grey(0.5),
+        ..Material::default()
+    };
+    check_material("Kd 1\nKs 1\nillum 3", dim, &[scaled]);
+    check_material("Ks 1\nNi 1.5\nillum 7", Material::dielectric("", 1.5), &[]);
+    check_material("Ni 1.5\nillum 4", Material::dielectric("", 1.5), &[]);
+    let mut green = Material::dielectric("", 1.3);
+    if let Some(glass) = &mut green.dielectric {
+        glass.transmittance = Rgb::new(0.0, 1.0, 0.0);
+    }
+    check_material("Ni 1.3\nTf 0 1 0\nillum 6\nd 0.1", green, &[]);
+    let thin = "material \"m\" is glass without an Ni above 1: taken as 1.5";
+    check_material("Ni 1\nillum 7", Material::dielectric("", 1.5), &[thin]);
+    check_material("illum 6", Material::dielectric("", 1.5), &[thin]);
+    let maya =
+        "material with illum 4 and Ni of 1 or none, as Maya writes for every surface: opaque";
+    check_material(
+        "Kd 0.25\nNi 1\nTf 1 1 1\nillum 4",
+        Material::diffuse("", Rgb::grey(0.25)),
+        &[maya],
+    );
+    let kd = "Kd of a glass material: not used, Fresnel's equations divide the light";
+    check_material(
+        "Kd 0.5\nNi 1.5\nillum 7",
+        Material::dielectric("", 1.5),
+        &[kd],
+    );
+}
+
+#[test]
+fn libraries() {
+    let files = Memory::new()
+        .with("a b.mtl", "newmtl one\nKd 0.1\n")
+        .with("sub/c.mtl", "newmtl two\nmap_Kd pic.png\n")
+        .with("d.mtl", "newmtl one\nKd 0.2\n");
+    let text = |libs: &str| format!("{SQUARE}usemtl two\nf 1 2 3\n{libs}\nusemtl one\nf 1 2 3");
+    let reds = |libs: &str| -> Vec<f64> {
+        let loaded = load_with(text(libs), &files);
+        let ids = mesh(&loaded, 0).face_materials.clone();
+        ids.iter()
+            .map(|&m| loaded.scene.materials[m as usize].diffuse.r)
+            .collect()
+    };
+    assert_eq!(reds("mtllib a b.mtl"), [0.5, 0.1]);
+    assert_eq!(reds("mtllib a b.mtl sub/c.mtl"), [1.0, 0.1]);
+    assert_eq!(reds("mtllib sub/c.mtl a b.mtl"), [1.0, 0.1]);
+    assert_eq!(
+        reds("mtllib a b.mtl\nmtllib d.mtl\nmtllib a b.mtl"),
+        [0.5, 0.2]
+    );
+    let loaded = load_with(text("mtllib nowhere.mtl"), &files);
+    let said: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
+    assert_eq!(
+        said,
+        [
+            "a.obj:7:7: material library \"nowhere.mtl\": there is no such file",
+            "a.obj: material that no library defines: grey, reflectance 0.5, for \"two\"",
+            "a.obj: material that no library defines: grey, reflectance 0.5, for \"one\"",
+        ]
+    );
+}
+
+#[test]
+fn an_error_in_a_library_says_who_asked() {
+    let check = |mtl: &str, expected: &str| {
+        let files = Memory::new().with("m.mtl", mtl);
+        let error = read(b"\nmtllib m.mtl\n", "a.obj", &files).unwrap_err();
+        assert_eq!(error.to_string(), expected);
+    };
+    check(
+        "newmtl a\nKd 1 x 1",
+        "m.mtl:2:6: found \"x\", expected a number\n   |\n 2 | Kd 1 x 1\n   |      ^\n  included from a.obj:2",
+    );
+    check(
+        "newmtl a\nNi nan",
+        "m.mtl:2:4: found \"nan\", expected a finite number\n   |\n 2 | Ni nan\n   |    ^\n  included from a.obj:2",
+    );
+}
+
+#[test]
+fn pictures() {
+    let mut png = Vec::new();
+    crate::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
+    let files = Memory::new()
+        .with("sub/m.mtl", "newmtl m\nmap_Kd -s 1 1 1 -o 0.5 -clamp on -mm 0 1 a b.png\nnewmtl n\nmap_Kd top.png\nnewmtl q\nmap_Kd a b.png\nmap_Kd no.png\n")
+        .with("sub/a b.png", png.clone())
+        .with("top.png", png);
+    let loaded = load_with(
+        format!("mtllib sub/m.mtl\n{SQUARE}usemtl m\nf 1 2 3"),
+        &files,
+    );
+    let paths: Vec<&str> = loaded
+        .scene
+        .textures
+        .iter()
+        .map(|t| t.path.as_str())
+        .collect();
+    assert_eq!(paths, ["sub/a b.png", "top.png", "no.png"]);
+    let image = loaded.scene.textures[0].image.as_ref().unwrap();
+    assert_eq!(image.pixels, [[1.0, 0.0, 0.0]]);
+    assert_eq!(loaded.scene.materials[0].textures, [0]);
+    assert_eq!(loaded.scene.materials[0].diffuse, Rgb::WHITE);
+    assert_eq!(loaded.scene.materials[2].textures, [2]);
+    let said: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
+    assert_eq!(
+        said[4],
+        "picture \"no.png\" is not shown: there is no such file"
+    );
+}
+
+#[test]
+fn cut_or_changed_anywhere() {
+    let obj = format!(
+        "o a\r\nmtllib m.mtl\n{SQUARE}v 1 1 1 1 0 0\nvt 0 1\nvn 0 0 1\ng b\ns 1\nusemtl m\nf 1/1/1 2//1 -1 \\\n 4\nl 1 2\n# x"
+    );
+    let mtl = "newmtl m\nKd 1 0.5 0\nKs 1\nNs 10\nillum 3\nTf 1 1 1\nmap_Kd -s 1 a.png\nd 0.5\n";
+    for end in 0..=obj.len() {
+        survive(&obj.as_bytes()[..end], mtl.as_bytes());
+    }
+    for end in 0..=mtl.len() {
+        survive(obj.as_bytes(), &mtl.as_bytes()[..end]);
+    }
+    for value in b"\0\n\r \\#/-+.e0459fv\xff\x80" {
+        for at in 0..obj.len() {
+            let mut changed = obj.clone().into_bytes();
+            changed[at] = *value;
+            survive(&changed, mtl.as_bytes());
+        }
+        for at in 0..mtl.len() {
+            let mut changed = mtl.as_bytes().to_vec();
+            changed[at] = *value;
+            survive(obj.as_bytes(), &changed);
+        }
+    }
+}
+
+/// Reads, and if there is a scene, it is a valid one.
+fn survive(obj: &[u8], mtl: &[u8]) {
+    let files = Memory::new().with("m.mtl", mtl);
+    match read(obj, "a.obj", &files) {
+        Ok(loaded) => loaded.scene.validate().unwrap_or_else(|e| panic!("{e}")),
+        Err(e) => assert!(!e.to_string().is_empty()),
+    }
+}

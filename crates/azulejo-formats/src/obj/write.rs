@@ -1,0 +1,480 @@
+//! Scenes to OBJ and MTL.
+
+use super::phong;
+use azulejo_scene::{Attribute, Material, Mesh, Object, Primitive, Rgb, Scene, Shape};
+use std::borrow::Cow;
+use std::collections::HashSet;
+use std::fmt;
+use std::io::{self, BufWriter, Write};
+
+/// Chord error of exact primitives, which become polygons, relative to their size.
+const CHORD_ERROR: f64 = 1e-3;
+
+/// Writes a scene as a model, `obj`, and its materials, `mtl`; `mtl_name` is the file name under
+/// which the model names its materials.
+///
+/// Numbers are the shortest that read back to the same value. Exact primitives become polygons.
+/// [`losses`] says what else does not fit into the format.
+///
+/// # Errors
+/// What `obj` and `mtl` say.
+pub fn write(
+    scene: &Scene,
+    mtl_name: &str,
+    obj: &mut dyn Write,
+    mtl: &mut dyn Write,
+) -> io::Result<()> {
+    let names = unique_names(&scene.materials);
+    let mut mtl = BufWriter::new(mtl);
+    for (material, name) in scene.materials.iter().zip(&names) {
+        write_material(scene, material, name, &mut mtl)?;
+    }
+    mtl.flush()?;
+    let mut model = Model {
+        out: BufWriter::new(obj),
+        materials: &names,
+        material: None,
+        smoothing: 0,
+        positions: 1,
+        uvs: 1,
+        normals: 1,
+    };
+    writeln!(model.out, "# azulejo\nmtllib {}", one_line(mtl_name))?;
+    for object in &scene.objects {
+        model.object(object)?;
+    }
+    model.out.flush()
+}
+
+/// What [`write()`] would leave out of a scene, or change, in words: "2 lights".
+pub fn losses(scene: &Scene) -> Vec<String> {
+    let meshes = || {
+        scene.objects.iter().filter_map(|o| match &o.shape {
+            Shape::Mesh(mesh) => Some(mesh),
+            Shape::Primitive(_) => None,
+        })
+    };
+    let materials =
+        |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
+    let primitives = scene.objects.len() - meshes().count();
+    let lit = meshes().filter(|m| !m.irradiance.is_empty()).count();
+    let counts = [
+        (scene.lights.len(), "lights without area"),
+        (scene.cameras.len(), "cameras"),
+        (lit, "meshes whose irradiance is left out"),
+        (primitives, "exact primitives that become polygons"),
+        (
+            materials(|m| m.textures.len() > 1),
+            "materials of which only the first picture is kept",
+        ),
+        (
+            materials(|m| m.brdf.is_some() && phong::parse(m).is_none()),
+            "reflection models",
+        ),
+        (
+            materials(is_odd_glass),
+            "dielectrics that MTL cannot describe exactly",
+        ),
+    ];
+    let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
+    counts.iter().filter_map(said).collect()
+}
+
+/// MTL's glass is denser than what is around it, and divides light by Fresnel's equations alone.
+fn is_odd_glass(m: &Material) -> bool {
+    let plain = m.diffuse.is_black() && m.mirror == Rgb::WHITE;
+    m.dielectric.is_some_and(|g| g.ior <= 1.0 || !plain)
+}
+
+/// An OBJ file under way. Indices count through the whole file, from 1.
+struct Model<'a> {
+    out: BufWriter<&'a mut dyn Write>,
+    materials: &'a [String],
+    material: Option<u32>,
+    smoothing: u32,
+    positions: usize,
+    uvs: usize,
+    normals: usize,
+}
+
+impl Model<'_> {
+    fn object(&mut self, object: &Object) -> io::Result<()> {
+        let mesh = match &object.shape {
+            Shape::Mesh(mesh) => Cow::Borrowed(mesh),
+            Shape::Primitive(primitive) => Cow::Owned(polygons(primitive)),
+        };
+        let name = one_line(&object.name);
+        writeln!(self.out, "{}", format!("o {name}").trim_end())?;
+        self.vertices(&mesh)?;
+        for face in 0..mesh.faces.len() {
+            self.face(&mesh, face)?;
+        }
+        self.positions += mesh.positions.len();
+        self.uvs += mesh.uvs.as_ref().map_or(0, |a| a.values.len());
+        self.normals += mesh.normals.as_ref().map_or(0, |a| a.values.len());
+        Ok(())
+    }
+
+    fn vertices(&mut self, mesh: &Mesh) -> io::Result<()> {
+        for (v, p) in mesh.positions.iter().enumerate() {
+            write!(self.out, "v {}", Numbers(&p.to_array()))?;
+            match mesh.colors.get(v) {
+                Some(color) => writeln!(self.out, " {}", Numbers(&color.to_array()))?,
+                None => writeln!(self.out)?,
+            }
+        }
+        for uv in mesh.uvs.iter().flat_map(|a| &a.values) {
+            writeln!(self.out, "vt {}", Numbers(&uv.to_array()))?;
+        }
+        for n in mesh.normals.iter().flat_map(|a| &a.values) {
+            writeln!(self.out, "vn {}", Numbers(&n.to_array()))?;
+        }
+        Ok(())
+    }
+
+    fn face(&mut self, mesh: &Mesh, face: usize) -> io::Result<()> {
+        let material = mesh.face_materials[face];
+        if self.material != Some(material) {
+            self.material = Some(material);
+            writeln!(self.out, "usemtl {}", self.materials[material as usize])?;
+        }
+        let smoothing = mesh.smoothing_group(face);
+        if self.smoothing != smoothing {
+            self.smoothing = smoothing;
+            writeln!(self.out, "s {smoothing}")?;
+        }
+        write!(self.out, "f")?;
+        for corner in mesh.faces.corner_range(face) {
+            let vertex = mesh.faces.corners[corner];
+            let uv = index(mesh.uvs.as_ref(), self.uvs, corner, vertex);
+            let normal = index(mesh.normals.as_ref(), self.normals, corner, vertex);
+            write!(self.out, " {}", self.positions + vertex as usize)?;
+            match (uv, normal) {
+                (None, None) => Ok(()),
+                (Some(t), None) => write!(self.out, "/{t}"),
+                (None, Some(n)) => write!(self.out, "//{n}"),
+                (Some(t), Some(n)) => write!(self.out, "/{t}/{n}"),
+            }?;
+        }
+        writeln!(self.out)
+    }
+}
+
+/// Index in the file of a corner's value, whose list begins at `base`.
+fn index<T>(list: Option<&Attribute<T>>, base: usize, corner: usize, vertex: u32) -> Option<usize> {
+    let corners = &list?.corners;
+    let local = corners.as_ref().map_or(vertex, |index| index[corner]);
+    Some(base + local as usize)
+}
+
+fn polygons(primitive: &Primitive) -> Mesh {
+    let chord_error = CHORD_ERROR * primitive.bounds().diagonal();
+    primitive.tessellate(&primitive.grids(chord_error, f64::INFINITY))
+}
+
+fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) -> io::Result<()> {
+    let color = |c: Rgb| c.to_array();
+    writeln!(out, "newmtl {name}\nKd {}", Numbers(&color(m.diffuse)))?;
+    if m.is_emitter() {
+        writeln!(out, "Ke {}", Numbers(&color(m.emission)))?;
+    }
+    if let Some(glass) = m.dielectric {
+        let transmittance = color(glass.transmittance);
+        writeln!(
+            out,
+            "Tf {}\nNi {}\nillum 7",
+            Numbers(&transmittance),
+            Numbers(&[glass.ior])
+        )?;
+    } else if !m.mirror.is_black() {
+        writeln!(out, "Ks {}\nillum 3", Numbers(&color(m.mirror)))?;
+    } else if let Some((exponent, specular)) = phong::parse(m) {
+        writeln!(
+            out,
+            "Ks {}\nNs {}\nillum 2",
+            Numbers(&color(specular)),
+            Numbers(&[exponent])
+        )?;
+    } else {
+        writeln!(out, "illum 1")?;
+    }
+    if let Some(&texture) = m.textures.first() {
+        writeln!(
+            out,
+            "map_Kd {}",
+            one_line(&scene.textures[texture as usize].path)
+        )?;
+    }
+    writeln!(out)
+}
+
+/// Numbers with blanks between, each the shortest that reads back to the same value.
+struct Numbers<'a>(&'a [f64]);
+
+impl fmt::Display for Numbers<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, x) in self.0.iter().enumerate() {
+            let blank = if i > 0 { " " } else { "" };
+            // Without an exponent 1e300 would fill four lines.
+            if *x == 0.0 || (1e-5..1e16).contains(&x.abs()) {
+                write!(f, "{blank}{x}")?;
+            } else {
+                write!(f, "{blank}{x:e}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A name as one line can hold it, so that a reader finds it unchanged: without control
+/// characters, blanks around it, what would begin a comment, or continue the line.
+fn one_line(name: &str) -> String {
+    let printable: String = name
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    let mut line = printable.trim().replace(" #", "_#");
+    if line.ends_with('\\') {
+        line.pop();
+        line.push('_');
+    }
+    line
+}
+
+/// Materials are told apart by name alone: each gets one of its own.
+fn unique_names(materials: &[Material]) -> Vec<String> {
+    let mut taken = HashSet::new();
+    materials
+        .iter()
+        .map(|m| {
+            let mut wanted = one_line(&m.name);
+            if wanted.is_empty() {
+                wanted = "material".to_owned();
+            }
+            let numbered = (2..).map(|i| format!("{wanted}_{i}"));
+            let free = |name: &String| taken.insert(name.clone());
+            std::iter::once(wanted.clone())
+                .chain(numbered)
+                .find(free)
+                .unwrap_or(wanted)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Memory, obj};
+    use azulejo_scene::{Dielectric, Light, LightKind, Texture};
+    use glam::{DVec2, DVec3};
+    use proptest::prelude::*;
+
+    fn written(scene: &Scene) -> (Vec<u8>, Vec<u8>) {
+        let (mut obj, mut mtl) = (Vec::new(), Vec::new());
+        write(scene, "the materials.mtl", &mut obj, &mut mtl).unwrap();
+        (obj, mtl)
+    }
+
+    fn read_back(scene: &Scene) -> Scene {
+        let (obj, mtl) = written(scene);
+        let files = Memory::new().with("the materials.mtl", mtl);
+        let loaded = obj::read(&obj, "scene.obj", &files).unwrap();
+        loaded.scene.validate().unwrap();
+        loaded.scene
+    }
+
+    fn share() -> impl Strategy<Value = Rgb> {
+        [0.0..=0.5, 0.0..=0.5, 0.0..=0.5f64].prop_map(Rgb::from)
+    }
+
+    fn surface() -> impl Strategy<Value = Material> {
+        let mirror = (share(), share()).prop_map(|(diffuse, mirror)| Material {
+            diffuse,
+            mirror,
+            ..Material::default()
+        });
+        let glass = (1.01..3.0f64, share()).prop_map(|(ior, transmittance)| Material {
+            mirror: Rgb::WHITE,
+            dielectric: Some(Dielectric { ior, transmittance }),
+            ..Material::default()
+        });
+        let glossy = (share(), share(), 1.0..1e4f64).prop_map(|(kd, ks, n)| Material {
+            diffuse: kd,
+            brdf: (!ks.is_black()).then(|| phong::brdf(n, ks, kd)),
+            ..Material::default()
+        });
+        let texture = share().prop_map(|kd| Material {
+            diffuse: kd,
+            textures: vec![0],
+            ..Material::default()
+        });
+        let emitter = share().prop_map(|c| Material::emitter("", c * 100.0));
+        prop_oneof![mirror, glass, glossy, texture, emitter]
+    }
+
+    fn coordinate() -> impl Strategy<Value = f64> {
+        prop_oneof![-1e3..1e3, prop::num::f64::NORMAL, Just(0.0), Just(-0.0)]
+    }
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        [coordinate(), coordinate(), coordinate()].prop_map(DVec3::from)
+    }
+
+    fn unit() -> impl Strategy<Value = DVec3> {
+        [-1.0..1.0, -1.0..1.0, 0.1..1.0].prop_map(|v| DVec3::from(v).normalize())
+    }
+
+    /// Faces whose every vertex is used, with values per corner that no vertex list could hold.
+    fn mesh() -> impl Strategy<Value = Mesh> {
+        let faces = prop::collection::vec((3usize..7, 0u32..4, 0u32..3), 1..5);
+        let extras = (any::<bool>(), any::<bool>(), any::<bool>());
+        (faces, extras).prop_flat_map(|(faces, (normals, uvs, colors))| {
+            let corners: usize = faces.iter().map(|f| f.0).sum();
+            let count = |wanted, n| if wanted { n } else { 0 };
+            (
+                prop::collection::vec(vector(), corners),
+                prop::collection::vec(unit(), count(normals, 2 * corners)),
+                prop::collection::vec((coordinate(), coordinate()), count(uvs, corners)),
+                prop::collection::vec(share(), count(colors, corners)),
+            )
+                .prop_map(move |lists| assembled(&faces, lists))
+        })
+    }
+
+    type Lists = (Vec<DVec3>, Vec<DVec3>, Vec<(f64, f64)>, Vec<Rgb>);
+
+    fn assembled(faces: &[(usize, u32, u32)], (positions, normals, uvs, colors): Lists) -> Mesh {
+        let mut mesh = Mesh {
+            positions,
+            colors,
+            ..Mesh::default()
+        };
+        for &(corners, material, smoothing) in faces {
+            let first = mesh.faces.corners.len() as u32;
+            mesh.push_face(&Vec::from_iter(first..first + corners as u32), material);
+            mesh.smoothing.push(smoothing);
+        }
+        if mesh.smoothing.iter().all(|s| *s == 0) {
+            mesh.smoothing.clear();
+        }
+        // A second visit to the first face's vertices gives them second normals.
+        let again: Vec<u32> = mesh.faces.get(0).to_vec();
+        mesh.push_face(&again, 0);
+        if !mesh.smoothing.is_empty() {
+            mesh.smoothing.push(0);
+        }
+        if !normals.is_empty() {
+            let used = mesh.faces.corners.len();
+            mesh.normals = Some(Attribute {
+                values: normals[..used].to_vec(),
+                corners: Some((0..used as u32).collect()),
+            });
+        }
+        if !uvs.is_empty() {
+            mesh.uvs = Some(Attribute::per_vertex(
+                uvs.into_iter().map(DVec2::from).collect(),
+            ));
+        }
+        mesh
+    }
+
+    fn scene() -> impl Strategy<Value = Scene> {
+        let materials = prop::collection::vec(surface(), 4);
+        let name = "[a-zA-Z#][a-z #áñ漢]{0,8}";
+        let objects = prop::collection::vec((name, mesh()), 1..4);
+        (materials, objects).prop_map(|(mut materials, objects)| {
+            for (i, m) in materials.iter_mut().enumerate() {
+                m.name = format!("m {i}");
+            }
+            let texture = Texture {
+                path: "maps/a b.png".into(),
+                image: None,
+            };
+            let textured = materials.iter().any(|m| !m.textures.is_empty());
+            Scene {
+                materials,
+                textures: Vec::from_iter(textured.then_some(texture)),
+                objects: objects
+                    .into_iter()
+                    .map(|(name, mesh)| Object::new(one_line(&name), Shape::Mesh(mesh)))
+                    .collect(),
+                ..Scene::default()
+            }
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+        #[test]
+        fn what_is_written_is_read(scene in scene()) {
+            prop_assert_eq!(scene.validate(), Ok(()));
+            prop_assert_eq!(losses(&scene), Vec::<String>::new());
+            prop_assert_eq!(read_back(&scene), scene);
+        }
+    }
+
+    #[test]
+    fn names_that_no_line_can_hold() {
+        let mut scene = Scene::default();
+        let mut mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            ..Mesh::default()
+        };
+        for (i, name) in ["", "a", "a", "a_2", " b\n#c\\"].into_iter().enumerate() {
+            scene.add_material(Material::diffuse(name, Rgb::grey(i as f64 / 10.0)));
+            mesh.push_face(&[0, 1, 2], i as u32);
+        }
+        for name in ["", "", "x\ry \\"] {
+            scene
+                .objects
+                .push(Object::new(name, Shape::Mesh(mesh.clone())));
+        }
+        let back = read_back(&scene);
+        let names: Vec<&str> = back.materials.iter().map(|m| m.name.as_str()).collect();
+        assert_eq!(names, ["material", "a", "a_2", "a_2_2", "b_#c_"]);
+        let names: Vec<&str> = back.objects.iter().map(|o| o.name.as_str()).collect();
+        assert_eq!(names, ["", "", "x y _"]);
+        assert_eq!(back.objects[2].shape, Shape::Mesh(mesh));
+    }
+
+    #[test]
+    fn primitives_become_polygons_and_the_rest_is_said() {
+        let mut scene = Scene::default();
+        let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+        let ball = Primitive::sphere(DVec3::ZERO, 2.0, white);
+        scene
+            .objects
+            .push(Object::new("ball", Shape::Primitive(ball)));
+        scene.lights.push(Light {
+            name: String::new(),
+            kind: LightKind::Ambient {
+                radiance: Rgb::WHITE,
+            },
+        });
+        let back = read_back(&scene);
+        let Shape::Mesh(mesh) = &back.objects[0].shape else {
+            panic!("OBJ has meshes only")
+        };
+        let area = 16.0 * std::f64::consts::PI;
+        assert!((mesh.area() / area - 1.0).abs() < 0.01, "{}", mesh.area());
+        let expected = [
+            "1 lights without area",
+            "1 exact primitives that become polygons",
+        ];
+        assert_eq!(losses(&scene), expected);
+    }
+
+    #[test]
+    fn a_full_disk_is_an_error() {
+        struct Full;
+        impl Write for Full {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(io::ErrorKind::StorageFull.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        assert!(write(&Scene::default(), "a.mtl", &mut Full, &mut Vec::new()).is_err());
+    }
+}
