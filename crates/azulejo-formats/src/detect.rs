@@ -1,6 +1,7 @@
 //! Which format bytes are in, by what they say rather than by the file's name.
 
-use crate::obj::without_utf16;
+use crate::obj::{self, without_utf16};
+use crate::{Files, Loaded, ReadError, grf};
 use std::fmt;
 
 /// The model formats that can be read.
@@ -29,7 +30,20 @@ impl fmt::Display for Unrecognised {
 impl std::error::Error for Unrecognised {}
 
 /// What every message asks for instead.
-pub(crate) const EXPECTED: &str = "a model in GRF or OBJ";
+const EXPECTED: &str = "a model in GRF or OBJ";
+
+/// Reads a model in whatever format it is. `name` stands in messages; `files` gives the files
+/// that the model names, relative to the model's folder.
+///
+/// # Errors
+/// A format that is not read, and what the format's own reader says.
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+    match detect(bytes) {
+        Ok(Format::Grf) => grf::read(bytes, name, files),
+        Ok(Format::Obj) => obj::read(bytes, name, files),
+        Err(Unrecognised { looks_like }) => Err(ReadError::whole(name, looks_like, EXPECTED)),
+    }
+}
 
 /// How much of a file is looked at: enough to come past a long comment at its head.
 const LOOKED_AT: usize = 1 << 16;

@@ -20,7 +20,7 @@ pub mod obj;
 mod picture;
 pub mod png;
 
-pub use detect::{Format, Unrecognised, detect};
+pub use detect::{Format, Unrecognised, detect, read};
 pub use error::{Loaded, Position, ReadError, Warning};
 pub use files::{FileError, Files, Folder, Memory};
 pub use picture::PictureError;

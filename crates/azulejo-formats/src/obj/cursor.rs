@@ -5,7 +5,7 @@
 //! Windows paths. Names are UTF-8 or, failing that, Latin-1.
 
 use super::number;
-use crate::ReadError;
+use crate::{Position, ReadError};
 use std::borrow::Cow;
 
 /// A place in the bytes of a text file.
@@ -55,10 +55,10 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Line and column of the cursor, both from 1; the column counts characters.
-    pub fn position(&self) -> (u32, u32) {
+    /// Line and column of the cursor. Takes time in proportion to the column.
+    pub fn position(&self) -> Position {
         let before = &self.bytes[self.line_start..self.at];
-        (self.line, text(before).chars().count() as u32 + 1)
+        Position::Line(self.line, text(before).chars().count() as u32 + 1)
     }
 
     /// The byte behind the cursor, for coming back to by [`Cursor::error_at`].
@@ -313,10 +313,10 @@ impl<'a> Cursor<'a> {
         let mut end = counter.clone();
         end.skip_comment();
         counter.at = offset;
-        let (line, column) = counter.position();
         ReadError {
+            position: counter.position(),
             source_line: Some(text(&self.bytes[line_start..end.at]).into_owned()),
-            ..ReadError::at_line(self.file, "", line, column, found, expected)
+            ..ReadError::whole(self.file, found, expected)
         }
     }
 }

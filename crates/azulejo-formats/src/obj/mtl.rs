@@ -143,8 +143,9 @@ struct Parser<'a> {
 impl Parser<'_> {
     #[cold]
     fn warn(&mut self, message: impl Into<String>) {
-        let (line, column) = self.cursor.position();
-        self.warnings.add(self.file, line, column, message);
+        let cursor = &self.cursor;
+        self.warnings
+            .add(self.file, message.into(), || cursor.position());
     }
 
     fn statement(&mut self, keyword: &[u8], m: &mut Definition) -> Result<(), ReadError> {

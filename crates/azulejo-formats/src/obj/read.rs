@@ -4,7 +4,7 @@ use super::assemble::assemble;
 use super::cursor::{Cursor, shortened, text, without_utf16};
 use super::mtl::Library;
 use super::warnings::Warnings;
-use crate::{Files, Loaded, ReadError};
+use crate::{Files, Loaded, Position, ReadError};
 use azulejo_scene::{Faces, Rgb};
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
@@ -148,8 +148,9 @@ impl<'a> Reader<'a> {
 
     #[cold]
     fn warn(&mut self, message: impl Into<String>) {
-        let (line, column) = self.cursor.position();
-        self.warnings.add(self.file, line, column, message);
+        let cursor = &self.cursor;
+        self.warnings
+            .add(self.file, message.into(), || cursor.position());
     }
 
     #[cold]
@@ -396,9 +397,9 @@ impl<'a> Reader<'a> {
         let (uvs, normals) = (self.raw.uvs.len(), self.raw.normals.len());
         let dropped = drop_beyond(&mut self.raw.corner_uvs, uvs)
             + drop_beyond(&mut self.raw.corner_normals, normals);
-        for _ in 0..dropped {
-            self.warnings.add_whole(self.file, NO_SUCH_ATTRIBUTE);
-        }
+        let message = NO_SUCH_ATTRIBUTE.to_owned();
+        self.warnings
+            .add_many(self.file, message, dropped, || Position::Whole);
         Ok(())
     }
 
@@ -449,7 +450,7 @@ impl<'a> Reader<'a> {
 
     /// `mtllib` with one name that may hold blanks, or with several.
     fn material_library(&mut self) -> Result<(), ReadError> {
-        let (line, column) = self.cursor.position();
+        let position = self.cursor.position();
         let names = self.cursor.name();
         for name in library_names(&names, self.files) {
             if !self.libraries_read.insert(name.clone()) {
@@ -459,13 +460,10 @@ impl<'a> Reader<'a> {
                 Ok(bytes) => self
                     .library
                     .add(&bytes, &name, self.files, &mut self.warnings)
-                    .map_err(|mut e| {
-                        e.included_from.insert(0, (self.file.to_owned(), line));
-                        e
-                    })?,
+                    .map_err(|e| included_from(e, self.file, position))?,
                 Err(e) => {
                     let message = format!("material library \"{name}\": {e}");
-                    self.warnings.add(self.file, line, column, message);
+                    self.warnings.add(self.file, message, || position);
                 }
             }
         }
@@ -481,6 +479,14 @@ const NO_SUCH_ATTRIBUTE: &str = "corner whose texture coordinate or normal does 
 fn drop_beyond(indices: &mut [u32], count: usize) -> usize {
     let beyond = |i: &&mut u32| **i != NONE && **i as usize >= count;
     indices.iter_mut().filter(beyond).map(|i| *i = NONE).count()
+}
+
+/// Adds to an error in a library who asked for the library.
+fn included_from(mut error: ReadError, file: &str, position: Position) -> ReadError {
+    if let Position::Line(line, _) = position {
+        error.included_from.insert(0, (file.to_owned(), line));
+    }
+    error
 }
 
 /// Sets the attribute of a corner, in a list that stays empty until one corner has it.

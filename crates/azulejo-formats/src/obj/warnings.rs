@@ -1,7 +1,6 @@
 //! Warnings, each said once with a count.
 
 use crate::{Position, Warning};
-use std::collections::HashMap;
 
 /// Different messages kept; what comes after them is only counted, so that a hostile file
 /// cannot fill memory with complaints about itself.
@@ -9,37 +8,43 @@ const KEPT: usize = 100;
 
 /// Collects warnings in the order in which they first appear.
 #[derive(Debug, Default)]
-pub(crate) struct Warnings {
+pub(super) struct Warnings {
     list: Vec<Warning>,
-    index: HashMap<(String, String), usize>,
     beyond: usize,
 }
 
 impl Warnings {
-    /// Counts a warning; the first of its file and message gives the position.
-    pub fn add(&mut self, file: &str, line: u32, column: u32, message: impl Into<String>) {
-        self.add_at(file, Position::Line(line, column), message.into());
+    /// Counts a warning. Where it stands is asked only for the first of its file and message,
+    /// because finding the column in a long line takes time.
+    pub fn add(&mut self, file: &str, message: String, position: impl FnOnce() -> Position) {
+        self.add_many(file, message, 1, position);
     }
 
     /// Counts a warning about a whole file.
     pub fn add_whole(&mut self, file: &str, message: impl Into<String>) {
-        self.add_at(file, Position::Whole, message.into());
+        self.add_many(file, message.into(), 1, || Position::Whole);
     }
 
-    fn add_at(&mut self, file: &str, position: Position, message: String) {
-        let key = (file.to_owned(), message);
-        if let Some(&known) = self.index.get(&key) {
-            self.list[known].count += 1;
+    /// Counts a warning `count` times, which may be 0.
+    pub fn add_many(
+        &mut self,
+        file: &str,
+        message: String,
+        count: usize,
+        position: impl FnOnce() -> Position,
+    ) {
+        let mut known = self.list.iter_mut();
+        if let Some(warning) = known.find(|w| w.message == message && w.file == file) {
+            warning.count += count;
         } else if self.list.len() == KEPT {
-            self.beyond += 1;
-        } else {
+            self.beyond += count;
+        } else if count > 0 {
             self.list.push(Warning {
-                file: key.0.clone(),
-                position,
-                message: key.1.clone(),
-                count: 1,
+                file: file.to_owned(),
+                position: position(),
+                message,
+                count,
             });
-            self.index.insert(key, self.list.len() - 1);
         }
     }
 
@@ -65,7 +70,9 @@ mod tests {
     fn counted_and_bounded() {
         let mut warnings = Warnings::default();
         for i in 0..1000 {
-            warnings.add("a", i + 1, 1, format!("kind {}", i % 500));
+            warnings.add("a", format!("kind {}", i % 500), || {
+                Position::Line(i + 1, 1)
+            });
         }
         let list = warnings.finish("a");
         assert_eq!(list.len(), KEPT + 1);
