@@ -60,6 +60,7 @@ impl Irregular {
         };
         mesh.triangles
             .retain(|t| signed_area(t.map(|k| mesh.points[k as usize])) > 0.0);
+        mesh.sort_by_place();
         mesh.weights = mesh.corner_weights(own);
         mesh
     }
@@ -67,6 +68,20 @@ impl Irregular {
     /// Number of points on the border, which come first.
     pub fn border(&self) -> usize {
         self.sides.iter().map(|&k| k as usize).sum()
+    }
+
+    /// Numbers neighbours alike, in rows of small squares: whoever looks up many finds them in
+    /// the cache.
+    fn sort_by_place(&mut self) {
+        let (low, high) = bounds(&self.points);
+        let squares = (self.triangles.len() as f64 / 32.0).sqrt().ceil();
+        let scale = squares / (high - low).max_element();
+        let points = &self.points;
+        self.triangles.sort_by_cached_key(|t| {
+            let sum: DVec2 = t.iter().map(|&k| points[k as usize]).sum();
+            let square = (sum / 3.0 - low) * scale;
+            (square.y as u32, square.x as u32)
+        });
     }
 
     fn corner_weights(&self, own: &[[u32; 3]]) -> Vec<[(u32, f64); 3]> {
@@ -153,9 +168,21 @@ fn border_points(corners: &[DVec2], sides: &[u32]) -> Vec<DVec2> {
     let n = corners.len();
     let side = |c: usize| {
         let (a, b, k) = (corners[c], corners[(c + 1) % n], sides[c]);
-        (0..k).map(move |i| a + (b - a) * (f64::from(i) / f64::from(k)))
+        (0..k).map(move |i| piece_end(a, b, i, k))
     };
     (0..n).flat_map(side).collect()
+}
+
+/// Point `i` of `k` from `a` to `b`, with the same bits from `b` to `a`: the two sides of a cut
+/// must meet.
+fn piece_end(a: DVec2, b: DVec2, i: u32, k: u32) -> DVec2 {
+    if i == 0 {
+        a
+    } else if a.to_array() < b.to_array() {
+        a + (b - a) * (f64::from(i) / f64::from(k))
+    } else {
+        b + (a - b) * (f64::from(k - i) / f64::from(k))
+    }
 }
 
 fn signed_area([a, b, c]: [DVec2; 3]) -> f64 {
@@ -262,7 +289,10 @@ fn distinct(points: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
     (number, first)
 }
 
-/// The pieces of the border as pairs of distinct points, each once.
+/// The pieces of the border as pairs of distinct points.
+///
+/// A piece that the border runs along twice is a cut, which joins a hole to the outline: both
+/// its sides are inside, so it bounds nothing.
 fn constraints(ring: &[u32]) -> Vec<[usize; 2]> {
     let n = ring.len();
     let mut pairs: Vec<[usize; 2]> = (0..n)
@@ -271,8 +301,11 @@ fn constraints(ring: &[u32]) -> Vec<[usize; 2]> {
         .filter(|[a, b]| a != b)
         .collect();
     pairs.sort_unstable();
-    pairs.dedup();
     pairs
+        .chunk_by(|a, b| a == b)
+        .filter(|run| run.len() % 2 == 1)
+        .map(|run| run[0])
+        .collect()
 }
 
 fn polygon_area(corners: &[DVec2]) -> f64 {

@@ -195,6 +195,8 @@ struct Bins {
     weights: Vec<[f32; 6]>,
 }
 
+/// More bins leave fewer triangles to try in each, but take more memory.
+const BINS_PER_TRIANGLE: f64 = 2.0;
 /// A hit this little outside a triangle is taken without looking at the others.
 const NEAR_ENOUGH: f32 = -1e-6;
 
@@ -202,7 +204,7 @@ impl Bins {
     fn new(mesh: &Irregular) -> Bins {
         let (low, high) = bounds(&mesh.points);
         let size = (high - low).max(DVec2::splat(1e-9));
-        let cells = mesh.triangles.len() as f64;
+        let cells = BINS_PER_TRIANGLE * mesh.triangles.len() as f64;
         let per_unit = (cells / (size.x * size.y)).sqrt();
         let count = |x: f64| ((x * per_unit).ceil()).clamp(1.0, 4096.0) as u32;
         let count = [count(size.x), count(size.y)];
