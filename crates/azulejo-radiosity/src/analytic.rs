@@ -37,7 +37,8 @@ const FAST_EXACT: f64 = 0.1;
 ///
 /// In 0..=1. Zero for polygons that lie in one plane, that turn their backs on each other, that
 /// have no area, and for coordinates that are not finite. Relative error about 1e-13, on slivers
-/// 1e-16 times their length over their width. Takes 2 to 200 microseconds.
+/// 1e-16 times their length over their width. Two quadrilaterals take 1 to 10 microseconds where
+/// they touch along a common edge or face each other, 25 where they touch at odd angles.
 ///
 /// ```
 /// use azulejo_radiosity::analytic::form_factor;
@@ -59,8 +60,44 @@ pub fn exchange_area(p1: &[DVec3], p2: &[DVec3]) -> f64 {
 }
 
 /// Form factor F₁₂ by the cheapest formula of about the relative `accuracy` asked for.
+///
+/// Point to point far away, Lambert's formula from 4 to 16 points at middle distances, the double
+/// contour close by. Sums over many pairs keep well within `accuracy`, and so do about 99 of 100
+/// pairs; the rest, which see each other at grazing angles and so count for little, may be wrong
+/// by some ten times as much. Zero in the cases where [`form_factor`] is.
+///
+/// Measured between the 600 patches of a cube, 10 by 10 on a face:
+///
+/// | `accuracy` | time per pair | sum of errors in a row | 99 of 100 within | worst |
+/// | --- | --- | --- | --- | --- |
+/// | 1e-1 | 0.28 μs | 3e-3 | 3e-2 | 3e-2 |
+/// | 1e-2 | 0.85 μs | 5e-4 | 4e-3 | 4e-3 |
+/// | 1e-3 | 1.0 μs | 8e-6 | 1e-4 | 4e-4 |
+/// | 1e-4 | 1.2 μs | 8e-7 | 2e-5 | 6e-5 |
+/// | 1e-6 | 1.6 μs | 1e-8 | 4e-7 | 6e-6 |
+/// | 1e-8 | 1.8 μs | 5e-10 | 2e-8 | 7e-8 |
+/// | [`form_factor`] | 2 to 3 μs | 1e-15 | | |
 pub fn form_factor_fast(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> f64 {
-    Pair::new(p1, p2).map_or(0.0, |pair| pair.share(pair.fast(accuracy)))
+    point_to_point(p1, p2, accuracy)
+        .unwrap_or_else(|| Pair::new(p1, p2).map_or(0.0, |pair| pair.share(pair.fast(accuracy))))
+}
+
+/// The form factor as if either polygon were its centre, where that is good enough: both wholly
+/// and clearly in front of each other, and far apart.
+fn point_to_point(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> Option<f64> {
+    let (a1, a2) = (area_vector(p1), area_vector(p2));
+    let (c1, c2) = (centroid(p1, a1)?, centroid(p2, a2)?);
+    let r = c2 - c1;
+    let squared = r.length_squared();
+    let radii = radius_squared(p1, c1) + radius_squared(p2, c2);
+    let rises = |to: &[DVec3], from: DVec3, normal: DVec3| {
+        let least = 1e-6 * (squared * normal.length_squared()).sqrt();
+        to.iter().all(|&c| (c - from).dot(normal) > least)
+    };
+    // Written so that NaN, and what overflows, goes the careful way.
+    let is_far = radii < FAST_FAR * accuracy * squared && rises(p2, c1, a1) && rises(p1, c2, a2);
+    let f = -r.dot(a1) * r.dot(a2) / (PI * squared * squared * a1.length());
+    (is_far && f.is_normal()).then_some(f)
 }
 
 /// Two polygons as far as they see each other, moved and scaled to coordinates within 1.
@@ -101,13 +138,11 @@ impl Pair {
         }
         // The coordinates came rounded, before they were moved to the origin.
         let rounding = 8.0 * f64::EPSILON * (1.0 + origin.abs().max_element() / scale);
-        let (a1, a2) = (area_vector(&p1), area_vector(&p2));
-        let cut1 = in_front(&p1, &p2, a2, rounding)?;
-        let cut2 = in_front(&p2, &p1, a1, rounding)?;
+        let (plane1, plane2) = (Plane::new(&p1, rounding)?, Plane::new(&p2, rounding)?);
         Some(Pair {
-            p1: Side::new(cut1, a1)?,
-            p2: Side::new(cut2, a2)?,
-            whole_area: a1.length(),
+            p1: Side::new(plane2.cut(p1)?, plane1.normal)?,
+            p2: Side::new(plane1.cut(p2)?, plane2.normal)?,
+            whole_area: plane1.area,
         })
     }
 
@@ -160,12 +195,6 @@ impl Pair {
         } else {
             (&self.p2, &self.p1)
         };
-        let r2 = small.radius.powi(2) + large.radius.powi(2);
-        if r2 < FAST_FAR * accuracy * self.distance().powi(2) {
-            return small.area
-                * large.area
-                * kernel(small.centre, small.normal, large.centre, large.normal);
-        }
         let ratio = small.radius / large.distance_to_contour(small.centre);
         let points = (FAST_SAFETY * accuracy).ln() / (2.0 * ratio.ln());
         if ratio < 1.0 && points <= FAST_MOST_POINTS {
@@ -184,14 +213,10 @@ fn kernel(x: DVec3, normal_x: DVec3, y: DVec3, normal_y: DVec3) -> f64 {
 }
 
 impl Side {
-    fn new(polygon: ArrayPolygon, whole_area: DVec3) -> Option<Side> {
-        let normal = whole_area.normalize();
+    fn new(polygon: ArrayPolygon, normal: DVec3) -> Option<Side> {
         let area = area_vector(&polygon).dot(normal);
-        let centre = centroid(&polygon, normal, area);
-        let radius = polygon
-            .iter()
-            .map(|c| (c - centre).length())
-            .fold(0.0, f64::max);
+        let centre = centroid(&polygon, area * normal)?;
+        let radius = radius_squared(&polygon, centre).sqrt();
         (area > 0.0).then_some(Side {
             polygon,
             normal,
@@ -239,32 +264,62 @@ impl Side {
     }
 }
 
-/// Centre of mass of a polygon, by signed triangles.
-fn centroid(polygon: &[DVec3], normal: DVec3, area: f64) -> DVec3 {
-    let Some((&first, rest)) = polygon.split_first() else {
-        return DVec3::ZERO;
-    };
+/// Centre of mass of a polygon, by signed triangles; `None` if it has no area.
+fn centroid(polygon: &[DVec3], area_vector: DVec3) -> Option<DVec3> {
+    let (&first, rest) = polygon.split_first()?;
     let moment: DVec3 = rest
         .windows(2)
         .map(|w| (w[0] - first, w[1] - first))
-        .map(|(u, v)| u.cross(v).dot(normal) * (u + v))
+        .map(|(u, v)| u.cross(v).dot(area_vector) * (u + v))
         .sum();
-    first + moment / (6.0 * area)
+    let centre = first + moment / (6.0 * area_vector.length_squared());
+    centre.is_finite().then_some(centre)
 }
 
-/// The part of `polygon` in front of another, `None` if that is nothing or not beyond rounding.
-fn in_front(
-    polygon: &[DVec3],
-    other: &[DVec3],
-    other_area: DVec3,
-    rounding: f64,
-) -> Option<ArrayPolygon> {
-    let normal = other_area.try_normalize()?;
-    let height = |c: &DVec3| (c - other[0]).dot(normal);
-    // A small polygon's normal is as uncertain as its corners over its size.
-    let least = rounding / other_area.length().sqrt();
+/// Square of the distance of the corner furthest from `centre`.
+fn radius_squared(polygon: &[DVec3], centre: DVec3) -> f64 {
     polygon
         .iter()
-        .any(|c| height(c) > least)
-        .then(|| clip(polygon, other[0], normal))
+        .map(|c| (c - centre).length_squared())
+        .fold(0.0, f64::max)
+}
+
+/// The plane of a polygon.
+struct Plane {
+    point: DVec3,
+    normal: DVec3,
+    area: f64,
+    /// Height above the plane that rounding makes of nothing.
+    rounding: f64,
+}
+
+impl Plane {
+    fn new(polygon: &[DVec3], rounding: f64) -> Option<Plane> {
+        let area_vector = area_vector(polygon);
+        let area = area_vector.length();
+        let normal = area_vector / area;
+        // A small polygon's normal is as uncertain as its corners over its size.
+        let rounding = rounding / area.sqrt();
+        normal.is_finite().then_some(Plane {
+            point: *polygon.first()?,
+            normal,
+            area,
+            rounding,
+        })
+    }
+
+    /// The part of `polygon` in front, `None` if that is nothing or not beyond rounding.
+    fn cut(&self, polygon: ArrayPolygon) -> Option<ArrayPolygon> {
+        let heights = polygon.iter().map(|&c| (c - self.point).dot(self.normal));
+        let (lowest, highest) = heights.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), h| {
+            (low.min(h), high.max(h))
+        });
+        if highest <= self.rounding {
+            None
+        } else if lowest >= 0.0 {
+            Some(polygon)
+        } else {
+            Some(clip(&polygon, self.point, self.normal))
+        }
+    }
 }

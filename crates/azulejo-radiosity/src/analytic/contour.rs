@@ -8,7 +8,7 @@
 //! for three places in the complex plane, which are known, and on the ellipse through the nearest
 //! with semi-axes summing to ρ the error of n Gauss points is about ρ^-2n.
 
-use super::quadrature::{MOST_POINTS, Rule, gauss, tanh_sinh_coarse, tanh_sinh_fine};
+use super::quadrature::{MOST_POINTS, Rule, gauss, tanh_sinh};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -147,11 +147,6 @@ fn near(a: &Edge, b: &Edge, tolerance: f64) -> f64 {
     if whole <= MOST_WHOLE_POINTS {
         return outer(a, b, 0.0, a.length, gauss(whole));
     }
-    let tanh_sinh = if tolerance < 1e-9 {
-        tanh_sinh_fine()
-    } else {
-        tanh_sinh_coarse()
-    };
     let mut breaks = [0.0, 0.0, 0.0, 0.0, a.length];
     for (end, s) in breaks[1..4].iter_mut().zip(&singular) {
         *end = s.position.clamp(0.0, a.length);
@@ -161,7 +156,7 @@ fn near(a: &Edge, b: &Edge, tolerance: f64) -> f64 {
     pieces
         .map(|w| match points(w[0], w[1]) {
             n if n <= MOST_POINTS => outer(a, b, w[0], w[1], gauss(n)),
-            _ => outer(a, b, w[0], w[1], tanh_sinh),
+            _ => outer(a, b, w[0], w[1], tanh_sinh(tolerance)),
         })
         .sum()
 }

@@ -172,6 +172,48 @@ fn doubled_corners_and_size_change_nothing() {
     }
 }
 
+/// A rectangle cut into `n` times `n` patches of its winding.
+fn patches(corner: DVec3, u: DVec3, v: DVec3, n: u32) -> Vec<[DVec3; 4]> {
+    let at = |i: u32, j: u32| corner + (f64::from(i) * u + f64::from(j) * v) / f64::from(n);
+    (0..n * n)
+        .map(|k| (k / n, k % n))
+        .map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])
+        .collect()
+}
+
+#[test]
+fn fast_is_as_good_as_asked() {
+    let floor = patches(DVec3::ZERO, DVec3::X, DVec3::Y, 8);
+    let wall = patches(DVec3::ZERO, DVec3::Y, 1.3 * DVec3::Z, 8);
+    let tilted = patches(
+        dvec3(0.2, 1.2, 0.9),
+        dvec3(0.1, -0.8, 0.1),
+        dvec3(0.9, 0.1, 0.6),
+        8,
+    );
+    for accuracy in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9] {
+        let (mut wrong, mut total) = (0.0, 0.0);
+        for (from, to) in floor
+            .iter()
+            .flat_map(|f| wall.iter().chain(&tilted).map(move |t| (f, t)))
+        {
+            let exact = form_factor(from, to);
+            let error = (form_factor_fast(from, to, accuracy) - exact).abs();
+            assert!(
+                error <= 30.0 * accuracy * exact + 1e-14,
+                "{accuracy}: {error} of {exact}"
+            );
+            wrong += error;
+            total += exact;
+        }
+        assert!(
+            total > 1.0 && wrong <= accuracy * total,
+            "{accuracy}: {}",
+            wrong / total
+        );
+    }
+}
+
 #[test]
 fn slivers_keep_most_digits() {
     for width in [1e-3, 1e-5, 1e-7] {

@@ -1,4 +1,7 @@
 //! Integration tests of the first pass, one module per subject.
 
+// Tests say what they skip and what they measured.
+#![allow(clippy::print_stderr)]
+
 mod form_factors;
 mod table;
