@@ -90,6 +90,35 @@ fn regular_solids() {
 }
 
 #[test]
+fn wedges_triangles_and_hexagons() {
+    // Double contours in 30 digits of unit squares with a common edge (Howell C-16), and of
+    // regular polygons of side 1 opposed at distances 1 and 2.
+    let wedges = [
+        (30.0, 0.61902832309080),
+        (60.0, 0.37090532115005),
+        (120.0, 0.086615001118276),
+        (150.0, 0.021345325412689),
+    ];
+    for (degrees, expected) in wedges {
+        let (sine, cosine) = f64::to_radians(degrees).sin_cos();
+        let leaf = FLOOR.map(|p| dvec3(p.x * cosine, p.y, p.x * sine));
+        let facing: Vec<DVec3> = leaf.into_iter().rev().collect();
+        check(&FLOOR, &facing, expected);
+    }
+    let regular = |n: u32, radius: f64| -> Vec<DVec3> {
+        (0..n)
+            .map(|k| {
+                DQuat::from_rotation_z(2.0 * PI * f64::from(k) / f64::from(n)) * (radius * DVec3::X)
+            })
+            .collect()
+    };
+    let triangle = regular(3, 1.0 / 3_f64.sqrt());
+    check(&triangle, &ceiling(&triangle, 1.0), 0.10560582898041);
+    let hexagon = regular(6, 1.0);
+    check(&hexagon, &ceiling(&hexagon, 2.0), 0.14927498917694);
+}
+
+#[test]
 fn neighbours_that_cross_each_others_plane() {
     // A wall through the floor counts once above it; standing through its middle, half of it sees.
     let wall = |x: f64, from: f64| {
@@ -155,6 +184,10 @@ fn degenerate_input_is_zero() {
             assert_eq!(f(case, &FLOOR), 0.0, "{case:?}");
         }
     }
+    // The form factor is a number, but no area is.
+    let huge = |p: &[DVec3]| p.iter().map(|&c| 1e200 * c).collect::<Vec<_>>();
+    check(&huge(&FLOOR), &huge(&up), c11(1.0, 1.0));
+    assert_eq!(exchange_area(&huge(&FLOOR), &huge(&up)), 0.0);
     for accuracy in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
         let f = form_factor_fast(&FLOOR, &up, accuracy);
         assert!((0.0..=1.0).contains(&f), "{f}");
