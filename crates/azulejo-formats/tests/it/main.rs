@@ -1,3 +1,13 @@
 //! Readers and writers on whole files.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod obj;
+
+/// Where the shared models and scenes are, if this machine has them.
+fn data() -> Option<std::path::PathBuf> {
+    let folder = std::env::var_os("AZULEJO_DATA").map(Into::into);
+    if folder.is_none() {
+        eprintln!("skipped: AZULEJO_DATA is not set");
+    }
+    folder
+}
