@@ -13,7 +13,7 @@ pub(super) enum Cells {
     Quad { nu: u32, nv: u32 },
     /// `k²` congruent triangles.
     Triangle { k: u32 },
-    /// Triangles of any shape.
+    /// Squares and triangles of any shape.
     Irregular(Box<Irregular>),
     /// A grid over the parameters of a primitive's part.
     Part { nu: u32, nv: u32 },
@@ -35,7 +35,7 @@ impl Cells {
             Cells::None => 0,
             Cells::Quad { nu, nv } | Cells::Part { nu, nv } => *nu as usize * *nv as usize,
             Cells::Triangle { k } => *k as usize * *k as usize,
-            Cells::Irregular(mesh) => mesh.triangles.len(),
+            Cells::Irregular(mesh) => mesh.cells.len(),
         }
     }
 
@@ -65,9 +65,7 @@ impl Cells {
                 }
             }
             Cells::Irregular(ref mesh) => {
-                for t in &mesh.triangles {
-                    f([t[0], t[1], t[2], NO_CORNER]);
-                }
+                mesh.cells.iter().for_each(|&ring| f(ring));
             }
         }
     }

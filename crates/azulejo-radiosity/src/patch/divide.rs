@@ -2,7 +2,7 @@
 
 use super::PatchSize;
 use super::cells::Cells;
-use super::irregular::{Irregular, expected_triangles};
+use super::irregular::{Irregular, expected_patches};
 use super::outline::{Form, Outline, Region};
 use azulejo_scene::{Primitive, Shape, SurfaceGrid};
 use rayon::prelude::*;
@@ -114,7 +114,7 @@ fn estimate(outline: &Outline, size: f64) -> f64 {
                     (outline.edges[edge].length(), pieces[edge])
                 })
                 .collect();
-            expected_triangles(region.area, &sides, size)
+            expected_patches(region.area, &sides, size)
         }
     };
     outline.regions.iter().map(one).sum()

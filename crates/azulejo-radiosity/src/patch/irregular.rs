@@ -1,21 +1,19 @@
-//! Regions that no regular pattern fits: triangles between fixed points on the border.
+//! Regions that no regular pattern fits: squares inside, triangles between them and the border.
 //!
-//! The points on the sides are given, since the neighbours have them too. A hexagonal lattice
-//! fills the inside, a constrained Delaunay triangulation joins both, and Chew's refinement
-//! ("Guaranteed-quality mesh generation for curved surfaces", SoCG 1993; here `spade`'s, with
-//! the border kept) adds points where angles are still small, as beside short sides.
+//! The points on the sides are given, since the neighbours have them too. A square lattice fills
+//! the inside; a constrained Delaunay triangulation joins its outline to the border, and Chew's
+//! refinement ("Guaranteed-quality mesh generation for curved surfaces", SoCG 1993; here
+//! `spade`'s, with border and lattice kept) adds points where angles are still small, as beside
+//! short sides.
 
+use super::cells::NO_CORNER;
+use super::lattice::Lattice;
 use super::outline::{Outline, Region};
 use glam::DVec2;
 use spade::{
     AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation,
 };
 
-/// Lattice spacing as a share of the asked size: below 1, since Delaunay triangles between
-/// lattice and border are a little longer than those of the lattice.
-const SPACING: f64 = 0.93;
-/// How near lattice points come to the border, as a share of the spacing.
-const CLEARANCE: f64 = 0.55;
 /// Angles below this are refined away where the border allows it.
 const ANGLE_DEGREES: f64 = 22.0;
 
@@ -27,8 +25,15 @@ pub(super) struct Irregular {
     pub corners: Vec<DVec2>,
     /// Points in the same plane: those of the border in order, then those inside.
     pub points: Vec<DVec2>,
-    /// Local points of each patch, counter-clockwise.
-    pub triangles: Vec<[u32; 3]>,
+    /// Local points of each patch, counter-clockwise: `squares` of the lattice, then triangles,
+    /// whose fourth corner is `NO_CORNER`.
+    pub cells: Vec<[u32; 4]>,
+    /// How many patches are squares.
+    pub squares: usize,
+    /// Lattice spacing, or about 1 where there is no lattice.
+    pub spacing: f64,
+    /// A point of the lattice.
+    pub origin: DVec2,
     /// Each point as a mean of three corners of the region.
     pub weights: Vec<[(u32, f64); 3]>,
 }
@@ -46,21 +51,30 @@ impl Irregular {
         let border = border_points(&corners, &sides);
         let size = size * scale;
         let whole = sides.iter().all(|&k| k == 1) && diameter(&corners) <= 2f64.sqrt() * size;
-        let (points, triangles) = if whole {
-            (border, own.to_vec())
+        let lattice = Lattice::new(&corners, if whole { f64::INFINITY } else { size });
+        let (points, triangles, lattice) = if whole {
+            (border, own.to_vec(), lattice)
         } else {
-            triangulate(&corners, &border, size).unwrap_or_else(|| fans(&sides, &border, own))
+            match triangulate(&corners, &border, size, &lattice) {
+                Some((points, triangles)) => (points, triangles, lattice),
+                None => {
+                    let (points, triangles) = fans(&sides, &border, own);
+                    (points, triangles, Lattice::new(&corners, f64::INFINITY))
+                }
+            }
         };
+        let base = sides.iter().sum();
         let mut mesh = Irregular {
             weights: Vec::new(),
             sides,
             corners,
             points,
-            triangles,
+            cells: lattice.squares(base),
+            squares: lattice.len(),
+            spacing: lattice.spacing,
+            origin: lattice.origin,
         };
-        mesh.triangles
-            .retain(|t| signed_area(t.map(|k| mesh.points[k as usize])) > 0.0);
-        mesh.sort_by_place();
+        mesh.add_triangles(triangles);
         mesh.weights = mesh.corner_weights(own);
         mesh
     }
@@ -70,18 +84,21 @@ impl Irregular {
         self.sides.iter().map(|&k| k as usize).sum()
     }
 
-    /// Numbers neighbours alike, in rows of small squares: whoever looks up many finds them in
-    /// the cache.
-    fn sort_by_place(&mut self) {
+    /// Appends the triangles that have an area, neighbours near each other in the numbering:
+    /// whoever looks up many finds them in the cache.
+    fn add_triangles(&mut self, mut triangles: Vec<[u32; 3]>) {
+        let at = |k: u32| self.points[k as usize];
+        triangles.retain(|t| signed_area(t.map(at)) > 0.0);
         let (low, high) = bounds(&self.points);
-        let squares = (self.triangles.len() as f64 / 32.0).sqrt().ceil();
-        let scale = squares / (high - low).max_element();
-        let points = &self.points;
-        self.triangles.sort_by_cached_key(|t| {
-            let sum: DVec2 = t.iter().map(|&k| points[k as usize]).sum();
-            let square = (sum / 3.0 - low) * scale;
-            (square.y as u32, square.x as u32)
+        let tiles = (triangles.len() as f64 / 32.0).sqrt().ceil();
+        let scale = tiles / (high - low).max_element();
+        triangles.sort_by_cached_key(|t| {
+            let sum: DVec2 = t.iter().map(|&k| at(k)).sum();
+            let tile = (sum / 3.0 - low) * scale;
+            (tile.y as u32, tile.x as u32)
         });
+        let cells = triangles.into_iter().map(|[a, b, c]| [a, b, c, NO_CORNER]);
+        self.cells.extend(cells);
     }
 
     fn corner_weights(&self, own: &[[u32; 3]]) -> Vec<[(u32, f64); 3]> {
@@ -117,15 +134,15 @@ impl Irregular {
     }
 }
 
-/// About how many triangles [`Irregular::new`] makes, from the region's area and the lengths and
-/// piece counts of its sides: 2 inner points + border points − 2, as Euler has it.
-pub(super) fn expected_triangles(area: f64, sides: &[(f64, u32)], size: f64) -> f64 {
+/// About how many patches [`Irregular::new`] makes, from the region's area and the lengths and
+/// piece counts of its sides: squares inside, triangles in a ring as wide as one and a bit.
+pub(super) fn expected_patches(area: f64, sides: &[(f64, u32)], size: f64) -> f64 {
     let border: f64 = sides.iter().map(|s| f64::from(s.1)).sum();
     let perimeter: f64 = sides.iter().map(|s| s.0).sum();
-    let spacing = SPACING * size;
-    let inner_area = (area - CLEARANCE * spacing * perimeter * 0.9).max(0.0);
-    let inner = inner_area / (0.75f64.sqrt() * spacing * spacing);
-    2.0 * inner + border - 2.0
+    let square = size * size;
+    let inside = (area - 1.1 * size * perimeter + 4.0 * square).clamp(0.0, area);
+    let ring = (area - inside) / (0.36 * square);
+    inside / square + ring.max(border - 2.0)
 }
 
 /// The corners in the region's plane, the longest side along x, scaled to about 1; and the scale.
@@ -200,25 +217,36 @@ fn barycentric([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
 
 type Flat = (Vec<DVec2>, Vec<[u32; 3]>);
 
-/// Points and triangles by constrained Delaunay refinement; `None` if they do not tile the
-/// region exactly between the given border points.
-fn triangulate(corners: &[DVec2], border: &[DVec2], size: f64) -> Option<Flat> {
+/// The ring between border and lattice by constrained Delaunay refinement: the points of border,
+/// lattice and ring, and the ring's triangles. `None` if ring and lattice do not tile the region
+/// exactly between the given border points.
+fn triangulate(corners: &[DVec2], border: &[DVec2], size: f64, lattice: &Lattice) -> Option<Flat> {
     let (unique, first) = distinct(border);
-    let mut vertices: Vec<Point2<f64>> = first
+    let outline = lattice.outline();
+    // Vertices of the triangulation: distinct border points, points on the lattice's outline,
+    // then those of the refinement; `known` are the local points of the first two.
+    let mut known = first.clone();
+    known.extend(outline.points.iter().map(|&k| k + border.len() as u32));
+    let mut points = border.to_vec();
+    points.extend(&lattice.points);
+    let vertices: Vec<Point2<f64>> = known
         .iter()
-        .map(|&i| border[i as usize])
-        .chain(lattice(corners, size))
+        .map(|&k| points[k as usize])
         .map(|p| Point2::new(p.x, p.y))
         .collect();
-    // A lattice that shrinks to nothing by rounding must not take all memory.
-    vertices.truncate(super::divide::MAX_PATCHES);
+    let mut edges = constraints(&unique);
+    edges.extend(
+        outline
+            .edges
+            .iter()
+            .map(|e| e.map(|k| first.len() + k as usize)),
+    );
     let mut conflict = false;
-    let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
-        vertices,
-        constraints(&unique),
-        |_| conflict = true,
-    )
-    .ok()?;
+    let mut mesh =
+        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| {
+            conflict = true
+        })
+        .ok()?;
     if conflict {
         return None;
     }
@@ -226,14 +254,14 @@ fn triangulate(corners: &[DVec2], border: &[DVec2], size: f64) -> Option<Flat> {
         .refine(refinement(size, mesh.num_vertices()))
         .excluded_faces;
     let outside: std::collections::HashSet<_> = outside.into_iter().collect();
-    let local = |v: usize| match first.get(v) {
-        Some(&b) => b,
-        None => (v - first.len() + border.len()) as u32,
+    let fixed = points.len();
+    let local = |v: usize| match known.get(v) {
+        Some(&k) => k,
+        None => (v - known.len() + fixed) as u32,
     };
-    let mut points = border.to_vec();
     points.extend(
         mesh.vertices()
-            .skip(first.len())
+            .skip(known.len())
             .map(|v| DVec2::new(v.position().x, v.position().y)),
     );
     let triangles: Vec<[u32; 3]> = mesh
@@ -245,8 +273,9 @@ fn triangulate(corners: &[DVec2], border: &[DVec2], size: f64) -> Option<Flat> {
         .iter()
         .map(|t| signed_area(t.map(|k| points[k as usize])))
         .sum();
-    let whole = polygon_area(corners);
-    ((area - whole).abs() <= 1e-9 * whole).then(|| without_strays(points, triangles, border.len()))
+    let whole = polygon_area(corners) - lattice.area();
+    let tiled = (area - whole).abs() <= 1e-9 * polygon_area(corners);
+    tiled.then(|| without_strays(points, triangles, fixed))
 }
 
 fn refinement(size: f64, vertices: usize) -> RefinementParameters<f64> {
@@ -260,7 +289,7 @@ fn refinement(size: f64, vertices: usize) -> RefinementParameters<f64> {
         .with_min_required_area(1e-4 * size * size)
         .with_max_additional_vertices(2 * vertices + 32);
     if fits {
-        parameters.with_max_allowed_area(0.5 * size * size)
+        parameters.with_max_allowed_area(0.42 * size * size)
     } else {
         parameters
     }
@@ -315,9 +344,9 @@ fn polygon_area(corners: &[DVec2]) -> f64 {
         .sum()
 }
 
-/// Drops inner points that no triangle uses.
-fn without_strays(points: Vec<DVec2>, mut triangles: Vec<[u32; 3]>, border: usize) -> Flat {
-    let mut used: Vec<bool> = (0..points.len()).map(|i| i < border).collect();
+/// Drops points after the first `fixed` that no triangle uses.
+fn without_strays(points: Vec<DVec2>, mut triangles: Vec<[u32; 3]>, fixed: usize) -> Flat {
+    let mut used: Vec<bool> = (0..points.len()).map(|i| i < fixed).collect();
     triangles
         .iter()
         .flatten()
@@ -334,79 +363,6 @@ fn without_strays(points: Vec<DVec2>, mut triangles: Vec<[u32; 3]>, border: usiz
         *t = t.map(|k| number[k as usize]);
     }
     (kept, triangles)
-}
-
-/// Points of a hexagonal lattice inside the polygon, row by row, not too near its sides.
-fn lattice(corners: &[DVec2], size: f64) -> Vec<DVec2> {
-    let mut points = Vec::new();
-    let spacing = SPACING * size;
-    let (low, high) = bounds(corners);
-    let height = high.y - low.y;
-    let rows = (height / (0.75f64.sqrt() * spacing)).ceil();
-    if !(spacing > 0.0 && rows >= 2.0 && rows < super::divide::MAX_PATCHES as f64) {
-        return points;
-    }
-    for row in 1..rows as u32 {
-        let y = low.y + height * f64::from(row) / rows;
-        let shift = 0.5 * f64::from(row % 2) * spacing;
-        let taken = near_sides(corners, y, CLEARANCE * spacing);
-        for [from, to] in inside_row(corners, y) {
-            let first = ((from - low.x - shift) / spacing).ceil();
-            let count = ((to - low.x - shift) / spacing).floor() - first;
-            for i in 0..=count.clamp(-1.0, 1e8) as i64 {
-                let x = low.x + shift + (first + i as f64) * spacing;
-                if taken.iter().all(|[a, b]| x <= *a || x >= *b) {
-                    points.push(DVec2::new(x, y));
-                }
-            }
-        }
-    }
-    points
-}
-
-/// The pieces of the line at height `y` that are inside the polygon, by the even-odd rule.
-fn inside_row(corners: &[DVec2], y: f64) -> Vec<[f64; 2]> {
-    let n = corners.len();
-    let mut crossings: Vec<f64> = (0..n)
-        .map(|k| (corners[k], corners[(k + 1) % n]))
-        .filter(|(a, b)| (a.y <= y) != (b.y <= y))
-        .map(|(a, b)| a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y))
-        .collect();
-    crossings.sort_by(f64::total_cmp);
-    crossings.chunks_exact(2).map(|c| [c[0], c[1]]).collect()
-}
-
-/// The pieces of the line at height `y` that come nearer than `distance` to a side.
-fn near_sides(corners: &[DVec2], y: f64, distance: f64) -> Vec<[f64; 2]> {
-    let n = corners.len();
-    (0..n)
-        .filter_map(|k| near_side(corners[k], corners[(k + 1) % n], y, distance))
-        .collect()
-}
-
-/// A line meets the points near a segment (two discs and the strip between) in one interval.
-fn near_side(a: DVec2, b: DVec2, y: f64, distance: f64) -> Option<[f64; 2]> {
-    if y < a.y.min(b.y) - distance || y > a.y.max(b.y) + distance {
-        return None;
-    }
-    let mut interval = [f64::INFINITY, f64::NEG_INFINITY];
-    let mut extend = |x: f64| interval = [interval[0].min(x), interval[1].max(x)];
-    for p in [a, b] {
-        let square = distance * distance - (y - p.y) * (y - p.y);
-        if square >= 0.0 {
-            extend(p.x - square.sqrt());
-            extend(p.x + square.sqrt());
-        }
-    }
-    let across = (b - a).perp().normalize_or_zero() * distance;
-    let strip = [a - across, b - across, b + across, a + across];
-    for k in 0..4 {
-        let (p, q) = (strip[k], strip[(k + 1) % 4]);
-        if (p.y <= y) != (q.y <= y) {
-            extend(p.x + (q.x - p.x) * (y - p.y) / (q.y - p.y));
-        }
-    }
-    (interval[0] <= interval[1]).then_some(interval)
 }
 
 /// Each of the region's own triangles as it is, or about its centre where sides are divided.

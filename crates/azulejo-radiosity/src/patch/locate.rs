@@ -1,7 +1,7 @@
 //! From a ray's hit to a patch.
 
 use super::Patches;
-use super::cells::Cells;
+use super::cells::{Cells, NO_CORNER};
 use super::irregular::{Irregular, bounds};
 use super::outline::Outline;
 use azulejo_scene::PrimitiveKind;
@@ -183,59 +183,75 @@ fn triangle_cell(x: f32, y: f32, k: u32) -> u32 {
     j * (2 * k - j) + 2 * i + u32::from(upper)
 }
 
-/// Triangles of an irregular region in the bins of a uniform grid.
+/// Patches of an irregular region in the bins of a uniform grid, whose lines are among those of
+/// the lattice, so that most bins lie in one square.
 struct Bins {
     low: [f32; 2],
-    scale: [f32; 2],
+    per_unit: f32,
     count: [u32; 2],
     starts: Vec<u32>,
-    /// Triangles that meet each bin; at least one per bin.
+    /// Patches that meet each bin; at least one per bin.
     items: Vec<u32>,
-    /// For each triangle the affine functions that are the weights of corners 1 and 2.
+    /// So many patches are squares, the others triangles.
+    squares: u32,
+    /// For each patch the affine functions that are the weights of the corners next to the first.
     weights: Vec<[f32; 6]>,
 }
 
 /// More bins leave fewer triangles to try in each, but take more memory.
-const BINS_PER_TRIANGLE: f64 = 2.0;
-/// A hit this little outside a triangle is taken without looking at the others.
+const BINS_PER_PATCH: f64 = 2.0;
+/// Bins along one direction.
+const MOST_BINS: f64 = 4096.0;
+/// A hit this little outside a patch is taken without looking at the others.
 const NEAR_ENOUGH: f32 = -1e-6;
 
 impl Bins {
     fn new(mesh: &Irregular) -> Bins {
         let (low, high) = bounds(&mesh.points);
-        let size = (high - low).max(DVec2::splat(1e-9));
-        let cells = BINS_PER_TRIANGLE * mesh.triangles.len() as f64;
-        let per_unit = (cells / (size.x * size.y)).sqrt();
-        let count = |x: f64| ((x * per_unit).ceil()).clamp(1.0, 4096.0) as u32;
-        let count = [count(size.x), count(size.y)];
-        let scale = DVec2::new(f64::from(count[0]), f64::from(count[1])) / size;
-        let weights = mesh
-            .triangles
-            .iter()
-            .map(|t| affine_weights(t.map(|k| mesh.points[k as usize])))
-            .collect();
+        let size = high - low;
+        let wanted = BINS_PER_PATCH * mesh.cells.len() as f64;
+        let per_cell = (mesh.spacing * (wanted / (size.x * size.y)).sqrt()).ceil();
+        let step = (mesh.spacing / per_cell.max(1.0)).max(size.max_element() / MOST_BINS);
+        let low = mesh.origin + ((low - mesh.origin) / step).floor() * step;
+        let count = ((high - low) / step).ceil().max(DVec2::ONE);
+        let at = |k: u32| mesh.points[k as usize];
         let mut bins = Bins {
             low: low.as_vec2().to_array(),
-            scale: scale.as_vec2().to_array(),
-            count,
+            per_unit: (1.0 / step) as f32,
+            count: [count.x as u32, count.y as u32],
             starts: Vec::new(),
             items: Vec::new(),
-            weights,
+            squares: mesh.squares as u32,
+            weights: (mesh.cells.iter())
+                .map(|c| {
+                    affine_weights([
+                        at(c[0]),
+                        at(c[1]),
+                        at(c[if c[3] == NO_CORNER { 2 } else { 3 }]),
+                    ])
+                })
+                .collect(),
         };
-        bins.fill(mesh, low, scale);
+        bins.fill(mesh, low, step);
         bins
     }
 
-    fn fill(&mut self, mesh: &Irregular, low: DVec2, scale: DVec2) {
+    fn fill(&mut self, mesh: &Irregular, low: DVec2, step: f64) {
         let [nx, ny] = self.count;
         let mut pairs: Vec<(u32, u32)> = Vec::new();
-        for (i, t) in (0..).zip(&mesh.triangles) {
-            let p = t.map(|k| (mesh.points[k as usize] - low) * scale);
+        for (i, cell) in (0..).zip(&mesh.cells) {
+            let corners = cell.iter().filter(|&&k| k != NO_CORNER);
+            let p: Vec<DVec2> = corners
+                .map(|&k| (mesh.points[k as usize] - low) / step)
+                .collect();
             let (least, most) = bounds(&p);
-            let range = |a: f64, b: f64, n: u32| (a as u32).min(n - 1)..=(b as u32).min(n - 1);
+            // A square's border on a bin's border by rounding does not count as meeting it.
+            let range = |a: f64, b: f64, n: u32| {
+                ((a + 1e-6) as u32).min(n - 1)..=((b - 1e-6) as u32).min(n - 1)
+            };
             for y in range(least.y, most.y, ny) {
                 for x in range(least.x, most.x, nx) {
-                    if meets_bin(p, x, y) {
+                    if meets_bin(&p, x, y) {
                         pairs.push((y * nx + x, i));
                     }
                 }
@@ -252,16 +268,17 @@ impl Bins {
 
     fn find(&self, x: f32, y: f32) -> u32 {
         let bin = |v: f32, axis: usize| {
-            let b = (v - self.low[axis]) * self.scale[axis];
+            let b = (v - self.low[axis]) * self.per_unit;
             (b as u32).min(self.count[axis] - 1)
         };
         let bin = (bin(y, 1) * self.count[0] + bin(x, 0)) as usize;
         let (start, end) = (self.starts[bin] as usize, self.starts[bin + 1] as usize);
+        if end - start == 1 {
+            return self.items[start];
+        }
         let mut best = (0, f32::NEG_INFINITY);
         for &i in &self.items[start..end] {
-            let w = &self.weights[i as usize];
-            let (b, c) = (w[0] + w[1] * x + w[2] * y, w[3] + w[4] * x + w[5] * y);
-            let least = b.min(c).min(1.0 - b - c);
+            let least = self.depth(i, x, y);
             if least >= NEAR_ENOUGH {
                 return i;
             }
@@ -270,6 +287,18 @@ impl Bins {
             }
         }
         best.0
+    }
+
+    /// How far inside a patch a point is; negative outside.
+    fn depth(&self, i: u32, x: f32, y: f32) -> f32 {
+        let w = &self.weights[i as usize];
+        let (b, c) = (w[0] + w[1] * x + w[2] * y, w[3] + w[4] * x + w[5] * y);
+        let far = if i < self.squares {
+            (1.0 - b).min(1.0 - c)
+        } else {
+            1.0 - b - c
+        };
+        b.min(c).min(far)
     }
 }
 
@@ -300,11 +329,11 @@ fn nearest_filled(lists: &super::Lists<u32>, [nx, ny]: [u32; 2]) -> Vec<u32> {
     nearest.iter().map(|&b| b.min(bins - 1)).collect()
 }
 
-/// Whether a triangle in bin coordinates can meet the unit square at `(x, y)`; a little generous.
-fn meets_bin(p: [DVec2; 3], x: u32, y: u32) -> bool {
+/// Whether a convex polygon in bin coordinates can meet the unit square at `(x, y)`; a little generous.
+fn meets_bin(p: &[DVec2], x: u32, y: u32) -> bool {
     let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-    (0..3).all(|k| {
-        let (a, b) = (p[k], p[(k + 1) % 3]);
+    (0..p.len()).all(|k| {
+        let (a, b) = (p[k], p[(k + 1) % p.len()]);
         let side = b - a;
         // The square reaches this far across the side.
         let reach = 0.501 * (side.x.abs() + side.y.abs());

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `outline` | which faces are flat, which edges are shared, where a surface is smooth |
 //! | `divide` | how many pieces each edge gets |
-//! | `cells`, `irregular` | what the division of one region looks like |
+//! | `cells`, `irregular`, `lattice` | what the division of one region looks like |
 //! | `build` | patches, their corners and the display vertices |
 //! | `locate` | which patch a ray hit |
 //! | `sample` | a point of a patch for two random numbers |
@@ -20,6 +20,7 @@ mod build;
 mod cells;
 mod divide;
 mod irregular;
+mod lattice;
 mod locate;
 mod outline;
 mod refined;

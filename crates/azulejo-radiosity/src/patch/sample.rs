@@ -122,6 +122,9 @@ fn lifted(densities: [f64; 4]) -> [f64; 4] {
 /// A point of the unit square by a bilinear density with the values `w` at (0,0), (1,0), (1,1)
 /// and (0,1), all > 0; and the density there, normalised.
 fn sample_bilinear(w: [f64; 4], u1: f64, u2: f64) -> (f64, f64, f64) {
+    if w.iter().all(|x| (x - w[0]).abs() <= 1e-9 * w[0]) {
+        return (u1, u2, 1.0);
+    }
     let t = sample_linear(w[0] + w[1], w[3] + w[2], u2);
     let left = w[0] + t * (w[3] - w[0]);
     let right = w[1] + t * (w[2] - w[1]);
