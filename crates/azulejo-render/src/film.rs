@@ -22,8 +22,18 @@ pub(crate) struct Film {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Keys every random number of the picture.
-    pub seed: u64,
+    /// Keys the sample positions.
+    pub seed: u32,
+}
+
+/// A pixel, ready to be sampled.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pixel {
+    /// Column and row.
+    corner: (f64, f64),
+    /// Size of a pixel where the picture is 1 × 1.
+    size: (f64, f64),
+    seeds: [u32; 2],
 }
 
 /// A rectangle of pixels.
@@ -51,24 +61,14 @@ impl Film {
         (0..columns * rows).map(tile).collect()
     }
 
-    /// The word that keys the random numbers of a pixel.
-    pub fn pixel_seed(&self, pixel: u32) -> u32 {
-        stream_seed(self.seed, pixel)
-    }
-
-    /// Where sample `sample` of a pixel lies: 0..=1 from the upper left corner of the picture,
-    /// a little outside at its borders.
-    pub fn position(&self, pixel: u32, sample: u32) -> (f64, f64) {
-        let seed = self.pixel_seed(pixel);
-        let offset = |dimension: u32| {
-            let u = sobol(sample, dimension as usize, hash(&[seed, dimension]));
-            0.5 + tent(f64::from(u))
-        };
-        let (x, y) = (pixel % self.width, pixel / self.width);
-        (
-            (f64::from(x) + offset(0)) / f64::from(self.width),
-            (f64::from(y) + offset(1)) / f64::from(self.height),
-        )
+    /// Where the samples of a pixel lie.
+    pub fn pixel(&self, pixel: u32) -> Pixel {
+        let key = |dimension| hash(&[self.seed, pixel, dimension]);
+        Pixel {
+            corner: (f64::from(pixel % self.width), f64::from(pixel / self.width)),
+            size: (1.0 / f64::from(self.width), 1.0 / f64::from(self.height)),
+            seeds: [key(0), key(1)],
+        }
     }
 
     /// Puts the pixels of tiles together; `parts` pairs with [`Film::tiles`].
@@ -91,9 +91,19 @@ impl Tile {
     }
 }
 
-/// The word that keys the random numbers of one pixel or probe ray.
-pub(crate) fn stream_seed(seed: u64, stream: u32) -> u32 {
-    hash(&[seed as u32, (seed >> 32) as u32, stream])
+impl Pixel {
+    /// Where sample `sample` lies: 0..=1 from the upper left corner of the picture, a little
+    /// outside at its borders.
+    pub fn position(&self, sample: u32) -> (f64, f64) {
+        let offset = |dimension: usize| {
+            let u = sobol(sample, dimension, self.seeds[dimension]);
+            0.5 + tent(f64::from(u))
+        };
+        (
+            (self.corner.0 + offset(0)) * self.size.0,
+            (self.corner.1 + offset(1)) * self.size.1,
+        )
+    }
 }
 
 /// A number in −1..=1 with density 1 − |x|, from a uniform one in 0..1.
@@ -169,7 +179,7 @@ mod tests {
         let n = 4096;
         let (mut mean, mut variance) = (0.0, 0.0);
         for s in 0..n {
-            let (x, y) = film.position(34, s);
+            let (x, y) = film.pixel(34).position(s);
             let (dx, dy) = (10.0 * x - 4.5, 10.0 * y - 3.5);
             assert!(dx.abs() <= 1.0 && dy.abs() <= 1.0);
             mean += (dx + dy) / f64::from(2 * n);

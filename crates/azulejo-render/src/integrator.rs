@@ -4,7 +4,7 @@ use crate::SecondPass;
 use crate::interpolate::Interpolator;
 use azulejo_scene::math::{Ray, reflect};
 use azulejo_scene::{Dielectric, Material, Rgb, Scene, fresnel};
-use azulejo_trace::sampling::{hash, sobol, uniform};
+use azulejo_trace::sampling::{DIMENSIONS, hash, sobol, uniform};
 use azulejo_trace::{Arrival, DiffuseLight, GatherOptions, GatherPoint, Gatherer};
 use azulejo_trace::{Hit, KernelHit, KernelRay, Surfaces, Tracer};
 use glam::DVec3;
@@ -90,6 +90,11 @@ impl<'a> Integrator<'a> {
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
             max_depth: options.max_depth,
         }
+    }
+
+    /// Keys all random numbers.
+    pub fn seed(&self) -> u32 {
+        self.seed
     }
 
     /// The ray as the kernel wants it.
@@ -191,18 +196,28 @@ impl Path<'_, '_> {
         }
         let surfaces = self.integrator.surfaces();
         let material = surfaces.material(hit.item);
-        let front = surfaces.is_front(&leg.ray, hit);
         let mut own = Rgb::BLACK;
-        if front {
-            own += material.emission;
-        }
-        if !material.diffuse.is_black() {
-            own += self.reflected(leg, &Arrival { hit: *hit, front });
+        if material.is_emitter() || !material.diffuse.is_black() {
+            let front = surfaces.is_front(&leg.ray, hit);
+            own = self.own_light(leg, &Arrival { hit: *hit, front }, material);
         }
         if material.is_specular() {
             self.scatter(leg, hit, material);
         }
         leg.weight * own
+    }
+
+    /// Radiance that leaves a surface by itself: emitted, and reflected diffusely.
+    fn own_light(&mut self, leg: &Leg, at: &Arrival, material: &Material) -> Rgb {
+        let emitted = if at.front {
+            material.emission
+        } else {
+            Rgb::BLACK
+        };
+        if material.diffuse.is_black() {
+            return emitted;
+        }
+        emitted + self.reflected(leg, at)
     }
 
     /// Diffusely reflected radiance ρE/π; black if its irradiance is still to be gathered.
@@ -247,7 +262,7 @@ impl Path<'_, '_> {
                 self.send(leg, &at, facing, passed);
             }
         } else {
-            let chosen = boundary.chosen(&mut self.draws);
+            let chosen = boundary.chosen(self.chance());
             self.send(leg, &at, facing, chosen);
         }
     }
@@ -266,7 +281,13 @@ impl Path<'_, '_> {
             weight: leg.weight * share,
             depth: leg.depth + 1,
         };
-        self.scratch.pending.extend(next.survivor(&mut self.draws));
+        let survivor = next.survivor(|| self.chance());
+        self.scratch.pending.extend(survivor);
+    }
+
+    /// A random number in 0..1.
+    fn chance(&mut self) -> f64 {
+        self.draws.next(self.integrator.seed)
     }
 }
 
@@ -305,13 +326,13 @@ impl Leg {
 
     /// Russian roulette: the leg itself while it carries enough, by chance a heavier one when it
     /// carries little, nothing when it carries nothing.
-    fn survivor(self, draws: &mut Draws) -> Option<Leg> {
-        let chance = self.weight.max_channel() / ROULETTE_BELOW;
-        if chance >= 1.0 {
+    fn survivor(self, chance: impl FnOnce() -> f64) -> Option<Leg> {
+        let odds = self.weight.max_channel() / ROULETTE_BELOW;
+        if odds >= 1.0 {
             return Some(self);
         }
-        (chance > 0.0 && draws.next() < chance).then(|| Leg {
-            weight: self.weight / chance,
+        (odds > 0.0 && chance() < odds).then(|| Leg {
+            weight: self.weight / odds,
             ..self
         })
     }
@@ -355,19 +376,18 @@ impl Boundary {
         self.split.refracted.map(|direction| (direction, share))
     }
 
-    /// One of the two, mirrored with probability R, and the share that keeps the mean right.
-    fn chosen(&self, draws: &mut Draws) -> (DVec3, Rgb) {
+    /// One of the two by a `chance` in 0..1, mirrored with probability R, and the share that
+    /// keeps the mean right.
+    fn chosen(&self, chance: f64) -> (DVec3, Rgb) {
         match self.split.refracted {
-            Some(direction) if draws.next() >= self.split.reflectance => {
-                (direction, self.transmittance)
-            }
+            Some(direction) if chance >= self.split.reflectance => (direction, self.transmittance),
             _ => (self.split.reflected, self.mirror),
         }
     }
 }
 
 impl Draws {
-    /// The numbers of sample `sample` of the pixel or probe ray that `stream` keys.
+    /// The numbers of sample `sample` of pixel or probe ray `stream`.
     pub fn new(stream: u32, sample: u32) -> Draws {
         Draws {
             stream,
@@ -379,14 +399,14 @@ impl Draws {
     /// The next number in 0..1.
     ///
     /// The first six come from Sobol dimensions 2 to 7 (the film has 0 and 1).
-    fn next(&mut self) -> f64 {
+    fn next(&mut self, seed: u32) -> f64 {
         let dimension = self.used + 2;
         self.used += 1;
-        f64::from(if dimension < 8 {
-            let seed = hash(&[self.stream, dimension]);
-            sobol(self.sample, dimension as usize, seed)
+        let key = [seed, self.stream, dimension];
+        f64::from(if (dimension as usize) < DIMENSIONS {
+            sobol(self.sample, dimension as usize, hash(&key))
         } else {
-            uniform(&[self.stream, self.sample, dimension])
+            uniform(&[hash(&key), self.sample])
         })
     }
 }

@@ -1,6 +1,6 @@
 //! The second pass: options, and the loops over pixels and probe rays.
 
-use crate::film::{Film, Lens, Tile, stream_seed};
+use crate::film::{Film, Lens, Tile};
 use crate::integrator::{Draws, Found, Integrator, Scratch};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Image, Rgb, Scene};
@@ -74,13 +74,14 @@ pub fn render(
     progress: &Progress,
 ) -> Result<Image, Cancelled> {
     let (width, height) = options.size;
+    let integrator = Integrator::new(scene, tracer, options);
     let film = Film {
         width,
         height,
-        seed: options.seed,
+        seed: integrator.seed(),
     };
     let pass = PicturePass {
-        integrator: Integrator::new(scene, tracer, options),
+        integrator,
         lens: Lens::new(camera, f64::from(width) / f64::from(height)),
         film,
         samples: options.samples_per_pixel.max(1),
@@ -142,7 +143,7 @@ fn probe(
     let mut counts = vec![0u32; rays.len()];
     let mut open: Vec<usize> = (0..rays.len()).collect();
     for sample in 0..options.samples_per_pixel.max(1) {
-        let stream = |k: usize| stream_seed(options.seed, first + open[k] as u32);
+        let stream = |k: usize| first + open[k] as u32;
         let kernel = open.iter().map(|&i| integrator.kernel_ray(&rays[i]));
         batch.trace(integrator, kernel, |k| Draws::new(stream(k), sample));
         for (&i, found) in open.iter().zip(&batch.found) {
@@ -207,13 +208,12 @@ impl PicturePass<'_> {
         for start in (0..self.samples).step_by(self.batch as usize) {
             self.progress.advance(0)?;
             let count = self.batch.min(self.samples - start) as usize;
-            let pixel = |k: usize| pixels[k / count];
-            let sample = |k: usize| start + (k % count) as u32;
-            let rays = (0..pixels.len() * count).map(|k| {
-                let at = self.film.position(pixel(k), sample(k));
-                self.integrator.kernel_ray(&self.lens.ray(at))
+            let rays = pixels.iter().flat_map(|&pixel| {
+                let pixel = self.film.pixel(pixel);
+                let ray = move |sample| self.lens.ray(pixel.position(sample));
+                (0..count as u32).map(move |k| self.integrator.kernel_ray(&ray(start + k)))
             });
-            let draws = |k| Draws::new(self.film.pixel_seed(pixel(k)), sample(k));
+            let draws = |k: usize| Draws::new(pixels[k / count], start + (k % count) as u32);
             batch.trace(&self.integrator, rays, draws);
             for (sum, found) in sums.iter_mut().zip(batch.found.chunks(count)) {
                 *sum += found.iter().map(|found| found.radiance).sum();

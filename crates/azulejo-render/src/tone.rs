@@ -31,7 +31,7 @@ impl Tone {
     /// Display light, 0..=1 per channel, of exposed radiance. Negative channels and NaN count
     /// as zero, infinity as the brightest finite value.
     pub fn map(self, exposed: Rgb) -> Rgb {
-        let c = exposed.map(|x| x.max(0.0).min(1e30));
+        let c = exposed.map(|x| if x > 0.0 { x.min(1e30) } else { 0.0 });
         let shown = match self {
             Tone::Linear => c,
             Tone::Reinhard => c * reinhard_scale(c.luminance()),

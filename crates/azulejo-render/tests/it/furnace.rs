@@ -19,7 +19,7 @@ fn grey_body(scene: &mut Scene, reflectance: Rgb) -> u32 {
 }
 
 /// The room from −3 to 3, seen from inside, with irradiance π.
-fn room() -> Scene {
+pub fn room() -> Scene {
     let mut scene = Scene::default();
     let wall = grey_body(&mut scene, Rgb::new(0.3, 0.5, 0.9));
     let map = DAffine3::from_scale(DVec3::splat(6.0));

@@ -3,6 +3,7 @@
 mod behaviour;
 mod furnace;
 mod gallery;
+mod gather;
 mod golden;
 mod optics;
 mod surfaces;
