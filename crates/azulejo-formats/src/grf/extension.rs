@@ -37,6 +37,19 @@ enum Value<'a> {
     Text(String),
 }
 
+impl Value<'_> {
+    fn describe(&self) -> String {
+        let (count, what) = match self {
+            Value::Numbers(list) => (list.len(), "number"),
+            Value::Vectors(list) => (list.len(), "triple"),
+            Value::Words(list) => (list.len(), "word"),
+            Value::Text(_) => (1, "text"),
+        };
+        let plural = if count == 1 { "" } else { "s" };
+        format!("{count} {what}{plural}")
+    }
+}
+
 struct Entry<'a> {
     key: &'a str,
     /// Where the value begins.
@@ -522,11 +535,8 @@ impl<'a> Parser<'a, '_, '_> {
 impl<'a> Parser<'a, '_, '_> {
     #[cold]
     fn wrong(&mut self, entry: &Entry<'_>, expected: &str) -> super::document::Fail {
-        self.fail(
-            entry.offset,
-            format!("another value of `{}`", entry.key),
-            expected,
-        )
+        let found = format!("`{}` of {}", entry.key, entry.value.describe());
+        self.fail(entry.offset, found, expected)
     }
 
     fn required<T>(&mut self, entries: &Entries<'_>, key: &str, value: Option<T>) -> Parsed<T> {

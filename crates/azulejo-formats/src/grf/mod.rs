@@ -24,6 +24,8 @@ mod mesh;
 mod parse;
 mod parser;
 mod resolve;
+#[cfg(test)]
+mod tests;
 mod textures;
 mod warnings;
 mod write;

@@ -513,7 +513,7 @@ fn at_lists(mut ahead: Lexer<'_>) -> bool {
     ahead.eat_word("begin")
         && ahead
             .peek_word()
-            .is_some_and(|w| super::mesh::is_vertices(w))
+            .is_some_and(super::mesh::is_vertices)
 }
 
 /// Whether the body of an area light follows: `[rgb v3] (`.

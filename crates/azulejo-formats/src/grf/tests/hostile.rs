@@ -1,0 +1,133 @@
+//! Files that mean harm: none may panic, hang or eat memory.
+
+use super::*;
+use proptest::prelude::*;
+
+fn must_fail(text: &str, files: &Memory, reason: &str) {
+    let error = read(text.as_bytes(), "test.grf", files).err();
+    let said = error.map(|e| e.to_string()).unwrap_or_default();
+    assert!(said.contains(reason), "{said}");
+}
+
+#[test]
+fn a_million_nested_blocks() {
+    let none = Memory::new();
+    let reason = "at most 256 inside each other";
+    must_fail(&"begin ".repeat(1_000_000), &none, reason);
+    must_fail(
+        &"transform scale (1,1,1) begin ".repeat(1_000_000),
+        &none,
+        reason,
+    );
+    must_fail(
+        &"def a = rgb (1,1,1) begin ".repeat(1_000_000),
+        &none,
+        reason,
+    );
+    must_fail(&"(".repeat(1_000_000), &none, "a block");
+}
+
+#[test]
+fn the_deepest_nesting_fits_the_stack_of_a_thread() {
+    let text = format!(
+        "{}{}{}",
+        "transform scale (1,1,1) begin ".repeat(256),
+        triangle(""),
+        " end".repeat(256)
+    );
+    let scene = scene(&text);
+    assert_eq!(scene.objects.len(), 1);
+    let again = document_text(&document(&text));
+    assert_eq!(super::scene(&again), scene);
+}
+
+#[test]
+fn includes_that_double() {
+    // Two includes in each of 40 files: 2^40 in all.
+    let files = (0..40).fold(Memory::new(), |files, k| {
+        let name = format!("{k}.grf");
+        files.with(name, format!("include {0}.grf include {0}.grf", k + 1))
+    });
+    must_fail(
+        "include 0.grf",
+        &files.with("40.grf", ""),
+        "at most 10000 includes",
+    );
+}
+
+#[test]
+fn a_tower_of_includes() {
+    let files = (0..100).fold(Memory::new(), |files, k| {
+        files.with(format!("{k}.grf"), format!("include {}.grf", k + 1))
+    });
+    must_fail("include 0.grf", &files, "at most 64 inside each other");
+}
+
+#[test]
+fn counts_reserve_nothing() {
+    must_fail(&triangle("4000000000 0 1 2"), &Memory::new(), "found `(`");
+    let grids = "ext primitive begin kind = sphere map = 1 0 0 0 1 0 0 0 1 0 0 0 end ext \
+        ext surface_light begin grids = 65536 65536 irradiance = (1,1,1) end ext";
+    must_fail(grids, &Memory::new(), "4295098369 triples");
+}
+
+/// One line of a megabyte, in which every name is unknown: line and column must not be counted
+/// from the start each time, nor the line be kept for each.
+#[test]
+fn one_long_line_of_names() {
+    let uses: String = (0..60_000).map(|k| format!("use color c{k} ")).collect();
+    must_fail(&triangle(&uses), &Memory::new(), "`c0`");
+}
+
+#[test]
+fn a_transform_that_overflows() {
+    let huge = "transform scale (1e300,1,1) scale (1e300,1,1) begin";
+    must_fail(
+        &format!("{huge} {} end", triangle("")),
+        &Memory::new(),
+        "out of range",
+    );
+    let large = "transform scale (1e308,1,1) translation (1e308,0,0) begin";
+    must_fail(
+        &format!("{large} {} end", triangle("")),
+        &Memory::new(),
+        "out of range",
+    );
+}
+
+#[test]
+fn truncation_at_every_byte() {
+    for sample in [CUBE, EVERYTHING] {
+        for end in 0..=sample.len() {
+            let _ = read(&sample.as_bytes()[..end], "test.grf", &Memory::new());
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn random_bytes_changed(
+        edits in prop::collection::vec((0..EVERYTHING.len(), any::<u8>()), 1..8)
+    ) {
+        let mut bytes = EVERYTHING.as_bytes().to_vec();
+        for (at, byte) in edits {
+            bytes[at] = byte;
+        }
+        if let Ok(loaded) = read(&bytes, "test.grf", &Memory::new()) {
+            // What was read can be written and is the same then.
+            prop_assert_eq!(loaded.scene.validate(), Ok(()));
+            prop_assert_eq!(scene(&written(&loaded.scene)), loaded.scene);
+        }
+    }
+
+    #[test]
+    fn pieces_moved(cuts in prop::collection::vec(0..EVERYTHING.len(), 3)) {
+        let mut cuts = cuts;
+        cuts.sort_unstable();
+        let bytes = EVERYTHING.as_bytes();
+        let moved = [&bytes[..cuts[0]], &bytes[cuts[1]..cuts[2]], &bytes[cuts[0]..cuts[1]], &bytes[cuts[2]..]];
+        let _ = read(&moved.concat(), "test.grf", &Memory::new());
+    }
+}

@@ -1,0 +1,388 @@
+//! What is written is read back, to the bit.
+
+use super::*;
+use azulejo_scene::{
+    Attribute, Brdf, Camera, Dielectric, Light, LightKind, Material, Object, Primitive,
+    PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Texture, Units,
+};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use proptest::collection::vec;
+use proptest::option;
+use proptest::prelude::*;
+
+/// Writing a document and reading it changes neither its text nor its scene.
+fn check_document(text: &str) {
+    let once = document_text(&document(text));
+    assert_eq!(document_text(&document(&once)), once);
+    assert_eq!(scene(&once), scene(text));
+}
+
+#[test]
+fn documents() {
+    check_document(CUBE);
+    check_document(EVERYTHING);
+    check_document(
+        &triangle("use color c (0,1,2) rgb (1,0,0) brdf ward ax = (1, 2) texture \"a b\"").replace(
+            "begin mesh",
+            "def c = rgb (1,1,1) def d = brdf \"x.binary\" begin mesh",
+        ),
+    );
+}
+
+#[test]
+fn a_document_keeps_what_it_does_not_know() {
+    let text = document_text(&document(EVERYTHING));
+    assert!(
+        text.contains("params begin\nview (0, 0, 1) dependent 3\nend params\n"),
+        "{text}"
+    );
+    assert!(
+        text.contains("ext weather begin\nrain = \"a \\\" b\" end nothing\nend ext\n"),
+        "{text}"
+    );
+}
+
+#[test]
+fn canonical_text() {
+    let mut scene = Scene::default();
+    let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.7)));
+    let mut mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        irradiance: vec![Rgb::new(1.0, 0.5, 0.25); 3],
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2], white);
+    scene.objects.push(Object::new("floor", Shape::Mesh(mesh)));
+    assert_eq!(
+        written(&scene),
+        "def white = brdf diffuse kd = 0.7\nbegin\n\
+         ext object begin name = \"floor\" end ext\nbegin mesh\nuse brdf white\n\
+         begin vertices\nirad (1, 0.5, 0.25) (0, 0, 0)\nirad (1, 0.5, 0.25) (1, 0, 0)\n\
+         irad (1, 0.5, 0.25) (0, 1, 0)\nend vertices\nbegin faces\n(0, 1, 2)\nend faces\n\
+         end mesh\nend def\n"
+    );
+}
+
+#[test]
+fn corners_that_disagree_split_their_vertex() {
+    let mut mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NEG_Y, DVec3::Z],
+        irradiance: (0..5).map(|v| Rgb::grey(f64::from(v))).collect(),
+        normals: Some(Attribute {
+            values: vec![DVec3::Z, DVec3::X],
+            corners: Some(vec![0, 0, 0, 1, 0, 1]),
+        }),
+        uvs: Some(Attribute::per_vertex(vec![DVec2::ONE; 5])),
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2], 0);
+    mesh.push_face(&[0, 1, 3], 0);
+    let mut scene = Scene::default();
+    scene.add_material(Material::default());
+    scene.objects.push(Object::new("", Shape::Mesh(mesh)));
+    let back = super::scene(&written(&scene));
+    let mesh = super::mesh(&back, 0);
+    // Vertex 0 has two normals, vertex 1 one; vertex 4 is in no face and stays.
+    assert_eq!(mesh.positions.len(), 6);
+    assert_eq!(mesh.faces.corners, [0, 1, 2, 5, 1, 3]);
+    let normals = &mesh.normals.as_ref().unwrap().values;
+    assert_eq!(
+        normals[..],
+        [DVec3::Z, DVec3::Z, DVec3::Z, DVec3::X, DVec3::Z, DVec3::X]
+    );
+    assert_eq!(mesh.irradiance[5], Rgb::grey(0.0));
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        -100.0..100.0,
+        Just(0.0),
+        Just(-0.5),
+        Just(1e-300),
+        Just(123_456_789.012_345_67),
+        -1e200..1e200,
+    ]
+}
+
+fn point() -> impl Strategy<Value = DVec3> {
+    [number(), number(), number()].prop_map(DVec3::from_array)
+}
+
+fn small_point() -> impl Strategy<Value = DVec3> {
+    [-9.0..9.0, -9.0..9.0, -9.0..9.0].prop_map(DVec3::from_array)
+}
+
+fn direction() -> impl Strategy<Value = DVec3> {
+    small_point().prop_filter_map("no direction", DVec3::try_normalize)
+}
+
+fn light_rgb() -> impl Strategy<Value = Rgb> {
+    [0.0..1e3, 0.0..1e3, 0.0..1e3].prop_map(Rgb::from)
+}
+
+fn share() -> impl Strategy<Value = Rgb> {
+    prop_oneof![
+        Just(Rgb::BLACK),
+        (0.0..=0.5).prop_map(Rgb::grey),
+        [0.0..=0.5, 0.0..=0.5, 0.0..=0.5].prop_map(Rgb::from),
+    ]
+}
+
+/// Names that people give, and names that only a fuzzer gives.
+fn name() -> impl Strategy<Value = String> {
+    prop_oneof![
+        Just(String::new()),
+        "[a-z]{1,3}",
+        Just("m0".to_owned()),
+        Just("end ext".to_owned()),
+        Just("C:\\maps\\".to_owned()),
+        any::<String>(),
+    ]
+}
+
+fn brdf() -> impl Strategy<Value = Brdf> {
+    let value = prop_oneof![vec(0.0..1.0, 1), vec(-1e9..1e9, 3)];
+    let model = (
+        prop_oneof![Just("phong"), Just("oren-nayar"), Just("invented")],
+        vec(("[a-z]{1,3}", value), 1..4),
+    );
+    prop_oneof![
+        model.prop_map(|(name, parameters)| Brdf::Model {
+            name: name.to_owned(),
+            parameters,
+        }),
+        any::<String>().prop_map(Brdf::File),
+    ]
+}
+
+fn material(textures: usize) -> impl Strategy<Value = Material> {
+    let dielectric =
+        (0.1..3.0, share()).prop_map(|(ior, transmittance)| Dielectric { ior, transmittance });
+    let textures = vec(0..textures.max(1) as u32, 0..=3.min(textures));
+    let emission = prop_oneof![3 => Just(Rgb::BLACK), 1 => light_rgb()];
+    (
+        name(),
+        share(),
+        share(),
+        option::weighted(0.2, dielectric),
+        emission,
+        textures,
+        option::weighted(0.2, brdf()),
+    )
+        .prop_map(
+            |(name, diffuse, mirror, dielectric, emission, textures, brdf)| Material {
+                name,
+                diffuse,
+                mirror,
+                dielectric,
+                emission,
+                textures,
+                brdf,
+            },
+        )
+}
+
+/// A list of `count` values, or none.
+fn all_or_none<T: std::fmt::Debug + Clone>(
+    count: usize,
+    value: impl Strategy<Value = T>,
+) -> impl Strategy<Value = Vec<T>> {
+    prop_oneof![Just(Vec::new()), vec(value, count)]
+}
+
+fn attribute<T: Copy>(values: Vec<T>) -> Option<Attribute<T>> {
+    (!values.is_empty()).then(|| Attribute::per_vertex(values))
+}
+
+fn a_mesh(materials: u32) -> impl Strategy<Value = Shape> {
+    let sizes = (
+        1..9usize,
+        vec(vec(any::<prop::sample::Index>(), 3..6), 0..6),
+    );
+    sizes.prop_flat_map(move |(count, faces)| {
+        let attributes = (
+            vec(point(), count),
+            all_or_none(count, direction()),
+            all_or_none(count, [number(), number()].prop_map(DVec2::from_array)),
+            all_or_none(count, light_rgb()),
+            all_or_none(count, light_rgb()),
+            all_or_none(count, light_rgb()),
+            vec(0..materials, faces.len()),
+            all_or_none(faces.len(), any::<u32>()),
+        );
+        attributes.prop_map(move |a| {
+            let mut mesh = Mesh {
+                positions: a.0,
+                normals: attribute(a.1),
+                uvs: attribute(a.2),
+                colors: a.3,
+                irradiance: a.4,
+                irradiance_error: a.5,
+                smoothing: a.7,
+                ..Mesh::default()
+            };
+            for (face, material) in faces.iter().zip(a.6) {
+                let corners: Vec<u32> = face.iter().map(|i| i.index(count) as u32).collect();
+                mesh.push_face(&corners, material);
+            }
+            Shape::Mesh(mesh)
+        })
+    })
+}
+
+fn primitive_kind() -> impl Strategy<Value = PrimitiveKind> {
+    prop_oneof![
+        Just(PrimitiveKind::Sphere),
+        Just(PrimitiveKind::Cylinder),
+        Just(PrimitiveKind::Cuboid),
+        Just(PrimitiveKind::Square),
+        (0.0..=1.0).prop_map(|top| PrimitiveKind::Cone { top }),
+    ]
+}
+
+fn surface_light(parts: usize) -> impl Strategy<Value = SurfaceLight> {
+    vec((1..3u32, 1..3u32), parts).prop_flat_map(|sizes| {
+        let grids: Vec<SurfaceGrid> = sizes
+            .into_iter()
+            .map(|(nu, nv)| SurfaceGrid { nu, nv })
+            .collect();
+        let count = grids.iter().map(SurfaceGrid::vertices).sum();
+        (vec(light_rgb(), count), all_or_none(count, light_rgb())).prop_map(
+            move |(irradiance, error)| SurfaceLight {
+                grids: grids.clone(),
+                irradiance,
+                error,
+            },
+        )
+    })
+}
+
+fn primitive(materials: u32) -> impl Strategy<Value = Shape> {
+    let map = [small_point(), small_point(), small_point(), small_point()];
+    (primitive_kind(), map, 0..materials, any::<bool>())
+        .prop_map(|(kind, [x, y, z, at], material, is_plain)| {
+            let map = DAffine3 {
+                matrix3: DMat3::from_cols(x, y, z),
+                translation: at,
+            };
+            match is_plain {
+                true => Primitive::parallelogram(at, x, y, material),
+                false => Primitive::new(kind, map, material),
+            }
+        })
+        .prop_filter("flat", |p| {
+            super::super::is_invertible(p.kind, &p.world_from_object)
+        })
+        .prop_flat_map(|primitive| {
+            option::of(surface_light(primitive.kind.parts())).prop_map(move |light| {
+                Shape::Primitive(Primitive {
+                    light,
+                    ..primitive.clone()
+                })
+            })
+        })
+}
+
+fn light() -> impl Strategy<Value = Light> {
+    let angle = 0.0..std::f64::consts::PI;
+    let spot = (point(), direction(), light_rgb(), angle.clone(), angle);
+    let kind = prop_oneof![
+        (point(), light_rgb()).prop_map(|(position, intensity)| LightKind::Point {
+            position,
+            intensity
+        }),
+        spot.prop_map(|(position, direction, intensity, a, b)| LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner: a.min(b),
+            outer: a.max(b),
+        }),
+        (direction(), light_rgb()).prop_map(|(direction, irradiance)| LightKind::Directional {
+            direction,
+            irradiance
+        }),
+        light_rgb().prop_map(|radiance| LightKind::Ambient { radiance }),
+    ];
+    (name(), kind).prop_map(|(name, kind)| Light { name, kind })
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    (
+        name(),
+        small_point(),
+        small_point(),
+        direction(),
+        0.01..3.1,
+        option::of((1..9000u32, 1..9000u32)),
+    )
+        .prop_map(|(name, eye, target, up, vertical_fov, size)| Camera {
+            name,
+            eye,
+            target,
+            up,
+            vertical_fov,
+            size,
+        })
+        .prop_filter("blind", super::super::is_camera)
+}
+
+fn any_scene() -> impl Strategy<Value = Scene> {
+    let paths = vec(any::<String>(), 0..3);
+    paths
+        .prop_flat_map(|paths| (vec(material(paths.len()), 1..6), Just(paths)))
+        .prop_flat_map(|(materials, paths)| {
+            let count = materials.len() as u32;
+            let shape = prop_oneof![a_mesh(count), primitive(count)];
+            let units =
+                (1e-6..1e6, any::<bool>()).prop_map(|(metres_per_unit, photometric)| Units {
+                    metres_per_unit,
+                    photometric,
+                });
+            (
+                vec((name(), shape), 0..5),
+                Just(materials),
+                Just(paths),
+                vec(light(), 0..3),
+                vec(camera(), 0..3),
+                prop_oneof![Just(Units::default()), units],
+            )
+        })
+        .prop_map(|(objects, mut materials, paths, lights, cameras, units)| {
+            let textures: Vec<Texture> = paths
+                .into_iter()
+                .map(|path| Texture { path, image: None })
+                .collect();
+            for material in &mut materials {
+                material.textures.retain(|&t| (t as usize) < textures.len());
+            }
+            let objects = objects
+                .into_iter()
+                .map(|(name, shape)| Object { name, shape })
+                .collect();
+            Scene {
+                objects,
+                materials,
+                textures,
+                lights,
+                cameras,
+                units,
+            }
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    #[test]
+    fn scenes(scene in any_scene()) {
+        prop_assert_eq!(scene.validate(), Ok(()));
+        let text = written(&scene);
+        let back = match read(text.as_bytes(), "test.grf", &Memory::new()) {
+            Ok(loaded) => loaded.scene,
+            Err(e) => panic!("{e}\n{text}"),
+        };
+        prop_assert_eq!(&back, &scene, "{}", text);
+        prop_assert_eq!(written(&back), text);
+    }
+}
