@@ -122,7 +122,7 @@ impl Builder<'_> {
                 used.push(i);
             }
         }
-        used.sort_unstable();
+        self.order(&mut used);
         for (new, &old) in used.iter().enumerate() {
             self.local[old as usize] = new as u32;
         }
@@ -132,6 +132,18 @@ impl Builder<'_> {
             self.local[old as usize] = NONE;
         }
         (used, renumbered)
+    }
+
+    /// Sorts indices that `local` marks, by looking through their range where that is quicker.
+    fn order(&self, used: &mut Vec<u32>) {
+        let low = used.iter().min().map_or(0, |i| *i as usize);
+        let high = used.iter().max().map_or(0, |i| *i as usize);
+        if high - low >= 4 * used.len() {
+            return used.sort_unstable();
+        }
+        used.clear();
+        let marked = (low..=high).filter(|&i| self.local.get(i).is_some_and(|l| *l != NONE));
+        used.extend(marked.map(|i| i as u32));
     }
 
     fn uvs(&mut self, mesh: &Mesh, corners: Range<usize>) -> Option<Attribute<DVec2>> {

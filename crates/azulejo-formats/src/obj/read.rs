@@ -89,14 +89,6 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
     })
 }
 
-/// The three lists that corners point into.
-#[derive(Clone, Copy, Debug)]
-enum Kind {
-    Position,
-    Uv,
-    Normal,
-}
-
 struct Reader<'a> {
     cursor: Cursor<'a>,
     file: &'a str,
@@ -319,12 +311,12 @@ impl<'a> Reader<'a> {
     fn corner(&mut self) -> Result<(), ReadError> {
         let start = self.cursor.offset();
         let corner = self.raw.faces.corners.len();
-        let position = self.index(Kind::Position, start)?;
+        let position = self.position(start)?;
         let (mut uv, mut normal) = (NONE, NONE);
         if self.cursor.slash() {
-            uv = self.optional_index(Kind::Uv, start)?;
+            uv = self.attribute(self.raw.uvs.len(), start)?;
             if self.cursor.slash() {
-                normal = self.optional_index(Kind::Normal, start)?;
+                normal = self.attribute(self.raw.normals.len(), start)?;
             }
         }
         if !self.cursor.word_ends() {
@@ -336,43 +328,42 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// An index from zero into the positions.
     #[inline]
-    fn optional_index(&mut self, kind: Kind, start: usize) -> Result<u32, ReadError> {
-        if self.cursor.word_ends() || self.cursor.at_slash() {
-            return Ok(NONE);
-        }
-        self.index(kind, start)
-    }
-
-    /// An index from zero, of one from 1 or, backwards from the latest, from −1.
-    ///
-    /// A texture coordinate or normal that cannot be is [`NONE`]: the shape stands without it.
-    #[inline]
-    fn index(&mut self, kind: Kind, start: usize) -> Result<u32, ReadError> {
+    fn position(&mut self, start: usize) -> Result<u32, ReadError> {
         let Some(given) = self.cursor.integer() else {
             return Err(self.cursor.error_at(start, CORNER));
         };
-        let count = self.count(kind) as i64;
-        if given > count && matches!(kind, Kind::Position) && given > self.ahead.0 {
+        let count = self.raw.positions.len();
+        if given > count as i64 && given > self.ahead.0 {
             self.ahead = (given, start);
         }
-        if given > 0 {
-            Ok((given - 1).min(i64::from(NONE - 1)) as u32)
-        } else if given < 0 && given >= -count {
-            Ok((count + given) as u32)
-        } else if matches!(kind, Kind::Position) {
-            Err(self.out_of_range(given, start))
-        } else {
-            self.warn(NO_SUCH_ATTRIBUTE);
-            Ok(NONE)
+        match from_zero(given, count) {
+            NONE => Err(self.out_of_range(given, start)),
+            index => Ok(index),
         }
     }
 
-    fn count(&self, kind: Kind) -> usize {
-        match kind {
-            Kind::Position => self.raw.positions.len(),
-            Kind::Uv => self.raw.uvs.len(),
-            Kind::Normal => self.raw.normals.len(),
+    /// An index from zero into a list of `count` texture coordinates or normals; [`NONE`] if it
+    /// is absent, or cannot be: the shape stands without it.
+    #[inline]
+    fn attribute(&mut self, count: usize, start: usize) -> Result<u32, ReadError> {
+        let Some(given) = self.cursor.integer() else {
+            return self.absent(start);
+        };
+        let index = from_zero(given, count);
+        if index == NONE {
+            self.warn(NO_SUCH_ATTRIBUTE);
+        }
+        Ok(index)
+    }
+
+    #[cold]
+    fn absent(&self, start: usize) -> Result<u32, ReadError> {
+        if self.cursor.word_ends() || self.cursor.at_slash() {
+            Ok(NONE)
+        } else {
+            Err(self.cursor.error_at(start, CORNER))
         }
     }
 
@@ -474,6 +465,19 @@ impl<'a> Reader<'a> {
 const CORNER: &str = "a corner like 1, 1/2, 1//3 or 1/2/3";
 
 const NO_SUCH_ATTRIBUTE: &str = "corner whose texture coordinate or normal does not exist: without";
+
+/// From an index as OBJ writes it, from 1 or backwards from −1, to one from 0. One beyond the
+/// `count` so far stays: what it means may follow. [`NONE`] for 0 and what is before the first.
+#[inline]
+fn from_zero(given: i64, count: usize) -> u32 {
+    if given > 0 {
+        (given - 1).min(i64::from(NONE - 1)) as u32
+    } else if given < 0 && given >= -(count as i64) {
+        (count as i64 + given) as u32
+    } else {
+        NONE
+    }
+}
 
 /// Forgets the indices that `count` does not reach and says how many there were.
 fn drop_beyond(indices: &mut [u32], count: usize) -> usize {
