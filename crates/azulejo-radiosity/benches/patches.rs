@@ -77,7 +77,9 @@ const CALLS: u32 = 4_000_000;
 fn scattered() -> impl FnMut() -> u32 {
     let mut state = 1u64;
     move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
         (state >> 32) as u32
     }
 }
@@ -92,7 +94,11 @@ fn locate_nanoseconds(scene: &Scene, patches: &Patches) -> f64 {
             let face = next() % mesh.faces.len() as u32;
             let triangles = mesh.faces.get(face as usize).len() as u32 - 2;
             let (u, v) = (next() as f32 / 4.3e9, next() as f32 / 4.3e9);
-            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let (u, v) = if u + v > 1.0 {
+                (1.0 - u, 1.0 - v)
+            } else {
+                (u, v)
+            };
             (face, next() % triangles, u, v)
         })
         .collect();

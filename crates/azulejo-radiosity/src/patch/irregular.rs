@@ -10,10 +10,15 @@ use super::cells::NO_CORNER;
 use super::lattice::Lattice;
 use super::outline::{Outline, Region};
 use glam::DVec2;
+use spade::handles::{FixedFaceHandle, InnerTag};
 use spade::{
     AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation,
 };
+use std::collections::HashSet;
 
+/// Edges longer than this share of the size are halved, in so many rounds.
+const LONG_EDGE: f64 = 1.45;
+const LONG_EDGE_ROUNDS: usize = 6;
 /// Angles below this are refined away where the border allows it.
 const ANGLE_DEGREES: f64 = 22.0;
 
@@ -215,6 +220,8 @@ fn barycentric([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
     [1.0 - u - v, u, v]
 }
 
+type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
+type Face = FixedFaceHandle<InnerTag>;
 type Flat = (Vec<DVec2>, Vec<[u32; 3]>);
 
 /// The ring between border and lattice by constrained Delaunay refinement: the points of border,
@@ -242,18 +249,11 @@ fn triangulate(corners: &[DVec2], border: &[DVec2], size: f64, lattice: &Lattice
             .map(|e| e.map(|k| first.len() + k as usize)),
     );
     let mut conflict = false;
-    let mut mesh =
-        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| {
-            conflict = true
-        })
-        .ok()?;
+    let mut mesh = Delaunay::try_bulk_load_cdt(vertices, edges, |_| conflict = true).ok()?;
     if conflict {
         return None;
     }
-    let outside = mesh
-        .refine(refinement(size, mesh.num_vertices()))
-        .excluded_faces;
-    let outside: std::collections::HashSet<_> = outside.into_iter().collect();
+    let outside = refine(&mut mesh, size);
     let fixed = points.len();
     let local = |v: usize| match known.get(v) {
         Some(&k) => k,
@@ -276,6 +276,51 @@ fn triangulate(corners: &[DVec2], border: &[DVec2], size: f64, lattice: &Lattice
     let whole = polygon_area(corners) - lattice.area();
     let tiled = (area - whole).abs() <= 1e-9 * polygon_area(corners);
     tiled.then(|| without_strays(points, triangles, fixed))
+}
+
+/// Adds points until angles and sizes are good, and returns the faces outside the region.
+fn refine(mesh: &mut Delaunay, size: f64) -> HashSet<Face> {
+    let mut rounds = 0..LONG_EDGE_ROUNDS;
+    loop {
+        let parameters = refinement(size, mesh.num_vertices());
+        let outside = mesh.refine(parameters).excluded_faces.into_iter().collect();
+        let middles = middles_of_long_edges(mesh, &outside, size);
+        if middles.is_empty() || rounds.next().is_none() {
+            return outside;
+        }
+        for p in middles {
+            // A point that cannot be inserted leaves its edge long, which is all it was for.
+            let _ = mesh.insert(p);
+        }
+    }
+}
+
+/// The middles of edges that are much too long, at most one per triangle, longest first.
+fn middles_of_long_edges(mesh: &Delaunay, outside: &HashSet<Face>, size: f64) -> Vec<Point2<f64>> {
+    let limit = (LONG_EDGE * size) * (LONG_EDGE * size);
+    let mut long: Vec<_> = mesh
+        .undirected_edges()
+        .filter(|e| !e.is_constraint_edge() && e.length_2() > limit)
+        .collect();
+    long.sort_by(|a, b| b.length_2().total_cmp(&a.length_2()));
+    let mut used = outside.clone();
+    let mut middles = Vec::new();
+    for edge in long {
+        let faces = edge
+            .as_directed()
+            .face()
+            .fix()
+            .as_inner()
+            .into_iter()
+            .chain(edge.as_directed().rev().face().fix().as_inner());
+        let faces: Vec<Face> = faces.collect();
+        if faces.len() == 2 && faces.iter().all(|f| !used.contains(f)) {
+            used.extend(faces);
+            let [a, b] = edge.positions();
+            middles.push(Point2::new(0.5 * (a.x + b.x), 0.5 * (a.y + b.y)));
+        }
+    }
+    middles
 }
 
 fn refinement(size: f64, vertices: usize) -> RefinementParameters<f64> {

@@ -199,7 +199,7 @@ struct Bins {
 }
 
 /// More bins leave fewer triangles to try in each, but take more memory.
-const BINS_PER_PATCH: f64 = 2.0;
+const BINS_PER_PATCH: f64 = 4.0;
 /// Bins along one direction.
 const MOST_BINS: f64 = 4096.0;
 /// A hit this little outside a patch is taken without looking at the others.
@@ -210,8 +210,15 @@ impl Bins {
         let (low, high) = bounds(&mesh.points);
         let size = high - low;
         let wanted = BINS_PER_PATCH * mesh.cells.len() as f64;
-        let per_cell = (mesh.spacing * (wanted / (size.x * size.y)).sqrt()).ceil();
-        let step = (mesh.spacing / per_cell.max(1.0)).max(size.max_element() / MOST_BINS);
+        // A needle's box is nearly flat, so its area alone would ask for far too many bins.
+        let least = (size.x * size.y / wanted)
+            .sqrt()
+            .max(size.max_element() / wanted.clamp(1.0, MOST_BINS));
+        let step = if mesh.spacing > least {
+            mesh.spacing / (mesh.spacing / least).floor()
+        } else {
+            least
+        };
         let low = mesh.origin + ((low - mesh.origin) / step).floor() * step;
         let count = ((high - low) / step).ceil().max(DVec2::ONE);
         let at = |k: u32| mesh.points[k as usize];

@@ -708,6 +708,16 @@ fn bad_geometry_gives_no_patches_and_no_panic() {
 }
 
 #[test]
+fn the_same_scene_gives_the_same_bits() {
+    let shapes = || specimens().into_iter().map(|s| Shape::Mesh(s.1)).collect();
+    let divide = || Patches::new(&scene(shapes()), PatchSize::Count(5000));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let (one, many) = (pool.expect("a thread").install(divide), divide());
+    assert_eq!(one.corners, many.corners);
+    assert_eq!(one.vertices, many.vertices);
+}
+
+#[test]
 fn tiny_sizes_stop_at_the_cap() {
     let square = polygon(&[(0., 0.), (1., 0.), (1., 1.), (0., 1.)]);
     let scene = scene(vec![Shape::Mesh(square)]);
@@ -753,46 +763,4 @@ proptest! {
             prop_assert_eq!(patches.locate(0, 0, t, u, v) as usize, i);
         }
     }
-}
-
-#[test]
-#[ignore]
-fn stats() {
-    let mut seed = 7u64;
-    let mut next = move || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 40) as f64 / (1u64 << 24) as f64
-    };
-    let (mut ratios, mut angles, mut n) = (vec![], vec![], 0);
-    for _ in 0..400 {
-        let k = 3 + (next() * 6.0) as usize;
-        let pts: Vec<(f64, f64)> = (0..k)
-            .map(|i| {
-                let a = 2.0 * PI * (i as f64 + 0.5 * next()) / k as f64;
-                let r = 0.6 + next();
-                (r * a.cos(), r * a.sin())
-            })
-            .collect();
-        let m = polygon(&pts);
-        let sharp = least_angle(&m.face_positions(0));
-        let size = 0.03 + 0.4 * next();
-        let patches = Patches::new(&scene(vec![Shape::Mesh(m)]), PatchSize::Edge(size));
-        n += patches.len();
-        let mut worst: (f64, f64) = (0.0, 90.0);
-        for i in 0..patches.len() {
-            let p = patches.polygon(i).unwrap();
-            worst.1 = worst.1.min(least_angle(&p));
-            for (a, b) in patch_edges(&p) {
-                worst.0 = worst.0.max(a.distance(b) / size);
-            }
-        }
-        ratios.push(worst.0);
-        if sharp > 25.0 {
-            angles.push(worst.1);
-        }
-    }
-    ratios.sort_by(f64::total_cmp);
-    angles.sort_by(f64::total_cmp);
-    println!("patches {n} ratio median {} 95% {} max {}", ratios[200], ratios[380], ratios[399]);
-    println!("angle min {} 5% {} median {}", angles[0], angles[angles.len() / 20], angles[angles.len() / 2]);
 }
