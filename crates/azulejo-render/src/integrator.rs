@@ -5,7 +5,7 @@ use crate::interpolate::Interpolator;
 use azulejo_scene::math::{Ray, reflect};
 use azulejo_scene::{Dielectric, Material, Rgb, Scene, fresnel};
 use azulejo_trace::sampling::{DIMENSIONS, hash, sobol, uniform};
-use azulejo_trace::{Arrival, DiffuseLight, GatherOptions, GatherPoint, Gatherer};
+use azulejo_trace::{Arrival, DiffuseLight, GatherOptions, GatherPoint, Gatherer, Glow};
 use azulejo_trace::{Hit, KernelHit, KernelRay, Surfaces, Tracer};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
@@ -140,6 +140,12 @@ impl<'a> Integrator<'a> {
         self.grant(scratch, found);
     }
 
+    /// Diffusely reflected exitance ρE that the first pass left on the front, W/m².
+    fn radiosity(&self, hit: &KernelHit, material: &Material) -> Rgb {
+        let spot = self.interpolator.spot(hit);
+        spot.irradiance() * spot.reflectance(self.surfaces().scene, material)
+    }
+
     /// Gathers what paths wished for.
     fn grant(&self, scratch: &mut Scratch, found: &mut [Found]) {
         let options = GatherOptions {
@@ -217,13 +223,13 @@ impl Path<'_, '_> {
         if material.diffuse.is_black() {
             return emitted;
         }
-        emitted + self.reflected(leg, at)
+        emitted + self.reflected(leg, at, material)
     }
 
     /// Diffusely reflected radiance ρE/π; black if its irradiance is still to be gathered.
-    fn reflected(&mut self, leg: &Leg, at: &Arrival) -> Rgb {
+    fn reflected(&mut self, leg: &Leg, at: &Arrival, material: &Material) -> Rgb {
         if self.integrator.gather.is_none() && at.front {
-            return self.integrator.radiosity(at, 0) * FRAC_1_PI;
+            return self.integrator.radiosity(&at.hit, material) * FRAC_1_PI;
         }
         let tracer = self.integrator.tracer();
         let place = tracer.resolve(&tracer.world_ray(&leg.ray), &at.hit);
@@ -293,25 +299,24 @@ impl Path<'_, '_> {
 
 /// The light that the first pass left on the surfaces.
 impl DiffuseLight for Integrator<'_> {
-    fn radiosity(&self, at: &Arrival, _replicate: usize) -> Rgb {
+    /// Coarse below the size of the patch, and at any distance on backs, whose light the first
+    /// pass does not say.
+    fn glow(&self, at: &Arrival, _replicate: usize) -> Glow {
         let material = self.surfaces().material(at.hit.item);
-        let spot = self.interpolator.spot(&at.hit);
-        spot.irradiance() * spot.reflectance(self.surfaces().scene, material)
+        if material.diffuse.is_black() {
+            return Glow::default();
+        }
+        let grain = self.interpolator.grain(&at.hit);
+        Glow {
+            radiosity: self.radiosity(&at.hit, material).to_f32(),
+            grain: if at.front { grain } else { f32::INFINITY },
+        }
     }
 
     fn reflectance(&self, at: &Arrival) -> Rgb {
         let material = self.surfaces().material(at.hit.item);
         let spot = self.interpolator.spot(&at.hit);
         spot.reflectance(self.surfaces().scene, material)
-    }
-
-    /// The patch's size; infinite on backs, whose light the first pass does not know.
-    fn grain(&self, at: &Arrival) -> f32 {
-        if at.front {
-            self.interpolator.grain(&at.hit)
-        } else {
-            f32::INFINITY
-        }
     }
 }
 
