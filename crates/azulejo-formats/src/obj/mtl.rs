@@ -13,6 +13,9 @@ const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 /// Index of refraction of glass that does not say its own.
 const DEFAULT_IOR: f64 = 1.5;
 
+/// By how much shares that were scaled to a sum of 1 may exceed it.
+const ROUNDING: f64 = 1e-12;
+
 /// Reads a material library on its own: a scene with materials and textures, without objects.
 ///
 /// # Errors
@@ -354,8 +357,9 @@ impl Parser<'_> {
         let diffuse = self.reflectance(m.kd.unwrap_or_default(), m);
         let mirror = self.reflectance(m.ks.unwrap_or_default(), m);
         let most = (diffuse + mirror).max_channel();
-        let scale = if most > 1.0 { 1.0 / most } else { 1.0 };
-        if scale < 1.0 {
+        let exceeds = most > 1.0 + ROUNDING;
+        let scale = if exceeds { 1.0 / most } else { 1.0 };
+        if exceeds {
             self.warn_about(
                 &m.name,
                 "reflects more than it gets (Kd + Ks > 1): both scaled down",

@@ -16,7 +16,7 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// Largest file in bytes. Every vertex, corner and face takes at least two bytes, so that
 /// indices fit 32 bits with room to spare.
-const LARGEST: usize = 4 << 30;
+const LARGEST: u64 = 4 << 30;
 
 /// What an OBJ file says, in its own order and with its own numbering, from zero.
 #[derive(Debug, Default)]
@@ -61,13 +61,10 @@ pub(super) struct Part {
 /// A number, index or material that is malformed or out of range; bytes that are no text; a file
 /// of 4 GiB or more.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
-    if bytes.len() >= LARGEST {
-        let found = format!("{} bytes", bytes.len());
-        return Err(ReadError::whole(
-            name,
-            found,
-            format!("fewer than {LARGEST}"),
-        ));
+    let size = bytes.len() as u64;
+    if size >= LARGEST {
+        let (found, expected) = (format!("{size} bytes"), format!("fewer than {LARGEST}"));
+        return Err(ReadError::whole(name, found, expected));
     }
     let bytes = without_utf16(bytes);
     let mut reader = Reader::new(&bytes, name, files)?;

@@ -167,7 +167,7 @@ fn an_error_is_drawn_whatever_ends_the_lines() {
         assert_eq!(error.position, Position::Line(4, 5), "{end:?}");
         let line = error.source_line.as_deref();
         assert_eq!(line, Some("f 1 ñ 2 \\"));
-        let text = text.replace('ñ', "1").replace('é', "é");
+        let text = text.replace('ñ', "1");
         let error = read(text.as_bytes(), "a.obj", &Memory::new()).unwrap_err();
         assert_eq!(error.position, Position::Line(5, 4), "{end:?}");
     }
