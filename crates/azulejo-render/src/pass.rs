@@ -16,8 +16,8 @@ pub struct SecondPass {
     pub samples_per_pixel: u32,
     /// Final gather: rays over the hemisphere at each path's first diffuse hits, with the direct
     /// light of all lamps and lights, instead of showing the irradiance between vertices. It
-    /// hides the patches and sharpens contact shadows. With `Some`, the scene need not carry
-    /// irradiance; light is then followed over six bounces only.
+    /// hides the patches and sharpens contact shadows. A scene that carries no irradiance may be
+    /// drawn so too: its light is then followed over the first bounces only, slowly.
     pub gather: Option<u32>,
     /// Keys all random numbers. The same seed gives the same bits, whatever the threads.
     pub seed: u64,
@@ -66,6 +66,9 @@ impl SecondPass {
 ///
 /// # Errors
 /// [`Cancelled`] when `progress` was, within about one batch of rays per thread.
+///
+/// # Panics
+/// If the picture has 2³² pixels or more.
 pub fn render(
     scene: &Scene,
     tracer: &Tracer,
@@ -74,6 +77,10 @@ pub fn render(
     progress: &Progress,
 ) -> Result<Image, Cancelled> {
     let (width, height) = options.size;
+    assert!(
+        width.checked_mul(height).is_some(),
+        "a picture of {width} × {height} pixels is too large"
+    );
     let integrator = Integrator::new(scene, tracer, options);
     let film = Film {
         width,

@@ -23,9 +23,8 @@ pub enum Tone {
 /// The exposed luminance that [`Tone::Reinhard`] maps to 1.
 pub const REINHARD_WHITE: f64 = 6.0;
 
-/// Display luminance that [`auto_exposure`] gives to the typical pixel: photographers' grey card
-/// raised by half a stop, which the compression of [`Tone::Reinhard`] takes back.
-const KEY: f64 = 0.26;
+/// Exposed luminance that [`auto_exposure`] gives to the typical pixel: photographers' grey card.
+const KEY: f64 = 0.18;
 
 impl Tone {
     /// Display light, 0..=1 per channel, of exposed radiance. Negative channels and NaN count
