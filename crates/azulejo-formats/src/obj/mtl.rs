@@ -216,6 +216,7 @@ impl Parser<'_> {
             self.warn("map_Kd without a file: skipped");
             return None;
         }
+        let name = one_spelling(&name);
         let beside = beside(self.file, &name);
         for path in [&beside, &name] {
             if let Some(&known) = self.library.texture_by_path.get(path) {
@@ -423,8 +424,20 @@ fn missing_kd(m: &Definition) -> Rgb {
 
 /// A file's name seen from the model, when a library that may stand in another folder names it.
 fn beside(library: &str, name: &str) -> String {
-    match library.rfind(['/', '\\']) {
-        Some(end) => format!("{}{name}", &library[..=end]),
-        None => name.to_owned(),
+    match library.rfind('/') {
+        Some(end) if !name.starts_with('/') => format!("{}{name}", &library[..=end]),
+        _ => name.to_owned(),
+    }
+}
+
+/// A file's name with `/` between folders and no `.` among them, so that a file is not read and
+/// kept again for every way to spell its name.
+pub(super) fn one_spelling(name: &str) -> String {
+    let parts = name.split(['/', '\\']).filter(|p| !matches!(*p, "" | "."));
+    let path = parts.collect::<Vec<_>>().join("/");
+    if name.starts_with(['/', '\\']) {
+        format!("/{path}")
+    } else {
+        path
     }
 }

@@ -2,7 +2,7 @@
 
 use super::assemble::assemble;
 use super::cursor::{Cursor, shortened, text, without_utf16};
-use super::mtl::Library;
+use super::mtl::{Library, one_spelling};
 use super::warnings::Warnings;
 use crate::{Files, Loaded, Position, ReadError};
 use azulejo_scene::{Faces, Rgb};
@@ -441,6 +441,7 @@ impl<'a> Reader<'a> {
         let position = self.cursor.position();
         let names = self.cursor.name();
         for name in library_names(&names, self.files) {
+            let name = one_spelling(&name);
             if !self.libraries_read.insert(name.clone()) {
                 continue;
             }

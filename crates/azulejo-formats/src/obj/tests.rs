@@ -559,7 +559,7 @@ fn libraries() {
     assert_eq!(reds("mtllib a b.mtl sub/c.mtl"), [1.0, 0.1]);
     assert_eq!(reds("mtllib sub/c.mtl a b.mtl"), [1.0, 0.1]);
     assert_eq!(
-        reds("mtllib a b.mtl\nmtllib d.mtl\nmtllib a b.mtl"),
+        reds("mtllib a b.mtl\nmtllib d.mtl\nmtllib .\\.//a b.mtl"),
         [0.5, 0.2]
     );
     let loaded = load_with(text("mtllib nowhere.mtl"), &files);
@@ -596,7 +596,7 @@ fn pictures() {
     let mut png = Vec::new();
     crate::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
     let files = Memory::new()
-        .with("sub/m.mtl", "newmtl m\nmap_Kd -s 1 1 1 -o 0.5 -clamp on -mm 0 1 a b.png\nnewmtl n\nmap_Kd top.png\nnewmtl q\nmap_Kd a b.png\nmap_Kd no.png\n")
+        .with("sub/m.mtl", "newmtl m\nmap_Kd -s 1 1 1 -o 0.5 -clamp on -mm 0 1 a b.png\nnewmtl n\nmap_Kd ./top.png\nnewmtl q\nmap_Kd .\\a b.png\nmap_Kd no.png\n")
         .with("sub/a b.png", png.clone())
         .with("top.png", png);
     let loaded = load_with(
