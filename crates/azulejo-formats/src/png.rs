@@ -29,23 +29,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let mut samples = vec![0; size];
     let frame = reader.next_frame(&mut samples).map_err(malformed)?;
     samples.truncate(frame.buffer_size());
-    let linear = match frame.bit_depth {
-        BitDepth::Sixteen => samples
-            .as_chunks::<2>()
-            .0
-            .iter()
-            .map(|&pair| linear_from_srgb(f32::from(u16::from_be_bytes(pair)) / 65535.0))
-            .collect(),
-        _ => {
-            let table: Vec<f32> = (0..=255u8)
-                .map(|v| linear_from_srgb(f32::from(v) / 255.0))
-                .collect();
-            samples
-                .iter()
-                .map(|&v| table[usize::from(v)])
-                .collect::<Vec<f32>>()
-        }
-    };
+    let linear = linear_samples(&samples, frame.bit_depth);
     let channels = frame.color_type.samples();
     let grey = matches!(
         frame.color_type,
@@ -57,6 +41,17 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
         height,
         pixels: linear.chunks_exact(channels).map(pixel).collect(),
     })
+}
+
+/// Linear light of samples of 8 bits, or of 16, big end first.
+fn linear_samples(samples: &[u8], depth: BitDepth) -> Vec<f32> {
+    if depth == BitDepth::Sixteen {
+        let (pairs, _) = samples.as_chunks::<2>();
+        let share = |&pair: &[u8; 2]| f32::from(u16::from_be_bytes(pair)) / 65535.0;
+        return pairs.iter().map(|p| linear_from_srgb(share(p))).collect();
+    }
+    let table: [f32; 256] = std::array::from_fn(|v| linear_from_srgb(v as f32 / 255.0));
+    samples.iter().map(|&v| table[usize::from(v)]).collect()
 }
 
 /// Linear light of an sRGB value, both 0..=1. IEC 61966-2-1.
