@@ -1,1 +1,24 @@
-//! azulejo
+//! azulejo: global illumination for the models people already have.
+//!
+//! A model file goes in; lit vertices and a picture come out. This crate is a thin façade: it
+//! puts the libraries under one name and holds the command line that is built on them.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | [`scene`] | what is there: geometry, materials, lights, cameras, images, as plain data |
+//! | [`formats`] | bytes to scene and back, pictures to files |
+//! | [`trace`] | what does a point see: rays against the scene |
+//! | [`radiosity`] | first pass: scene to irradiance on its vertices |
+//! | [`render`] | second pass: scene to image |
+//!
+//! The two passes do not know each other: they meet in data, the irradiance on the vertices.
+//! `examples/journey.rs` follows one vertex through all of it in seven lines.
+//!
+//! The feature `cli`, on by default, builds the command line and what it needs; a program that
+//! wants the libraries alone sets `default-features = false`.
+
+pub use azulejo_formats as formats;
+pub use azulejo_radiosity as radiosity;
+pub use azulejo_render as render;
+pub use azulejo_scene as scene;
+pub use azulejo_trace as trace;

@@ -1,2 +1,7 @@
-//! azulejo
-fn main() {}
+//! The command line: `azulejo --help` says what it does.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

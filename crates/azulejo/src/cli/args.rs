@@ -1,0 +1,351 @@
+//! What can be typed. Values are typed here; what they mean is for the commands to say.
+
+use super::values;
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use glam::DVec3;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Global illumination for the models people already have.
+///
+/// A model goes in; irradiance on its vertices, pictures and measurements come out.
+#[derive(Debug, Parser)]
+#[command(name = "azulejo", version, max_term_width = 100, after_help = EXAMPLES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// How to do it.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Switches of every command.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Everywhere")]
+pub struct Common {
+    /// Print one JSON object on standard output instead of words
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print nothing but errors: no progress, no warnings, no summary
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Threads to work with [default: one per processor core]
+    #[arg(long, global = true, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Say what is in a model
+    #[command(after_help = INFO_EXAMPLES)]
+    Info(InfoArgs),
+    /// Read models, merge them, write them in another format
+    #[command(after_help = CONVERT_EXAMPLES)]
+    Convert(ConvertArgs),
+    /// First pass: find the irradiance and write it onto the vertices
+    #[command(after_help = SOLVE_EXAMPLES)]
+    Solve(SolveArgs),
+    /// Second pass: make a picture; solves first when the scene carries no irradiance
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderArgs),
+    /// Measure: irradiance at points, radiance or hits along rays
+    #[command(after_help = PROBE_EXAMPLES)]
+    Probe(ProbeArgs),
+    /// Print a completion script for a shell
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages into a folder
+    #[command(after_help = MAN_EXAMPLES)]
+    Man {
+        /// An existing folder
+        #[arg(value_name = "DIR", value_hint = ValueHint::DirPath)]
+        folder: PathBuf,
+    },
+}
+
+/// Which models to read.
+#[derive(Debug, Args)]
+pub struct Input {
+    /// Model files; several are merged into one scene. `-` is standard input
+    #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath)]
+    pub scenes: Vec<PathBuf>,
+    /// Add the point lights of a camera file (.json)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub lights: Option<PathBuf>,
+    #[command(flatten)]
+    pub trust: Trust,
+}
+
+/// Where a model may take other files from.
+#[derive(Debug, Args)]
+pub struct Trust {
+    /// Also read files from this folder when a model names them by `..` or an absolute path
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub allow: Vec<PathBuf>,
+}
+
+/// `info`
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// The model file; `-` is standard input
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub trust: Trust,
+}
+
+/// `convert`
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    #[command(flatten)]
+    pub input: Input,
+    /// Where to write, by extension: .grf or .obj (with its .mtl beside); `-` writes GRF to
+    /// standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+}
+
+/// How finely the surfaces are divided.
+#[derive(Clone, Copy, Debug, Args)]
+#[group(multiple = false)]
+pub struct Division {
+    /// About how many patches to divide the surfaces into
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub patches: Option<u64>,
+    /// Longest edge of a patch, in scene units
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
+    pub patch_size: Option<f64>,
+}
+
+/// The first pass.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "First pass")]
+pub struct FirstPassArgs {
+    #[command(flatten)]
+    pub division: Division,
+    /// Stop when the estimated relative error of the irradiance (RMS) is below this: 1% or 0.01
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
+    pub error: Option<f64>,
+    /// Rays from each patch
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rays: Option<u32>,
+    /// Stop refining after this time and keep what there is: 60s, 2m, 500ms
+    #[arg(long, value_name = "TIME", value_parser = values::duration)]
+    pub time: Option<Duration>,
+    /// How often light is reflected diffusely [default: until it has converged]
+    #[arg(long, value_name = "N")]
+    pub bounces: Option<u32>,
+    /// Memory for the matrix of form factors; above it, the pass does without a matrix
+    /// [default: half of the machine's]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    pub memory: Option<u64>,
+    /// Seed of the random numbers; the same seed gives the same result
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Write irradiance on the vertices as they are, without dividing faces
+    #[arg(long)]
+    pub keep_mesh: bool,
+}
+
+/// `solve`
+#[derive(Debug, Args)]
+pub struct SolveArgs {
+    #[command(flatten)]
+    pub input: Input,
+    /// Where to write the scene with its light, as GRF; `-` is standard output
+    #[arg(long, short, value_name = "OUT.grf", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+}
+
+/// How radiance becomes display light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ToneName {
+    /// Cut off above 1
+    Linear,
+    /// Compress luminance, keep colours (Reinhard et al. 2002)
+    Reinhard,
+    /// A film's soft curve (Narkowicz 2015)
+    Filmic,
+}
+
+/// The viewpoint.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Viewpoint")]
+pub struct View {
+    /// A camera file (.json), or the name of one of the scene's cameras [default: the scene's
+    /// first camera, or a view of all of it]
+    #[arg(long, value_name = "FILE|NAME", value_hint = ValueHint::FilePath)]
+    pub camera: Option<String>,
+    /// Where the viewer stands
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub from: Option<DVec3>,
+    /// What the viewer looks at
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub at: Option<DVec3>,
+    /// What is up in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub up: Option<DVec3>,
+    /// Vertical field of view
+    #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
+    pub fov: Option<f64>,
+}
+
+/// `render`
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub input: Input,
+    /// Where to write, by extension: .png (for looking at), .exr or .hdr (linear radiance);
+    /// `-` writes PNG to standard output
+    #[arg(long, short, value_name = "IMAGE", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub picture: Picture,
+    #[command(flatten)]
+    pub view: View,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+}
+
+/// The picture.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Picture")]
+pub struct Picture {
+    /// Width and height in pixels [default: the camera's, or 512x512]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    pub size: Option<(u32, u32)>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", default_value_t = 16,
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub spp: u32,
+    /// Gather light at every hit with N rays instead of showing what the vertices carry
+    #[arg(long, value_name = "N",
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub gather: Option<u32>,
+    /// Exposure of a PNG in stops: each doubles the brightness [default: chosen from the picture]
+    #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
+    pub exposure: Option<f64>,
+    /// Tone curve of a PNG
+    #[arg(long, value_name = "CURVE", value_enum, default_value_t = ToneName::Reinhard)]
+    pub tone: ToneName,
+}
+
+/// What to measure.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct Probes {
+    /// Irradiance at points: text (x y z nx ny nz per line), or .npy (n x 3, with --normals;
+    /// or n x 6)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub points: Option<PathBuf>,
+    /// Radiance along rays: 8 little-endian f32 per ray (origin, tmin, direction, tmax)
+    #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
+    pub radiance: Option<PathBuf>,
+    /// What rays hit: t, object, triangle, u, v; a miss is inf, -1, -1, 0, 0
+    #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
+    pub hits: Option<PathBuf>,
+}
+
+/// `probe`
+#[derive(Debug, Args)]
+pub struct ProbeArgs {
+    #[command(flatten)]
+    pub input: Input,
+    #[command(flatten)]
+    pub probes: Probes,
+    /// Normals of the points, .npy (n x 3)
+    #[arg(long, value_name = "FILE", requires = "points", value_hint = ValueHint::FilePath)]
+    pub normals: Option<PathBuf>,
+    /// Where to write: .npy (f64), or text under any other name; `-` writes text to standard
+    /// output [default: - without --json, nowhere with it]
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  azulejo render examples/cornell.grf -o cornell.png
+  azulejo solve room.obj -o room.grf --error 1%
+  azulejo render room.grf -o room.exr --size 1280x720 --spp 64
+
+Exit codes: 0 done, 1 failed (an old output file stays as it was), 2 misused.";
+
+const INFO_EXAMPLES: &str = "\
+Examples:
+  azulejo info room.obj
+  azulejo info room.grf --json | python3 -m json.tool";
+
+const CONVERT_EXAMPLES: &str = "\
+Examples:
+  azulejo convert room.obj -o room.grf
+  azulejo convert walls.grf lamps.grf chairs.obj -o room.grf";
+
+const SOLVE_EXAMPLES: &str = "\
+Examples:
+  azulejo solve room.obj -o room.grf
+  azulejo solve room.obj -o room.grf --patches 20000 --error 1%
+  azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  azulejo render room.grf -o room.png
+  azulejo render room.grf -o room.png --from 2,1.6,5 --at 0,1,0 --fov 60 --exposure 1.5
+  azulejo render room.obj --camera room.json -o room.exr --size 1280x720 --spp 64 --gather 128";
+
+const PROBE_EXAMPLES: &str = "\
+Examples:
+  azulejo probe room.obj --points desk.txt -o lux.txt --error 2%
+  azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
+  azulejo probe room.obj --hits rays.f32 -o hits.npy --json
+
+Points give irradiance in red, green, blue and then its standard error, six numbers each. With
+emission in W/(sr·m²) irradiance is in W/m².";
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  azulejo completions bash > ~/.local/share/bash-completion/completions/azulejo
+  azulejo completions zsh > ~/.zfunc/_azulejo";
+
+const MAN_EXAMPLES: &str = "\
+Examples:
+  azulejo man ~/.local/share/man/man1";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_has_examples() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string);
+            let call = format!("azulejo {}", command.get_name());
+            assert!(help.is_some_and(|h| h.contains(&call)), "{call}");
+        }
+    }
+
+    #[test]
+    fn misuse_is_refused() {
+        let parse = |line: &str| Cli::try_parse_from(line.split(' '));
+        assert!(parse("azulejo solve a.grf -o b.grf --patches 10 --patch-size 1").is_err());
+        assert!(parse("azulejo probe a.grf --points p --hits r").is_err());
+        assert!(parse("azulejo probe a.grf").is_err());
+        assert!(parse("azulejo render -o x.png").is_err());
+        assert!(parse("azulejo render a.grf -o x.png --from -1,2,-3 --exposure -1.5").is_ok());
+    }
+}

@@ -1,0 +1,112 @@
+//! Seconds by the clock on the wall, seconds of the processor, memory.
+
+use std::time::Instant;
+
+/// Measures from its creation on.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    start: Instant,
+    cpu: f64,
+}
+
+impl Clock {
+    /// Starts now.
+    pub fn start() -> Clock {
+        Clock {
+            start: Instant::now(),
+            cpu: cpu_seconds(),
+        }
+    }
+
+    /// Seconds on the wall.
+    pub fn wall(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// Seconds of all threads of the process; 0 where the system does not say.
+    pub fn cpu(&self) -> f64 {
+        cpu_seconds() - self.cpu
+    }
+}
+
+#[cfg(unix)]
+fn usage() -> Option<nix::sys::resource::Usage> {
+    nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF).ok()
+}
+
+/// Processor seconds of the whole process so far.
+#[cfg(unix)]
+fn cpu_seconds() -> f64 {
+    let seconds = |t: nix::sys::time::TimeVal| t.tv_sec() as f64 + t.tv_usec() as f64 * 1e-6;
+    usage().map_or(0.0, |u| seconds(u.user_time()) + seconds(u.system_time()))
+}
+
+#[cfg(not(unix))]
+fn cpu_seconds() -> f64 {
+    0.0
+}
+
+/// Most bytes of memory that the process has held at once, where the system says.
+#[cfg(unix)]
+pub fn peak_memory() -> Option<u64> {
+    // Kilobytes everywhere but on Apple's systems, which count bytes.
+    let unit = if cfg!(target_vendor = "apple") {
+        1
+    } else {
+        1024
+    };
+    usage().map(|u| u.max_rss().max(0) as u64 * unit)
+}
+
+/// Most bytes of memory that the process has held at once, where the system says.
+#[cfg(not(unix))]
+pub fn peak_memory() -> Option<u64> {
+    None
+}
+
+/// Bytes of memory that the process may use: what the machine has, or what its container gets.
+pub fn machine_memory() -> Option<u64> {
+    let machine = std::fs::read_to_string("/proc/meminfo")
+        .ok()
+        .and_then(|text| total_of(&text));
+    let container = std::fs::read_to_string("/sys/fs/cgroup/memory.max")
+        .ok()
+        .and_then(|text| text.trim().parse().ok());
+    match (machine, container) {
+        (Some(a), Some(b)) => Some(u64::min(a, b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// `MemTotal` of Linux's `/proc/meminfo`, in bytes.
+fn total_of(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kilobytes.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_of_the_machine() {
+        assert_eq!(
+            total_of("MemTotal:       16384 kB\nMemFree: 1 kB\n"),
+            Some(16 << 20)
+        );
+        assert_eq!(total_of("MemFree: 1 kB\n"), None);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn work_costs_processor_time() {
+        let clock = Clock::start();
+        let mut x = 1u64;
+        while clock.cpu() < 0.02 {
+            x = std::hint::black_box(x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
+            assert!(clock.wall() < 60.0, "the processor clock stands still");
+        }
+        assert!(peak_memory().unwrap() > 100_000);
+    }
+}

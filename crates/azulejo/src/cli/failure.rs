@@ -1,0 +1,99 @@
+//! Why a command stops, and with which exit code.
+
+use azulejo_trace::Cancelled;
+use std::fmt;
+use std::io;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// What ends a command before its work is done.
+#[derive(Debug)]
+pub enum Failure {
+    /// The command line asks for something that has no meaning: exit code 2.
+    Misuse(String),
+    /// The work failed: exit code 1.
+    Failed(String),
+    /// Ctrl-C: exit code 1.
+    Cancelled,
+    /// Whoever read our output has seen enough: quiet, exit code 0.
+    BrokenPipe,
+}
+
+impl Failure {
+    /// A failure of the work, in words.
+    pub fn failed(message: impl fmt::Display) -> Failure {
+        Failure::Failed(message.to_string())
+    }
+
+    /// A command line that has no meaning, in words.
+    pub fn misuse(message: impl fmt::Display) -> Failure {
+        Failure::Misuse(message.to_string())
+    }
+
+    /// The operating system refused something to do with a file.
+    pub fn file(what: &str, path: &Path, error: &io::Error) -> Failure {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
+            _ => Failure::Failed(format!(
+                "cannot {what} {}: {}",
+                path.display(),
+                plain(error)
+            )),
+        }
+    }
+
+    /// The number that the shell sees.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Failure::BrokenPipe => ExitCode::SUCCESS,
+            Failure::Failed(_) | Failure::Cancelled => ExitCode::from(1),
+            Failure::Misuse(_) => ExitCode::from(2),
+        }
+    }
+}
+
+/// An operating system's error without the number that Rust appends.
+fn plain(error: &io::Error) -> String {
+    let text = error.to_string();
+    match text.find(" (os error") {
+        Some(end) => text[..end].to_string(),
+        None => text,
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Misuse(message) | Failure::Failed(message) => f.write_str(message),
+            Failure::Cancelled => f.write_str("cancelled"),
+            Failure::BrokenPipe => f.write_str("the output was closed"),
+        }
+    }
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Failure {
+        Failure::Cancelled
+    }
+}
+
+/// Errors of writing to standard output, where there is no path to name.
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Failure {
+        Failure::file("write", Path::new("standard output"), &error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_the_system_name_the_file_and_drop_the_number() {
+        let full = io::Error::from_raw_os_error(28);
+        let said = Failure::file("write", Path::new("a.grf"), &full).to_string();
+        assert_eq!(said, "cannot write a.grf: No space left on device");
+        let closed = io::Error::from(io::ErrorKind::BrokenPipe);
+        assert!(matches!(Failure::from(closed), Failure::BrokenPipe));
+    }
+}

@@ -1,0 +1,36 @@
+//! Shell completions and manual pages, made from the definition of the command line itself.
+
+use super::args::Cli;
+use super::failure::Failure;
+use super::output::Output;
+use azulejo_trace::Progress;
+use clap::CommandFactory;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Prints a completion script.
+pub fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
+    // Into memory first: clap panics when a pipe closes under it.
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "azulejo", &mut script);
+    Ok(io::stdout().write_all(&script)?)
+}
+
+/// Writes `azulejo.1` and one page per command.
+pub fn manual(folder: &Path) -> Result<(), Failure> {
+    let mut cli = Cli::command().disable_help_subcommand(true);
+    cli.build();
+    let commands: Vec<clap::Command> = cli.get_subcommands().cloned().collect();
+    [cli]
+        .into_iter()
+        .chain(commands)
+        .try_for_each(|c| page(c, folder))
+}
+
+fn page(command: clap::Command, folder: &Path) -> Result<(), Failure> {
+    let page = clap_mangen::Man::new(command);
+    let mut text = Vec::new();
+    page.render(&mut text)?;
+    let output = Output::check(&folder.join(page.get_filename()))?;
+    output.write(&Progress::new(), |out| out.write_all(&text))
+}

@@ -1,0 +1,123 @@
+//! The first pass as the command line runs it: options, solution, summary.
+
+use super::args::{Division, FirstPassArgs};
+use super::clock;
+use super::failure::Failure;
+use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
+use super::session::Session;
+use azulejo_radiosity::{Balance, FirstPass, Light, Method, PatchSize, SolveError};
+
+use azulejo_scene::{Rgb, Scene};
+use azulejo_trace::Tracer;
+
+/// How finely to divide, as the library takes it; `None` leaves it to the library.
+pub fn patch_size(division: &Division) -> Option<PatchSize> {
+    let count = division.patches.map(|n| PatchSize::Count(n as usize));
+    count.or(division.patch_size.map(PatchSize::Edge))
+}
+
+/// The library's options from the command line's.
+pub fn options(args: &FirstPassArgs) -> FirstPass {
+    let default = FirstPass::default();
+    FirstPass {
+        size: patch_size(&args.division).unwrap_or(default.size),
+        error: args.error,
+        rays: args.rays,
+        bounces: args.bounces,
+        seed: args.seed,
+        memory: args.memory.unwrap_or_else(memory_budget),
+        keep_mesh: args.keep_mesh,
+        ..default
+    }
+}
+
+/// Half of what the machine has; 2 GiB where it does not say.
+fn memory_budget() -> u64 {
+    clock::machine_memory().map_or(2 << 30, |bytes| bytes / 2)
+}
+
+/// Solves under a progress bar.
+pub fn solve(
+    scene: &Scene,
+    tracer: &Tracer,
+    args: &FirstPassArgs,
+    session: &Session,
+) -> Result<Light, Failure> {
+    session.limit_time(args.time);
+    let options = options(args);
+    session
+        .watched(|progress| azulejo_radiosity::solve(scene, tracer, &options, progress))
+        .map_err(failure)
+}
+
+/// Why the library gave up, as a failure of the command.
+pub fn failure(error: SolveError) -> Failure {
+    match error {
+        SolveError::Cancelled => Failure::Cancelled,
+        other => Failure::failed(other),
+    }
+}
+
+/// What the first pass did and how good its answer is.
+pub fn describe(pass: &azulejo_radiosity::Report, report: &mut Report) {
+    let method = match pass.method {
+        Method::Matrix => "matrix",
+        Method::Stochastic => "stochastic",
+    };
+    report.value("method", method);
+    let words = match pass.method {
+        Method::Matrix => format!(
+            "{}, {} of rows",
+            count(pass.patches),
+            bytes(pass.bytes as u64)
+        ),
+        Method::Stochastic => format!("{}, without a matrix", count(pass.patches)),
+    };
+    report.fact("patches", pass.patches, "patches", words);
+    report.value("matrix_bytes", pass.bytes);
+    let gathered = pass.points as u64 * u64::from(pass.point_rays);
+    report.line(
+        "rays",
+        format!(
+            "{} from patches, {} from {} points",
+            count(pass.patch_rays),
+            count(gathered),
+            count(pass.points)
+        ),
+    );
+    report.value("patch_rays", pass.patch_rays);
+    report.value("points", pass.points);
+    report.value("rays_per_point", pass.point_rays);
+    report.value("rays", pass.patch_rays + gathered);
+    let words = format!("{}, residual {}", pass.iterations, short(pass.residual));
+    report.fact("iterations", pass.iterations, "bounces", words);
+    report.value("residual", number(pass.residual));
+    energy(&pass.balance, report);
+    report.fact(
+        "error",
+        number(pass.error),
+        "estimated error",
+        percent(pass.error),
+    );
+}
+
+/// Where the emitted power went, in W and as shares.
+fn energy(balance: &Balance, report: &mut Report) {
+    let emitted = balance.emitted.mean();
+    let share = |power: Rgb| percent(power.mean() / emitted.max(f64::MIN_POSITIVE));
+    report.line(
+        "energy",
+        format!(
+            "{} W emitted, {} absorbed, {} escaped, {} not accounted for",
+            triple(balance.emitted.to_array()),
+            share(balance.absorbed),
+            share(balance.escaped),
+            percent(balance.error())
+        ),
+    );
+    report.value("emitted", numbers(balance.emitted.to_array()));
+    report.value("absorbed", numbers(balance.absorbed.to_array()));
+    report.value("escaped", numbers(balance.escaped.to_array()));
+    report.value("cut", numbers(balance.cut.to_array()));
+    report.value("energy_error", number(balance.error()));
+}

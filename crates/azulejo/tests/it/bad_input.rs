@@ -1,0 +1,175 @@
+//! Whatever the input is: a clear message, the right exit code, no panic.
+
+use crate::support::Folder;
+use serde_json::json;
+
+/// A GRF triangle with holes for whatever should be wrong.
+fn triangle(vertex: &str, face: &str) -> String {
+    format!(
+        "begin mesh\nbegin vertices\n(0, 0, 0)\n(1, 0, 0)\n{vertex}\nend vertices\n\
+         begin faces\n{face}\nend faces\nend mesh\n"
+    )
+}
+
+#[test]
+fn files_that_are_no_models() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("folder")).unwrap();
+    folder.write("empty.grf", "");
+    folder.write("binary.grf", [0u8, 255, 3, 200, 7, 0, 0, 9].repeat(100));
+    folder.write("empty.obj", "");
+    for (name, expected) in [
+        ("folder", "is a directory"),
+        ("missing.grf", "No such file"),
+        ("empty.grf", "empty"),
+        ("binary.grf", "binary.grf"),
+        ("empty.obj", "empty"),
+    ] {
+        folder.fails(&format!("info {name}"), 1, expected);
+        folder.fails(&format!("convert {name} -o out.grf"), 1, expected);
+    }
+    assert!(!folder.names().contains(&"out.grf".to_owned()));
+}
+
+#[test]
+fn models_that_are_wrong_say_where() {
+    let folder = Folder::new();
+    let check = |name: &str, content: &str, expected: &str| {
+        folder.write(name, content);
+        folder.fails(&format!("info {name}"), 1, expected);
+    };
+    check(
+        "index.grf",
+        &triangle("(0, 1, 0)", "(0, 1, 7)"),
+        "index.grf:8",
+    );
+    check(
+        "nan.grf",
+        &triangle("(0, nan, 0)", "(0, 1, 2)"),
+        "nan.grf:5",
+    );
+    check(
+        "inf.grf",
+        &triangle("(0, 1e999, 0)", "(0, 1, 2)"),
+        "inf.grf:5",
+    );
+    check("two.grf", &triangle("(0, 1, 0)", "(0, 1)"), "two.grf:8");
+    check(
+        "index.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
+        "index.obj:4",
+    );
+    check("cycle.grf", "include \"cycle.grf\"\n", "cycle");
+    check("away.grf", "include \"/etc/passwd\"\n", "away.grf:1");
+    let nested = "transform scale (1, 1, 1) begin\n".repeat(1_000_000);
+    check("nested.grf", &nested, "nested.grf:");
+}
+
+#[test]
+fn a_model_cut_anywhere_is_refused_or_read() {
+    let folder = Folder::new();
+    let whole = triangle("(0, 1, 0)", "(0, 1, 2)");
+    for end in (0..whole.len()).step_by(7) {
+        folder.write("cut.grf", &whole[..end]);
+        let run = folder.run("info cut.grf");
+        assert!(matches!(run.code, Some(0 | 1)), "{end}: {}", run.err);
+        assert!(!run.err.contains("panicked"), "{end}: {}", run.err);
+    }
+}
+
+#[test]
+fn a_scene_without_light_is_not_rendered_black() {
+    let folder = Folder::new();
+    folder.write("dark.grf", triangle("(0, 1, 0)", "(0, 1, 2)"));
+    folder.write("old.grf", "old");
+    for line in [
+        "solve dark.grf -o old.grf",
+        "render dark.grf -o new.png",
+        "render dark.grf -o old.grf.png --json",
+    ] {
+        folder.fails(line, 1, "light");
+    }
+    assert_eq!(folder.read("old.grf"), b"old");
+    assert_eq!(folder.names(), ["dark.grf", "old.grf"]);
+}
+
+#[test]
+fn degenerate_and_open_scenes_are_solved() {
+    let folder = Folder::new();
+    folder.write(
+        "open.obj",
+        "mtllib open.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 1 1 0\nv 1 1 1\n\
+         v 0 1 1\nusemtl white\nf 1 4 3 2\nf 1 2 2\nf 1 1 1\nusemtl lamp\nf 5 6 7 8\n",
+    );
+    folder.write(
+        "open.mtl",
+        "newmtl white\nKd 0.5 0.5 0.5\nnewmtl lamp\nKe 1 1 1\n",
+    );
+    let solved = folder.json("solve open.obj -o open.grf --patches 50 --rays 64");
+    let power = |key: &str| solved[key][1].as_f64().unwrap();
+    assert!(power("escaped") > 0.3 * power("emitted"), "{solved}");
+}
+
+#[test]
+fn errors_are_json_for_those_who_ask() {
+    let folder = Folder::new();
+    let run = folder.run("info missing.grf --json");
+    assert_eq!(run.code, Some(1));
+    let value: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    assert!(value["error"].as_str().unwrap().contains("missing.grf"));
+}
+
+#[test]
+fn warnings_are_said_once_and_counted() {
+    let folder = Folder::new();
+    folder.write(
+        "a.obj",
+        "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    );
+    let said = folder.ok("info a.obj").err;
+    assert_eq!(said.matches("lost.mtl").count(), 1, "{said}");
+    assert_eq!(folder.ok("info a.obj --quiet").err, "");
+    let info = folder.json("info a.obj");
+    assert_eq!(info["warnings"].as_array().unwrap().len(), 1);
+    assert_eq!(info["warnings"][0]["count"], json!(1));
+}
+
+#[test]
+fn misuse_is_exit_code_2() {
+    let folder = Folder::with_room();
+    for line in [
+        "",
+        "paint room.obj",
+        "info",
+        "info room.obj --threads 0",
+        "convert room.obj -o room.xyz",
+        "solve room.obj -o room.obj",
+        "solve room.obj -o out.grf --error 200%",
+        "solve room.obj -o out.grf --patches 9 --patch-size 1",
+        "render room.obj -o room.bmp",
+        "render room.obj -o a.png --size 0x9",
+        "render room.obj -o a.png --from 1,1,1 --at 1,1,1",
+        "probe room.obj",
+        "probe room.obj --points p.txt -o - --json",
+        "convert room.obj -o - --json",
+    ] {
+        folder.fails(line, 2, "");
+    }
+    assert_eq!(folder.names(), ["room.mtl", "room.obj"]);
+}
+
+#[test]
+fn probes_that_are_wrong_say_where() {
+    let folder = Folder::with_room();
+    folder.write("p.txt", "1 1 1 0 1 0\n1 1 1 0 1\n");
+    folder.fails("probe room.obj --points p.txt", 1, "p.txt: line 2");
+    folder.write("n.txt", "1 1 1 0 0 0\n");
+    folder.fails("probe room.obj --points n.txt", 1, "normal");
+    folder.write("r.f32", [0u8; 33]);
+    folder.fails("probe room.obj --hits r.f32", 1, "33 bytes");
+    folder.write("z.f32", [0u8; 32]);
+    folder.fails("probe room.obj --hits z.f32", 1, "ray 0");
+    folder.fails("render room.obj -o a.png --camera nobody", 1, "nobody");
+    folder.write("c.json", "{\"camera\": 3}");
+    folder.fails("render room.obj -o a.png --camera c.json", 1, "c.json");
+}

@@ -1,0 +1,51 @@
+//! Ctrl-C in the middle of long work.
+
+use crate::support::{Folder, Run};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// Starts work that would take hours, interrupts it, and expects a quick and clean end.
+fn check(line: &str, output: &str, signal: Signal) {
+    let folder = Folder::with_room();
+    folder.write("p.txt", "2 0 2 0 1 0\n".repeat(2000));
+    folder.write(output, "old");
+    let before = folder.names();
+    let child = folder
+        .command(line)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    sleep(Duration::from_millis(700));
+    let process = Pid::from_raw(child.id().try_into().unwrap());
+    kill(process, signal).unwrap();
+    let asked = Instant::now();
+    let run = Run::of(child.wait_with_output().unwrap());
+    assert_eq!(run.code, Some(1), "{line}\n{}", run.err);
+    assert!(run.err.contains("cancelled"), "{line}\n{}", run.err);
+    assert_eq!(folder.read(output), b"old", "{line}");
+    assert_eq!(folder.names(), before, "{line}");
+    // A second is what people get; a loaded machine gets the benefit of the doubt.
+    assert!(asked.elapsed() < Duration::from_secs(20), "{line}");
+}
+
+#[test]
+fn solve_stops() {
+    let line = "solve room.obj -o out.grf --patches 500000 --rays 100000";
+    check(line, "out.grf", Signal::SIGINT);
+}
+
+#[test]
+fn render_stops() {
+    let line = "render room.obj -o out.png --size 4000x4000 --spp 100000 --rays 16 --patches 50";
+    check(line, "out.png", Signal::SIGINT);
+}
+
+#[test]
+fn probe_stops() {
+    let line = "probe room.obj --points p.txt -o out.txt --rays 10000000 --patches 50";
+    check(line, "out.txt", Signal::SIGTERM);
+}

@@ -1,0 +1,10 @@
+//! The command line from outside, and the rules of the house.
+
+mod arrows;
+mod bad_input;
+mod commands;
+mod files;
+mod support;
+
+#[cfg(unix)]
+mod interrupt;
