@@ -5,8 +5,9 @@ use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, DiffuseLight, GatherOptions, GatherPoint, Gathered, Gatherer, Progress};
 use rayon::prelude::*;
 
-/// Points gathered in one go: enough to fill the tracer's batches.
-const CHUNK: usize = 32;
+/// Points gathered in one go: enough to fill the tracer's batches, few enough that their paths
+/// stay in the cache.
+const CHUNK: usize = 8;
 
 /// Rays per point of the first pass when an error is asked for.
 const FIRST_RAYS: u32 = 96;

@@ -3,7 +3,7 @@
 use crate::patch::{Patches, RefinedShape};
 use crate::rays::side;
 use azulejo_scene::{Material, Mesh, Rgb, Scene};
-use azulejo_trace::{Arrival, DiffuseLight, KernelHit, REPLICATES, Surfaces, Tracer};
+use azulejo_trace::{Arrival, DiffuseLight, Glow, KernelHit, REPLICATES, Surfaces};
 use glam::DVec2;
 
 /// Reflected radiosity of every side of every patch, in independent replicates.
@@ -12,6 +12,8 @@ pub struct PatchLight<'a> {
     patches: &'a Patches,
     reflectance: &'a [Rgb],
     reflected: Vec<[[f32; 3]; REPLICATES]>,
+    /// Diameter of every diffuse patch, zero for the others.
+    grain: Vec<f32>,
 }
 
 impl<'a> PatchLight<'a> {
@@ -23,32 +25,30 @@ impl<'a> PatchLight<'a> {
         solutions: &[Vec<Rgb>],
     ) -> PatchLight<'a> {
         let of_side = |s: usize| std::array::from_fn(|r| solutions[r % solutions.len()][s].to_f32());
-        PatchLight { surfaces, patches, reflectance, reflected: (0..2 * patches.len()).map(of_side).collect() }
+        let grain = |p: usize| if reflectance[p].is_black() { 0.0 } else { patches.diameter(p) as f32 };
+        let grain = (0..patches.len()).map(grain).collect();
+        PatchLight { surfaces, patches, reflectance, grain, reflected: (0..2 * patches.len()).map(of_side).collect() }
     }
 }
 
 impl DiffuseLight for PatchLight<'_> {
-    fn radiosity(&self, at: &Arrival, replicate: usize) -> Rgb {
-        let patch = self.patches.locate_hit(self.surfaces.tracer, &at.hit);
-        Rgb::from(self.reflected[side(patch, at.front) as usize][replicate].map(f64::from))
+    fn glow(&self, at: &Arrival, replicate: usize) -> Glow {
+        let patch = self.patches.locate_hit(self.surfaces, &at.hit);
+        Glow {
+            radiosity: self.reflected[side(patch, at.front) as usize][replicate],
+            grain: self.grain[patch as usize],
+        }
     }
 
     fn reflectance(&self, at: &Arrival) -> Rgb {
-        self.reflectance[self.patches.locate_hit(self.surfaces.tracer, &at.hit) as usize]
-    }
-
-    fn grain(&self, at: &Arrival) -> f32 {
-        if self.surfaces.material(at.hit.item).diffuse.is_black() {
-            return 0.0;
-        }
-        self.patches.diameter(self.patches.locate_hit(self.surfaces.tracer, &at.hit) as usize) as f32
+        self.reflectance[self.patches.locate_hit(self.surfaces, &at.hit) as usize]
     }
 }
 
 impl Patches {
     /// The patch that a hit of the scene's own tracer lies on.
-    pub fn locate_hit(&self, tracer: &Tracer, hit: &KernelHit) -> u32 {
-        let item = tracer.item(hit.item);
+    pub fn locate_hit(&self, surfaces: &Surfaces, hit: &KernelHit) -> u32 {
+        let item = surfaces.item(hit.item);
         self.locate(item.object, item.face, item.triangle, hit.u, hit.v)
     }
 }

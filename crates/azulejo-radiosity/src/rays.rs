@@ -154,7 +154,7 @@ impl<'a> RayEstimator<'a> {
                     }
                     row.direct[replicate] += weight * self.gatherer.stray_exitance(&hit, front, path.via);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
-                        let patch = self.patches.locate_hit(surfaces.tracer, &hit);
+                        let patch = self.patches.locate_hit(surfaces, &hit);
                         found[replicate].push((side_of(patch, front), path.weight));
                     }
                 }

@@ -248,7 +248,7 @@ impl Shooter<'_> {
                     }
                     let counted = shot == Shot::Emission && self.gatherer.counts_direct(self.patches.polygon((path.id / 2) as usize).is_some(), path.via);
                     if !material.diffuse.is_black() && !counted {
-                        a.deposits.push((side(self.patches.locate_hit(surfaces.tracer, &hit), front), path.weight));
+                        a.deposits.push((side(self.patches.locate_hit(surfaces, &hit), front), path.weight));
                     }
                 }
             }

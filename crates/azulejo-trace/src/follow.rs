@@ -90,7 +90,7 @@ pub fn follow(
                 continue;
             }
             on_event(path, Event::Surface { hit: *hit, front: surfaces.is_front(&path.ray, hit) });
-            if surfaces.material(hit.item).is_specular() {
+            if surfaces.is_specular(hit.item) {
                 let chance = uniform(&[seed, wave, index as u32]);
                 go_on(surfaces, path, hit, chance, |next| match next {
                     Ok(p) => scratch.next.push(p),

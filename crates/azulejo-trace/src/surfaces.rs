@@ -1,7 +1,7 @@
 //! What light transport asks of a surface at every hit, kept per traced item.
 
 use crate::{Item, KernelHit, KernelRay, Tracer};
-use azulejo_scene::{Material, MaterialId, Scene, Shape};
+use azulejo_scene::{Material, MaterialId, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
 
 /// A scene with its tracer, and for every item the normal and material that hits look up.
@@ -21,13 +21,31 @@ struct ItemSurface {
     /// Unit normal of the front; zero where it changes over the item.
     normal: [f32; 3],
     material: MaterialId,
+    is_specular: bool,
+    is_emitter: bool,
+    item: Item,
 }
 
 impl<'a> Surfaces<'a> {
     /// Looks up every item of `tracer`, which must have been made from `scene`.
     pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> Surfaces<'a> {
-        let items = (0..tracer.item_count()).map(|i| ItemSurface::new(scene, &tracer.item(i)));
+        let items = (0..tracer.item_count()).map(|i| ItemSurface::new(scene, tracer.item(i)));
         Surfaces { scene, tracer, items: items.collect() }
+    }
+
+    /// What an item is.
+    pub fn item(&self, item: u32) -> &Item {
+        &self.items[item as usize].item
+    }
+
+    /// Whether light that arrives at an item can leave mirrored or refracted.
+    pub fn is_specular(&self, item: u32) -> bool {
+        self.items[item as usize].is_specular
+    }
+
+    /// Whether the front of an item shines by itself.
+    pub fn is_emitter(&self, item: u32) -> bool {
+        self.items[item as usize].is_emitter
     }
 
     /// Material of an item.
@@ -57,22 +75,28 @@ impl<'a> Surfaces<'a> {
 }
 
 impl ItemSurface {
-    fn new(scene: &Scene, item: &Item) -> ItemSurface {
-        match &scene.objects[item.object as usize].shape {
+    fn new(scene: &Scene, item: Item) -> ItemSurface {
+        let (normal, material) = match &scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) => {
                 let face = item.face as usize;
                 let corners = mesh.triangulate(face).get(item.triangle as usize).copied().unwrap_or([0, 1, 2]);
                 let vertices = mesh.faces.get(face);
                 let [a, b, c] = corners.map(|k| mesh.positions[vertices[k as usize] as usize]);
-                let n = (b - a).cross(c - a).normalize_or_zero();
-                ItemSurface { normal: n.as_vec3().to_array(), material: mesh.face_materials[face] }
+                ((b - a).cross(c - a).normalize_or_zero(), mesh.face_materials[face])
             }
             Shape::Primitive(p) => {
-                use azulejo_scene::PrimitiveKind::{Cuboid, Square};
-                let is_flat = matches!(p.kind, Cuboid | Square);
-                let n = if is_flat { p.point(item.face as usize, 0.5, 0.5).normal } else { DVec3::ZERO };
-                ItemSurface { normal: n.as_vec3().to_array(), material: p.material }
+                let is_flat = matches!(p.kind, PrimitiveKind::Cuboid | PrimitiveKind::Square);
+                let normal = if is_flat { p.point(item.face as usize, 0.5, 0.5).normal } else { DVec3::ZERO };
+                (normal, p.material)
             }
+        };
+        let surface = &scene.materials[material as usize];
+        ItemSurface {
+            normal: normal.as_vec3().to_array(),
+            material,
+            is_specular: surface.is_specular(),
+            is_emitter: surface.is_emitter(),
+            item,
         }
     }
 }

@@ -47,17 +47,24 @@ pub struct Arrival {
     pub front: bool,
 }
 
+/// The light that leaves a diffuse surface, as far as it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Glow {
+    /// Radiosity by diffuse reflection, without emission, W/m².
+    pub radiosity: [f32; 3],
+    /// Distance below which `radiosity` is too coarse to be seen from, such as the size of the
+    /// patch; zero if it is exact.
+    pub grain: f32,
+}
+
 /// What is known of the light that leaves diffuse surfaces.
 pub trait DiffuseLight: Sync {
-    /// Radiosity by diffuse reflection, without emission, W/m². A solver that has independent
-    /// estimates gives the one of `replicate`; others give the same to all.
-    fn radiosity(&self, at: &Arrival, replicate: usize) -> Rgb;
+    /// The light at a hit. A solver that has independent estimates gives the one of
+    /// `replicate`; others give the same to all.
+    fn glow(&self, at: &Arrival, replicate: usize) -> Glow;
 
     /// Diffuse reflectance at the hit.
     fn reflectance(&self, at: &Arrival) -> Rgb;
-
-    /// Distance below which `radiosity` is too coarse to be seen from: the size of the patch.
-    fn grain(&self, at: &Arrival) -> f32;
 }
 
 /// Irradiance of one point as independent estimates, W/m².
@@ -138,13 +145,11 @@ impl<'a> Gatherer<'a> {
     /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts
     /// already: zero for most.
     pub fn stray_exitance(&self, hit: &KernelHit, front: bool, via: Via) -> Rgb {
-        let material = self.surfaces.material(hit.item);
-        let is_flat = || self.surfaces.flat_normal(hit.item).is_some();
-        if front && material.is_emitter() && !self.counts_direct(is_flat(), via) {
-            material.exitance()
-        } else {
-            Rgb::BLACK
+        if !front || !self.surfaces.is_emitter(hit.item) {
+            return Rgb::BLACK;
         }
+        let is_flat = self.surfaces.flat_normal(hit.item).is_some();
+        if self.counts_direct(is_flat, via) { Rgb::BLACK } else { self.surfaces.material(hit.item).exitance() }
     }
 
     /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror.
@@ -235,12 +240,13 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
                 Event::Cut => return,
                 Event::Surface { hit, front } => {
                     let at = Arrival { hit, front };
+                    let glow = light.glow(&at, replicate);
                     let stray = gatherer.stray_exitance(&hit, front, path.via);
-                    if allowed && path.depth == 0 && hit.t < light.grain(&at) {
+                    if allowed && path.depth == 0 && hit.t < glow.grain {
                         near.push(Contact { id: path.id, weight: path.weight, ray: path.ray, at });
                         stray
                     } else {
-                        stray + light.radiosity(&at, replicate)
+                        stray + Rgb::from(glow.radiosity.map(f64::from))
                     }
                 }
             };

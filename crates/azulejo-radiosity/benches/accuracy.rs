@@ -1,0 +1,81 @@
+//! Time to error of irradiance at points, on Cornell boxes, against brute force.
+//!
+//! `cargo bench -p azulejo-radiosity --bench accuracy [-- paths]`. The truth at every twentieth
+//! of 10,000 points is path traced, by code that shares nothing with azulejo's, with `paths`
+//! paths a point; its own noise is taken off the measured error.
+
+mod truth;
+
+use azulejo_radiosity::{FirstPass, PointNormal, probe};
+use azulejo_scene::synthetic::{CornellVariant, cornell_box};
+use azulejo_scene::{Rgb, Scene};
+use azulejo_trace::{Progress, Tracer};
+use std::time::Instant;
+
+const POINTS: usize = 10_000;
+const EVERY: usize = 20;
+
+fn main() {
+    let paths = std::env::args().skip(1).find_map(|a| a.parse().ok()).unwrap_or(20_000);
+    for (name, variant) in [("s1, diffuse", CornellVariant::Diffuse), ("s2, mirror block", CornellVariant::MirrorBlock)] {
+        println!("\n{name}: {POINTS} points, truth at {} of {paths} paths each", POINTS / EVERY);
+        measure(&cornell_box(variant), paths);
+    }
+}
+
+fn measure(scene: &Scene, paths: u32) {
+    let brute = truth::Brute::new(scene);
+    let points = brute.points(POINTS, 0x5eed);
+    let some: Vec<_> = points.iter().copied().step_by(EVERY).collect();
+    let truth = brute.irradiance(&some, paths);
+    println!("{:>9} {:>7} {:>8} {:>8} {:>9} {:>9} {:>9} {:>8}", "asked", "rays", "wall s", "cpu s", "said", "rel RMSE", "RMSE/mean", "in 2 SE");
+    for error in [0.05, 0.03, 0.02, 0.014, 0.01, 0.007, 0.005] {
+        let asked: Vec<PointNormal> = points.iter().map(|&(position, normal)| PointNormal { position, normal }).collect();
+        let (wall, cpu) = (Instant::now(), cpu_seconds());
+        let tracer = Tracer::new(scene);
+        let pass = FirstPass { error: Some(error), ..FirstPass::default() };
+        let probed = probe(scene, &tracer, &asked, &pass, &Progress::new()).expect("the box has a lamp");
+        let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
+        let mean = truth.iter().map(|t| t.0).sum::<Rgb>() / truth.len() as f64;
+        let (mut relative, mut absolute, mut inside, mut n) = (0.0, 0.0, 0, 0);
+        for (estimate, (e, variance)) in probed.estimates.iter().step_by(EVERY).zip(&truth) {
+            for k in 0..3 {
+                let square = (estimate.value[k] - e[k]).powi(2) - variance[k];
+                let against = e[k].max(0.1 * mean[k]);
+                relative += square / (against * against);
+                absolute += square / (mean[k] * mean[k]);
+                let two = 2.0 * (estimate.error[k].powi(2) + variance[k]).sqrt();
+                inside += u32::from((estimate.value[k] - e[k]).abs() <= two);
+                n += 1;
+            }
+        }
+        if std::env::var_os("WORST").is_some() && error == 0.01 {
+            let mut rows: Vec<_> = probed.estimates.iter().step_by(EVERY).zip(&truth).zip(&some).map(|((a, t), p)| {
+                let k = 1;
+                (((a.value[k] - t.0[k]) / t.0[k].max(0.1 * mean[k])).abs(), a.value[k], a.error[k], t.0[k], t.1[k].sqrt(), *p)
+            }).collect();
+            rows.sort_by(|a, b| b.0.total_cmp(&a.0));
+            rows.iter().take(12).for_each(|r| println!("{r:?}"));
+        }
+        let rms = |s: f64| (s / f64::from(n)).max(0.0).sqrt() * 100.0;
+        println!(
+            "{:>8}% {:>7} {:>8.3} {:>8.3} {:>8.2}% {:>8.2}% {:>8.2}% {:>7.1}%",
+            error * 100.0,
+            probed.report.point_rays,
+            wall,
+            cpu,
+            probed.report.error * 100.0,
+            rms(relative),
+            rms(absolute),
+            100.0 * f64::from(inside) / f64::from(n),
+        );
+    }
+}
+
+/// CPU seconds of this process: of all threads, user and system.
+fn cpu_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = text.rsplit(')').next().unwrap_or("").split_whitespace().collect();
+    let ticks = |k: usize| fields.get(k).and_then(|f| f.parse::<f64>().ok()).unwrap_or(f64::NAN);
+    (ticks(11) + ticks(12)) / 100.0
+}
