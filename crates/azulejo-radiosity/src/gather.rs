@@ -1,19 +1,19 @@
 //! Irradiance at points to an asked error.
 
 use azulejo_scene::Rgb;
-use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, DiffuseLight, GatherOptions, GatherPoint, Gathered, Gatherer, Progress};
+use azulejo_trace::{Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Progress};
 use rayon::prelude::*;
 
 /// Points gathered in one go: enough to fill the tracer's batches, few enough that their paths
 /// stay in the cache.
 const CHUNK: usize = 8;
 
-/// Rays per point of the first pass when an error is asked for.
-const FIRST_RAYS: u32 = 96;
+/// Rays per point of the first pass when an error is asked for; later passes make the total a
+/// power of two times this, or one and a half times that.
+const FIRST_RAYS: u32 = 128;
 
 /// Rays per point at which gathering gives up on an error.
-const MOST_RAYS: u32 = 1 << 16;
+const MOST_RAYS: u32 = 1 << 17;
 
 /// Error falls about as rays^−0.6 (measured: between random, ½, and 2-D strata, ¾).
 const RATE: f64 = 0.6;
@@ -48,21 +48,28 @@ pub fn gather(
         Effort::Rays(n) => n.max(1),
         Effort::Error(_) => FIRST_RAYS,
     };
-    let (mut sum, mut spent, mut pass) = (Vec::new(), 0, 0);
+    let (mut sum, mut spent) = (Vec::new(), 0);
     loop {
-        let options = GatherOptions { rays, seed: hash(&[seed, pass]) };
-        let found = gather_pass(gatherer, light, points, &options, progress)?;
+        let found = gather_pass(gatherer, light, points, &GatherOptions { rays, spent, seed }, progress)?;
         sum = combined(sum, spent, found, rays);
-        (spent, pass) = (spent + rays, pass + 1);
+        spent += rays;
         let Effort::Error(goal) = effort else { break };
         let error = relative_error(&sum);
         if error <= goal || spent >= MOST_RAYS || progress.out_of_time() {
             break;
         }
-        let wanted = f64::from(spent) * (error / goal).powf(1.0 / RATE) * 1.05;
-        rays = (wanted.min(f64::from(MOST_RAYS)) as u32).saturating_sub(spent).clamp(FIRST_RAYS / 2, 8 * spent);
+        let wanted = f64::from(spent) * (error / goal).powf(1.0 / RATE);
+        rays = next_total(spent, wanted) - spent;
     }
     Ok((sum, spent))
+}
+
+/// The least total of rays that is more than `spent`, at least `wanted` but for a tenth, and well
+/// spread: a power of two, or one and a half times one, in units of the first pass.
+fn next_total(spent: u32, wanted: f64) -> u32 {
+    let totals = (0..).map(|k| FIRST_RAYS * [2, 3][k as usize % 2] << (k / 2)).map(|t| t / 2);
+    let enough = |&t: &u32| t > spent && f64::from(t) >= 0.9 * wanted;
+    totals.take_while(|&t| t <= MOST_RAYS).find(enough).unwrap_or(MOST_RAYS)
 }
 
 fn gather_pass(
@@ -73,11 +80,12 @@ fn gather_pass(
     progress: &Progress,
 ) -> Result<Vec<Gathered>, Cancelled> {
     progress.begin("irradiance", points.len() as u64);
+    let directions = DirectionTables::new(options);
     let chunks: Result<Vec<Vec<Gathered>>, Cancelled> = points
         .par_chunks(CHUNK)
         .map(|chunk| {
             progress.advance(chunk.len() as u64)?;
-            Ok(gatherer.gather(chunk, options, light))
+            Ok(gatherer.gather_with(chunk, options, &directions, light))
         })
         .collect();
     Ok(chunks?.into_iter().flatten().collect())

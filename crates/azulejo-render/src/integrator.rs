@@ -151,6 +151,7 @@ impl<'a> Integrator<'a> {
         let options = GatherOptions {
             rays: self.gather.unwrap_or(BACK_RAYS),
             seed: self.seed,
+            spent: 0,
         };
         let together = (GATHER_BATCH / options.rays.max(1)).max(1) as usize;
         for wishes in scratch.wishes.chunks(together) {

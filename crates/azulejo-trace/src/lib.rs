@@ -16,7 +16,7 @@ mod tracer;
 mod triangle;
 pub mod sampling;
 
-pub use gather::{Arrival, DiffuseLight, DirectLight, Glow, GatherOptions, GatherPoint, Gathered, Gatherer, REPLICATES};
+pub use gather::{Arrival, DiffuseLight, DirectLight, DirectionTables, Glow, GatherOptions, GatherPoint, Gathered, Gatherer, REPLICATES};
 pub use progress::{Cancelled, Progress};
 pub use ray::{Hit, Item, KernelHit, KernelRay};
 pub use surfaces::Surfaces;

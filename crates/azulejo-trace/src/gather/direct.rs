@@ -172,6 +172,9 @@ impl<'a> Direct<'a> {
         for (w, window) in self.emitters.windows.iter().enumerate() {
             let side = (p - window.polygon[0]).dot(window.normal);
             for (image, lamp) in window.images.iter().zip(&self.emitters.lamps) {
+                if is_hidden(point, image, &window.polygon) {
+                    continue;
+                }
                 // Only what of the lamp is on the point's side of the mirror has an image there,
                 // and that image lies on the other side.
                 let beyond = clip(image, window.polygon[0], -side.signum() * window.normal);
@@ -436,6 +439,22 @@ fn unoccluded_image(
 fn far(surfaces: &Surfaces, p: DVec3) -> f64 {
     let bounds = surfaces.tracer.bounds();
     2.0 * bounds.diagonal() + (p - bounds.centre()).length()
+}
+
+/// Whether a quick look shows that `point` can't see anything of `image` through `window`: all
+/// of the image, or all of the window, is below the horizon, or the image is beyond one edge.
+fn is_hidden(point: &GatherPoint, image: &[DVec3], window: &[DVec3]) -> bool {
+    let p = point.position;
+    let below = |polygon: &[DVec3]| polygon.iter().all(|&c| (c - p).dot(point.normal) <= 0.0);
+    if below(image) || below(window) {
+        return true;
+    }
+    let facing = (p - window[0]).dot(area_vector(window)).signum();
+    (0..window.len()).any(|k| {
+        let (a, b) = (window[k], window[(k + 1) % window.len()]);
+        let inward = (b - p).cross(a - p) * facing;
+        image.iter().all(|&c| (c - p).dot(inward) <= 0.0)
+    })
 }
 
 /// Whether the segment between two points crosses a convex polygon.

@@ -10,14 +10,14 @@ mod direct;
 mod emitters;
 
 use crate::follow::{Event, Path, Scratch, Via, follow};
-use crate::sampling::{SobolTable, cosine_hemisphere, hash, seeds, uniform};
+use crate::sampling::{cosine_hemisphere, hash, seeds, sobol, uniform};
 use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use direct::{Direct, ShadowRays};
 use emitters::Emitters;
 use glam::DVec3;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Independent estimates of every quantity, from independent scramblings: their spread is its
 /// standard error.
@@ -107,8 +107,12 @@ pub struct DirectLight {
 /// How much work a gather spends.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherOptions {
-    /// Rays over the hemisphere per point, rounded up to a multiple of [`REPLICATES`].
+    /// Rays over the hemisphere per point, rounded up to a multiple of [`REPLICATES`]. Sobol
+    /// points are best in powers of two.
     pub rays: u32,
+    /// Rays per point that earlier gathers with the same seed have spent: this one goes on where
+    /// they ended, and both together are one well spread set.
+    pub spent: u32,
     /// Keys all random numbers, with each point's own key.
     pub seed: u32,
 }
@@ -164,23 +168,35 @@ impl<'a> Gatherer<'a> {
     /// Runs on the calling thread; give it some tens of points at a time. The result depends on
     /// the points' keys, the options and the batch, never on threads.
     pub fn gather(&self, points: &[GatherPoint], options: &GatherOptions, light: &impl DiffuseLight) -> Vec<Gathered> {
-        let per_replicate = options.rays.div_ceil(REPLICATES as u32).max(1);
+        self.gather_with(points, options, &DirectionTables::new(options), light)
+    }
+
+    /// [`gather`](Gatherer::gather) with directions made beforehand from the same options, for
+    /// callers with many batches.
+    pub fn gather_with(
+        &self,
+        points: &[GatherPoint],
+        options: &GatherOptions,
+        directions: &DirectionTables,
+        light: &impl DiffuseLight,
+    ) -> Vec<Gathered> {
+        let per_replicate = directions.count as u32;
         let (first, most) = (per_replicate.div_ceil(8).clamp(2, 16), per_replicate.div_ceil(2).max(4));
-        let direct = self.direct(points, first, most, options.seed);
+        let direct = self.direct(points, first, most, options.seed ^ options.spent);
         let mut collector = Collector {
             gatherer: self,
             light,
             sums: vec![[[0.0; 3]; REPLICATES]; points.len()],
             near: Vec::new(),
         };
-        let mut paths = self.hemispheres(points, per_replicate, options.seed);
+        let mut paths = self.hemispheres(points, directions, options.seed);
         let mut scratch = Scratch::default();
         for round in 0..=MOST_CONTACTS {
-            collector.follow(&mut paths, &mut scratch, options.seed ^ round, round < MOST_CONTACTS);
+            collector.follow(&mut paths, &mut scratch, hash(&[options.seed, options.spent, round]), round < MOST_CONTACTS);
             if collector.near.is_empty() {
                 break;
             }
-            collector.contacts(points, &mut paths, options.seed ^ (round << 8));
+            collector.contacts(points, &mut paths, hash(&[options.seed, options.spent, round, 1]));
         }
         let total = |(d, sums): (&DirectLight, &[[f64; 3]; REPLICATES])| {
             let of = |r: usize| d.lamps.replicates[r] + d.lights + Rgb::from(sums[r]) / f64::from(per_replicate);
@@ -190,23 +206,62 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Cosine-distributed rays of all points and replicates.
-    fn hemispheres(&self, points: &[GatherPoint], per_replicate: u32, seed: u32) -> Vec<Path> {
-        let table = SobolTable::new(per_replicate as usize);
-        let mut paths = Vec::with_capacity(points.len() * REPLICATES * per_replicate as usize);
+    fn hemispheres(&self, points: &[GatherPoint], directions: &DirectionTables, seed: u32) -> Vec<Path> {
+        let tracer = self.surfaces.tracer;
+        let mut paths = Vec::with_capacity(points.len() * REPLICATES * directions.count);
         for (index, point) in points.iter().enumerate() {
             let frame = Frame::from_normal(point.normal);
-            let origin = self.surfaces.tracer.leaving(point.position, point.normal);
+            let origin = tracer.leaving(point.position, point.normal);
             for r in 0..REPLICATES as u32 {
-                let [s1, s2, ..] = seeds(&[seed, point.key, r, 0x9a7]);
-                for k in 0..per_replicate as usize {
-                    let [u1, u2] = table.point2(k, [s1, s2]);
-                    let direction = frame.to_world(cosine_hemisphere(u1.into(), u2.into()));
-                    let ray = self.surfaces.tracer.kernel_ray(&Ray::new(origin, direction));
-                    paths.push(Path { ray, id: index as u32 * REPLICATES as u32 + r, weight: [1.0; 3], via: Via::Direct, depth: 0 });
+                let [turn, table, ..] = seeds(&[seed, point.key, r]);
+                let (sin, cos) = (TAU * f64::from(uniform(&[turn]))).sin_cos();
+                // The kernel's rays are linear in their directions, so three of them serve all.
+                let axis = |v: DVec3| tracer.kernel_ray(&Ray::new(origin, v));
+                let x = axis(cos * frame.x + sin * frame.y).direction;
+                let y = axis(cos * frame.y - sin * frame.x).direction;
+                let z = axis(frame.z);
+                for d in directions.table(table) {
+                    let direction = [0, 1, 2].map(|k| d[0] * x[k] + d[1] * y[k] + d[2] * z.direction[k]);
+                    let id = index as u32 * REPLICATES as u32 + r;
+                    let ray = KernelRay { direction, ..z };
+                    paths.push(Path { ray, id, weight: [1.0; 3], via: Via::Direct, depth: 0 });
                 }
             }
         }
         paths
+    }
+}
+
+/// Cosine-distributed directions about +z, in several scramblings of one stretch of the Sobol
+/// sequence. A point takes one of them, turned about its normal by an angle of its own: as well
+/// spread as a scrambling of its own, and several times cheaper.
+pub struct DirectionTables {
+    count: usize,
+    directions: Vec<[f32; 3]>,
+}
+
+/// Scramblings to choose from.
+const TABLES: u32 = 32;
+
+impl DirectionTables {
+    /// The directions that a gather with these options takes.
+    pub fn new(options: &GatherOptions) -> DirectionTables {
+        let count = options.rays.div_ceil(REPLICATES as u32).max(1);
+        let first = options.spent / REPLICATES as u32;
+        let mut directions = Vec::with_capacity((TABLES * count) as usize);
+        for table in 0..TABLES {
+            let [s1, s2, ..] = seeds(&[options.seed, table, 0x9a7]);
+            for k in first..first + count {
+                let d = cosine_hemisphere(sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
+                directions.push(d.as_vec3().to_array());
+            }
+        }
+        DirectionTables { count: count as usize, directions }
+    }
+
+    fn table(&self, choice: u32) -> &[[f32; 3]] {
+        let start = (choice % TABLES) as usize * self.count;
+        &self.directions[start..start + self.count]
     }
 }
 
