@@ -7,6 +7,10 @@ use azulejo_scene::{Brdf, Dielectric, Material, Rgb, TextureId};
 /// Reflectance of surfaces about which a file says nothing.
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
+/// The warning when [`limit`] had something to do.
+pub(super) const REFLECTS_TOO_MUCH: &str =
+    "a material reflects less than nothing or more than arrives; limited to 0..1";
+
 /// A material and how much of it the file said.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surface {

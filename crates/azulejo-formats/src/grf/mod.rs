@@ -15,14 +15,17 @@
 
 mod brdf;
 mod document;
+mod entries;
 mod extension;
 mod from_scene;
 mod irradiance;
 mod lexer;
+mod look;
 mod materials;
 mod mesh;
 mod parse;
 mod parser;
+mod placement;
 mod resolve;
 #[cfg(test)]
 mod tests;

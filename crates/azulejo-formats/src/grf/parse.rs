@@ -510,10 +510,7 @@ fn starts_block(mut ahead: Lexer<'_>) -> bool {
 /// Whether the body of a `mesh light` follows: `[rgb v3] begin vertices`.
 fn at_lists(mut ahead: Lexer<'_>) -> bool {
     skip_rgb(&mut ahead);
-    ahead.eat_word("begin")
-        && ahead
-            .peek_word()
-            .is_some_and(super::mesh::is_vertices)
+    ahead.eat_word("begin") && ahead.peek_word().is_some_and(super::mesh::is_vertices)
 }
 
 /// Whether the body of an area light follows: `[rgb v3] (`.

@@ -1,25 +1,32 @@
 //! From a document to a scene: scopes, transforms, materials.
 
 use super::document::{
-    AreaLight, Block, BlockKind, Body, Change, Column, Document, Fail, Kind, MaterialNote,
-    MeshBlock, Name, ObjectNotes, Place, PrimitiveBlock, Step,
+    AreaLight, Block, BlockKind, Body, Column, Document, Fail, Kind, MaterialNote, MeshBlock, Name,
+    Place, PrimitiveBlock,
 };
-use super::materials::{DEFAULT_REFLECTANCE, Surface, limit, surface};
+use super::look::{Key, Look};
+use super::materials::{REFLECTS_TOO_MUCH, Surface, limit, surface};
+use super::placement::{
+    Outer, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light, turn_round,
+};
 use super::warnings::Warnings;
 use super::{has_area, is_camera, is_invertible, unit};
 use crate::{Loaded, ReadError};
 use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{
-    Attribute, Brdf, Camera, Faces, Light, LightKind, Material, MaterialId, Mesh, Object,
-    Primitive, PrimitiveKind, Rgb, Scene, Shape, Texture, TextureId,
+    Attribute, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape, Texture,
+    TextureId,
 };
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
 /// Radiance of a light that says none.
 const DEFAULT_RADIANCE: Rgb = Rgb::WHITE;
 
-type Resolved<T> = Result<T, Fail>;
+/// Bytes of names and brdfs that all derived materials together may copy.
+const BUDGET: usize = 1 << 28;
+
+pub(super) type Resolved<T> = Result<T, Fail>;
 
 impl Document {
     /// The scene that the document describes. Textures have no pixels yet: see
@@ -37,6 +44,8 @@ impl Document {
             surfaces: HashMap::new(),
             derived: HashMap::new(),
             texture_ids: HashMap::new(),
+            brdf_texts: HashMap::new(),
+            budget: BUDGET,
         };
         resolver
             .list(&self.blocks, &[], None)
@@ -57,71 +66,40 @@ impl Document {
     }
 }
 
-struct Resolver<'d> {
+pub(super) struct Resolver<'d> {
     document: &'d Document,
-    scene: Scene,
+    pub scene: Scene,
     warnings: Warnings,
     scopes: Vec<Scope<'d>>,
     /// What stands behind the materials that a `def brdf` made.
-    surfaces: HashMap<MaterialId, Known>,
+    pub surfaces: HashMap<MaterialId, Known>,
     /// Materials made from looks, so that equal looks share one.
-    derived: HashMap<Key, MaterialId>,
+    pub derived: HashMap<Key, MaterialId>,
+    /// The brdfs that stand before faces, numbered.
+    pub brdf_texts: HashMap<String, usize>,
+    /// Bytes of names and brdfs that derived materials may still copy.
+    pub budget: usize,
     /// Textures named in place.
     texture_ids: HashMap<String, TextureId>,
 }
 
 /// A material of a `def brdf`.
-struct Known {
-    surface: Surface,
+pub(super) struct Known {
+    pub surface: Surface,
     /// Whether `use` of it also says the textures.
-    sets_textures: bool,
+    pub sets_textures: bool,
 }
 
 /// The names of one list of blocks.
 #[derive(Default)]
-struct Scope<'d> {
+pub(super) struct Scope<'d> {
     colors: HashMap<&'d str, Rgb>,
     brdfs: HashMap<&'d str, MaterialId>,
     textures: HashMap<&'d str, TextureId>,
 }
 
-/// How faces look at some point of a list.
-#[derive(Clone, Debug, Default)]
-struct Look<'d> {
-    color: Option<Rgb>,
-    color_name: &'d str,
-    brdf: Option<Base<'d>>,
-    textures: Vec<TextureId>,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Base<'d> {
-    /// A `def brdf`.
-    Named(MaterialId),
-    InPlace(&'d Brdf),
-}
-
-/// What makes a derived material distinct. Numbers are compared by their bits.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Key {
-    named: Option<MaterialId>,
-    in_place: Option<String>,
-    color: Option<[u64; 3]>,
-    color_name: String,
-    textures: Vec<TextureId>,
-    emission: Option<[u64; 3]>,
-    is_colored: bool,
-}
-
-fn bits(rgb: Rgb) -> [u64; 3] {
-    rgb.to_array().map(f64::to_bits)
-}
-
-/// The transform around a block; `None` where there is none, so that numbers stay as written.
-type Outer = Option<DAffine3>;
-
 impl<'d> Resolver<'d> {
-    fn warn(&mut self, place: Place, message: impl Into<String>, count: usize) {
+    pub fn warn(&mut self, place: Place, message: impl Into<String>, count: usize) {
         self.warnings
             .add_many(&self.document.sources, place, message.into(), count);
     }
@@ -304,15 +282,15 @@ impl<'d> Resolver<'d> {
         })
     }
 
-    fn brdf_named(&self, name: &Name, place: Place) -> Resolved<MaterialId> {
+    pub fn brdf_named(&self, name: &Name, place: Place) -> Resolved<MaterialId> {
         self.lookup(Kind::Brdf, name, place, |s| &s.brdfs)
     }
 
-    fn texture_named(&self, name: &Name, place: Place) -> Resolved<TextureId> {
+    pub fn texture_named(&self, name: &Name, place: Place) -> Resolved<TextureId> {
         self.lookup(Kind::Texture, name, place, |s| &s.textures)
     }
 
-    fn color_named(&self, name: &Name, place: Place) -> Resolved<Rgb> {
+    pub fn color_named(&self, name: &Name, place: Place) -> Resolved<Rgb> {
         self.lookup(Kind::Color, name, place, |s| &s.colors)
     }
 
@@ -330,7 +308,7 @@ impl<'d> Resolver<'d> {
         }
     }
 
-    fn texture_in_place(&mut self, path: &str, place: Place) -> TextureId {
+    pub fn texture_in_place(&mut self, path: &str, place: Place) -> TextureId {
         let key = self.texture_path(path, place);
         if let Some(&known) = self.texture_ids.get(&key) {
             return known;
@@ -340,167 +318,11 @@ impl<'d> Resolver<'d> {
         id
     }
 
-    fn warn_unevaluated(&mut self, surface: &Surface, place: Place) {
+    pub fn warn_unevaluated(&mut self, surface: &Surface, place: Place) {
         if let Some(what) = &surface.unevaluated {
             let message = format!("of the brdf {what} only the diffuse part kd is used");
             self.warn(place, message, 1);
         }
-    }
-}
-
-/// Looks of faces.
-impl<'d> Resolver<'d> {
-    fn change(
-        &mut self,
-        look: &mut Look<'d>,
-        change: &'d Change,
-        is_stacking: &mut bool,
-        place: Place,
-    ) -> Resolved<()> {
-        match change {
-            Change::Set(Body::Color(rgb)) => (look.color, look.color_name) = (Some(*rgb), ""),
-            Change::Use(Kind::Color, name) => {
-                (look.color, look.color_name) = (Some(self.color_named(name, place)?), name);
-            }
-            Change::Set(Body::Brdf(brdf)) => look.brdf = Some(Base::InPlace(brdf)),
-            Change::Use(Kind::Brdf, name) => {
-                let id = self.brdf_named(name, place)?;
-                look.brdf = Some(Base::Named(id));
-                if self.surfaces.get(&id).is_some_and(|s| s.sets_textures) {
-                    look.textures
-                        .clone_from(&self.scene.materials[id as usize].textures);
-                    *is_stacking = false;
-                }
-            }
-            Change::Set(Body::Texture(path)) => {
-                let id = self.texture_in_place(path, place);
-                look.texture(id, is_stacking);
-            }
-            Change::Use(Kind::Texture, name) => {
-                let id = self.texture_named(name, place)?;
-                look.texture(id, is_stacking);
-            }
-        }
-        Ok(())
-    }
-
-    /// The material of a look. `emission` is the radiance of the mesh or light; a mesh with
-    /// colours at its vertices `is_colored`.
-    fn material(
-        &mut self,
-        look: &Look<'d>,
-        emission: Option<Rgb>,
-        is_colored: bool,
-        place: Place,
-    ) -> MaterialId {
-        let key = Key {
-            named: match look.brdf {
-                Some(Base::Named(id)) => Some(id),
-                _ => None,
-            },
-            in_place: match look.brdf {
-                Some(Base::InPlace(brdf)) => Some(format!("{brdf:?}")),
-                _ => None,
-            },
-            color: look.color.map(bits),
-            color_name: look.color_name.to_owned(),
-            textures: look.textures.clone(),
-            emission: emission.map(bits),
-            is_colored,
-        };
-        if let Some(&known) = self.derived.get(&key) {
-            return known;
-        }
-        let material = self.derive(look, emission, is_colored, place);
-        let id = match key.named {
-            Some(base) if self.scene.materials[base as usize] == material => base,
-            _ => self.scene.add_material(material),
-        };
-        self.derived.insert(key, id);
-        id
-    }
-
-    fn derive(
-        &mut self,
-        look: &Look<'d>,
-        emission: Option<Rgb>,
-        is_colored: bool,
-        place: Place,
-    ) -> Material {
-        let mut made = match look.brdf {
-            Some(Base::Named(id)) => match self.surfaces.get(&id) {
-                Some(known) => known.surface.clone(),
-                None => Surface::default(),
-            },
-            Some(Base::InPlace(brdf)) => {
-                let made = surface("", brdf);
-                self.warn_unevaluated(&made, place);
-                made
-            }
-            None => Surface {
-                material: Material::diffuse("", silent_reflectance(emission, is_colored)),
-                ..Surface::default()
-            },
-        };
-        let material = &mut made.material;
-        if let Some(color) = look.color {
-            material.diffuse = match made.says_diffuse {
-                true => material.diffuse * color,
-                false => color,
-            };
-        }
-        if material.name.is_empty() {
-            material.name = look.color_name.to_owned();
-        }
-        material.textures.clone_from(&look.textures);
-        if let Some(radiance) = emission {
-            material.emission = radiance;
-        }
-        if !limit(material) {
-            self.warn(place, REFLECTS_TOO_MUCH, 1);
-        }
-        made.material
-    }
-
-    /// The material of a light or primitive, of which a note may name the brdf.
-    fn noted_material(
-        &mut self,
-        notes: &'d ObjectNotes,
-        emission: Option<Rgb>,
-        place: Place,
-    ) -> Resolved<MaterialId> {
-        let mut look = Look::default();
-        if let Some(name) = &notes.material {
-            let id = self.brdf_named(name, place)?;
-            look.brdf = Some(Base::Named(id));
-            look.textures
-                .clone_from(&self.scene.materials[id as usize].textures);
-        }
-        Ok(self.material(&look, emission, false, place))
-    }
-}
-
-const REFLECTS_TOO_MUCH: &str =
-    "a material reflects less than nothing or more than arrives; limited to 0..1";
-
-/// Reflectance of a surface about which a file says nothing: a lamp's is black, and colours at
-/// vertices are the reflectance themselves.
-fn silent_reflectance(emission: Option<Rgb>, is_colored: bool) -> Rgb {
-    match (emission, is_colored) {
-        (Some(_), _) => Rgb::BLACK,
-        (None, true) => Rgb::WHITE,
-        (None, false) => DEFAULT_REFLECTANCE,
-    }
-}
-
-impl Look<'_> {
-    /// A texture replaces those before the last face, and is added to those behind it.
-    fn texture(&mut self, id: TextureId, is_stacking: &mut bool) {
-        if !*is_stacking {
-            self.textures.clear();
-        }
-        self.textures.push(id);
-        *is_stacking = true;
     }
 }
 
@@ -704,99 +526,4 @@ impl<'d> Resolver<'d> {
         }
         Ok(materials)
     }
-}
-
-/// Whether a transform turns left into right.
-fn is_mirror(outer: Outer) -> bool {
-    outer.is_some_and(|map| map.matrix3.determinant() < 0.0)
-}
-
-/// Makes the back of each face its front, from the same first corner: what was the outside of a
-/// body is the outside of its mirror image.
-fn turn_round(faces: &mut Faces) {
-    for face in 0..faces.len() {
-        let corners = faces.corner_range(face);
-        faces.corners[corners][1..].reverse();
-    }
-}
-
-/// Area vectors of the faces around each vertex, summed.
-fn face_normals(mesh: &Mesh) -> Vec<DVec3> {
-    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
-    for face in mesh.faces.iter() {
-        let area = area_vector(&mesh.positions, face);
-        for &v in face {
-            sums[v as usize] += area;
-        }
-    }
-    sums
-}
-
-/// Newell's sum from the first corner, as [`azulejo_scene::math::area_vector`] has it, without
-/// a list of positions in between.
-fn area_vector(positions: &[DVec3], face: &[u32]) -> DVec3 {
-    let first = positions[face[0] as usize];
-    let edge = |v: u32| positions[v as usize] - first;
-    face[1..]
-        .windows(2)
-        .map(|w| edge(w[0]).cross(edge(w[1])))
-        .sum()
-}
-
-fn degenerate_faces(mesh: &Mesh) -> usize {
-    let faces: &Faces = &mesh.faces;
-    faces
-        .iter()
-        .filter(|face| area_vector(&mesh.positions, face) == DVec3::ZERO)
-        .count()
-}
-
-/// Elementary transformations as one; the first written acts first.
-fn affine(steps: &[Step]) -> DAffine3 {
-    steps.iter().fold(DAffine3::IDENTITY, |done, step| {
-        let next = match *step {
-            Step::Scale(s) => DAffine3::from_scale(s),
-            Step::Translation(t) => DAffine3::from_translation(t),
-            Step::Rotation(degrees) => DAffine3::from_mat3(
-                DMat3::from_rotation_z(degrees.z.to_radians())
-                    * DMat3::from_rotation_y(degrees.y.to_radians())
-                    * DMat3::from_rotation_x(degrees.x.to_radians()),
-            ),
-        };
-        next * done
-    })
-}
-
-fn moved_camera(camera: &Camera, outer: Outer) -> Camera {
-    let mut camera = camera.clone();
-    if let Some(map) = outer {
-        camera.eye = map.transform_point3(camera.eye);
-        camera.target = map.transform_point3(camera.target);
-        camera.up = map.matrix3 * camera.up;
-    }
-    camera
-}
-
-/// A light under a transform; `None` if it loses its direction. Brightness doesn't change.
-fn moved_light(light: &Light, outer: Outer) -> Option<Light> {
-    let mut light = light.clone();
-    let Some(map) = outer else {
-        return Some(light);
-    };
-    match &mut light.kind {
-        LightKind::Point { position, .. } => *position = map.transform_point3(*position),
-        LightKind::Spot {
-            position,
-            direction,
-            ..
-        } => {
-            *position = map.transform_point3(*position);
-            *direction = unit(map.matrix3 * *direction)?;
-        }
-        LightKind::Directional { direction, .. } => {
-            *direction = unit(map.matrix3 * *direction)?;
-        }
-        LightKind::Ambient { .. } => {}
-    }
-    Some(light)
 }

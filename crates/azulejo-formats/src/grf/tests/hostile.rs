@@ -79,6 +79,23 @@ fn one_long_line_of_names() {
     must_fail(&triangle(&uses), &Memory::new(), "`c0`");
 }
 
+/// A long name, a long brdf and many textures that every face would copy.
+#[test]
+fn looks_that_multiply() {
+    let name = "n".repeat(300_000);
+    let faces: String = (0..2000)
+        .map(|k| format!("rgb (0, 0, {k}e-4) (0, 1, 2) "))
+        .collect();
+    let textures = "use texture t ".repeat(10_000);
+    let mesh = triangle(&format!("{textures} use brdf {name} {faces}"));
+    let text = format!("def t = texture x def {name} = brdf ward kd = 1 begin {mesh} end");
+    let scene = scene(&text);
+    assert_eq!(scene.materials.len(), 2001);
+    assert_eq!(scene.materials[1].textures.len(), 64);
+    let names: usize = scene.materials.iter().map(|m| m.name.len()).sum();
+    assert!(names < 300 << 20, "{names}");
+}
+
 #[test]
 fn a_transform_that_overflows() {
     let huge = "transform scale (1e300,1,1) scale (1e300,1,1) begin";

@@ -1,0 +1,297 @@
+//! The keys and values of an extension.
+
+use super::document::{Fail, Kind, Name};
+use super::lexer::Lexer;
+use super::parse::Ending;
+use super::parser::{Parsed, Parser};
+use azulejo_scene::Rgb;
+use glam::DVec3;
+
+const EXTENSION: Ending = Ending {
+    words: &["ext"],
+    is_required: true,
+};
+
+/// What stands behind a key.
+pub(super) enum Value<'a> {
+    Numbers(Vec<f64>),
+    Vectors(Vec<[f64; 3]>),
+    Words(Vec<&'a str>),
+    Text(String),
+}
+
+impl Value<'_> {
+    fn describe(&self) -> String {
+        let (count, what) = match self {
+            Value::Numbers(list) => (list.len(), "number"),
+            Value::Vectors(list) => (list.len(), "triple"),
+            Value::Words(list) => (list.len(), "word"),
+            Value::Text(_) => (1, "text"),
+        };
+        let plural = if count == 1 { "" } else { "s" };
+        format!("{count} {what}{plural}")
+    }
+}
+
+pub(super) struct Entry<'a> {
+    pub key: &'a str,
+    /// Where the value begins.
+    pub offset: usize,
+    pub value: Value<'a>,
+}
+
+/// The keys and values of one extension. What is taken is gone; what is left at the end was not
+/// understood.
+pub(super) struct Entries<'a> {
+    pub extension: &'a str,
+    pub offset: usize,
+    pub list: Vec<Entry<'a>>,
+}
+
+impl<'a> Entries<'a> {
+    pub fn take(&mut self, key: &str) -> Option<Entry<'a>> {
+        let at = self
+            .list
+            .iter()
+            .position(|e| e.key.eq_ignore_ascii_case(key))?;
+        Some(self.list.remove(at))
+    }
+}
+
+impl<'a> Parser<'a, '_, '_> {
+    /// Everything after `begin`, and `end ext`.
+    pub fn entries(&mut self, extension: &'a str, offset: usize) -> Parsed<Entries<'a>> {
+        let mut list = Vec::new();
+        while at_key(self.lexer) {
+            let key = self.lexer.word().unwrap_or("");
+            self.expect(b'=')?;
+            let offset = self.lexer.skip_blank();
+            let value = self.value()?;
+            list.push(Entry { key, offset, value });
+        }
+        self.end(offset, &EXTENSION)?;
+        Ok(Entries {
+            extension,
+            offset,
+            list,
+        })
+    }
+
+    fn value(&mut self) -> Parsed<Value<'a>> {
+        match self.lexer.peek() {
+            Some(b'"') => match self.lexer.escaped_text() {
+                Some(text) => Ok(Value::Text(unescaped(text))),
+                None => Err(self.unexpected("a text that is closed by `\"` on its line")),
+            },
+            Some(b'(') => {
+                let mut vectors = Vec::new();
+                while self.lexer.peek() == Some(b'(') {
+                    vectors.push(self.vector3()?.to_array());
+                }
+                Ok(Value::Vectors(vectors))
+            }
+            _ if self.lexer.at_number() => {
+                let mut numbers = Vec::new();
+                while !at_key(self.lexer) && self.lexer.at_number() {
+                    numbers.push(self.number()?);
+                    self.lexer.eat(b',');
+                }
+                Ok(Value::Numbers(numbers))
+            }
+            _ => {
+                let mut words = Vec::new();
+                while !at_key(self.lexer)
+                    && let Some(word) = self.lexer.peek_word()
+                    && !word.eq_ignore_ascii_case("end")
+                {
+                    self.lexer.word();
+                    words.push(word);
+                }
+                if words.is_empty() {
+                    return Err(self.unexpected("a number, a vector, a \"text\" or a word"));
+                }
+                Ok(Value::Words(words))
+            }
+        }
+    }
+}
+
+/// The values of single keys.
+impl<'a> Parser<'a, '_, '_> {
+    #[cold]
+    pub fn wrong(&mut self, entry: &Entry<'_>, expected: &str) -> Fail {
+        let found = format!("`{}` of {}", entry.key, entry.value.describe());
+        self.fail(entry.offset, found, expected)
+    }
+
+    pub fn required<T>(&mut self, entries: &Entries<'_>, key: &str, value: Option<T>) -> Parsed<T> {
+        match value {
+            Some(value) => Ok(value),
+            None => Err(self.fail(
+                entries.offset,
+                format!("`ext {}` without `{key}`", entries.extension),
+                format!("`{key} = ...` in it"),
+            )),
+        }
+    }
+
+    pub fn take_number(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+    ) -> Parsed<Option<(f64, usize)>> {
+        match entries.take(key) {
+            None => Ok(None),
+            Some(entry) => match entry.value {
+                Value::Numbers(ref n) if n.len() == 1 => Ok(Some((n[0], entry.offset))),
+                _ => Err(self.wrong(&entry, "one number")),
+            },
+        }
+    }
+
+    /// Radians, from `key` in degrees or from `key_radians`, which is written when no number of
+    /// degrees gives the same bits.
+    pub fn take_angle(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<f64>> {
+        let degrees = self.take_number(entries, key)?;
+        let radians = self.take_number(entries, &format!("{key}_radians"))?;
+        Ok(radians
+            .map(|(r, _)| r)
+            .or(degrees.map(|(d, _)| d.to_radians())))
+    }
+
+    pub fn take_point(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<DVec3>> {
+        match entries.take(key) {
+            None => Ok(None),
+            Some(entry) => match entry.value {
+                Value::Vectors(ref v) if v.len() == 1 => Ok(Some(DVec3::from_array(v[0]))),
+                _ => Err(self.wrong(&entry, "one vector (x, y, z)")),
+            },
+        }
+    }
+
+    pub fn needed_point(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<DVec3> {
+        let point = self.take_point(entries, key)?;
+        self.required(entries, key, point)
+    }
+
+    /// A unit vector, from one of any length.
+    pub fn needed_direction(&mut self, entries: &mut Entries<'a>) -> Parsed<DVec3> {
+        let offset = entries.offset;
+        let direction = self.needed_point(entries, "direction")?;
+        match super::unit(direction) {
+            Some(unit) => Ok(unit),
+            None => Err(self.fail(
+                offset,
+                "a direction without length",
+                "a vector that is not 0",
+            )),
+        }
+    }
+
+    pub fn take_rgb(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<Rgb>> {
+        let Some(entry) = entries.take(key) else {
+            return Ok(None);
+        };
+        let rgb = match &entry.value {
+            Value::Vectors(v) if v.len() == 1 => Rgb::from(v[0]),
+            Value::Numbers(n) if n.len() == 1 => Rgb::grey(n[0]),
+            _ => return Err(self.wrong(&entry, "one number or (r, g, b)")),
+        };
+        Ok(Some(self.not_negative(entry.offset, rgb)))
+    }
+
+    pub fn needed_rgb(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Rgb> {
+        let rgb = self.take_rgb(entries, key)?;
+        self.required(entries, key, rgb)
+    }
+
+    pub fn take_reflectance(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+    ) -> Parsed<Option<Rgb>> {
+        let offset = entries.offset;
+        let rgb = self.take_rgb(entries, key)?;
+        if rgb.is_some_and(|c| c.max_channel() > 1.0) {
+            self.warn(offset, "a reflectance is above 1; read as 1");
+        }
+        Ok(rgb.map(|c| c.map(|x| x.min(1.0))))
+    }
+
+    pub fn take_text(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<String>> {
+        match entries.take(key) {
+            None => Ok(None),
+            Some(Entry {
+                value: Value::Text(text),
+                ..
+            }) => Ok(Some(text)),
+            Some(entry) => Err(self.wrong(&entry, "a \"text\"")),
+        }
+    }
+
+    pub fn take_word(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+    ) -> Parsed<Option<(&'a str, usize)>> {
+        match entries.take(key) {
+            None => Ok(None),
+            Some(entry) => match entry.value {
+                Value::Words(ref w) if w.len() == 1 => Ok(Some((w[0], entry.offset))),
+                _ => Err(self.wrong(&entry, "one word")),
+            },
+        }
+    }
+
+    /// A name that a `def` must have made.
+    pub fn take_name(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+        kind: Kind,
+    ) -> Parsed<Option<Name>> {
+        let Some((word, offset)) = self.take_word(entries, key)? else {
+            return Ok(None);
+        };
+        let name = self.shared.intern(word);
+        self.note_use(offset, kind, &name);
+        Ok(Some(name))
+    }
+}
+
+/// Whether `key =` follows.
+fn at_key(mut ahead: Lexer<'_>) -> bool {
+    ahead.word().is_some() && ahead.eat(b'=')
+}
+
+/// Resolves the escapes `\n`, `\r`, `\t` and `\u{hex}`; any other character behind a backslash
+/// is itself.
+fn unescaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text.chars();
+    while let Some(c) = rest.next() {
+        if c != '\\' {
+            out.push(c);
+            continue;
+        }
+        match rest.next() {
+            Some('n') => out.push('\n'),
+            Some('r') => out.push('\r'),
+            Some('t') => out.push('\t'),
+            Some('u') => {
+                let digits: String = rest
+                    .by_ref()
+                    .take_while(|&c| c != '}')
+                    .filter(|&c| c != '{')
+                    .collect();
+                let code = u32::from_str_radix(&digits, 16)
+                    .ok()
+                    .and_then(char::from_u32);
+                out.push(code.unwrap_or(char::REPLACEMENT_CHARACTER));
+            }
+            Some(other) => out.push(other),
+            None => {}
+        }
+    }
+    out
+}

@@ -1,0 +1,104 @@
+//! Placing things in the world: transforms, and what they do to faces, cameras and lights.
+
+use super::document::Step;
+use super::unit;
+use azulejo_scene::{Camera, Faces, Light, LightKind, Mesh};
+use glam::{DAffine3, DMat3, DVec3};
+
+/// The transform around a block; `None` where there is none, so that numbers stay as written.
+pub(super) type Outer = Option<DAffine3>;
+
+/// Whether a transform turns left into right.
+pub(super) fn is_mirror(outer: Outer) -> bool {
+    outer.is_some_and(|map| map.matrix3.determinant() < 0.0)
+}
+
+/// Makes the back of each face its front, from the same first corner: what was the outside of a
+/// body is the outside of its mirror image.
+pub(super) fn turn_round(faces: &mut Faces) {
+    for face in 0..faces.len() {
+        let corners = faces.corner_range(face);
+        faces.corners[corners][1..].reverse();
+    }
+}
+
+/// Area vectors of the faces around each vertex, summed.
+pub(super) fn face_normals(mesh: &Mesh) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+    for face in mesh.faces.iter() {
+        let area = area_vector(&mesh.positions, face);
+        for &v in face {
+            sums[v as usize] += area;
+        }
+    }
+    sums
+}
+
+/// Newell's sum from the first corner, as [`azulejo_scene::math::area_vector`] has it, without
+/// a list of positions in between.
+fn area_vector(positions: &[DVec3], face: &[u32]) -> DVec3 {
+    let first = positions[face[0] as usize];
+    let edge = |v: u32| positions[v as usize] - first;
+    face[1..]
+        .windows(2)
+        .map(|w| edge(w[0]).cross(edge(w[1])))
+        .sum()
+}
+
+pub(super) fn degenerate_faces(mesh: &Mesh) -> usize {
+    let faces: &Faces = &mesh.faces;
+    faces
+        .iter()
+        .filter(|face| area_vector(&mesh.positions, face) == DVec3::ZERO)
+        .count()
+}
+
+/// Elementary transformations as one; the first written acts first.
+pub(super) fn affine(steps: &[Step]) -> DAffine3 {
+    steps.iter().fold(DAffine3::IDENTITY, |done, step| {
+        let next = match *step {
+            Step::Scale(s) => DAffine3::from_scale(s),
+            Step::Translation(t) => DAffine3::from_translation(t),
+            Step::Rotation(degrees) => DAffine3::from_mat3(
+                DMat3::from_rotation_z(degrees.z.to_radians())
+                    * DMat3::from_rotation_y(degrees.y.to_radians())
+                    * DMat3::from_rotation_x(degrees.x.to_radians()),
+            ),
+        };
+        next * done
+    })
+}
+
+pub(super) fn moved_camera(camera: &Camera, outer: Outer) -> Camera {
+    let mut camera = camera.clone();
+    if let Some(map) = outer {
+        camera.eye = map.transform_point3(camera.eye);
+        camera.target = map.transform_point3(camera.target);
+        camera.up = map.matrix3 * camera.up;
+    }
+    camera
+}
+
+/// A light under a transform; `None` if it loses its direction. Brightness doesn't change.
+pub(super) fn moved_light(light: &Light, outer: Outer) -> Option<Light> {
+    let mut light = light.clone();
+    let Some(map) = outer else {
+        return Some(light);
+    };
+    match &mut light.kind {
+        LightKind::Point { position, .. } => *position = map.transform_point3(*position),
+        LightKind::Spot {
+            position,
+            direction,
+            ..
+        } => {
+            *position = map.transform_point3(*position);
+            *direction = unit(map.matrix3 * *direction)?;
+        }
+        LightKind::Directional { direction, .. } => {
+            *direction = unit(map.matrix3 * *direction)?;
+        }
+        LightKind::Ambient { .. } => {}
+    }
+    Some(light)
+}
