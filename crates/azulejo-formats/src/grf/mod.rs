@@ -57,8 +57,8 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
 }
 
 /// Writes a scene that keeps the promises of [`Scene::validate`], canonically and through a
-/// buffer of its own. `ReadError`s aside, [`read`] gives the same scene back; what differs is
-/// listed [above](self).
+/// buffer of its own. [`read`] gives the same scene back, with the exceptions named
+/// [above](self).
 ///
 /// # Errors
 /// Those of `out`.

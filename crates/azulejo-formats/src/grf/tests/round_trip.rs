@@ -93,6 +93,44 @@ fn corners_that_disagree_split_their_vertex() {
     assert_eq!(mesh.irradiance[5], Rgb::grey(0.0));
 }
 
+/// Models that people made: as GRF they keep their faces, and from then on every bit.
+#[test]
+#[allow(clippy::print_stderr)]
+fn models_from_elsewhere() {
+    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
+        eprintln!("skipped: AZULEJO_DATA is not set");
+        return;
+    };
+    let folders = ["scenes", "corpus/obj"].map(|f| std::path::Path::new(&data).join(f));
+    let mut count = 0;
+    for folder in folders {
+        let files = crate::Folder::new(&folder);
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|e| e != "obj") {
+                continue;
+            }
+            let name = path.display().to_string();
+            let bytes = std::fs::read(&path).unwrap();
+            let Ok(loaded) = crate::obj::read(&bytes, &name, &files) else {
+                continue;
+            };
+            count += 1;
+            let text = written(&loaded.scene);
+            let once = read(text.as_bytes(), &name, &files).unwrap().scene;
+            let faces = |s: &Scene| {
+                (0..s.objects.len())
+                    .map(|o| mesh(s, o).faces.len())
+                    .sum::<usize>()
+            };
+            assert_eq!(faces(&once), faces(&loaded.scene), "{name}");
+            assert_eq!(once.materials, loaded.scene.materials, "{name}");
+            assert!(written(&once) == text, "{name}");
+        }
+    }
+    assert!(count > 4, "{count} models");
+}
+
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         -100.0..100.0,
