@@ -6,7 +6,7 @@
 //! apart is `irad`: a solved scene keeps its light. The grammar as azulejo reads it, its
 //! extensions and its deviations stand in `docs/formats/grf.md`.
 //!
-//! [`read`] and [`write`] go between bytes and [`Scene`]. A [`Document`] mirrors a file
+//! [`read`] and [`write()`] go between bytes and [`Scene`]. A [`Document`] mirrors a file
 //! literally, for programs that save a file which somebody wrote by hand.
 //!
 //! Invariants: numbers are written in the shortest form that reads back to the same bits;
