@@ -19,6 +19,9 @@ const ERRORS: [f64; 5] = [0.05, 0.03, 0.02, 0.015, 0.01];
 fn main() {
     let paths = std::env::args().skip(1).find_map(|a| a.parse().ok()).unwrap_or(20_000);
     for (name, variant) in [("s1, diffuse", CornellVariant::Diffuse), ("s2, mirror block", CornellVariant::MirrorBlock)] {
+        if std::env::var("ONLY").is_ok_and(|only| !name.starts_with(&only)) {
+            continue;
+        }
         println!("\n{name}: {POINTS} points, truth at {} of {paths} paths each", POINTS / EVERY);
         measure(&cornell_box(variant), paths);
     }

@@ -8,15 +8,19 @@ use rayon::prelude::*;
 /// stay in the cache.
 const CHUNK: usize = 8;
 
-/// Rays per point of the first pass when an error is asked for; later passes make the total a
-/// power of two times this, or one and a half times that.
+/// Rays per point of the first pass when an error is asked for; later passes make a point's
+/// total a power of two times this, or one and a half times that.
 const FIRST_RAYS: u32 = 128;
 
 /// Rays per point at which gathering gives up on an error.
 const MOST_RAYS: u32 = 1 << 17;
 
-/// Error falls about as rays^−0.6 (measured: between random, ½, and 2-D strata, ¾).
-const RATE: f64 = 0.6;
+/// No pass makes a point's total more than this many times what it was: early variances are
+/// too uncertain to be trusted further.
+const GROWTH: f64 = 8.0;
+
+/// Variance falls about as rays^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
+const RATE: f64 = 1.2;
 
 /// Irradiance below this share of the mean counts as that when errors are made relative, so
 /// that points in the dark don't decide alone.
@@ -31,8 +35,26 @@ pub enum Effort {
     Error(f64),
 }
 
-/// Gathers at all points until `effort` is reached or the progress is out of time; returns the
-/// estimates and the rays spent per point.
+/// Irradiance at points, and what it cost.
+pub struct Gathering {
+    /// One entry per point.
+    pub gathered: Vec<Gathered>,
+    /// Rays spent on each point.
+    pub spent: Vec<u32>,
+}
+
+impl Gathering {
+    /// Mean number of rays per point.
+    pub fn rays_per_point(&self) -> u32 {
+        let sum: u64 = self.spent.iter().map(|&n| u64::from(n)).sum();
+        (sum / self.spent.len().max(1) as u64) as u32
+    }
+}
+
+/// Gathers at all points until `effort` is reached or the progress is out of time.
+///
+/// For an error, a first pass tells how noisy each point is; later ones spend their rays where
+/// they lower the error most.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -43,80 +65,123 @@ pub fn gather(
     effort: Effort,
     seed: u32,
     progress: &Progress,
-) -> Result<(Vec<Gathered>, u32), Cancelled> {
-    let mut rays = match effort {
+) -> Result<Gathering, Cancelled> {
+    let task = Task { gatherer, light, points, seed, progress };
+    let first = match effort {
         Effort::Rays(n) => n.max(1),
         Effort::Error(_) => FIRST_RAYS,
     };
-    let (mut sum, mut spent) = (Vec::new(), 0);
-    loop {
-        let found = gather_pass(gatherer, light, points, &GatherOptions { rays, spent, seed }, progress)?;
-        sum = combined(sum, spent, found, rays);
-        spent += rays;
-        let Effort::Error(goal) = effort else { break };
-        let error = relative_error(&sum);
-        if error <= goal || spent >= MOST_RAYS || progress.out_of_time() {
+    let everywhere: Vec<u32> = (0..points.len() as u32).collect();
+    let gathered = task.pass(&everywhere, &GatherOptions { rays: first, spent: 0, seed })?;
+    let mut all = Gathering { gathered, spent: vec![first; points.len()] };
+    let Effort::Error(goal) = effort else { return Ok(all) };
+    while !progress.out_of_time() {
+        let variances = relative_variances(&all.gathered);
+        if rms(&variances) <= goal {
             break;
         }
-        let wanted = f64::from(spent) * (error / goal).powf(1.0 / RATE);
-        rays = next_total(spent, wanted) - spent;
+        let totals = allot(&variances, &all.spent, goal);
+        if totals == all.spent {
+            break;
+        }
+        task.raise(&mut all, &totals)?;
     }
-    Ok((sum, spent))
+    Ok(all)
 }
 
-/// The least total of rays that is more than `spent`, at least `wanted` but for a tenth, and well
-/// spread: a power of two, or one and a half times one, in units of the first pass.
-fn next_total(spent: u32, wanted: f64) -> u32 {
-    let totals = (0..).map(|k| FIRST_RAYS * [2, 3][k as usize % 2] << (k / 2)).map(|t| t / 2);
-    let enough = |&t: &u32| t > spent && f64::from(t) >= 0.9 * wanted;
-    totals.take_while(|&t| t <= MOST_RAYS).find(enough).unwrap_or(MOST_RAYS)
+/// What stays the same over all passes.
+struct Task<'a, L> {
+    gatherer: &'a Gatherer<'a>,
+    light: &'a L,
+    points: &'a [GatherPoint],
+    seed: u32,
+    progress: &'a Progress,
 }
 
-fn gather_pass(
-    gatherer: &Gatherer,
-    light: &impl DiffuseLight,
-    points: &[GatherPoint],
-    options: &GatherOptions,
-    progress: &Progress,
-) -> Result<Vec<Gathered>, Cancelled> {
-    progress.begin("irradiance", points.len() as u64);
-    let directions = DirectionTables::new(options);
-    let chunks: Result<Vec<Vec<Gathered>>, Cancelled> = points
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            progress.advance(chunk.len() as u64)?;
-            Ok(gatherer.gather_with(chunk, options, &directions, light))
-        })
-        .collect();
-    Ok(chunks?.into_iter().flatten().collect())
-}
-
-/// The mean of two passes by their rays, replicate by replicate.
-fn combined(old: Vec<Gathered>, old_rays: u32, new: Vec<Gathered>, new_rays: u32) -> Vec<Gathered> {
-    if old.is_empty() {
-        return new;
+impl<L: DiffuseLight> Task<'_, L> {
+    /// Brings every point to its total, in groups that have the same way to go.
+    fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
+        let mut ways: Vec<(u32, u32)> = all.spent.iter().copied().zip(totals.iter().copied()).collect();
+        let groups = ways.clone();
+        ways.sort_unstable();
+        ways.dedup();
+        for (spent, total) in ways.into_iter().filter(|(spent, total)| total > spent) {
+            let chosen: Vec<u32> = (0..groups.len() as u32).filter(|&i| groups[i as usize] == (spent, total)).collect();
+            let rays = total - spent;
+            let found = self.pass(&chosen, &GatherOptions { rays, spent, seed: self.seed })?;
+            for (&i, new) in chosen.iter().zip(&found) {
+                let old = &mut all.gathered[i as usize];
+                *old = old.blend(new, f64::from(rays) / f64::from(total));
+                all.spent[i as usize] = total;
+            }
+        }
+        Ok(())
     }
-    let share = f64::from(new_rays) / f64::from(old_rays + new_rays);
-    old.iter().zip(&new).map(|(a, b)| a.blend(b, share)).collect()
+
+    /// Gathers once at the chosen points.
+    fn pass(&self, chosen: &[u32], options: &GatherOptions) -> Result<Vec<Gathered>, Cancelled> {
+        self.progress.begin("irradiance", chosen.len() as u64);
+        let directions = DirectionTables::new(options);
+        let chunks: Result<Vec<Vec<Gathered>>, Cancelled> = chosen
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                self.progress.advance(chunk.len() as u64)?;
+                let points: Vec<GatherPoint> = chunk.iter().map(|&i| self.points[i as usize]).collect();
+                Ok(self.gatherer.gather_with(&points, options, &directions, self.light))
+            })
+            .collect();
+        Ok(chunks?.into_iter().flatten().collect())
+    }
+}
+
+/// Totals of rays that bring the root mean square of `variances` to `goal` at least cost, as far
+/// as one pass should go.
+///
+/// A point's variance falls with its rays n as n^−[`RATE`]; the sum of rays is then least for n
+/// in proportion to variance^(1/(1 + RATE)), by Lagrange.
+fn allot(variances: &[f64], spent: &[u32], goal: f64) -> Vec<u32> {
+    let mean = variances.iter().sum::<f64>() / variances.len() as f64;
+    // Four replicates tell a point's variance badly; half of it is taken from all points.
+    let per_ray = |(v, &n): (&f64, &u32)| 0.5 * (v + mean) * f64::from(n).powf(RATE);
+    let strength: Vec<f64> = variances.iter().zip(spent).map(per_ray).collect();
+    let power = 1.0 / (1.0 + RATE);
+    let sum: f64 = strength.iter().map(|s| s.powf(power)).sum();
+    let scale = (sum / (strength.len() as f64 * goal * goal)).powf(1.0 / RATE);
+    let total = |(s, &n): (&f64, &u32)| well_spread(n, (scale * s.powf(power)).min(GROWTH * f64::from(n)));
+    strength.iter().zip(spent).map(total).collect()
+}
+
+/// The total of rays nearest to `wanted`, at least `spent`, that is well spread: a power of two,
+/// or one and a half times one, in units of the first pass.
+fn well_spread(spent: u32, wanted: f64) -> u32 {
+    let totals = (0..).map(|k| (FIRST_RAYS * [2, 3][k as usize % 2] << (k / 2)) / 2).take_while(|&t| t <= MOST_RAYS);
+    let enough = |&t: &u32| t >= spent && f64::from(t) >= 0.85 * wanted;
+    totals.into_iter().find(enough).unwrap_or(spent.max(MOST_RAYS))
 }
 
 /// Root mean square, over points and channels, of standard error over irradiance; irradiance
 /// below a tenth of the mean counts as that.
 pub fn relative_error(gathered: &[Gathered]) -> f64 {
-    let means: Vec<Rgb> = gathered.iter().map(Gathered::mean).collect();
-    let average = means.iter().copied().sum::<Rgb>() / means.len().max(1) as f64;
-    let (mut sum, mut count) = (0.0, 0);
-    for (g, mean) in gathered.iter().zip(&means) {
-        let variance = g.variance();
-        for k in 0..3 {
+    rms(&relative_variances(gathered))
+}
+
+fn rms(variances: &[f64]) -> f64 {
+    (variances.iter().sum::<f64>() / variances.len().max(1) as f64).sqrt()
+}
+
+/// Variance of each point's estimate over its square, mean of the channels that have light.
+fn relative_variances(gathered: &[Gathered]) -> Vec<f64> {
+    let average = gathered.iter().map(Gathered::mean).sum::<Rgb>() / gathered.len().max(1) as f64;
+    let lit = (0..3).filter(|&k| average[k] > 0.0).count().max(1) as f64;
+    let relative = |g: &Gathered| {
+        let (mean, variance) = (g.mean(), g.variance());
+        let channel = |k: usize| {
             let against = mean[k].max(DARK * average[k]);
-            if against > 0.0 {
-                sum += variance[k] / (against * against);
-                count += 1;
-            }
-        }
-    }
-    if count > 0 { (sum / f64::from(count)).sqrt() } else { 0.0 }
+            if against > 0.0 { variance[k] / (against * against) } else { 0.0 }
+        };
+        (0..3).map(channel).sum::<f64>() / lit
+    };
+    gathered.iter().map(relative).collect()
 }
 
 /// Standard error of an estimate such that two of them to either side hold the truth with the

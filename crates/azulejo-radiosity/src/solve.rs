@@ -1,6 +1,6 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
-use crate::gather::{Effort, gather, relative_error, standard_error};
+use crate::gather::{Effort, Gathering, gather, relative_error, standard_error};
 use crate::light::{PatchLight, reflectances};
 use crate::patch::{PatchSize, Patches};
 use crate::stochastic;
@@ -8,7 +8,7 @@ use crate::system::{Balance, Found, System};
 use crate::vertices;
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Progress, Surfaces, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Progress, Surfaces, Tracer};
 use std::fmt;
 
 /// What the first pass should do.
@@ -122,7 +122,7 @@ pub struct Report {
     pub points: usize,
     /// Rays that started at patches.
     pub patch_rays: u64,
-    /// Rays that started at each point.
+    /// Rays that started at each point, on average.
     pub point_rays: u32,
     /// Bytes of the stored rows.
     pub bytes: usize,
@@ -155,9 +155,9 @@ pub fn solve(scene: &Scene, tracer: &Tracer, pass: &FirstPass, progress: &Progre
     let targets = vertices::targets(scene, &solved.patches, &solved.found.incident, pass.keep_mesh);
     let light = solved.light();
     let seed = hash(&[pass.key(), 1]);
-    let (gathered, rays) = gather(&solved.gatherer, &light, &targets.points, pass.effort(), seed, progress)?;
-    let report = solved.report(&gathered, rays);
-    Ok(Light { irradiance: targets.irradiance(scene, &solved.patches, &gathered), report })
+    let found = gather(&solved.gatherer, &light, &targets.points, pass.effort(), seed, progress)?;
+    let irradiance = targets.irradiance(scene, &solved.patches, &found.gathered);
+    Ok(Light { irradiance, report: solved.report(&found) })
 }
 
 /// A place and a direction at which irradiance is asked for.
@@ -203,9 +203,9 @@ pub fn probe(
     let place = |(i, p): (usize, &PointNormal)| GatherPoint { position: p.position, normal: p.normal, key: i as u32 };
     let places: Vec<GatherPoint> = points.iter().enumerate().map(place).collect();
     let seed = hash(&[pass.key(), 2]);
-    let (gathered, rays) = gather(&solved.gatherer, &light, &places, pass.effort(), seed, progress)?;
-    let estimates = gathered.iter().map(|g| Estimate { value: g.mean(), error: standard_error(g) }).collect();
-    Ok(Probed { estimates, report: solved.report(&gathered, rays) })
+    let found = gather(&solved.gatherer, &light, &places, pass.effort(), seed, progress)?;
+    let estimates = found.gathered.iter().map(|g| Estimate { value: g.mean(), error: standard_error(g) }).collect();
+    Ok(Probed { estimates, report: solved.report(&found) })
 }
 
 /// Patches and the light on them, before it is gathered anywhere.
@@ -245,18 +245,18 @@ impl<'a> Solved<'a> {
         PatchLight::new(self.gatherer.surfaces(), &self.patches, &self.reflectance, &self.found.solutions)
     }
 
-    fn report(&self, gathered: &[Gathered], rays: u32) -> Report {
+    fn report(&self, gathering: &Gathering) -> Report {
         Report {
             method: self.method,
             patches: self.patches.len(),
-            points: gathered.len(),
+            points: gathering.gathered.len(),
             patch_rays: self.found.rays,
-            point_rays: rays,
+            point_rays: gathering.rays_per_point(),
             bytes: self.found.bytes,
             iterations: self.found.convergence.iterations,
             residual: self.found.convergence.residual,
             balance: self.found.balance,
-            error: relative_error(gathered),
+            error: relative_error(&gathering.gathered),
         }
     }
 }
