@@ -5,106 +5,89 @@
 //! with the watertight test of Woop, Benthin and Wald, JCGT 2(1), 2013. Products in the edge
 //! functions are rounded one by one, never fused, so two triangles that share an edge always
 //! agree on its sign, and every instruction set finds the same hits.
+//!
+//! A tree of some megabytes is not in the caches, and a ray spends most of its time waiting for
+//! nodes. So a batch keeps several rays under way by turns ([`LANES`]), each asking for its next
+//! node and then letting the others work.
 
 use crate::build::DEEPEST;
 use crate::bvh::{Bvh, Child, Node, WIDTH};
+use crate::prepared::PreparedRay;
 use crate::ray::{KernelHit, KernelRay};
 use crate::triangle::{PACKET, Packet, PacketHits};
+use glam::Vec3;
 
-/// Room for all siblings along the longest path.
-const STACK: usize = (WIDTH - 1) * DEEPEST + WIDTH;
+/// Room for all siblings along the longest path, and for a whole node above them.
+const STACK: usize = (WIDTH - 1) * DEEPEST + 2 * WIDTH;
 
-/// Children that wait: distance of the box (as bits, which order like the numbers they are of,
-/// none being negative) above the packed child.
-pub(crate) type Stack = [u64; STACK];
+/// Rays that one thread has under way. While one waits for its next node to come from memory the
+/// others go on: in trees larger than the caches this nearly doubles the rate.
+const LANES: usize = 8;
 
-/// A stack to be reused for many rays.
-pub(crate) const EMPTY_STACK: Stack = [0; STACK];
-
-/// Directions shorter than this along their longest axis hit nothing.
-const SHORTEST_DIRECTION: f32 = 1e-25;
-
-/// Components of the direction are kept this far from zero, relative to the largest, so that
-/// no product with the inverse is 0 · ∞; over the scene's width a ray moves aside by less than
-/// the rounding of its origin.
-const SMALLEST_COMPONENT: f32 = 1e-10;
-
-/// What one ray needs again and again.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PreparedRay {
-    pub origin: [f32; 3],
-    /// 1 / direction.
-    pub inverse: [f32; 3],
-    /// `origin · inverse`, plus the margin: for the planes where the ray enters.
-    pub near_offset: [f32; 3],
-    /// `origin · inverse`, less the margin: for the planes where it leaves.
-    pub far_offset: [f32; 3],
-    /// Row of [`Node::planes`] where the ray enters, per axis.
-    pub near_row: [usize; 3],
-    /// The axis of the longest component last.
-    pub axes: [usize; 3],
-    /// Shear that turns the direction into the last axis, and the scale along it.
-    pub shear: [f32; 3],
-    pub t_min: f32,
-}
-
-impl PreparedRay {
-    /// `None` for a ray that cannot hit anything. Coordinates of the scene lie within −1..=1.
-    #[inline(always)]
-    pub(crate) fn new(ray: &KernelRay) -> Option<PreparedRay> {
-        let (o, d) = (ray.origin, ray.direction);
-        let size = d.map(f32::abs);
-        let last = if size[0] > size[1] {
-            if size[0] > size[2] { 0 } else { 2 }
-        } else if size[1] > size[2] {
-            1
-        } else {
-            2
-        };
-        // A comparison with NaN is false, so this also turns those away.
-        let sum = o[0].abs() + o[1].abs() + o[2].abs() + size[0] + size[1] + size[2];
-        let usable = sum < f32::INFINITY && size[last] >= SHORTEST_DIRECTION;
-        if !(usable && ray.t_min < ray.t_max) {
-            return None;
-        }
-        let axes = [(last + 1) % 3, (last + 2) % 3, last];
-        let floor = size[last] * SMALLEST_COMPONENT;
-        let inverse = [0, 1, 2].map(|k| 1.0 / size[k].max(floor).copysign(d[k]));
-        let reach = o[0].abs().max(o[1].abs()).max(o[2].abs()) + 1.0;
-        let margin = reach * (4.0 * f32::EPSILON);
-        Some(PreparedRay {
-            origin: o,
-            inverse,
-            near_offset: [0, 1, 2].map(|k| o[k] * inverse[k] + margin * inverse[k].abs()),
-            far_offset: [0, 1, 2].map(|k| o[k] * inverse[k] - margin * inverse[k].abs()),
-            near_row: [0, 1, 2].map(|k| 2 * k + usize::from(d[k].is_sign_negative())),
-            axes,
-            shear: [d[axes[0]] / d[last], d[axes[1]] / d[last], 1.0 / d[last]],
-            t_min: ray.t_min.max(0.0),
-        })
-    }
-
-    /// Row of [`Node::planes`] where the ray leaves.
-    #[inline(always)]
-    pub(crate) fn far_row(&self, axis: usize) -> usize {
-        self.near_row[axis] ^ 1
-    }
-}
+/// Fewer rays than this are not worth setting up all lanes.
+const FEW_RAYS: usize = 4 * LANES;
 
 /// The few operations that differ between instruction sets.
 ///
 /// An implementing type is the proof that its instructions are there.
 pub(crate) trait Instructions: Copy {
-    /// A ray spread over lanes.
-    type Ray: Copy;
-
-    fn spread(self, ray: &PreparedRay) -> Self::Ray;
-
     /// Which boxes the ray meets before `t_max`, as a mask; `near` gets where it enters them.
-    fn boxes(self, ray: &Self::Ray, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32;
+    fn boxes(self, ray: &PreparedRay, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32;
+
+    /// Puts the children of a mask on the stack, one after the other; all eight entries may be
+    /// overwritten.
+    fn put(self, mask: u32, children: &[u32; WIDTH], stack: &mut [u64; WIDTH]);
 
     /// Which triangles the ray meets at `t <= t_max`, as a mask, and where.
-    fn triangles(self, ray: &Self::Ray, packet: &Packet, t_max: f32, hits: &mut PacketHits) -> u32;
+    fn triangles(
+        self,
+        ray: &PreparedRay,
+        packet: &Packet,
+        t_max: f32,
+        hits: &mut PacketHits,
+    ) -> u32;
+
+    /// Asks for a value that will soon be read.
+    fn prefetch<T>(self, value: &T);
+}
+
+/// A child that waits: the distance of its box (as bits, which order like the numbers they are
+/// of, none being negative) above the packed child.
+#[inline(always)]
+fn entry(near: f32, child: u32) -> u64 {
+    (u64::from(near.to_bits()) << 32) | u64::from(child)
+}
+
+/// Puts the children of a mask, which is not 0, on the stack, farthest first, but for the nearest:
+/// returns that, and how many were put.
+#[inline(always)]
+pub(crate) fn put_sorted(
+    mut mask: u32,
+    near: &[f32; WIDTH],
+    children: &[u32; WIDTH],
+    stack: &mut [u64; WIDTH],
+) -> (u32, usize) {
+    let mut take = || {
+        let k = mask.trailing_zeros() as usize % WIDTH;
+        mask &= mask - 1;
+        (entry(near[k], children[k]), mask != 0)
+    };
+    let (mut nearest, mut more) = take();
+    let mut count = 0;
+    while more {
+        let mut next;
+        (next, more) = take();
+        (nearest, next) = (nearest.min(next), nearest.max(next));
+        // Insertion from the top: few entries, mostly in order.
+        let mut place = count;
+        while place > 0 && stack[place - 1] < next {
+            stack[place] = stack[place - 1];
+            place -= 1;
+        }
+        stack[place] = next;
+        count += 1;
+    }
+    (nearest as u32, count)
 }
 
 /// What is in leaves besides triangles.
@@ -122,229 +105,290 @@ pub(crate) fn is_better(t: f32, item: u32, hit: &KernelHit) -> bool {
     t < hit.t || (t == hit.t && item < hit.item)
 }
 
-/// Nearest meeting, or `hit` unchanged; `hit.t` is the largest parameter that counts.
+/// What rays meet: the tree and what its leaves speak of.
+pub(crate) struct Surroundings<'a, O> {
+    pub bvh: &'a Bvh,
+    pub others: &'a O,
+}
+
+/// Calls `done` with the place of each ray and its nearest meeting, in any order; with `ANY`,
+/// with any meeting at all.
 #[inline(always)]
-pub(crate) fn closest<I: Instructions>(
+pub(crate) fn trace<I: Instructions, O: Others, const ANY: bool>(
     isa: I,
-    bvh: &Bvh,
-    others: &impl Others,
-    ray: &KernelRay,
-    stack: &mut Stack,
-    hit: &mut KernelHit,
+    around: &Surroundings<O>,
+    rays: &[KernelRay],
+    done: impl FnMut(usize, &KernelHit),
 ) {
-    let (Some(prepared), false) = (PreparedRay::new(ray), bvh.nodes.is_empty()) else {
-        return;
-    };
-    let spread = isa.spread(&prepared);
-    let mut near = [0.0; WIDTH];
-    let mut hits = PacketHits::default();
-    let mut waiting = 0;
-    let mut current = 0;
-    loop {
-        if current & Child::LEAF == 0 {
-            let node = &bvh.nodes[current as usize];
-            let mask = isa.boxes(&spread, node, hit.t, &mut near);
-            if mask != 0 {
-                current = push_sorted(mask, &near, node, stack, &mut waiting);
-                continue;
-            }
-        } else if current & Child::OTHER == 0 {
-            for packet in &bvh.packets[Child::range(current)] {
-                let mut mask = isa.triangles(&spread, packet, hit.t, &mut hits);
-                while mask != 0 {
-                    let lane = mask.trailing_zeros() as usize % PACKET;
-                    mask &= mask - 1;
-                    if is_better(hits.t[lane], packet.items[lane], hit) {
-                        *hit = KernelHit {
-                            t: hits.t[lane],
-                            item: packet.items[lane],
-                            u: hits.u[lane],
-                            v: hits.v[lane],
-                        };
-                    }
-                }
-            }
-        } else {
-            for &shape in &bvh.others[Child::range(current)] {
-                others.closest(shape, ray, hit);
-            }
-        }
-        loop {
-            if waiting == 0 {
-                return;
-            }
-            waiting -= 1;
-            let entry = stack[waiting];
-            if f32::from_bits((entry >> 32) as u32) <= hit.t {
-                current = entry as u32;
-                break;
-            }
-        }
+    if rays.len() < FEW_RAYS || are_coherent(rays) {
+        trace_lanes::<I, O, ANY, 1>(isa, around, rays, done);
+    } else {
+        trace_lanes::<I, O, ANY, LANES>(isa, around, rays, done);
     }
 }
 
-/// Puts the children of the mask on the stack, the nearest on top; returns the nearest.
-#[inline(always)]
-fn push_sorted(
-    mut mask: u32,
-    near: &[f32; WIDTH],
-    node: &Node,
-    stack: &mut Stack,
-    waiting: &mut usize,
-) -> u32 {
-    let entry = |mask: u32| {
-        let k = mask.trailing_zeros() as usize % WIDTH;
-        (u64::from(near[k].to_bits()) << 32) | u64::from(node.children[k])
+/// Whether neighbours among the rays mostly start at one point: then they take the same way, and
+/// what one needs the one before has brought to the cache.
+fn are_coherent(rays: &[KernelRay]) -> bool {
+    const SAMPLES: usize = 16;
+    let stride = rays.len() / SAMPLES;
+    let pairs = (0..SAMPLES).map(|k| (&rays[k * stride], &rays[k * stride + 1]));
+    let alike = |(a, b): &(&KernelRay, &KernelRay)| {
+        let (p, q) = (Vec3::from(a.direction), Vec3::from(b.direction));
+        a.origin == b.origin && p.dot(q) > 0.99 * p.length() * q.length()
     };
-    let first = entry(mask);
-    mask &= mask - 1;
-    if mask == 0 {
-        return first as u32;
-    }
-    let second = entry(mask);
-    mask &= mask - 1;
-    let (mut top, below) = (first.min(second), first.max(second));
-    let base = *waiting;
-    stack[base] = below;
-    let mut count = base + 1;
-    while mask != 0 {
-        let mut next = entry(mask);
-        mask &= mask - 1;
-        (top, next) = (top.min(next), top.max(next));
-        // Insertion from the top: few entries, mostly in order.
-        let mut place = count;
-        while place > base && stack[place - 1] < next {
-            stack[place] = stack[place - 1];
-            place -= 1;
-        }
-        stack[place] = next;
-        count += 1;
-    }
-    *waiting = count;
-    top as u32
+    2 * pairs.filter(alike).count() > SAMPLES
 }
 
-/// Whether anything is met at `t <= t_max`.
 #[inline(always)]
-pub(crate) fn any<I: Instructions>(
+fn trace_lanes<I: Instructions, O: Others, const ANY: bool, const N: usize>(
     isa: I,
-    bvh: &Bvh,
-    others: &impl Others,
-    ray: &KernelRay,
-    t_max: f32,
-    stack: &mut Stack,
-) -> bool {
-    let (Some(prepared), false) = (PreparedRay::new(ray), bvh.nodes.is_empty()) else {
-        return false;
-    };
-    let spread = isa.spread(&prepared);
-    let mut near = [0.0; WIDTH];
-    let mut hits = PacketHits::default();
-    let mut waiting = 0;
-    let mut current = 0;
-    loop {
-        if current & Child::LEAF == 0 {
-            let node = &bvh.nodes[current as usize];
-            let mut mask = isa.boxes(&spread, node, t_max, &mut near);
-            if mask != 0 {
-                loop {
-                    let child = node.children[mask.trailing_zeros() as usize % WIDTH];
-                    mask &= mask - 1;
-                    if mask == 0 {
-                        current = child;
-                        break;
-                    }
-                    stack[waiting] = u64::from(child);
-                    waiting += 1;
-                }
+    around: &Surroundings<O>,
+    rays: &[KernelRay],
+    mut done: impl FnMut(usize, &KernelHit),
+) {
+    let mut walks = [const { Walk::NONE }; N];
+    let mut lanes: [usize; N] = std::array::from_fn(|lane| lane);
+    let mut next = 0;
+    let mut active = 0;
+    while active < N && walks[lanes[active]].start(around.bvh, rays, &mut next, &mut done) {
+        active += 1;
+    }
+    while active > 0 {
+        let mut k = 0;
+        while k < active {
+            let walk = &mut walks[lanes[k]];
+            if walk.step::<I, O, ANY, N>(isa, around, &rays[walk.place]) {
+                k += 1;
                 continue;
             }
-        } else if current & Child::OTHER == 0 {
-            for packet in &bvh.packets[Child::range(current)] {
-                if isa.triangles(&spread, packet, t_max, &mut hits) != 0 {
+            let hit = if walk.hit.is_hit() {
+                walk.hit
+            } else {
+                KernelHit::NOTHING
+            };
+            done(walk.place, &hit);
+            if walk.start(around.bvh, rays, &mut next, &mut done) {
+                k += 1;
+            } else {
+                active -= 1;
+                lanes.swap(k, active);
+            }
+        }
+    }
+}
+
+/// A ray on its way through the tree.
+struct Walk {
+    ray: PreparedRay,
+    /// Best so far; `t` bounds what still counts.
+    hit: KernelHit,
+    /// Where it goes next, a packed [`Child`].
+    current: u32,
+    /// Place of the ray among all.
+    place: usize,
+    waiting: usize,
+    /// Children that wait, as [`entry`] packs them.
+    stack: [u64; STACK],
+}
+
+impl Walk {
+    const NONE: Walk = Walk {
+        ray: PreparedRay::NONE,
+        hit: KernelHit::NOTHING,
+        current: 0,
+        place: 0,
+        waiting: 0,
+        stack: [0; STACK],
+    };
+
+    /// Begins with the next ray that can hit something, and is done with those that cannot.
+    #[inline(always)]
+    fn start(
+        &mut self,
+        bvh: &Bvh,
+        rays: &[KernelRay],
+        next: &mut usize,
+        done: &mut impl FnMut(usize, &KernelHit),
+    ) -> bool {
+        while let Some(ray) = rays.get(*next) {
+            let place = *next;
+            *next += 1;
+            if let (Some(prepared), false) = (PreparedRay::new(ray), bvh.nodes.is_empty()) {
+                self.ray = prepared;
+                self.hit = KernelHit {
+                    t: ray.t_max.next_down(),
+                    ..KernelHit::NOTHING
+                };
+                (self.current, self.place, self.waiting) = (0, place, 0);
+                return true;
+            }
+            done(place, &KernelHit::NOTHING);
+        }
+        false
+    }
+
+    /// Looks at one child; whether there is more to look at.
+    #[inline(always)]
+    fn step<I: Instructions, O: Others, const ANY: bool, const N: usize>(
+        &mut self,
+        isa: I,
+        around: &Surroundings<O>,
+        ray: &KernelRay,
+    ) -> bool {
+        let bvh = around.bvh;
+        loop {
+            if self.current & Child::LEAF == 0 {
+                let node = &bvh.nodes[self.current as usize];
+                if let Some(next) = self.visit::<I, ANY, N>(isa, node) {
+                    self.current = next;
+                    if N == 1 {
+                        continue;
+                    }
+                    self.prefetch(isa, bvh, next);
+                    self.prefetch_waiting(isa, bvh);
                     return true;
                 }
+            } else if self.meet::<I, O, ANY>(isa, around, ray) && ANY {
+                return false;
             }
-        } else if bvh.others[Child::range(current)]
-            .iter()
-            .any(|&shape| others.any(shape, ray, t_max))
-        {
-            return true;
+            if !self.pop::<ANY>() {
+                return false;
+            }
+            // What comes from the stack was asked for when it was pushed, or a while ago.
+            if N > 1 {
+                self.prefetch_waiting(isa, bvh);
+            }
         }
-        if waiting == 0 {
-            return false;
-        }
-        waiting -= 1;
-        current = stack[waiting] as u32;
-    }
-}
-
-/// Plain arrays, for processors without AVX2.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Portable;
-
-impl Instructions for Portable {
-    type Ray = PreparedRay;
-
-    fn spread(self, ray: &PreparedRay) -> PreparedRay {
-        *ray
     }
 
+    /// Tests what is in the current leaf; whether anything was met.
     #[inline(always)]
-    fn boxes(self, ray: &PreparedRay, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32 {
-        let mut enter = [ray.t_min; WIDTH];
-        let mut leave = [t_max; WIDTH];
-        for axis in 0..3 {
-            let (inverse, at) = (ray.inverse[axis], ray.near_offset[axis]);
-            let planes = &node.planes[ray.near_row[axis]];
-            for k in 0..WIDTH {
-                let t = planes[k] * inverse - at;
-                enter[k] = if t > enter[k] { t } else { enter[k] };
-            }
-            let at = ray.far_offset[axis];
-            let planes = &node.planes[ray.far_row(axis)];
-            for k in 0..WIDTH {
-                let t = planes[k] * inverse - at;
-                leave[k] = if t < leave[k] { t } else { leave[k] };
+    fn meet<I: Instructions, O: Others, const ANY: bool>(
+        &mut self,
+        isa: I,
+        around: &Surroundings<O>,
+        ray: &KernelRay,
+    ) -> bool {
+        let range = Child::range(self.current);
+        if self.current & Child::OTHER == 0 {
+            return self.meet_triangles::<I, ANY>(isa, &around.bvh.packets[range]);
+        }
+        for &shape in &around.bvh.others[range] {
+            if !ANY {
+                around.others.closest(shape, ray, &mut self.hit);
+            } else if around.others.any(shape, ray, self.hit.t) {
+                self.hit.item = 0;
             }
         }
-        *near = enter;
-        (0..WIDTH).fold(0, |mask, k| mask | (u32::from(enter[k] <= leave[k]) << k))
+        self.hit.is_hit()
     }
 
+    /// Puts the children whose boxes the ray meets on the stack but for one, which it returns: the
+    /// nearest, unless `ANY`.
     #[inline(always)]
-    fn triangles(
-        self,
-        ray: &PreparedRay,
-        packet: &Packet,
-        t_max: f32,
-        hits: &mut PacketHits,
-    ) -> u32 {
-        let [kx, ky, kz] = ray.axes;
-        let [sx, sy, sz] = ray.shear;
-        let (mut x, mut y, mut z) = ([[0.0; 4]; 3], [[0.0; 4]; 3], [[0.0; 4]; 3]);
-        for c in 0..3 {
-            for k in 0..PACKET {
-                let height = packet.corners[3 * c + kz][k] - ray.origin[kz];
-                x[c][k] = (packet.corners[3 * c + kx][k] - ray.origin[kx]) - sx * height;
-                y[c][k] = (packet.corners[3 * c + ky][k] - ray.origin[ky]) - sy * height;
-                z[c][k] = sz * height;
-            }
+    fn visit<I: Instructions, const ANY: bool, const N: usize>(
+        &mut self,
+        isa: I,
+        node: &Node,
+    ) -> Option<u32> {
+        let mut near = [0.0; WIDTH];
+        let mut mask = isa.boxes(&self.ray, node, self.hit.t, &mut near);
+        if mask == 0 {
+            return None;
         }
-        let mut mask = 0;
-        for k in 0..PACKET {
-            let a = x[2][k] * y[1][k] - y[2][k] * x[1][k];
-            let b = x[0][k] * y[2][k] - y[0][k] * x[2][k];
-            let c = x[1][k] * y[0][k] - y[1][k] * x[0][k];
-            let inside = (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
-            let whole = a + b + c;
-            if !inside || whole == 0.0 {
+        // Never short: see `STACK`.
+        let room = self.stack.get_mut(self.waiting..self.waiting + WIDTH)?;
+        let room: &mut [u64; WIDTH] = room.try_into().ok()?;
+        if !ANY {
+            let (next, count) = put_sorted(mask, &near, &node.children, room);
+            self.waiting += count;
+            return Some(next);
+        }
+        if N > 1 {
+            // No branches: the next ray can begin before this one knows its children.
+            let next = node.children[mask.trailing_zeros() as usize % WIDTH];
+            mask &= mask - 1;
+            isa.put(mask, &node.children, room);
+            self.waiting += mask.count_ones() as usize;
+            return Some(next);
+        }
+        // Branches, so that a processor that predicts them goes ahead of its memory.
+        let mut count = 0;
+        loop {
+            let child = node.children[mask.trailing_zeros() as usize % WIDTH];
+            mask &= mask - 1;
+            if mask == 0 {
+                self.waiting += count;
+                return Some(child);
+            }
+            room[count % WIDTH] = u64::from(child);
+            count += 1;
+        }
+    }
+
+    /// Tests triangles; whether anything was met, for `ANY`.
+    #[inline(always)]
+    fn meet_triangles<I: Instructions, const ANY: bool>(
+        &mut self,
+        isa: I,
+        packets: &[Packet],
+    ) -> bool {
+        let mut found = PacketHits::default();
+        for packet in packets {
+            let mut mask = isa.triangles(&self.ray, packet, self.hit.t, &mut found);
+            if ANY {
+                if mask != 0 {
+                    self.hit.item = 0;
+                    return true;
+                }
                 continue;
             }
-            let t = (a * z[0][k] + b * z[1][k] + c * z[2][k]) / whole;
-            (hits.t[k], hits.u[k], hits.v[k]) = (t, b / whole, c / whole);
-            mask |= u32::from(t >= ray.t_min && t <= t_max) << k;
+            while mask != 0 {
+                let lane = mask.trailing_zeros() as usize % PACKET;
+                mask &= mask - 1;
+                if is_better(found.t[lane], packet.items[lane], &self.hit) {
+                    self.hit = KernelHit {
+                        t: found.t[lane],
+                        item: packet.items[lane],
+                        u: found.u[lane],
+                        v: found.v[lane],
+                    };
+                }
+            }
         }
-        mask
+        false
+    }
+
+    /// Goes on with the next child that may hold something nearer.
+    #[inline(always)]
+    fn pop<const ANY: bool>(&mut self) -> bool {
+        while self.waiting > 0 {
+            self.waiting -= 1;
+            let entry = self.stack[self.waiting];
+            if ANY || f32::from_bits((entry >> 32) as u32) <= self.hit.t {
+                self.current = entry as u32;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Asks for a child.
+    #[inline(always)]
+    fn prefetch<I: Instructions>(&self, isa: I, bvh: &Bvh, child: u32) {
+        if child & Child::LEAF == 0 {
+            if let Some(node) = bvh.nodes.get(child as usize) {
+                isa.prefetch(node);
+            }
+        } else if let Some(packet) = bvh.packets.get(Child::range(child).start) {
+            isa.prefetch(packet);
+        }
+    }
+
+    /// Asks for the child on top of the stack.
+    #[inline(always)]
+    fn prefetch_waiting<I: Instructions>(&self, isa: I, bvh: &Bvh) {
+        self.prefetch(isa, bvh, self.stack[self.waiting.saturating_sub(1)] as u32);
     }
 }

@@ -7,6 +7,8 @@ mod assemble;
 mod build;
 mod bvh;
 mod kernel;
+mod portable;
+mod prepared;
 mod primitive;
 mod progress;
 mod ray;

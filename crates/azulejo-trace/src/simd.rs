@@ -7,8 +7,10 @@
     reason = "vector instructions double the speed of the kernel"
 )]
 
-use crate::bvh::{Bvh, Node, WIDTH};
-use crate::kernel::{self, Instructions, Others, Portable, PreparedRay};
+use crate::bvh::{Node, WIDTH};
+use crate::kernel::{self, Instructions, Others, Surroundings};
+use crate::portable::Portable;
+use crate::prepared::PreparedRay;
 use crate::ray::{KernelHit, KernelRay};
 use crate::triangle::{Packet, PacketHits};
 
@@ -33,10 +35,9 @@ impl Level {
     }
 
     /// Nearest meeting of each ray.
-    pub(crate) fn closest(
+    pub(crate) fn closest<O: Others>(
         self,
-        bvh: &Bvh,
-        others: &impl Others,
+        around: &Surroundings<O>,
         rays: &[KernelRay],
         hits: &mut [KernelHit],
     ) {
@@ -45,16 +46,15 @@ impl Level {
             && let Some(isa) = Avx2::detect()
         {
             // SAFETY: the value of `isa` is the proof that AVX2 and FMA are there.
-            return unsafe { closest_avx2(isa, bvh, others, rays, hits) };
+            return unsafe { closest_avx2(isa, around, rays, hits) };
         }
-        closest(Portable, bvh, others, rays, hits);
+        closest(Portable, around, rays, hits);
     }
 
     /// Whether each ray meets anything.
-    pub(crate) fn any(
+    pub(crate) fn any<O: Others>(
         self,
-        bvh: &Bvh,
-        others: &impl Others,
+        around: &Surroundings<O>,
         rays: &[KernelRay],
         blocked: &mut [bool],
     ) {
@@ -63,57 +63,54 @@ impl Level {
             && let Some(isa) = Avx2::detect()
         {
             // SAFETY: the value of `isa` is the proof that AVX2 and FMA are there.
-            return unsafe { any_avx2(isa, bvh, others, rays, blocked) };
+            return unsafe { any_avx2(isa, around, rays, blocked) };
         }
-        any(Portable, bvh, others, rays, blocked);
+        any(Portable, around, rays, blocked);
     }
 }
 
 #[inline(always)]
-fn closest<I: Instructions>(
+fn closest<I: Instructions, O: Others>(
     isa: I,
-    bvh: &Bvh,
-    others: &impl Others,
+    around: &Surroundings<O>,
     rays: &[KernelRay],
     hits: &mut [KernelHit],
 ) {
-    let mut stack = kernel::EMPTY_STACK;
-    for (ray, hit) in rays.iter().zip(hits) {
-        kernel::closest(isa, bvh, others, ray, &mut stack, hit);
-    }
+    kernel::trace::<I, O, false>(isa, around, rays, |place, hit| hits[place] = *hit);
 }
 
 #[inline(always)]
-fn any<I: Instructions>(
+fn any<I: Instructions, O: Others>(
     isa: I,
-    bvh: &Bvh,
-    others: &impl Others,
+    around: &Surroundings<O>,
     rays: &[KernelRay],
     blocked: &mut [bool],
 ) {
-    let mut stack = kernel::EMPTY_STACK;
-    for (ray, blocked) in rays.iter().zip(blocked) {
-        let t_max = ray.t_max.next_down();
-        *blocked = kernel::any(isa, bvh, others, ray, t_max, &mut stack);
-    }
+    kernel::trace::<I, O, true>(isa, around, rays, |place, hit| {
+        blocked[place] = hit.is_hit()
+    });
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn closest_avx2(
+fn closest_avx2<O: Others>(
     isa: Avx2,
-    bvh: &Bvh,
-    others: &impl Others,
+    around: &Surroundings<O>,
     rays: &[KernelRay],
     hits: &mut [KernelHit],
 ) {
-    closest(isa, bvh, others, rays, hits);
+    closest(isa, around, rays, hits);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn any_avx2(isa: Avx2, bvh: &Bvh, others: &impl Others, rays: &[KernelRay], blocked: &mut [bool]) {
-    any(isa, bvh, others, rays, blocked);
+fn any_avx2<O: Others>(
+    isa: Avx2,
+    around: &Surroundings<O>,
+    rays: &[KernelRay],
+    blocked: &mut [bool],
+) {
+    any(isa, around, rays, blocked);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -141,19 +138,6 @@ mod avx2 {
         }
     }
 
-    #[derive(Clone, Copy)]
-    pub(crate) struct Spread {
-        inverse: [__m256; 3],
-        near_offset: [__m256; 3],
-        far_offset: [__m256; 3],
-        near_row: [usize; 3],
-        t_min: __m256,
-        /// Origin, in the order of `axes`.
-        origin: [__m128; 3],
-        shear: [__m128; 3],
-        axes: [usize; 3],
-    }
-
     /// # Safety
     /// AVX2 and FMA must be there; in a function that enables them, so that it is inlined.
     #[inline(always)]
@@ -162,70 +146,101 @@ mod avx2 {
         unsafe { _mm256_load_ps(node.planes[row % 6].as_ptr()) }
     }
 
-    impl Instructions for Avx2 {
-        type Ray = Spread;
+    /// For each mask the lanes that are in it, one after the other (AVX-512's compress).
+    static COMPRESS: [[u8; WIDTH]; 256] = compress();
 
-        #[inline(always)]
-        fn spread(self, ray: &PreparedRay) -> Spread {
-            let [kx, ky, kz] = ray.axes;
-            // SAFETY: `self` proves the instructions.
-            unsafe {
-                Spread {
-                    inverse: ray.inverse.map(|x| _mm256_set1_ps(x)),
-                    near_offset: ray.near_offset.map(|x| _mm256_set1_ps(x)),
-                    far_offset: ray.far_offset.map(|x| _mm256_set1_ps(x)),
-                    near_row: ray.near_row,
-                    t_min: _mm256_set1_ps(ray.t_min),
-                    origin: [kx, ky, kz].map(|k| _mm_set1_ps(ray.origin[k])),
-                    shear: ray.shear.map(|x| _mm_set1_ps(x)),
-                    axes: ray.axes,
+    const fn compress() -> [[u8; WIDTH]; 256] {
+        let mut table = [[0; WIDTH]; 256];
+        let mut mask = 0;
+        while mask < 256 {
+            let (mut lane, mut count) = (0, 0);
+            while lane < WIDTH {
+                if mask >> lane & 1 == 1 {
+                    table[mask][count] = lane as u8;
+                    count += 1;
                 }
+                lane += 1;
+            }
+            mask += 1;
+        }
+        table
+    }
+
+    impl Instructions for Avx2 {
+        #[inline(always)]
+        fn prefetch<T>(self, value: &T) {
+            const LINE: usize = 64;
+            let start = std::ptr::from_ref(value).cast::<i8>();
+            for k in 0..size_of::<T>().div_ceil(LINE) {
+                // SAFETY: prefetching reads nothing, and the addresses lie in `value`.
+                unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(k * LINE)) };
             }
         }
 
         #[inline(always)]
-        fn boxes(self, ray: &Spread, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32 {
-            // SAFETY: `self` proves the instructions; `near` has room for eight floats.
+        fn boxes(self, ray: &PreparedRay, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32 {
+            // SAFETY: `self` proves the instructions; `stack` has room for eight of each.
             unsafe {
+                let wide = |x: f32| _mm256_set1_ps(x);
                 let enter = |axis: usize| {
                     let planes = row(node, ray.near_row[axis]);
-                    _mm256_fmsub_ps(planes, ray.inverse[axis], ray.near_offset[axis])
+                    _mm256_fmsub_ps(planes, wide(ray.inverse[axis]), wide(ray.near_offset[axis]))
                 };
                 let leave = |axis: usize| {
                     let planes = row(node, ray.near_row[axis] ^ 1);
-                    _mm256_fmsub_ps(planes, ray.inverse[axis], ray.far_offset[axis])
+                    _mm256_fmsub_ps(planes, wide(ray.inverse[axis]), wide(ray.far_offset[axis]))
                 };
                 let enter = _mm256_max_ps(
                     _mm256_max_ps(enter(0), enter(1)),
-                    _mm256_max_ps(enter(2), ray.t_min),
+                    _mm256_max_ps(enter(2), wide(ray.t_min)),
                 );
                 let leave = _mm256_min_ps(
                     _mm256_min_ps(leave(0), leave(1)),
-                    _mm256_min_ps(leave(2), _mm256_set1_ps(t_max)),
+                    _mm256_min_ps(leave(2), wide(t_max)),
                 );
+                let met = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
                 _mm256_storeu_ps(near.as_mut_ptr(), enter);
-                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave)) as u32
+                _mm256_movemask_ps(met) as u32
+            }
+        }
+
+        #[inline(always)]
+        fn put(self, mask: u32, children: &[u32; WIDTH], stack: &mut [u64; WIDTH]) {
+            let order = COMPRESS[mask as usize % 256].as_ptr();
+            // SAFETY: `self` proves the instructions; `order` and `children` are eight lanes,
+            // and `stack` has room for as many.
+            unsafe {
+                let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.cast()));
+                let children = _mm256_loadu_si256(children.as_ptr().cast());
+                let packed = _mm256_permutevar8x32_epi32(children, order);
+                let low = _mm256_cvtepu32_epi64(_mm256_castsi256_si128(packed));
+                let high = _mm256_cvtepu32_epi64(_mm256_extracti128_si256::<1>(packed));
+                let to = stack.as_mut_ptr().cast::<__m256i>();
+                _mm256_storeu_si256(to, low);
+                _mm256_storeu_si256(to.add(1), high);
             }
         }
 
         #[inline(always)]
         fn triangles(
             self,
-            ray: &Spread,
+            ray: &PreparedRay,
             packet: &Packet,
             t_max: f32,
             hits: &mut PacketHits,
         ) -> u32 {
             // SAFETY: `self` proves the instructions; every row is four floats, aligned.
             unsafe {
+                let origin = ray.axes.map(|k| _mm_set1_ps(ray.origin[k]));
+                let shear = ray.shear.map(|x| _mm_set1_ps(x));
                 let corner = |c: usize| {
                     let at = |k: usize| {
                         let row = packet.corners[(3 * c + ray.axes[k]) % 9].as_ptr();
-                        _mm_sub_ps(_mm_load_ps(row), ray.origin[k])
+                        _mm_sub_ps(_mm_load_ps(row), origin[k])
                     };
                     let z = at(2);
-                    let x = _mm_sub_ps(at(0), _mm_mul_ps(ray.shear[0], z));
-                    let y = _mm_sub_ps(at(1), _mm_mul_ps(ray.shear[1], z));
+                    let x = _mm_sub_ps(at(0), _mm_mul_ps(shear[0], z));
+                    let y = _mm_sub_ps(at(1), _mm_mul_ps(shear[1], z));
                     (x, y, z)
                 };
                 let (ax, ay, az) = corner(0);
@@ -243,11 +258,11 @@ mod avx2 {
                     return 0;
                 }
                 let whole = _mm_add_ps(_mm_add_ps(a, b), c);
-                let height = |w, z| _mm_mul_ps(w, _mm_mul_ps(ray.shear[2], z));
+                let height = |w, z| _mm_mul_ps(w, _mm_mul_ps(shear[2], z));
                 let sum = _mm_add_ps(_mm_add_ps(height(a, az), height(b, bz)), height(c, cz));
                 let t = _mm_div_ps(sum, whole);
                 let within = _mm_and_ps(
-                    _mm_cmpge_ps(t, _mm256_castps256_ps128(ray.t_min)),
+                    _mm_cmpge_ps(t, _mm_set1_ps(ray.t_min)),
                     _mm_cmple_ps(t, _mm_set1_ps(t_max)),
                 );
                 let solid = _mm_cmpneq_ps(whole, zero);

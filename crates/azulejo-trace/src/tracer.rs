@@ -2,7 +2,7 @@
 
 use crate::assemble::{LocalFrame, assemble, double, single};
 use crate::bvh::Bvh;
-use crate::kernel::{Others, is_better};
+use crate::kernel::{Others, Surroundings, is_better};
 use crate::primitive::ExactPrimitive;
 use crate::ray::{Hit, Item, KernelHit, KernelRay};
 use crate::simd::Level;
@@ -109,17 +109,17 @@ impl Tracer {
 
     /// The first surface that the ray meets.
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let mut hit = [start(&self.kernel_ray(ray))];
-        self.level
-            .closest(&self.bvh, self, &[self.kernel_ray(ray)], &mut hit);
+        let mut hit = [KernelHit::NOTHING];
+        let rays = [self.kernel_ray(ray)];
+        self.level.closest(&self.surroundings(), &rays, &mut hit);
         hit[0].is_hit().then(|| self.resolve(ray, &hit[0]))
     }
 
     /// Whether the ray meets any surface.
     pub fn occluded(&self, ray: &Ray) -> bool {
         let mut blocked = [false];
-        self.level
-            .any(&self.bvh, self, &[self.kernel_ray(ray)], &mut blocked);
+        let rays = [self.kernel_ray(ray)];
+        self.level.any(&self.surroundings(), &rays, &mut blocked);
         blocked[0]
     }
 
@@ -149,8 +149,8 @@ impl Tracer {
     /// Runs on the calling thread; callers split their rays.
     pub fn closest(&self, rays: &[KernelRay], hits: &mut Vec<KernelHit>) {
         hits.clear();
-        hits.extend(rays.iter().map(start));
-        self.level.closest(&self.bvh, self, rays, hits);
+        hits.resize(rays.len(), KernelHit::NOTHING);
+        self.level.closest(&self.surroundings(), rays, hits);
     }
 
     /// Whether each ray meets anything; `blocked` is cleared and gets one entry per ray.
@@ -159,7 +159,7 @@ impl Tracer {
     pub fn any(&self, rays: &[KernelRay], blocked: &mut Vec<bool>) {
         blocked.clear();
         blocked.resize(rays.len(), false);
-        self.level.any(&self.bvh, self, rays, blocked);
+        self.level.any(&self.surroundings(), rays, blocked);
     }
 
     /// The smallest box around all surfaces; around the boxes of instances.
@@ -278,6 +278,13 @@ impl Tracer {
         position + step * normal
     }
 
+    fn surroundings(&self) -> Surroundings<'_, Tracer> {
+        Surroundings {
+            bvh: &self.bvh,
+            others: self,
+        }
+    }
+
     fn mesh_of(&self, item: u32) -> &MeshPositions {
         let after = self.meshes.partition_point(|m| m.first_item <= item);
         &self.meshes[after - 1]
@@ -287,14 +294,6 @@ impl Tracer {
         assert!(item < self.items, "item {item} of {}", self.items);
         let after = self.others.partition_point(|o| o.first_item() <= item);
         &self.others[after - 1]
-    }
-}
-
-/// Before the search: the largest parameter that counts, and nothing found.
-fn start(ray: &KernelRay) -> KernelHit {
-    KernelHit {
-        t: ray.t_max.next_down(),
-        ..KernelHit::NOTHING
     }
 }
 
@@ -340,14 +339,11 @@ impl Others for Tracer {
                 inner_from_local,
                 ..
             } => {
-                let inner = inner_ray(inner_from_local, ray);
-                let mut found = [KernelHit {
-                    t: hit.t,
-                    ..KernelHit::NOTHING
-                }];
+                let inner = [inner_ray(inner_from_local, ray, hit.t)];
+                let mut found = [KernelHit::NOTHING];
                 tracer
                     .level
-                    .closest(&tracer.bvh, &**tracer, &[inner], &mut found);
+                    .closest(&tracer.surroundings(), &inner, &mut found);
                 let [mut found] = found;
                 if found.is_hit() {
                     found.item += first_item;
@@ -372,18 +368,20 @@ impl Others for Tracer {
                 ..
             } => {
                 let mut blocked = [false];
-                let inner = inner_ray(inner_from_local, ray);
+                let inner = [inner_ray(inner_from_local, ray, t_max)];
                 tracer
                     .level
-                    .any(&tracer.bvh, &**tracer, &[inner], &mut blocked);
+                    .any(&tracer.surroundings(), &inner, &mut blocked);
                 blocked[0]
             }
         }
     }
 }
 
-fn inner_ray(inner_from_local: &DAffine3, ray: &KernelRay) -> KernelRay {
+/// The ray in an instance, up to and including `last`.
+fn inner_ray(inner_from_local: &DAffine3, ray: &KernelRay, last: f32) -> KernelRay {
     KernelRay {
+        t_max: last.next_up(),
         origin: single(inner_from_local.transform_point3(double(ray.origin))),
         direction: single(inner_from_local.transform_vector3(double(ray.direction))),
         ..*ray
