@@ -7,9 +7,11 @@
 //!
 //! The order of reading: [`patch`] (what is divided), [`rays`] (rows of form factors),
 //! [`system`] (their solution; [`stochastic`] does without rows), [`gather`] and [`vertices`]
-//! (irradiance), [`solve`](mod@solve) (all of it, in order).
+//! (irradiance), [`solve`](mod@solve) (all of it, in order). [`form_factors`](mod@form_factors)
+//! delivers rows for their own sake, with standard errors.
 
 pub mod analytic;
+pub mod form_factors;
 pub mod gather;
 pub mod light;
 pub mod matrix;
@@ -20,6 +22,7 @@ pub mod stochastic;
 pub mod system;
 pub mod vertices;
 
+pub use form_factors::{FormFactorOptions, FormFactors, form_factors};
 pub use patch::{DisplayVertex, FaceId, GivenVertex, PatchPoint, PatchSize, Patches, Polygon, RefinedShape};
 pub use solve::{Estimate, FirstPass, Light, Method, PointNormal, Probed, Report, SolveError, probe, solve};
 pub use system::Balance;

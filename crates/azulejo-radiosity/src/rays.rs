@@ -103,7 +103,7 @@ impl<'a> RayEstimator<'a> {
     }
 
     /// Rays over the patch and its hemisphere, each carrying its share of a replicate.
-    fn start(&self, side: Side) -> Vec<Path> {
+    pub(crate) fn start(&self, side: Side) -> Vec<Path> {
         let (patch, flip) = ((side / 2) as usize, if side % 2 == 0 { 1.0 } else { -1.0 });
         let tracer = self.gatherer.surfaces().tracer;
         let share = 1.0 / self.table.len() as f64;

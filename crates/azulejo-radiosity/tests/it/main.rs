@@ -3,5 +3,6 @@
 // Tests say what they skip and what they measured.
 #![allow(clippy::print_stderr)]
 
+mod form_factor_matrix;
 mod form_factors;
 mod table;

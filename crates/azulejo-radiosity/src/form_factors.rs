@@ -1,0 +1,263 @@
+//! Form factors as a product: the whole matrix, with a standard error for every entry.
+//!
+//! 1. `near` finds the pairs for which a formula pays: close ones, and those with lamps. Their
+//!    direct part is the exact form factor times the visible fraction.
+//! 2. `rows` traces rays from every side of every patch.
+//! 3. `merge` makes one exchange area of the two estimates that the sides of a pair give.
+//! 4. `restore` scales closed scenes so that rows sum to 1.
+//!
+//! [`form_factors`] does all four, in this order.
+
+mod boxes;
+mod merge;
+mod near;
+mod restore;
+mod rows;
+mod shaft;
+
+use crate::patch::{FaceId, PatchSize, Patches};
+use crate::rays::Side;
+use crate::solve::SolveError;
+use azulejo_scene::Scene;
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+use std::ops::Range;
+
+/// What [`form_factors`] should do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FormFactorOptions {
+    /// How finely faces are divided; `PatchSize::Edge(0.0)` leaves them whole, but cuts concave
+    /// ones into convex pieces.
+    pub size: PatchSize,
+    /// Rays per row, rounded up to a multiple of four, at most [`MOST_RAYS`]. The error of a row
+    /// falls as rays^−0.6.
+    pub rays: u32,
+    /// Whether the backs of patches are rows and columns of their own.
+    pub two_sided: bool,
+    /// Another seed gives other noise.
+    pub seed: u64,
+    /// Whether close pairs, and pairs with patches that emit, are computed by formula where that
+    /// has the smaller standard error.
+    pub analytic: bool,
+}
+
+/// More rays per row than this are not traced: a thread keeps 64 bytes for each.
+pub const MOST_RAYS: u32 = 1 << 20;
+
+impl Default for FormFactorOptions {
+    /// About 2,500 patches seen from their fronts, 4,096 rays each, formulas where they pay.
+    fn default() -> FormFactorOptions {
+        FormFactorOptions {
+            size: PatchSize::Count(2_500),
+            rays: 4_096,
+            two_sided: false,
+            seed: 0,
+            analytic: true,
+        }
+    }
+}
+
+/// The extended form factors X of a scene: X_ij is the share of the light leaving row i
+/// diffusely that arrives at column j, directly or after any chain of mirrors and glass, with
+/// its whole weight (additive model, Sillion and Puech 1989).
+///
+/// Rows and columns are the same list. Without `two_sided` it is the fronts of the patches, in
+/// the order of [`Patches`]: light that meets a back ends there. With it, front and back of
+/// patch p are entries 2p and 2p + 1. Rows are stored sparsely, columns ascending; an absent
+/// entry is an estimate of 0. Where mirrors are coloured X is the mean of the three channels.
+///
+/// Reciprocity is exact: one number S_ij is kept per pair, and X_ij is S_ij / A_i, rounded. It
+/// holds for mirrors and for glass between equal media, so X is not defined where a patch lies
+/// inside glass.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FormFactors {
+    /// Where each row starts in `columns`, `values` and `errors`, and after the last where it
+    /// ends: one more entry than there are rows.
+    pub starts: Vec<u64>,
+    /// The column of each entry.
+    pub columns: Vec<u32>,
+    /// X of each entry, ≥ 0; at most 1 for patches that no mirror shows twice.
+    pub values: Vec<f64>,
+    /// Standard error of each entry: two to either side hold the truth 95 times in 100.
+    pub errors: Vec<f32>,
+    /// Area of each row, in square scene units.
+    pub areas: Vec<f64>,
+    /// The face that each row is a piece of.
+    pub faces: Vec<FaceId>,
+    /// Whether each row is the back of its patch.
+    pub is_back: Vec<bool>,
+    /// Error to be expected of each row, Σ_j E|error of X_ij|: for normal errors √(2/π) times the
+    /// sum of the standard errors.
+    pub row_errors: Vec<f64>,
+    /// Share of each row's light that leaves the scene, as its own rays found it.
+    pub escaped: Vec<f64>,
+    /// Share that was not followed to its end between mirrors: what was too weak.
+    pub cut: Vec<f64>,
+    /// Share that ends on sides which have no column: backs, without `two_sided`.
+    pub hidden: Vec<f64>,
+    /// The largest relative change of an entry by the restoration of rows; 0 without one.
+    pub correction: f64,
+    /// Whether no row that sees anything loses light to the outside or to hidden sides.
+    pub is_closed: bool,
+    /// Rays traced from patches, without those that mirrors and visibility tests added.
+    pub rays: u64,
+}
+
+impl FormFactors {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.areas.is_empty()
+    }
+
+    /// Where row `i` stands in `columns`, `values` and `errors`.
+    ///
+    /// # Panics
+    /// Without such a row.
+    pub fn range(&self, i: usize) -> Range<usize> {
+        self.starts[i] as usize..self.starts[i + 1] as usize
+    }
+
+    /// Column, X and standard error of each entry of row `i`.
+    ///
+    /// # Panics
+    /// Without such a row.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (u32, f64, f32)> {
+        self.range(i)
+            .map(|k| (self.columns[k], self.values[k], self.errors[k]))
+    }
+
+    /// X_ij and its standard error; zeros if the entry is absent.
+    ///
+    /// # Panics
+    /// Without row `i`.
+    pub fn get(&self, i: usize, j: u32) -> (f64, f32) {
+        let range = self.range(i);
+        match self.columns[range.clone()].binary_search(&j) {
+            Ok(k) => (self.values[range.start + k], self.errors[range.start + k]),
+            Err(_) => (0.0, 0.0),
+        }
+    }
+
+    /// Σ_j X_ij. In a closed scene without mirrors it is 1 but for noise, which restoration takes
+    /// away; with mirrors Σ_j X_ij (1 − ρ_s,j) is 1 but for noise, so that the plain sum exceeds 1.
+    ///
+    /// # Panics
+    /// Without such a row.
+    pub fn row_sum(&self, i: usize) -> f64 {
+        self.values[self.range(i)].iter().sum()
+    }
+}
+
+/// Computes the form factors of a scene; lights play no part, but for the choice of formulas.
+///
+/// The result is the same to the bit for any number of threads. Beside the result it takes 12
+/// bytes for each entry that rays found.
+///
+/// # Errors
+/// [`SolveError::NoSurface`], [`SolveError::Cancelled`].
+///
+/// ```
+/// use azulejo_radiosity::{FormFactorOptions, PatchSize, form_factors};
+/// use azulejo_scene::synthetic::cube_room;
+/// use azulejo_trace::{Progress, Tracer};
+///
+/// let scene = cube_room();
+/// let whole = FormFactorOptions { size: PatchSize::Edge(0.0), ..Default::default() };
+/// let factors = form_factors(&scene, &Tracer::new(&scene), &whole, &Progress::new())?;
+/// let (opposite, error) = factors.get(0, 1);
+/// assert!((opposite - 0.19982489569839).abs() < 1e-9, "{opposite} ± {error}");
+/// # Ok::<(), azulejo_radiosity::SolveError>(())
+/// ```
+pub fn form_factors(
+    scene: &Scene,
+    tracer: &Tracer,
+    options: &FormFactorOptions,
+    progress: &Progress,
+) -> Result<FormFactors, SolveError> {
+    let patches = Patches::new(scene, options.size);
+    if patches.is_empty() {
+        return Err(SolveError::NoSurface);
+    }
+    let sides = Sides::new(&patches, options.two_sided);
+    let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
+    let seed = hash(&[options.seed as u32, (options.seed >> 32) as u32]);
+    let exact = match options.analytic {
+        true => near::exact(&sides, gatherer.surfaces(), hash(&[seed, 0]), progress)?,
+        false => vec![Vec::new(); sides.len()],
+    };
+    let rays = options.rays.min(MOST_RAYS);
+    let traced = rows::trace(&sides, &gatherer, &exact, rays, hash(&[seed, 1]), progress)?;
+    let mut factors = merge::merge(&sides, &traced, &exact, progress)?;
+    factors.is_closed = restore::is_closed(&factors);
+    let is_specular = scene.materials.iter().any(|m| m.is_specular());
+    if factors.is_closed && !is_specular {
+        factors.correction = restore::restore(&mut factors, progress)?;
+    }
+    finish(&mut factors);
+    Ok(factors)
+}
+
+/// From exchange areas, which the entries are so far, to form factors.
+fn finish(factors: &mut FormFactors) {
+    for i in 0..factors.len() {
+        let (range, area) = (factors.range(i), factors.areas[i]);
+        factors.values[range.clone()]
+            .iter_mut()
+            .for_each(|s| *s /= area);
+        let errors = &mut factors.errors[range];
+        errors
+            .iter_mut()
+            .for_each(|e| *e = (f64::from(*e) / area) as f32);
+        let sum: f64 = errors.iter().map(|&e| f64::from(e)).sum();
+        factors
+            .row_errors
+            .push(sum * std::f64::consts::FRAC_2_PI.sqrt());
+    }
+}
+
+/// Which sides of patches are rows and columns.
+struct Sides<'a> {
+    patches: &'a Patches,
+    two_sided: bool,
+}
+
+impl<'a> Sides<'a> {
+    fn new(patches: &'a Patches, two_sided: bool) -> Sides<'a> {
+        Sides { patches, two_sided }
+    }
+
+    fn len(&self) -> usize {
+        self.patches.len() * if self.two_sided { 2 } else { 1 }
+    }
+
+    fn patch(&self, row: usize) -> usize {
+        if self.two_sided { row / 2 } else { row }
+    }
+
+    fn is_back(&self, row: usize) -> bool {
+        self.two_sided && row % 2 == 1
+    }
+
+    /// The number that the ray estimator knows this row by.
+    fn side(&self, row: usize) -> Side {
+        crate::rays::side(self.patch(row) as u32, !self.is_back(row))
+    }
+
+    fn area(&self, row: usize) -> f64 {
+        self.patches.area(self.patch(row))
+    }
+
+    /// The column of light that meets a patch, if it has one.
+    fn column(&self, patch: u32, front: bool) -> Option<u32> {
+        match (self.two_sided, front) {
+            (true, _) => Some(crate::rays::side(patch, front)),
+            (false, true) => Some(patch),
+            (false, false) => None,
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! One exchange area per pair from what the rays of both sides and the formula say.
+
+use super::near::{Exact, ExactRow};
+use super::rows::{Entries, Entry, RayRow, Traced};
+use super::{FormFactors, Sides};
+use azulejo_trace::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Degrees of freedom that the model of the noise counts for beside those of the replicates.
+const MODEL_FREEDOM: f64 = 4.0;
+
+/// Degrees of freedom of the spread of two times four replicates.
+const SPREAD_FREEDOM: f64 = 6.0;
+
+/// Student's t with ten degrees of freedom over the normal law's at 95.4%.
+const STUDENT: f64 = 2.284 / 2.0;
+
+/// Rows are merged in this many blocks, so that looking up where a block starts in each row
+/// costs little, and as few as that fit in memory beside the rest.
+const BLOCKS: usize = 128;
+
+/// Merges all pairs. The values and errors of the result are still exchange areas.
+pub(super) fn merge(
+    sides: &Sides,
+    traced: &Traced,
+    exact: &[ExactRow],
+    progress: &Progress,
+) -> Result<FormFactors, Cancelled> {
+    let n = sides.len();
+    let areas: Vec<f64> = (0..n).map(|i| sides.area(i)).collect();
+    let merger = Merger {
+        traced,
+        exact,
+        areas: &areas,
+    };
+    let size = n.div_ceil(BLOCKS).max(16);
+    let blocks: Vec<Range<usize>> = (0..n).step_by(size).map(|i| i..(i + size).min(n)).collect();
+    let mut factors = described(sides, traced);
+    let most = traced
+        .rows
+        .iter()
+        .map(|r| 2 * (r.far.len() + r.near.len()))
+        .sum::<usize>();
+    factors.reserve(most);
+    progress.begin("merging", n as u64);
+    for wave in blocks.chunks(2 * rayon::current_num_threads().max(1)) {
+        progress.advance((wave.len() * size) as u64)?;
+        let merged: Vec<Vec<Vec<Exact>>> =
+            wave.par_iter().map(|b| merger.block(b.clone())).collect();
+        merged.iter().flatten().for_each(|row| factors.push(row));
+    }
+    factors.shrink();
+    factors.areas = areas;
+    Ok(factors)
+}
+
+/// Everything but the entries.
+fn described(sides: &Sides, traced: &Traced) -> FormFactors {
+    let rows = 0..sides.len();
+    let of = |f: fn(&RayRow) -> f64| traced.rows.iter().map(f).collect();
+    FormFactors {
+        starts: vec![0],
+        faces: rows
+            .clone()
+            .map(|i| sides.patches.face(sides.patch(i)))
+            .collect(),
+        is_back: rows.map(|i| sides.is_back(i)).collect(),
+        escaped: of(|r| r.escaped),
+        cut: of(|r| r.cut),
+        hidden: of(|r| r.hidden),
+        rays: traced.rows.len() as u64 * u64::from(traced.rays),
+        ..FormFactors::default()
+    }
+}
+
+impl FormFactors {
+    fn reserve(&mut self, entries: usize) {
+        self.columns.reserve_exact(entries);
+        self.values.reserve_exact(entries);
+        self.errors.reserve_exact(entries);
+    }
+
+    fn push(&mut self, row: &[Exact]) {
+        self.columns.extend(row.iter().map(|e| e.column));
+        self.values.extend(row.iter().map(|e| e.value));
+        self.errors.extend(row.iter().map(|e| e.error as f32));
+        self.starts.push(self.columns.len() as u64);
+    }
+
+    fn shrink(&mut self) {
+        self.columns.shrink_to_fit();
+        self.values.shrink_to_fit();
+        self.errors.shrink_to_fit();
+    }
+}
+
+struct Merger<'a> {
+    traced: &'a Traced,
+    exact: &'a [ExactRow],
+    areas: &'a [f64],
+}
+
+impl Merger<'_> {
+    /// The merged rows of a block.
+    fn block(&self, rows: Range<usize>) -> Vec<Vec<Exact>> {
+        let far = transposed(&self.traced.rows, |r| &r.far, rows.clone());
+        let near = transposed(&self.traced.rows, |r| &r.near, rows.clone());
+        let merged = rows.zip(far.iter().zip(&near)).map(|(i, (far, near))| {
+            let own = &self.traced.rows[i];
+            let direct = better(&self.exact[i], &self.rays(i, &own.near, near));
+            sum(&self.rays(i, &own.far, far), &direct)
+        });
+        merged.collect()
+    }
+
+    /// Row `i` from its own rays and, transposed, those of the others.
+    fn rays(&self, i: usize, own: &[Entry], others: &[Entry]) -> Vec<Exact> {
+        let mut merged = Vec::with_capacity(own.len().max(others.len()));
+        union(
+            own,
+            others,
+            |e| e.column,
+            |e| e.column,
+            |column, a, b| {
+                let parts =
+                    [a, b].map(|e| e.map_or((0.0, 0.0), |e| (e.mean.into(), e.variance.into())));
+                let (value, variance) = self.pair(i, column as usize, parts);
+                merged.push(Exact {
+                    column,
+                    value,
+                    error: variance.sqrt(),
+                });
+            },
+        );
+        merged
+    }
+
+    /// Exchange area and variance of a pair from the form factor and variance that either side
+    /// found. Symmetric in every bit.
+    ///
+    /// With equal rays for each row the variance of A_i X_ij is in proportion to A_i: weighted
+    /// by its inverse, S = A_i A_j (X_ij + X_ji) / (A_i + A_j).
+    fn pair(
+        &self,
+        i: usize,
+        j: usize,
+        [(x_ij, v_ij), (x_ji, v_ji)]: [(f64, f64); 2],
+    ) -> (f64, f64) {
+        let (a, b) = (self.areas[i], self.areas[j]);
+        let factor = a * b / (a + b);
+        let one_ray = factor / f64::from(self.traced.rays);
+        let value = factor * (x_ij + x_ji);
+        // The two estimates of a patch's view of itself are one.
+        let twins = if i == j { 2.0 } else { 1.0 };
+        (
+            value,
+            variance(
+                value,
+                factor * factor * (v_ij + v_ji) * twins,
+                one_ray * twins,
+            ),
+        )
+    }
+}
+
+/// The variance of an estimate to be believed, from the spread of its replicates and from what
+/// is known of such rays anyhow; `one_ray` is the value that a single hit makes.
+///
+/// A handful of hits spreads as they do by chance: in eight replicates one hit each have no
+/// spread at all. So the spread is joined, by degrees of freedom, by a model: hits vary as a
+/// binomial count, less as strata get to be smaller than the patch. Their number is M then, and
+/// by the measured decline of the error, rays^−0.63, the variance of a count M falls from M to
+/// about M^¾.
+fn variance(value: f64, spread: f64, one_ray: f64) -> f64 {
+    let hits = value / one_ray;
+    let model = value * one_ray * (hits / 8.0).max(1.0).powf(-0.25);
+    STUDENT * STUDENT * (SPREAD_FREEDOM * spread + MODEL_FREEDOM * model)
+        / (SPREAD_FREEDOM + MODEL_FREEDOM)
+}
+
+/// The entries that all rows have in the columns `block`, by column.
+fn transposed(
+    rows: &[RayRow],
+    part: impl Fn(&RayRow) -> &Entries,
+    block: Range<usize>,
+) -> Vec<Entries> {
+    let mut columns = vec![Entries::new(); block.len()];
+    for (j, row) in rows.iter().enumerate() {
+        let entries = part(row);
+        let first = entries.partition_point(|e| (e.column as usize) < block.start);
+        for e in entries[first..]
+            .iter()
+            .take_while(|e| (e.column as usize) < block.end)
+        {
+            columns[e.column as usize - block.start].push(Entry {
+                column: j as u32,
+                ..*e
+            });
+        }
+    }
+    columns
+}
+
+/// For each column that the formula knows, its estimate or the rays', whichever is better known.
+fn better(exact: &[Exact], rays: &[Exact]) -> Vec<Exact> {
+    let mut chosen = Vec::with_capacity(exact.len());
+    union(
+        exact,
+        rays,
+        |e| e.column,
+        |e| e.column,
+        |_, e, r| {
+            chosen.extend(match (e, r) {
+                (Some(e), Some(r)) if r.error < e.error => Some(*r),
+                (Some(e), _) => Some(*e),
+                (None, r) => r.copied(),
+            });
+        },
+    );
+    chosen
+}
+
+/// Sums of two rows of independent estimates, without the zeros.
+fn sum(a: &[Exact], b: &[Exact]) -> Vec<Exact> {
+    let mut row = Vec::with_capacity(a.len() + b.len());
+    union(
+        a,
+        b,
+        |e| e.column,
+        |e| e.column,
+        |column, a, b| {
+            let of = |f: fn(&Exact) -> f64| [a, b].map(|e| e.map_or(0.0, f));
+            let ([v, w], [s, t]) = (of(|e| e.value), of(|e| e.error));
+            if v + w > 0.0 {
+                row.push(Exact {
+                    column,
+                    value: v + w,
+                    error: s.hypot(t),
+                });
+            }
+        },
+    );
+    row
+}
+
+/// Visits the union of two lists sorted by key, in order, with what either has for the key.
+fn union<A, B>(
+    a: &[A],
+    b: &[B],
+    key_a: impl Fn(&A) -> u32,
+    key_b: impl Fn(&B) -> u32,
+    mut visit: impl FnMut(u32, Option<&A>, Option<&B>),
+) {
+    let (mut i, mut j) = (0, 0);
+    loop {
+        let (x, y) = (a.get(i), b.get(j));
+        let Some(key) = x.map(&key_a).into_iter().chain(y.map(&key_b)).min() else {
+            return;
+        };
+        let (x, y) = (x.filter(|x| key_a(x) == key), y.filter(|y| key_b(y) == key));
+        visit(key, x, y);
+        i += usize::from(x.is_some());
+        j += usize::from(y.is_some());
+    }
+}

@@ -1,0 +1,364 @@
+//! Pairs whose direct form factor is better had by formula than by rays: close ones, for rays
+//! see their steep kernel badly, and those with a lamp, whose noise no averaging heals.
+
+use super::Sides;
+use super::boxes::BoxTree;
+use super::shaft::{Occluders, Shaft};
+use crate::analytic::exchange_area;
+use crate::patch::Polygon;
+use azulejo_scene::math::{Aabb, Ray};
+use azulejo_trace::sampling::{seeds, sobol};
+use azulejo_trace::{Cancelled, KernelRay, Progress, REPLICATES, Surfaces};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// An exchange area with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Exact {
+    pub column: u32,
+    pub value: f64,
+    pub error: f64,
+}
+
+/// The exact estimates of one row, by column.
+pub(super) type ExactRow = Vec<Exact>;
+
+/// Pairs per row that formulas may be spent on, on average over the rows: they then take about
+/// as long as a thousand rays per row. Scenes of up to 65 rows are done by formula altogether.
+const PAIRS_PER_ROW: usize = 32;
+
+/// What counts as close: distance of the centres over the larger diameter. The largest that
+/// [`PAIRS_PER_ROW`] allows is taken.
+const REACHES: [f64; 5] = [f64::INFINITY, 4.0, 2.0, 1.0, 0.5];
+
+/// Shadow rays per pair and replicate, where the way is not known to be free.
+const SHADOW_RAYS: u32 = 16;
+
+/// As many where the first ones show that the pair is partly visible.
+const MORE_SHADOW_RAYS: u32 = 64;
+
+/// Relative error of a form factor where the way is free: what [`Shaft`] may overlook.
+const FREE_ERROR: f64 = 1e-7;
+
+/// Exact estimates of the chosen pairs, in both rows of each.
+pub(super) fn exact(
+    sides: &Sides,
+    surfaces: &Surfaces,
+    seed: u32,
+    progress: &Progress,
+) -> Result<Vec<ExactRow>, Cancelled> {
+    let rows = Rows::new(sides, surfaces);
+    let pairs = rows.pairs();
+    let occluders = Occluders::new(sides.patches, surfaces.scene);
+    progress.begin("formulas", pairs.len() as u64);
+    let estimate = |&(i, j): &(u32, u32)| {
+        progress.advance(1)?;
+        Ok(rows.estimate(i, j, surfaces, &occluders, seed))
+    };
+    let estimates: Vec<(f64, f64)> = pairs.par_iter().map(estimate).collect::<Result<_, _>>()?;
+    let mut exact = vec![ExactRow::new(); sides.len()];
+    for (&(i, j), (value, error)) in pairs.iter().zip(estimates) {
+        exact[i as usize].push(Exact {
+            column: j,
+            value,
+            error,
+        });
+        exact[j as usize].push(Exact {
+            column: i,
+            value,
+            error,
+        });
+    }
+    exact
+        .par_iter_mut()
+        .for_each(|row| row.sort_unstable_by_key(|e| e.column));
+    Ok(exact)
+}
+
+/// A flat row, with its corners counter-clockwise from the side that it is.
+struct Facet {
+    polygon: Vec<DVec3>,
+    normal: DVec3,
+    centre: DVec3,
+    diameter: f64,
+}
+
+struct Rows<'a> {
+    sides: &'a Sides<'a>,
+    /// Flat rows; the others are left to rays.
+    facets: Vec<Option<Facet>>,
+    is_lamp: Vec<bool>,
+}
+
+impl<'a> Rows<'a> {
+    fn new(sides: &'a Sides<'a>, surfaces: &Surfaces) -> Rows<'a> {
+        let facet = |i: usize| Some(Facet::new(sides, i, sides.patches.polygon(sides.patch(i))?));
+        let material =
+            |i: usize| &surfaces.scene.materials[sides.patches.material(sides.patch(i)) as usize];
+        let is_lamp = |i: usize| material(i).is_emitter() && !sides.is_back(i);
+        Rows {
+            sides,
+            facets: (0..sides.len()).into_par_iter().map(facet).collect(),
+            is_lamp: (0..sides.len()).map(is_lamp).collect(),
+        }
+    }
+
+    /// Pairs i < j of rows that face each other and are close or have a lamp, in order.
+    fn pairs(&self) -> Vec<(u32, u32)> {
+        let most = PAIRS_PER_ROW * self.sides.len();
+        let mut pairs = REACHES
+            .iter()
+            .find_map(|&reach| self.close(reach, most))
+            .unwrap_or_default();
+        let lamps = self.is_lamp.iter().filter(|&&is_lamp| is_lamp).count();
+        if lamps * self.sides.len() <= most {
+            pairs.extend(self.lamp_pairs());
+            pairs.sort_unstable();
+            pairs.dedup();
+        }
+        pairs
+    }
+
+    /// Pairs within `reach` diameters; `None` if there are more than `most`.
+    fn close(&self, reach: f64, most: usize) -> Option<Vec<(u32, u32)>> {
+        let n = self.sides.len();
+        // Half of all pairs face each other, if that many.
+        if reach.is_infinite() && n.saturating_mul(n) / 2 > most {
+            return None;
+        }
+        let points: Vec<Aabb> = (self.facets.iter())
+            .map(|f| Aabb::around(f.iter().map(|f| f.centre)))
+            .collect();
+        let tree = BoxTree::new(&points);
+        let mut pairs = Vec::new();
+        for (i, facet) in self
+            .facets
+            .iter()
+            .enumerate()
+            .filter_map(|(i, f)| Some((i, f.as_ref()?)))
+        {
+            let radius = reach * facet.diameter;
+            let is_full = tree.any(
+                |bounds| distance(bounds, facet.centre) < radius,
+                |j| {
+                    if self.is_smaller(j as usize, i) && self.within(i, j as usize, radius) {
+                        pairs.push((j.min(i as u32), j.max(i as u32)));
+                    }
+                    pairs.len() > most
+                },
+            );
+            if is_full {
+                return None;
+            }
+        }
+        pairs.sort_unstable();
+        Some(pairs)
+    }
+
+    /// Each pair is found by its larger row; of equal ones by the later.
+    fn is_smaller(&self, j: usize, i: usize) -> bool {
+        let size = |k: usize| {
+            self.facets[k]
+                .as_ref()
+                .map_or(f64::INFINITY, |f| f.diameter)
+        };
+        (size(j), j) < (size(i), i)
+    }
+
+    fn within(&self, i: usize, j: usize, radius: f64) -> bool {
+        let (Some(a), Some(b)) = (&self.facets[i], &self.facets[j]) else {
+            return false;
+        };
+        a.centre.distance(b.centre) < radius && a.faces(b) && b.faces(a)
+    }
+
+    fn lamp_pairs(&self) -> impl Iterator<Item = (u32, u32)> {
+        let lamps = (0..self.sides.len()).filter(|&i| self.is_lamp[i]);
+        let pairs = lamps.flat_map(|i| (0..self.sides.len()).map(move |j| (i, j)));
+        pairs
+            .filter(|&(i, j)| self.within(i, j, f64::INFINITY))
+            .map(|(i, j)| (i.min(j) as u32, i.max(j) as u32))
+    }
+
+    /// Exchange area of a pair and its standard error.
+    fn estimate(
+        &self,
+        i: u32,
+        j: u32,
+        surfaces: &Surfaces,
+        occluders: &Occluders,
+        seed: u32,
+    ) -> (f64, f64) {
+        let (Some(a), Some(b)) = (&self.facets[i as usize], &self.facets[j as usize]) else {
+            return (0.0, 0.0);
+        };
+        let whole = exchange_area(&a.polygon, &b.polygon);
+        if whole == 0.0 || occluders.is_free(&Shaft::new(&a.polygon, &b.polygon)) {
+            return (whole, FREE_ERROR * whole);
+        }
+        let view = View {
+            sides: self.sides,
+            surfaces,
+            rows: [i, j],
+            facets: [a, b],
+            seed,
+        };
+        let mut visible = view.visible(SHADOW_RAYS);
+        if visible.is_partial {
+            visible = view.visible(MORE_SHADOW_RAYS);
+        }
+        (whole * visible.share, whole * visible.error)
+    }
+}
+
+/// Distance of a point from a box; infinite for the empty box.
+fn distance(bounds: &Aabb, p: DVec3) -> f64 {
+    if bounds.is_empty() {
+        f64::INFINITY
+    } else {
+        p.distance(p.clamp(bounds.min, bounds.max))
+    }
+}
+
+impl Facet {
+    fn new(sides: &Sides, row: usize, polygon: Polygon) -> Facet {
+        let patch = sides.patch(row);
+        let mut polygon = polygon.to_vec();
+        let mut normal = sides.patches.normal(patch);
+        if sides.is_back(row) {
+            polygon.reverse();
+            normal = -normal;
+        }
+        Facet {
+            polygon,
+            normal,
+            centre: sides.patches.centre(patch),
+            diameter: sides.patches.diameter(patch),
+        }
+    }
+
+    /// Whether any corner of the other is in front, beyond rounding.
+    fn faces(&self, other: &Facet) -> bool {
+        let least = 1e-9 * (self.diameter + other.diameter);
+        other
+            .polygon
+            .iter()
+            .any(|&c| (c - self.centre).dot(self.normal) > least)
+    }
+}
+
+/// One pair, for the question how much of it is visible.
+struct View<'a> {
+    sides: &'a Sides<'a>,
+    surfaces: &'a Surfaces<'a>,
+    rows: [u32; 2],
+    facets: [&'a Facet; 2],
+    seed: u32,
+}
+
+/// The share of an exchange area that nothing blocks.
+struct Visible {
+    share: f64,
+    error: f64,
+    /// Whether some rays passed and some did not.
+    is_partial: bool,
+}
+
+/// Sums over shadow rays: of the kernel, of its square, of its visible part.
+#[derive(Clone, Copy, Default)]
+struct Kernels {
+    sum: f64,
+    squares: f64,
+    visible: f64,
+}
+
+impl View<'_> {
+    /// The visible share by `rays` shadow rays per replicate, between points stratified over
+    /// both facets and weighted with the kernel (ratio estimator).
+    fn visible(&self, rays: u32) -> Visible {
+        let (mut shadow, mut kernels, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
+        for r in 0..REPLICATES as u32 {
+            let [i, j] = self.rows;
+            let scrambling = seeds(&[self.seed, i, j, r, rays]);
+            for k in 0..rays {
+                let u = [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, scrambling[d])));
+                let (ray, kernel) = self.connect(u);
+                shadow.push(ray);
+                kernels.push(kernel);
+            }
+        }
+        self.surfaces.tracer.any(&shadow, &mut blocked);
+        let mut sums = [Kernels::default(); REPLICATES];
+        for (index, (&kernel, &blocked)) in kernels.iter().zip(&blocked).enumerate() {
+            sums[index / rays as usize].add(kernel, !blocked);
+        }
+        Visible::new(&sums)
+    }
+
+    /// A shadow ray between two points, and the kernel's value there.
+    fn connect(&self, u: [f64; 4]) -> (KernelRay, f64) {
+        let point = |k: usize| {
+            let patch = self.sides.patch(self.rows[k] as usize);
+            self.sides
+                .patches
+                .sample(patch, u[2 * k], u[2 * k + 1])
+                .position
+        };
+        let ([x, y], [m, n]) = ([point(0), point(1)], self.facets.map(|f| f.normal));
+        let tracer = self.surfaces.tracer;
+        let ray = Ray::between(tracer.leaving(x, m), tracer.leaving(y, n));
+        let (way, squared) = (y - x, (y - x).length_squared());
+        let kernel = way.dot(m).max(0.0) * (-way.dot(n)).max(0.0) / (PI * squared * squared);
+        (
+            tracer.kernel_ray(&ray),
+            if kernel.is_finite() { kernel } else { 0.0 },
+        )
+    }
+}
+
+impl Kernels {
+    fn add(&mut self, kernel: f64, is_visible: bool) {
+        self.sum += kernel;
+        self.squares += kernel * kernel;
+        self.visible += if is_visible { kernel } else { 0.0 };
+    }
+}
+
+impl Visible {
+    /// The error is the larger of two. One is the spread of the replicates. The other is what so
+    /// few rays can't know, even if all passed or none: the deviation of the posterior of a share
+    /// of which K independent looks are known, uniform before (Laplace's rule of succession),
+    /// which for K of K is about 1/K. K counts kernels by weight, (Σk)²/Σk².
+    fn new(replicates: &[Kernels; REPLICATES]) -> Visible {
+        let total = |f: fn(&Kernels) -> f64| replicates.iter().map(f).sum::<f64>();
+        let (sum, squares, visible) =
+            (total(|k| k.sum), total(|k| k.squares), total(|k| k.visible));
+        if sum == 0.0 {
+            return Visible {
+                share: 0.5,
+                error: 0.5,
+                is_partial: false,
+            };
+        }
+        let (share, looks) = (visible / sum, sum * sum / squares);
+        // Residuals of the ratio, each replicate weighted by its kernels.
+        let n = REPLICATES as f64;
+        let spread: f64 = replicates
+            .iter()
+            .map(|k| (k.visible - share * k.sum).powi(2))
+            .sum();
+        let spread = spread * n / (n - 1.0) / (sum * sum);
+        let expected = (share * looks + 1.0) / (looks + 2.0);
+        let posterior = expected * (1.0 - expected) / (looks + 3.0);
+        let is_partial = visible > 0.0 && visible < sum;
+        Visible {
+            share,
+            error: (STUDENT * STUDENT * spread).max(posterior).sqrt(),
+            is_partial,
+        }
+    }
+}
+
+/// Student's t with three degrees of freedom over the normal law's at 95.4%.
+const STUDENT: f64 = 3.307 / 2.0;

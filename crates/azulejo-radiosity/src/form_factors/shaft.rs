@@ -1,0 +1,111 @@
+//! Whether nothing can stand between two polygons.
+
+use super::boxes::BoxTree;
+use crate::patch::{Patches, Polygon};
+use azulejo_scene::Scene;
+use azulejo_scene::math::{Aabb, area_vector};
+use glam::DVec3;
+
+/// Depth, relative to the size of the shaft, to which anything may reach into it unseen:
+/// neighbours that share an edge do, by rounding.
+const GRAZE: f64 = 1e-8;
+
+/// The convex hull of two polygons, as half-spaces (Haines and Wallace, *Shaft Culling for
+/// Efficient Ray-Traced Radiosity*, 1991), without what is behind either polygon.
+pub(super) struct Shaft {
+    /// Outward normals and offsets: inside is where n·x < d for all.
+    planes: Vec<(DVec3, f64)>,
+}
+
+impl Shaft {
+    pub fn new(a: &[DVec3], b: &[DVec3]) -> Shaft {
+        let hull: Vec<DVec3> = a.iter().chain(b).copied().collect();
+        let bounds = Aabb::around(hull.iter().copied());
+        let graze = GRAZE * bounds.diagonal();
+        let mut planes: Vec<(DVec3, f64)> = Vec::with_capacity(24);
+        for polygon in [a, b] {
+            let n = -area_vector(polygon).normalize_or_zero();
+            planes.push((n, n.dot(polygon[0]) - graze));
+        }
+        for axis in DVec3::AXES {
+            planes.push((axis, axis.dot(bounds.max) - graze));
+            planes.push((-axis, -axis.dot(bounds.min) - graze));
+        }
+        for (from, to) in [(a, b), (b, a)] {
+            for (k, &p) in from.iter().enumerate() {
+                let edge = from[(k + 1) % from.len()] - p;
+                planes.extend(
+                    to.iter()
+                        .filter_map(|&q| supporting(edge, p, q, &hull, graze)),
+                );
+            }
+        }
+        Shaft { planes }
+    }
+
+    /// Whether all of some corners are outside one plane. A box or polygon that reaches around an
+    /// edge of the shaft may be taken for inside.
+    fn misses(&self, corners: &[DVec3]) -> bool {
+        self.planes
+            .iter()
+            .any(|(n, d)| corners.iter().all(|c| c.dot(*n) >= *d))
+    }
+
+    fn enters(&self, bounds: &Aabb) -> bool {
+        // The corner of the box that is furthest inside.
+        let lowest =
+            |n: &DVec3| DVec3::select(n.cmpgt(DVec3::ZERO), bounds.min, bounds.max).dot(*n);
+        self.planes.iter().all(|(n, d)| lowest(n) < *d)
+    }
+}
+
+/// The plane through an edge from `p` and the corner `q`, if all of the hull is on one side.
+fn supporting(edge: DVec3, p: DVec3, q: DVec3, hull: &[DVec3], graze: f64) -> Option<(DVec3, f64)> {
+    let across = edge.cross(q - p);
+    let n = across.normalize_or_zero();
+    let heights = || hull.iter().map(|c| (*c - p).dot(n));
+    // A touching corner makes no plane.
+    if across.length() <= graze * edge.length() {
+        return None;
+    }
+    if heights().all(|h| h <= graze) {
+        Some((n, p.dot(n) - graze))
+    } else if heights().all(|h| h >= -graze) {
+        Some((-n, -p.dot(n) - graze))
+    } else {
+        None
+    }
+}
+
+/// Everything that can block.
+pub(super) struct Occluders {
+    tree: BoxTree,
+    /// Corners of flat patches; of the rest the box is all that is known.
+    polygons: Vec<Option<Polygon>>,
+    boxes: Vec<Aabb>,
+}
+
+impl Occluders {
+    pub fn new(patches: &Patches, scene: &Scene) -> Occluders {
+        let polygons: Vec<_> = (0..patches.len()).map(|i| patches.polygon(i)).collect();
+        let bounds = |(i, polygon): (usize, &Option<Polygon>)| match polygon {
+            Some(polygon) => Aabb::around(polygon.iter().copied()),
+            None => scene.objects[patches.face(i).object as usize].bounds(),
+        };
+        let boxes: Vec<Aabb> = polygons.iter().enumerate().map(bounds).collect();
+        Occluders {
+            tree: BoxTree::new(&boxes),
+            polygons,
+            boxes,
+        }
+    }
+
+    /// Whether nothing reaches into the shaft. What cannot be told quickly is a no.
+    pub fn is_free(&self, shaft: &Shaft) -> bool {
+        let blocks = |i: u32| match &self.polygons[i as usize] {
+            Some(polygon) => !shaft.misses(polygon),
+            None => shaft.enters(&self.boxes[i as usize]),
+        };
+        !self.tree.any(|bounds| shaft.enters(bounds), blocks)
+    }
+}
