@@ -54,6 +54,9 @@ pub enum Command {
     /// Measure: irradiance at points, radiance or hits along rays
     #[command(after_help = PROBE_EXAMPLES)]
     Probe(ProbeArgs),
+    /// Write the matrix of form factors between patches
+    #[command(after_help = FORM_FACTORS_EXAMPLES)]
+    FormFactors(FormFactorArgs),
     /// Print a completion script for a shell
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {
@@ -118,8 +121,8 @@ pub struct Division {
     /// About how many patches to divide the surfaces into
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub patches: Option<u64>,
-    /// Longest edge of a patch, in scene units
-    #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
+    /// Longest edge of a patch, in scene units; 0 leaves faces whole
+    #[arg(long, value_name = "LENGTH", value_parser = values::not_negative)]
     pub patch_size: Option<f64>,
 }
 
@@ -272,6 +275,28 @@ pub struct ProbeArgs {
     pub first_pass: FirstPassArgs,
 }
 
+/// `form-factors`
+#[derive(Debug, Args)]
+pub struct FormFactorArgs {
+    #[command(flatten)]
+    pub input: Input,
+    /// Where to write: .npz (for scipy.sparse.load_npz) or .csv; `-` writes CSV to standard
+    /// output
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub division: Division,
+    /// Rays from each patch [default: 4096]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rays: Option<u32>,
+    /// Add the back side of every face as patches of their own
+    #[arg(long)]
+    pub two_sided: bool,
+    /// Seed of the random numbers; the same seed gives the same result
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
 const EXAMPLES: &str = "\
 Examples:
   azulejo render examples/cornell.grf -o cornell.png
@@ -310,6 +335,14 @@ Examples:
 
 Points give irradiance in red, green, blue and then its standard error, six numbers each. With
 emission in W/(sr·m²) irradiance is in W/m².";
+
+const FORM_FACTORS_EXAMPLES: &str = "\
+Examples:
+  azulejo form-factors room.obj -o f.npz --patches 2000 --rays 4096
+  python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
+
+Beside the matrix the .npz holds areas, patch_face (object and face of each patch), patch_back,
+std_error (one per stored entry), row_error and escaped (one per row). A patch counts by its front and blocks light from both sides.";
 
 const COMPLETIONS_EXAMPLES: &str = "\
 Examples:

@@ -5,11 +5,13 @@ mod args;
 mod clock;
 mod convert;
 mod failure;
+mod form_factors;
 mod generate;
 mod info;
 mod input;
 mod interrupt;
 mod npy;
+mod npz;
 mod output;
 mod pass;
 mod points;
@@ -18,6 +20,7 @@ mod render;
 mod report;
 mod session;
 mod solve;
+mod sparse;
 mod values;
 mod view;
 mod watch;
@@ -62,6 +65,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Solve(args) => solve::run(args, &mut session)?,
         Command::Render(args) => render::run(args, &mut session)?,
         Command::Probe(args) => probe::run(args, &mut session)?,
+        Command::FormFactors(args) => form_factors::run(args, &mut session)?,
     };
     session.finish(report)
 }

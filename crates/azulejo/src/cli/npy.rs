@@ -188,7 +188,14 @@ pub fn write<T: Element>(shape: &[usize], values: &[T], out: &mut dyn Write) -> 
     values.iter().try_for_each(|v| v.write(out))
 }
 
-fn write_header(descr: &str, shape: &[usize], out: &mut dyn Write) -> io::Result<()> {
+/// Writes a lone byte string, as `np.save(np.array(b"csr"))` does.
+pub fn write_bytes(text: &[u8], out: &mut dyn Write) -> io::Result<()> {
+    write_header(&format!("|S{}", text.len()), &[], out)?;
+    out.write_all(text)
+}
+
+/// Writes what stands before the data; the data follows in C order.
+pub fn write_header(descr: &str, shape: &[usize], out: &mut dyn Write) -> io::Result<()> {
     let axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
     let shape = match shape.len() {
         0 | 1 => axes.trim_end().to_owned(),

@@ -18,16 +18,14 @@ pub fn patch_size(division: &Division) -> Option<PatchSize> {
 
 /// The library's options from the command line's.
 pub fn options(args: &FirstPassArgs) -> FirstPass {
-    let default = FirstPass::default();
     FirstPass {
-        size: patch_size(&args.division).unwrap_or(default.size),
+        size: patch_size(&args.division).unwrap_or(FirstPass::default().size),
         error: args.error,
         rays: args.rays,
         bounces: args.bounces,
         seed: args.seed,
         memory: args.memory.unwrap_or_else(memory_budget),
         keep_mesh: args.keep_mesh,
-        ..default
     }
 }
 

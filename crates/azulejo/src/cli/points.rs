@@ -132,7 +132,7 @@ fn ray(record: &[u8; 32]) -> Result<Ray, String> {
     if !ray.direction.is_finite() || ray.direction == DVec3::ZERO {
         return Err("the direction is zero or not finite".into());
     }
-    if !(ray.t_min >= 0.0 && !ray.t_max.is_nan()) {
+    if ray.t_min.is_nan() || ray.t_min < 0.0 || ray.t_max.is_nan() {
         return Err(format!(
             "t runs from {} to {}, expected 0 <= tmin and tmax a number",
             ray.t_min, ray.t_max

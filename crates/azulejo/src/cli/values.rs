@@ -13,11 +13,11 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A positive number.
-pub fn positive(text: &str) -> Result<f64, String> {
+/// A number that is not negative.
+pub fn not_negative(text: &str) -> Result<f64, String> {
     match number(text)? {
-        x if x > 0.0 => Ok(x),
-        x => Err(format!("{x} is not above 0")),
+        x if x >= 0.0 => Ok(x),
+        x => Err(format!("{x} is below 0")),
     }
 }
 
@@ -173,6 +173,8 @@ mod tests {
         );
         check(vector, "1,-2.5,3e1", DVec3::new(1.0, -2.5, 30.0));
         refuse(vector, &["", "1,2", "1,2,3,4", "1,2,z", "1,2,inf"]);
+        check(not_negative, "0", 0.0);
+        refuse(not_negative, &["-1", "inf", "one"]);
         check(degrees, "40", 40.0);
         refuse(degrees, &["0", "180", "-5", "x"]);
     }

@@ -152,6 +152,7 @@ fn misuse_is_exit_code_2() {
         "probe room.obj",
         "probe room.obj --points p.txt -o - --json",
         "convert room.obj -o - --json",
+        "form-factors room.obj -o f.xyz",
     ] {
         folder.fails(line, 2, "");
     }

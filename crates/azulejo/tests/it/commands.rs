@@ -209,6 +209,47 @@ fn probe_reads_and_writes_npy() {
 }
 
 #[test]
+fn form_factors_of_a_closed_room_sum_to_one() {
+    let folder = Folder::with_room();
+    // The lamp hangs free: its back also receives, and counts only when asked for.
+    let report = folder.json("form-factors room.obj -o f.csv --patches 60 --rays 256 --two-sided");
+    assert_eq!(report["closed"], json!(true));
+    let patches = report["patches"].as_u64().unwrap() as usize;
+    let text = String::from_utf8(folder.read("f.csv")).unwrap();
+    let (mut sums, mut blind_rows) = (vec![0.0; patches], 0);
+    for line in text
+        .lines()
+        .filter(|l| l.starts_with(|c: char| c.is_ascii_digit()))
+    {
+        let words: Vec<&str> = line.split(',').collect();
+        let row: usize = words[0].parse().unwrap();
+        sums[row] += words[2].parse::<f64>().unwrap();
+    }
+    for (i, sum) in sums.iter().enumerate() {
+        // The backs of the walls see nothing at all.
+        let blind = *sum == 0.0;
+        blind_rows += usize::from(blind);
+        assert!(blind || (sum - 1.0).abs() < 0.01, "row {i} sums to {sum}");
+    }
+    assert!(blind_rows < patches / 2, "{blind_rows} of {patches}");
+    folder.ok("form-factors room.obj -o f.npz --patches 60 --rays 64");
+    let archive = folder.read("f.npz");
+    let contains = |name: &str| archive.windows(name.len()).any(|w| w == name.as_bytes());
+    for name in [
+        "data.npy",
+        "indices.npy",
+        "indptr.npy",
+        "shape.npy",
+        "format.npy",
+        "areas.npy",
+        "patch_face.npy",
+        "std_error.npy",
+    ] {
+        assert!(contains(name), "{name}");
+    }
+}
+
+#[test]
 fn the_program_explains_itself() {
     let folder = Folder::new();
     for command in [
@@ -217,6 +258,7 @@ fn the_program_explains_itself() {
         "solve",
         "render",
         "probe",
+        "form-factors",
         "completions",
         "man",
     ] {
@@ -226,12 +268,12 @@ fn the_program_explains_itself() {
     assert!(folder.ok("--version").out.starts_with("azulejo "));
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = folder.ok(&format!("completions {shell}")).out;
-        assert!(script.contains("convert"), "{shell}");
+        assert!(script.contains("form-factors"), "{shell}");
     }
     folder.ok("man .");
     let page = String::from_utf8(folder.read("azulejo-render.1")).unwrap();
     assert!(page.contains(".TH") && page.contains("exposure"));
-    assert_eq!(folder.names().len(), 8);
+    assert_eq!(folder.names().len(), 9);
 }
 
 #[test]

@@ -31,6 +31,7 @@ fn a_failure_leaves_the_old_files() {
         ("convert bad.obj -o out.obj", "out.obj"),
         ("solve bad.obj -o out.grf", "out.grf"),
         ("render bad.obj -o out.png", "out.png"),
+        ("form-factors bad.obj -o out.npz", "out.npz"),
     ] {
         folder.write(output, "old");
         folder.fails(line, 1, "bad.obj");

@@ -49,3 +49,9 @@ fn probe_stops() {
     let line = "probe room.obj --points p.txt -o out.txt --rays 10000000 --patches 50";
     check(line, "out.txt", Signal::SIGTERM);
 }
+
+#[test]
+fn form_factors_stop() {
+    let line = "form-factors room.obj -o out.npz --patches 20000 --rays 10000000";
+    check(line, "out.npz", Signal::SIGINT);
+}
