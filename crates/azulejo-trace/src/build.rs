@@ -60,15 +60,19 @@ impl Bounds {
 /// A box with the number of what is in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reference {
-    /// Lane 3 carries the number's bits.
+    /// Lane 3 carries the number, as the bits of a float: [`Reference::FIRST_ID`] and up.
     min: Vec4,
     max: Vec4,
 }
 
 impl Reference {
+    /// Numbers count from here, so that as floats they are small but not denormal, which would
+    /// slow down arithmetic with all four lanes.
+    const FIRST_ID: u32 = 0x2000_0000;
+
     pub(crate) fn new(min: [f32; 3], max: [f32; 3], id: u32) -> Reference {
         Reference {
-            min: Vec4::new(min[0], min[1], min[2], f32::from_bits(id)),
+            min: Vec4::new(min[0], min[1], min[2], f32::from_bits(Reference::FIRST_ID + id)),
             max: Vec4::new(max[0], max[1], max[2], 0.0),
         }
     }
@@ -80,7 +84,7 @@ impl Reference {
 
     #[inline]
     pub(crate) fn id(&self) -> u32 {
-        self.min.w.to_bits()
+        self.min.w.to_bits() - Reference::FIRST_ID
     }
 
     #[inline]
@@ -292,13 +296,24 @@ impl Binning {
     /// Bin of each axis.
     #[inline]
     fn bins(&self, centre2: Vec4) -> [usize; 3] {
-        // Adding 2^23 leaves the rounded number in the lowest bits, without a slow conversion.
-        const MAGIC: f32 = 8_388_608.0;
-        let x = ((centre2 - self.origin2) * self.scale - 0.5).max(Vec4::ZERO) + MAGIC;
-        x.xyz()
-            .to_array()
-            .map(|x| (x.to_bits() & (BINS as u32 - 1)) as usize)
+        let x = ((centre2 - self.origin2) * self.scale - 0.5).max(Vec4::ZERO) + TO_BITS;
+        x.xyz().to_array().map(lowest_bits)
     }
+
+    /// Bin of one axis, the same as [`bins`](Binning::bins) has.
+    #[inline]
+    fn bin(&self, axis: usize, r: &Reference) -> usize {
+        let centre2 = r.min[axis] + r.max[axis];
+        let x = (centre2 - self.origin2[axis]) * self.scale[axis] - 0.5;
+        lowest_bits(x.max(0.0) + TO_BITS)
+    }
+}
+
+/// Adding 2^23 leaves the rounded number in the lowest bits, without a slow conversion.
+const TO_BITS: f32 = 8_388_608.0;
+
+fn lowest_bits(x: f32) -> usize {
+    (x.to_bits() & (BINS as u32 - 1)) as usize
 }
 
 /// A plane that divides references, and what the two sides cost.
@@ -343,7 +358,7 @@ impl Plane {
     /// Orders the references by side.
     fn partition(&self, references: &mut [Reference]) -> (usize, Extent, Extent) {
         let (mut left, mut right) = (Extent::EMPTY, Extent::EMPTY);
-        let is_left = |r: &Reference| self.binning.bins(r.centre2())[self.axis] < self.bin;
+        let is_left = |r: &Reference| self.binning.bin(self.axis, r) < self.bin;
         let (mut low, mut high) = (0, references.len());
         loop {
             while low < high && is_left(&references[low]) {
