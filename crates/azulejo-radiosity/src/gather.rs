@@ -12,8 +12,8 @@ const CHUNK: usize = 8;
 /// total a power of two times this, or one and a half times that.
 const FIRST_RAYS: u32 = 128;
 
-/// Rays per point at which gathering gives up on an error.
-const MOST_RAYS: u32 = 1 << 17;
+/// Most rays per point of any gather.
+pub const MOST_RAYS: u32 = 1 << 17;
 
 /// No pass makes a point's total more than this many times what it was: early variances are
 /// too uncertain to be trusted further.
@@ -26,13 +26,14 @@ const RATE: f64 = 1.2;
 /// that points in the dark don't decide alone.
 const DARK: f64 = 0.1;
 
-/// When gathering stops.
+/// When gathering stops: at an error, at a number of rays, or at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Effort {
-    /// At this many rays per point.
-    Rays(u32),
-    /// At this relative RMS error of irradiance, see [`relative_error`].
-    Error(f64),
+pub struct Effort {
+    /// Relative RMS error of irradiance to reach, see [`relative_error`]; `None` spends all the
+    /// rays.
+    pub error: Option<f64>,
+    /// Most rays per point.
+    pub rays: u32,
 }
 
 /// Irradiance at points, and what it cost.
@@ -67,20 +68,17 @@ pub fn gather(
     progress: &Progress,
 ) -> Result<Gathering, Cancelled> {
     let task = Task { gatherer, light, points, seed, progress };
-    let first = match effort {
-        Effort::Rays(n) => n.max(1),
-        Effort::Error(_) => FIRST_RAYS,
-    };
-    let everywhere: Vec<u32> = (0..points.len() as u32).collect();
-    let gathered = task.pass(&everywhere, &GatherOptions { rays: first, spent: 0, seed })?;
-    let mut all = Gathering { gathered, spent: vec![first; points.len()] };
-    let Effort::Error(goal) = effort else { return Ok(all) };
+    let most = effort.rays.clamp(1, MOST_RAYS);
+    let rays = if effort.error.is_some() { FIRST_RAYS.min(most) } else { most };
+    let mut all = Gathering { gathered: vec![Gathered::default(); points.len()], spent: vec![0; points.len()] };
+    task.raise(&mut all, &vec![rays; points.len()])?;
+    let Some(goal) = effort.error else { return Ok(all) };
     while !progress.out_of_time() {
         let variances = relative_variances(&all.gathered);
         if rms(&variances) <= goal {
             break;
         }
-        let totals = allot(&variances, &all.spent, goal);
+        let totals = allot(&variances, &all.spent, goal, most);
         if totals == all.spent {
             break;
         }
@@ -99,35 +97,43 @@ struct Task<'a, L> {
 }
 
 impl<L: DiffuseLight> Task<'_, L> {
-    /// Brings every point to its total, in groups that have the same way to go.
+    /// Brings every point to its total, in groups that have the same way to go; points that have
+    /// something already keep it when time runs out.
     fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
-        let mut ways: Vec<(u32, u32)> = all.spent.iter().copied().zip(totals.iter().copied()).collect();
-        let groups = ways.clone();
+        let groups: Vec<(u32, u32)> = all.spent.iter().copied().zip(totals.iter().copied()).collect();
+        let mut ways = groups.clone();
         ways.sort_unstable();
         ways.dedup();
+        let work = groups.iter().filter(|(spent, total)| total > spent).count();
+        self.progress.begin("irradiance", work as u64);
         for (spent, total) in ways.into_iter().filter(|(spent, total)| total > spent) {
             let chosen: Vec<u32> = (0..groups.len() as u32).filter(|&i| groups[i as usize] == (spent, total)).collect();
             let rays = total - spent;
             let found = self.pass(&chosen, &GatherOptions { rays, spent, seed: self.seed })?;
-            for (&i, new) in chosen.iter().zip(&found) {
-                let old = &mut all.gathered[i as usize];
-                *old = old.blend(new, f64::from(rays) / f64::from(total));
-                all.spent[i as usize] = total;
+            for (&i, new) in chosen.iter().zip(found) {
+                if let Some(new) = new {
+                    let old = &mut all.gathered[i as usize];
+                    *old = old.blend(&new, f64::from(rays) / f64::from(total));
+                    all.spent[i as usize] = total;
+                }
             }
         }
         Ok(())
     }
 
-    /// Gathers once at the chosen points.
-    fn pass(&self, chosen: &[u32], options: &GatherOptions) -> Result<Vec<Gathered>, Cancelled> {
-        self.progress.begin("irradiance", chosen.len() as u64);
+    /// Gathers once at the chosen points; `None` where time ran out.
+    fn pass(&self, chosen: &[u32], options: &GatherOptions) -> Result<Vec<Option<Gathered>>, Cancelled> {
         let directions = DirectionTables::new(options);
-        let chunks: Result<Vec<Vec<Gathered>>, Cancelled> = chosen
+        let chunks: Result<Vec<Vec<Option<Gathered>>>, Cancelled> = chosen
             .par_chunks(CHUNK)
             .map(|chunk| {
                 self.progress.advance(chunk.len() as u64)?;
+                if options.spent > 0 && self.progress.out_of_time() {
+                    return Ok(vec![None; chunk.len()]);
+                }
                 let points: Vec<GatherPoint> = chunk.iter().map(|&i| self.points[i as usize]).collect();
-                Ok(self.gatherer.gather_with(&points, options, &directions, self.light))
+                let found = self.gatherer.gather_with(&points, options, &directions, self.light);
+                Ok(found.into_iter().map(Some).collect())
             })
             .collect();
         Ok(chunks?.into_iter().flatten().collect())
@@ -139,7 +145,7 @@ impl<L: DiffuseLight> Task<'_, L> {
 ///
 /// A point's variance falls with its rays n as n^−[`RATE`]; the sum of rays is then least for n
 /// in proportion to variance^(1/(1 + RATE)), by Lagrange.
-fn allot(variances: &[f64], spent: &[u32], goal: f64) -> Vec<u32> {
+fn allot(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
     let mean = variances.iter().sum::<f64>() / variances.len() as f64;
     // Four replicates tell a point's variance badly; half of it is taken from all points.
     let per_ray = |(v, &n): (&f64, &u32)| 0.5 * (v + mean) * f64::from(n).powf(RATE);
@@ -147,16 +153,16 @@ fn allot(variances: &[f64], spent: &[u32], goal: f64) -> Vec<u32> {
     let power = 1.0 / (1.0 + RATE);
     let sum: f64 = strength.iter().map(|s| s.powf(power)).sum();
     let scale = (sum / (strength.len() as f64 * goal * goal)).powf(1.0 / RATE);
-    let total = |(s, &n): (&f64, &u32)| well_spread(n, (scale * s.powf(power)).min(GROWTH * f64::from(n)));
+    let total = |(s, &n): (&f64, &u32)| well_spread(n, (scale * s.powf(power)).min(GROWTH * f64::from(n)), most);
     strength.iter().zip(spent).map(total).collect()
 }
 
-/// The total of rays nearest to `wanted`, at least `spent`, that is well spread: a power of two,
+/// The total of rays nearest to `wanted`, `spent` to `most`, that is well spread: a power of two,
 /// or one and a half times one, in units of the first pass.
-fn well_spread(spent: u32, wanted: f64) -> u32 {
-    let totals = (0..).map(|k| (FIRST_RAYS * [2, 3][k as usize % 2] << (k / 2)) / 2).take_while(|&t| t <= MOST_RAYS);
+fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
+    let totals = (0..24).map(|k| (FIRST_RAYS * [2, 3][k as usize % 2] << (k / 2)) / 2);
     let enough = |&t: &u32| t >= spent && f64::from(t) >= 0.85 * wanted;
-    totals.into_iter().find(enough).unwrap_or(spent.max(MOST_RAYS))
+    totals.into_iter().find(enough).unwrap_or(most).clamp(spent, most.max(spent))
 }
 
 /// Root mean square, over points and channels, of standard error over irradiance; irradiance

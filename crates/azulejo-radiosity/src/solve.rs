@@ -1,6 +1,6 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
-use crate::gather::{Effort, Gathering, gather, relative_error, standard_error};
+use crate::gather::{Effort, Gathering, MOST_RAYS, gather, relative_error, standard_error};
 use crate::light::{PatchLight, reflectances};
 use crate::patch::{PatchSize, Patches};
 use crate::stochastic;
@@ -17,9 +17,10 @@ pub struct FirstPass {
     /// How finely faces are divided.
     pub size: PatchSize,
     /// Stop when the estimated relative RMS error of irradiance is below this; `None` leaves it
-    /// to `rays`. An error and no rays: rays are chosen for it.
+    /// to `rays`.
     pub error: Option<f64>,
-    /// Rays per patch and per vertex; `None` chooses by `error`.
+    /// Rays per patch, and most rays per vertex; `None` chooses by `error`. With neither, the
+    /// goal is 2% at no more than 2,048 rays.
     pub rays: Option<u32>,
     /// Diffuse bounces of light to follow; `None` follows them to convergence.
     pub bounces: Option<u32>,
@@ -32,7 +33,7 @@ pub struct FirstPass {
 }
 
 impl Default for FirstPass {
-    /// About 2,500 patches, 2% error, bounces to convergence, 4 GiB.
+    /// About 2,500 patches, 2% error or 2,048 rays, bounces to convergence, 4 GiB.
     fn default() -> FirstPass {
         FirstPass {
             size: PatchSize::Count(2_500),
@@ -49,14 +50,18 @@ impl Default for FirstPass {
 /// Error that is aimed at when nothing is asked for.
 const DEFAULT_ERROR: f64 = 0.02;
 
+/// Rays per point at which a gather rests when nothing is asked for: light thrown by glass and
+/// curved mirrors would take far more.
+const DEFAULT_RAYS: u32 = 2048;
+
 /// A patch is too small to be worth more rays than this when only an error is asked for.
 const MOST_PATCH_RAYS: f64 = 16_384.0;
 
 impl FirstPass {
     fn effort(&self) -> Effort {
-        match (self.rays, self.error) {
-            (Some(rays), None) => Effort::Rays(rays),
-            (_, error) => Effort::Error(error.unwrap_or(DEFAULT_ERROR)),
+        match (self.error, self.rays) {
+            (None, None) => Effort { error: Some(DEFAULT_ERROR), rays: DEFAULT_RAYS },
+            (error, rays) => Effort { error, rays: rays.unwrap_or(MOST_RAYS) },
         }
     }
 

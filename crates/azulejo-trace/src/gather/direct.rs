@@ -45,6 +45,8 @@ struct Term {
     /// Sums of weights and of visible weights per replicate.
     weights: [f64; REPLICATES],
     visible: [f64; REPLICATES],
+    /// Samples per replicate so far, those without weight included.
+    samples: u32,
 }
 
 enum Source {
@@ -52,6 +54,8 @@ enum Source {
     Lamp(u32),
     /// The part of a lamp's image that a window shows.
     Image { window: u32, seen: Box<ArrayPolygon> },
+    /// A curved lamp, by its number; nothing but samples tells what it gives.
+    Globe(u32),
     /// A light without area: one place decides.
     Place(DVec3),
     /// A light without area by way of a window; the place of its image.
@@ -70,14 +74,14 @@ struct Test {
 /// Computes the direct light of batches of points.
 pub(super) struct Direct<'a> {
     surfaces: &'a Surfaces<'a>,
-    emitters: &'a Emitters,
+    emitters: &'a Emitters<'a>,
     rays: Vec<KernelRay>,
     blocked: Vec<bool>,
     tests: Vec<Test>,
 }
 
 impl<'a> Direct<'a> {
-    pub(super) fn new(surfaces: &'a Surfaces<'a>, emitters: &'a Emitters) -> Direct<'a> {
+    pub(super) fn new(surfaces: &'a Surfaces<'a>, emitters: &'a Emitters<'a>) -> Direct<'a> {
         Direct { surfaces, emitters, rays: Vec::new(), blocked: Vec::new(), tests: Vec::new() }
     }
 
@@ -102,13 +106,17 @@ impl<'a> Direct<'a> {
         let totals = totals(&terms, points.len());
         let is_mixed = |t: &Term| {
             let (all, seen) = (t.weights.iter().sum::<f64>(), t.visible.iter().sum::<f64>());
-            seen > 0.0 && seen < all && t.full.max_channel() > WEAK * totals[t.point as usize]
+            let is_globe = matches!(t.source, Source::Globe(_));
+            seen > 0.0 && (is_globe || seen < all) && t.full.max_channel() > WEAK * totals[t.point as usize]
         };
         self.test_terms(points, &mut terms, shadow.first..shadow.most, seed, is_mixed);
         for term in &terms {
             let sum = &mut sums[term.point as usize];
             if term.is_place() {
                 sum.lights += term.full * term.visible_share(0);
+            } else if let Source::Globe(_) = term.source {
+                let share = 1.0 / f64::from(term.samples.max(1));
+                (0..REPLICATES).for_each(|r| sum.lamps.replicates[r] += term.radiance * (term.visible[r] * share));
             } else {
                 (0..REPLICATES).for_each(|r| sum.lamps.replicates[r] += term.full * term.visible_share(r));
             }
@@ -147,6 +155,7 @@ impl<'a> Direct<'a> {
         match &term.source {
             Source::Lamp(j) => term.radiance * (weight * area(&self.emitters.lamps[*j as usize].polygon)),
             Source::Image { seen, .. } => term.radiance * (weight * area(seen)),
+            Source::Globe(_) => term.radiance * weight,
             Source::Place(_) | Source::PlaceImage { .. } => term.full,
         }
     }
@@ -156,13 +165,22 @@ impl<'a> Direct<'a> {
         let mut push = |full: Rgb, radiance: Rgb, source: Source| {
             if full.max_channel() > 0.0 {
                 let zero = [0.0; REPLICATES];
-                terms.push(Term { point: index, full, radiance, source, weights: zero, visible: zero });
+                terms.push(Term { point: index, full, radiance, source, weights: zero, visible: zero, samples: 0 });
             }
         };
         let (p, n) = (point.position, point.normal);
         for (j, lamp) in self.emitters.lamps.iter().enumerate() {
             let f = point_to_polygon(p, n, &lamp.polygon);
             push(lamp.radiance * (PI * f), lamp.radiance, Source::Lamp(j as u32));
+        }
+        for (j, globe) in self.emitters.globes.iter().enumerate() {
+            let d = globe.centre - p;
+            let reach = d.dot(n) + globe.radius2.sqrt() * 3f64.sqrt();
+            if reach > 0.0 {
+                // Only a guide to where rays are worth spending.
+                let rough = PI * (globe.radius2 / d.length_squared()).min(1.0);
+                push(globe.radiance * rough, globe.radiance, Source::Globe(j as u32));
+            }
         }
         for light in &self.emitters.lights {
             if let Some((place, full)) = unoccluded(light, p, n, self.surfaces) {
@@ -210,6 +228,12 @@ impl<'a> Direct<'a> {
                 let y = sample_polygon(seen, u);
                 self.push_reflected(from, y, *window);
                 kernel(point, y, area_vector(seen))
+            }
+            Source::Globe(j) => {
+                let globe = &self.emitters.globes[*j as usize];
+                let y = globe.primitive.point(globe.part, u.0, u.1);
+                self.push_segment(from, y.position);
+                kernel(point, y.position, y.normal) * y.area_density
             }
             Source::Place(place) => {
                 self.push_segment(from, *place);
@@ -263,7 +287,7 @@ impl<'a> Direct<'a> {
     ) {
         self.tests.clear();
         self.rays.clear();
-        for (t, term) in terms.iter().enumerate().filter(|(_, t)| wanted(t)) {
+        for (t, term) in terms.iter_mut().enumerate().filter(|(_, t)| wanted(t)) {
             let point = &points[term.point as usize];
             let is_place = term.is_place();
             // A light without area has one place, so one ray tells all.
@@ -271,6 +295,7 @@ impl<'a> Direct<'a> {
             if is_place && term.weights[0] > 0.0 {
                 continue;
             }
+            term.samples = range.end;
             for r in 0..replicates as u32 {
                 let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16), r]);
                 for k in range.clone() {

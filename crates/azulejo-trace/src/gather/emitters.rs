@@ -22,6 +22,20 @@ pub struct Lamp {
     pub radiance: Rgb,
 }
 
+/// A curved part of a primitive that emits from its outside.
+pub struct Globe<'a> {
+    /// The primitive.
+    pub primitive: &'a Primitive,
+    /// Which of its parts.
+    pub part: usize,
+    /// Emitted radiance, W/(sr·m²).
+    pub radiance: Rgb,
+    /// Its middle and the square of a radius around it, for rough estimates.
+    pub centre: DVec3,
+    /// See `centre`.
+    pub radius2: f64,
+}
+
 /// A flat convex mirror, and the lamps as it shows them.
 pub struct Window {
     /// Corners of the mirror.
@@ -36,9 +50,11 @@ pub struct Window {
 
 /// Everything whose direct light is computed by formula and shadow rays instead of being met by
 /// chance.
-pub struct Emitters {
+pub struct Emitters<'a> {
     /// Flat lamps.
     pub lamps: Vec<Lamp>,
+    /// Curved lamps.
+    pub globes: Vec<Globe<'a>>,
     /// Flat mirrors in which lamps and lights are seen.
     pub windows: Vec<Window>,
     /// Point, spot and directional lights.
@@ -49,12 +65,13 @@ pub struct Emitters {
     is_window: Vec<bool>,
 }
 
-impl Emitters {
+impl<'a> Emitters<'a> {
     /// Collects the lamps, mirrors and lights of a scene.
-    pub fn new(surfaces: &Surfaces) -> Emitters {
+    pub fn new(surfaces: &Surfaces<'a>) -> Emitters<'a> {
         let count = surfaces.tracer.item_count() as usize;
         let mut found = Emitters {
             lamps: Vec::new(),
+            globes: Vec::new(),
             windows: Vec::new(),
             lights: Vec::new(),
             ambient: Rgb::BLACK,
@@ -62,18 +79,19 @@ impl Emitters {
         };
         found.collect_lights(surfaces);
         found.collect_lamps(surfaces);
+        found.collect_globes(surfaces);
         found.collect_windows(surfaces);
         found
     }
 
-    /// Whether the direct light counts what flat emitters send `via` this way.
-    pub fn counts_direct(&self, via: Via) -> bool {
-        !self.lamps.is_empty()
-            && match via {
-                Via::Direct => true,
-                Via::Mirror(mirror) => self.is_window[mirror as usize],
-                Via::Many => false,
-            }
+    /// Whether the direct light counts what emitters send `via` this way.
+    pub fn counts_direct(&self, is_flat: bool, via: Via) -> bool {
+        match via {
+            Via::Direct if is_flat => !self.lamps.is_empty(),
+            Via::Direct => !self.globes.is_empty(),
+            Via::Mirror(mirror) => is_flat && !self.lamps.is_empty() && self.is_window[mirror as usize],
+            Via::Many => false,
+        }
     }
 
     fn collect_lights(&mut self, surfaces: &Surfaces) {
@@ -94,6 +112,24 @@ impl Emitters {
         });
         if lamps.len() <= MOST_LAMPS {
             self.lamps = lamps;
+        }
+    }
+
+    fn collect_globes(&mut self, surfaces: &Surfaces<'a>) {
+        let mut globes = Vec::new();
+        for object in &surfaces.scene.objects {
+            let Shape::Primitive(primitive) = &object.shape else { continue };
+            let radiance = surfaces.scene.materials[primitive.material as usize].emission;
+            if radiance.is_black() || matches!(primitive.kind, PrimitiveKind::Cuboid | PrimitiveKind::Square) {
+                continue;
+            }
+            let bounds = primitive.bounds();
+            let (centre, radius2) = (bounds.centre(), (0.5 * bounds.diagonal()).powi(2) / 3.0);
+            let parts = 0..primitive.kind.parts();
+            globes.extend(parts.map(|part| Globe { primitive, part, radiance, centre, radius2 }));
+        }
+        if globes.len() <= MOST_LAMPS {
+            self.globes = globes;
         }
     }
 

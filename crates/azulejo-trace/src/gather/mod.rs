@@ -120,7 +120,7 @@ pub struct GatherOptions {
 /// Gathers irradiance in a scene. Immutable; shared by all threads.
 pub struct Gatherer<'a> {
     surfaces: Surfaces<'a>,
-    emitters: Emitters,
+    emitters: Emitters<'a>,
 }
 
 impl<'a> Gatherer<'a> {
@@ -141,9 +141,9 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Whether the light of an emitter is in the [`direct`](Gatherer::direct) light of what it
-    /// reaches `via` this way: that of flat emitters is, straight or by way of one flat mirror.
+    /// reaches `via` this way: straight, or from flat emitters by way of one flat mirror.
     pub fn counts_direct(&self, is_flat: bool, via: Via) -> bool {
-        is_flat && self.emitters.counts_direct(via)
+        self.emitters.counts_direct(is_flat, via)
     }
 
     /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts
