@@ -175,7 +175,7 @@ impl<'a> RayEstimator<'a> {
                 points.push(GatherPoint { position: at.position, normal: flip * at.normal, key });
             }
         }
-        let light = self.gatherer.direct(&points, 1, 4, self.seed);
+        let light = self.gatherer.direct(&points, 1, self.seed);
         let share = 1.0 / f64::from(DIRECT_POSITIONS);
         for (k, at) in light.iter().enumerate() {
             row.direct[k / DIRECT_POSITIONS as usize] += (at.lamps.mean() + at.lights) * share;

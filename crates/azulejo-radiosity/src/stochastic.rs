@@ -125,7 +125,7 @@ impl Shooter<'_> {
                     return Ok(Default::default());
                 }
                 let points: [GatherPoint; REPLICATES] = std::array::from_fn(|r| self.point(s, r as u32));
-                let light = self.gatherer.direct(&points, 1, 2, self.seed);
+                let light = self.gatherer.direct(&points, 1, self.seed);
                 let ambient = self.ambient(s, scratch);
                 let mut lamps = ambient;
                 (0..REPLICATES).for_each(|r| lamps[r] += light[r].lamps.mean() + light[r].lights);

@@ -19,20 +19,8 @@ use std::f64::consts::PI;
 /// Shadow rays end this share of their length before the lamp, so that they don't meet it.
 const SHORT: f64 = 1.0 - 1e-4;
 
-/// Terms weaker than this share of a point's direct light get no second round of rays.
-const WEAK: f64 = 1e-3;
-
 /// More terms than this at one point are sampled by importance instead of one by one.
 const MOST_TERMS: usize = 32;
-
-/// How many shadow rays per replicate are spent on a term.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ShadowRays {
-    /// On every term.
-    pub first: u32,
-    /// In all, on terms that turned out to be partly visible.
-    pub most: u32,
-}
 
 /// One source of direct light at one point.
 struct Term {
@@ -45,7 +33,7 @@ struct Term {
     /// Sums of weights and of visible weights per replicate.
     weights: [f64; REPLICATES],
     visible: [f64; REPLICATES],
-    /// Samples per replicate so far, those without weight included.
+    /// Samples per replicate, those without weight included.
     samples: u32,
 }
 
@@ -85,13 +73,11 @@ impl<'a> Direct<'a> {
         Direct { surfaces, emitters, rays: Vec::new(), blocked: Vec::new(), tests: Vec::new() }
     }
 
-    /// Direct irradiance of each point, one independent estimate per replicate.
-    pub(super) fn irradiance(
-        &mut self,
-        points: &[GatherPoint],
-        shadow: ShadowRays,
-        seed: u32,
-    ) -> Vec<DirectLight> {
+    /// Direct irradiance of each point, one independent estimate per replicate, from `rays`
+    /// shadow rays per replicate and source.
+    ///
+    /// Always as many: to spend more where the first few disagree would favour what they saw.
+    pub(super) fn irradiance(&mut self, points: &[GatherPoint], rays: u32, seed: u32) -> Vec<DirectLight> {
         let mut sums = vec![DirectLight::default(); points.len()];
         let mut terms = Vec::new();
         for (index, point) in points.iter().enumerate() {
@@ -99,17 +85,10 @@ impl<'a> Direct<'a> {
             self.terms_of(index as u32, point, &mut terms);
             if terms.len() - start > MOST_TERMS {
                 let crowd: Vec<Term> = terms.drain(start..).collect();
-                sums[index].lamps.replicates = self.pick(point, &crowd, shadow, hash(&[seed, point.key]));
+                sums[index].lamps.replicates = self.pick(point, &crowd, rays, hash(&[seed, point.key]));
             }
         }
-        self.test_terms(points, &mut terms, 0..shadow.first, seed, |_| true);
-        let totals = totals(&terms, points.len());
-        let is_mixed = |t: &Term| {
-            let (all, seen) = (t.weights.iter().sum::<f64>(), t.visible.iter().sum::<f64>());
-            let is_globe = matches!(t.source, Source::Globe(_));
-            seen > 0.0 && (is_globe || seen < all) && t.full.max_channel() > WEAK * totals[t.point as usize]
-        };
-        self.test_terms(points, &mut terms, shadow.first..shadow.most, seed, is_mixed);
+        self.test_terms(points, &mut terms, rays, seed);
         for term in &terms {
             let sum = &mut sums[term.point as usize];
             if term.is_place() {
@@ -276,29 +255,18 @@ impl<'a> Direct<'a> {
         (test.first..test.first + test.count).all(|k| !self.blocked[k as usize])
     }
 
-    /// Adds the samples `range` of each replicate to those terms that `wanted` asks for.
-    fn test_terms(
-        &mut self,
-        points: &[GatherPoint],
-        terms: &mut [Term],
-        range: std::ops::Range<u32>,
-        seed: u32,
-        wanted: impl Fn(&Term) -> bool,
-    ) {
+    /// Tests what of every term is visible, by `rays` samples per replicate.
+    fn test_terms(&mut self, points: &[GatherPoint], terms: &mut [Term], rays: u32, seed: u32) {
         self.tests.clear();
         self.rays.clear();
-        for (t, term) in terms.iter_mut().enumerate().filter(|(_, t)| wanted(t)) {
+        for (t, term) in terms.iter_mut().enumerate() {
             let point = &points[term.point as usize];
-            let is_place = term.is_place();
             // A light without area has one place, so one ray tells all.
-            let (replicates, range) = if is_place { (1, 0..range.end.min(1)) } else { (REPLICATES, range.clone()) };
-            if is_place && term.weights[0] > 0.0 {
-                continue;
-            }
-            term.samples = range.end;
-            for r in 0..replicates as u32 {
+            let (replicates, count) = if term.is_place() { (1, 1) } else { (REPLICATES as u32, rays) };
+            term.samples = count;
+            for r in 0..replicates {
                 let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16), r]);
-                for k in range.clone() {
+                for k in 0..count {
                     let u = (f64::from(sobol(k, 0, s[0])), f64::from(sobol(k, 1, s[1])));
                     self.plan(point, t as u32, r, term, u);
                 }
@@ -316,8 +284,8 @@ impl<'a> Direct<'a> {
 
     /// Direct light of a point with very many sources: samples of sources chosen in proportion
     /// to what they would give, evenly spaced over all of it. Unbiased.
-    fn pick(&mut self, point: &GatherPoint, terms: &[Term], shadow: ShadowRays, seed: u32) -> [Rgb; REPLICATES] {
-        let count = (shadow.most * 4).max(MOST_TERMS as u32 / 2);
+    fn pick(&mut self, point: &GatherPoint, terms: &[Term], rays: u32, seed: u32) -> [Rgb; REPLICATES] {
+        let count = (4 * rays).max(MOST_TERMS as u32 / 2);
         self.tests.clear();
         self.rays.clear();
         let mut values = Vec::new();
@@ -359,13 +327,6 @@ impl Term {
         let ratio = self.visible.iter().sum::<f64>() / all;
         ratio + (self.visible[r] - ratio * self.weights[r]) * REPLICATES as f64 / all
     }
-}
-
-/// Sum of the terms' full irradiances per point, largest channel.
-fn totals(terms: &[Term], points: usize) -> Vec<f64> {
-    let mut totals = vec![0.0; points];
-    terms.iter().for_each(|t| totals[t.point as usize] += t.full.max_channel());
-    totals
 }
 
 /// A term chosen by `u` in 0..1 in proportion to its full irradiance, and its probability.

@@ -14,7 +14,7 @@ use crate::sampling::{cosine_hemisphere, hash, seeds, sobol, uniform};
 use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use direct::{Direct, ShadowRays};
+use direct::Direct;
 use emitters::Emitters;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -26,6 +26,9 @@ pub const REPLICATES: usize = 4;
 /// A hit nearer than the patch it falls on is replaced by a gather of its own, at most this many
 /// times in a row.
 const MOST_CONTACTS: u32 = 6;
+
+/// One shadow ray per source for so many rays over the hemisphere.
+const SHADOW_SHARE: u32 = 4;
 
 /// Where irradiance is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -156,11 +159,10 @@ impl<'a> Gatherer<'a> {
         if self.counts_direct(is_flat, via) { Rgb::BLACK } else { self.surfaces.material(hit.item).exitance() }
     }
 
-    /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror.
-    /// `first` shadow rays per replicate and source, up to `most` where a source is partly seen.
-    pub fn direct(&self, points: &[GatherPoint], first: u32, most: u32, seed: u32) -> Vec<DirectLight> {
-        let shadow = ShadowRays { first, most };
-        Direct::new(&self.surfaces, &self.emitters).irradiance(points, shadow, seed)
+    /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror, from
+    /// `rays` shadow rays per replicate and source.
+    pub fn direct(&self, points: &[GatherPoint], rays: u32, seed: u32) -> Vec<DirectLight> {
+        Direct::new(&self.surfaces, &self.emitters).irradiance(points, rays, seed)
     }
 
     /// Irradiance at points, direct and indirect.
@@ -181,8 +183,8 @@ impl<'a> Gatherer<'a> {
         light: &impl DiffuseLight,
     ) -> Vec<Gathered> {
         let per_replicate = directions.count as u32;
-        let (first, most) = (per_replicate.div_ceil(8).clamp(2, 16), per_replicate.div_ceil(2).max(4));
-        let direct = self.direct(points, first, most, options.seed ^ options.spent);
+        let shadow_rays = per_replicate.div_ceil(SHADOW_SHARE);
+        let direct = self.direct(points, shadow_rays, options.seed ^ options.spent);
         let mut collector = Collector {
             gatherer: self,
             light,
