@@ -29,6 +29,12 @@ impl<'a> PatchLight<'a> {
         let grain = (0..patches.len()).map(grain).collect();
         PatchLight { surfaces, patches, reflectance, grain, reflected: (0..2 * patches.len()).map(of_side).collect() }
     }
+
+    /// The same read from any distance: gathering anew from near hits would add bounces, and is
+    /// wrong where their number is limited.
+    pub fn without_grain(self) -> PatchLight<'a> {
+        PatchLight { grain: vec![0.0; self.grain.len()], ..self }
+    }
 }
 
 impl DiffuseLight for PatchLight<'_> {

@@ -158,7 +158,7 @@ pub struct Light {
 pub fn solve(scene: &Scene, tracer: &Tracer, pass: &FirstPass, progress: &Progress) -> Result<Light, SolveError> {
     let solved = Solved::new(scene, tracer, pass, progress)?;
     let targets = vertices::targets(scene, &solved.patches, &solved.found.incident, pass.keep_mesh);
-    let light = solved.light();
+    let light = solved.light(pass);
     let seed = hash(&[pass.key(), 1]);
     let found = gather(&solved.gatherer, &light, &targets.points, pass.effort(), seed, progress)?;
     let irradiance = targets.irradiance(scene, &solved.patches, &found.gathered);
@@ -204,7 +204,7 @@ pub fn probe(
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
     let solved = Solved::new(scene, tracer, pass, progress)?;
-    let light = solved.light();
+    let light = solved.light(pass);
     let place = |(i, p): (usize, &PointNormal)| GatherPoint { position: p.position, normal: p.normal, key: i as u32 };
     let places: Vec<GatherPoint> = points.iter().enumerate().map(place).collect();
     let seed = hash(&[pass.key(), 2]);
@@ -246,8 +246,9 @@ impl<'a> Solved<'a> {
         Ok(Solved { gatherer, patches, reflectance, found, method })
     }
 
-    fn light(&self) -> PatchLight<'_> {
-        PatchLight::new(self.gatherer.surfaces(), &self.patches, &self.reflectance, &self.found.solutions)
+    fn light(&self, pass: &FirstPass) -> PatchLight<'_> {
+        let light = PatchLight::new(self.gatherer.surfaces(), &self.patches, &self.reflectance, &self.found.solutions);
+        if pass.bounces.is_some() { light.without_grain() } else { light }
     }
 
     fn report(&self, gathering: &Gathering) -> Report {

@@ -5,4 +5,6 @@
 
 mod form_factor_matrix;
 mod form_factors;
+mod furnace;
+mod rooms;
 mod table;

@@ -9,9 +9,9 @@
 use super::emitters::Emitters;
 use super::{DirectLight, GatherPoint, REPLICATES};
 use crate::lambert::{ArrayPolygon, clip, clip_to_window, mirror_point, point_to_polygon};
-use crate::sampling::{hash, seeds, sobol, uniform};
+use crate::sampling::{cosine_about, hash, seeds, sobol, uniform};
 use crate::{KernelRay, Surfaces};
-use azulejo_scene::math::{Ray, area_vector};
+use azulejo_scene::math::{Frame, Ray, area_vector};
 use azulejo_scene::{LightKind, Rgb};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -48,6 +48,15 @@ enum Source {
     Place(DVec3),
     /// A light without area by way of a window; the place of its image.
     PlaceImage { window: u32, image: DVec3 },
+}
+
+/// What a sample of a lamp is for.
+#[derive(Clone, Copy, PartialEq)]
+enum Purpose {
+    /// The visible share, a ratio of sums.
+    Ratio,
+    /// The irradiance itself.
+    Value,
 }
 
 /// A planned shadow test: `count` rays from `first`, all of which must be free.
@@ -115,8 +124,8 @@ impl<'a> Direct<'a> {
             let chance = uniform(&[seed, point.key, 0]);
             if let Some((term, probability)) = choose(&terms, f64::from(chance)) {
                 let [u1, u2] = [1, 2].map(|d| f64::from(uniform(&[seed, point.key, d])));
-                if let Some(value) = self.plan(point, index as u32, 0, term, (u1, u2)) {
-                    values[index] = self.unbiased(term, value) / probability;
+                if let Some(value) = self.plan(point, index as u32, 0, term, (u1, u2), Purpose::Value) {
+                    values[index] = unbiased(term, value) / probability;
                 }
             }
         }
@@ -126,17 +135,6 @@ impl<'a> Direct<'a> {
             seen[test.term as usize] = self.is_free(test);
         }
         values.iter().zip(seen).map(|(&v, s)| if s { v } else { Rgb::BLACK }).collect()
-    }
-
-    /// Irradiance from one sample of a term, uniform over its area, of kernel `weight`.
-    fn unbiased(&self, term: &Term, weight: f64) -> Rgb {
-        let area = |polygon: &[DVec3]| area_vector(polygon).length();
-        match &term.source {
-            Source::Lamp(j) => term.radiance * (weight * area(&self.emitters.lamps[*j as usize].polygon)),
-            Source::Image { seen, .. } => term.radiance * (weight * area(seen)),
-            Source::Globe(_) => term.radiance * weight,
-            Source::Place(_) | Source::PlaceImage { .. } => term.full,
-        }
     }
 
     /// All sources that could light `point`, with the irradiance they would give.
@@ -191,22 +189,30 @@ impl<'a> Direct<'a> {
         }
     }
 
-    /// Plans the shadow test of one sample of a term and returns its kernel weight; `None` if
-    /// the sample can't light the point.
-    fn plan(&mut self, point: &GatherPoint, tag: u32, replicate: u32, term: &Term, u: (f64, f64)) -> Option<f64> {
+    /// Plans the shadow test of one sample of a term and returns its weight, kernel over density;
+    /// `None` if the sample can't light the point.
+    fn plan(
+        &mut self,
+        point: &GatherPoint,
+        tag: u32,
+        replicate: u32,
+        term: &Term,
+        u: (f64, f64),
+        purpose: Purpose,
+    ) -> Option<f64> {
         let first = self.rays.len() as u32;
         let from = self.surfaces.tracer.leaving(point.position, point.normal);
         let weight = match &term.source {
             Source::Lamp(j) => {
                 let polygon = &self.emitters.lamps[*j as usize].polygon;
-                let y = sample_polygon(polygon, u);
-                self.push_segment(from, y);
-                kernel(point, y, area_vector(polygon))
+                let (y, weight) = aim(point, polygon, u, purpose)?;
+                self.push_segment(from, self.in_front(y, polygon));
+                weight
             }
             Source::Image { window, seen } => {
-                let y = sample_polygon(seen, u);
-                self.push_reflected(from, y, *window);
-                kernel(point, y, area_vector(seen))
+                let (y, weight) = aim(point, seen, u, purpose)?;
+                self.push_reflected(from, self.in_front(y, seen), *window);
+                weight
             }
             Source::Globe(j) => {
                 let globe = &self.emitters.globes[*j as usize];
@@ -232,6 +238,11 @@ impl<'a> Direct<'a> {
         None
     }
 
+    /// A place just before a point of a lamp, so that short shadow rays, too, end before it.
+    fn in_front(&self, y: DVec3, polygon: &[DVec3]) -> DVec3 {
+        self.surfaces.tracer.leaving(y, area_vector(polygon).normalize_or_zero())
+    }
+
     fn push_segment(&mut self, from: DVec3, to: DVec3) {
         let ray = Ray { t_max: SHORT, ..Ray::between(from, to) };
         self.rays.push(self.surfaces.tracer.kernel_ray(&ray));
@@ -247,8 +258,9 @@ impl<'a> Direct<'a> {
         }
         let at = from + (image - from) * (here / (here - there));
         let target = mirror_point(image, window.polygon[0], window.normal);
-        self.push_segment(from, at);
-        self.push_segment(self.surfaces.tracer.leaving(at, window.normal * here.signum()), target);
+        let before = self.surfaces.tracer.leaving(at, window.normal * here.signum());
+        self.push_segment(from, before);
+        self.push_segment(before, target);
     }
 
     fn is_free(&self, test: &Test) -> bool {
@@ -268,7 +280,7 @@ impl<'a> Direct<'a> {
                 let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16), r]);
                 for k in 0..count {
                     let u = (f64::from(sobol(k, 0, s[0])), f64::from(sobol(k, 1, s[1])));
-                    self.plan(point, t as u32, r, term, u);
+                    self.plan(point, t as u32, r, term, u, Purpose::Ratio);
                 }
             }
         }
@@ -294,8 +306,8 @@ impl<'a> Direct<'a> {
             for k in 0..count {
                 let [c, u1, u2] = [0, 1, 2].map(|d| f64::from(sobol(k, d, s[d])));
                 let Some((term, probability)) = choose(terms, c) else { continue };
-                if let Some(weight) = self.plan(point, values.len() as u32, r, term, (u1, u2)) {
-                    values.push(self.unbiased(term, weight) / (probability * f64::from(count)));
+                if let Some(weight) = self.plan(point, values.len() as u32, r, term, (u1, u2), Purpose::Value) {
+                    values.push(unbiased(term, weight) / (probability * f64::from(count)));
                 }
             }
         }
@@ -342,6 +354,55 @@ fn choose(terms: &[Term], u: f64) -> Option<(&Term, f64)> {
         rest -= share;
     }
     None
+}
+
+/// Irradiance from one sample of a term and its weight.
+fn unbiased(term: &Term, weight: f64) -> Rgb {
+    if term.is_place() { term.full } else { term.radiance * weight }
+}
+
+/// A point of a lamp to look at, and kernel over density, its weight; `None` where `u` misses.
+///
+/// The density is even over the lamp. For a value and near a lamp, where the kernel has a peak,
+/// half of the samples follow the cosine's directions instead, which bounds the weight (Veach and
+/// Guibas 1995, balance heuristic for one sample). A ratio needs no such bound, but no misses.
+fn aim(point: &GatherPoint, polygon: &[DVec3], u: (f64, f64), purpose: Purpose) -> Option<(DVec3, f64)> {
+    let area = area_vector(polygon);
+    let even = 1.0 / area.length();
+    if purpose == Purpose::Ratio || !is_near(point.position, polygon) {
+        let y = sample_polygon(polygon, u);
+        return Some((y, kernel(point, y, area) / even));
+    }
+    let y = if u.0 < 0.5 {
+        sample_polygon(polygon, (2.0 * u.0, u.1))
+    } else {
+        let direction = cosine_about(&Frame::from_normal(point.normal), 2.0 * u.0 - 1.0, u.1);
+        meeting(point.position, direction, polygon, area)?
+    };
+    let kernel = kernel(point, y, area);
+    Some((y, kernel / (0.5 * even + 0.5 * kernel / PI)))
+}
+
+/// Whether a point is nearer to a polygon than the polygon is wide.
+fn is_near(p: DVec3, polygon: &[DVec3]) -> bool {
+    let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
+    let radius2 = polygon.iter().map(|c| c.distance_squared(centre)).fold(0.0, f64::max);
+    p.distance_squared(centre) < 4.0 * radius2
+}
+
+/// Where a ray meets a convex polygon of a normal of any length.
+fn meeting(from: DVec3, direction: DVec3, polygon: &[DVec3], normal: DVec3) -> Option<DVec3> {
+    let t = (polygon[0] - from).dot(normal) / direction.dot(normal);
+    let at = from + t * direction;
+    (t > 0.0 && is_inside(at, polygon, normal)).then_some(at)
+}
+
+/// Whether a point of a convex polygon's plane lies in it.
+fn is_inside(at: DVec3, polygon: &[DVec3], normal: DVec3) -> bool {
+    (0..polygon.len()).all(|k| {
+        let (p, q) = (polygon[k], polygon[(k + 1) % polygon.len()]);
+        (q - p).cross(at - p).dot(normal) >= 0.0
+    })
 }
 
 /// cos θ cos θ′/r² between a point and a point on a polygon of area vector `area`; zero where
@@ -450,9 +511,5 @@ fn is_through(from: DVec3, to: DVec3, polygon: &[DVec3]) -> bool {
     if a * b >= 0.0 {
         return false;
     }
-    let at = from + (to - from) * (a / (a - b));
-    (0..polygon.len()).all(|k| {
-        let (p, q) = (polygon[k], polygon[(k + 1) % polygon.len()]);
-        (q - p).cross(at - p).dot(normal) >= 0.0
-    })
+    is_inside(from + (to - from) * (a / (a - b)), polygon, normal)
 }

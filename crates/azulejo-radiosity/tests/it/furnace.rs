@@ -1,0 +1,308 @@
+//! Furnaces: closed rooms in which every point receives the same light, whatever the form
+//! factors are.
+
+use crate::rooms::*;
+use azulejo_radiosity::patch::Patches;
+use azulejo_radiosity::rays::{Columns, RayEstimator, Row, side};
+use azulejo_radiosity::{FirstPass, PatchSize, solve};
+use azulejo_scene::synthetic::displaced_sphere;
+use azulejo_scene::{
+    Light, LightKind, Material, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape,
+};
+use azulejo_trace::follow::Scratch;
+use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+use glam::{DVec3, dvec3};
+use std::f64::consts::PI;
+
+fn furnace(diffuse: f64, mirror: f64) -> Scene {
+    cube([0; 6].map(|_| surface(diffuse, mirror, 1.0)))
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
+}
+
+/// B = M / (1 − ρ_d/(1 − ρ_s)) and so on: every patch has the same, from 16 rays on.
+#[track_caller]
+fn check_patches(scene: &Scene, rays_per_patch: u32, radiosity: f64, within: f64) {
+    let pass = FirstPass {
+        size: PatchSize::Count(150),
+        ..rays(rays_per_patch)
+    };
+    let solved = Matrix::solve(scene, &pass);
+    let off = (0..solved.patches.len()).map(|p| (solved.radiosity(p, true).0 - radiosity).abs());
+    let off = largest(off);
+    eprintln!(
+        "B of {} patches: {off:.1e} off {radiosity}",
+        solved.patches.len()
+    );
+    assert!(off < within, "B is {off} off {radiosity}");
+    assert!(
+        solved.found.balance.error() < within,
+        "balance: {:?}",
+        solved.found.balance
+    );
+}
+
+#[test]
+fn diffuse_patches_glow_alike() {
+    check_patches(&furnace(0.5, 0.0), 16, 2.0, 4e-5);
+}
+
+#[test]
+fn mirroring_patches_glow_alike() {
+    check_patches(&furnace(0.5, 0.3), 16, 3.5, 1e-4);
+}
+
+/// At points the formulas are exact, and so are rays that read equal radiosities; what is left
+/// is the light of corners too near for patches, which is gathered by chance.
+#[track_caller]
+fn check_points(scene: &Scene, size: PatchSize, truth: f64, rms: f64) {
+    let points = points_on_cube(120);
+    let found = irradiance(scene, &points, &FirstPass { size, ..rays(1024) });
+    let square = |e: &azulejo_radiosity::Estimate| (e.value.mean() - truth).powi(2);
+    let error = (found.iter().map(square).sum::<f64>() / points.len() as f64).sqrt() / truth;
+    let said = (found.iter().map(|e| e.error.mean().powi(2)).sum::<f64>() / points.len() as f64)
+        .sqrt()
+        / truth;
+    let mean = found.iter().map(|e| e.value.mean()).sum::<f64>() / points.len() as f64;
+    eprintln!("H at points: mean {mean}, rms error {error:.2e}, said {said:.2e}");
+    assert!(error < rms, "rms error {error}");
+    assert!(
+        (mean / truth - 1.0).abs() < 3.0 * said / 11.0 + 1e-5,
+        "mean {mean}, truth {truth}"
+    );
+}
+
+#[test]
+fn points_receive_alike() {
+    check_points(&furnace(0.5, 0.0), PatchSize::Count(600), 2.0, 2e-2);
+    check_points(&furnace(0.5, 0.3), PatchSize::Count(600), 5.0, 3e-2);
+}
+
+#[test]
+fn direct_light_of_a_furnace_is_exact_at_points() {
+    let pass = FirstPass {
+        bounces: Some(0),
+        ..rays(64)
+    };
+    for e in irradiance(&furnace(0.5, 0.0), &points_on_cube(60), &pass) {
+        assert!((e.value.mean() - 1.0).abs() < 1e-12, "{e:?}");
+    }
+}
+
+/// Light of n bounces is a geometric series, at patches and at points alike.
+#[test]
+fn bounces_are_counted() {
+    for n in 0..4 {
+        let truth: f64 = (0..=n).map(|k| 0.5f64.powi(k)).sum();
+        let pass = FirstPass {
+            bounces: Some(n as u32),
+            size: PatchSize::Count(150),
+            ..rays(64)
+        };
+        let found = irradiance(&furnace(0.5, 0.0), &points_on_cube(60), &pass);
+        let off = largest(found.iter().map(|e| (e.value.mean() - truth).abs()));
+        assert!(off < 1e-5, "{n} bounces: {off:.1e} off {truth}");
+    }
+}
+
+#[test]
+fn vertices_receive_alike() {
+    let scene = furnace(0.5, 0.0);
+    let pass = FirstPass {
+        size: PatchSize::Count(96),
+        ..rays(1024)
+    };
+    let light = solve(&scene, &Tracer::new(&scene), &pass, &Progress::new()).unwrap();
+    let ObjectIrradiance::Refined(mesh) = &light.irradiance.objects[0] else {
+        panic!("a divided mesh")
+    };
+    let mean = mesh.irradiance.iter().map(|e| e.mean()).sum::<f64>() / mesh.irradiance.len() as f64;
+    let worst = largest(mesh.irradiance.iter().map(|e| (e.mean() - 2.0).abs()));
+    eprintln!(
+        "H at {} vertices: mean {mean}, worst {worst:.2e} off",
+        mesh.irradiance.len()
+    );
+    assert!(
+        (mean - 2.0).abs() < 5e-3 && worst < 0.15,
+        "mean {mean}, worst {worst}"
+    );
+}
+
+fn rows(scene: &Scene, size: PatchSize, rays: u32) -> (Patches, Vec<Row>) {
+    let tracer = Tracer::new(scene);
+    let patches = Patches::new(scene, size);
+    let gatherer = Gatherer::new(Surfaces::new(scene, &tracer));
+    let estimator = RayEstimator::new(&gatherer, &patches, rays, 1, Columns::All);
+    let rows = (0..patches.len() as u32)
+        .map(|p| estimator.row(side(p, true), &mut Scratch::default()))
+        .collect();
+    (patches, rows)
+}
+
+/// Every ray's weight is accounted for: what surfaces keep, reflect diffusely, let out or cut.
+#[test]
+fn rows_telescope() {
+    for (diffuse, mirror) in [(0.5, 0.0), (0.5, 0.3), (0.05, 0.95), (0.0, 1.0)] {
+        let (_, rows) = rows(&furnace(diffuse, mirror), PatchSize::Count(54), 64);
+        for row in &rows {
+            let sum: f64 = row
+                .entries
+                .iter()
+                .flatten()
+                .map(|e| f64::from(e.1[0]))
+                .sum::<f64>()
+                / row.entries.len() as f64;
+            let all = (row.absorbed + row.escaped + row.cut).mean() + sum * diffuse;
+            assert!(
+                (all - 1.0).abs() < 2e-5,
+                "ρ_d {diffuse}, ρ_s {mirror}: {all} of 1"
+            );
+            let identity = sum * (1.0 - mirror) + row.cut.mean();
+            assert!(
+                (identity - 1.0).abs() < 2e-5,
+                "ρ_s {mirror}: Σ X (1 − ρ_s) + cut = {identity}"
+            );
+        }
+    }
+}
+
+/// On the inside of a sphere F_ij = A_j / A for every pair.
+#[test]
+fn inside_of_a_sphere_sees_by_area() {
+    let mut scene = Scene::default();
+    let grey = scene.add_material(surface(0.5, 0.0, 0.0));
+    scene.objects.push(Object::new(
+        "sphere",
+        Shape::Primitive(Primitive::sphere(DVec3::ZERO, 1.0, grey)),
+    ));
+    let tracer = Tracer::new(&scene);
+    let patches = Patches::new(&scene, PatchSize::Count(60));
+    let gatherer = Gatherer::new(Surfaces::new(&scene, &tracer));
+    let rays = 1 << 14;
+    let estimator = RayEstimator::new(&gatherer, &patches, rays, 1, Columns::All);
+    let mut worst = 0f64;
+    for i in 0..patches.len() as u32 {
+        let row = estimator.row(side(i, false), &mut Scratch::default());
+        let mut factors = vec![0.0; 2 * patches.len()];
+        row.entries
+            .iter()
+            .flatten()
+            .for_each(|e| factors[e.0 as usize] += f64::from(e.1[0]) / 4.0);
+        assert!(
+            (factors.iter().sum::<f64>() - 1.0).abs() < 1e-3,
+            "row {i} sums to {}",
+            factors.iter().sum::<f64>()
+        );
+        for j in 0..patches.len() {
+            let f = patches.area(j) / (4.0 * PI);
+            let sigma = (f * (1.0 - f) / f64::from(rays)).sqrt();
+            worst = worst.max((factors[2 * j + 1] - f).abs() / sigma);
+            assert_eq!(factors[2 * j], 0.0, "the inside sees no outside");
+        }
+    }
+    eprintln!(
+        "sphere of {} patches: worst entry {worst:.2} σ of random rays off",
+        patches.len()
+    );
+    assert!(worst < 4.5, "{worst} σ");
+}
+
+fn in_white_surroundings(mut scene: Scene) -> Scene {
+    let kind = LightKind::Ambient {
+        radiance: Rgb::WHITE,
+    };
+    scene.lights.push(Light {
+        name: "sky".into(),
+        kind,
+    });
+    scene
+}
+
+/// Whatever stands in uniform surroundings and absorbs nothing is invisible: every point
+/// receives π times their radiance.
+#[track_caller]
+fn check_white(what: &str, scene: &Scene, points: &[azulejo_radiosity::PointNormal], within: f64) {
+    let found = irradiance(
+        scene,
+        points,
+        &FirstPass {
+            size: PatchSize::Count(200),
+            ..rays(256)
+        },
+    );
+    let off = largest(found.iter().map(|e| (e.value.mean() / PI - 1.0).abs()));
+    eprintln!("white furnace, {what}: {off:.1e} off");
+    assert!(off < within, "{what}: {off}");
+}
+
+#[test]
+fn white_things_vanish_in_white_surroundings() {
+    let sheet = |material: Material| {
+        let mut scene = in_white_surroundings(Scene::default());
+        add_sheet(
+            &mut scene,
+            dvec3(-2.0, -2.0, 0.0),
+            4.0 * DVec3::X,
+            4.0 * DVec3::Y,
+            surface(1.0, 0.0, 0.0),
+        );
+        let ball = scene.add_material(material);
+        scene.objects.push(Object::new(
+            "ball",
+            Shape::Primitive(Primitive::sphere(dvec3(0.0, 0.0, 1.0), 0.8, ball)),
+        ));
+        scene
+    };
+    let points = [
+        at(0.3, 0.2, 0.0, DVec3::Z),
+        at(1.5, 0.0, 0.0, DVec3::Z),
+        at(-0.9, 0.7, 0.0, DVec3::Z),
+    ];
+    check_white("white ball", &sheet(surface(1.0, 0.0, 0.0)), &points, 1e-4);
+    check_white("mirror ball", &sheet(surface(0.0, 1.0, 0.0)), &points, 1e-4);
+    check_white(
+        "half mirror ball",
+        &sheet(surface(0.4, 0.6, 0.0)),
+        &points,
+        1e-4,
+    );
+    check_white(
+        "glass ball",
+        &sheet(Material::dielectric("glass", 1.5)),
+        &points,
+        1e-4,
+    );
+}
+
+#[test]
+fn a_white_hilly_ball_vanishes_too() {
+    let mut scene = in_white_surroundings(displaced_sphere(600));
+    scene.materials[0] = surface(1.0, 0.0, 0.0);
+    let tracer = Tracer::new(&scene);
+    let light = solve(
+        &scene,
+        &tracer,
+        &FirstPass {
+            size: PatchSize::Count(600),
+            ..rays(64)
+        },
+        &Progress::new(),
+    )
+    .unwrap();
+    let ObjectIrradiance::Refined(mesh) = &light.irradiance.objects[0] else {
+        panic!("a divided mesh")
+    };
+    let off = largest(mesh.irradiance.iter().map(|e| (e.mean() / PI - 1.0).abs()));
+    eprintln!(
+        "white hills: {off:.1e} off, residual {:.1e}",
+        light.report.residual
+    );
+    assert!(off < 1e-4, "{off}");
+    assert!(
+        light.report.balance.error() < 1e-3,
+        "{:?}",
+        light.report.balance
+    );
+}
