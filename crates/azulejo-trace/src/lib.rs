@@ -14,6 +14,8 @@ mod progress;
 mod ray;
 mod simd;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 mod tracer;
 mod triangle;
 pub mod sampling;

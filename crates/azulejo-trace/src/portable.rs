@@ -3,7 +3,7 @@
 use crate::bvh::{Node, WIDTH};
 use crate::kernel::Instructions;
 use crate::prepared::PreparedRay;
-use crate::triangle::{PACKET, Packet, PacketHits};
+use crate::triangle::{PACKET, Packet, PacketHits, meet_exactly};
 
 /// Plain arrays, for processors without AVX2.
 #[derive(Clone, Copy, Debug)]
@@ -69,13 +69,20 @@ impl Instructions for Portable {
             let b = x[0][k] * y[2][k] - y[0][k] * x[2][k];
             let c = x[1][k] * y[0][k] - y[1][k] * x[0][k];
             let inside = (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
-            let whole = a + b + c;
-            if !inside || whole == 0.0 {
+            if !inside {
                 continue;
             }
-            let t = (a * z[0][k] + b * z[1][k] + c * z[2][k]) / whole;
-            (hits.t[k], hits.u[k], hits.v[k]) = (t, b / whole, c / whole);
-            mask |= u32::from(t >= ray.t_min && t <= t_max) << k;
+            let met = if a == 0.0 || b == 0.0 || c == 0.0 {
+                meet_exactly(x.map(|x| x[k]), y.map(|y| y[k]), z.map(|z| z[k]))
+            } else {
+                let whole = a + b + c;
+                let t = (a * z[0][k] + b * z[1][k] + c * z[2][k]) / whole;
+                Some((t, b / whole, c / whole))
+            };
+            if let Some(met) = met {
+                hits.set(k, met);
+                mask |= u32::from(met.0 >= ray.t_min && met.0 <= t_max) << k;
+            }
         }
         mask
     }

@@ -119,6 +119,7 @@ pub(crate) use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use super::{Instructions, Node, Packet, PacketHits, PreparedRay, WIDTH};
+    use crate::triangle::{PACKET, meet_exactly};
     use std::arch::x86_64::*;
 
     /// Proof that AVX2, FMA and the bit instructions are there: nothing else makes one.
@@ -144,6 +145,39 @@ mod avx2 {
     unsafe fn row(node: &Node, row: usize) -> __m256 {
         // SAFETY: a row is eight floats; aligned, because nodes are and rows are 32 bytes.
         unsafe { _mm256_load_ps(node.planes[row % 6].as_ptr()) }
+    }
+
+    /// # Safety
+    /// SSE must be there.
+    #[inline(always)]
+    unsafe fn lanes(v: __m128) -> [f32; PACKET] {
+        let mut lanes = [0.0; PACKET];
+        // SAFETY: `lanes` has room for four floats.
+        unsafe { _mm_storeu_ps(lanes.as_mut_ptr(), v) };
+        lanes
+    }
+
+    /// Sheared coordinates of three corners.
+    type Corners = [[f32; PACKET]; 3];
+
+    /// Decides the lanes of a mask in double precision; which of them are met within the range.
+    #[cold]
+    #[inline(never)]
+    fn recheck(
+        mask: u32,
+        (x, y, z): (Corners, Corners, Corners),
+        (t_min, t_max): (f32, f32),
+        hits: &mut PacketHits,
+    ) -> u32 {
+        let mut met = 0;
+        for k in (0..PACKET).filter(|k| mask >> k & 1 == 1) {
+            let corner = |c: Corners| c.map(|c| c[k]);
+            if let Some(hit) = meet_exactly(corner(x), corner(y), corner(z)) {
+                hits.set(k, hit);
+                met |= u32::from(hit.0 >= t_min && hit.0 <= t_max) << k;
+            }
+        }
+        met
     }
 
     /// For each mask the lanes that are in it, one after the other (AVX-512's compress).
@@ -265,14 +299,27 @@ mod avx2 {
                     _mm_cmpge_ps(t, _mm_set1_ps(ray.t_min)),
                     _mm_cmple_ps(t, _mm_set1_ps(t_max)),
                 );
-                let solid = _mm_cmpneq_ps(whole, zero);
-                let mask = _mm_movemask_ps(_mm_and_ps(_mm_and_ps(inside, within), solid)) as u32;
-                if mask != 0 {
-                    _mm_storeu_ps(hits.t.as_mut_ptr(), t);
-                    _mm_storeu_ps(hits.u.as_mut_ptr(), _mm_div_ps(b, whole));
-                    _mm_storeu_ps(hits.v.as_mut_ptr(), _mm_div_ps(c, whole));
+                let unsure = _mm_or_ps(
+                    _mm_or_ps(_mm_cmpeq_ps(a, zero), _mm_cmpeq_ps(b, zero)),
+                    _mm_cmpeq_ps(c, zero),
+                );
+                let unsure = _mm_movemask_ps(_mm_and_ps(inside, unsure)) as u32;
+                let mask = _mm_movemask_ps(_mm_and_ps(inside, within)) as u32;
+                if mask | unsure == 0 {
+                    return 0;
                 }
-                mask
+                _mm_storeu_ps(hits.t.as_mut_ptr(), t);
+                _mm_storeu_ps(hits.u.as_mut_ptr(), _mm_div_ps(b, whole));
+                _mm_storeu_ps(hits.v.as_mut_ptr(), _mm_div_ps(c, whole));
+                if unsure == 0 {
+                    return mask;
+                }
+                let z = |z| _mm_mul_ps(shear[2], z);
+                let x = [ax, bx, cx].map(|x| lanes(x));
+                let y = [ay, by, cy].map(|y| lanes(y));
+                let z = [z(az), z(bz), z(cz)].map(|z| lanes(z));
+                let sure = mask & !unsure;
+                sure | recheck(unsure, (x, y, z), (ray.t_min, t_max), hits)
             }
         }
     }

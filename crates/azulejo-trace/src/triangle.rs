@@ -6,8 +6,7 @@ use glam::DVec3;
 /// Triangles in one packet.
 pub(crate) const PACKET: usize = 4;
 
-/// Four triangles side by side. Lanes that are not in use hold a triangle without area, which no
-/// ray meets.
+/// Four triangles side by side. Lanes that are not in use hold NaN, which no ray meets.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Packet {
@@ -19,7 +18,7 @@ pub(crate) struct Packet {
 
 impl Packet {
     pub(crate) const EMPTY: Packet = Packet {
-        corners: [[0.0; PACKET]; 9],
+        corners: [[f32::NAN; PACKET]; 9],
         items: [u32::MAX; PACKET],
     };
 
@@ -39,6 +38,32 @@ pub(crate) struct PacketHits {
     pub t: [f32; PACKET],
     pub u: [f32; PACKET],
     pub v: [f32; PACKET],
+}
+
+impl PacketHits {
+    /// Puts a meeting into a lane.
+    pub(crate) fn set(&mut self, lane: usize, (t, u, v): (f32, f32, f32)) {
+        (self.t[lane], self.u[lane], self.v[lane]) = (t, u, v);
+    }
+}
+
+/// Where the last axis meets a triangle, from its corners in sheared coordinates: `t`, `u`, `v`.
+///
+/// For triangles with an edge function that is zero in single precision, which may be rounding:
+/// products of `f32` are exact in `f64`. A ray exactly on an edge meets both triangles there.
+#[cold]
+#[inline(never)]
+pub(crate) fn meet_exactly(x: [f32; 3], y: [f32; 3], z: [f32; 3]) -> Option<(f32, f32, f32)> {
+    let edge =
+        |p: usize, q: usize| f64::from(x[p]) * f64::from(y[q]) - f64::from(y[p]) * f64::from(x[q]);
+    let (a, b, c) = (edge(2, 1), edge(0, 2), edge(1, 0));
+    let inside = (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
+    let whole = a + b + c;
+    if !inside || whole == 0.0 {
+        return None;
+    }
+    let t = (a * f64::from(z[0]) + b * f64::from(z[1]) + c * f64::from(z[2])) / whole;
+    Some((t as f32, (b / whole) as f32, (c / whole) as f32))
 }
 
 /// Where a ray meets a triangle that the kernel has already said it meets.

@@ -1,0 +1,284 @@
+//! The tree against brute force, on every instruction set of this machine.
+
+use crate::bvh::{Bvh, Node, WIDTH};
+use crate::kernel::{Instructions, Others, Surroundings, is_better};
+use crate::portable::Portable;
+use crate::prepared::PreparedRay;
+use crate::simd::Level;
+use crate::triangle::{PACKET, PacketHits};
+use crate::{KernelHit, KernelRay, Tracer};
+use azulejo_scene::math::Ray;
+use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape, synthetic};
+use glam::DVec3;
+use proptest::prelude::*;
+
+fn levels() -> Vec<Level> {
+    let mut levels = vec![Level::Portable];
+    if Level::detect() != Level::Portable {
+        levels.push(Level::detect());
+    }
+    levels
+}
+
+fn mesh_scene(triangles: &[[DVec3; 3]]) -> Scene {
+    let mut scene = Scene::default();
+    let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+    let mut mesh = Mesh::default();
+    for t in triangles {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(t);
+        mesh.push_face(&[first, first + 1, first + 2], grey);
+    }
+    scene.objects.push(Object::new("soup", Shape::Mesh(mesh)));
+    scene
+}
+
+/// Every triangle of every packet, one after the other.
+fn brute_force(bvh: &Bvh, ray: &KernelRay) -> KernelHit {
+    let mut hit = KernelHit {
+        t: ray.t_max.next_down(),
+        ..KernelHit::NOTHING
+    };
+    let Some(prepared) = PreparedRay::new(ray) else {
+        return KernelHit::NOTHING;
+    };
+    let mut found = PacketHits::default();
+    for packet in &bvh.packets {
+        let mask = Portable.triangles(&prepared, packet, hit.t, &mut found);
+        for lane in (0..PACKET).filter(|lane| mask >> lane & 1 == 1) {
+            if is_better(found.t[lane], packet.items[lane], &hit) {
+                hit = KernelHit {
+                    t: found.t[lane],
+                    item: packet.items[lane],
+                    u: found.u[lane],
+                    v: found.v[lane],
+                };
+            }
+        }
+    }
+    if hit.is_hit() {
+        hit
+    } else {
+        KernelHit::NOTHING
+    }
+}
+
+/// The same hits, to the last bit, from brute force and from the tree at every level, whether
+/// rays come one by one or as a batch.
+fn check_against_brute_force(tracer: &Tracer, rays: &[KernelRay]) {
+    let expected: Vec<KernelHit> = rays.iter().map(|r| brute_force(&tracer.bvh, r)).collect();
+    let around = Surroundings {
+        bvh: &tracer.bvh,
+        others: tracer,
+    };
+    for level in levels() {
+        let mut hits = vec![KernelHit::NOTHING; rays.len()];
+        level.closest(&around, rays, &mut hits);
+        let mut blocked = vec![false; rays.len()];
+        level.any(&around, rays, &mut blocked);
+        for (k, ray) in rays.iter().enumerate() {
+            assert_eq!(hits[k], expected[k], "{level:?} {ray:?}");
+            assert_eq!(blocked[k], expected[k].is_hit(), "{level:?} {ray:?}");
+            let mut alone = [KernelHit::NOTHING];
+            level.closest(&around, &rays[k..=k], &mut alone);
+            assert_eq!(alone[0], expected[k], "{level:?} alone {ray:?}");
+        }
+    }
+}
+
+/// SplitMix64; numbers in −1..1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn point(&mut self) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Soup,
+    Slivers,
+    Coplanar,
+    Duplicates,
+    Sizes,
+}
+
+fn triangles(kind: Kind, count: usize, random: &mut Random) -> Vec<[DVec3; 3]> {
+    let triangle = |k: usize| {
+        let (a, b, c) = (random.point(), random.point(), random.point());
+        match kind {
+            Kind::Soup => [a, a + 0.2 * b, a + 0.2 * c],
+            Kind::Slivers => [a, a + b, a + b + 1e-5 * c],
+            Kind::Coplanar => [a, a + 0.3 * b, a + 0.3 * c].map(|p| p.with_z(0.0)),
+            Kind::Duplicates => {
+                let cell = DVec3::new((k % 4) as f64, (k / 4 % 4) as f64, 0.0);
+                [cell, cell + DVec3::X, cell + DVec3::Y + 0.5 * DVec3::Z]
+            }
+            Kind::Sizes => {
+                let size = (-6.0 * random.next().abs()).exp2().powi(4);
+                [a, a + size * b, a + size * c]
+            }
+        }
+    };
+    (0..count).map(triangle).collect()
+}
+
+/// Rays from random points to random points, to points of triangles, and along axes.
+fn rays(tracer: &Tracer, triangles: &[[DVec3; 3]], random: &mut Random) -> Vec<KernelRay> {
+    let mut ray = |k: usize| {
+        let from = 2.0 * random.point();
+        let [a, b, c] = triangles[k % triangles.len()];
+        let direction = match k % 5 {
+            0 => random.point(),
+            1 => a - from,
+            2 => 0.5 * (a + b) - from,
+            3 => (a + b + c) / 3.0 - from,
+            _ => DVec3::AXES[k % 3],
+        };
+        let (t_min, t_max) = if k % 7 == 0 {
+            (0.2, 0.9)
+        } else {
+            (0.0, f64::INFINITY)
+        };
+        tracer.kernel_ray(&Ray {
+            t_min,
+            t_max,
+            ..Ray::new(from, direction)
+        })
+    };
+    (0..200).map(&mut ray).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(120))]
+    #[test]
+    fn tree_agrees_with_brute_force(
+        seed in any::<u64>(),
+        count in 1usize..600,
+        kind in prop_oneof![
+            Just(Kind::Soup),
+            Just(Kind::Slivers),
+            Just(Kind::Coplanar),
+            Just(Kind::Duplicates),
+            Just(Kind::Sizes),
+        ],
+    ) {
+        let mut random = Random(seed);
+        let triangles = triangles(kind, count, &mut random);
+        let tracer = Tracer::new(&mesh_scene(&triangles));
+        check_against_brute_force(&tracer, &rays(&tracer, &triangles, &mut random));
+    }
+}
+
+#[test]
+fn a_room_agrees_with_brute_force() {
+    let scene = synthetic::furnished_room(6000);
+    let tracer = Tracer::new(&scene);
+    let mut random = Random(3);
+    let inside = |p: DVec3| DVec3::new(3.0, 2.5, 1.5) + p * DVec3::new(2.9, 2.4, 1.4);
+    let rays: Vec<KernelRay> = (0..1000)
+        .map(|_| Ray::between(inside(random.point()), inside(random.point())))
+        .map(|ray| tracer.kernel_ray(&ray))
+        .collect();
+    check_against_brute_force(&tracer, &rays);
+}
+
+#[test]
+fn axis_parallel_rays_are_not_led_astray() {
+    // Products of zero and infinity would let these rays into every box.
+    let mut node = Node {
+        planes: [[0.25; WIDTH]; 6],
+        children: [0; WIDTH],
+    };
+    for axis in 0..3 {
+        node.planes[2 * axis + 1] = [0.5; WIDTH];
+    }
+    let check = |origin: [f32; 3], direction: [f32; 3], meets: bool| {
+        let ray = KernelRay {
+            origin,
+            t_min: 0.0,
+            direction,
+            t_max: f32::INFINITY,
+        };
+        let prepared = PreparedRay::new(&ray).unwrap();
+        let numbers = [prepared.inverse, prepared.near_offset, prepared.far_offset];
+        assert!(
+            numbers.iter().flatten().all(|x| x.is_finite()),
+            "{prepared:?}"
+        );
+        let mut near = [0.0; WIDTH];
+        let mask = Portable.boxes(&prepared, &node, f32::MAX, &mut near);
+        assert_eq!(mask, if meets { 0xff } else { 0 }, "{ray:?}");
+    };
+    for zero in [0.0, -0.0] {
+        check([0.3, 0.3, 1.0], [zero, zero, -1.0], true);
+        check([0.25, 0.5, 1.0], [zero, zero, -1.0], true);
+        check([0.0, 0.3, 1.0], [zero, zero, -1.0], false);
+        check([0.3, 0.6, 1.0], [zero, zero, -1.0], false);
+        check([0.3, 1.0, 0.3], [zero, -2.0, zero], true);
+        check([1.0, 0.0, 0.3], [-1.0, zero, zero], false);
+    }
+    // The picture's middle column and row run along the axis when the width is odd.
+    let scene = synthetic::displaced_sphere(3000);
+    let tracer = Tracer::new(&scene);
+    let size = 41;
+    let at = |k: i32| f64::from(2 * k + 1 - size) / f64::from(size);
+    let pixel = |k: i32| DVec3::new(at(k % size), at(k / size), -2.0);
+    let rays: Vec<KernelRay> = (0..size * size)
+        .map(|k| tracer.kernel_ray(&Ray::new(DVec3::new(0.0, 0.0, 3.0), pixel(k))))
+        .collect();
+    assert!(
+        rays.iter()
+            .any(|r| r.direction[0] == 0.0 && r.direction[1] == 0.0)
+    );
+    check_against_brute_force(&tracer, &rays);
+}
+
+#[test]
+fn the_tree_does_not_depend_on_threads() {
+    let scene = synthetic::furnished_room(120_000);
+    let build = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap().install(|| Tracer::new(&scene))
+    };
+    let (one, eight) = (build(1), build(8));
+    let same = |a: &Node, b: &Node| a.planes == b.planes && a.children == b.children;
+    assert_eq!(one.bvh.nodes.len(), eight.bvh.nodes.len());
+    assert!(
+        one.bvh
+            .nodes
+            .iter()
+            .zip(&eight.bvh.nodes)
+            .all(|(a, b)| same(a, b))
+    );
+    let items = |t: &Tracer| {
+        t.bvh
+            .packets
+            .iter()
+            .flat_map(|p| p.items)
+            .collect::<Vec<u32>>()
+    };
+    assert_eq!(items(&one), items(&eight));
+}
+
+#[test]
+fn any_hit_of_other_shapes_respects_the_range() {
+    let mut scene = Scene::default();
+    scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+    let ball = azulejo_scene::Primitive::sphere(DVec3::ZERO, 1.0, 0);
+    scene
+        .objects
+        .push(Object::new("ball", Shape::Primitive(ball)));
+    let tracer = Tracer::new(&scene);
+    let ray = tracer.kernel_ray(&Ray::new(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z));
+    assert!(Others::any(&tracer, 0, &ray, 2.0) && !Others::any(&tracer, 0, &ray, 1.9));
+}
