@@ -12,6 +12,9 @@ const CHUNK: usize = 8;
 /// total a power of two times this, or one and a half times that.
 const FIRST_RAYS: u32 = 128;
 
+/// Rays per point when time is out before the first pass: every point gets some light.
+const HASTY_RAYS: u32 = 32;
+
 /// Most rays per point of any gather.
 pub const MOST_RAYS: u32 = 1 << 17;
 
@@ -69,7 +72,11 @@ pub fn gather(
 ) -> Result<Gathering, Cancelled> {
     let task = Task { gatherer, light, points, seed, progress };
     let most = effort.rays.clamp(1, MOST_RAYS);
-    let rays = if effort.error.is_some() { FIRST_RAYS.min(most) } else { most };
+    let rays = match effort.error {
+        _ if progress.out_of_time() => HASTY_RAYS.min(most),
+        Some(_) => FIRST_RAYS.min(most),
+        None => most,
+    };
     let mut all = Gathering { gathered: vec![Gathered::default(); points.len()], spent: vec![0; points.len()] };
     task.raise(&mut all, &vec![rays; points.len()])?;
     let Some(goal) = effort.error else { return Ok(all) };

@@ -46,6 +46,15 @@ impl Matrix {
         8 * self.starts.len() + 4 * self.columns.len() + 4 * self.weights.len()
     }
 
+    /// Entries of a row: column and weight.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (u32, Rgb)> {
+        let range = self.starts[row] as usize..self.starts[row + 1] as usize;
+        range.map(|e| {
+            let weight = |k: usize| f64::from(self.weights[self.channels * e + k % self.channels]);
+            (self.columns[e], Rgb::new(weight(0), weight(1), weight(2)))
+        })
+    }
+
     /// Row `row` times the vector `x` over columns, in `f64`, in the order of the columns.
     pub fn row_times(&self, row: usize, x: &[Rgb]) -> Rgb {
         let range = self.starts[row] as usize..self.starts[row + 1] as usize;

@@ -10,8 +10,8 @@ use crate::patch::Patches;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
-use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
-use azulejo_trace::{GatherPoint, Gatherer, REPLICATES};
+use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds, sobol};
+use azulejo_trace::{DirectLight, GatherPoint, Gatherer, REPLICATES};
 use std::f64::consts::PI;
 
 /// One side of a patch: twice the patch for the front, one more for the back.
@@ -30,10 +30,10 @@ pub type Entries = Vec<(Side, [f32; 3])>;
 pub struct Row {
     /// Per replicate, the extended form factor to each side that was reached.
     pub entries: [Entries; REPLICATES],
-    /// Per replicate, irradiance that came without diffuse reflection: the formula's direct
-    /// light, and the emission and surroundings that rays met on their own, W/m².
-    pub direct: [Rgb; REPLICATES],
-    /// The part of `direct` that no patch emitted: lights without area and the surroundings.
+    /// Per replicate, irradiance from emission and surroundings that the rays met and that
+    /// [`RayEstimator::direct`] does not count, W/m².
+    pub stray: [Rgb; REPLICATES],
+    /// The part of `stray` that came from the surroundings.
     pub foreign: Rgb,
     /// Share of the rays' weight that surfaces absorbed.
     pub absorbed: Rgb,
@@ -96,9 +96,6 @@ impl<'a> RayEstimator<'a> {
             raw.sort_by_key(|&(j, _)| j);
             *sorted = merged(&raw);
         }
-        if self.columns == Columns::Diffuse {
-            self.add_direct(side, &mut row);
-        }
         row
     }
 
@@ -142,7 +139,7 @@ impl<'a> RayEstimator<'a> {
             match event {
                 Event::Escape => {
                     row.escaped += weight * share;
-                    row.direct[replicate] += weight * ambient;
+                    row.stray[replicate] += weight * ambient;
                     row.foreign += weight * ambient * share;
                 }
                 Event::Cut => row.cut += weight * share,
@@ -152,7 +149,7 @@ impl<'a> RayEstimator<'a> {
                         let kept = Rgb::WHITE - material.mirror - material.diffuse;
                         row.absorbed += weight * kept * share;
                     }
-                    row.direct[replicate] += weight * self.gatherer.stray_exitance(&hit, front, path.via);
+                    row.stray[replicate] += weight * self.gatherer.stray_exitance(&hit, front, path.via);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.patches.locate_hit(surfaces, &hit);
                         found[replicate].push((side_of(patch, front), path.weight));
@@ -162,29 +159,26 @@ impl<'a> RayEstimator<'a> {
         });
     }
 
-    /// Direct light of the patch, area-averaged.
-    fn add_direct(&self, side: Side, row: &mut Row) {
-        let (patch, flip) = ((side / 2) as usize, if side % 2 == 0 { 1.0 } else { -1.0 });
+    /// The light that formulas count on one side of a patch, area-averaged.
+    pub fn direct(&self, side: Side) -> DirectLight {
+        let (patch, flip) = ((side / 2) as usize, if side.is_multiple_of(2) { 1.0 } else { -1.0 });
         let mut points = Vec::with_capacity(REPLICATES * DIRECT_POSITIONS as usize);
         for r in 0..REPLICATES as u32 {
             let [s1, s2, ..] = seeds(&[self.seed, side, r, 0xd1]);
-            for k in 0..DIRECT_POSITIONS as usize {
-                let [u1, u2] = self.table_point(k, [s1, s2]);
-                let at = self.patches.sample(patch, u1, u2);
-                let key = hash(&[side, r, k as u32]);
+            for k in 0..DIRECT_POSITIONS {
+                let at = self.patches.sample(patch, sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
+                let key = hash(&[side, r, k]);
                 points.push(GatherPoint { position: at.position, normal: flip * at.normal, key });
             }
         }
-        let light = self.gatherer.direct(&points, 1, self.seed);
+        let found = self.gatherer.direct(&points, 1, self.seed);
+        let mut light = DirectLight::default();
         let share = 1.0 / f64::from(DIRECT_POSITIONS);
-        for (k, at) in light.iter().enumerate() {
-            row.direct[k / DIRECT_POSITIONS as usize] += (at.lamps.mean() + at.lights) * share;
-            row.foreign += at.lights * (share / REPLICATES as f64);
+        for (k, at) in found.iter().enumerate() {
+            light.lamps.replicates[k / DIRECT_POSITIONS as usize] += at.lamps.mean() * share;
+            light.lights += at.lights * (share / REPLICATES as f64);
         }
-    }
-
-    fn table_point(&self, k: usize, seeds: [u32; 2]) -> [f64; 2] {
-        [0, 1].map(|d| f64::from(azulejo_trace::sampling::sobol(k as u32, d, seeds[d])))
+        light
     }
 }
 

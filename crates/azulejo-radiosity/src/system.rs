@@ -10,7 +10,7 @@ use crate::patch::Patches;
 use crate::rays::{Columns, RayEstimator, Row, Side, side};
 use azulejo_scene::{Material, Rgb};
 use azulejo_trace::follow::Scratch;
-use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
+use azulejo_trace::{Cancelled, DirectLight, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
 
 /// Rows computed between two looks at the progress bar.
@@ -29,15 +29,19 @@ pub struct Unknown {
     pub exitance: Rgb,
     /// H₀ per replicate, W/m².
     pub direct: [Rgb; REPLICATES],
-    /// The part of H₀ that no patch emitted.
+    /// The part of H₀ that no patch emitted: lights without area and the surroundings.
     pub foreign: Rgb,
-    /// Shares of what leaves this side: absorbed, escaped, cut off.
+    /// Shares of what leaves this side: absorbed, escaped, cut off; zero without a row.
     pub fates: [Rgb; 3],
 }
 
-/// The rows of all unknowns.
+/// The rows of all unknowns, or as many as there was time for.
+///
+/// Rows are traced in the order of the power that their patches reflect, the brightest first
+/// (Cohen et al., *A progressive refinement approach*, SIGGRAPH 1988), so that a system cut short
+/// by a deadline holds what matters most: what it has no rows for is lit by those that it has.
 pub struct System {
-    /// The unknowns, in the order of the matrices' rows.
+    /// The unknowns; the first ones have the matrices' rows, in their order.
     pub unknowns: Vec<Unknown>,
     /// One matrix per replicate; columns are sides.
     pub matrices: Vec<Matrix>,
@@ -58,7 +62,7 @@ pub struct Convergence {
 
 impl System {
     /// Traces the rows of every side that light can reach: all fronts, then those backs that
-    /// rays from reached sides meet, and so on.
+    /// rays from reached sides meet, and so on, until the progress is out of time.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -87,42 +91,47 @@ impl System {
         let mut wave: Vec<Side> =
             (0..patches.len()).filter(|&p| reflects(p)).map(|p| side(p as u32, true)).collect();
         wave.iter().for_each(|&s| is_planned[s as usize] = true);
-        progress.begin("form factors", wave.len() as u64);
         while !wave.is_empty() {
-            let mut met = Vec::new();
-            for block in wave.chunks(BLOCK * rayon::current_num_threads().max(1)) {
-                let row = |scratch: &mut Scratch, &s: &Side| {
+            progress.begin("direct light", wave.len() as u64);
+            let unknown = |&s: &Side| {
+                progress.advance(1)?;
+                let material = &materials[patches.material((s / 2) as usize) as usize];
+                Ok(Unknown::new(s, patches, reflectance, material, &estimator.direct(s)))
+            };
+            let mut unknowns: Vec<Unknown> = wave.par_iter().map(unknown).collect::<Result<_, Cancelled>>()?;
+            unknowns.sort_by(|a, b| b.reflected_power().total_cmp(&a.reflected_power()).then(a.side.cmp(&b.side)));
+            progress.begin("form factors", wave.len() as u64);
+            wave.clear();
+            for block in unknowns.chunks_mut(BLOCK * rayon::current_num_threads().max(1)) {
+                if progress.out_of_time() {
+                    break;
+                }
+                let row = |scratch: &mut Scratch, u: &Unknown| {
                     progress.advance(1)?;
-                    Ok(estimator.row(s, scratch))
+                    Ok(estimator.row(u.side, scratch))
                 };
-                let rows: Vec<Row> = block.par_iter().map_init(Scratch::default, row).collect::<Result<_, Cancelled>>()?;
-                for (&s, row) in block.iter().zip(&rows) {
-                    let material = &materials[patches.material((s / 2) as usize) as usize];
-                    system.push(s, row, patches, reflectance[(s / 2) as usize], material);
+                let rows: Vec<Row> =
+                    block.par_iter().map_init(Scratch::default, row).collect::<Result<_, Cancelled>>()?;
+                for (u, row) in block.iter_mut().zip(&rows) {
+                    u.add_row(row);
+                    system.push(row);
                     for (j, _) in row.entries.iter().flatten() {
                         if !std::mem::replace(&mut is_planned[*j as usize], true) {
-                            met.push(*j);
+                            wave.push(*j);
                         }
                     }
                 }
             }
-            met.sort_unstable();
-            wave = met;
+            system.unknowns.append(&mut unknowns);
+            if progress.out_of_time() {
+                break;
+            }
+            wave.sort_unstable();
         }
         Ok(system)
     }
 
-    fn push(&mut self, s: Side, row: &Row, patches: &Patches, reflectance: Rgb, material: &Material) {
-        let exitance = if s.is_multiple_of(2) { material.exitance() } else { Rgb::BLACK };
-        self.unknowns.push(Unknown {
-            side: s,
-            area: patches.area((s / 2) as usize),
-            reflectance,
-            exitance,
-            direct: row.direct,
-            foreign: row.foreign,
-            fates: [row.absorbed, row.escaped, row.cut],
-        });
+    fn push(&mut self, row: &Row) {
         for (matrix, entries) in self.matrices.iter_mut().zip(&row.entries) {
             matrix.push_row(entries);
         }
@@ -153,11 +162,8 @@ impl System {
         let mut state = Convergence { iterations: 0, residual: 0.0 };
         while state.iterations < most {
             progress.advance(0)?;
-            let matrix = &self.matrices[replicate];
-            let next = matrix.map_rows(|i| {
-                let u = &self.unknowns[i];
-                u.reflectance * (u.direct[replicate] + matrix.row_times(i, &reflected))
-            });
+            let arriving = self.arriving(replicate, &reflected);
+            let next = self.unknowns.iter().zip(arriving).map(|(u, h)| u.reflectance * (u.direct[replicate] + h));
             let (mut change, mut largest) = (0f64, 0f64);
             for (u, value) in self.unknowns.iter().zip(next) {
                 let old = &mut reflected[u.side as usize];
@@ -172,6 +178,25 @@ impl System {
             }
         }
         Ok((reflected, state))
+    }
+
+    /// Irradiance of every unknown by diffusely reflected light.
+    ///
+    /// Unknowns with a row gather; the others get what those shoot, by reciprocity
+    /// A_i X_ij = A_j X_ji.
+    fn arriving(&self, replicate: usize, reflected: &[Rgb]) -> Vec<Rgb> {
+        let matrix = &self.matrices[replicate];
+        let mut arriving = matrix.map_rows(|i| matrix.row_times(i, reflected));
+        let rows = arriving.len();
+        if rows < self.unknowns.len() {
+            let mut power = vec![Rgb::BLACK; self.sides];
+            for (i, u) in self.unknowns[..rows].iter().enumerate() {
+                let leaving = reflected[u.side as usize] * u.area;
+                matrix.row(i).for_each(|(j, w)| power[j as usize] += leaving * w);
+            }
+            arriving.extend(self.unknowns[rows..].iter().map(|u| power[u.side as usize] / u.area));
+        }
+        arriving
     }
 
     /// Where the emitted power goes, W, with the reflected light `reflected` (mean of the
@@ -190,6 +215,32 @@ impl System {
     }
 }
 
+impl Unknown {
+    fn new(s: Side, patches: &Patches, reflectance: &[Rgb], material: &Material, light: &DirectLight) -> Unknown {
+        let exitance = if s.is_multiple_of(2) { material.exitance() } else { Rgb::BLACK };
+        Unknown {
+            side: s,
+            area: patches.area((s / 2) as usize),
+            reflectance: reflectance[(s / 2) as usize],
+            exitance,
+            direct: light.lamps.replicates.map(|e| e + light.lights),
+            foreign: light.lights,
+            fates: [Rgb::BLACK; 3],
+        }
+    }
+
+    /// Power that leaves after one reflection, W, all channels together.
+    fn reflected_power(&self) -> f64 {
+        (self.direct.iter().copied().sum::<Rgb>() * self.reflectance).mean() * self.area
+    }
+
+    fn add_row(&mut self, row: &Row) {
+        self.direct.iter_mut().zip(&row.stray).for_each(|(h, s)| *h += *s);
+        self.foreign += row.foreign;
+        self.fates = [row.absorbed, row.escaped, row.cut];
+    }
+}
+
 impl System {
     /// Solves all replicates.
     ///
@@ -201,8 +252,7 @@ impl System {
         for r in 0..REPLICATES {
             let (solution, state) = self.solve(r, bounces, TOLERANCE, progress)?;
             let mut incident = vec![Rgb::BLACK; self.sides];
-            let arriving = self.matrices[r].map_rows(|i| self.matrices[r].row_times(i, &solution));
-            for (u, h) in self.unknowns.iter().zip(arriving) {
+            for (u, h) in self.unknowns.iter().zip(self.arriving(r, &solution)) {
                 incident[u.side as usize] = u.direct[r] + h;
             }
             found.add_replicate(solution, &incident, state);
