@@ -1,24 +1,29 @@
 //! Puts it together: vertices, patches, and what lies around what.
 
 use super::cells::{Cells, NO_CORNER, Place};
+use super::contacts::Contacts;
 use super::divide::Division;
 use super::locate::{Locator, is_flat};
-use super::outline::{Outline, Region};
+use super::outline::{Outline, Region, Slot};
+use super::part::{Parted, part};
 use super::{DisplayVertex, FaceId, FlatRegion, GivenVertex, Lists, Patches};
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Primitive, PrimitiveKind, Shape, SurfaceGrid};
 use glam::DVec3;
+use std::collections::HashSet;
 
 /// How far gather positions move toward the centre of what adjoins them.
 const PULL: f64 = 1e-3;
 /// Patches that turn less than this (cosine) around a vertex are one plane there.
 const COPLANAR_COSINE: f64 = 1.0 - 1e-9;
+/// A piece of a side lies on a contact if its middle is as near as this share of the edge.
+const NEAR: f64 = 1e-5;
 /// Marks what has no display vertex yet.
 const UNSEEN: u32 = u32::MAX;
 
 /// Makes the patches of a division.
-pub(super) fn build(outline: &Outline, division: Division) -> Patches {
-    let mut builder = Builder::new(outline, &division);
+pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) -> Patches {
+    let mut builder = Builder::new(outline, contacts, &division);
     builder.add_objects();
     let Builder {
         vertices,
@@ -28,6 +33,7 @@ pub(super) fn build(outline: &Outline, division: Division) -> Patches {
         object_vertices,
         object_patches,
         corner_vertex,
+        parted,
         ..
     } = builder;
     let rings = |i: u32| corners[i as usize].iter().filter(|&&v| v != NO_CORNER);
@@ -41,7 +47,7 @@ pub(super) fn build(outline: &Outline, division: Division) -> Patches {
         regions: outline.regions.iter().map(flat).collect(),
         region_corners: outline.slots.iter().map(|s| s.corner).collect(),
         primitives: outline.scene.objects.iter().map(primitive).collect(),
-        given: given_vertices(outline, &corner_vertex),
+        given: given_vertices(outline, &corner_vertex, &parted),
         face_base: outline.face_base.clone(),
         face_regions: outline.face_regions.clone(),
         cells: division.cells,
@@ -80,6 +86,7 @@ fn primitive(object: &azulejo_scene::Object) -> Option<Primitive> {
 
 struct Builder<'a> {
     outline: &'a Outline<'a>,
+    contacts: &'a Contacts,
     division: &'a Division,
     vertices: Vec<DisplayVertex>,
     corners: Vec<[u32; 4]>,
@@ -93,13 +100,22 @@ struct Builder<'a> {
     seam_vertex: Vec<u32>,
     /// Shading normal of each slot.
     normals: Vec<DVec3>,
+    /// Edges of the object's patches along contacts, as ascending pairs of vertices.
+    contact_edges: HashSet<[u32; 2]>,
+    /// What became of the vertices on contacts.
+    parted: Vec<Parted>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(outline: &'a Outline<'a>, division: &'a Division) -> Builder<'a> {
+    fn new(
+        outline: &'a Outline<'a>,
+        contacts: &'a Contacts,
+        division: &'a Division,
+    ) -> Builder<'a> {
         let slots = outline.slots.len();
         Builder {
             outline,
+            contacts,
             division,
             vertices: Vec::new(),
             corners: Vec::new(),
@@ -110,6 +126,8 @@ impl<'a> Builder<'a> {
             corner_vertex: vec![UNSEEN; slots],
             seam_vertex: vec![UNSEEN; slots],
             normals: shading_normals(outline),
+            contact_edges: HashSet::new(),
+            parted: Vec::new(),
         }
     }
 
@@ -120,6 +138,7 @@ impl<'a> Builder<'a> {
             for r in regions {
                 self.add_region(r);
             }
+            self.part_vertices_at_contacts();
             self.object_vertices.push(self.vertices.len() as u32);
             self.object_patches.push(self.corners.len() as u32);
         }
@@ -143,7 +162,69 @@ impl<'a> Builder<'a> {
             }));
             self.owner.push(r);
         });
+        self.note_contacts(r, cells, &local);
         self.region_patches.push(self.corners.len() as u32);
+    }
+
+    /// Notes which edges of a region's patches lie on contacts. `local` are the vertices at its
+    /// local points.
+    fn note_contacts(&mut self, r: u32, cells: &Cells, local: &[u32]) {
+        let region = &self.outline.regions[r as usize];
+        if let Cells::Irregular(mesh) = cells {
+            let edges = mesh.contacts.iter().map(|e| e.map(|k| local[k as usize]));
+            self.contact_edges.extend(edges.map(ascending));
+        }
+        let mut along = self.contacts.of(r as usize).iter().filter(|c| !c.inside);
+        if along.next().is_none() {
+            return;
+        }
+        let (slots, marks) = (self.outline.slots_of(region), &self.division.marks);
+        let mut sides: Vec<Vec<u32>> = slots
+            .iter()
+            .map(|s| vec![UNSEEN; marks.pieces[s.edge as usize] as usize])
+            .collect();
+        let mut next = local.iter();
+        cells.for_each_point(|place| {
+            if let (Place::Side { side, step }, Some(&v)) = (place, next.next()) {
+                sides[side as usize][step as usize] = v;
+            }
+        });
+        for (k, slot) in slots.iter().enumerate() {
+            let end = sides[(k + 1) % slots.len()][0];
+            sides[k].push(end);
+            for (step, w) in (0..).zip(sides[k].windows(2)) {
+                if self.is_on_contact(r, slot, step) {
+                    self.contact_edges.insert(ascending([w[0], w[1]]));
+                }
+            }
+        }
+    }
+
+    /// Whether piece `step` of a side lies on a contact along it.
+    fn is_on_contact(&self, r: u32, slot: &Slot, step: u32) -> bool {
+        let edge = &self.outline.edges[slot.edge as usize];
+        let marks = &self.division.marks;
+        let ends = [step, step + 1].map(|k| edge.point(marks.share_on(slot, k)));
+        let middle = 0.5 * (ends[0] + ends[1]);
+        let reach = NEAR * edge.length();
+        let mut along = self.contacts.of(r as usize).iter().filter(|c| !c.inside);
+        along.any(|c| {
+            let [a, b] = c.ends;
+            let share = (middle - a).dot(b - a) / a.distance_squared(b);
+            middle.distance(a + share.clamp(0.0, 1.0) * (b - a)) < reach
+        })
+    }
+
+    /// Gives the vertices of the object that was added last a copy on each side of contacts.
+    fn part_vertices_at_contacts(&mut self) {
+        if self.contact_edges.is_empty() {
+            return;
+        }
+        let first = self.object_patches[self.object_patches.len() - 1] as usize;
+        let corners = &mut self.corners[first..];
+        let parted = part(&self.contact_edges, corners, &mut self.vertices);
+        self.parted.extend(parted);
+        self.contact_edges.clear();
     }
 
     fn push_vertex(&mut self, object: u32, position: DVec3, normal: DVec3) -> u32 {
@@ -196,7 +277,7 @@ impl<'a> Builder<'a> {
     /// The vertex `step` pieces along a side, 0 < step < the side's pieces.
     fn seam_vertex(&mut self, region: &Region, first: usize, side: u32, step: u32) -> u32 {
         let slot = self.outline.slots[first + side as usize];
-        let count = self.division.pieces[slot.edge as usize];
+        let count = self.division.marks.pieces[slot.edge as usize];
         let seam = slot.seam as usize;
         if self.seam_vertex[seam] == UNSEEN {
             self.seam_vertex[seam] = self.vertices.len() as u32;
@@ -207,9 +288,9 @@ impl<'a> Builder<'a> {
             }
             let edge = &self.outline.edges[slot.edge as usize];
             for i in 1..count {
-                let t = f64::from(i) / f64::from(count);
+                let t = self.division.marks.share(slot.edge, i);
                 let normal = unit_or(a + t * (b - a), region.normal);
-                self.push_vertex(region.object, edge.point(i, count), normal);
+                self.push_vertex(region.object, edge.point(t), normal);
             }
         }
         let along = if slot.forward { step } else { count - step };
@@ -269,6 +350,10 @@ impl Inset {
     }
 }
 
+fn ascending([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
 fn unit_or(v: DVec3, other: DVec3) -> DVec3 {
     v.try_normalize().unwrap_or(other)
 }
@@ -311,7 +396,11 @@ fn shading_normals(outline: &Outline) -> Vec<DVec3> {
 }
 
 /// For each object and given vertex the display vertices there, with the angles of their faces.
-fn given_vertices(outline: &Outline, corner_vertex: &[u32]) -> Vec<Lists<GivenVertex>> {
+fn given_vertices(
+    outline: &Outline,
+    corner_vertex: &[u32],
+    parted: &[Parted],
+) -> Vec<Lists<GivenVertex>> {
     let mut angles = vec![0.0; outline.slots.len()];
     for region in &outline.regions {
         for slot in region.slots.clone() {
@@ -319,25 +408,34 @@ fn given_vertices(outline: &Outline, corner_vertex: &[u32]) -> Vec<Lists<GivenVe
             angles[group] += corner_angle(outline, region, slot);
         }
     }
+    let shown = |s: u32, shown: &mut Vec<(u32, GivenVertex)>| {
+        let (vertex, weight) = (outline.slots[s as usize].vertex, angles[s as usize]);
+        let display = corner_vertex[s as usize];
+        // Parted vertices ascend, object by object.
+        let first = parted.partition_point(|p| p.from < display);
+        let parts = parted[first..].iter().take_while(|p| p.from == display);
+        let before = shown.len();
+        shown.extend(parts.map(|p| {
+            let (display, weight) = (p.into, weight * p.share);
+            (vertex, GivenVertex { display, weight })
+        }));
+        if shown.len() == before {
+            shown.push((vertex, GivenVertex { display, weight }));
+        }
+    };
     let of_object = |(object, o): (usize, &azulejo_scene::Object)| {
         let Shape::Mesh(mesh) = &o.shape else {
             return Lists::default();
         };
         let regions = outline.face_regions[outline.face_base[object] as usize] as usize
             ..outline.face_regions[outline.face_base[object + 1] as usize] as usize;
-        let shown = outline.regions[regions]
+        let mut all = Vec::new();
+        outline.regions[regions]
             .iter()
             .flat_map(|r| r.slots.clone())
             .filter(|&s| outline.slots[s as usize].corner_group == s)
-            .map(|s| {
-                let weight = angles[s as usize];
-                let display = corner_vertex[s as usize];
-                (
-                    outline.slots[s as usize].vertex,
-                    GivenVertex { display, weight },
-                )
-            });
-        Lists::new(mesh.positions.len(), shown)
+            .for_each(|s| shown(s, &mut all));
+        Lists::new(mesh.positions.len(), all.iter().copied())
     };
     outline
         .scene

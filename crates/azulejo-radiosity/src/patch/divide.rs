@@ -2,7 +2,10 @@
 
 use super::PatchSize;
 use super::cells::Cells;
-use super::irregular::{Irregular, expected_patches};
+use super::contacts::Contacts;
+use super::irregular::{Irregular, expected_patches, flatten, flatten_contacts};
+use super::lines::{Lines, is_worth};
+use super::marks::Marks;
 use super::outline::{Form, Outline, Region};
 use azulejo_scene::{Primitive, Shape, SurfaceGrid};
 use rayon::prelude::*;
@@ -20,29 +23,30 @@ const CHORD_ERROR: f64 = 0.02;
 /// A chosen size and what it makes of every region.
 pub(super) struct Division {
     /// Pieces of each edge.
-    pub pieces: Vec<u32>,
+    pub marks: Marks,
     /// Cells of each region.
     pub cells: Vec<Cells>,
 }
 
 impl Division {
-    pub fn new(outline: &Outline, size: PatchSize) -> Division {
+    pub fn new(outline: &Outline, contacts: &Contacts, size: PatchSize) -> Division {
+        let plan = Plan { outline, contacts };
         match size {
             PatchSize::Edge(edge) => {
                 let edge = if edge > 0.0 { edge } else { f64::INFINITY };
-                Division::at(outline, fitting(outline, edge, MAX_PATCHES as f64))
+                Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64))
             }
-            PatchSize::Count(count) => Division::of_count(outline, count.clamp(1, MAX_PATCHES)),
+            PatchSize::Count(count) => Division::of_count(plan, count.clamp(1, MAX_PATCHES)),
         }
     }
 
     /// The division whose count comes nearest: the estimate is corrected by what it led to.
-    fn of_count(outline: &Outline, count: usize) -> Division {
+    fn of_count(plan: Plan, count: usize) -> Division {
         let target = count as f64;
         let mut asked = target;
         let mut best: Option<(f64, Division)> = None;
         for _ in 0..5 {
-            let division = Division::at(outline, fitting(outline, 0.0, asked));
+            let division = Division::at(plan, plan.fitting(0.0, asked));
             let ratio = division.patches() as f64 / target;
             let error = (ratio.max(1e-300)).ln().abs();
             if best.as_ref().is_none_or(|b| error < b.0) {
@@ -53,17 +57,24 @@ impl Division {
             }
             asked = (asked / ratio.clamp(0.25, 4.0)).clamp(1.0, MAX_PATCHES as f64);
         }
-        best.map_or_else(|| Division::at(outline, f64::INFINITY), |b| b.1)
+        best.map_or_else(|| Division::at(plan, f64::INFINITY), |b| b.1)
     }
 
-    fn at(outline: &Outline, size: f64) -> Division {
-        let pieces = edge_pieces(outline, size);
+    fn at(plan: Plan, size: f64) -> Division {
+        let outline = plan.outline;
+        let lines: Vec<Option<Box<Lines>>> = (0..outline.regions.len())
+            .into_par_iter()
+            .map(|r| plan.lines(r, size))
+            .collect();
+        let mut marks = Marks::even(edge_pieces(outline, size));
+        marks.cut_at_ends(outline, plan.contacts, &lines, size);
         let cells = outline
             .regions
             .par_iter()
-            .map(|region| cells(outline, region, &pieces, size))
+            .zip(&lines)
+            .map(|(region, lines)| cells(outline, region, &marks, lines.as_deref(), size))
             .collect();
-        Division { pieces, cells }
+        Division { marks, cells }
     }
 
     fn patches(&self) -> usize {
@@ -71,53 +82,88 @@ impl Division {
     }
 }
 
-/// The smallest edge size from `least` up that is expected to make at most `count` patches.
-fn fitting(outline: &Outline, least: f64, count: f64) -> f64 {
-    let fits = |size: f64| estimate(outline, size) <= count;
-    if least > 0.0 && fits(least) {
-        return least;
-    }
-    let mut high = outline.scene.bounds().diagonal().max(f64::MIN_POSITIVE);
-    if !high.is_finite() || !fits(high) {
-        return f64::INFINITY;
-    }
-    let mut low = high;
-    // Counts grow at least like 1/size, so 2^-64 of the scene is far beyond every cap.
-    for _ in 0..64 {
-        low *= 0.5;
-        if !fits(low) {
-            break;
-        }
-        high = low;
-    }
-    for _ in 0..20 {
-        let middle = (low * high).sqrt();
-        if fits(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    high.max(least)
+/// What is known before a size is chosen.
+#[derive(Clone, Copy)]
+struct Plan<'a> {
+    outline: &'a Outline<'a>,
+    contacts: &'a Contacts,
 }
 
-fn estimate(outline: &Outline, size: f64) -> f64 {
-    let pieces = edge_pieces(outline, size);
-    let one = |region: &Region| match pattern(outline, region, &pieces, size) {
-        Some(cells) => cells_count(&cells),
-        None => {
-            let sides: Vec<(f64, u32)> = outline
-                .slots_of(region)
-                .iter()
-                .map(|s| {
-                    let edge = s.edge as usize;
-                    (outline.edges[edge].length(), pieces[edge])
-                })
-                .collect();
-            expected_patches(region.area, &sides, size)
+impl Plan<'_> {
+    /// The smallest edge size from `least` up that is expected to make at most `count` patches.
+    fn fitting(self, least: f64, count: f64) -> f64 {
+        let fits = |size: f64| self.estimate(size) <= count;
+        if least > 0.0 && fits(least) {
+            return least;
         }
-    };
-    outline.regions.iter().map(one).sum()
+        let mut high = self
+            .outline
+            .scene
+            .bounds()
+            .diagonal()
+            .max(f64::MIN_POSITIVE);
+        if !high.is_finite() || !fits(high) {
+            return f64::INFINITY;
+        }
+        let mut low = high;
+        // Counts grow at least like 1/size, so 2^-64 of the scene is far beyond every cap.
+        for _ in 0..64 {
+            low *= 0.5;
+            if !fits(low) {
+                break;
+            }
+            high = low;
+        }
+        for _ in 0..20 {
+            let middle = (low * high).sqrt();
+            if fits(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high.max(least)
+    }
+
+    fn estimate(self, size: f64) -> f64 {
+        let outline = self.outline;
+        let pieces = edge_pieces(outline, size);
+        let one = |(r, region): (usize, &Region)| {
+            let (length, diameter) = self.contacts.extent(r);
+            let has_lines = length > 0.0 && is_worth(diameter, size);
+            match pattern(outline, region, &pieces, size) {
+                Some(cells) if !has_lines => cells_count(&cells),
+                _ => {
+                    let mut sides: Vec<(f64, u32)> = outline
+                        .slots_of(region)
+                        .iter()
+                        .map(|s| {
+                            let edge = s.edge as usize;
+                            (outline.edges[edge].length(), pieces[edge])
+                        })
+                        .collect();
+                    if has_lines {
+                        // Either side of a line is like a border.
+                        sides.push((2.0 * length, (2.0 * length / size).ceil() as u32));
+                    }
+                    expected_patches(region.area, &sides, size)
+                }
+            }
+        };
+        outline.regions.iter().enumerate().map(one).sum()
+    }
+
+    /// The lines through a region that are worth a division at this size.
+    fn lines(self, r: usize, size: f64) -> Option<Box<Lines>> {
+        let contacts = self.contacts.of(r);
+        if !self.contacts.run_through(r) {
+            return None;
+        }
+        let region = &self.outline.regions[r];
+        let (corners, scale) = flatten(self.outline, region);
+        let segments = flatten_contacts(self.outline, region, contacts);
+        Lines::new(&corners, &segments, size * scale).map(Box::new)
+    }
 }
 
 /// The count in floating point: an impossible size overflows integers.
@@ -201,14 +247,20 @@ fn pattern(outline: &Outline, region: &Region, pieces: &[u32], size: f64) -> Opt
     }
 }
 
-fn cells(outline: &Outline, region: &Region, pieces: &[u32], size: f64) -> Cells {
-    pattern(outline, region, pieces, size).unwrap_or_else(|| {
-        let sides = outline
-            .slots_of(region)
-            .iter()
-            .map(|s| pieces[s.edge as usize])
-            .collect();
-        Cells::Irregular(Box::new(Irregular::new(outline, region, sides, size)))
+fn cells(
+    outline: &Outline,
+    region: &Region,
+    marks: &Marks,
+    lines: Option<&Lines>,
+    size: f64,
+) -> Cells {
+    let slots = outline.slots_of(region);
+    let is_even = lines.is_none() && !slots.iter().any(|s| marks.is_cut(s.edge));
+    let regular = is_even.then(|| pattern(outline, region, &marks.pieces, size));
+    regular.flatten().unwrap_or_else(|| {
+        Cells::Irregular(Box::new(Irregular::new(
+            outline, region, marks, lines, size,
+        )))
     })
 }
 

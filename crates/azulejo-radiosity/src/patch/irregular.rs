@@ -4,21 +4,27 @@
 //! the inside; a constrained Delaunay triangulation joins its outline to the border, and Chew's
 //! refinement ("Guaranteed-quality mesh generation for curved surfaces", SoCG 1993; here
 //! `spade`'s, with border and lattice kept) adds points where angles are still small, as beside
-//! short sides.
+//! short sides. Lines through the region, where other faces touch it, become edges of patches.
 
 use super::cells::NO_CORNER;
+use super::contacts::Contact;
+use super::keep;
 use super::lattice::Lattice;
-use super::outline::{Outline, Region};
-use glam::DVec2;
+use super::lines::{LinePoint, Lines};
+use super::marks::Marks;
+use super::outline::{Outline, Region, Slot};
+use glam::{DVec2, DVec3};
 use spade::handles::{FixedFaceHandle, InnerTag};
 use spade::{
     AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation,
 };
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Edges longer than this share of the size are halved, in so many rounds.
 const LONG_EDGE: f64 = 1.45;
 const LONG_EDGE_ROUNDS: usize = 6;
+/// How far from the border, as a share of the size, a line stops that may not cut it.
+const STOP: f64 = 0.1;
 /// Angles below this are refined away where the border allows it.
 const ANGLE_DEGREES: f64 = 22.0;
 
@@ -39,49 +45,54 @@ pub(super) struct Irregular {
     pub spacing: f64,
     /// A point of the lattice.
     pub origin: DVec2,
+    /// Edges along which other faces touch or cross the region, as pairs of points.
+    pub contacts: Vec<[u32; 2]>,
     /// Each point as a mean of three corners of the region.
     pub weights: Vec<[(u32, f64); 3]>,
 }
 
 impl Irregular {
-    /// Divides a region whose sides have `sides` pieces into triangles of about `size` (scene
-    /// units; infinity for as large as the border allows).
+    /// Divides a region whose sides are divided by `marks` into patches of about `size` (scene
+    /// units; infinity for as large as the border allows), none of them across one of `lines`.
     ///
-    /// A region that is no longer than √2 `size` and has whole sides becomes its own triangles.
-    /// Where the triangulation fails (a border that touches itself within rounding) each of the
-    /// region's triangles is divided about its centre: thin, but without cracks.
-    pub fn new(outline: &Outline, region: &Region, sides: Vec<u32>, size: f64) -> Irregular {
+    /// A region that is no longer than √2 `size`, has whole sides and no lines becomes its own
+    /// triangles. Where the triangulation fails (a border that touches itself within rounding)
+    /// each of the region's triangles is divided about its centre: thin, but without cracks.
+    pub fn new(
+        outline: &Outline,
+        region: &Region,
+        marks: &Marks,
+        lines: Option<&Lines>,
+        size: f64,
+    ) -> Irregular {
         let (corners, scale) = flatten(outline, region);
-        let own = outline.triangles_of(region);
-        let border = border_points(&corners, &sides);
-        let size = size * scale;
-        let whole = sides.iter().all(|&k| k == 1) && diameter(&corners) <= 2f64.sqrt() * size;
-        let lattice = Lattice::new(&corners, if whole { f64::INFINITY } else { size });
-        let (points, triangles, lattice) = if whole {
-            (border, own.to_vec(), lattice)
-        } else {
-            match triangulate(&corners, &border, size, &lattice) {
-                Some((points, triangles)) => (points, triangles, lattice),
-                None => {
-                    let (points, triangles) = fans(&sides, &border, own);
-                    (points, triangles, Lattice::new(&corners, f64::INFINITY))
-                }
-            }
+        let (slots, own) = (outline.slots_of(region), outline.triangles_of(region));
+        let border = Border::new(&corners, slots, marks);
+        let ring = Ring {
+            corners: &corners,
+            border: &border.points,
+            lines: lines.map(|lines| line_edges(lines, &border, size * scale)),
+            size: size * scale,
         };
-        let base = sides.iter().sum();
-        let mut mesh = Irregular {
+        let sides: Vec<u32> = slots
+            .iter()
+            .map(|s| marks.pieces[s.edge as usize])
+            .collect();
+        let mesh = ring.divided(&sides, own);
+        let mut irregular = Irregular {
             weights: Vec::new(),
             sides,
+            points: mesh.points,
+            cells: mesh.lattice.squares(mesh.base),
+            squares: mesh.lattice.len(),
+            spacing: mesh.lattice.spacing,
+            origin: mesh.lattice.origin,
+            contacts: mesh.contacts,
             corners,
-            points,
-            cells: lattice.squares(base),
-            squares: lattice.len(),
-            spacing: lattice.spacing,
-            origin: lattice.origin,
         };
-        mesh.add_triangles(triangles);
-        mesh.weights = mesh.corner_weights(own);
-        mesh
+        irregular.add_triangles(mesh.triangles);
+        irregular.weights = irregular.corner_weights(slots, marks, own);
+        irregular
     }
 
     /// Number of points on the border, which come first.
@@ -106,12 +117,18 @@ impl Irregular {
         self.cells.extend(cells);
     }
 
-    fn corner_weights(&self, own: &[[u32; 3]]) -> Vec<[(u32, f64); 3]> {
+    fn corner_weights(
+        &self,
+        slots: &[Slot],
+        marks: &Marks,
+        own: &[[u32; 3]],
+    ) -> Vec<[(u32, f64); 3]> {
         let n = self.corners.len() as u32;
         let mut weights = Vec::with_capacity(self.points.len());
-        for (c, &k) in (0..).zip(&self.sides) {
-            weights.extend((0..k).map(|i| {
-                let t = f64::from(i) / f64::from(k);
+        for (c, slot) in (0..).zip(slots) {
+            weights.extend((0..self.sides[c as usize]).map(|i| {
+                let share = marks.share_on(slot, i);
+                let t = if slot.forward { share } else { 1.0 - share };
                 [(c, 1.0 - t), ((c + 1) % n, t), (c, 0.0)]
             }));
         }
@@ -151,26 +168,57 @@ pub(super) fn expected_patches(area: f64, sides: &[(f64, u32)], size: f64) -> f6
 }
 
 /// The corners in the region's plane, the longest side along x, scaled to about 1; and the scale.
-fn flatten(outline: &Outline, region: &Region) -> (Vec<DVec2>, f64) {
+pub(super) fn flatten(outline: &Outline, region: &Region) -> (Vec<DVec2>, f64) {
+    let frame = Frame::new(outline, region);
     let slots = outline.slots_of(region);
-    let n = slots.len();
-    let side = |k: usize| slots[(k + 1) % n].position - slots[k].position;
-    let longest = (0..n).fold(0, |best, k| {
-        if side(k).length_squared() > side(best).length_squared() {
-            k
-        } else {
-            best
+    let corners = slots.iter().map(|s| frame.flat(s.position)).collect();
+    (corners, frame.scale)
+}
+
+/// The lines through the region in the same coordinates as [`flatten`].
+pub(super) fn flatten_contacts(
+    outline: &Outline,
+    region: &Region,
+    contacts: &[Contact],
+) -> Vec<[DVec2; 2]> {
+    let frame = Frame::new(outline, region);
+    let inside = contacts.iter().filter(|c| c.inside);
+    inside.map(|c| c.ends.map(|p| frame.flat(p))).collect()
+}
+
+/// Coordinates in a region's plane.
+struct Frame {
+    origin: DVec3,
+    x: DVec3,
+    y: DVec3,
+    scale: f64,
+}
+
+impl Frame {
+    fn new(outline: &Outline, region: &Region) -> Frame {
+        let slots = outline.slots_of(region);
+        let n = slots.len();
+        let side = |k: usize| slots[(k + 1) % n].position - slots[k].position;
+        let longest = (0..n).fold(0, |best, k| {
+            if side(k).length_squared() > side(best).length_squared() {
+                k
+            } else {
+                best
+            }
+        });
+        let x = side(longest).normalize_or_zero();
+        Frame {
+            origin: slots[0].position,
+            x,
+            y: region.normal.cross(x),
+            scale: 1.0 / side(longest).length(),
         }
-    });
-    let x = side(longest).normalize_or_zero();
-    let y = region.normal.cross(x);
-    let scale = 1.0 / side(longest).length();
-    let corners = slots
-        .iter()
-        .map(|s| s.position - slots[0].position)
-        .map(|d| DVec2::new(d.dot(x), d.dot(y)) * scale)
-        .collect();
-    (corners, scale)
+    }
+
+    fn flat(&self, p: DVec3) -> DVec2 {
+        let d = p - self.origin;
+        DVec2::new(d.dot(self.x), d.dot(self.y)) * self.scale
+    }
 }
 
 fn diameter(points: &[DVec2]) -> f64 {
@@ -186,24 +234,82 @@ pub(super) fn bounds(points: &[DVec2]) -> (DVec2, DVec2) {
         })
 }
 
-fn border_points(corners: &[DVec2], sides: &[u32]) -> Vec<DVec2> {
-    let n = corners.len();
-    let side = |c: usize| {
-        let (a, b, k) = (corners[c], corners[(c + 1) % n], sides[c]);
-        (0..k).map(move |i| piece_end(a, b, i, k))
-    };
-    (0..n).flat_map(side).collect()
-}
-
-/// Point `i` of `k` from `a` to `b`, with the same bits from `b` to `a`: the two sides of a cut
-/// must meet.
-fn piece_end(a: DVec2, b: DVec2, i: u32, k: u32) -> DVec2 {
+/// Point `i` of the side from `a` to `b`, with the same bits for the two sides of an edge: where a
+/// cut joins a hole to the outline they must meet.
+fn side_point(a: DVec2, b: DVec2, slot: &Slot, marks: &Marks, i: u32) -> DVec2 {
+    let (from, to) = if slot.forward { (a, b) } else { (b, a) };
     if i == 0 {
         a
-    } else if a.to_array() < b.to_array() {
-        a + (b - a) * (f64::from(i) / f64::from(k))
     } else {
-        b + (a - b) * (f64::from(k - i) / f64::from(k))
+        from + (to - from) * marks.share_on(slot, i)
+    }
+}
+
+/// The points of lines that are not on the border, and the pieces as pairs of local points: those
+/// of the border, then these.
+///
+/// A line that ends between two points of the border, where no face but this one has lines and
+/// the border may not be cut, goes to a point near by, or stops short of the border.
+fn line_edges(lines: &Lines, border: &Border, size: f64) -> LineEdges {
+    let mut points = lines.points.clone();
+    let mut stops: HashMap<(u32, u64), u32> = HashMap::new();
+    let base = border.points.len() as u32;
+    let mut local = |p: LinePoint| match p {
+        LinePoint::Inside(k) => base + k,
+        LinePoint::Border { side, share } => {
+            let (point, inward) = border.at(side as usize, share);
+            let nearest = border.nearest(side as usize, share);
+            if border.points[nearest as usize].distance(point) <= STOP * size {
+                return nearest;
+            }
+            *stops.entry((side, share.to_bits())).or_insert_with(|| {
+                points.push(point + STOP * size * inward);
+                base + points.len() as u32 - 1
+            })
+        }
+    };
+    let edges = lines.edges.iter().map(|e| e.map(&mut local)).collect();
+    (points, edges)
+}
+
+/// The divided border of a region.
+struct Border<'a> {
+    corners: &'a [DVec2],
+    slots: &'a [Slot],
+    marks: &'a Marks,
+    points: Vec<DVec2>,
+}
+
+impl<'a> Border<'a> {
+    fn new(corners: &'a [DVec2], slots: &'a [Slot], marks: &'a Marks) -> Border<'a> {
+        let n = corners.len();
+        let side = |c: usize| {
+            let (a, b, slot) = (corners[c], corners[(c + 1) % n], &slots[c]);
+            (0..marks.pieces[slot.edge as usize]).map(move |i| side_point(a, b, slot, marks, i))
+        };
+        Border {
+            corners,
+            slots,
+            marks,
+            points: (0..n).flat_map(side).collect(),
+        }
+    }
+
+    /// The point `share` of the way along a side, and the direction from there to the inside.
+    fn at(&self, side: usize, share: f64) -> (DVec2, DVec2) {
+        let (a, b) = (
+            self.corners[side],
+            self.corners[(side + 1) % self.corners.len()],
+        );
+        (a + share * (b - a), (b - a).perp().normalize_or_zero())
+    }
+
+    /// The division point of a side that is nearest to `share` of it.
+    fn nearest(&self, side: usize, share: f64) -> u32 {
+        let pieces = |slot: &Slot| self.marks.pieces[slot.edge as usize];
+        let before: u32 = self.slots[..side].iter().map(pieces).sum();
+        let step = self.marks.nearest(&self.slots[side], share);
+        (before + step) % self.points.len() as u32
     }
 }
 
@@ -220,62 +326,148 @@ fn barycentric([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
     [1.0 - u - v, u, v]
 }
 
-type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
-type Face = FixedFaceHandle<InnerTag>;
+pub(super) type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
+pub(super) type Face = FixedFaceHandle<InnerTag>;
 type Flat = (Vec<DVec2>, Vec<[u32; 3]>);
+type LineEdges = (Vec<DVec2>, Vec<[u32; 2]>);
 
-/// The ring between border and lattice by constrained Delaunay refinement: the points of border,
-/// lattice and ring, and the ring's triangles. `None` if ring and lattice do not tile the region
-/// exactly between the given border points.
-fn triangulate(corners: &[DVec2], border: &[DVec2], size: f64, lattice: &Lattice) -> Option<Flat> {
-    let (unique, first) = distinct(border);
-    let outline = lattice.outline();
-    // Vertices of the triangulation: distinct border points, points on the lattice's outline,
-    // then those of the refinement; `known` are the local points of the first two.
-    let mut known = first.clone();
-    known.extend(outline.points.iter().map(|&k| k + border.len() as u32));
-    let mut points = border.to_vec();
-    points.extend(&lattice.points);
-    let vertices: Vec<Point2<f64>> = known
-        .iter()
-        .map(|&k| points[k as usize])
-        .map(|p| Point2::new(p.x, p.y))
-        .collect();
-    let mut edges = constraints(&unique);
-    edges.extend(
-        outline
-            .edges
-            .iter()
-            .map(|e| e.map(|k| first.len() + k as usize)),
-    );
-    let mut conflict = false;
-    let mut mesh = Delaunay::try_bulk_load_cdt(vertices, edges, |_| conflict = true).ok()?;
-    if conflict {
-        return None;
+/// What a region is divided between.
+struct Ring<'a> {
+    corners: &'a [DVec2],
+    border: &'a [DVec2],
+    lines: Option<LineEdges>,
+    size: f64,
+}
+
+/// A divided region: squares, and triangles around them.
+struct Divided {
+    points: Vec<DVec2>,
+    triangles: Vec<[u32; 3]>,
+    lattice: Lattice,
+    /// First of the lattice's points.
+    base: u32,
+    contacts: Vec<[u32; 2]>,
+}
+
+impl Ring<'_> {
+    /// Divides the region; see [`Irregular::new`].
+    fn divided(&self, sides: &[u32], own: &[[u32; 3]]) -> Divided {
+        let whole =
+            self.border.len() == sides.len() && diameter(self.corners) <= 2f64.sqrt() * self.size;
+        if let Some(lines) = &self.lines {
+            if let Some(divided) = self.triangulated(lines) {
+                return divided;
+            }
+        }
+        if !whole {
+            if let Some(divided) = self.triangulated(&(Vec::new(), Vec::new())) {
+                return divided;
+            }
+        }
+        let (points, triangles) = if whole {
+            (self.border.to_vec(), own.to_vec())
+        } else {
+            fans(sides, self.border, own)
+        };
+        Divided {
+            points,
+            triangles,
+            lattice: Lattice::new(self.corners, &[], f64::INFINITY),
+            base: 0,
+            contacts: Vec::new(),
+        }
     }
-    let outside = refine(&mut mesh, size);
-    let fixed = points.len();
-    let local = |v: usize| match known.get(v) {
-        Some(&k) => k,
-        None => (v - known.len() + fixed) as u32,
-    };
-    points.extend(
-        mesh.vertices()
-            .skip(known.len())
-            .map(|v| DVec2::new(v.position().x, v.position().y)),
-    );
-    let triangles: Vec<[u32; 3]> = mesh
-        .inner_faces()
-        .filter(|f| !outside.contains(&f.fix()))
-        .map(|f| f.vertices().map(|v| local(v.fix().index())))
-        .collect();
-    let area: f64 = triangles
-        .iter()
-        .map(|t| signed_area(t.map(|k| points[k as usize])))
-        .sum();
-    let whole = polygon_area(corners) - lattice.area();
-    let tiled = (area - whole).abs() <= 1e-9 * polygon_area(corners);
-    tiled.then(|| without_strays(points, triangles, fixed))
+
+    /// The ring between border and lattice by constrained Delaunay refinement: the points of
+    /// border, lines, lattice and ring, and the ring's triangles. `None` if ring and lattice do
+    /// not tile the region exactly between the given border points.
+    fn triangulated(&self, lines: &LineEdges) -> Option<Divided> {
+        let border = self.border.len();
+        let mut points = [self.border, &lines.0].concat();
+        let pieces: Vec<[DVec2; 2]> = (lines.1.iter())
+            .map(|e| e.map(|k| points[k as usize]))
+            .collect();
+        let lattice = Lattice::new(self.corners, &pieces, self.size);
+        let (unique, first) = distinct(self.border);
+        let outline = lattice.outline();
+        // Vertices of the triangulation: distinct border points, points of lines, points on the
+        // lattice's outline, then those of the refinement; `known` are the local points of all
+        // but the last.
+        let mut known = first.clone();
+        known.extend(border as u32..points.len() as u32);
+        let rim = known.len();
+        known.extend(outline.points.iter().map(|&k| k + points.len() as u32));
+        points.extend(&lattice.points);
+        let vertices: Vec<Point2<f64>> = known
+            .iter()
+            .map(|&k| points[k as usize])
+            .map(|p| Point2::new(p.x, p.y))
+            .collect();
+        let mut walls = constraints(&unique);
+        let rims = outline.edges.iter().map(|e| e.map(|k| rim + k as usize));
+        walls.extend(rims);
+        let vertex = |k: u32| match unique.get(k as usize) {
+            Some(&v) => v as usize,
+            None => k as usize - border + first.len(),
+        };
+        let mut edges = walls.clone();
+        edges.extend(
+            lines
+                .1
+                .iter()
+                .map(|e| e.map(vertex))
+                .filter(|e| e[0] != e[1]),
+        );
+        let walls: HashSet<keep::Pair> = walls
+            .into_iter()
+            .map(|[a, b]| [a.min(b), a.max(b)])
+            .collect();
+        let mut mesh = Delaunay::try_bulk_load_cdt(vertices, edges, |_| {}).ok()?;
+        // A line that crosses the border by rounding may be lost, but no wall.
+        if mesh.num_vertices() != known.len() || !walls.iter().all(|&w| keep::joined(&mesh, w)) {
+            return None;
+        }
+        let outside = if lines.1.is_empty() {
+            refine(&mut mesh, self.size)
+        } else {
+            keep::refine(&mut mesh, &walls, self.size)
+        };
+        let fixed = points.len();
+        let local = |v: usize| match known.get(v) {
+            Some(&k) => k,
+            None => (v - known.len() + fixed) as u32,
+        };
+        points.extend(
+            mesh.vertices()
+                .skip(known.len())
+                .map(|v| DVec2::new(v.position().x, v.position().y)),
+        );
+        let triangles: Vec<[u32; 3]> = mesh
+            .inner_faces()
+            .filter(|f| !outside.contains(&f.fix()))
+            .map(|f| f.vertices().map(|v| local(v.fix().index())))
+            .collect();
+        let area: f64 = triangles
+            .iter()
+            .map(|t| signed_area(t.map(|k| points[k as usize])))
+            .sum();
+        let whole = polygon_area(self.corners);
+        if (area + lattice.area() - whole).abs() > 1e-9 * whole {
+            return None;
+        }
+        let contacts = (lines.1.iter())
+            .filter(|e| keep::joined(&mesh, e.map(vertex)))
+            .copied()
+            .collect();
+        let (points, triangles) = without_strays(points, triangles, fixed);
+        Some(Divided {
+            points,
+            triangles,
+            lattice,
+            base: (border + lines.0.len()) as u32,
+            contacts,
+        })
+    }
 }
 
 /// Adds points until angles and sizes are good, and returns the faces outside the region.
@@ -296,7 +488,11 @@ fn refine(mesh: &mut Delaunay, size: f64) -> HashSet<Face> {
 }
 
 /// The middles of edges that are much too long, at most one per triangle, longest first.
-fn middles_of_long_edges(mesh: &Delaunay, outside: &HashSet<Face>, size: f64) -> Vec<Point2<f64>> {
+pub(super) fn middles_of_long_edges(
+    mesh: &Delaunay,
+    outside: &HashSet<Face>,
+    size: f64,
+) -> Vec<Point2<f64>> {
     let limit = (LONG_EDGE * size) * (LONG_EDGE * size);
     let mut long: Vec<_> = mesh
         .undirected_edges()

@@ -31,8 +31,9 @@ pub(super) struct Rim {
 }
 
 impl Lattice {
-    /// The lattice of squares with sides `size` in a polygon; without squares if none fits.
-    pub fn new(corners: &[DVec2], size: f64) -> Lattice {
+    /// The lattice of squares with sides `size` in a polygon, away from `lines` through it;
+    /// without squares if none fits.
+    pub fn new(corners: &[DVec2], lines: &[[DVec2; 2]], size: f64) -> Lattice {
         let (low, high) = bounds(corners);
         let steps = (high - low) / size;
         let fits = size > 0.0 && steps.min_element() >= 1.0 && steps.x * steps.y < LIMIT;
@@ -46,7 +47,10 @@ impl Lattice {
         if fits {
             lattice.origin += DVec2::new(0.5, FIRST_ROW) * size;
             let rows = steps.y as u32;
-            (0..rows).for_each(|row| lattice.add_row(corners, row));
+            let sides =
+                || (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]);
+            let obstacles: Vec<[DVec2; 2]> = sides().chain(lines.iter().copied()).collect();
+            (0..rows).for_each(|row| lattice.add_row(corners, &obstacles, row));
             lattice.number();
         }
         lattice
@@ -67,10 +71,10 @@ impl Lattice {
         self.corners.iter().map(|c| c.map(|k| base + k)).collect()
     }
 
-    fn add_row(&mut self, corners: &[DVec2], row: u32) {
+    fn add_row(&mut self, corners: &[DVec2], obstacles: &[[DVec2; 2]], row: u32) {
         let (size, origin) = (self.spacing, self.origin);
         let y = origin.y + f64::from(row) * size;
-        let taken = taken(corners, y, size);
+        let taken = taken(obstacles, y, size);
         for [from, to] in inside(corners, y + 0.5 * size) {
             let first = ((from - origin.x) / size).ceil().max(0.0) as u32;
             let end = ((to - origin.x) / size).floor().max(0.0) as u32;
@@ -149,15 +153,14 @@ fn inside(corners: &[DVec2], y: f64) -> Vec<[f64; 2]> {
     crossings.chunks_exact(2).map(|c| [c[0], c[1]]).collect()
 }
 
-/// Where on the row from `y` to `y + size` squares may not start, because a side comes too near:
-/// one open interval per side.
-fn taken(corners: &[DVec2], y: f64, size: f64) -> Vec<[f64; 2]> {
-    let n = corners.len();
+/// Where on the row from `y` to `y + size` squares may not start, because a side or line comes too
+/// near: one open interval for each.
+fn taken(obstacles: &[[DVec2; 2]], y: f64, size: f64) -> Vec<[f64; 2]> {
     let clearance = CLEARANCE * size;
     let (low, high) = (y - clearance, y + size + clearance);
-    (0..n)
-        .filter_map(|k| {
-            let (a, b) = (corners[k], corners[(k + 1) % n]);
+    obstacles
+        .iter()
+        .filter_map(|&[a, b]| {
             let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
             if b.y <= low || a.y >= high {
                 return None;

@@ -3,14 +3,18 @@
 //! Every edge that faces share, also faces of different objects, is divided at the same points,
 //! bit for bit, so there are no T-junctions. Flat quadrilaterals become grids, triangles become
 //! congruent triangles; what has no regular pattern (unequal opposite sides, more corners,
-//! concave outlines) is triangulated. Exact primitives become cells of their parameters and are
+//! concave outlines) is triangulated. So is a face that others touch or cross inside: no patch
+//! lies across such a contact line, and each side has display vertices of its own. Exact primitives become cells of their parameters and are
 //! sampled on the exact surface.
 //!
 //! | module | what it answers |
 //! |---|---|
 //! | `outline` | which faces are flat, which edges are shared, where a surface is smooth |
-//! | `divide` | how many pieces each edge gets |
-//! | `cells`, `irregular`, `lattice` | what the division of one region looks like |
+//! | `contacts`, `pairs` | where faces touch or cross each other inside |
+//! | `lines` | which lines that makes at a patch size |
+//! | `divide`, `marks` | how many pieces each edge gets, and where |
+//! | `cells`, `irregular`, `lattice`, `keep` | what the division of one region looks like |
+//! | `part` | display vertices on both sides of a contact |
 //! | `build` | patches, their corners and the display vertices |
 //! | `locate` | which patch a ray hit |
 //! | `sample` | a point of a patch for two random numbers |
@@ -18,11 +22,19 @@
 
 mod build;
 mod cells;
+#[cfg(test)]
+mod contact_tests;
+mod contacts;
 mod divide;
 mod irregular;
+mod keep;
 mod lattice;
+mod lines;
 mod locate;
+mod marks;
 mod outline;
+mod pairs;
+mod part;
 mod refined;
 mod sample;
 #[cfg(test)]
@@ -34,6 +46,7 @@ pub use sample::PatchPoint;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{MaterialId, Primitive, Scene};
 use cells::{Cells, NO_CORNER};
+use contacts::Contacts;
 use divide::Division;
 use glam::DVec3;
 use locate::Locator;
@@ -64,7 +77,8 @@ pub struct FaceId {
 /// A point at which irradiance is computed and shown.
 ///
 /// Corners of patches of one object are one display vertex where they are the same vertex, edge
-/// point or inner point, and the surface is smooth there: irradiance never bleeds over a crease.
+/// point or inner point, and the surface is smooth there: irradiance never bleeds over a crease,
+/// nor over a line along which another face touches or crosses this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisplayVertex {
     /// Index among the scene's objects.
@@ -185,8 +199,9 @@ impl Patches {
     /// patches, or one per face if there are more faces.
     pub fn new(scene: &Scene, size: PatchSize) -> Patches {
         let outline = Outline::new(scene);
-        let division = Division::new(&outline, size);
-        build::build(&outline, division)
+        let contacts = Contacts::new(&outline);
+        let division = Division::new(&outline, &contacts, size);
+        build::build(&outline, &contacts, division)
     }
 
     /// Number of patches.

@@ -76,9 +76,9 @@ impl Edge {
         self.from.distance(self.to)
     }
 
-    /// Point `i` of the `count` pieces' ends; the same bits for every face at the edge.
-    pub fn point(&self, i: u32, count: u32) -> DVec3 {
-        self.from + (self.to - self.from) * (f64::from(i) / f64::from(count))
+    /// The point `share` of the way along; the same bits for every face at the edge.
+    pub fn point(&self, share: f64) -> DVec3 {
+        self.from + (self.to - self.from) * share
     }
 }
 

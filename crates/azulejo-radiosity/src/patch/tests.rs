@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-fn scene(shapes: Vec<Shape>) -> Scene {
+pub(super) fn scene(shapes: Vec<Shape>) -> Scene {
     let mut scene = Scene::default();
     scene.add_material(Material::diffuse("white", Rgb::grey(0.7)));
     scene
@@ -14,7 +14,7 @@ fn scene(shapes: Vec<Shape>) -> Scene {
     scene
 }
 
-fn mesh(positions: &[DVec3], faces: &[&[u32]]) -> Mesh {
+pub(super) fn mesh(positions: &[DVec3], faces: &[&[u32]]) -> Mesh {
     let mut mesh = Mesh {
         positions: positions.to_vec(),
         ..Mesh::default()
@@ -31,7 +31,7 @@ fn polygon(outline: &[(f64, f64)]) -> Mesh {
     mesh(&points, &[&ring])
 }
 
-fn cuboid(size: DVec3) -> Mesh {
+pub(super) fn cuboid(size: DVec3) -> Mesh {
     let p: Vec<DVec3> = (0..8)
         .map(|k| {
             size * DVec3::new(
@@ -211,7 +211,7 @@ fn areas_add_up_to_the_triangles_of_each_face() {
     });
 }
 
-fn patch_edges(polygon: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
+pub(super) fn patch_edges(polygon: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
     let n = polygon.len();
     (0..n).map(move |k| (polygon[k], polygon[(k + 1) % n]))
 }
@@ -250,7 +250,7 @@ fn patches_keep_the_front_of_their_face() {
 }
 
 /// Counts how often each edge is used in each direction, by the bits of its ends.
-fn edge_uses(patches: &Patches) -> HashMap<[u64; 6], (u32, u32)> {
+pub(super) fn edge_uses(patches: &Patches) -> HashMap<[u64; 6], (u32, u32)> {
     let mut uses = HashMap::new();
     for i in 0..patches.len() {
         for (p, q) in patch_edges(&patches.polygon(i).expect("flat")) {
@@ -304,7 +304,7 @@ fn faces_of_different_objects_share_points() {
 }
 
 /// The tracer's view of a point of a face: triangle and weights.
-fn hit(mesh: &Mesh, face: usize, p: DVec3) -> (u32, f32, f32) {
+pub(super) fn hit(mesh: &Mesh, face: usize, p: DVec3) -> (u32, f32, f32) {
     let mut best = (0, 0.0, 0.0, f64::NEG_INFINITY);
     for (k, t) in (0..).zip(mesh.triangulate(face)) {
         let [a, b, c] = triangle_positions(mesh, face, t);
@@ -722,7 +722,8 @@ fn tiny_sizes_stop_at_the_cap() {
     let square = polygon(&[(0., 0.), (1., 0.), (1., 1.), (0., 1.)]);
     let scene = scene(vec![Shape::Mesh(square)]);
     let outline = Outline::new(&scene);
-    let division = Division::new(&outline, PatchSize::Edge(1e-30));
+    let contacts = Contacts::new(&outline);
+    let division = Division::new(&outline, &contacts, PatchSize::Edge(1e-30));
     let count: usize = division.cells.iter().map(Cells::len).sum();
     assert!(
         count <= divide::MAX_PATCHES && count > divide::MAX_PATCHES / 4,
