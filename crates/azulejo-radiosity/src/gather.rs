@@ -1,7 +1,7 @@
 //! Irradiance at points to an asked error.
 
 use azulejo_scene::Rgb;
-use azulejo_trace::{Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Progress};
+use azulejo_trace::{Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
 
 /// Points gathered in one go: enough to fill the tracer's batches, few enough that their paths
@@ -32,7 +32,7 @@ const DARK: f64 = 0.1;
 /// When gathering stops: at an error, at a number of rays, or at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// Relative RMS error of irradiance to reach, see [`relative_error`]; `None` spends all the
+    /// Relative RMS error of irradiance to reach, see [`Gathering::relative_error`]; `None` spends all the
     /// rays.
     pub error: Option<f64>,
     /// Most rays per point.
@@ -52,6 +52,48 @@ impl Gathering {
     pub fn rays_per_point(&self) -> u32 {
         let sum: u64 = self.spent.iter().map(|&n| u64::from(n)).sum();
         (sum / self.spent.len().max(1) as u64) as u32
+    }
+
+    /// Estimated root mean square, over points and channels, of error over irradiance;
+    /// irradiance below a tenth of the mean counts as that.
+    pub fn relative_error(&self) -> f64 {
+        rms(&relative_variances(&self.gathered)) * self.gain().sqrt()
+    }
+
+    /// Standard error of every point, such that two of them to either side hold the truth with
+    /// the normal law's probability of 95.4%: the spread of four replicates is itself uncertain,
+    /// and Student's t with three degrees of freedom says by how much (2 σ become 3.307 s).
+    pub fn standard_errors(&self) -> Vec<Rgb> {
+        const STUDENT: f64 = 3.307 / 2.0;
+        let scale = STUDENT * self.gain().sqrt();
+        self.gathered.iter().map(|g| g.variance().map(f64::sqrt) * scale).collect()
+    }
+
+    /// Variance of the estimates over what it would be if the replicates were independent, a
+    /// quarter to 1.
+    ///
+    /// Replicates are stretches of one sequence, so that two together are better spread than
+    /// each: the spread of halves against that of quarters, over all points, says how much that
+    /// helps here, and the whole is taken to gain over halves what these gain over quarters.
+    fn gain(&self) -> f64 {
+        /// Weight of the cautious assumption, in points: few points tell little.
+        const DOUBT: f64 = 20.0;
+        let average = average(&self.gathered);
+        let (mut halves, mut quarters, mut count) = (0.0, 0.0, 0.0);
+        for g in &self.gathered {
+            let [a, b, c, d] = g.replicates;
+            let (half, variance, mean) = ((a + b - c - d) * 0.5, g.variance(), g.mean());
+            for k in (0..3).filter(|&k| average[k] > 0.0) {
+                let against = mean[k].max(DARK * average[k]).powi(2);
+                // Both estimate the variance of one of their parts, times one minus the parts'
+                // correlation.
+                halves += half[k] * half[k] / 2.0 / against;
+                quarters += REPLICATES as f64 * variance[k] / against;
+                count += 1.0 / 3.0;
+            }
+        }
+        let step = if quarters > 0.0 { (2.0 * halves / quarters).clamp(0.5, 1.0) } else { 1.0 };
+        (count * step * step + DOUBT) / (count + DOUBT)
     }
 }
 
@@ -81,11 +123,11 @@ pub fn gather(
     task.raise(&mut all, &vec![rays; points.len()])?;
     let Some(goal) = effort.error else { return Ok(all) };
     while !progress.out_of_time() {
-        let variances = relative_variances(&all.gathered);
-        if rms(&variances) <= goal {
+        if all.relative_error() <= goal {
             break;
         }
-        let totals = allot(&variances, &all.spent, goal, most);
+        let variances = relative_variances(&all.gathered);
+        let totals = allot(&variances, &all.spent, goal / all.gain().sqrt(), most);
         if totals == all.spent {
             break;
         }
@@ -172,19 +214,13 @@ fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
     totals.into_iter().find(enough).unwrap_or(most).clamp(spent, most.max(spent))
 }
 
-/// Root mean square, over points and channels, of standard error over irradiance; irradiance
-/// below a tenth of the mean counts as that.
-pub fn relative_error(gathered: &[Gathered]) -> f64 {
-    rms(&relative_variances(gathered))
-}
-
 fn rms(variances: &[f64]) -> f64 {
     (variances.iter().sum::<f64>() / variances.len().max(1) as f64).sqrt()
 }
 
 /// Variance of each point's estimate over its square, mean of the channels that have light.
 fn relative_variances(gathered: &[Gathered]) -> Vec<f64> {
-    let average = gathered.iter().map(Gathered::mean).sum::<Rgb>() / gathered.len().max(1) as f64;
+    let average = average(gathered);
     let lit = (0..3).filter(|&k| average[k] > 0.0).count().max(1) as f64;
     let relative = |g: &Gathered| {
         let (mean, variance) = (g.mean(), g.variance());
@@ -197,10 +233,7 @@ fn relative_variances(gathered: &[Gathered]) -> Vec<f64> {
     gathered.iter().map(relative).collect()
 }
 
-/// Standard error of an estimate such that two of them to either side hold the truth with the
-/// normal law's probability of 95.4%: the spread of four replicates is itself uncertain, and
-/// Student's t with three degrees of freedom says by how much (2 σ become 3.307 s).
-pub fn standard_error(gathered: &Gathered) -> Rgb {
-    const STUDENT: f64 = 3.307 / 2.0;
-    gathered.variance().map(f64::sqrt) * STUDENT
+/// Mean irradiance of all points.
+fn average(gathered: &[Gathered]) -> Rgb {
+    gathered.iter().map(Gathered::mean).sum::<Rgb>() / gathered.len().max(1) as f64
 }

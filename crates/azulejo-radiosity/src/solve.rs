@@ -1,6 +1,6 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
-use crate::gather::{Effort, Gathering, MOST_RAYS, gather, relative_error, standard_error};
+use crate::gather::{Effort, Gathering, MOST_RAYS, gather};
 use crate::light::{PatchLight, reflectances};
 use crate::patch::{PatchSize, Patches};
 use crate::stochastic;
@@ -8,7 +8,7 @@ use crate::system::{Balance, Found, System};
 use crate::vertices;
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Progress, Surfaces, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Progress, Surfaces, Tracer};
 use std::fmt;
 
 /// What the first pass should do.
@@ -137,7 +137,7 @@ pub struct Report {
     pub residual: f64,
     /// Where the emitted power went.
     pub balance: Balance,
-    /// Estimated relative RMS error of irradiance, as [`relative_error`] says.
+    /// Estimated relative RMS error of irradiance, as [`Gathering::relative_error`] says.
     pub error: f64,
 }
 
@@ -161,7 +161,7 @@ pub fn solve(scene: &Scene, tracer: &Tracer, pass: &FirstPass, progress: &Progre
     let light = solved.light(pass);
     let seed = hash(&[pass.key(), 1]);
     let found = gather(&solved.gatherer, &light, &targets.points, pass.effort(), seed, progress)?;
-    let irradiance = targets.irradiance(scene, &solved.patches, &found.gathered);
+    let irradiance = targets.irradiance(scene, &solved.patches, &found);
     Ok(Light { irradiance, report: solved.report(&found) })
 }
 
@@ -209,7 +209,9 @@ pub fn probe(
     let places: Vec<GatherPoint> = points.iter().enumerate().map(place).collect();
     let seed = hash(&[pass.key(), 2]);
     let found = gather(&solved.gatherer, &light, &places, pass.effort(), seed, progress)?;
-    let estimates = found.gathered.iter().map(|g| Estimate { value: g.mean(), error: standard_error(g) }).collect();
+    let errors = found.standard_errors();
+    let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate { value: g.mean(), error };
+    let estimates = found.gathered.iter().zip(&errors).map(estimate).collect();
     Ok(Probed { estimates, report: solved.report(&found) })
 }
 
@@ -262,7 +264,7 @@ impl<'a> Solved<'a> {
             iterations: self.found.convergence.iterations,
             residual: self.found.convergence.residual,
             balance: self.found.balance,
-            error: relative_error(&gathering.gathered),
+            error: gathering.relative_error(),
         }
     }
 }

@@ -5,12 +5,11 @@
 //! out lit all the same. Meshes that are kept as given are not turned, but get the light of the
 //! side that is lit more.
 
+use crate::gather::Gathering;
 use crate::patch::{Patches, RefinedShape};
+use crate::rays::side;
 use azulejo_scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Scene, Shape, SurfaceLight};
 use azulejo_trace::{GatherPoint, Gathered};
-
-use crate::gather::standard_error;
-use crate::rays::side;
 
 /// The points to gather at, one per display vertex of the patches.
 pub struct Targets {
@@ -43,20 +42,28 @@ pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bo
     targets
 }
 
+/// Irradiance of all display vertices, and its standard error.
+struct Values<'a> {
+    irradiance: &'a [Rgb],
+    error: &'a [Rgb],
+}
+
 impl Targets {
     /// What was gathered at the points, on the objects.
-    pub fn irradiance(&self, scene: &Scene, patches: &Patches, gathered: &[Gathered]) -> Irradiance {
+    pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &Gathering) -> Irradiance {
+        let values: Vec<Rgb> = found.gathered.iter().map(Gathered::mean).map(positive).collect();
+        let light = Values { irradiance: &values, error: &found.standard_errors() };
         let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
-            Shape::Mesh(mesh) if self.keep_mesh => given(patches, object as u32, mesh, gathered),
-            _ => self.refined(scene, patches, object as u32, gathered),
+            Shape::Mesh(mesh) if self.keep_mesh => given(patches, object as u32, mesh, &light),
+            _ => self.refined(scene, patches, object as u32, &light),
         };
         Irradiance { objects: scene.objects.iter().enumerate().map(of_object).collect() }
     }
 
-    fn refined(&self, scene: &Scene, patches: &Patches, object: u32, gathered: &[Gathered]) -> ObjectIrradiance {
+    fn refined(&self, scene: &Scene, patches: &Patches, object: u32, light: &Values) -> ObjectIrradiance {
         let range = patches.vertices_of(object);
-        let values = gathered[range.clone()].iter().map(Gathered::mean).map(positive).collect();
-        let errors = gathered[range.clone()].iter().map(standard_error).collect();
+        let values = light.irradiance[range.clone()].to_vec();
+        let errors = light.error[range.clone()].to_vec();
         match patches.refined(object, scene) {
             RefinedShape::Mesh(mut mesh) => {
                 turn_faces(&mut mesh, &self.is_turned[range]);
@@ -73,17 +80,17 @@ impl Targets {
 
 /// Irradiance on the vertices that the mesh came with: where a crease gives a vertex several
 /// display vertices, their mean by corner angle.
-fn given(patches: &Patches, object: u32, mesh: &Mesh, gathered: &[Gathered]) -> ObjectIrradiance {
+fn given(patches: &Patches, object: u32, mesh: &Mesh, light: &Values) -> ObjectIrradiance {
     let (mut irradiance, mut error) = (Vec::new(), Vec::new());
     for vertex in 0..mesh.positions.len() as u32 {
         let shown = patches.given_vertices(object, vertex);
         let total: f64 = shown.iter().map(|g| g.weight).sum();
-        let mean = |value: fn(&Gathered) -> Rgb| -> Rgb {
-            let sum: Rgb = shown.iter().map(|g| value(&gathered[g.display as usize]) * g.weight).sum();
+        let mean = |values: &[Rgb]| -> Rgb {
+            let sum: Rgb = shown.iter().map(|g| values[g.display as usize] * g.weight).sum();
             if total > 0.0 { sum / total } else { Rgb::BLACK }
         };
-        irradiance.push(positive(mean(Gathered::mean)));
-        error.push(mean(standard_error));
+        irradiance.push(mean(light.irradiance));
+        error.push(mean(light.error));
     }
     ObjectIrradiance::Vertices { irradiance, error }
 }

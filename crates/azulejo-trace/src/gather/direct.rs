@@ -15,6 +15,7 @@ use azulejo_scene::math::{Frame, Ray, area_vector};
 use azulejo_scene::{LightKind, Rgb};
 use glam::DVec3;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Shadow rays end this share of their length before the lamp, so that they don't meet it.
 const SHORT: f64 = 1.0 - 1e-4;
@@ -82,11 +83,11 @@ impl<'a> Direct<'a> {
         Direct { surfaces, emitters, rays: Vec::new(), blocked: Vec::new(), tests: Vec::new() }
     }
 
-    /// Direct irradiance of each point, one independent estimate per replicate, from `rays`
-    /// shadow rays per replicate and source.
+    /// Direct irradiance of each point, one estimate per replicate, from shadow rays number
+    /// `rays` of every replicate and source.
     ///
     /// Always as many: to spend more where the first few disagree would favour what they saw.
-    pub(super) fn irradiance(&mut self, points: &[GatherPoint], rays: u32, seed: u32) -> Vec<DirectLight> {
+    pub(super) fn irradiance(&mut self, points: &[GatherPoint], rays: Range<u32>, seed: u32) -> Vec<DirectLight> {
         let mut sums = vec![DirectLight::default(); points.len()];
         let mut terms = Vec::new();
         for (index, point) in points.iter().enumerate() {
@@ -94,7 +95,7 @@ impl<'a> Direct<'a> {
             self.terms_of(index as u32, point, &mut terms);
             if terms.len() - start > MOST_TERMS {
                 let crowd: Vec<Term> = terms.drain(start..).collect();
-                sums[index].lamps.replicates = self.pick(point, &crowd, rays, hash(&[seed, point.key]));
+                sums[index].lamps.replicates = self.pick(point, &crowd, rays.end - rays.start, hash(&[seed, point.key, rays.start]));
             }
         }
         self.test_terms(points, &mut terms, rays, seed);
@@ -267,8 +268,10 @@ impl<'a> Direct<'a> {
         (test.first..test.first + test.count).all(|k| !self.blocked[k as usize])
     }
 
-    /// Tests what of every term is visible, by `rays` samples per replicate.
-    fn test_terms(&mut self, points: &[GatherPoint], terms: &mut [Term], rays: u32, seed: u32) {
+    /// Tests what of every term is visible, by samples `rays` of each replicate: consecutive
+    /// stretches of one sequence.
+    fn test_terms(&mut self, points: &[GatherPoint], terms: &mut [Term], rays: Range<u32>, seed: u32) {
+        let (first, rays) = (rays.start, rays.end - rays.start);
         self.tests.clear();
         self.rays.clear();
         for (t, term) in terms.iter_mut().enumerate() {
@@ -276,12 +279,11 @@ impl<'a> Direct<'a> {
             // A light without area has one place, so one ray tells all.
             let (replicates, count) = if term.is_place() { (1, 1) } else { (REPLICATES as u32, rays) };
             term.samples = count;
-            for r in 0..replicates {
-                let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16), r]);
-                for k in 0..count {
-                    let u = (f64::from(sobol(k, 0, s[0])), f64::from(sobol(k, 1, s[1])));
-                    self.plan(point, t as u32, r, term, u, Purpose::Ratio);
-                }
+            let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16)]);
+            for k in 0..replicates * count {
+                let k_all = first * replicates + k;
+                let u = (f64::from(sobol(k_all, 0, s[0])), f64::from(sobol(k_all, 1, s[1])));
+                self.plan(point, t as u32, k / count, term, u, Purpose::Ratio);
             }
         }
         self.surfaces.tracer.any(&self.rays, &mut self.blocked);

@@ -18,9 +18,11 @@ use direct::Direct;
 use emitters::Emitters;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
-/// Independent estimates of every quantity, from independent scramblings: their spread is its
-/// standard error.
+/// Estimates of every quantity, from equal shares of its samples: their spread is its standard
+/// error. Those of rows of form factors are independent; those of a gather are consecutive
+/// stretches of one sequence, each well spread and all together better still.
 pub const REPLICATES: usize = 4;
 
 /// A hit nearer than the patch it falls on is replaced by a gather of its own, at most this many
@@ -89,7 +91,8 @@ impl Gathered {
         Gathered { replicates: std::array::from_fn(of) }
     }
 
-    /// Variance of [`mean`](Gathered::mean), per channel, from the spread of the replicates.
+    /// Variance of [`mean`](Gathered::mean), per channel, from the spread of the replicates as
+    /// if they were independent; stretches of one sequence have a mean that is better than this.
     pub fn variance(&self) -> Rgb {
         let mean = self.mean();
         let square = |c: Rgb| c * c;
@@ -162,6 +165,10 @@ impl<'a> Gatherer<'a> {
     /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror, from
     /// `rays` shadow rays per replicate and source.
     pub fn direct(&self, points: &[GatherPoint], rays: u32, seed: u32) -> Vec<DirectLight> {
+        self.direct_range(points, 0..rays, seed)
+    }
+
+    fn direct_range(&self, points: &[GatherPoint], rays: Range<u32>, seed: u32) -> Vec<DirectLight> {
         Direct::new(&self.surfaces, &self.emitters).irradiance(points, rays, seed)
     }
 
@@ -183,8 +190,9 @@ impl<'a> Gatherer<'a> {
         light: &impl DiffuseLight,
     ) -> Vec<Gathered> {
         let per_replicate = directions.count as u32;
-        let shadow_rays = per_replicate.div_ceil(SHADOW_SHARE);
-        let direct = self.direct(points, shadow_rays, options.seed ^ options.spent);
+        let first = (options.spent / REPLICATES as u32).div_ceil(SHADOW_SHARE);
+        let shadow_rays = first..first + per_replicate.div_ceil(SHADOW_SHARE);
+        let direct = self.direct_range(points, shadow_rays, options.seed);
         let mut collector = Collector {
             gatherer: self,
             light,
@@ -214,20 +222,18 @@ impl<'a> Gatherer<'a> {
         for (index, point) in points.iter().enumerate() {
             let frame = Frame::from_normal(point.normal);
             let origin = tracer.leaving(point.position, point.normal);
-            for r in 0..REPLICATES as u32 {
-                let [turn, table, ..] = seeds(&[seed, point.key, r]);
-                let (sin, cos) = (TAU * f64::from(uniform(&[turn]))).sin_cos();
-                // The kernel's rays are linear in their directions, so three of them serve all.
-                let axis = |v: DVec3| tracer.kernel_ray(&Ray::new(origin, v));
-                let x = axis(cos * frame.x + sin * frame.y).direction;
-                let y = axis(cos * frame.y - sin * frame.x).direction;
-                let z = axis(frame.z);
-                for d in directions.table(table) {
-                    let direction = [0, 1, 2].map(|k| d[0] * x[k] + d[1] * y[k] + d[2] * z.direction[k]);
-                    let id = index as u32 * REPLICATES as u32 + r;
-                    let ray = KernelRay { direction, ..z };
-                    paths.push(Path { ray, id, weight: [1.0; 3], via: Via::Direct, depth: 0 });
-                }
+            let [turn, table, ..] = seeds(&[seed, point.key]);
+            let (sin, cos) = (TAU * f64::from(uniform(&[turn]))).sin_cos();
+            // The kernel's rays are linear in their directions, so three of them serve all.
+            let axis = |v: DVec3| tracer.kernel_ray(&Ray::new(origin, v));
+            let x = axis(cos * frame.x + sin * frame.y).direction;
+            let y = axis(cos * frame.y - sin * frame.x).direction;
+            let z = axis(frame.z);
+            for (k, d) in directions.table(table).iter().enumerate() {
+                let direction = [0, 1, 2].map(|k| d[0] * x[k] + d[1] * y[k] + d[2] * z.direction[k]);
+                let id = (index * REPLICATES + k / directions.count) as u32;
+                let ray = KernelRay { direction, ..z };
+                paths.push(Path { ray, id, weight: [1.0; 3], via: Via::Direct, depth: 0 });
             }
         }
         paths
@@ -238,6 +244,7 @@ impl<'a> Gatherer<'a> {
 /// sequence. A point takes one of them, turned about its normal by an angle of its own: as well
 /// spread as a scrambling of its own, and several times cheaper.
 pub struct DirectionTables {
+    /// Directions per replicate.
     count: usize,
     directions: Vec<[f32; 3]>,
 }
@@ -249,11 +256,11 @@ impl DirectionTables {
     /// The directions that a gather with these options takes.
     pub fn new(options: &GatherOptions) -> DirectionTables {
         let count = options.rays.div_ceil(REPLICATES as u32).max(1);
-        let first = options.spent / REPLICATES as u32;
-        let mut directions = Vec::with_capacity((TABLES * count) as usize);
+        let indices = options.spent..options.spent + count * REPLICATES as u32;
+        let mut directions = Vec::with_capacity(TABLES as usize * indices.len());
         for table in 0..TABLES {
             let [s1, s2, ..] = seeds(&[options.seed, table, 0x9a7]);
-            for k in first..first + count {
+            for k in indices.clone() {
                 let d = cosine_hemisphere(sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
                 directions.push(d.as_vec3().to_array());
             }
@@ -261,9 +268,11 @@ impl DirectionTables {
         DirectionTables { count: count as usize, directions }
     }
 
+    /// One table: a stretch of directions for each replicate, one after the other.
     fn table(&self, choice: u32) -> &[[f32; 3]] {
-        let start = (choice % TABLES) as usize * self.count;
-        &self.directions[start..start + self.count]
+        let all = self.count * REPLICATES;
+        let start = (choice % TABLES) as usize * all;
+        &self.directions[start..start + all]
     }
 }
 
