@@ -1,6 +1,6 @@
 //! Speed of building and tracing, beside Embree's where that is installed.
 //!
-//! `cargo bench -p azulejo-trace --bench rays [-- scene] [-- quick]`. Everything runs on one
+//! `cargo bench -p azulejo-trace --bench rays -- [room|model|cornell] [quick]`. Everything runs on one
 //! thread and is measured in CPU time where the system tells it (Linux), so that other work on
 //! the machine matters less; each figure is the median of several repetitions that alternate
 //! between the two. Ratios above 1 are in azulejo's favour.
@@ -19,41 +19,28 @@ use std::time::Instant;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let repetitions = if words.iter().any(|w| w == "quick") {
-        3
-    } else {
-        9
-    };
+    let quick = words.iter().any(|w| w == "quick");
+    let repetitions = if quick { 3 } else { 9 };
     match Embree::version() {
         Some(major) => println!("Embree {major} found: ratios are azulejo / Embree."),
         None => println!("No Embree on this machine: absolute figures only."),
     }
-    let scenes: [(&str, fn() -> Scene, Kind); 3] = [
-        (
-            "room 250k, cosine",
-            || synthetic::furnished_room(250_000),
-            Kind::Surface,
-        ),
-        (
-            "model 1.5M, primary",
-            || synthetic::displaced_sphere(1_500_000),
-            Kind::Primary,
-        ),
-        (
-            "cornell box, cosine",
-            || synthetic::cornell_box(CornellVariant::Diffuse),
-            Kind::Surface,
-        ),
-    ];
     println!("build: M triangles/s; trace: M rays/s; one thread, CPU time\n");
-    for (name, make, kind) in scenes {
-        let wanted = words
-            .iter()
-            .filter(|w| *w != "quick" && !w.starts_with('-'));
-        if wanted.clone().count() == 0 || wanted.clone().any(|w| name.contains(w.as_str())) {
+    let mut wanted = words
+        .iter()
+        .filter(|w| *w != "quick" && !w.starts_with('-'));
+    let wanted: Option<&String> = wanted.next();
+    let run = |name: &str, make: &dyn Fn() -> Scene, kind: Kind| {
+        if wanted.is_none_or(|w| name.contains(w.as_str())) {
             measure(name, &make(), kind, repetitions);
         }
-    }
+    };
+    let room = || synthetic::furnished_room(250_000);
+    run("room 250k, cosine", &room, Kind::Surface);
+    let model = || synthetic::displaced_sphere(1_500_000);
+    run("model 1.5M, primary", &model, Kind::Primary);
+    let cornell = || synthetic::cornell_box(CornellVariant::Diffuse);
+    run("cornell box, cosine", &cornell, Kind::Surface);
 }
 
 /// Where rays start.
@@ -65,8 +52,25 @@ enum Kind {
     Primary,
 }
 
+/// The rays of one scene.
+struct Rays {
+    closest: Vec<KernelRay>,
+    any: Vec<KernelRay>,
+    /// How often they are traced in one measurement.
+    passes: usize,
+}
+
+/// A tracer's answers, and seconds per pass for each repetition.
+#[derive(Default)]
+struct Runs {
+    hits: Vec<KernelHit>,
+    blocked: Vec<bool>,
+    closest: Vec<f64>,
+    any: Vec<f64>,
+}
+
 fn measure(name: &str, scene: &Scene, kind: Kind, repetitions: usize) {
-    let (tracer, whole) = on_one_thread(|| {
+    let (tracer, seconds) = on_one_thread(|| {
         let mut tracer = None;
         let seconds = cpu_seconds(|| tracer = Some(Tracer::new(scene)));
         (tracer.expect("built"), seconds)
@@ -74,80 +78,82 @@ fn measure(name: &str, scene: &Scene, kind: Kind, repetitions: usize) {
     let soup = Soup::new(scene, &tracer);
     let millions = soup.triangles.len() as f64 * 1e-6;
     println!("{name}: {} triangles", soup.triangles.len());
-    println!("  build                    {:7.2}", millions / whole);
-    let (closest_rays, any_rays) = rays(&tracer, &soup, kind);
-    let mut ours = Times::default();
-    let (mut hits, mut blocked) = (Vec::new(), Vec::new());
-    let mut rivals: Vec<(&str, Embree, Times)> = Vec::new();
+    println!("  build azulejo        {:7.2}", millions / seconds);
+    let rays = rays(&tracer, &soup, kind);
+    let mut ours = Runs::default();
+    let mut rivals: Vec<(&str, Embree, Runs)> = Vec::new();
     for (label, robust) in [("Embree", false), ("Embree robust", true)] {
         let time = |commit: &mut dyn FnMut()| cpu_seconds(commit);
-        if let Some((embree, seconds)) = Embree::new(&soup.vertices, &soup.triangles, robust, time)
-        {
-            println!("  build {label:18} {:7.2}", millions / seconds);
-            rivals.push((label, embree, Times::default()));
+        let built = Embree::new(&soup.vertices, &soup.triangles, robust, time);
+        if let Some((embree, seconds)) = built {
+            println!("  build {label:14} {:7.2}", millions / seconds);
+            rivals.push((label, embree, Runs::default()));
         }
     }
-    let (mut other_hits, mut other_blocked) = (Vec::new(), Vec::new());
+    // All take turns, so that the machine's other work hits them alike.
     for _ in 0..repetitions {
-        ours.closest
-            .push(cpu_seconds(|| tracer.closest(&closest_rays, &mut hits)));
-        for (_, embree, times) in &mut rivals {
-            let run = || embree.closest(&closest_rays, &mut other_hits);
-            times.closest.push(cpu_seconds(run));
-            times.differing_closest = differing(&hits, &other_hits);
+        ours.closest(&rays, |rays, hits| tracer.closest(rays, hits));
+        for (_, embree, runs) in &mut rivals {
+            runs.closest(&rays, |rays, hits| embree.closest(rays, hits));
         }
-        ours.any
-            .push(cpu_seconds(|| tracer.any(&any_rays, &mut blocked)));
-        for (_, embree, times) in &mut rivals {
-            times
-                .any
-                .push(cpu_seconds(|| embree.any(&any_rays, &mut other_blocked)));
-            let pairs = blocked.iter().zip(&other_blocked);
-            times.differing_any = pairs.filter(|(a, b)| a != b).count();
+        ours.any(&rays, |rays, blocked| tracer.any(rays, blocked));
+        for (_, embree, runs) in &mut rivals {
+            runs.any(&rays, |rays, blocked| embree.any(rays, blocked));
         }
     }
-    let (n, m) = (
-        closest_rays.len() as f64 * 1e-6,
-        any_rays.len() as f64 * 1e-6,
-    );
-    let (c, a) = (median(&ours.closest), median(&ours.any));
-    println!(
-        "  azulejo        closest {:7.2}             any {:7.2}",
-        n / c,
-        m / a
-    );
-    for (label, _, times) in &rivals {
+    ours.report(&rays);
+    for (label, _, runs) in &rivals {
+        ours.report_beside(label, runs, &rays);
+    }
+}
+
+impl Runs {
+    fn closest(&mut self, rays: &Rays, trace: impl Fn(&[KernelRay], &mut Vec<KernelHit>)) {
+        let run = || (0..rays.passes).for_each(|_| trace(&rays.closest, &mut self.hits));
+        self.closest.push(cpu_seconds(run) / rays.passes as f64);
+    }
+
+    fn any(&mut self, rays: &Rays, trace: impl Fn(&[KernelRay], &mut Vec<bool>)) {
+        let run = || (0..rays.passes).for_each(|_| trace(&rays.any, &mut self.blocked));
+        self.any.push(cpu_seconds(run) / rays.passes as f64);
+    }
+
+    /// Millions of rays per second, for closest and any hit.
+    fn rates(&self, rays: &Rays) -> (f64, f64) {
+        let rate = |rays: &[KernelRay], times: &[f64]| rays.len() as f64 * 1e-6 / median(times);
+        (
+            rate(&rays.closest, &self.closest),
+            rate(&rays.any, &self.any),
+        )
+    }
+
+    fn report(&self, rays: &Rays) {
+        let (closest, any) = self.rates(rays);
+        println!("  azulejo        closest {closest:6.2}            any {any:6.2}");
+        let hit = self.hits.iter().filter(|h| h.is_hit()).count();
+        let blocked = self.blocked.iter().filter(|&&b| b).count();
+        println!(
+            "  ({hit} of {} closest rays hit, {blocked} of {} any-hit rays are blocked)",
+            self.hits.len(),
+            self.blocked.len()
+        );
+    }
+
+    fn report_beside(&self, label: &str, other: &Runs, rays: &Rays) {
         let ratio = |theirs: &[f64], ours: &[f64]| {
             let ratios: Vec<f64> = theirs.iter().zip(ours).map(|(t, o)| t / o).collect();
             median(&ratios)
         };
+        let (closest, any) = other.rates(rays);
+        let pairs = self.blocked.iter().zip(&other.blocked);
         println!(
-            "  {label:14} closest {:7.2} ratio {:5.2} any {:7.2} ratio {:5.2}; differing: {} of {} closest, {} of {} any",
-            n / median(&times.closest),
-            ratio(&times.closest, &ours.closest),
-            m / median(&times.any),
-            ratio(&times.any, &ours.any),
-            times.differing_closest,
-            closest_rays.len(),
-            times.differing_any,
-            any_rays.len(),
+            "  {label:14} closest {closest:6.2} ratio {:4.2} any {any:6.2} ratio {:4.2}; differing: {} closest, {} any",
+            ratio(&other.closest, &self.closest),
+            ratio(&other.any, &self.any),
+            differing(&self.hits, &other.hits),
+            pairs.filter(|(a, b)| a != b).count(),
         );
     }
-    let found = hits.iter().filter(|h| h.is_hit()).count();
-    let shadowed = blocked.iter().filter(|&&b| b).count();
-    println!(
-        "  {found} of {} closest rays hit, {shadowed} of {} segments are blocked\n",
-        hits.len(),
-        blocked.len()
-    );
-}
-
-#[derive(Default)]
-struct Times {
-    closest: Vec<f64>,
-    any: Vec<f64>,
-    differing_closest: usize,
-    differing_any: usize,
 }
 
 /// Rays whose hits differ: one misses, or another triangle is met at another distance. The two
@@ -203,7 +209,7 @@ impl Soup {
     }
 }
 
-fn rays(tracer: &Tracer, soup: &Soup, kind: Kind) -> (Vec<KernelRay>, Vec<KernelRay>) {
+fn rays(tracer: &Tracer, soup: &Soup, kind: Kind) -> Rays {
     if kind == Kind::Primary {
         let size = 701;
         let at = |k: usize| (k as f64 + 0.5) / f64::from(size) - 0.5;
@@ -212,7 +218,11 @@ fn rays(tracer: &Tracer, soup: &Soup, kind: Kind) -> (Vec<KernelRay>, Vec<Kernel
             tracer.kernel_ray(&Ray::new(DVec3::new(0.0, 0.0, 3.0), DVec3::new(x, y, -1.0)))
         };
         let rays: Vec<KernelRay> = (0..(size * size) as usize).map(ray).collect();
-        return (rays.clone(), rays);
+        return Rays {
+            closest: rays.clone(),
+            any: rays,
+            passes: 2,
+        };
     }
     let mut random = Random(1);
     let count = 300_000;
@@ -232,7 +242,13 @@ fn rays(tracer: &Tracer, soup: &Soup, kind: Kind) -> (Vec<KernelRay>, Vec<Kernel
             tracer.kernel_ray(&Ray::between(from, to))
         })
         .collect();
-    (closest, any)
+    // The system's account of CPU time is coarse: small scenes are traced more often.
+    let passes = if soup.triangles.len() < 1000 { 8 } else { 1 };
+    Rays {
+        closest,
+        any,
+        passes,
+    }
 }
 
 /// SplitMix64; numbers in 0..1.

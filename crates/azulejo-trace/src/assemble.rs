@@ -2,9 +2,10 @@
 
 use crate::build::{Reference, binary_tree};
 use crate::bvh::{Bvh, KernelTriangle};
+use crate::placed::{Placed, PlacedPrimitive, PlacedTracer};
 use crate::primitive::ExactPrimitive;
 use crate::simd::Level;
-use crate::tracer::{Instance, MeshPositions, Other, Tracer, TriangleItem};
+use crate::tracer::{Instance, MeshPositions, Tracer, TriangleItem};
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{Mesh, Scene, Shape};
 use glam::{DAffine3, DMat3, DVec3};
@@ -146,7 +147,7 @@ struct Parts {
     meshes: Vec<MeshPositions>,
     triangles: Vec<TriangleItem>,
     kernel_triangles: Vec<KernelTriangle>,
-    others: Vec<Other>,
+    others: Vec<Placed>,
     /// Boxes of `others` in kernel coordinates.
     other_bounds: Vec<Aabb>,
     items: u32,
@@ -213,11 +214,12 @@ impl Parts {
         let Some(shape) = ExactPrimitive::new(primitive, &self.frame.world_from_local()) else {
             return;
         };
-        self.others.push(Other::Primitive {
-            object,
-            first_item,
-            shape: Box::new(shape),
-        });
+        self.others
+            .push(Placed::Primitive(Box::new(PlacedPrimitive {
+                object,
+                first_item,
+                shape,
+            })));
         self.push_other_bounds(&primitive.bounds());
     }
 
@@ -234,14 +236,14 @@ impl Parts {
             (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared())
                 .sqrt();
         self.reach = self.reach.max(tracer.reach * stretch);
-        self.others.push(Other::Instance {
+        self.others.push(Placed::Instance(Box::new(PlacedTracer {
             index,
             first_item,
             inner_from_local: inner_from_instance * (instance_from_world * world_from_local),
             tracer,
             world_from_instance,
             instance_from_world,
-        });
+        })));
         self.push_other_bounds(&instance_bounds(&instance));
     }
 

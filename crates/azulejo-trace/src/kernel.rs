@@ -106,7 +106,7 @@ pub(crate) fn is_better(t: f32, item: u32, hit: &KernelHit) -> bool {
 }
 
 /// What rays meet: the tree and what its leaves speak of.
-pub(crate) struct Surroundings<'a, O> {
+pub(crate) struct Surroundings<'a, O: ?Sized> {
     pub bvh: &'a Bvh,
     pub others: &'a O,
 }
@@ -114,7 +114,7 @@ pub(crate) struct Surroundings<'a, O> {
 /// Calls `done` with the place of each ray and its nearest meeting, in any order; with `ANY`,
 /// with any meeting at all.
 #[inline(always)]
-pub(crate) fn trace<I: Instructions, O: Others, const ANY: bool>(
+pub(crate) fn trace<I: Instructions, O: Others + ?Sized, const ANY: bool>(
     isa: I,
     around: &Surroundings<O>,
     rays: &[KernelRay],
@@ -141,7 +141,7 @@ fn are_coherent(rays: &[KernelRay]) -> bool {
 }
 
 #[inline(always)]
-fn trace_lanes<I: Instructions, O: Others, const ANY: bool, const N: usize>(
+fn trace_lanes<I: Instructions, O: Others + ?Sized, const ANY: bool, const N: usize>(
     isa: I,
     around: &Surroundings<O>,
     rays: &[KernelRay],
@@ -230,7 +230,7 @@ impl Walk {
 
     /// Looks at one child; whether there is more to look at.
     #[inline(always)]
-    fn step<I: Instructions, O: Others, const ANY: bool, const N: usize>(
+    fn step<I: Instructions, O: Others + ?Sized, const ANY: bool, const N: usize>(
         &mut self,
         isa: I,
         around: &Surroundings<O>,
@@ -264,7 +264,7 @@ impl Walk {
 
     /// Tests what is in the current leaf; whether anything was met.
     #[inline(always)]
-    fn meet<I: Instructions, O: Others, const ANY: bool>(
+    fn meet<I: Instructions, O: Others + ?Sized, const ANY: bool>(
         &mut self,
         isa: I,
         around: &Surroundings<O>,

@@ -7,6 +7,7 @@ mod assemble;
 mod build;
 mod bvh;
 mod kernel;
+mod placed;
 mod portable;
 mod prepared;
 mod primitive;

@@ -3,7 +3,7 @@
 use crate::bvh::{Node, WIDTH};
 use crate::kernel::Instructions;
 use crate::prepared::PreparedRay;
-use crate::triangle::{PACKET, Packet, PacketHits, meet_exactly};
+use crate::triangle::{PACKET, Packet, PacketHits, is_thin, meet_exactly};
 
 /// Plain arrays, for processors without AVX2.
 #[derive(Clone, Copy, Debug)]
@@ -57,10 +57,9 @@ impl Instructions for Portable {
         let (mut x, mut y, mut z) = ([[0.0; 4]; 3], [[0.0; 4]; 3], [[0.0; 4]; 3]);
         for c in 0..3 {
             for k in 0..PACKET {
-                let height = packet.corners[3 * c + kz][k] - ray.origin[kz];
-                x[c][k] = (packet.corners[3 * c + kx][k] - ray.origin[kx]) - sx * height;
-                y[c][k] = (packet.corners[3 * c + ky][k] - ray.origin[ky]) - sy * height;
-                z[c][k] = sz * height;
+                z[c][k] = packet.corners[3 * c + kz][k] - ray.origin[kz];
+                x[c][k] = (packet.corners[3 * c + kx][k] - ray.origin[kx]) - sx * z[c][k];
+                y[c][k] = (packet.corners[3 * c + ky][k] - ray.origin[ky]) - sy * z[c][k];
             }
         }
         let mut mask = 0;
@@ -72,12 +71,15 @@ impl Instructions for Portable {
             if !inside {
                 continue;
             }
-            let met = if a == 0.0 || b == 0.0 || c == 0.0 {
-                meet_exactly(x.map(|x| x[k]), y.map(|y| y[k]), z.map(|z| z[k]))
+            let whole = a + b + c;
+            let widths = [x, y, z].map(|c| c[0][k].abs().max(c[1][k].abs()).max(c[2][k].abs()));
+            let on_edge = a == 0.0 || b == 0.0 || c == 0.0;
+            let met = if on_edge || is_thin(widths, whole, ray.reach) {
+                let lane = |c: [[f32; PACKET]; 3]| c.map(|c| c[k]);
+                meet_exactly(ray, packet.triangle(k), lane(x), lane(y))
             } else {
-                let whole = a + b + c;
-                let t = (a * z[0][k] + b * z[1][k] + c * z[2][k]) / whole;
-                Some((t, b / whole, c / whole))
+                let sum = a * (sz * z[0][k]) + b * (sz * z[1][k]) + c * (sz * z[2][k]);
+                Some((sum / whole, b / whole, c / whole))
             };
             if let Some(met) = met {
                 hits.set(k, met);

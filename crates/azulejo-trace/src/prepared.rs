@@ -14,6 +14,7 @@ const SMALLEST_COMPONENT: f32 = 1e-10;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRay {
     pub origin: [f32; 3],
+    pub direction: [f32; 3],
     /// 1 / direction.
     pub inverse: [f32; 3],
     /// `origin · inverse`, plus the margin: for the planes where the ray enters.
@@ -27,12 +28,15 @@ pub(crate) struct PreparedRay {
     /// Shear that turns the direction into the last axis, and the scale along it.
     pub shear: [f32; 3],
     pub t_min: f32,
+    /// Bound of all coordinates, the ray's and the scene's.
+    pub reach: f32,
 }
 
 impl PreparedRay {
     /// A place for a ray.
     pub(crate) const NONE: PreparedRay = PreparedRay {
         origin: [0.0; 3],
+        direction: [0.0; 3],
         inverse: [0.0; 3],
         near_offset: [0.0; 3],
         far_offset: [0.0; 3],
@@ -40,6 +44,7 @@ impl PreparedRay {
         axes: [0; 3],
         shear: [0.0; 3],
         t_min: 0.0,
+        reach: 0.0,
     };
 
     /// `None` for a ray that cannot hit anything. Coordinates of the scene lie within −1..=1.
@@ -67,6 +72,7 @@ impl PreparedRay {
         let margin = reach * (4.0 * f32::EPSILON);
         Some(PreparedRay {
             origin: o,
+            direction: d,
             inverse,
             near_offset: [0, 1, 2].map(|k| o[k] * inverse[k] + margin * inverse[k].abs()),
             far_offset: [0, 1, 2].map(|k| o[k] * inverse[k] - margin * inverse[k].abs()),
@@ -74,6 +80,7 @@ impl PreparedRay {
             axes,
             shear: [d[axes[0]] / d[last], d[axes[1]] / d[last], 1.0 / d[last]],
             t_min: ray.t_min.max(0.0),
+            reach,
         })
     }
 

@@ -35,7 +35,7 @@ impl Level {
     }
 
     /// Nearest meeting of each ray.
-    pub(crate) fn closest<O: Others>(
+    pub(crate) fn closest<O: Others + ?Sized>(
         self,
         around: &Surroundings<O>,
         rays: &[KernelRay],
@@ -52,7 +52,7 @@ impl Level {
     }
 
     /// Whether each ray meets anything.
-    pub(crate) fn any<O: Others>(
+    pub(crate) fn any<O: Others + ?Sized>(
         self,
         around: &Surroundings<O>,
         rays: &[KernelRay],
@@ -70,7 +70,7 @@ impl Level {
 }
 
 #[inline(always)]
-fn closest<I: Instructions, O: Others>(
+fn closest<I: Instructions, O: Others + ?Sized>(
     isa: I,
     around: &Surroundings<O>,
     rays: &[KernelRay],
@@ -80,7 +80,7 @@ fn closest<I: Instructions, O: Others>(
 }
 
 #[inline(always)]
-fn any<I: Instructions, O: Others>(
+fn any<I: Instructions, O: Others + ?Sized>(
     isa: I,
     around: &Surroundings<O>,
     rays: &[KernelRay],
@@ -93,7 +93,7 @@ fn any<I: Instructions, O: Others>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn closest_avx2<O: Others>(
+fn closest_avx2<O: Others + ?Sized>(
     isa: Avx2,
     around: &Surroundings<O>,
     rays: &[KernelRay],
@@ -104,7 +104,7 @@ fn closest_avx2<O: Others>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn any_avx2<O: Others>(
+fn any_avx2<O: Others + ?Sized>(
     isa: Avx2,
     around: &Surroundings<O>,
     rays: &[KernelRay],
@@ -119,7 +119,7 @@ pub(crate) use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use super::{Instructions, Node, Packet, PacketHits, PreparedRay, WIDTH};
-    use crate::triangle::{PACKET, meet_exactly};
+    use crate::triangle::{PACKET, THIN, meet_exactly};
     use std::arch::x86_64::*;
 
     /// Proof that AVX2, FMA and the bit instructions are there: nothing else makes one.
@@ -165,16 +165,18 @@ mod avx2 {
     #[inline(never)]
     fn recheck(
         mask: u32,
-        (x, y, z): (Corners, Corners, Corners),
-        (t_min, t_max): (f32, f32),
+        ray: &PreparedRay,
+        packet: &Packet,
+        (x, y): (Corners, Corners),
+        t_max: f32,
         hits: &mut PacketHits,
     ) -> u32 {
         let mut met = 0;
         for k in (0..PACKET).filter(|k| mask >> k & 1 == 1) {
             let corner = |c: Corners| c.map(|c| c[k]);
-            if let Some(hit) = meet_exactly(corner(x), corner(y), corner(z)) {
+            if let Some(hit) = meet_exactly(ray, packet.triangle(k), corner(x), corner(y)) {
                 hits.set(k, hit);
-                met |= u32::from(hit.0 >= t_min && hit.0 <= t_max) << k;
+                met |= u32::from(hit.0 >= ray.t_min && hit.0 <= t_max) << k;
             }
         }
         met
@@ -299,10 +301,22 @@ mod avx2 {
                     _mm_cmpge_ps(t, _mm_set1_ps(ray.t_min)),
                     _mm_cmple_ps(t, _mm_set1_ps(t_max)),
                 );
-                let unsure = _mm_or_ps(
+                let size = |a, b, c| {
+                    let sign = _mm_set1_ps(-0.0);
+                    let [a, b, c] = [a, b, c].map(|v| _mm_andnot_ps(sign, v));
+                    _mm_max_ps(_mm_max_ps(a, b), c)
+                };
+                // As in `is_thin`.
+                let widths = _mm_mul_ps(size(ax, bx, cx), size(ay, by, cy));
+                let thin = _mm_cmpgt_ps(
+                    _mm_mul_ps(widths, size(az, bz, cz)),
+                    _mm_mul_ps(_mm_set1_ps(THIN * ray.reach), size(whole, whole, whole)),
+                );
+                let on_edge = _mm_or_ps(
                     _mm_or_ps(_mm_cmpeq_ps(a, zero), _mm_cmpeq_ps(b, zero)),
                     _mm_cmpeq_ps(c, zero),
                 );
+                let unsure = _mm_or_ps(on_edge, thin);
                 let unsure = _mm_movemask_ps(_mm_and_ps(inside, unsure)) as u32;
                 let mask = _mm_movemask_ps(_mm_and_ps(inside, within)) as u32;
                 if mask | unsure == 0 {
@@ -314,12 +328,10 @@ mod avx2 {
                 if unsure == 0 {
                     return mask;
                 }
-                let z = |z| _mm_mul_ps(shear[2], z);
                 let x = [ax, bx, cx].map(|x| lanes(x));
                 let y = [ay, by, cy].map(|y| lanes(y));
-                let z = [z(az), z(bz), z(cz)].map(|z| lanes(z));
                 let sure = mask & !unsure;
-                sure | recheck(unsure, (x, y, z), (ray.t_min, t_max), hits)
+                sure | recheck(unsure, ray, packet, (x, y), t_max, hits)
             }
         }
     }

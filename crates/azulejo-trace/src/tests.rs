@@ -1,7 +1,7 @@
 //! The tree against brute force, on every instruction set of this machine.
 
 use crate::bvh::{Bvh, Node, WIDTH};
-use crate::kernel::{Instructions, Others, Surroundings, is_better};
+use crate::kernel::{Instructions, Others, is_better};
 use crate::portable::Portable;
 use crate::prepared::PreparedRay;
 use crate::simd::Level;
@@ -67,10 +67,7 @@ fn brute_force(bvh: &Bvh, ray: &KernelRay) -> KernelHit {
 /// rays come one by one or as a batch.
 fn check_against_brute_force(tracer: &Tracer, rays: &[KernelRay]) {
     let expected: Vec<KernelHit> = rays.iter().map(|r| brute_force(&tracer.bvh, r)).collect();
-    let around = Surroundings {
-        bvh: &tracer.bvh,
-        others: tracer,
-    };
+    let around = tracer.surroundings();
     for level in levels() {
         let mut hits = vec![KernelHit::NOTHING; rays.len()];
         level.closest(&around, rays, &mut hits);
@@ -144,7 +141,7 @@ fn rays(tracer: &Tracer, triangles: &[[DVec3; 3]], random: &mut Random) -> Vec<K
             3 => (a + b + c) / 3.0 - from,
             _ => DVec3::AXES[k % 3],
         };
-        let (t_min, t_max) = if k % 7 == 0 {
+        let (t_min, t_max) = if k.is_multiple_of(7) {
             (0.2, 0.9)
         } else {
             (0.0, f64::INFINITY)
@@ -159,7 +156,7 @@ fn rays(tracer: &Tracer, triangles: &[[DVec3; 3]], random: &mut Random) -> Vec<K
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(120))]
+    #![proptest_config(ProptestConfig { cases: 120, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn tree_agrees_with_brute_force(
         seed in any::<u64>(),
@@ -280,5 +277,5 @@ fn any_hit_of_other_shapes_respects_the_range() {
         .push(Object::new("ball", Shape::Primitive(ball)));
     let tracer = Tracer::new(&scene);
     let ray = tracer.kernel_ray(&Ray::new(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z));
-    assert!(Others::any(&tracer, 0, &ray, 2.0) && !Others::any(&tracer, 0, &ray, 1.9));
+    assert!(tracer.others.any(0, &ray, 2.0) && !tracer.others.any(0, &ray, 1.9));
 }

@@ -2,13 +2,13 @@
 
 use crate::assemble::{LocalFrame, assemble, double, single};
 use crate::bvh::Bvh;
-use crate::kernel::{Others, Surroundings, is_better};
-use crate::primitive::ExactPrimitive;
+use crate::kernel::Surroundings;
+use crate::placed::Placed;
 use crate::ray::{Hit, Item, KernelHit, KernelRay};
 use crate::simd::Level;
 use crate::triangle;
 use azulejo_scene::Scene;
-use azulejo_scene::math::{Aabb, Ray, normal_matrix};
+use azulejo_scene::math::{Aabb, Ray};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ pub struct Tracer {
     pub(crate) meshes: Vec<MeshPositions>,
     pub(crate) triangles: Vec<TriangleItem>,
     /// Ordered by their first item.
-    pub(crate) others: Vec<Other>,
+    pub(crate) others: Vec<Placed>,
     pub(crate) items: u32,
 }
 
@@ -63,32 +63,6 @@ pub(crate) struct TriangleItem {
     pub triangle: u32,
 }
 
-#[derive(Clone, Debug)]
-pub(crate) enum Other {
-    Primitive {
-        object: u32,
-        first_item: u32,
-        shape: Box<ExactPrimitive>,
-    },
-    Instance {
-        index: u32,
-        first_item: u32,
-        tracer: Arc<Tracer>,
-        world_from_instance: DAffine3,
-        instance_from_world: DAffine3,
-        /// From this tracer's kernel coordinates to the instance's.
-        inner_from_local: DAffine3,
-    },
-}
-
-impl Other {
-    fn first_item(&self) -> u32 {
-        match self {
-            Other::Primitive { first_item, .. } | Other::Instance { first_item, .. } => *first_item,
-        }
-    }
-}
-
 impl Tracer {
     /// Prepares a scene.
     ///
@@ -109,18 +83,16 @@ impl Tracer {
 
     /// The first surface that the ray meets.
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let mut hit = [KernelHit::NOTHING];
-        let rays = [self.kernel_ray(ray)];
-        self.level.closest(&self.surroundings(), &rays, &mut hit);
-        hit[0].is_hit().then(|| self.resolve(ray, &hit[0]))
+        let mut hit = KernelHit::NOTHING;
+        self.closest_into(&[self.kernel_ray(ray)], std::slice::from_mut(&mut hit));
+        hit.is_hit().then(|| self.resolve(ray, &hit))
     }
 
     /// Whether the ray meets any surface.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let mut blocked = [false];
-        let rays = [self.kernel_ray(ray)];
-        self.level.any(&self.surroundings(), &rays, &mut blocked);
-        blocked[0]
+        let mut blocked = false;
+        self.any_into(&[self.kernel_ray(ray)], std::slice::from_mut(&mut blocked));
+        blocked
     }
 
     /// The ray in the kernel's coordinates; `t` means the same on both.
@@ -135,7 +107,6 @@ impl Tracer {
 
     /// The ray in the world again, as exact as `f32` kept it.
     pub fn world_ray(&self, ray: &KernelRay) -> Ray {
-        let double = |v: [f32; 3]| DVec3::from(v.map(f64::from));
         Ray {
             origin: self.frame.world_point(double(ray.origin)),
             direction: self.frame.world_vector(double(ray.direction)),
@@ -150,7 +121,7 @@ impl Tracer {
     pub fn closest(&self, rays: &[KernelRay], hits: &mut Vec<KernelHit>) {
         hits.clear();
         hits.resize(rays.len(), KernelHit::NOTHING);
-        self.level.closest(&self.surroundings(), rays, hits);
+        self.closest_into(rays, hits);
     }
 
     /// Whether each ray meets anything; `blocked` is cleared and gets one entry per ray.
@@ -159,7 +130,7 @@ impl Tracer {
     pub fn any(&self, rays: &[KernelRay], blocked: &mut Vec<bool>) {
         blocked.clear();
         blocked.resize(rays.len(), false);
-        self.level.any(&self.surroundings(), rays, blocked);
+        self.any_into(rays, blocked);
     }
 
     /// The smallest box around all surfaces; around the boxes of instances.
@@ -187,23 +158,16 @@ impl Tracer {
             };
         }
         match self.other_of(item) {
-            Other::Primitive {
-                object, first_item, ..
-            } => Item {
-                object: *object,
-                face: item - first_item,
+            Placed::Primitive(p) => Item {
+                object: p.object,
+                face: item - p.first_item,
                 triangle: 0,
                 is_primitive: true,
                 instance: None,
             },
-            Other::Instance {
-                index,
-                first_item,
-                tracer,
-                ..
-            } => Item {
-                instance: Some(*index),
-                ..tracer.item(item - first_item)
+            Placed::Instance(i) => Item {
+                instance: Some(i.index),
+                ..i.tracer.item(item - i.first_item)
             },
         }
     }
@@ -217,50 +181,24 @@ impl Tracer {
     /// For a miss, or a hit of another tracer.
     pub fn resolve(&self, ray: &Ray, hit: &KernelHit) -> Hit {
         let item = self.item(hit.item);
-        let (t, u, v, position, normal) = match self.triangles.get(hit.item as usize) {
+        let point = match self.triangles.get(hit.item as usize) {
             Some(triangle) => {
                 let mesh = self.mesh_of(hit.item);
                 let corners = triangle.vertices.map(|v| mesh.positions[v as usize]);
-                let p = triangle::meet(corners, ray, f64::from(hit.t));
-                (p.t, p.u, p.v, p.position, p.normal)
+                triangle::meet(corners, ray, f64::from(hit.t))
             }
-            None => match self.other_of(hit.item) {
-                Other::Primitive { shape, .. } => {
-                    resolve_primitive(shape, item.face as usize, ray, hit)
-                }
-                Other::Instance {
-                    first_item,
-                    tracer,
-                    world_from_instance,
-                    instance_from_world,
-                    ..
-                } => {
-                    let inner_ray = Ray {
-                        origin: instance_from_world.transform_point3(ray.origin),
-                        direction: instance_from_world.transform_vector3(ray.direction),
-                        ..*ray
-                    };
-                    let inner_hit = KernelHit {
-                        item: hit.item - first_item,
-                        ..*hit
-                    };
-                    let h = tracer.resolve(&inner_ray, &inner_hit);
-                    let normal = normal_matrix(world_from_instance.matrix3) * h.normal;
-                    let position = world_from_instance.transform_point3(h.position);
-                    (h.t, h.u, h.v, position, normal.normalize_or_zero())
-                }
-            },
+            None => self.other_of(hit.item).resolve(ray, hit),
         };
         Hit {
-            t,
+            t: point.t,
             object: item.object,
             face: item.face,
             triangle: item.triangle,
-            u,
-            v,
-            position,
-            normal,
-            entering: normal.dot(ray.direction) < 0.0,
+            u: point.u,
+            v: point.v,
+            position: point.position,
+            normal: point.normal,
+            entering: point.normal.dot(ray.direction) < 0.0,
             item: hit.item,
             instance: item.instance,
         }
@@ -278,10 +216,18 @@ impl Tracer {
         position + step * normal
     }
 
-    fn surroundings(&self) -> Surroundings<'_, Tracer> {
+    pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
+        self.level.closest(&self.surroundings(), rays, hits);
+    }
+
+    pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
+        self.level.any(&self.surroundings(), rays, blocked);
+    }
+
+    pub(crate) fn surroundings(&self) -> Surroundings<'_, [Placed]> {
         Surroundings {
             bvh: &self.bvh,
-            others: self,
+            others: &self.others,
         }
     }
 
@@ -290,101 +236,10 @@ impl Tracer {
         &self.meshes[after - 1]
     }
 
-    fn other_of(&self, item: u32) -> &Other {
+    fn other_of(&self, item: u32) -> &Placed {
         assert!(item < self.items, "item {item} of {}", self.items);
         let after = self.others.partition_point(|o| o.first_item() <= item);
         &self.others[after - 1]
-    }
-}
-
-fn resolve_primitive(
-    shape: &ExactPrimitive,
-    part: usize,
-    ray: &Ray,
-    hit: &KernelHit,
-) -> (f64, f64, f64, DVec3, DVec3) {
-    let line = shape.world_line(ray.origin, ray.direction);
-    let (t, u, v) = match shape.nearest_to(&line, f64::from(hit.t)) {
-        // By rounding another part may be met; then the kernel's own answer stands.
-        Some(p) if p.part == part => (p.t, p.u, p.v),
-        _ => (f64::from(hit.t), f64::from(hit.u), f64::from(hit.v)),
-    };
-    let point = shape.shape.point(part, u, v);
-    (t, u, v, point.position, point.normal)
-}
-
-impl Others for Tracer {
-    fn closest(&self, shape: u32, ray: &KernelRay, hit: &mut KernelHit) {
-        match &self.others[shape as usize] {
-            Other::Primitive {
-                first_item, shape, ..
-            } => {
-                let line = shape.local_line(double(ray.origin), double(ray.direction));
-                let t_min = f64::from(ray.t_min.max(0.0));
-                if let Some(p) = shape.first(&line, t_min, f64::from(hit.t)) {
-                    let (t, item) = (p.t as f32, first_item + p.part as u32);
-                    if is_better(t, item, hit) {
-                        *hit = KernelHit {
-                            t,
-                            item,
-                            u: p.u as f32,
-                            v: p.v as f32,
-                        };
-                    }
-                }
-            }
-            Other::Instance {
-                first_item,
-                tracer,
-                inner_from_local,
-                ..
-            } => {
-                let inner = [inner_ray(inner_from_local, ray, hit.t)];
-                let mut found = [KernelHit::NOTHING];
-                tracer
-                    .level
-                    .closest(&tracer.surroundings(), &inner, &mut found);
-                let [mut found] = found;
-                if found.is_hit() {
-                    found.item += first_item;
-                    if is_better(found.t, found.item, hit) {
-                        *hit = found;
-                    }
-                }
-            }
-        }
-    }
-
-    fn any(&self, shape: u32, ray: &KernelRay, t_max: f32) -> bool {
-        match &self.others[shape as usize] {
-            Other::Primitive { shape, .. } => {
-                let line = shape.local_line(double(ray.origin), double(ray.direction));
-                let t_min = f64::from(ray.t_min.max(0.0));
-                shape.first(&line, t_min, f64::from(t_max)).is_some()
-            }
-            Other::Instance {
-                tracer,
-                inner_from_local,
-                ..
-            } => {
-                let mut blocked = [false];
-                let inner = [inner_ray(inner_from_local, ray, t_max)];
-                tracer
-                    .level
-                    .any(&tracer.surroundings(), &inner, &mut blocked);
-                blocked[0]
-            }
-        }
-    }
-}
-
-/// The ray in an instance, up to and including `last`.
-fn inner_ray(inner_from_local: &DAffine3, ray: &KernelRay, last: f32) -> KernelRay {
-    KernelRay {
-        t_max: last.next_up(),
-        origin: single(inner_from_local.transform_point3(double(ray.origin))),
-        direction: single(inner_from_local.transform_vector3(double(ray.direction))),
-        ..*ray
     }
 }
 

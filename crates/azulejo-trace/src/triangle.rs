@@ -1,5 +1,7 @@
 //! Triangles: packets of four for the kernel, and one in double precision for what it found.
 
+use crate::placed::ResolvedPoint;
+use crate::prepared::PreparedRay;
 use azulejo_scene::math::Ray;
 use glam::DVec3;
 
@@ -21,6 +23,11 @@ impl Packet {
         corners: [[f32::NAN; PACKET]; 9],
         items: [u32::MAX; PACKET],
     };
+
+    /// The triangle in a lane.
+    pub(crate) fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
+        [0, 3, 6].map(|first| [0, 1, 2].map(|axis| self.corners[first + axis][lane]))
+    }
 
     /// Puts a triangle into a lane.
     pub(crate) fn set(&mut self, lane: usize, corners: &[[f32; 3]; 3], item: u32) {
@@ -47,39 +54,88 @@ impl PacketHits {
     }
 }
 
-/// Where the last axis meets a triangle, from its corners in sheared coordinates: `t`, `u`, `v`.
+/// What single precision could not settle about one triangle: whether it is met, and `t`, `u`, `v`.
 ///
-/// For triangles with an edge function that is zero in single precision, which may be rounding:
-/// products of `f32` are exact in `f64`. A ray exactly on an edge meets both triangles there.
+/// Called if an edge function is zero, which may be rounding, or if the triangle is so thin, as
+/// the ray sees it, that `t` would be worth little ([`is_thin`]). `x`, `y` are the sheared
+/// corners: they decide, because neighbours share them to the last bit, and their products are
+/// exact in `f64`. A ray exactly on an edge meets both triangles there.
 #[cold]
 #[inline(never)]
-pub(crate) fn meet_exactly(x: [f32; 3], y: [f32; 3], z: [f32; 3]) -> Option<(f32, f32, f32)> {
-    let edge =
-        |p: usize, q: usize| f64::from(x[p]) * f64::from(y[q]) - f64::from(y[p]) * f64::from(x[q]);
-    let (a, b, c) = (edge(2, 1), edge(0, 2), edge(1, 0));
+pub(crate) fn meet_exactly(
+    ray: &PreparedRay,
+    corners: [[f32; 3]; 3],
+    x: [f32; 3],
+    y: [f32; 3],
+) -> Option<(f32, f32, f32)> {
+    let decisive = weights(x.map(f64::from), y.map(f64::from));
+    let [a, b, c] = decisive;
     let inside = (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
-    let whole = a + b + c;
-    if !inside || whole == 0.0 {
+    if !inside || a + b + c == 0.0 {
         return None;
     }
-    let t = (a * f64::from(z[0]) + b * f64::from(z[1]) + c * f64::from(z[2])) / whole;
-    Some((t as f32, (b / whole) as f32, (c / whole) as f32))
+    let [kx, ky, kz] = ray.axes;
+    let direction = ray.direction.map(f64::from);
+    let relative = |corner: [f32; 3], k: usize| f64::from(corner[k]) - f64::from(ray.origin[k]);
+    let sheared = |k: usize| {
+        let slope = direction[k] / direction[kz];
+        corners.map(|p| relative(p, k) - slope * relative(p, kz))
+    };
+    let weights = on_triangle(sheared(kx), sheared(ky)).unwrap_or(decisive);
+    let whole: f64 = weights.iter().sum();
+    let z = corners.map(|p| relative(p, kz) / direction[kz]);
+    let t = (0..3).map(|k| weights[k] * z[k]).sum::<f64>() / whole;
+    Some((
+        t as f32,
+        (weights[1] / whole) as f32,
+        (weights[2] / whole) as f32,
+    ))
 }
 
-/// Where a ray meets a triangle that the kernel has already said it meets.
-pub(crate) struct TrianglePoint {
-    pub t: f64,
-    pub u: f64,
-    pub v: f64,
-    pub position: DVec3,
-    pub normal: DVec3,
+/// Weights of the corners for the triangle's point nearest to the axis of the shear, which passes
+/// through it or, by rounding, beside it; `None` for a triangle seen exactly from its edge.
+fn on_triangle(x: [f64; 3], y: [f64; 3]) -> Option<[f64; 3]> {
+    let weights = weights(x, y);
+    let whole: f64 = weights.iter().sum();
+    if whole == 0.0 || !whole.is_finite() {
+        return None;
+    }
+    let outside = (0..3).min_by(|&i, &j| (weights[i] / whole).total_cmp(&(weights[j] / whole)))?;
+    if weights[outside] / whole >= 0.0 {
+        return Some(weights);
+    }
+    let (j, k) = ((outside + 1) % 3, (outside + 2) % 3);
+    let (ex, ey) = (x[k] - x[j], y[k] - y[j]);
+    let along = -(x[j] * ex + y[j] * ey) / (ex * ex + ey * ey);
+    let mut nearest = [0.0; 3];
+    nearest[k] = along.clamp(0.0, 1.0);
+    nearest[j] = 1.0 - nearest[k];
+    Some(nearest)
 }
+
+/// Edge functions opposite the three corners, as the axis of the shear sees them.
+fn weights(x: [f64; 3], y: [f64; 3]) -> [f64; 3] {
+    let edge = |p: usize, q: usize| x[p] * y[q] - y[p] * x[q];
+    [edge(2, 1), edge(0, 2), edge(1, 0)]
+}
+
+/// Whether rounding moves the point where a ray meets a triangle by more than the rounding of the
+/// ray's own origin: `widths` are the largest sheared coordinates, `whole` is the sum of the edge
+/// functions, `reach` the size of the coordinates at hand.
+#[inline(always)]
+pub(crate) fn is_thin(widths: [f32; 3], whole: f32, reach: f32) -> bool {
+    widths[0] * widths[1] * widths[2] > THIN * reach * whole.abs()
+}
+
+/// The bound of [`is_thin`]: with it an error of `t` stays below half the step of
+/// [`Tracer::leaving`](crate::Tracer::leaving).
+pub(crate) const THIN: f32 = 4.0;
 
 /// The point where `ray` meets the triangle, or the triangle's nearest to it: the kernel works
 /// with rounded corners and may report a ray that passes by at its rounding's distance.
 ///
 /// `t_guess` is the kernel's answer; it is kept for a ray in the plane of the triangle.
-pub(crate) fn meet(corners: [DVec3; 3], ray: &Ray, t_guess: f64) -> TrianglePoint {
+pub(crate) fn meet(corners: [DVec3; 3], ray: &Ray, t_guess: f64) -> ResolvedPoint {
     let [a, b, c] = corners;
     let (ab, ac) = (b - a, c - a);
     let area = ab.cross(ac);
@@ -88,7 +144,7 @@ pub(crate) fn meet(corners: [DVec3; 3], ray: &Ray, t_guess: f64) -> TrianglePoin
     let t = if t.is_finite() { t } else { t_guess };
     let (u, v) = barycentric(ab, ac, area, ray.at(t) - a);
     let position = a + u * ab + v * ac;
-    TrianglePoint {
+    ResolvedPoint {
         t,
         u,
         v,
