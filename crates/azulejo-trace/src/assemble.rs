@@ -224,10 +224,11 @@ impl Parts {
     }
 
     fn add_instance(&mut self, index: u32, instance: Instance, instance_from_world: DAffine3) {
+        let bounds = instance_bounds(&instance);
         let Instance {
             tracer,
             world_from_instance,
-        } = instance.clone();
+        } = instance;
         let first_item = self.number_items(tracer.item_count() as usize);
         let world_from_local = self.frame.world_from_local();
         let inner_from_instance = tracer.frame.local_from_world();
@@ -244,7 +245,7 @@ impl Parts {
             world_from_instance,
             instance_from_world,
         })));
-        self.push_other_bounds(&instance_bounds(&instance));
+        self.push_other_bounds(&bounds);
     }
 
     fn push_other_bounds(&mut self, world: &Aabb) {
