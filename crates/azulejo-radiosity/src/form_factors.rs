@@ -4,7 +4,7 @@
 //!    direct part is the exact form factor times the visible fraction.
 //! 2. `rows` traces rays from every side of every patch.
 //! 3. `merge` makes one exchange area of the two estimates that the sides of a pair give.
-//! 4. `restore` scales closed scenes so that rows sum to 1.
+//! 4. `restore` changes closed scenes within their errors so that rows sum to 1.
 //!
 //! [`form_factors`] does all four, in this order.
 
@@ -14,13 +14,14 @@ mod near;
 mod restore;
 mod rows;
 mod shaft;
+mod sides;
 
 use crate::patch::{FaceId, PatchSize, Patches};
-use crate::rays::Side;
 use crate::solve::SolveError;
 use azulejo_scene::Scene;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+use sides::Sides;
 use std::ops::Range;
 
 /// What [`form_factors`] should do.
@@ -62,7 +63,8 @@ impl Default for FormFactorOptions {
 /// its whole weight (additive model, Sillion and Puech 1989).
 ///
 /// Rows and columns are the same list. Without `two_sided` it is the fronts of the patches, in
-/// the order of [`Patches`]: light that meets a back ends there. With it, front and back of
+/// the order of [`Patches`]: light that meets a back ends there, unless it is covered by a front
+/// (two patches in one place, back to back). With it, front and back of
 /// patch p are entries 2p and 2p + 1. Rows are stored sparsely, columns ascending; an absent
 /// entry is an estimate of 0. Where mirrors are coloured X is the mean of the three channels.
 ///
@@ -95,9 +97,10 @@ pub struct FormFactors {
     pub cut: Vec<f64>,
     /// Share that ends on sides which have no column: backs, without `two_sided`.
     pub hidden: Vec<f64>,
-    /// The largest relative change of an entry by the restoration of rows; 0 without one.
+    /// What the restoration of rows changed: Σ|ΔS_ij| / ΣS_ij; 0 without one.
     pub correction: f64,
-    /// Whether no row that sees anything loses light to the outside or to hidden sides.
+    /// Whether no row that sees anything loses light to the outside, but for 1e-6 of it. Closed
+    /// scenes without mirrors and glass are restored: rows sum to 1 − `hidden` − `cut`.
     pub is_closed: bool,
     /// Rays traced from patches, without those that mirrors and visibility tests added.
     pub rays: u64,
@@ -143,8 +146,9 @@ impl FormFactors {
         }
     }
 
-    /// Σ_j X_ij. In a closed scene without mirrors it is 1 but for noise, which restoration takes
-    /// away; with mirrors Σ_j X_ij (1 − ρ_s,j) is 1 but for noise, so that the plain sum exceeds 1.
+    /// Σ_j X_ij. Without mirrors it is 1 less what escapes or is hidden, but for noise, which
+    /// restoration takes away in closed scenes. With mirrors that is Σ_j X_ij (1 − ρ_s,j), so that
+    /// the plain sum exceeds 1.
     ///
     /// # Panics
     /// Without such a row.
@@ -217,47 +221,5 @@ fn finish(factors: &mut FormFactors) {
         factors
             .row_errors
             .push(sum * std::f64::consts::FRAC_2_PI.sqrt());
-    }
-}
-
-/// Which sides of patches are rows and columns.
-struct Sides<'a> {
-    patches: &'a Patches,
-    two_sided: bool,
-}
-
-impl<'a> Sides<'a> {
-    fn new(patches: &'a Patches, two_sided: bool) -> Sides<'a> {
-        Sides { patches, two_sided }
-    }
-
-    fn len(&self) -> usize {
-        self.patches.len() * if self.two_sided { 2 } else { 1 }
-    }
-
-    fn patch(&self, row: usize) -> usize {
-        if self.two_sided { row / 2 } else { row }
-    }
-
-    fn is_back(&self, row: usize) -> bool {
-        self.two_sided && row % 2 == 1
-    }
-
-    /// The number that the ray estimator knows this row by.
-    fn side(&self, row: usize) -> Side {
-        crate::rays::side(self.patch(row) as u32, !self.is_back(row))
-    }
-
-    fn area(&self, row: usize) -> f64 {
-        self.patches.area(self.patch(row))
-    }
-
-    /// The column of light that meets a patch, if it has one.
-    fn column(&self, patch: u32, front: bool) -> Option<u32> {
-        match (self.two_sided, front) {
-            (true, _) => Some(crate::rays::side(patch, front)),
-            (false, true) => Some(patch),
-            (false, false) => None,
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! A tree of boxes: which of many may touch a region?
 
 use azulejo_scene::math::Aabb;
+use glam::DVec3;
 
 /// Items of a leaf.
 const LEAF: usize = 4;
@@ -78,5 +79,14 @@ impl BoxTree {
             }
         }
         false
+    }
+}
+
+/// Distance of a point from a box; infinite for the empty box.
+pub(super) fn distance(bounds: &Aabb, p: DVec3) -> f64 {
+    if bounds.is_empty() {
+        f64::INFINITY
+    } else {
+        p.distance(p.clamp(bounds.min, bounds.max))
     }
 }

@@ -1,8 +1,9 @@
 //! One exchange area per pair from what the rays of both sides and the formula say.
 
+use super::FormFactors;
 use super::near::{Exact, ExactRow};
 use super::rows::{Entries, Entry, RayRow, Traced};
-use super::{FormFactors, Sides};
+use super::sides::Sides;
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;

@@ -1,9 +1,9 @@
 //! Pairs whose direct form factor is better had by formula than by rays: close ones, for rays
 //! see their steep kernel badly, and those with a lamp, whose noise no averaging heals.
 
-use super::Sides;
-use super::boxes::BoxTree;
+use super::boxes::{BoxTree, distance};
 use super::shaft::{Occluders, Shaft};
+use super::sides::Sides;
 use crate::analytic::exchange_area;
 use crate::patch::Polygon;
 use azulejo_scene::math::{Aabb, Ray};
@@ -209,15 +209,6 @@ impl<'a> Rows<'a> {
             visible = view.visible(MORE_SHADOW_RAYS);
         }
         (whole * visible.share, whole * visible.error)
-    }
-}
-
-/// Distance of a point from a box; infinite for the empty box.
-fn distance(bounds: &Aabb, p: DVec3) -> f64 {
-    if bounds.is_empty() {
-        f64::INFINITY
-    } else {
-        p.distance(p.clamp(bounds.min, bounds.max))
     }
 }
 

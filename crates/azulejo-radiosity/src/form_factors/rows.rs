@@ -1,7 +1,7 @@
 //! What the rays of every row find.
 
-use super::Sides;
 use super::near::ExactRow;
+use super::sides::Sides;
 use crate::rays::{Columns, RayEstimator};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};

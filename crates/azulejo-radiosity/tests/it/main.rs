@@ -8,3 +8,4 @@ mod form_factors;
 mod furnace;
 mod rooms;
 mod table;
+mod table_scenes;

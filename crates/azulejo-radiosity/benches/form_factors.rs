@@ -1,0 +1,120 @@
+//! Form factors against the reference table, and what a room of 10,000 patches costs.
+//!
+//! `cargo bench -p azulejo-radiosity --bench form_factors [-- rays]`. The table is read from the
+//! folder that `AZULEJO_DATA` names.
+
+// Printing is what a bench is for.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+// The tests use more of it.
+#[allow(dead_code)]
+#[path = "../tests/it/table.rs"]
+mod table;
+#[allow(dead_code)]
+#[path = "../tests/it/table_scenes.rs"]
+mod table_scenes;
+
+use azulejo_radiosity::{FormFactorOptions, FormFactors, PatchSize, form_factors};
+use azulejo_scene::Scene;
+use azulejo_scene::synthetic::furnished_room;
+use azulejo_trace::{Progress, Tracer};
+use std::time::Instant;
+
+fn main() {
+    let rays = std::env::args()
+        .skip(1)
+        .find_map(|a| a.parse().ok())
+        .unwrap_or(4_096);
+    reference_table();
+    room(rays);
+}
+
+/// Every row of polygons: by rays alone, and with formulas.
+fn reference_table() {
+    let Some(rows) = table::rows() else { return };
+    println!(
+        "{:15} {:>14}   by 65,536 rays{:21} with formulas",
+        "row", "value", ""
+    );
+    for row in &rows {
+        let Some(scene) = table_scenes::scene(row) else {
+            continue;
+        };
+        print!("{:15} {:14.11}", row.id, row.value);
+        for analytic in [false, true] {
+            let options = options(1 << 16, analytic);
+            let (f, error) = table_scenes::between(&compute(&scene, &options));
+            print!(
+                "   {f:.9} ± {error:.1e} {:+6.2} SE",
+                (f - row.value) / error
+            );
+        }
+        println!();
+    }
+}
+
+fn options(rays: u32, analytic: bool) -> FormFactorOptions {
+    FormFactorOptions {
+        size: PatchSize::Edge(0.0),
+        rays,
+        analytic,
+        ..FormFactorOptions::default()
+    }
+}
+
+fn compute(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
+    form_factors(scene, &Tracer::new(scene), options, &Progress::new()).expect("there are surfaces")
+}
+
+fn room(rays: u32) {
+    let scene = furnished_room(20_000);
+    for analytic in [false, true] {
+        let (wall, cpu) = (Instant::now(), cpu_seconds());
+        let found = compute(&scene, &options(rays, analytic));
+        let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
+        let (n, entries) = (found.len() as f64, found.values.len() as f64);
+        let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
+        println!(
+            "\nroom, {n} patches, {rays} rays each, formulas {analytic}\n\
+             {wall:.2} s wall, {cpu:.2} s CPU, {:.0} patches/s, {:.2e} rays/s\n\
+             {:.0} entries a row, {:.0} bytes a patch, peak {:.0} MiB\n\
+             row error {:.4}, correction {:.3}, closed {}, escaped {:.1e}",
+            n / wall,
+            found.rays as f64 / wall,
+            entries / n,
+            entries * 16.0 / n,
+            peak_mebibytes(),
+            mean(&found.row_errors),
+            found.correction,
+            found.is_closed,
+            mean(&found.escaped),
+        );
+    }
+}
+
+/// CPU seconds of this process: of all threads, user and system.
+fn cpu_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = text
+        .rsplit(')')
+        .next()
+        .unwrap_or("")
+        .split_whitespace()
+        .collect();
+    let ticks = |k: usize| {
+        fields
+            .get(k)
+            .and_then(|f| f.parse::<f64>().ok())
+            .unwrap_or(f64::NAN)
+    };
+    (ticks(11) + ticks(12)) / 100.0
+}
+
+/// The most memory this process ever had.
+fn peak_mebibytes() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok())
+        .unwrap_or(f64::NAN)
+        / 1024.0
+}
