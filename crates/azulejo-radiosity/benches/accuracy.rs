@@ -17,12 +17,21 @@ const EVERY: usize = 20;
 const ERRORS: [f64; 5] = [0.05, 0.03, 0.02, 0.015, 0.01];
 
 fn main() {
-    let paths = std::env::args().skip(1).find_map(|a| a.parse().ok()).unwrap_or(20_000);
-    for (name, variant) in [("s1, diffuse", CornellVariant::Diffuse), ("s2, mirror block", CornellVariant::MirrorBlock)] {
+    let paths = std::env::args()
+        .skip(1)
+        .find_map(|a| a.parse().ok())
+        .unwrap_or(20_000);
+    for (name, variant) in [
+        ("s1, diffuse", CornellVariant::Diffuse),
+        ("s2, mirror block", CornellVariant::MirrorBlock),
+    ] {
         if std::env::var("ONLY").is_ok_and(|only| !name.starts_with(&only)) {
             continue;
         }
-        println!("\n{name}: {POINTS} points, truth at {} of {paths} paths each", POINTS / EVERY);
+        println!(
+            "\n{name}: {POINTS} points, truth at {} of {paths} paths each",
+            POINTS / EVERY
+        );
         measure(&cornell_box(variant), paths);
     }
 }
@@ -32,13 +41,23 @@ fn measure(scene: &Scene, paths: u32) {
     let points = brute.points(POINTS, 0x5eed);
     let some: Vec<_> = points.iter().copied().step_by(EVERY).collect();
     let truth = brute.irradiance(&some, paths);
-    println!("{:>9} {:>7} {:>8} {:>8} {:>9} {:>9} {:>9} {:>8}", "asked", "rays", "wall s", "cpu s", "said", "rel RMSE", "RMSE/mean", "in 2 SE");
+    println!(
+        "{:>9} {:>7} {:>8} {:>8} {:>9} {:>9} {:>9} {:>8}",
+        "asked", "rays", "wall s", "cpu s", "said", "rel RMSE", "RMSE/mean", "in 2 SE"
+    );
     for error in ERRORS {
-        let asked: Vec<PointNormal> = points.iter().map(|&(position, normal)| PointNormal { position, normal }).collect();
+        let asked: Vec<PointNormal> = points
+            .iter()
+            .map(|&(position, normal)| PointNormal { position, normal })
+            .collect();
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let tracer = Tracer::new(scene);
-        let pass = FirstPass { error: Some(error), ..FirstPass::default() };
-        let probed = probe(scene, &tracer, &asked, &pass, &Progress::new()).expect("the box has a lamp");
+        let pass = FirstPass {
+            error: Some(error),
+            ..FirstPass::default()
+        };
+        let probed =
+            probe(scene, &tracer, &asked, &pass, &Progress::new()).expect("the box has a lamp");
         let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
         let mean = truth.iter().map(|t| t.0).sum::<Rgb>() / truth.len() as f64;
         let (mut relative, mut absolute, mut inside, mut n) = (0.0, 0.0, 0, 0);
@@ -54,10 +73,24 @@ fn measure(scene: &Scene, paths: u32) {
             }
         }
         if std::env::var_os("WORST").is_some() && error == 0.01 {
-            let mut rows: Vec<_> = probed.estimates.iter().step_by(EVERY).zip(&truth).zip(&some).map(|((a, t), p)| {
-                let k = 1;
-                (((a.value[k] - t.0[k]) / t.0[k].max(0.1 * mean[k])).abs(), a.value[k], a.error[k], t.0[k], t.1[k].sqrt(), *p)
-            }).collect();
+            let mut rows: Vec<_> = probed
+                .estimates
+                .iter()
+                .step_by(EVERY)
+                .zip(&truth)
+                .zip(&some)
+                .map(|((a, t), p)| {
+                    let k = 1;
+                    (
+                        ((a.value[k] - t.0[k]) / t.0[k].max(0.1 * mean[k])).abs(),
+                        a.value[k],
+                        a.error[k],
+                        t.0[k],
+                        t.1[k].sqrt(),
+                        *p,
+                    )
+                })
+                .collect();
             rows.sort_by(|a, b| b.0.total_cmp(&a.0));
             rows.iter().take(12).for_each(|r| println!("{r:?}"));
         }
@@ -79,7 +112,17 @@ fn measure(scene: &Scene, paths: u32) {
 /// CPU seconds of this process: of all threads, user and system.
 fn cpu_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<&str> = text.rsplit(')').next().unwrap_or("").split_whitespace().collect();
-    let ticks = |k: usize| fields.get(k).and_then(|f| f.parse::<f64>().ok()).unwrap_or(f64::NAN);
+    let fields: Vec<&str> = text
+        .rsplit(')')
+        .next()
+        .unwrap_or("")
+        .split_whitespace()
+        .collect();
+    let ticks = |k: usize| {
+        fields
+            .get(k)
+            .and_then(|f| f.parse::<f64>().ok())
+            .unwrap_or(f64::NAN)
+    };
     (ticks(11) + ticks(12)) / 100.0
 }

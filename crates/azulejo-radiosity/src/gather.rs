@@ -1,7 +1,10 @@
 //! Irradiance at points to an asked error.
 
 use azulejo_scene::Rgb;
-use azulejo_trace::{Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Progress, REPLICATES};
+use azulejo_trace::{
+    Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
+    Progress, REPLICATES,
+};
 use rayon::prelude::*;
 
 /// Points gathered in one go: enough to fill the tracer's batches, few enough that their paths
@@ -66,7 +69,10 @@ impl Gathering {
     pub fn standard_errors(&self) -> Vec<Rgb> {
         const STUDENT: f64 = 3.307 / 2.0;
         let scale = STUDENT * self.gain().sqrt();
-        self.gathered.iter().map(|g| g.variance().map(f64::sqrt) * scale).collect()
+        self.gathered
+            .iter()
+            .map(|g| g.variance().map(f64::sqrt) * scale)
+            .collect()
     }
 
     /// Variance of the estimates over what it would be if the replicates were independent, a
@@ -92,7 +98,11 @@ impl Gathering {
                 count += 1.0 / 3.0;
             }
         }
-        let step = if quarters > 0.0 { (2.0 * halves / quarters).clamp(0.5, 1.0) } else { 1.0 };
+        let step = if quarters > 0.0 {
+            (2.0 * halves / quarters).clamp(0.5, 1.0)
+        } else {
+            1.0
+        };
         (count * step * step + DOUBT) / (count + DOUBT)
     }
 }
@@ -112,16 +122,27 @@ pub fn gather(
     seed: u32,
     progress: &Progress,
 ) -> Result<Gathering, Cancelled> {
-    let task = Task { gatherer, light, points, seed, progress };
+    let task = Task {
+        gatherer,
+        light,
+        points,
+        seed,
+        progress,
+    };
     let most = effort.rays.clamp(1, MOST_RAYS);
     let rays = match effort.error {
         _ if progress.out_of_time() => HASTY_RAYS.min(most),
         Some(_) => FIRST_RAYS.min(most),
         None => most,
     };
-    let mut all = Gathering { gathered: vec![Gathered::default(); points.len()], spent: vec![0; points.len()] };
+    let mut all = Gathering {
+        gathered: vec![Gathered::default(); points.len()],
+        spent: vec![0; points.len()],
+    };
     task.raise(&mut all, &vec![rays; points.len()])?;
-    let Some(goal) = effort.error else { return Ok(all) };
+    let Some(goal) = effort.error else {
+        return Ok(all);
+    };
     while !progress.out_of_time() {
         if all.relative_error() <= goal {
             break;
@@ -149,16 +170,30 @@ impl<L: DiffuseLight> Task<'_, L> {
     /// Brings every point to its total, in groups that have the same way to go; points that have
     /// something already keep it when time runs out.
     fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
-        let groups: Vec<(u32, u32)> = all.spent.iter().copied().zip(totals.iter().copied()).collect();
+        let groups: Vec<(u32, u32)> = all
+            .spent
+            .iter()
+            .copied()
+            .zip(totals.iter().copied())
+            .collect();
         let mut ways = groups.clone();
         ways.sort_unstable();
         ways.dedup();
         let work = groups.iter().filter(|(spent, total)| total > spent).count();
         self.progress.begin("irradiance", work as u64);
         for (spent, total) in ways.into_iter().filter(|(spent, total)| total > spent) {
-            let chosen: Vec<u32> = (0..groups.len() as u32).filter(|&i| groups[i as usize] == (spent, total)).collect();
+            let chosen: Vec<u32> = (0..groups.len() as u32)
+                .filter(|&i| groups[i as usize] == (spent, total))
+                .collect();
             let rays = total - spent;
-            let found = self.pass(&chosen, &GatherOptions { rays, spent, seed: self.seed })?;
+            let found = self.pass(
+                &chosen,
+                &GatherOptions {
+                    rays,
+                    spent,
+                    seed: self.seed,
+                },
+            )?;
             for (&i, new) in chosen.iter().zip(found) {
                 if let Some(new) = new {
                     let old = &mut all.gathered[i as usize];
@@ -171,7 +206,11 @@ impl<L: DiffuseLight> Task<'_, L> {
     }
 
     /// Gathers once at the chosen points; `None` where time ran out.
-    fn pass(&self, chosen: &[u32], options: &GatherOptions) -> Result<Vec<Option<Gathered>>, Cancelled> {
+    fn pass(
+        &self,
+        chosen: &[u32],
+        options: &GatherOptions,
+    ) -> Result<Vec<Option<Gathered>>, Cancelled> {
         let directions = DirectionTables::new(options);
         let chunks: Result<Vec<Vec<Option<Gathered>>>, Cancelled> = chosen
             .par_chunks(CHUNK)
@@ -180,8 +219,11 @@ impl<L: DiffuseLight> Task<'_, L> {
                 if options.spent > 0 && self.progress.out_of_time() {
                     return Ok(vec![None; chunk.len()]);
                 }
-                let points: Vec<GatherPoint> = chunk.iter().map(|&i| self.points[i as usize]).collect();
-                let found = self.gatherer.gather_with(&points, options, &directions, self.light);
+                let points: Vec<GatherPoint> =
+                    chunk.iter().map(|&i| self.points[i as usize]).collect();
+                let found = self
+                    .gatherer
+                    .gather_with(&points, options, &directions, self.light);
                 Ok(found.into_iter().map(Some).collect())
             })
             .collect();
@@ -202,7 +244,9 @@ fn allot(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
     let power = 1.0 / (1.0 + RATE);
     let sum: f64 = strength.iter().map(|s| s.powf(power)).sum();
     let scale = (sum / (strength.len() as f64 * goal * goal)).powf(1.0 / RATE);
-    let total = |(s, &n): (&f64, &u32)| well_spread(n, (scale * s.powf(power)).min(GROWTH * f64::from(n)), most);
+    let total = |(s, &n): (&f64, &u32)| {
+        well_spread(n, (scale * s.powf(power)).min(GROWTH * f64::from(n)), most)
+    };
     strength.iter().zip(spent).map(total).collect()
 }
 
@@ -211,7 +255,11 @@ fn allot(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
 fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
     let totals = (0..24).map(|k| (FIRST_RAYS * [2, 3][k as usize % 2] << (k / 2)) / 2);
     let enough = |&t: &u32| t >= spent && f64::from(t) >= 0.85 * wanted;
-    totals.into_iter().find(enough).unwrap_or(most).clamp(spent, most.max(spent))
+    totals
+        .into_iter()
+        .find(enough)
+        .unwrap_or(most)
+        .clamp(spent, most.max(spent))
 }
 
 fn rms(variances: &[f64]) -> f64 {
@@ -226,7 +274,11 @@ fn relative_variances(gathered: &[Gathered]) -> Vec<f64> {
         let (mean, variance) = (g.mean(), g.variance());
         let channel = |k: usize| {
             let against = mean[k].max(DARK * average[k]);
-            if against > 0.0 { variance[k] / (against * against) } else { 0.0 }
+            if against > 0.0 {
+                variance[k] / (against * against)
+            } else {
+                0.0
+            }
         };
         (0..3).map(channel).sum::<f64>() / lit
     };

@@ -24,16 +24,32 @@ impl<'a> PatchLight<'a> {
         reflectance: &'a [Rgb],
         solutions: &[Vec<Rgb>],
     ) -> PatchLight<'a> {
-        let of_side = |s: usize| std::array::from_fn(|r| solutions[r % solutions.len()][s].to_f32());
-        let grain = |p: usize| if reflectance[p].is_black() { 0.0 } else { patches.diameter(p) as f32 };
+        let of_side =
+            |s: usize| std::array::from_fn(|r| solutions[r % solutions.len()][s].to_f32());
+        let grain = |p: usize| {
+            if reflectance[p].is_black() {
+                0.0
+            } else {
+                patches.diameter(p) as f32
+            }
+        };
         let grain = (0..patches.len()).map(grain).collect();
-        PatchLight { surfaces, patches, reflectance, grain, reflected: (0..2 * patches.len()).map(of_side).collect() }
+        PatchLight {
+            surfaces,
+            patches,
+            reflectance,
+            grain,
+            reflected: (0..2 * patches.len()).map(of_side).collect(),
+        }
     }
 
     /// The same read from any distance: gathering anew from near hits would add bounces, and is
     /// wrong where their number is limited.
     pub fn without_grain(self) -> PatchLight<'a> {
-        PatchLight { grain: vec![0.0; self.grain.len()], ..self }
+        PatchLight {
+            grain: vec![0.0; self.grain.len()],
+            ..self
+        }
     }
 }
 
@@ -70,7 +86,9 @@ pub fn reflectances(scene: &Scene, patches: &Patches) -> Vec<Rgb> {
         };
         for (face, patch) in patches.patches_of(object).enumerate() {
             let material = &scene.materials[patches.material(patch) as usize];
-            let pattern = divided.as_ref().map_or(Rgb::WHITE, |mesh| pattern(scene, mesh, face, material));
+            let pattern = divided
+                .as_ref()
+                .map_or(Rgb::WHITE, |mesh| pattern(scene, mesh, face, material));
             all.push(material.diffuse * pattern);
         }
     }
@@ -79,16 +97,28 @@ pub fn reflectances(scene: &Scene, patches: &Patches) -> Vec<Rgb> {
 
 /// Mean colour and texture of a face.
 fn pattern(scene: &Scene, mesh: &Mesh, face: usize, material: &Material) -> Rgb {
-    let corners: Vec<(usize, u32)> = mesh.faces.corner_range(face).zip(mesh.faces.get(face).iter().copied()).collect();
+    let corners: Vec<(usize, u32)> = mesh
+        .faces
+        .corner_range(face)
+        .zip(mesh.faces.get(face).iter().copied())
+        .collect();
     let share = 1.0 / corners.len() as f64;
     let mut mean = Rgb::WHITE;
     if !mesh.colors.is_empty() {
-        mean = corners.iter().map(|&(_, v)| mesh.colors[v as usize]).sum::<Rgb>() * share;
+        mean = corners
+            .iter()
+            .map(|&(_, v)| mesh.colors[v as usize])
+            .sum::<Rgb>()
+            * share;
     }
     let Some(uvs) = &mesh.uvs else { return mean };
     let at: Vec<DVec2> = corners.iter().map(|&(c, v)| uvs.at(c, v)).collect();
     let centre = at.iter().copied().sum::<DVec2>() * share;
-    for image in material.textures.iter().filter_map(|&t| scene.textures[t as usize].image.as_ref()) {
+    for image in material
+        .textures
+        .iter()
+        .filter_map(|&t| scene.textures[t as usize].image.as_ref())
+    {
         // Corners drawn half way to the centre sample the face and not its neighbours.
         let sample = |p: DVec2| Rgb::from(image.sample(p.x, p.y).map(f64::from));
         let sum: Rgb = at.iter().map(|&p| sample(0.5 * (p + centre))).sum::<Rgb>() + sample(centre);

@@ -18,8 +18,16 @@ pub struct Matrix {
 impl Matrix {
     /// A matrix without rows.
     pub fn new(channels: usize) -> Matrix {
-        assert!(channels == 1 || channels == 3, "grey or RGB, not {channels} channels");
-        Matrix { channels, starts: vec![0], columns: Vec::new(), weights: Vec::new() }
+        assert!(
+            channels == 1 || channels == 3,
+            "grey or RGB, not {channels} channels"
+        );
+        Matrix {
+            channels,
+            starts: vec![0],
+            columns: Vec::new(),
+            weights: Vec::new(),
+        }
     }
 
     /// Appends a row; `entries` sorted by column.

@@ -7,8 +7,8 @@
 //! scramblings give four estimates of every row; their spread is its standard error.
 
 use crate::patch::Patches;
-use azulejo_scene::math::{Frame, Ray};
 use azulejo_scene::Rgb;
+use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds, sobol};
 use azulejo_trace::{DirectLight, GatherPoint, Gatherer, REPLICATES};
@@ -76,7 +76,13 @@ impl<'a> RayEstimator<'a> {
         columns: Columns,
     ) -> RayEstimator<'a> {
         let table = SobolTable::new(rays.div_ceil(REPLICATES as u32).max(1) as usize);
-        RayEstimator { gatherer, patches, table, seed, columns }
+        RayEstimator {
+            gatherer,
+            patches,
+            table,
+            seed,
+            columns,
+        }
     }
 
     /// Rays per row.
@@ -87,10 +93,19 @@ impl<'a> RayEstimator<'a> {
     /// The row of one side of a patch. Depends on nothing but the arguments of
     /// [`new`](RayEstimator::new) and `side`.
     pub fn row(&self, side: Side, scratch: &mut Scratch) -> Row {
-        let mut row = Row { rays: self.rays(), ..Row::default() };
+        let mut row = Row {
+            rays: self.rays(),
+            ..Row::default()
+        };
         let mut paths = self.start(side);
         let mut found: [Entries; REPLICATES] = Default::default();
-        self.follow(&mut paths, scratch, hash(&[self.seed, side]), &mut row, &mut found);
+        self.follow(
+            &mut paths,
+            scratch,
+            hash(&[self.seed, side]),
+            &mut row,
+            &mut found,
+        );
         for (sorted, mut raw) in row.entries.iter_mut().zip(found) {
             // A stable sort keeps the order of the rays, so sums don't depend on anything else.
             raw.sort_by_key(|&(j, _)| j);
@@ -112,11 +127,21 @@ impl<'a> RayEstimator<'a> {
                 let [u1, u2, u3, u4] = self.table.point(k, scrambling).map(f64::from);
                 let at = self.patches.sample(patch, u1, u2);
                 let normal = flip * at.normal;
-                let frame = if normal == flat_frame.z { flat_frame } else { Frame::from_normal(normal) };
+                let frame = if normal == flat_frame.z {
+                    flat_frame
+                } else {
+                    Frame::from_normal(normal)
+                };
                 let origin = tracer.leaving(at.position, normal);
                 let ray = tracer.kernel_ray(&Ray::new(origin, cosine_about(&frame, u3, u4)));
                 let weight = [(share * at.weight) as f32; 3];
-                paths.push(Path { ray, id: r, weight, via: Via::Direct, depth: 0 });
+                paths.push(Path {
+                    ray,
+                    id: r,
+                    weight,
+                    via: Via::Direct,
+                    depth: 0,
+                });
             }
         }
         paths
@@ -149,7 +174,8 @@ impl<'a> RayEstimator<'a> {
                         let kept = Rgb::WHITE - material.mirror - material.diffuse;
                         row.absorbed += weight * kept * share;
                     }
-                    row.stray[replicate] += weight * self.gatherer.stray_exitance(&hit, front, path.via);
+                    row.stray[replicate] +=
+                        weight * self.gatherer.stray_exitance(&hit, front, path.via);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.patches.locate_hit(surfaces, &hit);
                         found[replicate].push((side_of(patch, front), path.weight));
@@ -161,14 +187,23 @@ impl<'a> RayEstimator<'a> {
 
     /// The light that formulas count on one side of a patch, area-averaged.
     pub fn direct(&self, side: Side) -> DirectLight {
-        let (patch, flip) = ((side / 2) as usize, if side.is_multiple_of(2) { 1.0 } else { -1.0 });
+        let (patch, flip) = (
+            (side / 2) as usize,
+            if side.is_multiple_of(2) { 1.0 } else { -1.0 },
+        );
         let mut points = Vec::with_capacity(REPLICATES * DIRECT_POSITIONS as usize);
         for r in 0..REPLICATES as u32 {
             let [s1, s2, ..] = seeds(&[self.seed, side, r, 0xd1]);
             for k in 0..DIRECT_POSITIONS {
-                let at = self.patches.sample(patch, sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
+                let at = self
+                    .patches
+                    .sample(patch, sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
                 let key = hash(&[side, r, k]);
-                points.push(GatherPoint { position: at.position, normal: flip * at.normal, key });
+                points.push(GatherPoint {
+                    position: at.position,
+                    normal: flip * at.normal,
+                    key,
+                });
             }
         }
         let found = self.gatherer.direct(&points, 1, self.seed);

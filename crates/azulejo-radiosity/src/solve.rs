@@ -60,16 +60,24 @@ const MOST_PATCH_RAYS: f64 = 16_384.0;
 impl FirstPass {
     fn effort(&self) -> Effort {
         match (self.error, self.rays) {
-            (None, None) => Effort { error: Some(DEFAULT_ERROR), rays: DEFAULT_RAYS },
-            (error, rays) => Effort { error, rays: rays.unwrap_or(MOST_RAYS) },
+            (None, None) => Effort {
+                error: Some(DEFAULT_ERROR),
+                rays: DEFAULT_RAYS,
+            },
+            (error, rays) => Effort {
+                error,
+                rays: rays.unwrap_or(MOST_RAYS),
+            },
         }
     }
 
     /// Rays per patch: those asked for; else 256 for an error of 1%, falling with its square.
     /// The noise of single patches averages out in every gather, so that this is enough.
     fn patch_rays(&self) -> u32 {
-        let by_error = |error: f64| (256.0 * (0.01 / error).powi(2)).clamp(128.0, MOST_PATCH_RAYS) as u32;
-        self.rays.unwrap_or_else(|| by_error(self.error.unwrap_or(DEFAULT_ERROR)))
+        let by_error =
+            |error: f64| (256.0 * (0.01 / error).powi(2)).clamp(128.0, MOST_PATCH_RAYS) as u32;
+        self.rays
+            .unwrap_or_else(|| by_error(self.error.unwrap_or(DEFAULT_ERROR)))
     }
 
     fn key(&self) -> u32 {
@@ -98,7 +106,9 @@ impl From<Cancelled> for SolveError {
 impl fmt::Display for SolveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            SolveError::NoLight => "nothing in the scene shines: add a light, or a material that emits",
+            SolveError::NoLight => {
+                "nothing in the scene shines: add a light, or a material that emits"
+            }
             SolveError::NoSurface => "the scene has no surface for light to fall on",
             SolveError::Cancelled => "cancelled",
         })
@@ -155,14 +165,34 @@ pub struct Light {
 /// # Errors
 /// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of `progress` is not
 /// an error: the answer is then as good as the time allowed, and its error says how good.
-pub fn solve(scene: &Scene, tracer: &Tracer, pass: &FirstPass, progress: &Progress) -> Result<Light, SolveError> {
+pub fn solve(
+    scene: &Scene,
+    tracer: &Tracer,
+    pass: &FirstPass,
+    progress: &Progress,
+) -> Result<Light, SolveError> {
     let solved = Solved::new(scene, tracer, pass, progress)?;
-    let targets = vertices::targets(scene, &solved.patches, &solved.found.incident, pass.keep_mesh);
+    let targets = vertices::targets(
+        scene,
+        &solved.patches,
+        &solved.found.incident,
+        pass.keep_mesh,
+    );
     let light = solved.light(pass);
     let seed = hash(&[pass.key(), 1]);
-    let found = gather(&solved.gatherer, &light, &targets.points, pass.effort(), seed, progress)?;
+    let found = gather(
+        &solved.gatherer,
+        &light,
+        &targets.points,
+        pass.effort(),
+        seed,
+        progress,
+    )?;
     let irradiance = targets.irradiance(scene, &solved.patches, &found);
-    Ok(Light { irradiance, report: solved.report(&found) })
+    Ok(Light {
+        irradiance,
+        report: solved.report(&found),
+    })
 }
 
 /// A place and a direction at which irradiance is asked for.
@@ -205,14 +235,31 @@ pub fn probe(
 ) -> Result<Probed, SolveError> {
     let solved = Solved::new(scene, tracer, pass, progress)?;
     let light = solved.light(pass);
-    let place = |(i, p): (usize, &PointNormal)| GatherPoint { position: p.position, normal: p.normal, key: i as u32 };
+    let place = |(i, p): (usize, &PointNormal)| GatherPoint {
+        position: p.position,
+        normal: p.normal,
+        key: i as u32,
+    };
     let places: Vec<GatherPoint> = points.iter().enumerate().map(place).collect();
     let seed = hash(&[pass.key(), 2]);
-    let found = gather(&solved.gatherer, &light, &places, pass.effort(), seed, progress)?;
+    let found = gather(
+        &solved.gatherer,
+        &light,
+        &places,
+        pass.effort(),
+        seed,
+        progress,
+    )?;
     let errors = found.standard_errors();
-    let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate { value: g.mean(), error };
+    let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate {
+        value: g.mean(),
+        error,
+    };
     let estimates = found.gathered.iter().zip(&errors).map(estimate).collect();
-    Ok(Probed { estimates, report: solved.report(&found) })
+    Ok(Probed {
+        estimates,
+        report: solved.report(&found),
+    })
 }
 
 /// Patches and the light on them, before it is gathered anywhere.
@@ -225,7 +272,12 @@ struct Solved<'a> {
 }
 
 impl<'a> Solved<'a> {
-    fn new(scene: &'a Scene, tracer: &'a Tracer, pass: &FirstPass, progress: &Progress) -> Result<Solved<'a>, SolveError> {
+    fn new(
+        scene: &'a Scene,
+        tracer: &'a Tracer,
+        pass: &FirstPass,
+        progress: &Progress,
+    ) -> Result<Solved<'a>, SolveError> {
         if !scene.has_light() {
             return Err(SolveError::NoLight);
         }
@@ -242,15 +294,38 @@ impl<'a> Solved<'a> {
             let system = System::trace(&gatherer, &patches, &reflectance, rays, seed, progress)?;
             (system.solve_all(pass.bounces, progress)?, Method::Matrix)
         } else {
-            let found = stochastic::solve(&gatherer, &patches, &reflectance, rays, pass.bounces, seed, progress)?;
+            let found = stochastic::solve(
+                &gatherer,
+                &patches,
+                &reflectance,
+                rays,
+                pass.bounces,
+                seed,
+                progress,
+            )?;
             (found, Method::Stochastic)
         };
-        Ok(Solved { gatherer, patches, reflectance, found, method })
+        Ok(Solved {
+            gatherer,
+            patches,
+            reflectance,
+            found,
+            method,
+        })
     }
 
     fn light(&self, pass: &FirstPass) -> PatchLight<'_> {
-        let light = PatchLight::new(self.gatherer.surfaces(), &self.patches, &self.reflectance, &self.found.solutions);
-        if pass.bounces.is_some() { light.without_grain() } else { light }
+        let light = PatchLight::new(
+            self.gatherer.surfaces(),
+            &self.patches,
+            &self.reflectance,
+            &self.found.solutions,
+        );
+        if pass.bounces.is_some() {
+            light.without_grain()
+        } else {
+            light
+        }
     }
 
     fn report(&self, gathering: &Gathering) -> Report {

@@ -57,7 +57,12 @@ pub fn solve(
     seed: u32,
     progress: &Progress,
 ) -> Result<Found, Cancelled> {
-    let shooter = Shooter { gatherer, patches, reflectance, seed };
+    let shooter = Shooter {
+        gatherer,
+        patches,
+        reflectance,
+        seed,
+    };
     let direct = shooter.direct(progress)?;
     let budget = u64::from(rays) * patches.len() as u64 / REPLICATES as u64;
     let mut found = Found::new(2 * patches.len());
@@ -70,13 +75,28 @@ pub fn solve(
             found.balance.emitted += *foreign * (area * share);
             found.balance.absorbed += *foreign * (Rgb::WHITE - rho) * (area * share);
         }
-        let exitance: Vec<Rgb> = (0..incident.len()).map(|s| shooter.exitance(s as Side)).collect();
+        let exitance: Vec<Rgb> = (0..incident.len())
+            .map(|s| shooter.exitance(s as Side))
+            .collect();
         found.balance.emitted += shooter.total(&exitance) * share;
-        let stray = shooter.shoot(&exitance, budget, Shot::Emission, r as u32, 0, &mut found, progress)?;
+        let stray = shooter.shoot(
+            &exitance,
+            budget,
+            Shot::Emission,
+            r as u32,
+            0,
+            &mut found,
+            progress,
+        )?;
         incident.iter_mut().zip(&stray).for_each(|(h, s)| *h += *s);
-        let mut unshot: Vec<Rgb> = (0..incident.len()).map(|s| incident[s] * reflectance[s / 2]).collect();
+        let mut unshot: Vec<Rgb> = (0..incident.len())
+            .map(|s| incident[s] * reflectance[s / 2])
+            .collect();
         let first = shooter.total(&unshot).max_channel();
-        let mut state = Convergence { iterations: 1, residual: 0.0 };
+        let mut state = Convergence {
+            iterations: 1,
+            residual: 0.0,
+        };
         loop {
             solution.iter_mut().zip(&unshot).for_each(|(x, u)| *x += *u);
             let power = shooter.total(&unshot).max_channel();
@@ -85,9 +105,22 @@ pub fn solve(
                 break;
             }
             let count = (budget as f64 * power / first).ceil() as u64;
-            let arrived = shooter.shoot(&unshot, count, Shot::Reflected, r as u32, state.iterations, &mut found, progress)?;
-            incident.iter_mut().zip(&arrived).for_each(|(h, a)| *h += *a);
-            unshot = (0..arrived.len()).map(|s| arrived[s] * reflectance[s / 2]).collect();
+            let arrived = shooter.shoot(
+                &unshot,
+                count,
+                Shot::Reflected,
+                r as u32,
+                state.iterations,
+                &mut found,
+                progress,
+            )?;
+            incident
+                .iter_mut()
+                .zip(&arrived)
+                .for_each(|(h, a)| *h += *a);
+            unshot = (0..arrived.len())
+                .map(|s| arrived[s] * reflectance[s / 2])
+                .collect();
             state.iterations += 1;
         }
         found.add_replicate(solution, &incident, state);
@@ -105,12 +138,20 @@ struct Shooter<'a> {
 impl Shooter<'_> {
     fn exitance(&self, s: Side) -> Rgb {
         let material = self.patches.material((s / 2) as usize);
-        if s.is_multiple_of(2) { self.gatherer.surfaces().scene.materials[material as usize].exitance() } else { Rgb::BLACK }
+        if s.is_multiple_of(2) {
+            self.gatherer.surfaces().scene.materials[material as usize].exitance()
+        } else {
+            Rgb::BLACK
+        }
     }
 
     /// Power of a radiosity per side, W.
     fn total(&self, radiosity: &[Rgb]) -> Rgb {
-        radiosity.iter().enumerate().map(|(s, &b)| b * self.patches.area(s / 2)).sum()
+        radiosity
+            .iter()
+            .enumerate()
+            .map(|(s, &b)| b * self.patches.area(s / 2))
+            .sum()
     }
 
     /// H₀ of every diffuse side, one estimate per replicate, and its foreign part.
@@ -124,21 +165,33 @@ impl Shooter<'_> {
                 if self.reflectance[(s / 2) as usize].is_black() {
                     return Ok(Default::default());
                 }
-                let points: [GatherPoint; REPLICATES] = std::array::from_fn(|r| self.point(s, r as u32));
+                let points: [GatherPoint; REPLICATES] =
+                    std::array::from_fn(|r| self.point(s, r as u32));
                 let light = self.gatherer.direct(&points, 1, self.seed);
                 let ambient = self.ambient(s, scratch);
                 let mut lamps = ambient;
                 (0..REPLICATES).for_each(|r| lamps[r] += light[r].lamps.mean() + light[r].lights);
                 let lights = light.iter().map(|l| l.lights).sum::<Rgb>() / REPLICATES as f64;
-                Ok((lamps, lights + ambient.iter().copied().sum::<Rgb>() / REPLICATES as f64))
+                Ok((
+                    lamps,
+                    lights + ambient.iter().copied().sum::<Rgb>() / REPLICATES as f64,
+                ))
             })
             .collect()
     }
 
     fn point(&self, s: Side, r: u32) -> GatherPoint {
         let key = hash(&[self.seed, s, r]);
-        let at = self.patches.sample((s / 2) as usize, uniform(&[key, 0]).into(), uniform(&[key, 1]).into());
-        GatherPoint { position: at.position, normal: facing(s) * at.normal, key }
+        let at = self.patches.sample(
+            (s / 2) as usize,
+            uniform(&[key, 0]).into(),
+            uniform(&[key, 1]).into(),
+        );
+        GatherPoint {
+            position: at.position,
+            normal: facing(s) * at.normal,
+            key,
+        }
     }
 
     /// Irradiance from the surroundings, per replicate; black without any.
@@ -150,12 +203,21 @@ impl Shooter<'_> {
         }
         let share = 1.0 / f64::from(AMBIENT_RAYS);
         let rays = (0..REPLICATES as u32).flat_map(|r| (0..AMBIENT_RAYS).map(move |k| (r, k)));
-        let mut paths: Vec<Path> = rays.map(|(r, k)| self.path(s, k, hash(&[r, 7]), r, Rgb::grey(share))).collect();
-        follow(self.gatherer.surfaces(), &mut paths, scratch, hash(&[self.seed, s]), |path, event| {
-            if let Event::Escape = event {
-                sums[path.id as usize] += radiance * std::f64::consts::PI * Rgb::from(path.weight.map(f64::from));
-            }
-        });
+        let mut paths: Vec<Path> = rays
+            .map(|(r, k)| self.path(s, k, hash(&[r, 7]), r, Rgb::grey(share)))
+            .collect();
+        follow(
+            self.gatherer.surfaces(),
+            &mut paths,
+            scratch,
+            hash(&[self.seed, s]),
+            |path, event| {
+                if let Event::Escape = event {
+                    sums[path.id as usize] +=
+                        radiance * std::f64::consts::PI * Rgb::from(path.weight.map(f64::from));
+                }
+            },
+        );
         sums
     }
 
@@ -168,7 +230,13 @@ impl Shooter<'_> {
         let normal = facing(s) * at.normal;
         let direction = cosine_about(&Frame::from_normal(normal), u3, u4);
         let ray = tracer.kernel_ray(&Ray::new(tracer.leaving(at.position, normal), direction));
-        Path { ray, id, weight: (weight * at.weight).to_f32(), via: Via::Direct, depth: 0 }
+        Path {
+            ray,
+            id,
+            weight: (weight * at.weight).to_f32(),
+            via: Via::Direct,
+            depth: 0,
+        }
     }
 
     /// Shoots a radiosity per side by `count` rays; returns the irradiance that arrives per side.
@@ -208,7 +276,9 @@ impl Shooter<'_> {
             }
         }
         found.rays += count;
-        Ok((0..power.len()).map(|s| power[s] / self.patches.area(s / 2)).collect())
+        Ok((0..power.len())
+            .map(|s| power[s] / self.patches.area(s / 2))
+            .collect())
     }
 
     /// Sides with their number of rays and the power each of these carries: evenly spaced over
@@ -224,35 +294,61 @@ impl Shooter<'_> {
             let rays = (reached - before) as u32;
             before = reached;
             if rays > 0 {
-                work.push((s as Side, rays, p * (total / (p.max_channel() * count as f64))));
+                work.push((
+                    s as Side,
+                    rays,
+                    p * (total / (p.max_channel() * count as f64)),
+                ));
             }
         }
         work
     }
 
-    fn shoot_batch(&self, batch: &[(Side, u32, Rgb)], shot: Shot, key: u32, scratch: &mut Scratch) -> Arrivals {
+    fn shoot_batch(
+        &self,
+        batch: &[(Side, u32, Rgb)],
+        shot: Shot,
+        key: u32,
+        scratch: &mut Scratch,
+    ) -> Arrivals {
         let surfaces = self.gatherer.surfaces();
-        let one = |&(s, rays, weight): &(Side, u32, Rgb)| (0..rays).map(move |k| self.path(s, k, key, s, weight));
+        let one = |&(s, rays, weight): &(Side, u32, Rgb)| {
+            (0..rays).map(move |k| self.path(s, k, key, s, weight))
+        };
         let mut paths: Vec<Path> = batch.iter().flat_map(one).collect();
         let mut a = Arrivals::default();
         let first = batch.first().map_or(0, |w| w.0);
-        follow(surfaces, &mut paths, scratch, hash(&[key, first]), |path, event| {
-            let weight = Rgb::from(path.weight.map(f64::from));
-            match event {
-                Event::Escape => a.balance.escaped += weight,
-                Event::Cut => a.balance.cut += weight,
-                Event::Surface { hit, front } => {
-                    let material = surfaces.material(hit.item);
-                    if material.dielectric.is_none() {
-                        a.balance.absorbed += weight * (Rgb::WHITE - material.mirror - material.diffuse);
-                    }
-                    let counted = shot == Shot::Emission && self.gatherer.counts_direct(self.patches.polygon((path.id / 2) as usize).is_some(), path.via);
-                    if !material.diffuse.is_black() && !counted {
-                        a.deposits.push((side(self.patches.locate_hit(surfaces, &hit), front), path.weight));
+        follow(
+            surfaces,
+            &mut paths,
+            scratch,
+            hash(&[key, first]),
+            |path, event| {
+                let weight = Rgb::from(path.weight.map(f64::from));
+                match event {
+                    Event::Escape => a.balance.escaped += weight,
+                    Event::Cut => a.balance.cut += weight,
+                    Event::Surface { hit, front } => {
+                        let material = surfaces.material(hit.item);
+                        if material.dielectric.is_none() {
+                            a.balance.absorbed +=
+                                weight * (Rgb::WHITE - material.mirror - material.diffuse);
+                        }
+                        let counted = shot == Shot::Emission
+                            && self.gatherer.counts_direct(
+                                self.patches.polygon((path.id / 2) as usize).is_some(),
+                                path.via,
+                            );
+                        if !material.diffuse.is_black() && !counted {
+                            a.deposits.push((
+                                side(self.patches.locate_hit(surfaces, &hit), front),
+                                path.weight,
+                            ));
+                        }
                     }
                 }
-            }
-        });
+            },
+        );
         a
     }
 }

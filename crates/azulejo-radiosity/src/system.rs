@@ -88,18 +88,33 @@ impl System {
             rays: 0,
         };
         let mut is_planned = vec![false; system.sides];
-        let mut wave: Vec<Side> =
-            (0..patches.len()).filter(|&p| reflects(p)).map(|p| side(p as u32, true)).collect();
+        let mut wave: Vec<Side> = (0..patches.len())
+            .filter(|&p| reflects(p))
+            .map(|p| side(p as u32, true))
+            .collect();
         wave.iter().for_each(|&s| is_planned[s as usize] = true);
         while !wave.is_empty() {
             progress.begin("direct light", wave.len() as u64);
             let unknown = |&s: &Side| {
                 progress.advance(1)?;
                 let material = &materials[patches.material((s / 2) as usize) as usize];
-                Ok(Unknown::new(s, patches, reflectance, material, &estimator.direct(s)))
+                Ok(Unknown::new(
+                    s,
+                    patches,
+                    reflectance,
+                    material,
+                    &estimator.direct(s),
+                ))
             };
-            let mut unknowns: Vec<Unknown> = wave.par_iter().map(unknown).collect::<Result<_, Cancelled>>()?;
-            unknowns.sort_by(|a, b| b.reflected_power().total_cmp(&a.reflected_power()).then(a.side.cmp(&b.side)));
+            let mut unknowns: Vec<Unknown> = wave
+                .par_iter()
+                .map(unknown)
+                .collect::<Result<_, Cancelled>>()?;
+            unknowns.sort_by(|a, b| {
+                b.reflected_power()
+                    .total_cmp(&a.reflected_power())
+                    .then(a.side.cmp(&b.side))
+            });
             progress.begin("form factors", wave.len() as u64);
             wave.clear();
             for block in unknowns.chunks_mut(BLOCK * rayon::current_num_threads().max(1)) {
@@ -110,8 +125,10 @@ impl System {
                     progress.advance(1)?;
                     Ok(estimator.row(u.side, scratch))
                 };
-                let rows: Vec<Row> =
-                    block.par_iter().map_init(Scratch::default, row).collect::<Result<_, Cancelled>>()?;
+                let rows: Vec<Row> = block
+                    .par_iter()
+                    .map_init(Scratch::default, row)
+                    .collect::<Result<_, Cancelled>>()?;
                 for (u, row) in block.iter_mut().zip(&rows) {
                     u.add_row(row);
                     system.push(row);
@@ -140,7 +157,8 @@ impl System {
 
     /// Bytes of all rows.
     pub fn bytes(&self) -> usize {
-        self.matrices.iter().map(Matrix::bytes).sum::<usize>() + self.unknowns.len() * size_of::<Unknown>()
+        self.matrices.iter().map(Matrix::bytes).sum::<usize>()
+            + self.unknowns.len() * size_of::<Unknown>()
     }
 
     /// Solves the system of one replicate: R per side, W/m².
@@ -159,11 +177,18 @@ impl System {
     ) -> Result<(Vec<Rgb>, Convergence), Cancelled> {
         let most = bounces.unwrap_or(MOST_ITERATIONS);
         let mut reflected = vec![Rgb::BLACK; self.sides];
-        let mut state = Convergence { iterations: 0, residual: 0.0 };
+        let mut state = Convergence {
+            iterations: 0,
+            residual: 0.0,
+        };
         while state.iterations < most {
             progress.advance(0)?;
             let arriving = self.arriving(replicate, &reflected);
-            let next = self.unknowns.iter().zip(arriving).map(|(u, h)| u.reflectance * (u.direct[replicate] + h));
+            let next = self
+                .unknowns
+                .iter()
+                .zip(arriving)
+                .map(|(u, h)| u.reflectance * (u.direct[replicate] + h));
             let (mut change, mut largest) = (0f64, 0f64);
             for (u, value) in self.unknowns.iter().zip(next) {
                 let old = &mut reflected[u.side as usize];
@@ -192,9 +217,15 @@ impl System {
             let mut power = vec![Rgb::BLACK; self.sides];
             for (i, u) in self.unknowns[..rows].iter().enumerate() {
                 let leaving = reflected[u.side as usize] * u.area;
-                matrix.row(i).for_each(|(j, w)| power[j as usize] += leaving * w);
+                matrix
+                    .row(i)
+                    .for_each(|(j, w)| power[j as usize] += leaving * w);
             }
-            arriving.extend(self.unknowns[rows..].iter().map(|u| power[u.side as usize] / u.area));
+            arriving.extend(
+                self.unknowns[rows..]
+                    .iter()
+                    .map(|u| power[u.side as usize] / u.area),
+            );
         }
         arriving
     }
@@ -216,8 +247,18 @@ impl System {
 }
 
 impl Unknown {
-    fn new(s: Side, patches: &Patches, reflectance: &[Rgb], material: &Material, light: &DirectLight) -> Unknown {
-        let exitance = if s.is_multiple_of(2) { material.exitance() } else { Rgb::BLACK };
+    fn new(
+        s: Side,
+        patches: &Patches,
+        reflectance: &[Rgb],
+        material: &Material,
+        light: &DirectLight,
+    ) -> Unknown {
+        let exitance = if s.is_multiple_of(2) {
+            material.exitance()
+        } else {
+            Rgb::BLACK
+        };
         Unknown {
             side: s,
             area: patches.area((s / 2) as usize),
@@ -235,7 +276,10 @@ impl Unknown {
     }
 
     fn add_row(&mut self, row: &Row) {
-        self.direct.iter_mut().zip(&row.stray).for_each(|(h, s)| *h += *s);
+        self.direct
+            .iter_mut()
+            .zip(&row.stray)
+            .for_each(|(h, s)| *h += *s);
         self.foreign += row.foreign;
         self.fates = [row.absorbed, row.escaped, row.cut];
     }
@@ -286,7 +330,10 @@ impl Found {
         Found {
             solutions: Vec::with_capacity(REPLICATES),
             incident: vec![Rgb::BLACK; sides],
-            convergence: Convergence { iterations: 0, residual: 0.0 },
+            convergence: Convergence {
+                iterations: 0,
+                residual: 0.0,
+            },
             balance: Balance::default(),
             rays: 0,
             bytes: 0,
@@ -297,7 +344,10 @@ impl Found {
     pub fn add_replicate(&mut self, solution: Vec<Rgb>, incident: &[Rgb], state: Convergence) {
         self.solutions.push(solution);
         let share = 1.0 / REPLICATES as f64;
-        self.incident.iter_mut().zip(incident).for_each(|(mean, h)| *mean += *h * share);
+        self.incident
+            .iter_mut()
+            .zip(incident)
+            .for_each(|(mean, h)| *mean += *h * share);
         self.convergence.iterations = self.convergence.iterations.max(state.iterations);
         self.convergence.residual = self.convergence.residual.max(state.residual);
     }
@@ -305,7 +355,9 @@ impl Found {
     /// Mean of the solutions, per side.
     pub fn mean(&self) -> Vec<Rgb> {
         let share = 1.0 / self.solutions.len().max(1) as f64;
-        (0..self.incident.len()).map(|s| self.solutions.iter().map(|x| x[s]).sum::<Rgb>() * share).collect()
+        (0..self.incident.len())
+            .map(|s| self.solutions.iter().map(|x| x[s]).sum::<Rgb>() * share)
+            .collect()
     }
 }
 
@@ -342,7 +394,11 @@ impl Balance {
     pub fn error(&self) -> f64 {
         let rest = (self.emitted - self.absorbed - self.escaped - self.cut).mean();
         let emitted = self.emitted.mean();
-        if emitted > 0.0 { (rest / emitted).abs() } else { 0.0 }
+        if emitted > 0.0 {
+            (rest / emitted).abs()
+        } else {
+            0.0
+        }
     }
 }
 
@@ -350,4 +406,3 @@ impl Balance {
 fn is_grey(m: &Material) -> bool {
     m.mirror.is_grey() && m.dielectric.is_none_or(|d| d.transmittance.is_grey())
 }
-

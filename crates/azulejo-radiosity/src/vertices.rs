@@ -23,11 +23,18 @@ pub struct Targets {
 /// Chooses the lit side of every display vertex; `incident` is irradiance per side of the
 /// patches.
 pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bool) -> Targets {
-    let mut targets = Targets { points: Vec::new(), is_turned: Vec::new(), keep_mesh };
+    let mut targets = Targets {
+        points: Vec::new(),
+        is_turned: Vec::new(),
+        keep_mesh,
+    };
     for (index, vertex) in patches.vertices().iter().enumerate() {
         let around = patches.patches_at(index);
         let sum = |front: bool| -> f64 {
-            around.iter().map(|&p| patches.area(p as usize) * incident[side(p, front) as usize].mean()).sum()
+            around
+                .iter()
+                .map(|&p| patches.area(p as usize) * incident[side(p, front) as usize].mean())
+                .sum()
         };
         let may_turn = around.iter().all(|&p| {
             let m = &scene.materials[patches.material(p as usize) as usize];
@@ -35,8 +42,16 @@ pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bo
         });
         let is_mesh = matches!(scene.objects[vertex.object as usize].shape, Shape::Mesh(_));
         let turned = may_turn && is_mesh && sum(false) > sum(true);
-        let normal = if turned { -vertex.normal } else { vertex.normal };
-        targets.points.push(GatherPoint { position: vertex.gather, normal, key: index as u32 });
+        let normal = if turned {
+            -vertex.normal
+        } else {
+            vertex.normal
+        };
+        targets.points.push(GatherPoint {
+            position: vertex.gather,
+            normal,
+            key: index as u32,
+        });
         targets.is_turned.push(turned);
     }
     targets
@@ -51,16 +66,32 @@ struct Values<'a> {
 impl Targets {
     /// What was gathered at the points, on the objects.
     pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &Gathering) -> Irradiance {
-        let values: Vec<Rgb> = found.gathered.iter().map(Gathered::mean).map(positive).collect();
-        let light = Values { irradiance: &values, error: &found.standard_errors() };
+        let values: Vec<Rgb> = found
+            .gathered
+            .iter()
+            .map(Gathered::mean)
+            .map(positive)
+            .collect();
+        let light = Values {
+            irradiance: &values,
+            error: &found.standard_errors(),
+        };
         let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
             Shape::Mesh(mesh) if self.keep_mesh => given(patches, object as u32, mesh, &light),
             _ => self.refined(scene, patches, object as u32, &light),
         };
-        Irradiance { objects: scene.objects.iter().enumerate().map(of_object).collect() }
+        Irradiance {
+            objects: scene.objects.iter().enumerate().map(of_object).collect(),
+        }
     }
 
-    fn refined(&self, scene: &Scene, patches: &Patches, object: u32, light: &Values) -> ObjectIrradiance {
+    fn refined(
+        &self,
+        scene: &Scene,
+        patches: &Patches,
+        object: u32,
+        light: &Values,
+    ) -> ObjectIrradiance {
         let range = patches.vertices_of(object);
         let values = light.irradiance[range.clone()].to_vec();
         let errors = light.error[range.clone()].to_vec();
@@ -71,9 +102,11 @@ impl Targets {
                 mesh.irradiance_error = errors;
                 ObjectIrradiance::Refined(mesh)
             }
-            RefinedShape::Surface(grids) => {
-                ObjectIrradiance::Surface(SurfaceLight { grids, irradiance: values, error: errors })
-            }
+            RefinedShape::Surface(grids) => ObjectIrradiance::Surface(SurfaceLight {
+                grids,
+                irradiance: values,
+                error: errors,
+            }),
         }
     }
 }
@@ -86,7 +119,10 @@ fn given(patches: &Patches, object: u32, mesh: &Mesh, light: &Values) -> ObjectI
         let shown = patches.given_vertices(object, vertex);
         let total: f64 = shown.iter().map(|g| g.weight).sum();
         let mean = |values: &[Rgb]| -> Rgb {
-            let sum: Rgb = shown.iter().map(|g| values[g.display as usize] * g.weight).sum();
+            let sum: Rgb = shown
+                .iter()
+                .map(|g| values[g.display as usize] * g.weight)
+                .sum();
             if total > 0.0 { sum / total } else { Rgb::BLACK }
         };
         irradiance.push(mean(light.irradiance));
@@ -102,12 +138,17 @@ fn positive(e: Rgb) -> Rgb {
 
 /// Reverses the faces whose vertices are lit on the back, and their normals.
 fn turn_faces(mesh: &mut Mesh, is_turned: &[bool]) {
-    let turned = |corners: &[u32]| 2 * corners.iter().filter(|&&v| is_turned[v as usize]).count() > corners.len();
+    let turned = |corners: &[u32]| {
+        2 * corners.iter().filter(|&&v| is_turned[v as usize]).count() > corners.len()
+    };
     for face in 0..mesh.faces.len() {
         let range = mesh.faces.corner_range(face);
         if turned(&mesh.faces.corners[range.clone()]) {
             mesh.faces.corners[range.clone()].reverse();
-            for index in [mesh.normals.as_mut().and_then(|a| a.corners.as_mut()), mesh.uvs.as_mut().and_then(|a| a.corners.as_mut())] {
+            for index in [
+                mesh.normals.as_mut().and_then(|a| a.corners.as_mut()),
+                mesh.uvs.as_mut().and_then(|a| a.corners.as_mut()),
+            ] {
                 if let Some(corners) = index {
                     corners[range.clone()].reverse();
                 }
@@ -115,7 +156,12 @@ fn turn_faces(mesh: &mut Mesh, is_turned: &[bool]) {
         }
     }
     if let Some(normals) = mesh.normals.as_mut().filter(|n| n.corners.is_none()) {
-        for (n, _) in normals.values.iter_mut().zip(is_turned).filter(|(_, t)| **t) {
+        for (n, _) in normals
+            .values
+            .iter_mut()
+            .zip(is_turned)
+            .filter(|(_, t)| **t)
+        {
             *n = -*n;
         }
     }

@@ -84,8 +84,13 @@ mod tests {
     fn snell_holds_and_the_way_back_is_the_way_in() {
         for degrees in [0.0, 10.0, 45.0, 80.0, 89.9] {
             let s = at_angle(degrees, 1.5);
-            let t = s.refracted.expect("from the thinner medium there is always a way in");
-            assert!((1.5 * t.x - f64::to_radians(degrees).sin()).abs() < 1e-12, "{degrees}");
+            let t = s
+                .refracted
+                .expect("from the thinner medium there is always a way in");
+            assert!(
+                (1.5 * t.x - f64::to_radians(degrees).sin()).abs() < 1e-12,
+                "{degrees}"
+            );
             assert!((t.length() - 1.0).abs() < 1e-12 && t.z < 0.0);
             let back = split(-t, -DVec3::Z, 1.0 / 1.5);
             assert!((back.reflectance - s.reflectance).abs() < 1e-9, "{degrees}");

@@ -89,7 +89,13 @@ pub fn follow(
                 on_event(path, Event::Escape);
                 continue;
             }
-            on_event(path, Event::Surface { hit: *hit, front: surfaces.is_front(&path.ray, hit) });
+            on_event(
+                path,
+                Event::Surface {
+                    hit: *hit,
+                    front: surfaces.is_front(&path.ray, hit),
+                },
+            );
             if surfaces.is_specular(hit.item) {
                 let chance = uniform(&[seed, wave, index as u32]);
                 go_on(surfaces, path, hit, chance, |next| match next {
@@ -121,16 +127,29 @@ fn go_on(
     let mut send = |direction: DVec3, share: Rgb, via: Via| {
         let s = share.to_f32();
         let weight = [0, 1, 2].map(|k| path.weight[k] * s[k]);
-        let side = if direction.dot(facing) >= 0.0 { facing } else { -facing };
+        let side = if direction.dot(facing) >= 0.0 {
+            facing
+        } else {
+            -facing
+        };
         let ray = Ray::new(surfaces.tracer.leaving(at.position, side), direction);
-        let next =
-            Path { ray: surfaces.tracer.kernel_ray(&ray), weight, via, depth: path.depth + 1, ..*path };
+        let next = Path {
+            ray: surfaces.tracer.kernel_ray(&ray),
+            weight,
+            via,
+            depth: path.depth + 1,
+            ..*path
+        };
         let alive = weight.iter().any(|&w| w > WEIGHT_CUT) && next.depth < DEPTH_CUT;
         push(if alive { Ok(next) } else { Err(next) });
     };
     match material.dielectric {
         None => {
-            let via = if path.via == Via::Direct { Via::Mirror(hit.item) } else { Via::Many };
+            let via = if path.via == Via::Direct {
+                Via::Mirror(hit.item)
+            } else {
+                Via::Many
+            };
             send(reflect(direction, facing), material.mirror, via);
         }
         Some(glass) => {
@@ -164,7 +183,10 @@ fn glass_shares(
     let eta = if entering { glass.ior } else { 1.0 / glass.ior };
     let split = fresnel::split(direction, facing, eta);
     let passed = split.refracted.map(|d| {
-        (d, glass.transmittance * ((1.0 - split.reflectance) / (eta * eta)))
+        (
+            d,
+            glass.transmittance * ((1.0 - split.reflectance) / (eta * eta)),
+        )
     });
     ((split.reflectance, split.reflected), passed)
 }

@@ -30,7 +30,11 @@ impl<'a> Surfaces<'a> {
     /// Looks up every item of `tracer`, which must have been made from `scene`.
     pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> Surfaces<'a> {
         let items = (0..tracer.item_count()).map(|i| ItemSurface::new(scene, tracer.item(i)));
-        Surfaces { scene, tracer, items: items.collect() }
+        Surfaces {
+            scene,
+            tracer,
+            items: items.collect(),
+        }
     }
 
     /// What an item is.
@@ -68,7 +72,10 @@ impl<'a> Surfaces<'a> {
     pub fn is_front(&self, ray: &KernelRay, hit: &KernelHit) -> bool {
         let (n, d) = (self.items[hit.item as usize].normal, ray.direction);
         if n == [0.0; 3] {
-            return self.tracer.resolve(&self.tracer.world_ray(ray), hit).entering;
+            return self
+                .tracer
+                .resolve(&self.tracer.world_ray(ray), hit)
+                .entering;
         }
         n[0] * d[0] + n[1] * d[1] + n[2] * d[2] < 0.0
     }
@@ -79,14 +86,25 @@ impl ItemSurface {
         let (normal, material) = match &scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) => {
                 let face = item.face as usize;
-                let corners = mesh.triangulate(face).get(item.triangle as usize).copied().unwrap_or([0, 1, 2]);
+                let corners = mesh
+                    .triangulate(face)
+                    .get(item.triangle as usize)
+                    .copied()
+                    .unwrap_or([0, 1, 2]);
                 let vertices = mesh.faces.get(face);
                 let [a, b, c] = corners.map(|k| mesh.positions[vertices[k as usize] as usize]);
-                ((b - a).cross(c - a).normalize_or_zero(), mesh.face_materials[face])
+                (
+                    (b - a).cross(c - a).normalize_or_zero(),
+                    mesh.face_materials[face],
+                )
             }
             Shape::Primitive(p) => {
                 let is_flat = matches!(p.kind, PrimitiveKind::Cuboid | PrimitiveKind::Square);
-                let normal = if is_flat { p.point(item.face as usize, 0.5, 0.5).normal } else { DVec3::ZERO };
+                let normal = if is_flat {
+                    p.point(item.face as usize, 0.5, 0.5).normal
+                } else {
+                    DVec3::ZERO
+                };
                 (normal, p.material)
             }
         };

@@ -41,7 +41,9 @@ impl Brute {
     pub fn new(scene: &Scene) -> Brute {
         let mut tris = Vec::new();
         for object in &scene.objects {
-            let Shape::Mesh(mesh) = &object.shape else { panic!("brute force knows meshes only") };
+            let Shape::Mesh(mesh) = &object.shape else {
+                panic!("brute force knows meshes only")
+            };
             for face in 0..mesh.faces.len() {
                 let material = &scene.materials[mesh.face_materials[face] as usize];
                 let p = mesh.face_positions(face);
@@ -61,22 +63,33 @@ impl Brute {
                 }
             }
         }
-        let lamps = (0..tris.len()).filter(|&t| !tris[t].emission.is_black()).collect();
+        let lamps = (0..tris.len())
+            .filter(|&t| !tris[t].emission.is_black())
+            .collect();
         Brute { tris, lamps }
     }
 
     /// Points spread evenly over the diffuse surfaces, in proportion to area, each with the
     /// normal of the front.
     pub fn points(&self, count: usize, seed: u64) -> Vec<(DVec3, DVec3)> {
-        let total: f64 = self.tris.iter().filter(|t| !t.diffuse.is_black()).map(|t| t.area).sum();
+        let total: f64 = self
+            .tris
+            .iter()
+            .filter(|t| !t.diffuse.is_black())
+            .map(|t| t.area)
+            .sum();
         let mut random = Random(seed | 1);
         let mut points = Vec::with_capacity(count);
         for i in 0..count {
             let mut rest = (i as f64 + random.next()) / count as f64 * total;
-            let t = self.tris.iter().filter(|t| !t.diffuse.is_black()).find(|t| {
-                rest -= t.area;
-                rest < 0.0
-            });
+            let t = self
+                .tris
+                .iter()
+                .filter(|t| !t.diffuse.is_black())
+                .find(|t| {
+                    rest -= t.area;
+                    rest < 0.0
+                });
             let t = t.unwrap_or(&self.tris[0]);
             let (u, v) = (random.next().sqrt(), random.next());
             points.push((t.a + u * (1.0 - v) * t.e1 + u * v * t.e2, t.n));
@@ -86,7 +99,11 @@ impl Brute {
 
     /// Irradiance at each point from `paths` paths, with its variance.
     pub fn irradiance(&self, points: &[(DVec3, DVec3)], paths: u32) -> Vec<(Rgb, Rgb)> {
-        points.par_iter().enumerate().map(|(i, &(p, n))| self.at(p, n, paths, i as u64)).collect()
+        points
+            .par_iter()
+            .enumerate()
+            .map(|(i, &(p, n))| self.at(p, n, paths, i as u64))
+            .collect()
     }
 
     fn at(&self, p: DVec3, n: DVec3, paths: u32, key: u64) -> (Rgb, Rgb) {
@@ -111,7 +128,9 @@ impl Brute {
             let mut origin = p + 1e-6 * n;
             let mut by_mirror = false;
             let hit = loop {
-                let Some(t) = self.closest(origin, d) else { return found };
+                let Some(t) = self.closest(origin, d) else {
+                    return found;
+                };
                 let tri = &self.tris[t.0];
                 let facing = if tri.n.dot(d) < 0.0 { tri.n } else { -tri.n };
                 // Lamps met straight away were sampled; those in a mirror were not.
@@ -137,7 +156,8 @@ impl Brute {
     }
 
     fn lamp(&self, p: DVec3, n: DVec3, random: &mut Random) -> Rgb {
-        let chosen = self.lamps[((random.next() * self.lamps.len() as f64) as usize).min(self.lamps.len() - 1)];
+        let chosen = self.lamps
+            [((random.next() * self.lamps.len() as f64) as usize).min(self.lamps.len() - 1)];
         let t = &self.tris[chosen];
         let (u, v) = (random.next().sqrt(), random.next());
         let y = t.a + u * (1.0 - v) * t.e1 + u * v * t.e2;
@@ -165,7 +185,8 @@ impl Brute {
     }
 
     fn blocked(&self, o: DVec3, d: DVec3, except: usize) -> bool {
-        let hit = |(i, tri): (usize, &Tri)| i != except && tri.meet(o, d).is_some_and(|t| t < 1.0 - 1e-9);
+        let hit =
+            |(i, tri): (usize, &Tri)| i != except && tri.meet(o, d).is_some_and(|t| t < 1.0 - 1e-9);
         self.tris.iter().enumerate().any(hit)
     }
 }

@@ -42,7 +42,10 @@ enum Source {
     /// A lamp, or what of it is above the horizon; its number among the lamps.
     Lamp(u32),
     /// The part of a lamp's image that a window shows.
-    Image { window: u32, seen: Box<ArrayPolygon> },
+    Image {
+        window: u32,
+        seen: Box<ArrayPolygon>,
+    },
     /// A curved lamp, by its number; nothing but samples tells what it gives.
     Globe(u32),
     /// A light without area: one place decides.
@@ -80,14 +83,25 @@ pub(super) struct Direct<'a> {
 
 impl<'a> Direct<'a> {
     pub(super) fn new(surfaces: &'a Surfaces<'a>, emitters: &'a Emitters<'a>) -> Direct<'a> {
-        Direct { surfaces, emitters, rays: Vec::new(), blocked: Vec::new(), tests: Vec::new() }
+        Direct {
+            surfaces,
+            emitters,
+            rays: Vec::new(),
+            blocked: Vec::new(),
+            tests: Vec::new(),
+        }
     }
 
     /// Direct irradiance of each point, one estimate per replicate, from shadow rays number
     /// `rays` of every replicate and source.
     ///
     /// Always as many: to spend more where the first few disagree would favour what they saw.
-    pub(super) fn irradiance(&mut self, points: &[GatherPoint], rays: Range<u32>, seed: u32) -> Vec<DirectLight> {
+    pub(super) fn irradiance(
+        &mut self,
+        points: &[GatherPoint],
+        rays: Range<u32>,
+        seed: u32,
+    ) -> Vec<DirectLight> {
         let mut sums = vec![DirectLight::default(); points.len()];
         let mut terms = Vec::new();
         for (index, point) in points.iter().enumerate() {
@@ -95,7 +109,12 @@ impl<'a> Direct<'a> {
             self.terms_of(index as u32, point, &mut terms);
             if terms.len() - start > MOST_TERMS {
                 let crowd: Vec<Term> = terms.drain(start..).collect();
-                sums[index].lamps.replicates = self.pick(point, &crowd, rays.end - rays.start, hash(&[seed, point.key, rays.start]));
+                sums[index].lamps.replicates = self.pick(
+                    point,
+                    &crowd,
+                    rays.end - rays.start,
+                    hash(&[seed, point.key, rays.start]),
+                );
             }
         }
         self.test_terms(points, &mut terms, rays, seed);
@@ -105,9 +124,12 @@ impl<'a> Direct<'a> {
                 sum.lights += term.full * term.visible_share(0);
             } else if let Source::Globe(_) = term.source {
                 let share = 1.0 / f64::from(term.samples.max(1));
-                (0..REPLICATES).for_each(|r| sum.lamps.replicates[r] += term.radiance * (term.visible[r] * share));
+                (0..REPLICATES).for_each(|r| {
+                    sum.lamps.replicates[r] += term.radiance * (term.visible[r] * share)
+                });
             } else {
-                (0..REPLICATES).for_each(|r| sum.lamps.replicates[r] += term.full * term.visible_share(r));
+                (0..REPLICATES)
+                    .for_each(|r| sum.lamps.replicates[r] += term.full * term.visible_share(r));
             }
         }
         sums
@@ -125,7 +147,9 @@ impl<'a> Direct<'a> {
             let chance = uniform(&[seed, point.key, 0]);
             if let Some((term, probability)) = choose(&terms, f64::from(chance)) {
                 let [u1, u2] = [1, 2].map(|d| f64::from(uniform(&[seed, point.key, d])));
-                if let Some(value) = self.plan(point, index as u32, 0, term, (u1, u2), Purpose::Value) {
+                if let Some(value) =
+                    self.plan(point, index as u32, 0, term, (u1, u2), Purpose::Value)
+                {
                     values[index] = unbiased(term, value) / probability;
                 }
             }
@@ -135,7 +159,11 @@ impl<'a> Direct<'a> {
         for test in &self.tests {
             seen[test.term as usize] = self.is_free(test);
         }
-        values.iter().zip(seen).map(|(&v, s)| if s { v } else { Rgb::BLACK }).collect()
+        values
+            .iter()
+            .zip(seen)
+            .map(|(&v, s)| if s { v } else { Rgb::BLACK })
+            .collect()
     }
 
     /// All sources that could light `point`, with the irradiance they would give.
@@ -143,13 +171,25 @@ impl<'a> Direct<'a> {
         let mut push = |full: Rgb, radiance: Rgb, source: Source| {
             if full.max_channel() > 0.0 {
                 let zero = [0.0; REPLICATES];
-                terms.push(Term { point: index, full, radiance, source, weights: zero, visible: zero, samples: 0 });
+                terms.push(Term {
+                    point: index,
+                    full,
+                    radiance,
+                    source,
+                    weights: zero,
+                    visible: zero,
+                    samples: 0,
+                });
             }
         };
         let (p, n) = (point.position, point.normal);
         for (j, lamp) in self.emitters.lamps.iter().enumerate() {
             let f = point_to_polygon(p, n, &lamp.polygon);
-            push(lamp.radiance * (PI * f), lamp.radiance, Source::Lamp(j as u32));
+            push(
+                lamp.radiance * (PI * f),
+                lamp.radiance,
+                Source::Lamp(j as u32),
+            );
         }
         for (j, globe) in self.emitters.globes.iter().enumerate() {
             let d = globe.centre - p;
@@ -157,7 +197,11 @@ impl<'a> Direct<'a> {
             if reach > 0.0 {
                 // Only a guide to where rays are worth spending.
                 let rough = PI * (globe.radius2 / d.length_squared()).min(1.0);
-                push(globe.radiance * rough, globe.radiance, Source::Globe(j as u32));
+                push(
+                    globe.radiance * rough,
+                    globe.radiance,
+                    Source::Globe(j as u32),
+                );
             }
         }
         for light in &self.emitters.lights {
@@ -175,16 +219,37 @@ impl<'a> Direct<'a> {
                 // and that image lies on the other side.
                 let beyond = clip(image, window.polygon[0], -side.signum() * window.normal);
                 let seen = clip_to_window(&beyond, p, &window.polygon);
-                let f = if seen.len() < 3 { 0.0 } else { point_to_polygon(p, n, &seen) };
+                let f = if seen.len() < 3 {
+                    0.0
+                } else {
+                    point_to_polygon(p, n, &seen)
+                };
                 if f > 0.0 {
                     let radiance = lamp.radiance * window.reflectance;
-                    push(radiance * (PI * f), radiance, Source::Image { window: w as u32, seen: Box::new(seen) });
+                    push(
+                        radiance * (PI * f),
+                        radiance,
+                        Source::Image {
+                            window: w as u32,
+                            seen: Box::new(seen),
+                        },
+                    );
                 }
             }
             for light in &self.emitters.lights {
-                let lit = unoccluded_image(light, p, n, window.polygon[0], window.normal, self.surfaces);
-                if let Some((image, full)) = lit.filter(|(image, _)| is_through(p, *image, &window.polygon)) {
-                    push(full * window.reflectance, Rgb::BLACK, Source::PlaceImage { window: w as u32, image });
+                let lit =
+                    unoccluded_image(light, p, n, window.polygon[0], window.normal, self.surfaces);
+                if let Some((image, full)) =
+                    lit.filter(|(image, _)| is_through(p, *image, &window.polygon))
+                {
+                    push(
+                        full * window.reflectance,
+                        Rgb::BLACK,
+                        Source::PlaceImage {
+                            window: w as u32,
+                            image,
+                        },
+                    );
                 }
             }
         }
@@ -232,7 +297,13 @@ impl<'a> Direct<'a> {
         };
         let count = self.rays.len() as u32 - first;
         if weight > 0.0 && count > 0 {
-            self.tests.push(Test { term: tag, replicate, weight, first, count });
+            self.tests.push(Test {
+                term: tag,
+                replicate,
+                weight,
+                first,
+                count,
+            });
             return Some(weight);
         }
         self.rays.truncate(first as usize);
@@ -241,25 +312,35 @@ impl<'a> Direct<'a> {
 
     /// A place just before a point of a lamp, so that short shadow rays, too, end before it.
     fn in_front(&self, y: DVec3, polygon: &[DVec3]) -> DVec3 {
-        self.surfaces.tracer.leaving(y, area_vector(polygon).normalize_or_zero())
+        self.surfaces
+            .tracer
+            .leaving(y, area_vector(polygon).normalize_or_zero())
     }
 
     fn push_segment(&mut self, from: DVec3, to: DVec3) {
-        let ray = Ray { t_max: SHORT, ..Ray::between(from, to) };
+        let ray = Ray {
+            t_max: SHORT,
+            ..Ray::between(from, to)
+        };
         self.rays.push(self.surfaces.tracer.kernel_ray(&ray));
     }
 
     /// Both legs of the way to a point behind a mirror.
     fn push_reflected(&mut self, from: DVec3, image: DVec3, window: u32) {
         let window = &self.emitters.windows[window as usize];
-        let (here, there) =
-            ((from - window.polygon[0]).dot(window.normal), (image - window.polygon[0]).dot(window.normal));
+        let (here, there) = (
+            (from - window.polygon[0]).dot(window.normal),
+            (image - window.polygon[0]).dot(window.normal),
+        );
         if here * there >= 0.0 {
             return;
         }
         let at = from + (image - from) * (here / (here - there));
         let target = mirror_point(image, window.polygon[0], window.normal);
-        let before = self.surfaces.tracer.leaving(at, window.normal * here.signum());
+        let before = self
+            .surfaces
+            .tracer
+            .leaving(at, window.normal * here.signum());
         self.push_segment(from, before);
         self.push_segment(before, target);
     }
@@ -270,19 +351,32 @@ impl<'a> Direct<'a> {
 
     /// Tests what of every term is visible, by samples `rays` of each replicate: consecutive
     /// stretches of one sequence.
-    fn test_terms(&mut self, points: &[GatherPoint], terms: &mut [Term], rays: Range<u32>, seed: u32) {
+    fn test_terms(
+        &mut self,
+        points: &[GatherPoint],
+        terms: &mut [Term],
+        rays: Range<u32>,
+        seed: u32,
+    ) {
         let (first, rays) = (rays.start, rays.end - rays.start);
         self.tests.clear();
         self.rays.clear();
         for (t, term) in terms.iter_mut().enumerate() {
             let point = &points[term.point as usize];
             // A light without area has one place, so one ray tells all.
-            let (replicates, count) = if term.is_place() { (1, 1) } else { (REPLICATES as u32, rays) };
+            let (replicates, count) = if term.is_place() {
+                (1, 1)
+            } else {
+                (REPLICATES as u32, rays)
+            };
             term.samples = count;
             let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16)]);
             for k in 0..replicates * count {
                 let k_all = first * replicates + k;
-                let u = (f64::from(sobol(k_all, 0, s[0])), f64::from(sobol(k_all, 1, s[1])));
+                let u = (
+                    f64::from(sobol(k_all, 0, s[0])),
+                    f64::from(sobol(k_all, 1, s[1])),
+                );
                 self.plan(point, t as u32, k / count, term, u, Purpose::Ratio);
             }
         }
@@ -298,7 +392,13 @@ impl<'a> Direct<'a> {
 
     /// Direct light of a point with very many sources: samples of sources chosen in proportion
     /// to what they would give, evenly spaced over all of it. Unbiased.
-    fn pick(&mut self, point: &GatherPoint, terms: &[Term], rays: u32, seed: u32) -> [Rgb; REPLICATES] {
+    fn pick(
+        &mut self,
+        point: &GatherPoint,
+        terms: &[Term],
+        rays: u32,
+        seed: u32,
+    ) -> [Rgb; REPLICATES] {
         let count = (4 * rays).max(MOST_TERMS as u32 / 2);
         self.tests.clear();
         self.rays.clear();
@@ -307,8 +407,17 @@ impl<'a> Direct<'a> {
             let s = seeds(&[seed, r]);
             for k in 0..count {
                 let [c, u1, u2] = [0, 1, 2].map(|d| f64::from(sobol(k, d, s[d])));
-                let Some((term, probability)) = choose(terms, c) else { continue };
-                if let Some(weight) = self.plan(point, values.len() as u32, r, term, (u1, u2), Purpose::Value) {
+                let Some((term, probability)) = choose(terms, c) else {
+                    continue;
+                };
+                if let Some(weight) = self.plan(
+                    point,
+                    values.len() as u32,
+                    r,
+                    term,
+                    (u1, u2),
+                    Purpose::Value,
+                ) {
                     values.push(unbiased(term, weight) / (probability * f64::from(count)));
                 }
             }
@@ -360,7 +469,11 @@ fn choose(terms: &[Term], u: f64) -> Option<(&Term, f64)> {
 
 /// Irradiance from one sample of a term and its weight.
 fn unbiased(term: &Term, weight: f64) -> Rgb {
-    if term.is_place() { term.full } else { term.radiance * weight }
+    if term.is_place() {
+        term.full
+    } else {
+        term.radiance * weight
+    }
 }
 
 /// A point of a lamp to look at, and kernel over density, its weight; `None` where `u` misses.
@@ -368,7 +481,12 @@ fn unbiased(term: &Term, weight: f64) -> Rgb {
 /// The density is even over the lamp. For a value and near a lamp, where the kernel has a peak,
 /// half of the samples follow the cosine's directions instead, which bounds the weight (Veach and
 /// Guibas 1995, balance heuristic for one sample). A ratio needs no such bound, but no misses.
-fn aim(point: &GatherPoint, polygon: &[DVec3], u: (f64, f64), purpose: Purpose) -> Option<(DVec3, f64)> {
+fn aim(
+    point: &GatherPoint,
+    polygon: &[DVec3],
+    u: (f64, f64),
+    purpose: Purpose,
+) -> Option<(DVec3, f64)> {
     let area = area_vector(polygon);
     let even = 1.0 / area.length();
     if purpose == Purpose::Ratio || !is_near(point.position, polygon) {
@@ -388,7 +506,10 @@ fn aim(point: &GatherPoint, polygon: &[DVec3], u: (f64, f64), purpose: Purpose) 
 /// Whether a point is nearer to a polygon than the polygon is wide.
 fn is_near(p: DVec3, polygon: &[DVec3]) -> bool {
     let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
-    let radius2 = polygon.iter().map(|c| c.distance_squared(centre)).fold(0.0, f64::max);
+    let radius2 = polygon
+        .iter()
+        .map(|c| c.distance_squared(centre))
+        .fold(0.0, f64::max);
     p.distance_squared(centre) < 4.0 * radius2
 }
 
@@ -413,7 +534,11 @@ fn kernel(point: &GatherPoint, y: DVec3, area: DVec3) -> f64 {
     let d = y - point.position;
     let r2 = d.length_squared();
     let (cos_p, cos_y) = (d.dot(point.normal), -d.dot(area.normalize_or_zero()));
-    if cos_p > 0.0 && cos_y > 0.0 && r2 > 0.0 { cos_p * cos_y / (r2 * r2) } else { 0.0 }
+    if cos_p > 0.0 && cos_y > 0.0 && r2 > 0.0 {
+        cos_p * cos_y / (r2 * r2)
+    } else {
+        0.0
+    }
 }
 
 /// A point of a convex polygon, uniform by area, continuous in `u` but for fan borders.
@@ -433,7 +558,9 @@ fn sample_polygon(polygon: &[DVec3], u: (f64, f64)) -> DVec3 {
         rest -= area(k);
         k += 1;
     }
-    let a = (rest / area(k).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).sqrt();
+    let a = (rest / area(k).max(f64::MIN_POSITIVE))
+        .clamp(0.0, 1.0)
+        .sqrt();
     o + a * (1.0 - u.1) * (polygon[k] - o) + a * u.1 * (polygon[k + 1] - o)
 }
 
@@ -445,9 +572,17 @@ fn unoccluded(light: &LightKind, p: DVec3, n: DVec3, surfaces: &Surfaces) -> Opt
             let d = position - p;
             let r2 = d.length_squared();
             let cos = d.dot(n) / r2.sqrt();
-            (cos > 0.0).then(|| (position, light.intensity_toward(-d / r2.sqrt()) * (cos / r2)))
+            (cos > 0.0).then(|| {
+                (
+                    position,
+                    light.intensity_toward(-d / r2.sqrt()) * (cos / r2),
+                )
+            })
         }
-        LightKind::Directional { direction, irradiance } => {
+        LightKind::Directional {
+            direction,
+            irradiance,
+        } => {
             let cos = -direction.dot(n);
             (cos > 0.0).then(|| (p - direction * far(surfaces, p), irradiance * cos))
         }
@@ -466,19 +601,33 @@ fn unoccluded_image(
 ) -> Option<(DVec3, Rgb)> {
     let flip = |d: DVec3| azulejo_scene::math::reflect(d, normal);
     let image = match *light {
-        LightKind::Point { position, intensity } => {
-            LightKind::Point { position: mirror_point(position, plane, normal), intensity }
-        }
-        LightKind::Spot { position, direction, intensity, inner, outer } => LightKind::Spot {
+        LightKind::Point {
+            position,
+            intensity,
+        } => LightKind::Point {
+            position: mirror_point(position, plane, normal),
+            intensity,
+        },
+        LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner,
+            outer,
+        } => LightKind::Spot {
             position: mirror_point(position, plane, normal),
             direction: flip(direction),
             intensity,
             inner,
             outer,
         },
-        LightKind::Directional { direction, irradiance } => {
-            LightKind::Directional { direction: flip(direction), irradiance }
-        }
+        LightKind::Directional {
+            direction,
+            irradiance,
+        } => LightKind::Directional {
+            direction: flip(direction),
+            irradiance,
+        },
         LightKind::Ambient { .. } => return None,
     };
     unoccluded(&image, p, n, surfaces)
@@ -509,7 +658,10 @@ fn is_hidden(point: &GatherPoint, image: &[DVec3], window: &[DVec3]) -> bool {
 /// Whether the segment between two points crosses a convex polygon.
 fn is_through(from: DVec3, to: DVec3, polygon: &[DVec3]) -> bool {
     let normal = area_vector(polygon);
-    let (a, b) = ((from - polygon[0]).dot(normal), (to - polygon[0]).dot(normal));
+    let (a, b) = (
+        (from - polygon[0]).dot(normal),
+        (to - polygon[0]).dot(normal),
+    );
     if a * b >= 0.0 {
         return false;
     }

@@ -89,7 +89,9 @@ impl<'a> Emitters<'a> {
         match via {
             Via::Direct if is_flat => !self.lamps.is_empty(),
             Via::Direct => !self.globes.is_empty(),
-            Via::Mirror(mirror) => is_flat && !self.lamps.is_empty() && self.is_window[mirror as usize],
+            Via::Mirror(mirror) => {
+                is_flat && !self.lamps.is_empty() && self.is_window[mirror as usize]
+            }
             Via::Many => false,
         }
     }
@@ -107,7 +109,10 @@ impl<'a> Emitters<'a> {
         let mut lamps = Vec::new();
         flat_faces(surfaces, Material::is_emitter, |polygon, _, material| {
             if lamps.len() <= MOST_LAMPS {
-                lamps.push(Lamp { polygon, radiance: material.emission });
+                lamps.push(Lamp {
+                    polygon,
+                    radiance: material.emission,
+                });
             }
         });
         if lamps.len() <= MOST_LAMPS {
@@ -118,15 +123,28 @@ impl<'a> Emitters<'a> {
     fn collect_globes(&mut self, surfaces: &Surfaces<'a>) {
         let mut globes = Vec::new();
         for object in &surfaces.scene.objects {
-            let Shape::Primitive(primitive) = &object.shape else { continue };
+            let Shape::Primitive(primitive) = &object.shape else {
+                continue;
+            };
             let radiance = surfaces.scene.materials[primitive.material as usize].emission;
-            if radiance.is_black() || matches!(primitive.kind, PrimitiveKind::Cuboid | PrimitiveKind::Square) {
+            if radiance.is_black()
+                || matches!(
+                    primitive.kind,
+                    PrimitiveKind::Cuboid | PrimitiveKind::Square
+                )
+            {
                 continue;
             }
             let bounds = primitive.bounds();
             let (centre, radius2) = (bounds.centre(), (0.5 * bounds.diagonal()).powi(2) / 3.0);
             let parts = 0..primitive.kind.parts();
-            globes.extend(parts.map(|part| Globe { primitive, part, radiance, centre, radius2 }));
+            globes.extend(parts.map(|part| Globe {
+                primitive,
+                part,
+                radiance,
+                centre,
+                radius2,
+            }));
         }
         if globes.len() <= MOST_LAMPS {
             self.globes = globes;
@@ -136,18 +154,28 @@ impl<'a> Emitters<'a> {
     fn collect_windows(&mut self, surfaces: &Surfaces) {
         let is_mirror = |m: &Material| !m.mirror.is_black() && m.dielectric.is_none();
         let sources = self.lamps.len() + self.lights.len();
-        let most = if sources == 0 { 0 } else { MOST_IMAGES / sources };
+        let most = if sources == 0 {
+            0
+        } else {
+            MOST_IMAGES / sources
+        };
         let mut windows = Vec::new();
         flat_faces(surfaces, is_mirror, |polygon, normal, material| {
             if windows.len() <= most {
                 let image = |lamp: &Lamp| mirror_polygon(&lamp.polygon, polygon[0], normal);
                 let images = self.lamps.iter().map(image).collect();
-                windows.push(Window { polygon, normal, reflectance: material.mirror, images });
+                windows.push(Window {
+                    polygon,
+                    normal,
+                    reflectance: material.mirror,
+                    images,
+                });
             }
         });
         if windows.len() <= most {
             self.windows = windows;
-            let is_marked = |i| surfaces.flat_normal(i).is_some() && is_mirror(surfaces.material(i));
+            let is_marked =
+                |i| surfaces.flat_normal(i).is_some() && is_mirror(surfaces.material(i));
             self.is_window = (0..surfaces.tracer.item_count()).map(is_marked).collect();
         }
     }
@@ -178,9 +206,15 @@ fn flat_faces(
             }
             Shape::Primitive(p) => {
                 let material = &materials[p.material as usize];
-                if wanted(material) && matches!(p.kind, PrimitiveKind::Cuboid | PrimitiveKind::Square) {
+                if wanted(material)
+                    && matches!(p.kind, PrimitiveKind::Cuboid | PrimitiveKind::Square)
+                {
                     for part in 0..p.kind.parts() {
-                        visit(part_polygon(p, part), p.point(part, 0.5, 0.5).normal, material);
+                        visit(
+                            part_polygon(p, part),
+                            p.point(part, 0.5, 0.5).normal,
+                            material,
+                        );
                     }
                 }
             }
@@ -191,8 +225,10 @@ fn flat_faces(
 /// A flat part of a primitive as a polygon.
 fn part_polygon(p: &Primitive, part: usize) -> ArrayPolygon {
     let corner = |(u, v)| p.point(part, u, v).position;
-    let polygon: ArrayPolygon =
-        [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].into_iter().map(corner).collect();
+    let polygon: ArrayPolygon = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+        .into_iter()
+        .map(corner)
+        .collect();
     if area_vector(&polygon).dot(p.point(part, 0.5, 0.5).normal) < 0.0 {
         return polygon.iter().rev().copied().collect();
     }
@@ -219,6 +255,7 @@ fn is_flat_and_convex(polygon: &[DVec3]) -> bool {
         && normal != DVec3::ZERO
         && (0..n).all(|k| {
             let (a, b, c) = (polygon[k], polygon[(k + 1) % n], polygon[(k + 2) % n]);
-            (b - polygon[0]).dot(normal).abs() <= 1e-6 * size && (b - a).cross(c - b).dot(normal) >= 0.0
+            (b - polygon[0]).dot(normal).abs() <= 1e-6 * size
+                && (b - a).cross(c - b).dot(normal) >= 0.0
         })
 }

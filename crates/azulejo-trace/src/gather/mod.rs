@@ -88,7 +88,9 @@ impl Gathered {
     /// The mean of two independent estimates, `share` of the other's.
     pub fn blend(&self, other: &Gathered, share: f64) -> Gathered {
         let of = |r: usize| self.replicates[r] * (1.0 - share) + other.replicates[r] * share;
-        Gathered { replicates: std::array::from_fn(of) }
+        Gathered {
+            replicates: std::array::from_fn(of),
+        }
     }
 
     /// Variance of [`mean`](Gathered::mean), per channel, from the spread of the replicates as
@@ -159,7 +161,11 @@ impl<'a> Gatherer<'a> {
             return Rgb::BLACK;
         }
         let is_flat = self.surfaces.flat_normal(hit.item).is_some();
-        if self.counts_direct(is_flat, via) { Rgb::BLACK } else { self.surfaces.material(hit.item).exitance() }
+        if self.counts_direct(is_flat, via) {
+            Rgb::BLACK
+        } else {
+            self.surfaces.material(hit.item).exitance()
+        }
     }
 
     /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror, from
@@ -168,7 +174,12 @@ impl<'a> Gatherer<'a> {
         self.direct_range(points, 0..rays, seed)
     }
 
-    fn direct_range(&self, points: &[GatherPoint], rays: Range<u32>, seed: u32) -> Vec<DirectLight> {
+    fn direct_range(
+        &self,
+        points: &[GatherPoint],
+        rays: Range<u32>,
+        seed: u32,
+    ) -> Vec<DirectLight> {
         Direct::new(&self.surfaces, &self.emitters).irradiance(points, rays, seed)
     }
 
@@ -176,7 +187,12 @@ impl<'a> Gatherer<'a> {
     ///
     /// Runs on the calling thread; give it some tens of points at a time. The result depends on
     /// the points' keys, the options and the batch, never on threads.
-    pub fn gather(&self, points: &[GatherPoint], options: &GatherOptions, light: &impl DiffuseLight) -> Vec<Gathered> {
+    pub fn gather(
+        &self,
+        points: &[GatherPoint],
+        options: &GatherOptions,
+        light: &impl DiffuseLight,
+    ) -> Vec<Gathered> {
         self.gather_with(points, options, &DirectionTables::new(options), light)
     }
 
@@ -202,21 +218,39 @@ impl<'a> Gatherer<'a> {
         let mut paths = self.hemispheres(points, directions, options.seed);
         let mut scratch = Scratch::default();
         for round in 0..=MOST_CONTACTS {
-            collector.follow(&mut paths, &mut scratch, hash(&[options.seed, options.spent, round]), round < MOST_CONTACTS);
+            collector.follow(
+                &mut paths,
+                &mut scratch,
+                hash(&[options.seed, options.spent, round]),
+                round < MOST_CONTACTS,
+            );
             if collector.near.is_empty() {
                 break;
             }
-            collector.contacts(points, &mut paths, hash(&[options.seed, options.spent, round, 1]));
+            collector.contacts(
+                points,
+                &mut paths,
+                hash(&[options.seed, options.spent, round, 1]),
+            );
         }
         let total = |(d, sums): (&DirectLight, &[[f64; 3]; REPLICATES])| {
-            let of = |r: usize| d.lamps.replicates[r] + d.lights + Rgb::from(sums[r]) / f64::from(per_replicate);
-            Gathered { replicates: std::array::from_fn(of) }
+            let of = |r: usize| {
+                d.lamps.replicates[r] + d.lights + Rgb::from(sums[r]) / f64::from(per_replicate)
+            };
+            Gathered {
+                replicates: std::array::from_fn(of),
+            }
         };
         direct.iter().zip(&collector.sums).map(total).collect()
     }
 
     /// Cosine-distributed rays of all points and replicates.
-    fn hemispheres(&self, points: &[GatherPoint], directions: &DirectionTables, seed: u32) -> Vec<Path> {
+    fn hemispheres(
+        &self,
+        points: &[GatherPoint],
+        directions: &DirectionTables,
+        seed: u32,
+    ) -> Vec<Path> {
         let tracer = self.surfaces.tracer;
         let mut paths = Vec::with_capacity(points.len() * REPLICATES * directions.count);
         for (index, point) in points.iter().enumerate() {
@@ -230,10 +264,17 @@ impl<'a> Gatherer<'a> {
             let y = axis(cos * frame.y - sin * frame.x).direction;
             let z = axis(frame.z);
             for (k, d) in directions.table(table).iter().enumerate() {
-                let direction = [0, 1, 2].map(|k| d[0] * x[k] + d[1] * y[k] + d[2] * z.direction[k]);
+                let direction =
+                    [0, 1, 2].map(|k| d[0] * x[k] + d[1] * y[k] + d[2] * z.direction[k]);
                 let id = (index * REPLICATES + k / directions.count) as u32;
                 let ray = KernelRay { direction, ..z };
-                paths.push(Path { ray, id, weight: [1.0; 3], via: Via::Direct, depth: 0 });
+                paths.push(Path {
+                    ray,
+                    id,
+                    weight: [1.0; 3],
+                    via: Via::Direct,
+                    depth: 0,
+                });
             }
         }
         paths
@@ -265,7 +306,10 @@ impl DirectionTables {
                 directions.push(d.as_vec3().to_array());
             }
         }
-        DirectionTables { count: count as usize, directions }
+        DirectionTables {
+            count: count as usize,
+            directions,
+        }
     }
 
     /// One table: a stretch of directions for each replicate, one after the other.
@@ -309,7 +353,12 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
                     let glow = light.glow(&at, replicate);
                     let stray = gatherer.stray_exitance(&hit, front, path.via);
                     if allowed && path.depth == 0 && hit.t < glow.grain {
-                        near.push(Contact { id: path.id, weight: path.weight, ray: path.ray, at });
+                        near.push(Contact {
+                            id: path.id,
+                            weight: path.weight,
+                            ray: path.ray,
+                            at,
+                        });
                         stray
                     } else {
                         stray + Rgb::from(glow.radiosity.map(f64::from))
@@ -331,22 +380,42 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
         paths.clear();
         for (index, contact) in contacts.iter().enumerate() {
             let found = tracer.resolve(&tracer.world_ray(&contact.ray), &contact.at.hit);
-            let normal = if contact.at.front { found.normal } else { -found.normal };
+            let normal = if contact.at.front {
+                found.normal
+            } else {
+                -found.normal
+            };
             let rho = self.light.reflectance(&contact.at).to_f32();
             let weight = [0, 1, 2].map(|k| contact.weight[k] * rho[k]);
             let key = hash(&[places[contact.id as usize / REPLICATES].key, index as u32]);
-            points.push((GatherPoint { position: found.position, normal, key }, weight));
+            points.push((
+                GatherPoint {
+                    position: found.position,
+                    normal,
+                    key,
+                },
+                weight,
+            ));
             let [u1, u2] = [0, 1].map(|d| f64::from(uniform(&[seed, key, contact.id, d])));
             let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(u1, u2));
-            let ray = tracer.kernel_ray(&Ray::new(tracer.leaving(found.position, normal), direction));
+            let ray =
+                tracer.kernel_ray(&Ray::new(tracer.leaving(found.position, normal), direction));
             if weight.iter().any(|&w| w > 0.0) {
-                paths.push(Path { ray, id: contact.id, weight, via: Via::Direct, depth: 0 });
+                paths.push(Path {
+                    ray,
+                    id: contact.id,
+                    weight,
+                    via: Via::Direct,
+                    depth: 0,
+                });
             }
         }
         let places: Vec<GatherPoint> = points.iter().map(|(p, _)| *p).collect();
-        let glimpses = Direct::new(&gatherer.surfaces, &gatherer.emitters).glimpse(&places, seed ^ 0x51);
+        let glimpses =
+            Direct::new(&gatherer.surfaces, &gatherer.emitters).glimpse(&places, seed ^ 0x51);
         for ((contact, (_, weight)), e) in contacts.iter().zip(&points).zip(glimpses) {
-            let sum = &mut self.sums[contact.id as usize / REPLICATES][contact.id as usize % REPLICATES];
+            let sum =
+                &mut self.sums[contact.id as usize / REPLICATES][contact.id as usize % REPLICATES];
             (0..3).for_each(|k| sum[k] += f64::from(weight[k]) * e[k]);
         }
     }

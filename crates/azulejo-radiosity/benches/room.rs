@@ -1,0 +1,88 @@
+//! Rows and solution of a furnished room: `cargo bench -p azulejo-radiosity --bench room
+//! [-- patches rays]`, by default 10,000 patches of 4,096 rays each.
+
+use azulejo_radiosity::light::reflectances;
+use azulejo_radiosity::system::System;
+use azulejo_radiosity::{PatchSize, Patches};
+use azulejo_scene::synthetic::furnished_room;
+use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+use std::time::Instant;
+
+fn main() {
+    let mut numbers = std::env::args()
+        .skip(1)
+        .filter_map(|a| a.parse::<u32>().ok());
+    let (patches, rays) = (
+        numbers.next().unwrap_or(10_000),
+        numbers.next().unwrap_or(4_096),
+    );
+    let scene = furnished_room(20_000);
+    let threads = rayon::current_num_threads();
+    let (wall, cpu) = (Instant::now(), cpu_seconds());
+    let tracer = Tracer::new(&scene);
+    let patches = Patches::new(&scene, PatchSize::Count(patches as usize));
+    let reflectance = reflectances(&scene, &patches);
+    let gatherer = Gatherer::new(Surfaces::new(&scene, &tracer));
+    let prepared = wall.elapsed().as_secs_f64();
+    let progress = Progress::new();
+    let system = System::trace(&gatherer, &patches, &reflectance, rays, 1, &progress)
+        .expect("nobody cancels");
+    let traced = wall.elapsed().as_secs_f64();
+    let found = system.solve_all(None, &progress).expect("nobody cancels");
+    let solved = wall.elapsed().as_secs_f64();
+    let cpu = cpu_seconds() - cpu;
+    let count = patches.len() as f64;
+    println!(
+        "{} triangles, {count} patches, {rays} rays each, {threads} threads",
+        tracer.item_count()
+    );
+    println!(
+        "prepare {prepared:.2} s, rows {:.2} s, solve {:.2} s; {cpu:.2} CPU s",
+        traced - prepared,
+        solved - traced
+    );
+    println!(
+        "{:.0} patches/s, {:.2} M rays/s",
+        count / traced,
+        found.rays as f64 / (traced - prepared) * 1e-6
+    );
+    println!(
+        "{:.0} bytes/patch of rows, {:.0} MB at most in all",
+        found.bytes as f64 / count,
+        peak_megabytes()
+    );
+    println!(
+        "{} bounces, residual {:.1e}, balance off by {:.3}%",
+        found.convergence.iterations,
+        found.convergence.residual,
+        100.0 * found.balance.error()
+    );
+}
+
+/// CPU seconds of this process: of all threads, user and system.
+fn cpu_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = text
+        .rsplit(')')
+        .next()
+        .unwrap_or("")
+        .split_whitespace()
+        .collect();
+    let ticks = |k: usize| {
+        fields
+            .get(k)
+            .and_then(|f| f.parse::<f64>().ok())
+            .unwrap_or(f64::NAN)
+    };
+    (ticks(11) + ticks(12)) / 100.0
+}
+
+/// Largest resident memory of this process so far.
+fn peak_megabytes() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = text.lines().find(|l| l.starts_with("VmHWM:")).unwrap_or("");
+    line.split_whitespace()
+        .nth(1)
+        .and_then(|kb| kb.parse::<f64>().ok())
+        .map_or(f64::NAN, |kb| kb / 1024.0)
+}
