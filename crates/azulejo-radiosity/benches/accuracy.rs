@@ -4,6 +4,8 @@
 //! of 10,000 points is path traced, by code that shares nothing with azulejo's, with `paths`
 //! paths a point; its own noise is taken off the measured error.
 
+#![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
+
 mod truth;
 
 use azulejo_radiosity::{FirstPass, PointNormal, probe};

@@ -1,6 +1,8 @@
 //! Rows and solution of a furnished room: `cargo bench -p azulejo-radiosity --bench room
 //! [-- patches rays]`, by default 10,000 patches of 4,096 rays each.
 
+#![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
+
 use azulejo_radiosity::light::reflectances;
 use azulejo_radiosity::system::System;
 use azulejo_radiosity::{PatchSize, Patches};

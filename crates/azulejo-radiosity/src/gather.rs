@@ -253,7 +253,7 @@ fn allot(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
 /// The total of rays nearest to `wanted`, `spent` to `most`, that is well spread: a power of two,
 /// or one and a half times one, in units of the first pass.
 fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
-    let totals = (0..24).map(|k| (FIRST_RAYS * [2, 3][k as usize % 2] << (k / 2)) / 2);
+    let totals = (0..24).map(|k| ((FIRST_RAYS * [2, 3][k as usize % 2]) << (k / 2)) / 2);
     let enough = |&t: &u32| t >= spent && f64::from(t) >= 0.85 * wanted;
     totals
         .into_iter()

@@ -116,7 +116,10 @@ impl<'a> RayEstimator<'a> {
 
     /// Rays over the patch and its hemisphere, each carrying its share of a replicate.
     pub(crate) fn start(&self, side: Side) -> Vec<Path> {
-        let (patch, flip) = ((side / 2) as usize, if side % 2 == 0 { 1.0 } else { -1.0 });
+        let (patch, flip) = (
+            (side / 2) as usize,
+            if side.is_multiple_of(2) { 1.0 } else { -1.0 },
+        );
         let tracer = self.gatherer.surfaces().tracer;
         let share = 1.0 / self.table.len() as f64;
         let mut paths = Vec::with_capacity(self.table.len() * REPLICATES);

@@ -100,7 +100,7 @@ impl Targets {
                 turn_faces(&mut mesh, &self.is_turned[range]);
                 mesh.irradiance = values;
                 mesh.irradiance_error = errors;
-                ObjectIrradiance::Refined(mesh)
+                ObjectIrradiance::Refined(Box::new(mesh))
             }
             RefinedShape::Surface(grids) => ObjectIrradiance::Surface(SurfaceLight {
                 grids,
@@ -145,13 +145,12 @@ fn turn_faces(mesh: &mut Mesh, is_turned: &[bool]) {
         let range = mesh.faces.corner_range(face);
         if turned(&mesh.faces.corners[range.clone()]) {
             mesh.faces.corners[range.clone()].reverse();
-            for index in [
+            let indices = [
                 mesh.normals.as_mut().and_then(|a| a.corners.as_mut()),
                 mesh.uvs.as_mut().and_then(|a| a.corners.as_mut()),
-            ] {
-                if let Some(corners) = index {
-                    corners[range.clone()].reverse();
-                }
+            ];
+            for corners in indices.into_iter().flatten() {
+                corners[range.clone()].reverse();
             }
         }
     }

@@ -122,7 +122,7 @@ impl Scene {
         );
         for (object, light) in self.objects.iter_mut().zip(irradiance.objects) {
             match (&mut object.shape, light) {
-                (Shape::Mesh(mesh), ObjectIrradiance::Refined(refined)) => *mesh = refined,
+                (Shape::Mesh(mesh), ObjectIrradiance::Refined(refined)) => *mesh = *refined,
                 (Shape::Mesh(mesh), ObjectIrradiance::Vertices { irradiance, error }) => {
                     assert_eq!(
                         irradiance.len(),

@@ -20,7 +20,7 @@ pub enum ObjectIrradiance {
         error: Vec<Rgb>,
     },
     /// The mesh divided into patches, irradiance on its vertices.
-    Refined(Mesh),
+    Refined(Box<Mesh>),
     /// Irradiance on the surface of an exact primitive.
     Surface(SurfaceLight),
 }

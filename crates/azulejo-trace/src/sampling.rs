@@ -191,8 +191,11 @@ fn sin_cos_quarter(x: f64) -> (f64, f64) {
     let y = x * x;
     let sin =
         1.0 - y / 6.0 * (1.0 - y / 20.0 * (1.0 - y / 42.0 * (1.0 - y / 72.0 * (1.0 - y / 110.0))));
-    let cos =
-        1.0 - y / 2.0 * (1.0 - y / 12.0 * (1.0 - y / 30.0 * (1.0 - y / 56.0 * (1.0 - y / 90.0))));
+    let cos = 1.0
+        - y / 2.0
+            * (1.0
+                - y / 12.0
+                    * (1.0 - y / 30.0 * (1.0 - y / 56.0 * (1.0 - y / 90.0 * (1.0 - y / 132.0)))));
     (x * sin, cos)
 }
 
@@ -281,7 +284,7 @@ mod tests {
             let x = f64::from(k) / 8.0 * std::f64::consts::FRAC_PI_4;
             let (sin, cos) = sin_cos_quarter(x);
             assert!(
-                (sin - x.sin()).abs() < 1e-11 && (cos - x.cos()).abs() < 1e-10,
+                (sin - x.sin()).abs() < 1e-11 && (cos - x.cos()).abs() < 1e-11,
                 "{x}"
             );
         }

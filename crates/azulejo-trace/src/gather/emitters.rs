@@ -154,11 +154,7 @@ impl<'a> Emitters<'a> {
     fn collect_windows(&mut self, surfaces: &Surfaces) {
         let is_mirror = |m: &Material| !m.mirror.is_black() && m.dielectric.is_none();
         let sources = self.lamps.len() + self.lights.len();
-        let most = if sources == 0 {
-            0
-        } else {
-            MOST_IMAGES / sources
-        };
+        let most = MOST_IMAGES.checked_div(sources).unwrap_or(0);
         let mut windows = Vec::new();
         flat_faces(surfaces, is_mirror, |polygon, normal, material| {
             if windows.len() <= most {
