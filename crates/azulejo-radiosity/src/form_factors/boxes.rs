@@ -90,3 +90,33 @@ pub(super) fn distance(bounds: &Aabb, p: DVec3) -> f64 {
         p.distance(p.clamp(bounds.min, bounds.max))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_trace::sampling::uniform;
+
+    #[test]
+    fn finds_what_a_search_of_all_finds() {
+        let number = |i: u32, k: u32| f64::from(uniform(&[i, k]));
+        let low = |i: u32| DVec3::new(number(i, 0), number(i, 1), number(i, 2));
+        let mut boxes: Vec<Aabb> = (0..300)
+            .map(|i| Aabb::around([low(i), low(i) + 0.1 * number(i, 3)]))
+            .collect();
+        boxes[17] = Aabb::EMPTY;
+        let tree = BoxTree::new(&boxes);
+        for trial in 1_000..1_050 {
+            let is_near = |b: &Aabb| distance(b, low(trial)) < 0.2;
+            let mut found = Vec::new();
+            let stopped = tree.any(is_near, |i| {
+                found.extend(is_near(&boxes[i as usize]).then_some(i));
+                false
+            });
+            found.sort_unstable();
+            let all: Vec<u32> = (0..300).filter(|&i| is_near(&boxes[i as usize])).collect();
+            assert!(found == all && !stopped);
+            assert_eq!(tree.any(is_near, |i| all.contains(&i)), !all.is_empty());
+        }
+        assert!(!BoxTree::new(&[]).any(|_| true, |_| true));
+    }
+}

@@ -127,27 +127,24 @@ impl<'a> Rows<'a> {
         if reach.is_infinite() && n.saturating_mul(n) / 2 > most {
             return None;
         }
-        let points: Vec<Aabb> = (self.facets.iter())
-            .map(|f| Aabb::around(f.iter().map(|f| f.centre)))
-            .collect();
-        let tree = BoxTree::new(&points);
-        let mut pairs = Vec::new();
-        for (i, facet) in self
+        let centres = self
             .facets
             .iter()
-            .enumerate()
-            .filter_map(|(i, f)| Some((i, f.as_ref()?)))
-        {
+            .map(|f| Aabb::around(f.iter().map(|f| f.centre)));
+        let tree = BoxTree::new(&centres.collect::<Vec<_>>());
+        let mut pairs = Vec::new();
+        for i in 0..n {
+            let Some(facet) = &self.facets[i] else {
+                continue;
+            };
             let radius = reach * facet.diameter;
-            let is_full = tree.any(
-                |bounds| distance(bounds, facet.centre) < radius,
-                |j| {
-                    if self.is_smaller(j as usize, i) && self.within(i, j as usize, radius) {
-                        pairs.push((j.min(i as u32), j.max(i as u32)));
-                    }
-                    pairs.len() > most
-                },
-            );
+            let is_close = |bounds: &Aabb| distance(bounds, facet.centre) < radius;
+            let is_full = tree.any(is_close, |j| {
+                if self.is_smaller(j as usize, i) && self.within(i, j as usize, radius) {
+                    pairs.push((j.min(i as u32), j.max(i as u32)));
+                }
+                pairs.len() > most
+            });
             if is_full {
                 return None;
             }

@@ -109,3 +109,73 @@ impl Occluders {
         !self.tree.any(|bounds| shaft.enters(bounds), blocks)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_trace::sampling::uniform;
+    use glam::dvec3;
+
+    fn square(x: f64, y: f64, z: f64, size: f64) -> [DVec3; 4] {
+        [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(u, v)| dvec3(x + size * u, y + size * v, z))
+    }
+
+    fn facing(polygon: [DVec3; 4]) -> [DVec3; 4] {
+        let [a, b, c, d] = polygon;
+        [d, c, b, a]
+    }
+
+    /// The unit squares z = 0 and z = 1 that face each other, and something else.
+    fn check(other: &[DVec3], is_missed: bool) {
+        let shaft = Shaft::new(&square(0., 0., 0., 1.), &facing(square(0., 0., 1., 1.)));
+        assert_eq!(shaft.misses(other), is_missed, "{other:?}");
+        let around = Aabb::around(other.iter().copied());
+        assert!(shaft.enters(&around) || is_missed);
+    }
+
+    #[test]
+    fn what_stands_between_is_seen() {
+        check(&square(0.4, 0.4, 0.5, 0.1), false);
+        check(&square(-3.0, -3.0, 0.5, 9.0), false);
+        check(&square(0.9, 0.9, 0.01, 1.0), false);
+    }
+
+    #[test]
+    fn walls_neighbours_and_what_is_behind_are_not() {
+        check(&square(1.0, 0.0, 0.5, 1.0), true);
+        check(&square(0.0, 1.0, 0.0, 1.0), true);
+        check(&square(-1.0, -1.0, -0.2, 3.0), true);
+        check(
+            &[(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(y, z)| dvec3(0.0, y, z)),
+            true,
+        );
+    }
+
+    /// Nothing that blocks a line between two polygons is missed.
+    #[test]
+    fn no_blocker_is_missed() {
+        let mut blocked = 0;
+        for trial in 0..20_000_u32 {
+            let number = |k: u32| f64::from(uniform(&[trial, k]));
+            let corner = |k: u32| dvec3(number(k), number(k + 1), number(k + 2));
+            let triangle = |k: u32| [corner(k), corner(k + 3), corner(k + 6)];
+            let (a, b, other) = (triangle(0), triangle(9), triangle(18));
+            let point =
+                |t: [DVec3; 3], k: u32| t[0].lerp(t[1], number(k)).lerp(t[2], number(k + 1));
+            let (from, to) = (point(a, 27), point(b, 29));
+            let sees = |t: [DVec3; 3], p: DVec3| area_vector(&t).dot(p - t[0]) > 0.0;
+            if crosses(from, to, other) && sees(a, to) && sees(b, from) {
+                blocked += 1;
+                assert!(!Shaft::new(&a, &b).misses(&other), "trial {trial}");
+            }
+        }
+        assert!(blocked > 100, "{blocked}");
+    }
+
+    fn crosses(from: DVec3, to: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
+        let volume = |p: DVec3, q: DVec3, r: DVec3, s: DVec3| (q - p).cross(r - p).dot(s - p);
+        let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| volume(from, to, p, q) > 0.0);
+        let same = sides == [true; 3] || sides == [false; 3];
+        same && (volume(a, b, c, from) > 0.0) != (volume(a, b, c, to) > 0.0)
+    }
+}
