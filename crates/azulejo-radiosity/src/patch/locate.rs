@@ -166,6 +166,9 @@ fn grid_cell(s: f32, t: f32, nu: u32, nv: u32) -> u32 {
 
 /// The `(s, t)` with `s + a s t = x` and `t + b s t = y`.
 fn inverse_bilinear(x: f32, y: f32, a: f32, b: f32) -> (f32, f32) {
+    if a == 0.0 && b == 0.0 {
+        return (x, y); // a parallelogram, the common case
+    }
     let half = 1.0 + a * y - b * x;
     let root = (half * half + 4.0 * b * x).max(0.0).sqrt();
     let s = 2.0 * x / (half + root);
