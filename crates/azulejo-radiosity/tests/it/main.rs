@@ -3,9 +3,12 @@
 // Tests say what they skip and what they measured.
 #![allow(clippy::print_stderr)]
 
+mod agreement;
 mod form_factor_matrix;
 mod form_factors;
 mod furnace;
+mod lights;
+mod mirrors;
 mod rooms;
 mod table;
 mod table_scenes;

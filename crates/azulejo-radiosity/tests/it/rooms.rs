@@ -154,6 +154,33 @@ impl Matrix {
     }
 }
 
+/// Radiosity of the fronts of `patches` over 256 seeds, each with its standard error: where whole
+/// faces are patches, the few positions at which one seed finds direct light make most of the
+/// noise.
+pub fn radiosities(scene: &Scene, patches: &[usize], rays_per_patch: u32) -> Vec<(f64, f64)> {
+    let solve = |seed| {
+        Matrix::solve(
+            scene,
+            &FirstPass {
+                seed,
+                ..rays(rays_per_patch)
+            },
+        )
+    };
+    let solved: Vec<Matrix> = (0..256).map(solve).collect();
+    let balance: Vec<f64> = solved.iter().map(|m| m.found.balance.error()).collect();
+    assert!(balance.iter().all(|&e| e < 0.05), "balances: {balance:?}");
+    let of = |&p: &usize| {
+        spread(
+            &solved
+                .iter()
+                .map(|m| m.radiosity(p, true).0)
+                .collect::<Vec<f64>>(),
+        )
+    };
+    patches.iter().map(of).collect()
+}
+
 /// Mean and standard error of independent estimates.
 pub fn spread(each: &[f64]) -> (f64, f64) {
     let n = each.len() as f64;
@@ -213,4 +240,3 @@ pub fn points_on_cube(count: u32) -> Vec<PointNormal> {
     };
     (0..count).map(point).collect()
 }
-

@@ -3,8 +3,8 @@
 //!
 //! The irradiance that a flat lamp would give if nothing stood between is Lambert's formula,
 //! without noise; rays are spent only on the share of it that is visible. The estimate of that
-//! share is weighted by the transport kernel cos θ cos θ′/r² and divided by its own sum of
-//! weights, so that a point that sees all or nothing of a lamp has no error at all.
+//! share is weighted by the transport kernel cos θ cos θ′/r², whose mean the formula knows: a
+//! control variate, so that a point that sees all or nothing of a lamp has no error at all.
 
 use super::emitters::Emitters;
 use super::{DirectLight, GatherPoint, REPLICATES};
@@ -52,15 +52,6 @@ enum Source {
     Place(DVec3),
     /// A light without area by way of a window; the place of its image.
     PlaceImage { window: u32, image: DVec3 },
-}
-
-/// What a sample of a lamp is for.
-#[derive(Clone, Copy, PartialEq)]
-enum Purpose {
-    /// The visible share, a ratio of sums.
-    Ratio,
-    /// The irradiance itself.
-    Value,
 }
 
 /// A planned shadow test: `count` rays from `first`, all of which must be free.
@@ -122,7 +113,7 @@ impl<'a> Direct<'a> {
             let sum = &mut sums[term.point as usize];
             if term.is_place() {
                 sum.lights += term.full * term.visible_share(0);
-            } else if let Source::Globe(_) = term.source {
+            } else if term.is_rough() {
                 let share = 1.0 / f64::from(term.samples.max(1));
                 (0..REPLICATES).for_each(|r| {
                     sum.lamps.replicates[r] += term.radiance * (term.visible[r] * share)
@@ -147,9 +138,7 @@ impl<'a> Direct<'a> {
             let chance = uniform(&[seed, point.key, 0]);
             if let Some((term, probability)) = choose(&terms, f64::from(chance)) {
                 let [u1, u2] = [1, 2].map(|d| f64::from(uniform(&[seed, point.key, d])));
-                if let Some(value) =
-                    self.plan(point, index as u32, 0, term, (u1, u2), Purpose::Value)
-                {
+                if let Some(value) = self.plan(point, index as u32, 0, term, (u1, u2)) {
                     values[index] = unbiased(term, value) / probability;
                 }
             }
@@ -264,26 +253,25 @@ impl<'a> Direct<'a> {
         replicate: u32,
         term: &Term,
         u: (f64, f64),
-        purpose: Purpose,
     ) -> Option<f64> {
         let first = self.rays.len() as u32;
         let from = self.surfaces.tracer.leaving(point.position, point.normal);
         let weight = match &term.source {
             Source::Lamp(j) => {
                 let polygon = &self.emitters.lamps[*j as usize].polygon;
-                let (y, weight) = aim(point, polygon, u, purpose)?;
+                let (y, weight) = aim(point, polygon, u)?;
                 self.push_segment(from, self.in_front(y, polygon));
                 weight
             }
             Source::Image { window, seen } => {
-                let (y, weight) = aim(point, seen, u, purpose)?;
+                let (y, weight) = aim(point, seen, u)?;
                 self.push_reflected(from, self.in_front(y, seen), *window);
                 weight
             }
             Source::Globe(j) => {
                 let globe = &self.emitters.globes[*j as usize];
                 let y = globe.primitive.point(globe.part, u.0, u.1);
-                self.push_segment(from, y.position);
+                self.push_segment(from, self.surfaces.tracer.leaving(y.position, y.normal));
                 kernel(point, y.position, y.normal) * y.area_density
             }
             Source::Place(place) => {
@@ -350,7 +338,8 @@ impl<'a> Direct<'a> {
     }
 
     /// Tests what of every term is visible, by samples `rays` of each replicate: consecutive
-    /// stretches of one sequence.
+    /// stretches of one sequence per half of the replicates, so that each half can judge the
+    /// other without bias.
     fn test_terms(
         &mut self,
         points: &[GatherPoint],
@@ -370,14 +359,13 @@ impl<'a> Direct<'a> {
                 (REPLICATES as u32, rays)
             };
             term.samples = count;
-            let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16)]);
-            for k in 0..replicates * count {
-                let k_all = first * replicates + k;
-                let u = (
-                    f64::from(sobol(k_all, 0, s[0])),
-                    f64::from(sobol(k_all, 1, s[1])),
-                );
-                self.plan(point, t as u32, k / count, term, u, Purpose::Ratio);
+            for r in 0..replicates {
+                let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16), r / 2]);
+                for k in 0..count {
+                    let k = 2 * first + r % 2 * count + k;
+                    let u = (f64::from(sobol(k, 0, s[0])), f64::from(sobol(k, 1, s[1])));
+                    self.plan(point, t as u32, r, term, u);
+                }
             }
         }
         self.surfaces.tracer.any(&self.rays, &mut self.blocked);
@@ -410,46 +398,86 @@ impl<'a> Direct<'a> {
                 let Some((term, probability)) = choose(terms, c) else {
                     continue;
                 };
-                if let Some(weight) = self.plan(
-                    point,
-                    values.len() as u32,
-                    r,
-                    term,
-                    (u1, u2),
-                    Purpose::Value,
-                ) {
-                    values.push(unbiased(term, weight) / (probability * f64::from(count)));
+                if let Some(weight) = self.plan(point, values.len() as u32, r, term, (u1, u2)) {
+                    values.push((
+                        unbiased(term, weight) / (probability * f64::from(count)),
+                        term.is_rough(),
+                    ));
                 }
             }
         }
         self.surfaces.tracer.any(&self.rays, &mut self.blocked);
-        let mut sums = [Rgb::BLACK; REPLICATES];
-        for test in self.tests.iter().filter(|t| self.is_free(t)) {
-            sums[test.replicate as usize] += values[test.term as usize];
+        let known: Rgb = terms.iter().filter(|t| !t.is_rough()).map(|t| t.full).sum();
+        let mut sums = Picked::default();
+        for test in &self.tests {
+            sums.add(
+                test.replicate as usize,
+                values[test.term as usize],
+                self.is_free(test),
+            );
         }
-        sums
+        std::array::from_fn(|r| sums.irradiance(r, known))
+    }
+}
+
+/// What the samples of a crowd of terms found, per replicate.
+#[derive(Default)]
+struct Picked {
+    all: [Rgb; REPLICATES],
+    seen: [Rgb; REPLICATES],
+    /// What was seen of terms whose sum no formula knows.
+    rough: [Rgb; REPLICATES],
+}
+
+impl Picked {
+    fn add(&mut self, r: usize, (value, is_rough): (Rgb, bool), is_free: bool) {
+        let seen = if is_free { value } else { Rgb::BLACK };
+        if is_rough {
+            self.rough[r] += seen;
+        } else {
+            self.all[r] += value;
+            self.seen[r] += seen;
+        }
+    }
+
+    /// The estimate of a replicate, as [`Term::visible_share`] does it; `known` is the sum of all.
+    fn irradiance(&self, r: usize, known: Rgb) -> Rgb {
+        let share = ratio_of_others(&self.seen.map(Rgb::mean), &self.all.map(Rgb::mean), r);
+        known * share + (self.seen[r] - self.all[r] * share) + self.rough[r]
     }
 }
 
 impl Term {
+    /// Whether `full` is a guess.
+    fn is_rough(&self) -> bool {
+        matches!(self.source, Source::Globe(_))
+    }
+
     /// Whether it is a light without area, of which one ray tells all.
     fn is_place(&self) -> bool {
         matches!(self.source, Source::Place(_) | Source::PlaceImage { .. })
     }
 
-    /// The visible share as replicate `r` sees it: the ratio of all replicates, and this one's
-    /// deviation from it to first order, so that the mean over replicates is the common ratio.
+    /// The visible share as replicate `r` sees it.
+    ///
+    /// Formulas know the sum of all weights, so what the other half of the replicates found to
+    /// be the visible share serves as a control variate: unbiased, because it is independent of
+    /// this half, and exact where all or nothing is visible.
     fn visible_share(&self, r: usize) -> f64 {
         if self.is_place() {
             return if self.visible[0] > 0.0 { 1.0 } else { 0.0 };
         }
-        let all: f64 = self.weights.iter().sum();
-        if all <= 0.0 {
-            return 0.0;
-        }
-        let ratio = self.visible.iter().sum::<f64>() / all;
-        ratio + (self.visible[r] - ratio * self.weights[r]) * REPLICATES as f64 / all
+        let share = ratio_of_others(&self.visible, &self.weights, r);
+        let sum = f64::from(self.samples) * self.full.max_channel() / self.radiance.max_channel();
+        share + (self.visible[r] - share * self.weights[r]) / sum
     }
+}
+
+/// Σ parts / Σ wholes over the half of the replicates that `r` is not in; 1 without wholes.
+fn ratio_of_others(parts: &[f64; REPLICATES], wholes: &[f64; REPLICATES], r: usize) -> f64 {
+    let others = (0..REPLICATES).filter(|s| s / 2 != r / 2);
+    let [part, whole] = [parts, wholes].map(|sums| others.clone().map(|s| sums[s]).sum::<f64>());
+    if whole > 0.0 { part / whole } else { 1.0 }
 }
 
 /// A term chosen by `u` in 0..1 in proportion to its full irradiance, and its probability.
@@ -478,18 +506,13 @@ fn unbiased(term: &Term, weight: f64) -> Rgb {
 
 /// A point of a lamp to look at, and kernel over density, its weight; `None` where `u` misses.
 ///
-/// The density is even over the lamp. For a value and near a lamp, where the kernel has a peak,
-/// half of the samples follow the cosine's directions instead, which bounds the weight (Veach and
-/// Guibas 1995, balance heuristic for one sample). A ratio needs no such bound, but no misses.
-fn aim(
-    point: &GatherPoint,
-    polygon: &[DVec3],
-    u: (f64, f64),
-    purpose: Purpose,
-) -> Option<(DVec3, f64)> {
+/// The density is even over the lamp. Near a lamp, where the kernel has a peak, half of the
+/// samples follow the cosine's directions instead, which bounds the weight (Veach and Guibas
+/// 1995, balance heuristic for one sample).
+fn aim(point: &GatherPoint, polygon: &[DVec3], u: (f64, f64)) -> Option<(DVec3, f64)> {
     let area = area_vector(polygon);
     let even = 1.0 / area.length();
-    if purpose == Purpose::Ratio || !is_near(point.position, polygon) {
+    if !is_near(point.position, polygon) {
         let y = sample_polygon(polygon, u);
         return Some((y, kernel(point, y, area) / even));
     }
