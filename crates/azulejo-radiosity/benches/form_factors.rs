@@ -67,7 +67,7 @@ fn compute(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
 }
 
 fn room(rays: u32) {
-    let scene = furnished_room(20_000);
+    let scene = furnished_room(14_500);
     for analytic in [false, true] {
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let found = compute(&scene, &options(rays, analytic));

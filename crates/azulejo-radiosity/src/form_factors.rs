@@ -89,7 +89,7 @@ pub struct FormFactors {
     /// Whether each row is the back of its patch.
     pub is_back: Vec<bool>,
     /// Error to be expected of each row, Σ_j E|error of X_ij|: for normal errors √(2/π) times the
-    /// sum of the standard errors.
+    /// sum of the standard errors. In rooms with known entries 1.2 to 1.3 times the true one.
     pub row_errors: Vec<f64>,
     /// Share of each row's light that leaves the scene, as its own rays found it.
     pub escaped: Vec<f64>,
