@@ -50,7 +50,9 @@ impl Contacts {
     /// Finds the contacts of all flat regions of meshes, with each other and with exact shapes.
     pub fn new(outline: &Outline) -> Contacts {
         let facets = Facets::new(outline);
-        let mut found = for_each_pair(&facets.boxes, |a, b, found| facets.meet(a, b, found));
+        let mut found = for_each_pair(&facets.boxes, |pair, boxes, found| {
+            facets.meet(pair, boxes, found);
+        });
         found.extend(seams_below_walls(outline));
         let key = |c: &(u32, Contact)| (c.0, c.1.ends.map(|p| p.to_array()), c.1.inside);
         found.par_sort_unstable_by(|a, b| {
@@ -100,7 +102,8 @@ struct Facets<'a> {
     regions: Vec<u32>,
     /// The others.
     exact: Vec<[DVec3; 3]>,
-    tolerances: Vec<f64>,
+    /// The first edges of each region; the last one again where there are three.
+    edges: Vec<[u32; 4]>,
     /// Grown by the tolerance.
     boxes: Vec<Bounds>,
 }
@@ -113,7 +116,7 @@ impl<'a> Facets<'a> {
             outline,
             regions: regions.map(|r| r.0).collect(),
             exact: Vec::new(),
-            tolerances: Vec::new(),
+            edges: Vec::new(),
             boxes: Vec::new(),
         };
         for object in &outline.scene.objects {
@@ -121,17 +124,18 @@ impl<'a> Facets<'a> {
                 facets.add_exact(primitive);
             }
         }
+        let first_edges = |&r: &u32| {
+            let slots = outline.slots_of(&outline.regions[r as usize]);
+            [0, 1, 2, 3].map(|k| slots[k.min(slots.len() - 1)].edge)
+        };
+        facets.edges = facets.regions.par_iter().map(first_edges).collect();
         let count = (facets.regions.len() + facets.exact.len()) as u32;
-        (facets.tolerances, facets.boxes) = (0..count)
-            .into_par_iter()
-            .map(|f| {
-                let b = Bounds::around((0..facets.count(f)).map(|k| facets.point(f, k)));
-                let reach = b.low.abs().max(b.high.abs()).max_element();
-                let tolerance = TOUCH * b.low.distance(b.high) + TOUCH_COORDINATES * reach;
-                let (low, high) = (b.low - tolerance, b.high + tolerance);
-                (tolerance, Bounds { low, high })
-            })
-            .unzip();
+        let grown = |f| {
+            let b = Bounds::around((0..facets.count(f)).map(|k| facets.point(f, k)));
+            let reach = b.low.abs().max(b.high.abs()).max_element();
+            b.grown(TOUCH * b.low.distance(b.high) + TOUCH_COORDINATES * reach)
+        };
+        facets.boxes = (0..count).into_par_iter().map(grown).collect();
         facets
     }
 
@@ -179,23 +183,32 @@ impl<'a> Facets<'a> {
     }
 
     /// Appends the lines that two facets make on each other.
-    fn meet(&self, a: u32, b: u32, found: &mut Vec<(u32, Contact)>) {
-        let tolerance = self.tolerances[a as usize] + self.tolerances[b as usize];
-        let (p, q) = (&self.boxes[a as usize], &self.boxes[b as usize]);
-        let common = p.high.min(q.high) - p.low.max(q.low);
-        // Neighbours that share a corner only.
-        if common.max_element() <= 4.0 * tolerance || self.share_an_edge(a, b) {
+    fn meet(&self, [a, b]: [u32; 2], [p, q]: [&Bounds; 2], found: &mut Vec<(u32, Contact)>) {
+        let tolerance = p.margin + q.margin;
+        // Neighbours that share a corner or an edge are the most frequent.
+        if p.common(q) <= 4.0 * tolerance || self.share_an_edge(a, b) {
             return;
         }
-        let on = |a, b| Reach::new(self, Plane::new(self, a), b);
-        let (of_b, of_a) = (on(a, b), on(b, a));
-        if of_b.meets(tolerance) && of_a.meets(tolerance) {
-            self.lines_on(a, b, of_b.lies_in(tolerance), tolerance, found);
-            self.lines_on(b, a, of_a.lies_in(tolerance), tolerance, found);
+        let of_b = Reach::new(self, &Plane::new(self, a), b, tolerance);
+        if !of_b.meets() {
+            return;
+        }
+        let of_a = Reach::new(self, &Plane::new(self, b), a, tolerance);
+        if of_a.meets() {
+            self.lines_on(a, b, of_b.lies_in(), tolerance, found);
+            self.lines_on(b, a, of_a.lies_in(), tolerance, found);
         }
     }
 
     fn share_an_edge(&self, a: u32, b: u32) -> bool {
+        let (Some(p), Some(q)) = (self.edges.get(a as usize), self.edges.get(b as usize)) else {
+            return false;
+        };
+        let found = p.iter().any(|e| q.contains(e));
+        found || self.count(a).max(self.count(b)) > 4 && self.polygons_share_an_edge(a, b)
+    }
+
+    fn polygons_share_an_edge(&self, a: u32, b: u32) -> bool {
         let (Some(a), Some(b)) = (self.region(a), self.region(b)) else {
             return false;
         };
@@ -214,40 +227,40 @@ impl<'a> Facets<'a> {
         found: &mut Vec<(u32, Contact)>,
     ) {
         let Some(region) = self.region(a) else { return };
+        let lines = self.lines_in_plane(a, b, in_plane, tolerance);
+        if lines.is_empty() {
+            return;
+        }
         let stands = region.normal.dot(self.normal(b)).abs() <= STANDING_COSINE;
         let face = Face::new(self.outline, region, tolerance);
-        let mut push = |line: [DVec3; 2]| {
-            face.clip(line, |ends, inside| {
+        for line in lines {
+            face.clip(line, |[p, q], inside| {
                 if inside || stands {
-                    let [p, q] = ends;
-                    let ends = if p.to_array() < q.to_array() {
-                        [p, q]
-                    } else {
-                        [q, p]
-                    };
+                    let is_ascending = p.to_array() < q.to_array();
+                    let ends = if is_ascending { [p, q] } else { [q, p] };
                     found.push((self.regions[a as usize], Contact { ends, inside }));
                 }
             });
-        };
-        if in_plane {
-            // The sides of a face that lies on this one; of exact shapes the parts that stand
-            // on this one make the same lines.
-            let n = self.region(b).map_or(0, |r| r.slots.len() as u32);
-            (0..n).for_each(|k| push([self.point(b, k), self.point(b, (k + 1) % n)]));
-            return;
         }
+    }
+
+    /// Where `b` meets the plane of `a`.
+    fn lines_in_plane(&self, a: u32, b: u32, in_plane: bool, tolerance: f64) -> Vec<[DVec3; 2]> {
         let plane = Plane::new(self, a);
         match self.region(b) {
-            Some(other) => {
-                for t in self.outline.triangles_of(other) {
-                    let t = t.map(|k| self.point(b, k));
-                    plane.cut(t, tolerance).into_iter().for_each(&mut push);
-                }
+            Some(other) if in_plane => {
+                let n = other.slots.len() as u32;
+                let side = |k| [self.point(b, k), self.point(b, (k + 1) % n)];
+                (0..n).map(side).collect()
             }
-            None => {
-                let t = *self.triangle(b);
-                plane.cut(t, tolerance).into_iter().for_each(&mut push);
-            }
+            // The parts of an exact shape that stand on the plane make the same lines.
+            None if in_plane => Vec::new(),
+            Some(other) => (self.outline.triangles_of(other).iter())
+                .filter_map(|t| plane.cut(t.map(|k| self.point(b, k)), tolerance))
+                .collect(),
+            None => (plane.cut(*self.triangle(b), tolerance))
+                .into_iter()
+                .collect(),
         }
     }
 }
@@ -294,36 +307,42 @@ impl Plane {
             points[count] = point;
             count += 1;
         }
-        (count == 2).then_some([points[0], points[1]])
+        let is_line = count == 2 && points[0].distance(points[1]) > 4.0 * tolerance;
+        is_line.then_some([points[0], points[1]])
     }
 }
 
-/// How far a facet reaches to both sides of a plane.
+/// How many corners of a facet are in front of a plane, behind it, and in it.
+#[derive(Default)]
 struct Reach {
-    low: f64,
-    high: f64,
+    front: u32,
+    back: u32,
+    within: u32,
 }
 
 impl Reach {
-    fn new(facets: &Facets, plane: Plane, facet: u32) -> Reach {
-        let mut reach = Reach {
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
-        };
+    fn new(facets: &Facets, plane: &Plane, facet: u32, tolerance: f64) -> Reach {
+        let mut reach = Reach::default();
         for k in 0..facets.count(facet) {
             let d = plane.distance(facets.point(facet, k));
-            reach.low = reach.low.min(d);
-            reach.high = reach.high.max(d);
+            if d > tolerance {
+                reach.front += 1;
+            } else if d < -tolerance {
+                reach.back += 1;
+            } else {
+                reach.within += 1;
+            }
         }
         reach
     }
 
-    fn meets(&self, tolerance: f64) -> bool {
-        self.low <= tolerance && self.high >= -tolerance
+    /// Whether the facet may meet the plane in more than a point.
+    fn meets(&self) -> bool {
+        self.within > 1 || self.front > 0 && self.back > 0
     }
 
-    fn lies_in(&self, tolerance: f64) -> bool {
-        self.low >= -tolerance && self.high <= tolerance
+    fn lies_in(&self) -> bool {
+        self.front + self.back == 0
     }
 }
 

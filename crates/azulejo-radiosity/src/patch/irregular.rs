@@ -7,26 +7,16 @@
 //! short sides. Lines through the region, where other faces touch it, become edges of patches.
 
 use super::cells::NO_CORNER;
-use super::contacts::Contact;
-use super::keep;
-use super::lattice::Lattice;
+use super::contacts::{Contact, is_inside};
 use super::lines::{LinePoint, Lines};
 use super::marks::Marks;
 use super::outline::{Outline, Region, Slot};
+use super::ring::{Pieces, Ring, signed_area};
 use glam::{DVec2, DVec3};
-use spade::handles::{FixedFaceHandle, InnerTag};
-use spade::{
-    AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation,
-};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
-/// Edges longer than this share of the size are halved, in so many rounds.
-const LONG_EDGE: f64 = 1.45;
-const LONG_EDGE_ROUNDS: usize = 6;
 /// How far from the border, as a share of the size, a line stops that may not cut it.
 const STOP: f64 = 0.1;
-/// Angles below this are refined away where the border allows it.
-const ANGLE_DEGREES: f64 = 22.0;
 
 /// An irregular division of one region.
 pub(super) struct Irregular {
@@ -221,11 +211,6 @@ impl Frame {
     }
 }
 
-fn diameter(points: &[DVec2]) -> f64 {
-    let (low, high) = bounds(points);
-    low.distance(high)
-}
-
 pub(super) fn bounds(points: &[DVec2]) -> (DVec2, DVec2) {
     points
         .iter()
@@ -250,7 +235,7 @@ fn side_point(a: DVec2, b: DVec2, slot: &Slot, marks: &Marks, i: u32) -> DVec2 {
 ///
 /// A line that ends between two points of the border, where no face but this one has lines and
 /// the border may not be cut, goes to a point near by, or stops short of the border.
-fn line_edges(lines: &Lines, border: &Border, size: f64) -> LineEdges {
+fn line_edges(lines: &Lines, border: &Border, size: f64) -> Pieces {
     let mut points = lines.points.clone();
     let mut stops: HashMap<(u32, u64), u32> = HashMap::new();
     let base = border.points.len() as u32;
@@ -259,17 +244,19 @@ fn line_edges(lines: &Lines, border: &Border, size: f64) -> LineEdges {
         LinePoint::Border { side, share } => {
             let (point, inward) = border.at(side as usize, share);
             let nearest = border.nearest(side as usize, share);
-            if border.points[nearest as usize].distance(point) <= STOP * size {
+            let stop = point + STOP * size * inward;
+            let is_near = border.points[nearest as usize].distance(point) <= STOP * size;
+            if is_near || !is_inside(border.corners, stop) {
                 return nearest;
             }
             *stops.entry((side, share.to_bits())).or_insert_with(|| {
-                points.push(point + STOP * size * inward);
+                points.push(stop);
                 base + points.len() as u32 - 1
             })
         }
     };
     let edges = lines.edges.iter().map(|e| e.map(&mut local)).collect();
-    (points, edges)
+    Pieces { points, edges }
 }
 
 /// The divided border of a region.
@@ -313,10 +300,6 @@ impl<'a> Border<'a> {
     }
 }
 
-fn signed_area([a, b, c]: [DVec2; 3]) -> f64 {
-    0.5 * (b - a).perp_dot(c - a)
-}
-
 fn barycentric([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
     let whole = (b - a).perp_dot(c - a);
     let (u, v) = (
@@ -324,322 +307,4 @@ fn barycentric([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
         (b - a).perp_dot(p - a) / whole,
     );
     [1.0 - u - v, u, v]
-}
-
-pub(super) type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
-pub(super) type Face = FixedFaceHandle<InnerTag>;
-type Flat = (Vec<DVec2>, Vec<[u32; 3]>);
-type LineEdges = (Vec<DVec2>, Vec<[u32; 2]>);
-
-/// What a region is divided between.
-struct Ring<'a> {
-    corners: &'a [DVec2],
-    border: &'a [DVec2],
-    lines: Option<LineEdges>,
-    size: f64,
-}
-
-/// A divided region: squares, and triangles around them.
-struct Divided {
-    points: Vec<DVec2>,
-    triangles: Vec<[u32; 3]>,
-    lattice: Lattice,
-    /// First of the lattice's points.
-    base: u32,
-    contacts: Vec<[u32; 2]>,
-}
-
-impl Ring<'_> {
-    /// Divides the region; see [`Irregular::new`].
-    fn divided(&self, sides: &[u32], own: &[[u32; 3]]) -> Divided {
-        let whole =
-            self.border.len() == sides.len() && diameter(self.corners) <= 2f64.sqrt() * self.size;
-        if let Some(lines) = &self.lines {
-            if let Some(divided) = self.triangulated(lines) {
-                return divided;
-            }
-        }
-        if !whole {
-            if let Some(divided) = self.triangulated(&(Vec::new(), Vec::new())) {
-                return divided;
-            }
-        }
-        let (points, triangles) = if whole {
-            (self.border.to_vec(), own.to_vec())
-        } else {
-            fans(sides, self.border, own)
-        };
-        Divided {
-            points,
-            triangles,
-            lattice: Lattice::new(self.corners, &[], f64::INFINITY),
-            base: 0,
-            contacts: Vec::new(),
-        }
-    }
-
-    /// The ring between border and lattice by constrained Delaunay refinement: the points of
-    /// border, lines, lattice and ring, and the ring's triangles. `None` if ring and lattice do
-    /// not tile the region exactly between the given border points.
-    fn triangulated(&self, lines: &LineEdges) -> Option<Divided> {
-        let border = self.border.len();
-        let mut points = [self.border, &lines.0].concat();
-        let pieces: Vec<[DVec2; 2]> = (lines.1.iter())
-            .map(|e| e.map(|k| points[k as usize]))
-            .collect();
-        let lattice = Lattice::new(self.corners, &pieces, self.size);
-        let (unique, first) = distinct(self.border);
-        let outline = lattice.outline();
-        // Vertices of the triangulation: distinct border points, points of lines, points on the
-        // lattice's outline, then those of the refinement; `known` are the local points of all
-        // but the last.
-        let mut known = first.clone();
-        known.extend(border as u32..points.len() as u32);
-        let rim = known.len();
-        known.extend(outline.points.iter().map(|&k| k + points.len() as u32));
-        points.extend(&lattice.points);
-        let vertices: Vec<Point2<f64>> = known
-            .iter()
-            .map(|&k| points[k as usize])
-            .map(|p| Point2::new(p.x, p.y))
-            .collect();
-        let mut walls = constraints(&unique);
-        let rims = outline.edges.iter().map(|e| e.map(|k| rim + k as usize));
-        walls.extend(rims);
-        let vertex = |k: u32| match unique.get(k as usize) {
-            Some(&v) => v as usize,
-            None => k as usize - border + first.len(),
-        };
-        let mut edges = walls.clone();
-        edges.extend(
-            lines
-                .1
-                .iter()
-                .map(|e| e.map(vertex))
-                .filter(|e| e[0] != e[1]),
-        );
-        let walls: HashSet<keep::Pair> = walls
-            .into_iter()
-            .map(|[a, b]| [a.min(b), a.max(b)])
-            .collect();
-        let mut mesh = Delaunay::try_bulk_load_cdt(vertices, edges, |_| {}).ok()?;
-        // A line that crosses the border by rounding may be lost, but no wall.
-        if mesh.num_vertices() != known.len() || !walls.iter().all(|&w| keep::joined(&mesh, w)) {
-            return None;
-        }
-        let outside = if lines.1.is_empty() {
-            refine(&mut mesh, self.size)
-        } else {
-            keep::refine(&mut mesh, &walls, self.size)
-        };
-        let fixed = points.len();
-        let local = |v: usize| match known.get(v) {
-            Some(&k) => k,
-            None => (v - known.len() + fixed) as u32,
-        };
-        points.extend(
-            mesh.vertices()
-                .skip(known.len())
-                .map(|v| DVec2::new(v.position().x, v.position().y)),
-        );
-        let triangles: Vec<[u32; 3]> = mesh
-            .inner_faces()
-            .filter(|f| !outside.contains(&f.fix()))
-            .map(|f| f.vertices().map(|v| local(v.fix().index())))
-            .collect();
-        let area: f64 = triangles
-            .iter()
-            .map(|t| signed_area(t.map(|k| points[k as usize])))
-            .sum();
-        let whole = polygon_area(self.corners);
-        if (area + lattice.area() - whole).abs() > 1e-9 * whole {
-            return None;
-        }
-        let contacts = (lines.1.iter())
-            .filter(|e| keep::joined(&mesh, e.map(vertex)))
-            .copied()
-            .collect();
-        let (points, triangles) = without_strays(points, triangles, fixed);
-        Some(Divided {
-            points,
-            triangles,
-            lattice,
-            base: (border + lines.0.len()) as u32,
-            contacts,
-        })
-    }
-}
-
-/// Adds points until angles and sizes are good, and returns the faces outside the region.
-fn refine(mesh: &mut Delaunay, size: f64) -> HashSet<Face> {
-    let mut rounds = 0..LONG_EDGE_ROUNDS;
-    loop {
-        let parameters = refinement(size, mesh.num_vertices());
-        let outside = mesh.refine(parameters).excluded_faces.into_iter().collect();
-        let middles = middles_of_long_edges(mesh, &outside, size);
-        if middles.is_empty() || rounds.next().is_none() {
-            return outside;
-        }
-        for p in middles {
-            // A point that cannot be inserted leaves its edge long, which is all it was for.
-            let _ = mesh.insert(p);
-        }
-    }
-}
-
-/// The middles of edges that are much too long, at most one per triangle, longest first.
-pub(super) fn middles_of_long_edges(
-    mesh: &Delaunay,
-    outside: &HashSet<Face>,
-    size: f64,
-) -> Vec<Point2<f64>> {
-    let limit = (LONG_EDGE * size) * (LONG_EDGE * size);
-    let mut long: Vec<_> = mesh
-        .undirected_edges()
-        .filter(|e| !e.is_constraint_edge() && e.length_2() > limit)
-        .collect();
-    long.sort_by(|a, b| b.length_2().total_cmp(&a.length_2()));
-    let mut used = outside.clone();
-    let mut middles = Vec::new();
-    for edge in long {
-        let faces = edge
-            .as_directed()
-            .face()
-            .fix()
-            .as_inner()
-            .into_iter()
-            .chain(edge.as_directed().rev().face().fix().as_inner());
-        let faces: Vec<Face> = faces.collect();
-        if faces.len() == 2 && faces.iter().all(|f| !used.contains(f)) {
-            used.extend(faces);
-            let [a, b] = edge.positions();
-            middles.push(Point2::new(0.5 * (a.x + b.x), 0.5 * (a.y + b.y)));
-        }
-    }
-    middles
-}
-
-fn refinement(size: f64, vertices: usize) -> RefinementParameters<f64> {
-    let fits = size.is_finite() && size < 1.0;
-    let size = if fits { size } else { 1.0 };
-    let parameters = RefinementParameters::new()
-        .exclude_outer_faces(true)
-        .keep_constraint_edges()
-        .with_angle_limit(AngleLimit::from_deg(ANGLE_DEGREES))
-        // Below this a triangle's circumcentre is rounding, and the angle is the border's fault.
-        .with_min_required_area(1e-4 * size * size)
-        .with_max_additional_vertices(2 * vertices + 32);
-    if fits {
-        parameters.with_max_allowed_area(0.42 * size * size)
-    } else {
-        parameters
-    }
-}
-
-/// For each point the first of those equal to it, numbered among the distinct ones; and which
-/// points those are. A border may visit a point twice (a hole joined to the outline by a cut).
-fn distinct(points: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
-    let key = |&i: &u32| points[i as usize].to_array().map(|x| (x + 0.0).to_bits());
-    let mut order: Vec<u32> = (0..points.len() as u32).collect();
-    order.sort_by_key(key);
-    let mut leader = vec![0; points.len()];
-    for run in order.chunk_by(|a, b| key(a) == key(b)) {
-        run.iter().for_each(|&i| leader[i as usize] = run[0]);
-    }
-    let mut first = Vec::new();
-    let mut number = vec![0; points.len()];
-    for i in 0..points.len() {
-        if leader[i] as usize == i {
-            number[i] = first.len() as u32;
-            first.push(i as u32);
-        } else {
-            number[i] = number[leader[i] as usize];
-        }
-    }
-    (number, first)
-}
-
-/// The pieces of the border as pairs of distinct points.
-///
-/// A piece that the border runs along twice is a cut, which joins a hole to the outline: both
-/// its sides are inside, so it bounds nothing.
-fn constraints(ring: &[u32]) -> Vec<[usize; 2]> {
-    let n = ring.len();
-    let mut pairs: Vec<[usize; 2]> = (0..n)
-        .map(|i| [ring[i] as usize, ring[(i + 1) % n] as usize])
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .filter(|[a, b]| a != b)
-        .collect();
-    pairs.sort_unstable();
-    pairs
-        .chunk_by(|a, b| a == b)
-        .filter(|run| run.len() % 2 == 1)
-        .map(|run| run[0])
-        .collect()
-}
-
-fn polygon_area(corners: &[DVec2]) -> f64 {
-    let n = corners.len();
-    (1..n - 1)
-        .map(|k| signed_area([corners[0], corners[k], corners[k + 1]]))
-        .sum()
-}
-
-/// Drops points after the first `fixed` that no triangle uses.
-fn without_strays(points: Vec<DVec2>, mut triangles: Vec<[u32; 3]>, fixed: usize) -> Flat {
-    let mut used: Vec<bool> = (0..points.len()).map(|i| i < fixed).collect();
-    triangles
-        .iter()
-        .flatten()
-        .for_each(|&k| used[k as usize] = true);
-    let mut kept = Vec::with_capacity(points.len());
-    let mut number = vec![0; points.len()];
-    for (i, p) in points.into_iter().enumerate() {
-        number[i] = kept.len() as u32;
-        if used[i] {
-            kept.push(p);
-        }
-    }
-    for t in &mut triangles {
-        *t = t.map(|k| number[k as usize]);
-    }
-    (kept, triangles)
-}
-
-/// Each of the region's own triangles as it is, or about its centre where sides are divided.
-fn fans(sides: &[u32], border: &[DVec2], own: &[[u32; 3]]) -> Flat {
-    let n = sides.len() as u32;
-    let starts: Vec<u32> = sides
-        .iter()
-        .scan(0, |sum, &k| {
-            let start = *sum;
-            *sum += k;
-            Some(start)
-        })
-        .collect();
-    let mut flat = (border.to_vec(), Vec::new());
-    for t in own {
-        let mut ring = Vec::new();
-        for i in 0..3 {
-            let (c, next) = (t[i], t[(i + 1) % 3]);
-            let pieces = if (c + 1) % n == next {
-                sides[c as usize]
-            } else {
-                1
-            };
-            ring.extend((0..pieces).map(|step| starts[c as usize] + step));
-        }
-        match ring[..] {
-            [a, b, c] => flat.1.push([a, b, c]),
-            _ => {
-                let centre: DVec2 = t.iter().map(|&c| border[starts[c as usize] as usize]).sum();
-                let apex = flat.0.len() as u32;
-                flat.0.push(centre / 3.0);
-                let next = |i: usize| ring[(i + 1) % ring.len()];
-                flat.1
-                    .extend((0..ring.len()).map(|i| [ring[i], next(i), apex]));
-            }
-        }
-    }
-    flat
 }

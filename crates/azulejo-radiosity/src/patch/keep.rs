@@ -4,7 +4,7 @@
 //! region with lines through it. This does: circumcentres of bad triangles are inserted, as Chew
 //! does, unless that would come too near to a constraint, and long edges are halved.
 
-use super::irregular::{Delaunay, Face, middles_of_long_edges};
+use super::ring::{Delaunay, Face, middles_of_long_edges};
 use spade::handles::FixedVertexHandle;
 use spade::{Point2, PositionInTriangulation, Triangulation};
 use std::collections::HashSet;

@@ -13,7 +13,7 @@
 //! | `contacts`, `pairs` | where faces touch or cross each other inside |
 //! | `lines` | which lines that makes at a patch size |
 //! | `divide`, `marks` | how many pieces each edge gets, and where |
-//! | `cells`, `irregular`, `lattice`, `keep` | what the division of one region looks like |
+//! | `cells`, `irregular`, `lattice`, `ring`, `keep` | what the division of one region looks like |
 //! | `part` | display vertices on both sides of a contact |
 //! | `build` | patches, their corners and the display vertices |
 //! | `locate` | which patch a ray hit |
@@ -36,6 +36,7 @@ mod outline;
 mod pairs;
 mod part;
 mod refined;
+mod ring;
 mod sample;
 #[cfg(test)]
 mod tests;

@@ -16,30 +16,49 @@ const MOST_FOUND: usize = 1 << 21;
 pub(super) struct Bounds {
     pub low: DVec3,
     pub high: DVec3,
+    /// How much it was grown on every side.
+    pub margin: f64,
 }
 
 impl Bounds {
     pub const EMPTY: Bounds = Bounds {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
+        margin: 0.0,
     };
+
+    /// The longest extent of what two boxes have in common; negative if they are apart.
+    pub fn common(&self, other: &Bounds) -> f64 {
+        (self.high.min(other.high) - self.low.max(other.low)).max_element()
+    }
 
     pub fn around(points: impl Iterator<Item = DVec3>) -> Bounds {
         points.fold(Bounds::EMPTY, |b, p| Bounds {
             low: b.low.min(p),
             high: b.high.max(p),
+            margin: 0.0,
         })
+    }
+
+    pub fn grown(self, margin: f64) -> Bounds {
+        Bounds {
+            low: self.low - margin,
+            high: self.high + margin,
+            margin,
+        }
     }
 
     fn union(self, other: Bounds) -> Bounds {
         Bounds {
             low: self.low.min(other.low),
             high: self.high.max(other.high),
+            margin: 0.0,
         }
     }
 
     fn overlaps(&self, other: &Bounds) -> bool {
-        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+        // One by one: most boxes are told apart by the first axis or two.
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 }
 
@@ -47,7 +66,7 @@ impl Bounds {
 /// order that no thread decides. Beyond the limits above some pairs are left out.
 pub(super) fn for_each_pair<T: Send>(
     boxes: &[Bounds],
-    visit: impl Fn(u32, u32, &mut Vec<T>) + Sync,
+    visit: impl Fn([u32; 2], [&Bounds; 2], &mut Vec<T>) + Sync,
 ) -> Vec<T> {
     let order = order(boxes);
     let sorted: Vec<Bounds> = order.iter().map(|&i| boxes[i as usize]).collect();
@@ -63,11 +82,12 @@ pub(super) fn for_each_pair<T: Send>(
         let end = (first + BLOCK).min(sorted.len());
         tree.visit_from(block, |other| {
             let others = other * BLOCK..((other + 1) * BLOCK).min(sorted.len());
-            for i in first..end {
+            let around = tree.block(other);
+            for i in (first..end).filter(|&i| sorted[i].overlaps(around)) {
                 for j in others.start.max(i + 1)..others.end {
                     if left > 0 && sorted[i].overlaps(&sorted[j]) {
                         left -= 1;
-                        visit(order[i], order[j], &mut found);
+                        visit([order[i], order[j]], [&sorted[i], &sorted[j]], &mut found);
                     }
                 }
             }
@@ -129,13 +149,17 @@ impl Tree {
         Tree { nodes, leaves }
     }
 
+    fn block(&self, block: usize) -> &Bounds {
+        &self.nodes[self.leaves + block]
+    }
+
     /// Visits `block` and the later blocks that overlap it until `visit` says no.
     fn visit_from(&self, block: usize, mut visit: impl FnMut(usize) -> bool) {
-        let own = self.nodes[self.leaves + block];
+        let own = self.block(block);
         // Node and the blocks below it.
         let mut stack = vec![(1, 0..self.leaves)];
         while let Some((node, below)) = stack.pop() {
-            if below.end <= block || !self.nodes[node].overlaps(&own) {
+            if below.end <= block || !self.nodes[node].overlaps(own) {
                 continue;
             }
             if node < self.leaves {
@@ -166,10 +190,12 @@ mod tests {
                     let low = DVec3::new(next(), next(), next());
                     let size = if k % 17 == 0 { 0.6 } else { 0.08 };
                     let high = low + size * DVec3::new(next(), next(), next());
-                    Bounds { low, high }
+                    Bounds::around([low, high].into_iter())
                 })
                 .collect();
-            let mut found = for_each_pair(&boxes, |i, j, found| found.push((i.min(j), i.max(j))));
+            let mut found = for_each_pair(&boxes, |[i, j], _, found| {
+                found.push((i.min(j), i.max(j)));
+            });
             found.sort_unstable();
             let n = boxes.len() as u32;
             let expected: Vec<(u32, u32)> = (0..n)
