@@ -48,7 +48,7 @@ pub struct Row {
 /// Which sides of patches a row keeps as columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Columns {
-    /// All that rays reach: form factors as a product.
+    /// All that rays reach, mirrors too: whole rows, whose shares add up.
     All,
     /// Only sides that reflect diffusely: what a solver needs.
     Diffuse,

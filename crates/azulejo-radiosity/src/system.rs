@@ -130,7 +130,9 @@ impl System {
                     .map_init(Scratch::default, row)
                     .collect::<Result<_, Cancelled>>()?;
                 for (u, row) in block.iter_mut().zip(&rows) {
-                    u.add_row(row);
+                    u.add_row(row, |j| {
+                        materials[patches.material(j) as usize].diffuse - reflectance[j]
+                    });
                     system.push(row);
                     for (j, _) in row.entries.iter().flatten() {
                         if !std::mem::replace(&mut is_planned[*j as usize], true) {
@@ -275,13 +277,19 @@ impl Unknown {
         (self.direct.iter().copied().sum::<Rgb>() * self.reflectance).mean() * self.area
     }
 
-    fn add_row(&mut self, row: &Row) {
+    /// Adds what the rays found; `lost` is what patterns on a patch absorb beyond its material.
+    fn add_row(&mut self, row: &Row, lost: impl Fn(usize) -> Rgb) {
         self.direct
             .iter_mut()
             .zip(&row.stray)
             .for_each(|(h, s)| *h += *s);
         self.foreign += row.foreign;
-        self.fates = [row.absorbed, row.escaped, row.cut];
+        let share = 1.0 / REPLICATES as f64;
+        let pattern = |(j, w): &(Side, [f32; 3])| {
+            lost((*j / 2) as usize) * Rgb::from(w.map(f64::from)) * share
+        };
+        let patterns: Rgb = row.entries.iter().flatten().map(pattern).sum();
+        self.fates = [row.absorbed + patterns, row.escaped, row.cut];
     }
 }
 
