@@ -145,7 +145,7 @@ pub struct Report {
     pub iterations: u32,
     /// Change of the last bounce relative to the brightest patch.
     pub residual: f64,
-    /// Where the emitted power went.
+    /// Where the emitted power went, W.
     pub balance: Balance,
     /// Estimated relative RMS error of irradiance, as [`Gathering::relative_error`] says.
     pub error: f64,
@@ -329,6 +329,8 @@ impl<'a> Solved<'a> {
     }
 
     fn report(&self, gathering: &Gathering) -> Report {
+        let scene = self.gatherer.surfaces().scene;
+        let square_metres = scene.units.metres_per_unit.powi(2);
         Report {
             method: self.method,
             patches: self.patches.len(),
@@ -338,7 +340,7 @@ impl<'a> Solved<'a> {
             bytes: self.found.bytes,
             iterations: self.found.convergence.iterations,
             residual: self.found.convergence.residual,
-            balance: self.found.balance,
+            balance: self.found.balance.scaled(square_metres),
             error: gathering.relative_error(),
         }
     }

@@ -375,7 +375,7 @@ const TOLERANCE: f64 = 1e-5;
 /// Even facing perfect mirrors end here.
 const MOST_ITERATIONS: u32 = 10_000;
 
-/// Where the emitted power went, W per channel.
+/// Where the emitted power went, per channel: W, where areas are in m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
     /// By surfaces, and by lights without area as far as it reaches a surface.
@@ -389,6 +389,13 @@ pub struct Balance {
 }
 
 impl Balance {
+    /// All powers times `factor`.
+    pub fn scaled(&self, factor: f64) -> Balance {
+        let mut scaled = Balance::default();
+        scaled.add(self, factor);
+        scaled
+    }
+
     /// Adds `share` of another balance.
     pub fn add(&mut self, other: &Balance, share: f64) {
         self.emitted += other.emitted * share;

@@ -99,6 +99,9 @@ pub fn describe(pass: &azulejo_radiosity::Report, report: &mut Report) {
     );
 }
 
+/// More of the light than this should not be missing from the balance.
+const LOST: f64 = 0.05;
+
 /// Where the emitted power went, in W and as shares.
 fn energy(balance: &Balance, report: &mut Report) {
     let emitted = balance.emitted.mean();
@@ -113,6 +116,12 @@ fn energy(balance: &Balance, report: &mut Report) {
             percent(balance.error())
         ),
     );
+    if balance.error() > LOST {
+        report.line(
+            "caution",
+            "the energy does not add up: ask for a smaller error, more rays or more time",
+        );
+    }
     report.value("emitted", numbers(balance.emitted.to_array()));
     report.value("absorbed", numbers(balance.absorbed.to_array()));
     report.value("escaped", numbers(balance.escaped.to_array()));
