@@ -23,6 +23,10 @@ pub mod system;
 pub mod vertices;
 
 pub use form_factors::{FormFactorOptions, FormFactors, form_factors};
-pub use patch::{DisplayVertex, FaceId, GivenVertex, PatchPoint, PatchSize, Patches, Polygon, RefinedShape};
-pub use solve::{Estimate, FirstPass, Light, Method, PointNormal, Probed, Report, SolveError, probe, solve};
+pub use patch::{
+    DisplayVertex, FaceId, GivenVertex, PatchPoint, PatchSize, Patches, Polygon, RefinedShape,
+};
+pub use solve::{
+    Estimate, FirstPass, Light, Method, PointNormal, Probed, Report, SolveError, probe, solve,
+};
 pub use system::Balance;

@@ -22,10 +22,10 @@
 //! ```
 
 mod camera;
+pub mod fresnel;
 mod image;
 mod light;
 mod material;
-pub mod fresnel;
 pub mod math;
 mod mesh;
 mod rgb;

@@ -72,7 +72,12 @@ impl Reference {
 
     pub(crate) fn new(min: [f32; 3], max: [f32; 3], id: u32) -> Reference {
         Reference {
-            min: Vec4::new(min[0], min[1], min[2], f32::from_bits(Reference::FIRST_ID + id)),
+            min: Vec4::new(
+                min[0],
+                min[1],
+                min[2],
+                f32::from_bits(Reference::FIRST_ID + id),
+            ),
             max: Vec4::new(max[0], max[1], max[2], 0.0),
         }
     }

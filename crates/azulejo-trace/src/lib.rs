@@ -1,27 +1,30 @@
 //! What does a point see: ray tracing kernel over a scene.
 
-pub mod follow;
-mod gather;
-pub mod lambert;
 mod assemble;
 mod build;
 mod bvh;
+pub mod follow;
+mod gather;
 mod kernel;
+pub mod lambert;
 mod placed;
 mod portable;
 mod prepared;
 mod primitive;
 mod progress;
 mod ray;
+pub mod sampling;
 mod simd;
 mod surfaces;
 #[cfg(test)]
 mod tests;
 mod tracer;
 mod triangle;
-pub mod sampling;
 
-pub use gather::{Arrival, DiffuseLight, DirectLight, DirectionTables, Glow, GatherOptions, GatherPoint, Gathered, Gatherer, REPLICATES};
+pub use gather::{
+    Arrival, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
+    Gatherer, Glow, REPLICATES,
+};
 pub use progress::{Cancelled, Progress};
 pub use ray::{Hit, Item, KernelHit, KernelRay};
 pub use surfaces::Surfaces;
