@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout)]
 
 use azulejo_radiosity::{PatchSize, Patches};
+use azulejo_scene::synthetic::{CornellVariant, cornell_box, furnished_room};
 use azulejo_scene::{Mesh, Object, Scene, Shape};
 use glam::DVec3;
 use std::hint::black_box;
@@ -27,6 +28,15 @@ fn main() {
     }
     let hills = hills(512);
     report("524k triangles", &[Shape::Mesh(hills)], 1);
+    // Scenes whose faces touch: their contacts are found and cut.
+    let shapes =
+        |scene: Scene| -> Vec<Shape> { scene.objects.into_iter().map(|o| o.shape).collect() };
+    report(
+        "cornell box",
+        &shapes(cornell_box(CornellVariant::Diffuse)),
+        2_500,
+    );
+    report("room, 200k", &shapes(furnished_room(200_000)), 100_000);
 }
 
 fn polygon(outline: &[(f64, f64)]) -> Mesh {

@@ -1,13 +1,13 @@
 //! First pass: from a scene to irradiance, once for all viewpoints.
 //!
-//! [`solve`] divides the faces into [`Patches`], traces the extended form factors between them
+//! [`solve()`] divides the faces into [`Patches`], traces the extended form factors between them
 //! (light that arrives straight, by mirrors or through glass), solves the radiosity system, and
 //! gathers irradiance at the vertices; [`probe`] gathers it at any points. The answer carries
 //! its standard error, and is the same to the bit for any number of threads.
 //!
 //! The order of reading: [`patch`] (what is divided), [`rays`] (rows of form factors),
 //! [`system`] (their solution; [`stochastic`] does without rows), [`gather`] and [`vertices`]
-//! (irradiance), [`solve`](mod@solve) (all of it, in order). [`form_factors`](mod@form_factors)
+//! (irradiance), [`mod@solve`] (all of it, in order). [`form_factors`](mod@form_factors)
 //! delivers rows for their own sake, with standard errors.
 
 pub mod analytic;

@@ -3,7 +3,6 @@ use super::*;
 use azulejo_scene::{Mesh, Object, PrimitiveKind, Shape, synthetic};
 use glam::{DAffine3, DMat3, DQuat, DVec2};
 use proptest::prelude::*;
-use std::time::Instant;
 
 /// A rectangle in z = 0 whose front looks up.
 fn floor(low: DVec2, high: DVec2) -> Mesh {
@@ -348,32 +347,6 @@ fn the_same_contacts_give_the_same_bits() {
     assert_eq!(one.vertices, many.vertices);
     let off = one.len() as f64 / 2500.0 - 1.0;
     assert!(off.abs() < 0.1, "{} patches", one.len());
-}
-
-/// Seconds for contacts and for everything. Run with `--ignored --nocapture` in release.
-#[test]
-#[ignore = "a measurement"]
-#[allow(clippy::print_stdout)]
-fn cost_of_contacts() {
-    let cornell = synthetic::cornell_box(synthetic::CornellVariant::Diffuse);
-    let room = synthetic::furnished_room(200_000);
-    let hills = synthetic::displaced_sphere(1_000_000);
-    for (name, scene, count) in [
-        ("cornell", &cornell, 2500),
-        ("room", &room, 100_000),
-        ("hills", &hills, 1),
-    ] {
-        let timed = |f: &dyn Fn()| {
-            let start = Instant::now();
-            f();
-            start.elapsed().as_secs_f64()
-        };
-        let fastest = |f: &dyn Fn()| (0..5).map(|_| timed(f)).fold(f64::INFINITY, f64::min);
-        let outline = Outline::new(scene);
-        let contacts = fastest(&|| drop(Contacts::new(&outline)));
-        let all = fastest(&|| drop(Patches::new(scene, PatchSize::Count(count))));
-        println!("{name}: contacts {contacts:.4} s of {all:.4} s");
-    }
 }
 
 proptest! {
