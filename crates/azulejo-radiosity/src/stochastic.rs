@@ -18,6 +18,10 @@ use rayon::prelude::*;
 /// Iteration ends when less than this share of the first iteration's power is left to shoot.
 const REST: f64 = 1e-4;
 
+/// Iteration ends, unconverged, when this many times the first iteration's power was shot: where
+/// nothing is absorbed there would be no end.
+const MOST_SHOTS: f64 = 100.0;
+
 /// Rays traced between two merges of what they found: bounds the memory for it.
 const BLOCK: usize = 1 << 18;
 
@@ -97,11 +101,16 @@ pub fn solve(
             iterations: 1,
             residual: 0.0,
         };
+        let mut shots = 0.0;
         loop {
             solution.iter_mut().zip(&unshot).for_each(|(x, u)| *x += *u);
             let power = shooter.total(&unshot).max_channel();
             state.residual = if first > 0.0 { power / first } else { 0.0 };
-            if state.residual <= REST || bounces.is_some_and(|most| state.iterations >= most) {
+            shots += state.residual;
+            if state.residual <= REST
+                || shots > MOST_SHOTS
+                || bounces.is_some_and(|most| state.iterations >= most)
+            {
                 break;
             }
             let count = (budget as f64 * power / first).ceil() as u64;
@@ -339,11 +348,14 @@ impl Shooter<'_> {
                                 self.patches.polygon((path.id / 2) as usize).is_some(),
                                 path.via,
                             );
-                        if !material.diffuse.is_black() && !counted {
-                            a.deposits.push((
-                                side(self.patches.locate_hit(surfaces, &hit), front),
-                                path.weight,
-                            ));
+                        if !material.diffuse.is_black() {
+                            let patch = self.patches.locate_hit(surfaces, &hit);
+                            // What colours and textures keep.
+                            let kept = material.diffuse - self.reflectance[patch as usize];
+                            a.balance.absorbed += weight * kept;
+                            if !counted {
+                                a.deposits.push((side(patch, front), path.weight));
+                            }
                         }
                     }
                 }

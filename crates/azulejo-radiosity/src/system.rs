@@ -62,7 +62,8 @@ pub struct Convergence {
 
 impl System {
     /// Traces the rows of every side that light can reach: all fronts, then those backs that
-    /// rays from reached sides meet, and so on, until the progress is out of time.
+    /// rays from reached sides meet, and so on, until the progress is out of time. Where no
+    /// light begins in front of anything, as in a room that is inside out, backs come first too.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -92,6 +93,17 @@ impl System {
             .filter(|&p| reflects(p))
             .map(|p| side(p as u32, true))
             .collect();
+        let begins = |&s: &Side| {
+            let material = &materials[patches.material((s / 2) as usize) as usize];
+            material.is_emitter() || !estimator.direct(s).lights.is_black()
+        };
+        if gatherer.ambient().is_black() && !wave.iter().any(begins) {
+            wave.extend(
+                (0..patches.len())
+                    .filter(|&p| reflects(p))
+                    .map(|p| side(p as u32, false)),
+            );
+        }
         wave.iter().for_each(|&s| is_planned[s as usize] = true);
         while !wave.is_empty() {
             progress.begin("direct light", wave.len() as u64);
@@ -373,7 +385,7 @@ impl Found {
 const TOLERANCE: f64 = 1e-5;
 
 /// Even facing perfect mirrors end here.
-const MOST_ITERATIONS: u32 = 10_000;
+const MOST_ITERATIONS: u32 = 2_000;
 
 /// Where the emitted power went, per channel: W, where areas are in m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -4,6 +4,8 @@
 #![allow(clippy::print_stderr)]
 
 mod agreement;
+mod bad_scenes;
+mod determinism;
 mod form_factor_matrix;
 mod form_factors;
 mod furnace;
@@ -11,4 +13,5 @@ mod lights;
 mod mirrors;
 mod rooms;
 mod table;
+mod vertices;
 mod table_scenes;

@@ -1,0 +1,302 @@
+//! Scenes that are odd or impossible: no panic, no hang, no value that is not a number.
+
+use crate::rooms::*;
+use azulejo_radiosity::{FirstPass, Light, PatchSize, SolveError, probe, solve};
+use azulejo_scene::synthetic::{CornellVariant, cornell_box};
+use azulejo_scene::{LightKind, Mesh, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape};
+use azulejo_trace::{Progress, Tracer};
+use glam::{DAffine3, DVec3, dvec3};
+use std::time::{Duration, Instant};
+
+fn run(scene: &Scene, pass: &FirstPass) -> Result<Light, SolveError> {
+    solve(scene, &Tracer::new(scene), pass, &Progress::new())
+}
+
+fn small() -> FirstPass {
+    FirstPass {
+        size: PatchSize::Count(200),
+        ..rays(64)
+    }
+}
+
+fn values(light: &Light) -> Vec<Rgb> {
+    let of = |o: &ObjectIrradiance| match o {
+        ObjectIrradiance::Vertices { irradiance, error } => [&irradiance[..], error].concat(),
+        ObjectIrradiance::Refined(mesh) => [&mesh.irradiance[..], &mesh.irradiance_error].concat(),
+        ObjectIrradiance::Surface(s) => [&s.irradiance[..], &s.error].concat(),
+    };
+    light.irradiance.objects.iter().flat_map(of).collect()
+}
+
+/// Solves in both ways; everything is a number and not negative.
+#[track_caller]
+fn check_sane(what: &str, scene: &Scene) {
+    for memory in [u64::MAX, 0] {
+        for keep_mesh in [false, true] {
+            let light = run(
+                scene,
+                &FirstPass {
+                    memory,
+                    keep_mesh,
+                    ..small()
+                },
+            )
+            .unwrap();
+            let bad = values(&light)
+                .into_iter()
+                .find(|e| !e.is_finite() || e.r < 0.0 || e.g < 0.0 || e.b < 0.0);
+            assert_eq!(bad, None, "{what}");
+            assert!(
+                light.report.error.is_finite() && light.report.residual.is_finite(),
+                "{what}"
+            );
+            assert!(
+                light.report.balance.error().is_finite(),
+                "{what}: {:?}",
+                light.report.balance
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_to_solve() {
+    let mut scene = Scene::default();
+    assert_eq!(run(&scene, &small()).unwrap_err(), SolveError::NoLight);
+    let kind = LightKind::Ambient {
+        radiance: Rgb::WHITE,
+    };
+    scene.lights.push(azulejo_scene::Light {
+        name: "sky".into(),
+        kind,
+    });
+    assert_eq!(run(&scene, &small()).unwrap_err(), SolveError::NoSurface);
+    add_sheet(
+        &mut scene,
+        DVec3::ZERO,
+        DVec3::X,
+        DVec3::ZERO,
+        surface(0.5, 0.0, 0.0),
+    );
+    assert_eq!(run(&scene, &small()).unwrap_err(), SolveError::NoSurface);
+    let dark = cube([0; 6].map(|_| surface(0.5, 0.0, 0.0)));
+    assert_eq!(run(&dark, &small()).unwrap_err(), SolveError::NoLight);
+}
+
+#[test]
+fn faces_without_area() {
+    let mut scene = cornell_box(CornellVariant::MirrorBlock);
+    for material in [
+        surface(0.5, 0.0, 0.0),
+        surface(0.0, 0.9, 0.0),
+        surface(0.0, 0.0, 5.0),
+    ] {
+        add_sheet(
+            &mut scene,
+            dvec3(9.0, 9.0, 9.0),
+            DVec3::ZERO,
+            DVec3::ZERO,
+            material.clone(),
+        );
+        add_sheet(
+            &mut scene,
+            dvec3(9.0, 9.0, 9.0),
+            50.0 * DVec3::X,
+            DVec3::ZERO,
+            material.clone(),
+        );
+        add_sheet(
+            &mut scene,
+            dvec3(9.0, 9.0, 9.0),
+            50.0 * DVec3::X,
+            1e-9 * DVec3::Y,
+            material,
+        );
+    }
+    check_sane("no area", &scene);
+}
+
+#[test]
+fn twice_the_same_place() {
+    let mut scene = cornell_box(CornellVariant::Diffuse);
+    let again = scene.objects.clone();
+    scene.objects.extend(again);
+    check_sane("twice", &scene);
+    let mut scene = cube([0; 6].map(|_| surface(0.5, 0.0, 1.0)));
+    let mut reversed = scene.objects[0].clone();
+    if let Shape::Mesh(mesh) = &mut reversed.shape {
+        mesh.faces.corners.reverse();
+    }
+    scene.objects.push(reversed);
+    check_sane("opposed", &scene);
+}
+
+#[test]
+fn huge_tiny_and_far() {
+    for (scale, shift) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e5)] {
+        let mut scene = cornell_box(CornellVariant::MirrorBlock);
+        for object in &mut scene.objects {
+            let Shape::Mesh(mesh) = &mut object.shape else {
+                continue;
+            };
+            mesh.positions
+                .iter_mut()
+                .for_each(|p| *p = *p * scale + DVec3::splat(shift));
+        }
+        check_sane(&format!("scale {scale}, shift {shift}"), &scene);
+    }
+}
+
+#[test]
+fn flat_primitives() {
+    let mut scene = cornell_box(CornellVariant::Diffuse);
+    let material = scene.add_material(surface(0.3, 0.3, 1.0));
+    for kind in [
+        azulejo_scene::PrimitiveKind::Sphere,
+        azulejo_scene::PrimitiveKind::Cylinder,
+        azulejo_scene::PrimitiveKind::Cuboid,
+    ] {
+        let map = DAffine3::from_scale_rotation_translation(
+            dvec3(50.0, 50.0, 1e-7),
+            glam::DQuat::IDENTITY,
+            dvec3(100.0, 300.0, 100.0),
+        );
+        scene.objects.push(Object::new(
+            "flat",
+            Shape::Primitive(Primitive::new(kind, map, material)),
+        ));
+    }
+    check_sane("flat primitives", &scene);
+}
+
+#[test]
+fn mirrors_and_glass_alone() {
+    check_sane(
+        "mirrors",
+        &cube(std::array::from_fn(|k| {
+            surface(0.0, 1.0, f64::from(k == 0))
+        })),
+    );
+    let mut scene = Scene::default();
+    let glass = scene.add_material(azulejo_scene::Material::dielectric("glass", 1.5));
+    scene.objects.push(Object::new(
+        "ball",
+        Shape::Primitive(Primitive::sphere(DVec3::ZERO, 1.0, glass)),
+    ));
+    let kind = LightKind::Point {
+        position: DVec3::ZERO,
+        intensity: Rgb::WHITE,
+    };
+    scene.lights.push(azulejo_scene::Light {
+        name: "bulb".into(),
+        kind,
+    });
+    check_sane("a bulb in a glass ball", &scene);
+}
+
+#[test]
+fn black_surfaces_receive() {
+    let scene = cube(std::array::from_fn(|k| {
+        surface(0.0, 0.0, f64::from(k == 1))
+    }));
+    check_sane("black", &scene);
+    let e = irradiance(&scene, &[at(0.5, 0.5, 0.0, DVec3::Z)], &small())[0];
+    let ceiling = [
+        dvec3(0., 0., 1.),
+        dvec3(0., 1., 1.),
+        dvec3(1., 1., 1.),
+        dvec3(1., 0., 1.),
+    ];
+    let truth = azulejo_trace::lambert::point_to_polygon(dvec3(0.5, 0.5, 0.0), DVec3::Z, &ceiling);
+    assert!(
+        (e.value.mean() - truth).abs() < 1e-12,
+        "{e:?}, truth {truth}"
+    );
+}
+
+/// What leaves an open scene is said: a lamp over nothing loses all.
+#[test]
+fn open_scenes_lose_light() {
+    let mut scene = Scene::default();
+    add_sheet(
+        &mut scene,
+        DVec3::ZERO,
+        DVec3::X,
+        DVec3::Y,
+        surface(0.5, 0.0, 1.0),
+    );
+    for memory in [u64::MAX, 0] {
+        let balance = run(&scene, &FirstPass { memory, ..small() })
+            .unwrap()
+            .report
+            .balance;
+        assert!((balance.emitted.mean() - 1.0).abs() < 1e-6, "{balance:?}");
+        assert!((balance.escaped.mean() - 1.0).abs() < 1e-3, "{balance:?}");
+        assert!(balance.error() < 1e-3, "{balance:?}");
+    }
+}
+
+/// In a closed room that absorbs nothing, light adds up forever: the solver gives up, and says
+/// that it has not converged.
+#[test]
+fn rooms_that_absorb_nothing() {
+    let scene = cube(std::array::from_fn(|k| {
+        surface(1.0, 0.0, f64::from(k == 0))
+    }));
+    for memory in [u64::MAX, 0] {
+        let begin = Instant::now();
+        let report = run(&scene, &FirstPass { memory, ..small() })
+            .unwrap()
+            .report;
+        eprintln!(
+            "{:?}: {} iterations, residual {:.1e}, {:?}",
+            report.method,
+            report.iterations,
+            report.residual,
+            begin.elapsed()
+        );
+        assert!(report.residual > 1e-5, "{report:?}");
+        assert!(
+            begin.elapsed() < Duration::from_secs(20),
+            "{:?}",
+            begin.elapsed()
+        );
+    }
+}
+
+/// Points that are nowhere, or look nowhere, get an answer, if not a good one.
+#[test]
+fn points_that_make_no_sense() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let nan = DVec3::splat(f64::NAN);
+    let points = [
+        at(f64::NAN, 0.0, 0.0, DVec3::Y),
+        at(100.0, 0.0, 100.0, nan),
+        at(100.0, 0.0, 100.0, DVec3::ZERO),
+        at(1e300, 0.0, f64::INFINITY, DVec3::Y),
+        at(100.0, 0.0, 100.0, DVec3::Y),
+    ];
+    let found = probe(
+        &scene,
+        &Tracer::new(&scene),
+        &points,
+        &small(),
+        &Progress::new(),
+    )
+    .unwrap();
+    assert!(found.estimates[4].value.is_finite() && found.estimates[4].value.mean() > 0.0);
+}
+
+/// A mesh whose faces no light reaches, beside one that is lit.
+#[test]
+fn a_mesh_in_the_dark() {
+    let mut scene = cube([0; 6].map(|_| surface(0.5, 0.0, 1.0)));
+    let mut far = Mesh {
+        positions: vec![dvec3(5., 5., 5.), dvec3(6., 5., 5.), dvec3(5., 6., 5.)],
+        ..Mesh::default()
+    };
+    let grey = scene.add_material(surface(0.5, 0.0, 0.0));
+    far.push_face(&[0, 1, 2], grey);
+    scene.objects.push(Object::new("far", Shape::Mesh(far)));
+    check_sane("dark", &scene);
+}

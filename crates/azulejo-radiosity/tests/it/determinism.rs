@@ -1,0 +1,168 @@
+//! The same to the bit for any number of threads; ends when told to.
+
+use crate::rooms::*;
+use azulejo_radiosity::{Estimate, FirstPass, Light, PatchSize, SolveError, probe, solve};
+use azulejo_scene::Scene;
+use azulejo_scene::synthetic::{CornellVariant, cornell_box};
+use azulejo_trace::{Progress, Tracer};
+use std::time::{Duration, Instant};
+
+fn pass() -> FirstPass {
+    FirstPass {
+        size: PatchSize::Count(300),
+        ..rays(128)
+    }
+}
+
+fn solved(scene: &Scene, pass: &FirstPass, threads: usize) -> Light {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
+    pool.install(|| solve(scene, &Tracer::new(scene), pass, &Progress::new()).unwrap())
+}
+
+/// Matrix and shooting, with rays given and with an error to reach.
+#[test]
+fn threads_do_not_matter() {
+    let scene = cornell_box(CornellVariant::MirrorBlock);
+    let by_error = FirstPass {
+        rays: None,
+        error: Some(0.05),
+        ..pass()
+    };
+    for pass in [
+        pass(),
+        FirstPass {
+            memory: 0,
+            ..pass()
+        },
+        by_error,
+    ] {
+        let alone = solved(&scene, &pass, 1);
+        for threads in [2, 5] {
+            assert!(
+                solved(&scene, &pass, threads) == alone,
+                "{threads} threads, {pass:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_matter_to_probes() {
+    let scene = cube([0; 6].map(|_| surface(0.5, 0.2, 1.0)));
+    let found = [1, 2, 5].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let tracer = Tracer::new(&scene);
+        pool.install(|| {
+            probe(
+                &scene,
+                &tracer,
+                &points_on_cube(50),
+                &pass(),
+                &Progress::new(),
+            )
+            .unwrap()
+        })
+    });
+    assert!(found[0] == found[1] && found[1] == found[2]);
+}
+
+#[test]
+fn another_seed_is_other_noise() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let [a, b] = [1, 1 << 40].map(|seed| solved(&scene, &FirstPass { seed, ..pass() }, 2));
+    assert!(a.irradiance != b.irradiance);
+}
+
+/// Far more work than anyone waits for.
+fn endless() -> FirstPass {
+    FirstPass {
+        size: PatchSize::Count(20_000),
+        ..rays(1 << 16)
+    }
+}
+
+#[test]
+fn cancelling_ends_at_once() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let tracer = Tracer::new(&scene);
+    for memory in [u64::MAX, 0] {
+        let progress = Progress::new();
+        let (result, waited) = std::thread::scope(|s| {
+            let pass = FirstPass {
+                memory,
+                ..endless()
+            };
+            let (progress, scene, tracer) = (&progress, &scene, &tracer);
+            let work = s.spawn(move || solve(scene, tracer, &pass, progress));
+            std::thread::sleep(Duration::from_millis(300));
+            let told = Instant::now();
+            progress.cancel();
+            (work.join().unwrap(), told.elapsed())
+        });
+        eprintln!("cancelled after {waited:?}");
+        assert_eq!(result.unwrap_err(), SolveError::Cancelled);
+        assert!(waited < Duration::from_secs(3), "{waited:?}");
+    }
+}
+
+/// Out of time, the answer is rough, and says so.
+#[test]
+fn a_deadline_ends_in_good_order() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let tracer = Tracer::new(&scene);
+    let pass = FirstPass {
+        size: PatchSize::Count(1000),
+        error: Some(1e-4),
+        ..FirstPass::default()
+    };
+    let progress = Progress::new();
+    let begin = Instant::now();
+    progress.set_deadline(begin + Duration::from_millis(1500));
+    let points: Vec<_> = (0..40)
+        .map(|k| {
+            at(
+                14.0 * f64::from(k),
+                0.0,
+                13.0 * f64::from(k),
+                glam::DVec3::Y,
+            )
+        })
+        .collect();
+    let found = probe(&scene, &tracer, &points, &pass, &progress).unwrap();
+    let took = begin.elapsed();
+    eprintln!(
+        "deadline of 1.5 s: {took:?}, error {:.1e}",
+        found.report.error
+    );
+    assert!(took < Duration::from_secs(8), "{took:?}");
+    assert!(found.report.error > 1e-4, "{}", found.report.error);
+    let truth = irradiance(
+        &scene,
+        &points,
+        &FirstPass {
+            size: PatchSize::Count(1000),
+            ..rays(1 << 12)
+        },
+    );
+    let sum = |all: &[Estimate]| all.iter().map(|e| e.value.mean()).sum::<f64>();
+    let ratio = sum(&found.estimates) / sum(&truth);
+    let agrees = |(a, b): (&Estimate, &Estimate)| {
+        (a.value.mean() - b.value.mean()).abs() <= 3.0 * (a.error.mean() + b.error.mean()) + 1e-3
+    };
+    let share = found
+        .estimates
+        .iter()
+        .zip(&truth)
+        .filter(|&pair| agrees(pair))
+        .count();
+    assert!(
+        (ratio - 1.0).abs() < 0.15 && share >= 34,
+        "ratio {ratio}, {share} of 40 agree"
+    );
+}
