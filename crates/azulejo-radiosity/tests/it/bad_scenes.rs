@@ -31,6 +31,11 @@ fn values(light: &Light) -> Vec<Rgb> {
 /// Solves in both ways; everything is a number and not negative.
 #[track_caller]
 fn check_sane(what: &str, scene: &Scene) {
+    check_sane_with(what, scene, &small());
+}
+
+#[track_caller]
+fn check_sane_with(what: &str, scene: &Scene, pass: &FirstPass) {
     for memory in [u64::MAX, 0] {
         for keep_mesh in [false, true] {
             let light = run(
@@ -38,7 +43,7 @@ fn check_sane(what: &str, scene: &Scene) {
                 &FirstPass {
                     memory,
                     keep_mesh,
-                    ..small()
+                    ..pass.clone()
                 },
             )
             .unwrap();
@@ -171,12 +176,11 @@ fn flat_primitives() {
 
 #[test]
 fn mirrors_and_glass_alone() {
-    check_sane(
-        "mirrors",
-        &cube(std::array::from_fn(|k| {
-            surface(0.0, 1.0, f64::from(k == 0))
-        })),
-    );
+    let mirrors = cube(std::array::from_fn(|k| {
+        surface(0.0, 1.0, f64::from(k == 0))
+    }));
+    // Every ray goes on to the limit of a thousand mirrors.
+    check_sane_with("mirrors", &mirrors, &rays(16));
     let mut scene = Scene::default();
     let glass = scene.add_material(azulejo_scene::Material::dielectric("glass", 1.5));
     scene.objects.push(Object::new(
