@@ -6,13 +6,18 @@ use azulejo_scene::{Material, Mesh, Rgb, Scene};
 use azulejo_trace::{Arrival, DiffuseLight, Glow, KernelHit, REPLICATES, Surfaces};
 use glam::DVec2;
 
+/// From nearer than this share of its diameter a patch is too coarse to be looked at. Half of it
+/// leaves no bias that shows beside 1% of noise (measured on Cornell boxes), and spares most of
+/// the work of a whole one.
+const COARSE: f64 = 0.5;
+
 /// Reflected radiosity of every side of every patch, in independent replicates.
 pub struct PatchLight<'a> {
     surfaces: &'a Surfaces<'a>,
     patches: &'a Patches,
     reflectance: &'a [Rgb],
     reflected: Vec<[[f32; 3]; REPLICATES]>,
-    /// Diameter of every diffuse patch, zero for the others.
+    /// Distance from which each diffuse patch may be looked at, zero for the others.
     grain: Vec<f32>,
 }
 
@@ -30,7 +35,7 @@ impl<'a> PatchLight<'a> {
             if reflectance[p].is_black() {
                 0.0
             } else {
-                patches.diameter(p) as f32
+                (COARSE * patches.diameter(p)) as f32
             }
         };
         let grain = (0..patches.len()).map(grain).collect();
