@@ -20,7 +20,7 @@ pub struct FirstPass {
     /// to `rays`.
     pub error: Option<f64>,
     /// Rays per patch, and most rays per vertex; `None` chooses by `error`. With neither, the
-    /// goal is 2% at no more than 2,048 rays.
+    /// goal is 3% at no more than 2,048 rays.
     pub rays: Option<u32>,
     /// Diffuse bounces of light to follow; `None` follows them to convergence.
     pub bounces: Option<u32>,
@@ -33,7 +33,7 @@ pub struct FirstPass {
 }
 
 impl Default for FirstPass {
-    /// About 2,500 patches, 2% error or 2,048 rays, bounces to convergence, 4 GiB.
+    /// About 2,500 patches, 3% error or 2,048 rays, bounces to convergence, 4 GiB.
     fn default() -> FirstPass {
         FirstPass {
             size: PatchSize::Count(2_500),
@@ -48,7 +48,7 @@ impl Default for FirstPass {
 }
 
 /// Error that is aimed at when nothing is asked for.
-const DEFAULT_ERROR: f64 = 0.02;
+const DEFAULT_ERROR: f64 = 0.03;
 
 /// Rays per point at which a gather rests when nothing is asked for: light thrown by glass and
 /// curved mirrors would take far more.
@@ -252,7 +252,8 @@ pub fn probe(
     )?;
     let errors = found.standard_errors();
     let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate {
-        value: g.mean(),
+        // The estimate of a share of visibility may fall a hair below nothing.
+        value: g.mean().map(|e| e.max(0.0)),
         error,
     };
     let estimates = found.gathered.iter().zip(&errors).map(estimate).collect();
