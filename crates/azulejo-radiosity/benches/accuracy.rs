@@ -7,12 +7,14 @@
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 mod truth;
+mod usage;
 
 use azulejo_radiosity::{FirstPass, PointNormal, probe};
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::{Progress, Tracer};
 use std::time::Instant;
+use usage::cpu_seconds;
 
 const POINTS: usize = 10_000;
 const EVERY: usize = 20;
@@ -22,14 +24,11 @@ fn main() {
     let paths = std::env::args()
         .skip(1)
         .find_map(|a| a.parse().ok())
-        .unwrap_or(20_000);
+        .unwrap_or(25_000);
     for (name, variant) in [
         ("s1, diffuse", CornellVariant::Diffuse),
         ("s2, mirror block", CornellVariant::MirrorBlock),
     ] {
-        if std::env::var("ONLY").is_ok_and(|only| !name.starts_with(&only)) {
-            continue;
-        }
         println!(
             "\n{name}: {POINTS} points, truth at {} of {paths} paths each",
             POINTS / EVERY
@@ -74,28 +73,6 @@ fn measure(scene: &Scene, paths: u32) {
                 n += 1;
             }
         }
-        if std::env::var_os("WORST").is_some() && error == 0.01 {
-            let mut rows: Vec<_> = probed
-                .estimates
-                .iter()
-                .step_by(EVERY)
-                .zip(&truth)
-                .zip(&some)
-                .map(|((a, t), p)| {
-                    let k = 1;
-                    (
-                        ((a.value[k] - t.0[k]) / t.0[k].max(0.1 * mean[k])).abs(),
-                        a.value[k],
-                        a.error[k],
-                        t.0[k],
-                        t.1[k].sqrt(),
-                        *p,
-                    )
-                })
-                .collect();
-            rows.sort_by(|a, b| b.0.total_cmp(&a.0));
-            rows.iter().take(12).for_each(|r| println!("{r:?}"));
-        }
         let rms = |s: f64| (s / f64::from(n)).max(0.0).sqrt() * 100.0;
         println!(
             "{:>8}% {:>7} {:>8.3} {:>8.3} {:>8.2}% {:>8.2}% {:>8.2}% {:>7.1}%",
@@ -109,22 +86,4 @@ fn measure(scene: &Scene, paths: u32) {
             100.0 * f64::from(inside) / f64::from(n),
         );
     }
-}
-
-/// CPU seconds of this process: of all threads, user and system.
-fn cpu_seconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<&str> = text
-        .rsplit(')')
-        .next()
-        .unwrap_or("")
-        .split_whitespace()
-        .collect();
-    let ticks = |k: usize| {
-        fields
-            .get(k)
-            .and_then(|f| f.parse::<f64>().ok())
-            .unwrap_or(f64::NAN)
-    };
-    (ticks(11) + ticks(12)) / 100.0
 }

@@ -14,11 +14,14 @@ mod table;
 #[path = "../tests/it/table_scenes.rs"]
 mod table_scenes;
 
+mod usage;
+
 use azulejo_radiosity::{FormFactorOptions, FormFactors, PatchSize, form_factors};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::furnished_room;
 use azulejo_trace::{Progress, Tracer};
 use std::time::Instant;
+use usage::{cpu_seconds, peak_mebibytes};
 
 fn main() {
     let rays = std::env::args()
@@ -90,31 +93,4 @@ fn room(rays: u32) {
             mean(&found.escaped),
         );
     }
-}
-
-/// CPU seconds of this process: of all threads, user and system.
-fn cpu_seconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<&str> = text
-        .rsplit(')')
-        .next()
-        .unwrap_or("")
-        .split_whitespace()
-        .collect();
-    let ticks = |k: usize| {
-        fields
-            .get(k)
-            .and_then(|f| f.parse::<f64>().ok())
-            .unwrap_or(f64::NAN)
-    };
-    (ticks(11) + ticks(12)) / 100.0
-}
-
-/// The most memory this process ever had.
-fn peak_mebibytes() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:"));
-    line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok())
-        .unwrap_or(f64::NAN)
-        / 1024.0
 }

@@ -3,12 +3,15 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
+mod usage;
+
 use azulejo_radiosity::light::reflectances;
 use azulejo_radiosity::system::System;
 use azulejo_radiosity::{PatchSize, Patches};
 use azulejo_scene::synthetic::furnished_room;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
 use std::time::Instant;
+use usage::{cpu_seconds, peak_mebibytes};
 
 fn main() {
     let mut numbers = std::env::args()
@@ -18,7 +21,7 @@ fn main() {
         numbers.next().unwrap_or(10_000),
         numbers.next().unwrap_or(4_096),
     );
-    let scene = furnished_room(20_000);
+    let scene = furnished_room(14_500);
     let threads = rayon::current_num_threads();
     let (wall, cpu) = (Instant::now(), cpu_seconds());
     let tracer = Tracer::new(&scene);
@@ -49,9 +52,9 @@ fn main() {
         found.rays as f64 / (traced - prepared) * 1e-6
     );
     println!(
-        "{:.0} bytes/patch of rows, {:.0} MB at most in all",
+        "{:.0} bytes/patch of rows, {:.0} MiB at most in all",
         found.bytes as f64 / count,
-        peak_megabytes()
+        peak_mebibytes()
     );
     println!(
         "{} bounces, residual {:.1e}, balance off by {:.3}%",
@@ -59,32 +62,4 @@ fn main() {
         found.convergence.residual,
         100.0 * found.balance.error()
     );
-}
-
-/// CPU seconds of this process: of all threads, user and system.
-fn cpu_seconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<&str> = text
-        .rsplit(')')
-        .next()
-        .unwrap_or("")
-        .split_whitespace()
-        .collect();
-    let ticks = |k: usize| {
-        fields
-            .get(k)
-            .and_then(|f| f.parse::<f64>().ok())
-            .unwrap_or(f64::NAN)
-    };
-    (ticks(11) + ticks(12)) / 100.0
-}
-
-/// Largest resident memory of this process so far.
-fn peak_megabytes() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = text.lines().find(|l| l.starts_with("VmHWM:")).unwrap_or("");
-    line.split_whitespace()
-        .nth(1)
-        .and_then(|kb| kb.parse::<f64>().ok())
-        .map_or(f64::NAN, |kb| kb / 1024.0)
 }
