@@ -13,5 +13,5 @@ mod lights;
 mod mirrors;
 mod rooms;
 mod table;
-mod vertices;
 mod table_scenes;
+mod vertices;
