@@ -171,6 +171,7 @@ impl<'a> RayEstimator<'a> {
                     row.foreign += weight * ambient * share;
                 }
                 Event::Cut => row.cut += weight * share,
+                Event::Absorbed => row.absorbed += weight * share,
                 Event::Surface { hit, front } => {
                     let material = surfaces.material(hit.item);
                     if material.dielectric.is_none() {

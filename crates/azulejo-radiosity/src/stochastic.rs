@@ -337,6 +337,7 @@ impl Shooter<'_> {
                 match event {
                     Event::Escape => a.balance.escaped += weight,
                     Event::Cut => a.balance.cut += weight,
+                    Event::Absorbed => a.balance.absorbed += weight,
                     Event::Surface { hit, front } => {
                         let material = surfaces.material(hit.item);
                         if material.dielectric.is_none() {

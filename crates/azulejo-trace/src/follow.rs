@@ -44,6 +44,9 @@ pub enum Event {
         /// Whether it arrived at the front.
         front: bool,
     },
+    /// Coloured glass kept the path's weight: what it neither mirrored nor let pass. Other
+    /// surfaces keep 1 − ρ_d − ρ_s of what reaches them, which their material tells.
+    Absorbed,
     /// It left the scene.
     Escape,
     /// What it still carried was too little to follow: the residue.
@@ -99,8 +102,9 @@ pub fn follow(
             if surfaces.is_specular(hit.item) {
                 let chance = uniform(&[seed, wave, index as u32]);
                 go_on(surfaces, path, hit, chance, |next| match next {
-                    Ok(p) => scratch.next.push(p),
-                    Err(rest) => on_event(&rest, Event::Cut),
+                    Next::Path(p) => scratch.next.push(p),
+                    Next::Weak(rest) => on_event(&rest, Event::Cut),
+                    Next::Kept(kept) => on_event(&kept, Event::Absorbed),
                 });
             }
         }
@@ -110,14 +114,23 @@ pub fn follow(
     }
 }
 
-/// The paths that leave a mirror or glass when `path` arrives at it; those that are too weak to
-/// follow come as errors.
+/// What becomes of a path at a mirror or glass.
+enum Next {
+    /// A part that goes on.
+    Path(Path),
+    /// A part that is too weak to follow.
+    Weak(Path),
+    /// What the glass keeps.
+    Kept(Path),
+}
+
+/// The parts of `path` after it arrived at a mirror or glass.
 fn go_on(
     surfaces: &Surfaces,
     path: &Path,
     hit: &KernelHit,
     chance: f32,
-    mut push: impl FnMut(Result<Path, Path>),
+    mut push: impl FnMut(Next),
 ) {
     let ray = surfaces.tracer.world_ray(&path.ray);
     let at = surfaces.tracer.resolve(&ray, hit);
@@ -141,7 +154,11 @@ fn go_on(
             ..*path
         };
         let alive = weight.iter().any(|&w| w > WEIGHT_CUT) && next.depth < DEPTH_CUT;
-        push(if alive { Ok(next) } else { Err(next) });
+        push(if alive {
+            Next::Path(next)
+        } else {
+            Next::Weak(next)
+        });
     };
     match material.dielectric {
         None => {
@@ -155,16 +172,24 @@ fn go_on(
         Some(glass) => {
             let (mirrored, passed) = glass_shares(&glass, direction, facing, at.entering);
             let reflected_share = material.mirror * mirrored.0;
-            let Some((direction_in, passed_share)) = passed else {
-                return send(mirrored.1, reflected_share, Via::Many);
-            };
-            if path.depth < SPLIT_DEPTH {
-                send(mirrored.1, reflected_share, Via::Many);
-                send(direction_in, passed_share, Via::Many);
-            } else if f64::from(chance) < mirrored.0 {
-                send(mirrored.1, material.mirror, Via::Many);
-            } else {
-                send(direction_in, passed_share / (1.0 - mirrored.0), Via::Many);
+            let kept = Rgb::WHITE - reflected_share - glass.transmittance * (1.0 - mirrored.0);
+            match passed {
+                None => send(mirrored.1, reflected_share, Via::Many),
+                Some((direction_in, passed_share)) if path.depth < SPLIT_DEPTH => {
+                    send(mirrored.1, reflected_share, Via::Many);
+                    send(direction_in, passed_share, Via::Many);
+                }
+                Some(_) if f64::from(chance) < mirrored.0 => {
+                    send(mirrored.1, material.mirror, Via::Many);
+                }
+                Some((direction_in, passed_share)) => {
+                    send(direction_in, passed_share / (1.0 - mirrored.0), Via::Many);
+                }
+            }
+            if kept.max_channel() > f64::EPSILON {
+                let kept = kept.to_f32();
+                let weight = [0, 1, 2].map(|k| path.weight[k] * kept[k]);
+                push(Next::Kept(Path { weight, ..*path }));
             }
         }
     }
@@ -189,4 +214,65 @@ fn glass_shares(
         )
     });
     ((split.reflectance, split.reflected), passed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Tracer;
+    use azulejo_scene::{Material, Object, Primitive, Scene, Shape};
+
+    /// What becomes of one path straight through two sheets of a material, by kind of event.
+    fn fates(material: Material) -> [f32; 3] {
+        let mut scene = Scene::default();
+        let glass = scene.add_material(material);
+        for (z, edge1, edge2) in [(0.0, DVec3::X, DVec3::Y), (1.0, DVec3::Y, DVec3::X)] {
+            let corner = DVec3::new(-0.3, -0.4, z);
+            let sheet = Primitive::parallelogram(corner, edge1, edge2, glass);
+            scene
+                .objects
+                .push(Object::new("sheet", Shape::Primitive(sheet)));
+        }
+        let tracer = Tracer::new(&scene);
+        let surfaces = Surfaces::new(&scene, &tracer);
+        let ray = tracer.kernel_ray(&Ray::new(DVec3::new(0.0, 0.0, 2.0), -DVec3::Z));
+        let start = Path {
+            ray,
+            id: 0,
+            weight: [1.0; 3],
+            via: Via::Direct,
+            depth: 0,
+        };
+        let mut fates = [0.0; 3];
+        follow(
+            &surfaces,
+            &mut vec![start],
+            &mut Scratch::default(),
+            1,
+            |path, event| match event {
+                Event::Escape => fates[0] += path.weight[0],
+                Event::Absorbed => fates[1] += path.weight[0],
+                Event::Cut => fates[2] += path.weight[0],
+                Event::Surface { .. } => {}
+            },
+        );
+        fates
+    }
+
+    #[test]
+    fn coloured_glass_keeps_what_it_does_not_pass() {
+        let mut material = Material::dielectric("filter", 1.0);
+        material.dielectric = Some(Dielectric {
+            ior: 1.0,
+            transmittance: Rgb::grey(0.1),
+        });
+        let [escaped, absorbed, cut] = fates(material);
+        assert!((escaped - 0.01).abs() < 1e-6 && (absorbed - 0.99).abs() < 1e-6 && cut < 1e-6);
+    }
+
+    #[test]
+    fn clear_glass_keeps_nothing() {
+        let [escaped, absorbed, _] = fates(Material::dielectric("air", 1.0));
+        assert!((escaped - 1.0).abs() < 1e-6 && absorbed == 0.0);
+    }
 }

@@ -99,6 +99,8 @@ fn account(
     match event {
         Event::Escape => row.escaped += weight.mean() * share,
         Event::Cut => row.cut += weight.mean() * share,
+        // What a surface keeps has no column: the row sums say it.
+        Event::Absorbed => {}
         Event::Surface { hit, front } => {
             let patch = sides.patches.locate_hit(gatherer.surfaces(), &hit);
             match sides.column(patch, front) {

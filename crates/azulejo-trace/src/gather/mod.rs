@@ -347,7 +347,7 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
             let (point, replicate) = (path.id as usize / REPLICATES, path.id as usize % REPLICATES);
             let found = match event {
                 Event::Escape => ambient,
-                Event::Cut => return,
+                Event::Cut | Event::Absorbed => return,
                 Event::Surface { hit, front } => {
                     let at = Arrival { hit, front };
                     let glow = light.glow(&at, replicate);
