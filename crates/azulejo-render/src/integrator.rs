@@ -146,6 +146,18 @@ impl<'a> Integrator<'a> {
         spot.irradiance() * spot.reflectance(self.surfaces().scene, material)
     }
 
+    /// The normal that mirrors and glass bend a ray by: the interpolated one of a smooth mesh, on
+    /// the side of the face's own, `facing`; `facing` itself where the mesh has none, or where the
+    /// interpolated one would mirror the ray into the face.
+    fn smooth_normal(&self, hit: &KernelHit, facing: DVec3, direction: DVec3) -> DVec3 {
+        let Some(normal) = self.interpolator.spot(hit).shading_normal() else {
+            return facing;
+        };
+        let n = normal * 1f64.copysign(normal.dot(facing));
+        let is_usable = direction.dot(n) < 0.0 && reflect(direction, n).dot(facing) > 0.0;
+        if is_usable { n } else { facing }
+    }
+
     /// Gathers what paths wished for.
     fn grant(&self, scratch: &mut Scratch, found: &mut [Found]) {
         let options = GatherOptions {
@@ -258,11 +270,12 @@ impl Path<'_, '_> {
         let at = tracer.resolve(&ray, hit);
         let facing = if at.entering { at.normal } else { -at.normal };
         let direction = ray.direction.normalize();
+        let smooth = self.integrator.smooth_normal(hit, facing, direction);
         let Some(glass) = material.dielectric else {
-            let mirrored = (reflect(direction, facing), material.mirror);
+            let mirrored = (reflect(direction, smooth), material.mirror);
             return self.send(leg, &at, facing, mirrored);
         };
-        let boundary = Boundary::new(&glass, material.mirror, direction, facing, at.entering);
+        let boundary = Boundary::new(&glass, material.mirror, direction, smooth, at.entering);
         if leg.depth < SPLIT_DEPTH {
             self.send(leg, &at, facing, boundary.mirrored());
             if let Some(passed) = boundary.passed() {

@@ -157,6 +157,19 @@ impl Spot<'_> {
         }
     }
 
+    /// Unit shading normal, interpolated; `None` where the object has none of its own.
+    pub fn shading_normal(&self) -> Option<DVec3> {
+        let Spot::Mesh(mesh, weights) = self else {
+            return None;
+        };
+        let normals = mesh.normals.as_ref()?;
+        let pairs = weights.corners.iter().zip(weights.weights);
+        let sum: DVec3 = pairs
+            .map(|(&c, w)| w * normals.at(c, mesh.faces.corners[c]))
+            .sum();
+        sum.try_normalize()
+    }
+
     /// Diffuse reflectance: the material's, times vertex colours, times textures.
     ///
     /// Textures that could not be loaded, and those on objects without texture coordinates,

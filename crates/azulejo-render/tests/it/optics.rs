@@ -2,7 +2,9 @@
 
 use crate::{assert_close, look, polygon, primitive};
 use azulejo_render::SecondPass;
-use azulejo_scene::{Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape};
+use azulejo_scene::{
+    Attribute, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape,
+};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 
@@ -45,6 +47,28 @@ fn a_mirror_shows_the_mirrored_wall() {
         assert!(direct[k].r > 1.0, "the wall shines");
         assert_close(mirrored[k], share * direct[k], 1e-4);
     }
+}
+
+#[test]
+fn a_smooth_mirror_bends_by_its_vertex_normals() {
+    let mut scene = Scene::default();
+    wall(&mut scene);
+    let mirror = scene.add_material(Material::mirror("mirror", Rgb::WHITE));
+    let corners = [(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)];
+    let object = polygon(
+        &mut scene,
+        &corners.map(|(x, y)| DVec3::new(x, y, 0.0)),
+        mirror,
+    );
+    let from = DVec3::new(0.0, 0.0, 2.0);
+    let straight = look(&scene, &[(from, DVec3::ZERO)], &SecondPass::default());
+    // Tilted by half of the angle whose tangent is 3/4, the mirror shows x = 3 at z = 4.
+    let tilted = DVec3::new(1.0, 0.0, 3.0).normalize();
+    let mesh = crate::mesh_of(&mut scene, object);
+    mesh.normals = Some(Attribute::per_vertex(vec![tilted; 4]));
+    let bent = look(&scene, &[(from, DVec3::ZERO)], &SecondPass::default());
+    assert_close(straight[0], Rgb::new(10.0, 10.0, 20.0), 1e-3);
+    assert_close(bent[0], Rgb::new(13.0, 10.0, 23.0), 1e-3);
 }
 
 #[test]
