@@ -133,9 +133,10 @@ pub struct FirstPassArgs {
     #[command(flatten)]
     pub division: Division,
     /// Stop when the estimated relative error of the irradiance (RMS) is below this: 1% or 0.01
+    /// [default without --rays: 3%, or what 2048 rays give]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub error: Option<f64>,
-    /// Rays from each patch
+    /// Rays from each patch, and most from each vertex or point
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
     /// Stop refining after this time and keep what there is: 60s, 2m, 500ms
