@@ -1,7 +1,7 @@
 //! How fast OBJ is read: MB of text per second of one thread, best of several runs.
 //!
 //! `cargo bench -p azulejo-formats --bench obj -- [FILE...]`; without files, a grid made up here.
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use azulejo_formats::{Folder, obj};
 use std::fmt::Write;

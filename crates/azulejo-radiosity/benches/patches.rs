@@ -1,6 +1,6 @@
 //! How fast faces are divided and hits are located: patches per second, nanoseconds per hit.
 
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use azulejo_radiosity::{PatchSize, Patches};
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, furnished_room};

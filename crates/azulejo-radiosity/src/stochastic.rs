@@ -249,7 +249,10 @@ impl Shooter<'_> {
     }
 
     /// Shoots a radiosity per side by `count` rays; returns the irradiance that arrives per side.
-    #[allow(clippy::too_many_arguments)] // One call of one private method; a struct would only rename them.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "private, two calls; a struct would only rename them"
+    )]
     fn shoot(
         &self,
         radiosity: &[Rgb],

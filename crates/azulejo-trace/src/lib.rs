@@ -1,4 +1,24 @@
-//! What does a point see: ray tracing kernel over a scene.
+//! What does a point see?
+//!
+//! [`Tracer`] answers for one ray or for batches of them: the first surface met, or whether any
+//! is. It is made from a scene once, holds a copy of what it needs and never changes; the kernel
+//! below it works eight boxes and four triangles at a time, in `f32` around the scene's centre,
+//! and [`Tracer::resolve`] gives a hit its digits back in `f64`.
+//!
+//! On it stand, each on the one before: [`sampling`] (scrambled Sobol points and where they
+//! lead), [`lambert`] (what a point receives from a polygon, exactly), [`follow`] (rays through
+//! mirrors and glass to all they see), and [`Gatherer`] (irradiance at points, for both passes).
+//! [`Progress`] counts long work and stops it.
+//!
+//! ```
+//! use azulejo_scene::{math::Ray, synthetic::cube_room};
+//! use azulejo_trace::Tracer;
+//! use glam::DVec3;
+//!
+//! let tracer = Tracer::new(&cube_room());
+//! let hit = tracer.hit(&Ray::new(DVec3::splat(0.5), DVec3::X)).unwrap();
+//! assert!((hit.t - 0.5).abs() < 1e-6 && hit.entering);
+//! ```
 
 mod assemble;
 mod build;

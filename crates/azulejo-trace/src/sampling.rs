@@ -134,12 +134,6 @@ impl SobolTable {
         let p = self.reversed[index];
         [0, 1, 2, 3].map(|d| owen_scramble_reversed(p[d], seeds[d]))
     }
-
-    /// The first two coordinates of point `index`.
-    pub fn point2(&self, index: usize, seeds: [u32; 2]) -> [f32; 2] {
-        let p = self.reversed[index];
-        [0, 1].map(|d| owen_scramble_reversed(p[d], seeds[d]))
-    }
 }
 
 /// A well-mixed 32-bit hash of several words, for seeds.

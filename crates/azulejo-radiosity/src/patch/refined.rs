@@ -6,8 +6,10 @@ use glam::{DVec2, DVec3};
 use std::ops::{Add, Mul};
 
 /// What carries an object's irradiance after the division.
-// There is one per object, so its size does not matter.
-#[allow(clippy::large_enum_variant)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one per object, so its size does not matter"
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefinedShape {
     /// A mesh whose faces are the object's patches and whose vertices are its display vertices,

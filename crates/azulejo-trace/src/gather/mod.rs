@@ -22,7 +22,8 @@ use std::ops::Range;
 
 /// Estimates of every quantity, from equal shares of its samples: their spread is its standard
 /// error. Those of rows of form factors are independent; those of a gather are consecutive
-/// stretches of one sequence, each well spread and all together better still.
+/// stretches of one sequence (shadow rays: of one for each half of them), each well spread and
+/// all together better still.
 pub const REPLICATES: usize = 4;
 
 /// A hit nearer than the patch it falls on is replaced by a gather of its own, at most this many
