@@ -1,8 +1,12 @@
 //! Which format bytes are in, by what they say rather than by the file's name.
 
-use crate::obj::{self, without_utf16};
-use crate::{Files, Loaded, ReadError, grf};
+use crate::text::without_utf16;
+use crate::{Files, Loaded, ReadError, ReadOptions};
+use crate::{dxf, gltf, grf, gzip, mgf, obj, openflight, ply, stl, studio3ds, vrml};
+use flate2::read::MultiGzDecoder;
+use std::borrow::Cow;
 use std::fmt;
+use std::io::Read;
 
 /// The model formats that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +16,40 @@ pub enum Format {
     Grf,
     /// Wavefront OBJ.
     Obj,
+    /// 3D Studio (3DS).
+    Studio3ds,
+    /// AutoCAD drawing exchange, ASCII or binary.
+    Dxf,
+    /// OpenFlight.
+    OpenFlight,
+    /// VRML 1.0, VRML97 and X3D, in XML or in the classic encoding.
+    Vrml,
+    /// Materials and Geometry Format.
+    Mgf,
+    /// glTF 2.0, JSON or binary (GLB).
+    Gltf,
+    /// Stanford polygon file.
+    Ply,
+    /// Stereolithography, ASCII or binary.
+    Stl,
+}
+
+impl Format {
+    /// Its name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::Grf => "GRF",
+            Format::Obj => "Wavefront OBJ",
+            Format::Studio3ds => "3DS",
+            Format::Dxf => "DXF",
+            Format::OpenFlight => "OpenFlight",
+            Format::Vrml => "VRML or X3D",
+            Format::Mgf => "MGF",
+            Format::Gltf => "glTF",
+            Format::Ply => "PLY",
+            Format::Stl => "STL",
+        }
+    }
 }
 
 /// Bytes in none of the formats that can be read.
@@ -30,17 +68,40 @@ impl fmt::Display for Unrecognised {
 impl std::error::Error for Unrecognised {}
 
 /// What every message asks for instead.
-const EXPECTED: &str = "a model in GRF or OBJ";
+const EXPECTED: &str =
+    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, STL, VRML or X3D";
 
-/// Reads a model in whatever format it is. `name` stands in messages; `files` gives the files
-/// that the model names, relative to the model's folder.
+/// Reads a model in whatever format it is, packed with gzip or not. `name` stands in messages;
+/// `files` gives the files that the model names, relative to the model's folder.
 ///
 /// # Errors
 /// A format that is not read, and what the format's own reader says.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+    read_with(bytes, name, files, &ReadOptions::default())
+}
+
+/// [`read`] with other choices than the default.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Loaded, ReadError> {
+    let bytes = &*gzip::unpacked(bytes, name, options)?;
     match detect(bytes) {
         Ok(Format::Grf) => grf::read(bytes, name, files),
         Ok(Format::Obj) => obj::read(bytes, name, files),
+        Ok(Format::Studio3ds) => studio3ds::read(bytes, name, files, options),
+        Ok(Format::Dxf) => dxf::read(bytes, name, files, options),
+        Ok(Format::OpenFlight) => openflight::read(bytes, name, files, options),
+        Ok(Format::Vrml) => vrml::read(bytes, name, files, options),
+        Ok(Format::Mgf) => mgf::read(bytes, name, files, options),
+        Ok(Format::Gltf) => gltf::read(bytes, name, files, options),
+        Ok(Format::Ply) => ply::read(bytes, name, files, options),
+        Ok(Format::Stl) => stl::read(bytes, name, files, options),
         Err(Unrecognised { looks_like }) => Err(ReadError::whole(name, looks_like, EXPECTED)),
     }
 }
@@ -48,106 +109,167 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
 /// How much of a file is looked at: enough to come past a long comment at its head.
 const LOOKED_AT: usize = 1 << 16;
 
-/// Recognises the format of a model.
+/// Recognises the format of a model, packed with gzip or not.
 ///
 /// # Errors
 /// [`Unrecognised`], with a name for what it is instead where that is well known.
 pub fn detect(bytes: &[u8]) -> Result<Format, Unrecognised> {
-    let head = without_utf16(&bytes[..bytes.len().min(LOOKED_AT)]);
-    let found = match known_mark(bytes) {
-        Some(other) => Err(other),
-        None => by_words(&head),
+    let start = unpacked_start(bytes);
+    let found = match known_mark(&start) {
+        Some(found) => found,
+        None => by_words(&without_utf16(&start[..start.len().min(LOOKED_AT)])),
     };
     found.map_err(|looks_like| Unrecognised { looks_like })
 }
 
+/// The bytes, or the first of those that they unpack to.
+fn unpacked_start(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if !gzip::is_gzip(bytes) {
+        return Cow::Borrowed(bytes);
+    }
+    let mut start = Vec::new();
+    // What could be unpacked before the damage tells the format as well as the whole.
+    let _ = MultiGzDecoder::new(bytes)
+        .take(LOOKED_AT as u64)
+        .read_to_end(&mut start);
+    Cow::Owned(start)
+}
+
+type Found = Result<Format, &'static str>;
+
 /// Formats that begin with bytes of their own.
-fn known_mark(bytes: &[u8]) -> Option<&'static str> {
-    const MARKS: [(&[u8], &str); 21] = [
-        (b"\x89PNG", "a PNG picture"),
-        (b"\xff\xd8\xff", "a JPEG picture"),
-        (b"GIF8", "a GIF picture"),
-        (b"BM", "a BMP picture"),
-        (b"\x76\x2f\x31\x01", "an OpenEXR picture"),
-        (b"#?RADIANCE", "a Radiance picture"),
-        (b"\x1f\x8b", "a gzip archive; unpack it first"),
-        (b"PK\x03\x04", "a zip archive; unpack it first"),
-        (b"%PDF", "a PDF document"),
-        (b"BLENDER", "a Blender file; export it as OBJ"),
-        (b"Kaydara FBX", "an FBX model"),
-        (b"glTF", "a binary glTF model"),
-        (b"ply\n", "a PLY model"),
-        (b"ply\r", "a PLY model"),
-        (b"#VRML", "a VRML model"),
-        (b"#X3D", "an X3D model"),
-        (b"#Inventor", "an Open Inventor model"),
-        (b"AutoCAD Binary DXF", "a DXF drawing"),
-        (b"OFF\n", "an OFF model"),
-        (b"\x00\x01\x01\x44", "an OpenFlight model"),
-        (b"\x7fELF", "a program"),
+fn known_mark(bytes: &[u8]) -> Option<Found> {
+    use Format::*;
+    const MARKS: [(&[u8], Found); 22] = [
+        (b"\x89PNG", Err("a PNG picture")),
+        (b"\xff\xd8\xff", Err("a JPEG picture")),
+        (b"GIF8", Err("a GIF picture")),
+        (b"\x76\x2f\x31\x01", Err("an OpenEXR picture")),
+        (b"#?RADIANCE", Err("a Radiance picture")),
+        (b"IESNA", Err("an IES luminaire; name it in an MGF scene")),
+        (b"PK\x03\x04", Err("a zip archive; unpack it first")),
+        (b"%PDF", Err("a PDF document")),
+        (b"BLENDER", Err("a Blender file; export it as glTF")),
+        (b"Kaydara FBX", Err("an FBX model; export it as glTF")),
+        (b"AC10", Err("a DWG drawing; export it as DXF")),
+        (b"OFF\n", Err("an OFF model")),
+        (b"\x7fELF", Err("a program")),
+        (b"AutoCAD Binary DXF", Ok(Dxf)),
+        (b"glTF", Ok(Gltf)),
+        (b"ply\n", Ok(Ply)),
+        (b"ply\r", Ok(Ply)),
+        (b"ply ", Ok(Ply)),
+        (b"#VRML", Ok(Vrml)),
+        (b"#X3D", Ok(Vrml)),
+        (b"#Inventor V1.0 ascii", Ok(Vrml)),
+        (b"#Inventor V2", Ok(Vrml)),
     ];
     if bytes.is_empty() {
-        return Some("an empty file");
+        return Some(Err("an empty file"));
     }
-    let mark = MARKS.iter().find(|(mark, _)| bytes.starts_with(mark));
-    mark.map(|(_, name)| *name)
-        .or_else(|| is_3ds(bytes).then_some("a 3DS model"))
-        .or_else(|| is_binary_stl(bytes).then_some("an STL model"))
+    let marked = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mark = MARKS.iter().find(|(mark, _)| marked.starts_with(mark));
+    mark.map(|(_, found)| *found)
+        .or_else(|| is_openflight(bytes).then_some(Ok(OpenFlight)))
+        .or_else(|| is_3ds(bytes).then_some(Ok(Studio3ds)))
+        .or_else(|| is_binary_stl(bytes).then_some(Ok(Stl)))
 }
 
-/// The main chunk's id, and a length that the file has.
+/// A header record: opcode 1 and a length that some revision gives it.
+fn is_openflight(bytes: &[u8]) -> bool {
+    matches!(bytes, [0, 1, high, low, ..]
+        if (128..=1024).contains(&u16::from_be_bytes([*high, *low])))
+}
+
+/// The main chunk, and a chunk that may stand first in it.
 fn is_3ds(bytes: &[u8]) -> bool {
-    match bytes {
-        [b'M', b'M', a, b, c, d, ..] => {
-            let length = u32::from_le_bytes([*a, *b, *c, *d]) as usize;
-            (6..=bytes.len()).contains(&length)
-        }
-        _ => false,
-    }
+    let first = |at: usize| Some(u16::from_le_bytes([*bytes.get(at)?, *bytes.get(at + 1)?]));
+    first(0) == Some(0x4d4d) && matches!(first(6), None | Some(0x0002 | 0x3d3d | 0x3d3e | 0xb000))
 }
 
-/// 80 bytes of anything, a count, and 50 bytes for each triangle.
+/// 80 bytes of anything, a count, and 50 bytes for each triangle. Some writers add a few bytes
+/// behind, and some begin the 80 bytes like the text format.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|b| b.try_into().ok());
-    count.is_some_and(|c| bytes.len() as u64 == 84 + 50 * u64::from(u32::from_le_bytes(c)))
+    let expected = count.map(|c| 84 + 50 * u64::from(u32::from_le_bytes(c)));
+    let length = bytes.len() as u64;
+    expected.is_some_and(|e| e == length || (e > 84 && e < length && length - e < 50))
 }
 
 /// The first word that begins a line and belongs to one format decides.
-fn by_words(head: &[u8]) -> Result<Format, &'static str> {
+fn by_words(head: &[u8]) -> Found {
     let mut lines = head
         .split(|b| matches!(b, b'\n' | b'\r'))
         .map(|line| line.trim_ascii())
         .filter(|line| !line.is_empty());
-    if let Some(found) = lines.clone().find_map(by_line) {
+    if is_dxf(lines.clone()) {
+        return Ok(Format::Dxf);
+    }
+    if let Some(found) = lines.clone().find_map(|line| by_line(line, head)) {
         return found;
     }
     match lines.next() {
         None => Err("nothing but blanks"),
+        // `o` and `p` are words of OBJ and of MGF, and OBJ is the likelier.
+        Some(_) if lines.any(|l| matches!(first_word(l), b"o" | b"p")) => Ok(Format::Obj),
         Some(_) if head.contains(&0) => Err("binary data of no known kind"),
         Some(_) => Err("text of no known kind"),
     }
 }
 
-fn by_line(line: &[u8]) -> Option<Result<Format, &'static str>> {
-    let line = line.trim_ascii_start();
+/// Lines in pairs of a group code and a value; the first pair begins a section, behind comments.
+fn is_dxf<'a>(mut lines: impl Iterator<Item = &'a [u8]>) -> bool {
+    while let (Some(code), Some(value)) = (lines.next(), lines.next()) {
+        match code {
+            b"999" => {}
+            b"0" => return value.eq_ignore_ascii_case(b"SECTION"),
+            _ => return false,
+        }
+    }
+    false
+}
+
+fn first_word(line: &[u8]) -> &[u8] {
     let end = |b: &u8| b.is_ascii_whitespace() || matches!(b, b'(' | b'=' | b'"' | 0);
-    let word = line.split(end).next().unwrap_or_default();
+    line.split(end).next().unwrap_or_default()
+}
+
+fn by_line(line: &[u8], head: &[u8]) -> Option<Found> {
     // A byte order mark or zero bytes may cling to the first word.
-    let word = word.strip_prefix(b"\xef\xbb\xbf").unwrap_or(word);
+    let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
+    let line = line.trim_ascii_start();
+    let zeros = line.iter().take_while(|b| **b == 0).count();
+    let line = &line[zeros..];
+    let word = first_word(line);
     match word.to_ascii_lowercase().as_slice() {
-        b"v" | b"vt" | b"vn" | b"vp" | b"f" | b"fo" | b"o" | b"g" | b"s" | b"usemtl"
-        | b"mtllib" | b"p" | b"l" | b"cstype" => Some(Ok(Format::Obj)),
+        // A vertex of OBJ begins with a number, in MGF it has a name.
+        b"v" | b"f" => Some(Ok(match line[1..].trim_ascii_start() {
+            [b'+' | b'-' | b'.' | b'0'..=b'9', ..] => Format::Obj,
+            _ => Format::Mgf,
+        })),
+        b"vt" | b"vn" | b"vp" | b"fo" | b"g" | b"s" | b"usemtl" | b"mtllib" | b"l" | b"cstype" => {
+            Some(Ok(Format::Obj))
+        }
+        b"m" | b"c" | b"cxy" | b"cspec" | b"cct" | b"cmix" | b"rd" | b"td" | b"ed" | b"rs"
+        | b"ts" | b"ir" | b"sides" | b"sph" | b"cyl" | b"cone" | b"prism" | b"torus" | b"ring"
+        | b"fh" | b"xf" | b"ies" | b"i" => Some(Ok(Format::Mgf)),
         b"begin" | b"mesh" | b"light" | b"include" | b"transform" | b"def" | b"params" | b"ext" => {
             Some(Ok(Format::Grf))
         }
         b"newmtl" => Some(Err("a material library (MTL); give the OBJ that names it")),
-        b"solid" => Some(Err("an STL model")),
-        b"section" => Some(Err("a DXF drawing")),
-        b"{" => Some(Err("JSON, perhaps a glTF model")),
-        _ if word.starts_with(b"<") => Some(Err("XML, perhaps an X3D or Collada model")),
+        b"solid" => Some(Ok(Format::Stl)),
+        _ if line.starts_with(b"{") => Some(Ok(Format::Gltf)),
+        _ if line.starts_with(b"<") => Some(match holds(head, b"<X3D") {
+            true => Ok(Format::Vrml),
+            false => Err("XML that is not X3D"),
+        }),
         _ if word.starts_with(b"//") || word.starts_with(b";") => Some(Ok(Format::Grf)),
         _ => None,
     }
+}
+
+fn holds(bytes: &[u8], what: &[u8]) -> bool {
+    bytes.windows(what.len()).any(|w| w == what)
 }
 
 #[cfg(test)]
@@ -171,6 +293,26 @@ mod tests {
         check(b"def a = rgb (1,1,1)", Ok(Format::Grf));
         check(b"include\"a.grf\"", Ok(Format::Grf));
         check(b"light begin", Ok(Format::Grf));
+        check(b"MM\x06\0\0\0", Ok(Format::Studio3ds));
+        check(b"MM\xff\0\0\0\x02\0", Ok(Format::Studio3ds));
+        check(b"\0\x01\x01\x44TheHeader", Ok(Format::OpenFlight));
+        check(b"ply\nformat ascii 1.0", Ok(Format::Ply));
+        check(b"solid cube\nfacet", Ok(Format::Stl));
+        check(&[b' '; 84].map(|_| 0), Ok(Format::Stl));
+        check(b"{ \"asset\": {} }", Ok(Format::Gltf));
+        check(b"{\"asset\":{}}", Ok(Format::Gltf));
+        check(b"glTF\x02\0\0\0", Ok(Format::Gltf));
+        check(b"#VRML V2.0 utf8", Ok(Format::Vrml));
+        check(
+            b"<?xml version='1.0'?>\n<X3D profile='Full'>",
+            Ok(Format::Vrml),
+        );
+        check(b"  0\nSECTION\n", Ok(Format::Dxf));
+        check(b"999\nv 1 2 3\n0\nSECTION\n", Ok(Format::Dxf));
+        check(b"AutoCAD Binary DXF\r\n\x1a\0", Ok(Format::Dxf));
+        check(b"# a room\nm white =\n", Ok(Format::Mgf));
+        check(b"o room\nv a =\n\tp 1 2 3\n", Ok(Format::Mgf));
+        check(b"o cube\no cube\n", Ok(Format::Obj));
     }
 
     #[test]
@@ -178,24 +320,16 @@ mod tests {
         check(b"", Err("an empty file"));
         check(b" \n\t\n", Err("nothing but blanks"));
         check(b"\x89PNG\r\n\x1a\n", Err("a PNG picture"));
-        check(b"\x1f\x8b\x08", Err("a gzip archive; unpack it first"));
-        check(b"MM\x06\0\0\0", Err("a 3DS model"));
-        check(b"MM\x07\0\0\0", Err("binary data of no known kind"));
-        check(b"ply\nformat ascii 1.0", Err("a PLY model"));
-        check(b"solid cube\nfacet", Err("an STL model"));
-        check(&[b' '; 84].map(|_| 0), Err("an STL model"));
-        check(b"{ \"asset\": {} }", Err("JSON, perhaps a glTF model"));
-        check(b"glTF\x02\0\0\0", Err("a binary glTF model"));
-        check(b"#VRML V2.0 utf8", Err("a VRML model"));
+        check(b"\x1f\x8b\x08", Err("an empty file"));
+        check(b"MM\x07\0\0\0\x01\x01", Err("binary data of no known kind"));
         check(
-            b"<?xml version",
-            Err("XML, perhaps an X3D or Collada model"),
+            b"<?xml version='1.0'?>\n<COLLADA/>",
+            Err("XML that is not X3D"),
         );
         check(
             b"newmtl a\nKd 1 1 1",
             Err("a material library (MTL); give the OBJ that names it"),
         );
-        check(b"  0\nSECTION\n", Err("a DXF drawing"));
         check(b"Dear diary", Err("text of no known kind"));
         check(b"\x02\x00\x03", Err("binary data of no known kind"));
     }

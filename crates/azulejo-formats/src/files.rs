@@ -6,13 +6,40 @@ use std::{fmt, fs, io};
 
 /// Gives readers the files that a model names, by the name that stands in the model.
 ///
-/// Names are relative to the model's own folder, with `/` or `\` between folders.
+/// Names are relative to the model's own folder, with `/` or `\` between folders. Models come
+/// from systems that do not tell capitals from small letters: a name that does not exist as it is
+/// written may be given by one that differs in capitals alone.
 pub trait Files {
     /// The content of a file.
     ///
     /// # Errors
     /// [`FileError`]: missing, unreadable, larger than the limit, or outside the folder.
     fn read(&self, name: &str) -> Result<Vec<u8>, FileError>;
+}
+
+/// The name of a file as the model's own folder knows it, when `name` stands in the file `of`,
+/// which the model names so itself: `parts/a.flt` and `../b.flt` make `b.flt`.
+///
+/// What leads out of the model's folder keeps its leading `..`, and an absolute name stays as it
+/// is; [`Files::read`] refuses both unless they are allowed.
+pub(crate) fn beside(of: &str, name: &str) -> String {
+    let name = name.replace('\\', "/");
+    let of = of.replace('\\', "/");
+    let (folder, _) = of.rsplit_once('/').unwrap_or_default();
+    if folder.is_empty() || name.starts_with('/') || name.as_bytes().get(1) == Some(&b':') {
+        return name;
+    }
+    let mut path: Vec<&str> = Vec::new();
+    for part in folder.split('/').chain(name.split('/')) {
+        match part {
+            "" | "." => {}
+            ".." if path.last().is_some_and(|last| *last != "..") => {
+                path.pop();
+            }
+            other => path.push(other),
+        }
+    }
+    path.join("/")
 }
 
 /// Why a named file could not be had.
@@ -89,7 +116,9 @@ impl Folder {
             return Err(FileError::Outside);
         }
         // Canonical paths also catch symbolic links that lead out.
-        let real = fs::canonicalize(self.root.join(path)).map_err(not_found)?;
+        let real = fs::canonicalize(self.root.join(path))
+            .or_else(|e| in_other_capitals(&self.root, path).ok_or(e))
+            .map_err(not_found)?;
         let inside = std::iter::once(&self.root).chain(&self.allowed);
         let is_inside = inside
             .filter_map(|folder| fs::canonicalize(folder).ok())
@@ -100,6 +129,32 @@ impl Folder {
             Err(FileError::Outside)
         }
     }
+}
+
+/// The canonical path below `root` that differs from `path` in capitals alone.
+fn in_other_capitals(root: &Path, path: &Path) -> Option<PathBuf> {
+    let mut real = root.to_path_buf();
+    for part in path.components() {
+        let wanted = match part {
+            Component::Normal(wanted) => wanted,
+            Component::CurDir => continue,
+            Component::ParentDir => {
+                real.push("..");
+                continue;
+            }
+            _ => return None,
+        };
+        let wanted = wanted.to_string_lossy().to_lowercase();
+        let mut alike: Vec<_> = fs::read_dir(&real)
+            .ok()?
+            .filter_map(|entry| Some(entry.ok()?.file_name()))
+            .filter(|name| name.to_string_lossy().to_lowercase() == wanted)
+            .collect();
+        // The order of a folder is the file system's own; the choice must not be.
+        alike.sort();
+        real.push(alike.first()?);
+    }
+    fs::canonicalize(real).ok()
 }
 
 fn not_found(e: io::Error) -> FileError {
@@ -148,7 +203,14 @@ impl Memory {
 
 impl Files for Memory {
     fn read(&self, name: &str) -> Result<Vec<u8>, FileError> {
-        self.files.get(name).cloned().ok_or(FileError::Missing)
+        let alike = || {
+            let mut files = self.files.iter();
+            files.find(|(other, _)| other.to_lowercase() == name.to_lowercase())
+        };
+        let found = self.files.get_key_value(name).or_else(alike);
+        found
+            .map(|(_, content)| content.clone())
+            .ok_or(FileError::Missing)
     }
 }
 
@@ -157,10 +219,31 @@ mod tests {
     use super::*;
 
     #[test]
+    fn names_are_relative_to_the_file_that_holds_them() {
+        let check = |of, name, expected: &str| assert_eq!(beside(of, name), expected);
+        check("room.wrl", "lamp.wrl", "lamp.wrl");
+        check("parts/a.flt", "b.flt", "parts/b.flt");
+        check("parts\\a.flt", "..\\b.flt", "b.flt");
+        check("parts/a.flt", "../../b.flt", "../b.flt");
+        check("../parts/a.flt", "../b.flt", "../b.flt");
+        check("parts/a.flt", "/b.flt", "/b.flt");
+        check("parts/a.flt", "C:\\b.flt", "C:/b.flt");
+    }
+
+    #[test]
+    fn capitals_are_forgiven() {
+        let files = Memory::new().with("Wood.PNG", "1").with("wood.png", "2");
+        assert_eq!(files.read("wood.png").unwrap(), b"2");
+        assert_eq!(files.read("WOOD.png").unwrap(), b"1");
+        assert!(files.read("wool.png").is_err());
+    }
+
+    #[test]
     fn a_folder_keeps_its_readers_inside() {
         let folder = Folder::new(env!("CARGO_MANIFEST_DIR"))
             .allow(concat!(env!("CARGO_MANIFEST_DIR"), "/src"));
         assert!(folder.read("Cargo.toml").is_ok());
+        assert!(folder.read("SRC\\Lib.RS").is_ok());
         assert!(folder.read(".\\src\\lib.rs").is_ok());
         assert!(matches!(
             folder.read("no such file"),

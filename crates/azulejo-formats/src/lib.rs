@@ -9,18 +9,35 @@
 //! through one small trait, [`Files`], so that a folder, a test's map of strings and a sandbox
 //! work alike.
 
+mod bytes;
 pub mod camera_json;
 mod detect;
+pub mod dxf;
 mod error;
 pub mod exr;
 mod files;
+pub mod gltf;
 pub mod grf;
+mod gzip;
 pub mod hdr;
+mod materials;
+pub mod mgf;
+mod number;
 pub mod obj;
+pub mod openflight;
+mod options;
 mod picture;
+pub mod ply;
 pub mod png;
+mod smooth;
+pub mod stl;
+pub mod studio3ds;
+mod text;
+pub mod vrml;
+mod warnings;
 
-pub use detect::{Format, Unrecognised, detect, read};
+pub use detect::{Format, Unrecognised, detect, read, read_with};
 pub use error::{Loaded, Position, ReadError, Warning};
 pub use files::{FileError, Files, Folder, Memory};
+pub use options::{Lod, ReadOptions};
 pub use picture::PictureError;

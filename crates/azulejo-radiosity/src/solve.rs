@@ -331,7 +331,7 @@ impl<'a> Solved<'a> {
 
     fn report(&self, gathering: &Gathering) -> Report {
         let scene = self.gatherer.surfaces().scene;
-        let square_metres = scene.units.metres_per_unit.powi(2);
+        let square_metres = scene.units.metres().powi(2);
         Report {
             method: self.method,
             patches: self.patches.len(),

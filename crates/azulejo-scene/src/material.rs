@@ -14,7 +14,8 @@ pub type TextureId = u32;
 /// the share `diffuse`, mirrored in the share `mirror`, and what is left is absorbed; for every
 /// channel `diffuse + mirror <= 1`. With a `dielectric` the two shares that are mirrored and
 /// transmitted come from Fresnel's equations instead, and `mirror` scales the reflected part.
-/// Diffuse and mirror surfaces act on both sides; emission leaves the front only.
+/// Diffuse and mirror surfaces act on both sides; emission leaves the front only, unless
+/// `emits_back`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Material {
     /// Name in the file; may be empty.
@@ -27,6 +28,8 @@ pub struct Material {
     pub dielectric: Option<Dielectric>,
     /// Emitted radiance of the front side, W/(sr·m²), the same in all directions.
     pub emission: Rgb,
+    /// Whether the back emits the same.
+    pub emits_back: bool,
     /// Multiplies `diffuse`, where the mesh has texture coordinates. Several are multiplied
     /// with each other (GRF's multitexture).
     pub textures: Vec<TextureId>,
@@ -108,6 +111,25 @@ impl Material {
             emission: radiance,
             ..Material::default()
         }
+    }
+
+    /// Makes reflectances possible; `false` if they were not.
+    ///
+    /// What is outside 0..=1 is clamped; where diffuse and mirror reflect more than arrives,
+    /// both are scaled down.
+    pub fn limit_reflectance(&mut self) -> bool {
+        let before = (self.diffuse, self.mirror);
+        self.diffuse = self.diffuse.map(|x| x.clamp(0.0, 1.0));
+        self.mirror = self.mirror.map(|x| x.clamp(0.0, 1.0));
+        for channel in 0..3 {
+            let sum = self.diffuse[channel] + self.mirror[channel];
+            // The margin is that of a valid scene, whose sums are left to the bit.
+            if sum > 1.0 + 1e-9 {
+                self.diffuse[channel] /= sum;
+                self.mirror[channel] /= sum;
+            }
+        }
+        before == (self.diffuse, self.mirror)
     }
 
     /// Emitted exitance M = πL, W/m².

@@ -1,7 +1,10 @@
 //! The scene: objects, materials, lights, cameras, units.
 
 use crate::math::Aabb;
-use crate::{Camera, Irradiance, Light, Material, MaterialId, ObjectIrradiance, Shape, Texture};
+use crate::{
+    Camera, Irradiance, Light, Material, MaterialId, ObjectIrradiance, Rgb, Shape, Texture,
+};
+use glam::DVec3;
 
 /// Everything that is there, as plain data. [`Scene::validate`] says what may be assumed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,34 +19,86 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Viewpoints that the file brings.
     pub cameras: Vec<Camera>,
+    /// What a viewer sees where there is no surface. It gives no light: see
+    /// [`LightKind::Ambient`](crate::LightKind::Ambient) for surroundings that do.
+    pub background: Option<Rgb>,
+    /// What hides far surfaces from a viewer. It takes no light away from surfaces.
+    pub fog: Option<Fog>,
     /// What the numbers mean.
     pub units: Units,
+}
+
+/// Fog, as VRML has it: a colour that surfaces fade into with their distance from the viewer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fog {
+    /// Radiance of what is far away, W/(sr·m²).
+    pub color: Rgb,
+    /// Distance at which nothing is seen any more, scene units, > 0.
+    pub visibility: f64,
+    /// Whether surfaces fade exponentially, as in real fog, and not linearly.
+    pub exponential: bool,
+}
+
+impl Fog {
+    /// Share of a surface's light that comes through from `distance` away, 0..=1.
+    ///
+    /// ISO/IEC 14772-1:1997, 6.19, table 6.2: (V − d)/V, or e^(−d/(V − d)).
+    pub fn transmittance(&self, distance: f64) -> f64 {
+        let left = self.visibility - distance;
+        match (left > 0.0, self.exponential) {
+            (false, _) => 0.0,
+            (true, true) => (-distance / left).exp(),
+            (true, false) => left / self.visibility,
+        }
+    }
 }
 
 /// A named shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// Name in the file; may be empty, need not be unique.
+    /// Name in the file, need not be unique. Where a file nests its objects, the path through
+    /// its named groups: `house/kitchen/table`.
     pub name: String,
     /// Its geometry, placed in the world.
     pub shape: Shape,
 }
 
 /// What a scene's numbers mean.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Units {
-    /// Length of one scene unit in metres, > 0.
-    pub metres_per_unit: f64,
+    /// Length of one scene unit in metres, > 0; `None` when nobody says. One metre is assumed
+    /// then.
+    pub metres_per_unit: Option<f64>,
+    /// The axis that points away from the ground.
+    pub up: Up,
     /// Whether light is in cd/m² and lux instead of W/(sr·m²) and W/m². azulejo computes alike.
     pub photometric: bool,
 }
 
-impl Default for Units {
-    fn default() -> Units {
-        Units {
-            metres_per_unit: 1.0,
-            photometric: false,
+/// The axis that points away from the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Up {
+    /// As in most formats for pictures.
+    #[default]
+    Y,
+    /// As in most formats for building and making.
+    Z,
+}
+
+impl Up {
+    /// The unit vector.
+    pub fn axis(self) -> DVec3 {
+        match self {
+            Up::Y => DVec3::Y,
+            Up::Z => DVec3::Z,
         }
+    }
+}
+
+impl Units {
+    /// Length of one scene unit in metres; 1 when nobody says.
+    pub fn metres(&self) -> f64 {
+        self.metres_per_unit.unwrap_or(1.0)
     }
 }
 
@@ -140,7 +195,8 @@ impl Scene {
 
     /// Appends another scene's content: the paper's "add" as against "new".
     ///
-    /// Lengths are not converted; the first scene's units stay.
+    /// Nothing is converted ([`Scene::adapted`] does that before); units, background and fog
+    /// of this scene stay, and if it has no background or fog, the other's are taken.
     pub fn merge(&mut self, other: Scene) {
         let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
         self.textures.extend(other.textures);
@@ -158,5 +214,7 @@ impl Scene {
         }));
         self.lights.extend(other.lights);
         self.cameras.extend(other.cameras);
+        self.background = self.background.or(other.background);
+        self.fog = self.fog.or(other.fog);
     }
 }

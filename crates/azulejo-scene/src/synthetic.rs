@@ -50,8 +50,8 @@ pub enum CornellVariant {
 pub fn cornell_box(variant: CornellVariant) -> Scene {
     let mut scene = Scene {
         units: Units {
-            metres_per_unit: 1e-3,
-            photometric: false,
+            metres_per_unit: Some(1e-3),
+            ..Units::default()
         },
         ..Scene::default()
     };

@@ -46,13 +46,14 @@ impl Scene {
     /// 4. Normals have length 1 (to 1e-3) or are absent; so have the directions of lights.
     /// 5. Primitives' maps are invertible, cone tops in 0..=1, `ior > 0`, units > 0.
     /// 6. A camera's eye, target and up span a plane; its field of view is in 0..π.
+    /// 7. Background and fog are not negative; fog has a visibility > 0.
     ///
     /// Degenerate faces (no area) are allowed: they see nothing, and nothing sees them.
     ///
     /// # Errors
     /// The first broken promise.
     pub fn validate(&self) -> Result<(), Invalid> {
-        let units = self.units.metres_per_unit;
+        let units = self.units.metres();
         ensure(
             units > 0.0 && units.is_finite(),
             || "units".into(),
@@ -67,7 +68,30 @@ impl Scene {
             })?;
         }
         self.validate_lights()?;
-        self.validate_cameras()
+        self.validate_cameras()?;
+        self.validate_surroundings()
+    }
+
+    fn validate_surroundings(&self) -> Check {
+        let shines = |c: crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
+        let sky = self.background.unwrap_or_default();
+        ensure(
+            shines(sky),
+            || "background".into(),
+            || format!("radiance is {sky:?}, expected finite numbers >= 0"),
+        )?;
+        let Some(fog) = self.fog else { return Ok(()) };
+        let far = fog.visibility;
+        ensure(
+            shines(fog.color) && far > 0.0 && far.is_finite(),
+            || "fog".into(),
+            || {
+                format!(
+                    "colour is {:?} and visibility {far}, expected >= 0 and > 0",
+                    fog.color
+                )
+            },
+        )
     }
 
     fn validate_materials(&self) -> Check {
@@ -378,7 +402,21 @@ mod tests {
             "normal 0",
         );
         check(|s| s.materials[0].mirror = Rgb::grey(0.6), "exceed 1");
-        check(|s| s.units.metres_per_unit = 0.0, "metres_per_unit");
+        check(|s| s.units.metres_per_unit = Some(0.0), "metres_per_unit");
+        check(
+            |s| s.background = Some(crate::Rgb::grey(-1.0)),
+            "background",
+        );
+        check(
+            |s| {
+                s.fog = Some(crate::Fog {
+                    color: crate::Rgb::WHITE,
+                    visibility: 0.0,
+                    exponential: true,
+                });
+            },
+            "fog",
+        );
         let spot = LightKind::Directional {
             direction: DVec3::ONE,
             irradiance: Rgb::WHITE,

@@ -2,7 +2,7 @@
 
 use crate::{Position, ReadError};
 use azulejo_scene::{Brdf, Light, PrimitiveKind, Rgb, SurfaceLight};
-use azulejo_scene::{Camera, Faces, Units};
+use azulejo_scene::{Camera, Faces, Fog, Units};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -125,6 +125,8 @@ pub(super) enum BlockKind {
     },
     Units(Units),
     Camera(Camera),
+    Background(Rgb),
+    Fog(Fog),
     Light(Light),
     Material(Box<MaterialNote>),
     Texture {
@@ -297,6 +299,7 @@ pub(super) struct MaterialNote {
     pub diffuse: Option<Rgb>,
     pub mirror: Option<Rgb>,
     pub emission: Option<Rgb>,
+    pub emits_back: bool,
     pub ior: Option<f64>,
     pub transmittance: Option<Rgb>,
     pub textures: Option<Vec<Name>>,

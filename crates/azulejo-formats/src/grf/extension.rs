@@ -7,7 +7,7 @@ use super::entries::{Entries, Value};
 use super::look::MOST_TEXTURES;
 use super::parser::{Parsed, Parser};
 use azulejo_scene::{
-    Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Units,
+    Camera, Fog, Light, LightKind, PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Units, Up,
 };
 use glam::DAffine3;
 
@@ -81,6 +81,8 @@ impl<'a> Parser<'a, '_, '_> {
         let block = match name {
             "units" => BlockKind::Units(self.units(entries)?),
             "camera" => BlockKind::Camera(self.camera(entries)?),
+            "background" => BlockKind::Background(self.needed_rgb(entries, "color")?),
+            "fog" => BlockKind::Fog(self.fog(entries)?),
             "light" => BlockKind::Light(self.light(entries)?),
             "material" => BlockKind::Material(Box::new(self.material_note(entries)?)),
             "texture" => {
@@ -117,18 +119,45 @@ impl<'a> Parser<'a, '_, '_> {
                     "a length above 0",
                 ));
             }
-            units.metres_per_unit = metres;
+            units.metres_per_unit = Some(metres);
         }
-        if let Some((word, offset)) = self.take_word(entries, "photometric")? {
-            units.photometric = match word {
-                "true" => true,
-                "false" => false,
-                _ => {
-                    return Err(self.fail(offset, format!("`{word}`"), "`true` or `false`"));
-                }
+        units.photometric = self.take_flag(entries, "photometric")?.unwrap_or(false);
+        if let Some((word, offset)) = self.take_word(entries, "up")? {
+            units.up = match word {
+                "y" => Up::Y,
+                "z" => Up::Z,
+                _ => return Err(self.fail(offset, format!("`{word}`"), "`y` or `z`")),
             };
         }
         Ok(units)
+    }
+
+    fn fog(&mut self, entries: &mut Entries<'a>) -> Parsed<Fog> {
+        let color = self.needed_rgb(entries, "color")?;
+        let visibility = self.take_number(entries, "visibility")?;
+        let visibility = match visibility {
+            Some((far, offset)) if far <= 0.0 => {
+                return Err(self.fail(offset, format!("a visibility of {far}"), "above 0"));
+            }
+            other => other.map(|(far, _)| far),
+        };
+        Ok(Fog {
+            color,
+            visibility: self.required(entries, "visibility", visibility)?,
+            exponential: self.take_flag(entries, "exponential")?.unwrap_or(false),
+        })
+    }
+
+    /// `key = true` or `key = false`.
+    fn take_flag(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<bool>> {
+        match self.take_word(entries, key)? {
+            None => Ok(None),
+            Some(("true", _)) => Ok(Some(true)),
+            Some(("false", _)) => Ok(Some(false)),
+            Some((word, offset)) => {
+                Err(self.fail(offset, format!("`{word}`"), "`true` or `false`"))
+            }
+        }
     }
 
     fn camera(&mut self, entries: &mut Entries<'a>) -> Parsed<Camera> {
@@ -241,6 +270,7 @@ impl<'a> Parser<'a, '_, '_> {
             diffuse,
             mirror,
             emission,
+            emits_back: self.take_flag(entries, "emits_back")?.unwrap_or(false),
             ior: ior.map(|(ior, _)| ior),
             transmittance,
             textures: self.take_textures(entries)?,
@@ -432,9 +462,11 @@ impl<'a> Parser<'a, '_, '_> {
 }
 
 /// The extensions that are understood.
-const KNOWN: [&str; 10] = [
+const KNOWN: [&str; 12] = [
     "units",
     "camera",
+    "background",
+    "fog",
     "light",
     "material",
     "texture",

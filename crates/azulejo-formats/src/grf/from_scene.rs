@@ -5,7 +5,7 @@ use super::document::{
     AreaLight, Block, BlockKind, Body, Change, Column, Definition, Document, Kind, MaterialNote,
     MeshBlock, Name, ObjectNotes, Place, PrimitiveBlock, Vertices,
 };
-use super::materials::{limit, surface};
+use super::materials::surface;
 use azulejo_scene::{
     Attribute, Brdf, Faces, Material, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb,
     Scene, Shape, TextureId, Units,
@@ -27,6 +27,8 @@ impl Document {
         if scene.units != Units::default() {
             outside.push(BlockKind::Units(scene.units));
         }
+        outside.extend(scene.background.map(BlockKind::Background));
+        outside.extend(scene.fog.map(BlockKind::Fog));
         outside.extend(scene.cameras.iter().cloned().map(BlockKind::Camera));
         outside.extend(scene.lights.iter().cloned().map(BlockKind::Light));
         let mut inside = Vec::new();
@@ -227,7 +229,7 @@ fn material_definition(
 ) -> (Definition, Option<MaterialNote>) {
     let brdf = brdf_of(material);
     let mut said = surface(name, &brdf).material;
-    limit(&mut said);
+    said.limit_reflectance();
     let unless = |same: bool, color: Rgb| (!same).then_some(color);
     let note = MaterialNote {
         of: name.clone(),
@@ -235,6 +237,7 @@ fn material_definition(
         diffuse: unless(material.diffuse == said.diffuse, material.diffuse),
         mirror: unless(material.mirror == said.mirror, material.mirror),
         emission: unless(!material.is_emitter(), material.emission),
+        emits_back: material.emits_back,
         ior: material.dielectric.map(|d| d.ior),
         transmittance: material.dielectric.map(|d| d.transmittance),
         // With a texture anywhere, every material says its own: GRF has no word for "none".

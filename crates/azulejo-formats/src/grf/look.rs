@@ -1,7 +1,7 @@
 //! Looks of faces, and the materials that they make.
 
 use super::document::{Body, Change, Kind, ObjectNotes, Place};
-use super::materials::{DEFAULT_REFLECTANCE, REFLECTS_TOO_MUCH, Surface, limit, surface};
+use super::materials::{DEFAULT_REFLECTANCE, REFLECTS_TOO_MUCH, Surface, surface};
 use super::resolve::{Resolved, Resolver};
 use azulejo_scene::{Brdf, Material, MaterialId, Rgb, TextureId};
 
@@ -183,7 +183,7 @@ impl<'d> Resolver<'d> {
         if let Some(radiance) = emission {
             material.emission = radiance;
         }
-        if !limit(material) {
+        if !material.limit_reflectance() {
             self.warn(place, REFLECTS_TOO_MUCH, 1);
         }
         made.material

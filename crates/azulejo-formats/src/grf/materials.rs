@@ -108,6 +108,7 @@ impl Surface {
         if let Some(emission) = note.emission {
             material.emission = emission;
         }
+        material.emits_back |= note.emits_back;
         if let Some(ior) = note.ior {
             material.dielectric = Some(Dielectric {
                 ior,
@@ -121,23 +122,4 @@ impl Surface {
             material.textures = textures;
         }
     }
-}
-
-/// Makes reflectances possible; `false` if they were not.
-///
-/// What is outside 0..=1 is clamped; where diffuse and mirror reflect more than arrives, both
-/// are scaled down.
-pub(super) fn limit(material: &mut Material) -> bool {
-    let before = (material.diffuse, material.mirror);
-    material.diffuse = material.diffuse.map(|x| x.clamp(0.0, 1.0));
-    material.mirror = material.mirror.map(|x| x.clamp(0.0, 1.0));
-    for channel in 0..3 {
-        let sum = material.diffuse[channel] + material.mirror[channel];
-        // The margin is that of a valid scene, whose sums are left to the bit.
-        if sum > 1.0 + 1e-9 {
-            material.diffuse[channel] /= sum;
-            material.mirror[channel] /= sum;
-        }
-    }
-    before == (material.diffuse, material.mirror)
 }

@@ -5,7 +5,7 @@ use super::document::{
     Place, PrimitiveBlock,
 };
 use super::look::{Key, Look};
-use super::materials::{REFLECTS_TOO_MUCH, Surface, limit, surface};
+use super::materials::{REFLECTS_TOO_MUCH, Surface, surface};
 use super::placement::{
     Outer, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light, turn_round,
 };
@@ -151,6 +151,8 @@ impl<'d> Resolver<'d> {
                 blocks: Some(blocks),
             } => self.list(blocks, definitions, outer)?,
             BlockKind::Units(units) => self.scene.units = *units,
+            BlockKind::Background(color) => self.scene.background = Some(*color),
+            BlockKind::Fog(fog) => self.scene.fog = Some(*fog),
             BlockKind::Camera(camera) => {
                 let camera = moved_camera(camera, outer);
                 if !is_camera(&camera) {
@@ -201,7 +203,7 @@ impl<'d> Resolver<'d> {
                 Body::Brdf(brdf) => {
                     let surface = surface(name, brdf);
                     let mut material = surface.material.clone();
-                    if !limit(&mut material) {
+                    if !material.limit_reflectance() {
                         self.warn(place, REFLECTS_TOO_MUCH, 1);
                     }
                     self.warn_unevaluated(&surface, place);
@@ -248,7 +250,7 @@ impl<'d> Resolver<'d> {
             known.sets_textures |= textures.is_some();
             known.surface.annotate(note, textures);
             let mut material = known.surface.material.clone();
-            if !limit(&mut material) {
+            if !material.limit_reflectance() {
                 self.warn(place, REFLECTS_TOO_MUCH, 1);
             }
             self.scene.materials[id as usize] = material;

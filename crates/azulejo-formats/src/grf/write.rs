@@ -4,7 +4,8 @@ use super::document::{
     AreaLight, Block, BlockKind, Body, Change, Definition, Document, MaterialNote, MeshBlock,
     ObjectNotes, PrimitiveBlock, Step,
 };
-use azulejo_scene::{Brdf, Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceLight, Units};
+use azulejo_scene::{Brdf, Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceLight, Units, Up};
+
 use glam::{DVec2, DVec3};
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -150,6 +151,16 @@ fn block(out: &mut Out<'_>, kind: &BlockKind) -> io::Result<()> {
         }
         BlockKind::Units(u) => units(out, u),
         BlockKind::Camera(c) => camera(out, c),
+        BlockKind::Background(color) => {
+            writeln!(out, "ext background begin color = {} end ext", rgb(*color))
+        }
+        BlockKind::Fog(f) => writeln!(
+            out,
+            "ext fog begin color = {} visibility = {} exponential = {} end ext",
+            rgb(f.color),
+            Number(f.visibility),
+            f.exponential
+        ),
         BlockKind::Light(l) => light(out, l),
         BlockKind::Material(note) => material(out, note),
         BlockKind::Texture { of, path } => writeln!(
@@ -369,12 +380,14 @@ fn primitive(out: &mut Out<'_>, primitive: &PrimitiveBlock) -> io::Result<()> {
 }
 
 fn units(out: &mut Out<'_>, units: &Units) -> io::Result<()> {
-    writeln!(
-        out,
-        "ext units begin metres_per_unit = {} photometric = {} end ext",
-        Number(units.metres_per_unit),
-        units.photometric
-    )
+    out.write_all(b"ext units begin")?;
+    if let Some(metres) = units.metres_per_unit {
+        write!(out, " metres_per_unit = {}", Number(metres))?;
+    }
+    if units.up == Up::Z {
+        out.write_all(b" up = z")?;
+    }
+    writeln!(out, " photometric = {} end ext", units.photometric)
 }
 
 /// An angle in degrees, or in radians under another key where degrees would lose a bit.
@@ -472,6 +485,9 @@ fn material(out: &mut Out<'_>, note: &MaterialNote) -> io::Result<()> {
         if let Some(color) = color {
             write!(out, " {key} = {}", rgb(color))?;
         }
+    }
+    if note.emits_back {
+        out.write_all(b" emits_back = true")?;
     }
     if let Some(ior) = note.ior {
         write!(out, " ior = {}", Number(ior))?;

@@ -2,7 +2,7 @@
 
 use super::mtl::Library;
 use super::read::{NONE, Part, Raw};
-use super::warnings::Warnings;
+use crate::warnings::Warnings;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Object, Rgb, Scene, Shape};
 use glam::{DVec2, DVec3};

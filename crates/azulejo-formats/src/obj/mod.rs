@@ -8,15 +8,12 @@
 mod assemble;
 mod cursor;
 mod mtl;
-mod number;
 mod phong;
 mod read;
 #[cfg(test)]
 mod tests;
-mod warnings;
 mod write;
 
-pub(crate) use cursor::without_utf16;
 pub use mtl::read as read_materials;
 pub use read::read;
 pub use write::{losses, write};

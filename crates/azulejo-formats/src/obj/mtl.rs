@@ -1,8 +1,9 @@
 //! Material libraries.
 
-use super::cursor::{Cursor, shortened, text};
+use super::cursor::Cursor;
 use super::phong;
-use super::warnings::Warnings;
+use crate::text::{shortened, text};
+use crate::warnings::Warnings;
 use crate::{FileError, Files, Loaded, ReadError};
 use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, Texture, TextureId};
 use std::collections::HashMap;

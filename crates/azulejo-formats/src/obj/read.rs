@@ -1,9 +1,10 @@
 //! From statements to flat lists, in one pass over the bytes.
 
 use super::assemble::assemble;
-use super::cursor::{Cursor, shortened, text, without_utf16};
+use super::cursor::Cursor;
 use super::mtl::{Library, one_spelling};
-use super::warnings::Warnings;
+use crate::text::{shortened, text, without_utf16};
+use crate::warnings::Warnings;
 use crate::{Files, Loaded, Position, ReadError};
 use azulejo_scene::{Faces, Rgb};
 use glam::{DVec2, DVec3};

@@ -117,7 +117,7 @@ fn contents(scene: &Scene, parts: &[Part], report: &mut Report) {
 
 fn extent(scene: &Scene, parts: &[Part], report: &mut Report) {
     let Aabb { min, max } = scene.bounds();
-    let metres = scene.units.metres_per_unit;
+    let metres = scene.units.metres();
     let light = if scene.units.photometric {
         "cd/m² and lux"
     } else {

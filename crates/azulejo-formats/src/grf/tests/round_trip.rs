@@ -2,8 +2,8 @@
 
 use super::*;
 use azulejo_scene::{
-    Attribute, Brdf, Camera, Dielectric, Light, LightKind, Material, Object, Primitive,
-    PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Texture, Units,
+    Attribute, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object, Primitive,
+    PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Texture, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
@@ -203,19 +203,22 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
         share(),
         share(),
         option::weighted(0.2, dielectric),
-        emission,
+        (emission, any::<bool>()),
         textures,
         option::weighted(0.2, brdf()),
     )
         .prop_map(
-            |(name, diffuse, mirror, dielectric, emission, textures, brdf)| Material {
-                name,
-                diffuse,
-                mirror,
-                dielectric,
-                emission,
-                textures,
-                brdf,
+            |(name, diffuse, mirror, dielectric, (emission, emits_back), textures, brdf)| {
+                Material {
+                    name,
+                    diffuse,
+                    mirror,
+                    dielectric,
+                    emission,
+                    emits_back,
+                    textures,
+                    brdf,
+                }
             },
         )
 }
@@ -321,6 +324,14 @@ fn primitive(materials: u32) -> impl Strategy<Value = Shape> {
         })
 }
 
+fn fog() -> impl Strategy<Value = Fog> {
+    (light_rgb(), 1e-6..1e6, any::<bool>()).prop_map(|(color, visibility, exponential)| Fog {
+        color,
+        visibility,
+        exponential,
+    })
+}
+
 fn light() -> impl Strategy<Value = Light> {
     let angle = 0.0..std::f64::consts::PI;
     let spot = (point(), direction(), light_rgb(), angle.clone(), angle);
@@ -372,21 +383,28 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         .prop_flat_map(|(materials, paths)| {
             let count = materials.len() as u32;
             let shape = prop_oneof![a_mesh(count), primitive(count)];
-            let units =
-                (1e-6..1e6, any::<bool>()).prop_map(|(metres_per_unit, photometric)| Units {
+            let units = (option::of(1e-6..1e6), any::<bool>(), any::<bool>()).prop_map(
+                |(metres_per_unit, is_z, photometric)| Units {
                     metres_per_unit,
+                    up: if is_z { Up::Z } else { Up::Y },
                     photometric,
-                });
+                },
+            );
             (
                 vec((name(), shape), 0..5),
                 Just(materials),
                 Just(paths),
                 vec(light(), 0..3),
                 vec(camera(), 0..3),
-                prop_oneof![Just(Units::default()), units],
+                (
+                    prop_oneof![Just(Units::default()), units],
+                    option::weighted(0.2, light_rgb()),
+                    option::weighted(0.2, fog()),
+                ),
             )
         })
-        .prop_map(|(objects, mut materials, paths, lights, cameras, units)| {
+        .prop_map(|(objects, mut materials, paths, lights, cameras, rest)| {
+            let (units, background, fog) = rest;
             let textures: Vec<Texture> = paths
                 .into_iter()
                 .map(|path| Texture { path, image: None })
@@ -404,6 +422,8 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                 textures,
                 lights,
                 cameras,
+                background,
+                fog,
                 units,
             }
         })

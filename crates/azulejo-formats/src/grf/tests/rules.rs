@@ -48,7 +48,7 @@ fn everything_at_once() {
     let scene = &loaded.scene;
     assert_eq!(scene.objects.len(), 4);
     assert_eq!(scene.objects[0].name, "panel");
-    assert_eq!(scene.units.metres_per_unit, 0.01);
+    assert_eq!(scene.units.metres_per_unit, Some(0.01));
     assert!(scene.units.photometric);
     assert_eq!(scene.cameras[0].size, Some((640, 480)));
     assert_eq!(scene.cameras[0].vertical_fov, 45f64.to_radians());

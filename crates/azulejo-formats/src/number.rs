@@ -8,7 +8,7 @@ const EXACT_TENS: [f64; 23] = [
 
 /// A number at the start of some bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Number {
+pub(crate) struct Number {
     /// Its value, correctly rounded; infinite when the exponent is too large.
     pub value: f64,
     /// How many bytes it took.
@@ -40,7 +40,7 @@ fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
 /// numbers, hence correctly rounded (Clinger, *How to read floating point numbers accurately*,
 /// PLDI 1990). The rest goes through the standard library.
 #[inline]
-pub(super) fn parse(bytes: &[u8]) -> Option<Number> {
+pub(crate) fn parse(bytes: &[u8]) -> Option<Number> {
     let signed = matches!(bytes.first(), Some(b'+' | b'-'));
     let start = usize::from(signed);
     let mut mantissa = 0;

@@ -8,7 +8,7 @@ const KEPT: usize = 100;
 
 /// Collects warnings in the order in which they first appear.
 #[derive(Debug, Default)]
-pub(super) struct Warnings {
+pub(crate) struct Warnings {
     list: Vec<Warning>,
     beyond: usize,
 }

@@ -1,0 +1,102 @@
+//! Numbers from the bytes of binary formats, checked against their end.
+
+/// A place in the bytes of a binary file, or of a piece of one.
+///
+/// Every read either succeeds and moves on, or returns `None` and stays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bytes<'a> {
+    bytes: &'a [u8],
+    /// Where `bytes` begin in the file.
+    start: usize,
+    at: usize,
+}
+
+/// Readers of one little-endian and one big-endian number.
+macro_rules! numbers {
+    ($($le:ident $be:ident $kind:ty),*) => {$(
+        #[doc = concat!("The next little-endian `", stringify!($kind), "`.")]
+        #[allow(dead_code, reason = "each format needs its own few")]
+        #[inline]
+        pub fn $le(&mut self) -> Option<$kind> {
+            self.array().map(<$kind>::from_le_bytes)
+        }
+
+        #[doc = concat!("The next big-endian `", stringify!($kind), "`.")]
+        #[allow(dead_code, reason = "each format needs its own few")]
+        #[inline]
+        pub fn $be(&mut self) -> Option<$kind> {
+            self.array().map(<$kind>::from_be_bytes)
+        }
+    )*};
+}
+
+impl<'a> Bytes<'a> {
+    /// The start of a file.
+    pub fn new(bytes: &'a [u8]) -> Bytes<'a> {
+        Bytes {
+            bytes,
+            start: 0,
+            at: 0,
+        }
+    }
+
+    /// Where in the file the next byte is.
+    pub fn offset(&self) -> u64 {
+        (self.start + self.at) as u64
+    }
+
+    /// How many bytes are left.
+    pub fn left(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    /// The next `count` bytes.
+    #[inline]
+    pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let end = self.at.checked_add(count)?;
+        let taken = self.bytes.get(self.at..end)?;
+        self.at = end;
+        Some(taken)
+    }
+
+    /// The next `count` bytes as a piece of their own.
+    pub fn piece(&mut self, count: usize) -> Option<Bytes<'a>> {
+        let start = self.start + self.at;
+        let bytes = self.take(count)?;
+        Some(Bytes {
+            bytes,
+            start,
+            at: 0,
+        })
+    }
+
+    /// Passes over `count` bytes.
+    pub fn skip(&mut self, count: usize) -> Option<()> {
+        self.take(count).map(|_| ())
+    }
+
+    #[inline]
+    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        self.take(N)?.try_into().ok()
+    }
+
+    numbers!(u8_le u8_be u8, u16_le u16_be u16, i16_le i16_be i16, u32_le u32_be u32,
+             i32_le i32_be i32, f32_le f32_be f32, f64_le f64_be f64);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_stay_inside() {
+        let mut bytes = Bytes::new(&[1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(bytes.u16_le(), Some(0x0201));
+        let mut piece = bytes.piece(3).unwrap();
+        assert_eq!((piece.offset(), piece.u16_be()), (2, Some(0x0304)));
+        assert_eq!((piece.u32_le(), piece.left(), piece.offset()), (None, 1, 4));
+        assert_eq!((bytes.offset(), bytes.u8_le()), (5, Some(6)));
+        assert!(bytes.skip(2).is_none() && bytes.take(usize::MAX).is_none());
+        assert_eq!(bytes.left(), 1);
+    }
+}

@@ -1,0 +1,77 @@
+//! The materials of a scene under construction, each once.
+
+use azulejo_scene::{Brdf, Material, MaterialId, Rgb};
+use std::collections::HashMap;
+
+/// Materials in the order in which they are first used; equal ones are one.
+#[derive(Debug, Default)]
+pub(crate) struct Materials {
+    list: Vec<Material>,
+    known: HashMap<Key, MaterialId>,
+}
+
+/// Everything that makes two materials different, with numbers as bits.
+#[derive(Debug, PartialEq, Eq, Hash)]
+struct Key {
+    name: String,
+    colors: [[u64; 3]; 3],
+    emits_back: bool,
+    dielectric: Option<(u64, [u64; 3])>,
+    textures: Vec<u32>,
+    brdf: String,
+}
+
+fn bits(color: Rgb) -> [u64; 3] {
+    color.to_array().map(f64::to_bits)
+}
+
+impl Key {
+    fn of(m: &Material) -> Key {
+        let brdf = |b: &Brdf| format!("{b:?}");
+        Key {
+            name: m.name.clone(),
+            colors: [m.diffuse, m.mirror, m.emission].map(bits),
+            emits_back: m.emits_back,
+            dielectric: m
+                .dielectric
+                .map(|d| (d.ior.to_bits(), bits(d.transmittance))),
+            textures: m.textures.clone(),
+            brdf: m.brdf.as_ref().map(brdf).unwrap_or_default(),
+        }
+    }
+}
+
+impl Materials {
+    /// The index of a material, which is added if it is new.
+    pub fn index(&mut self, material: Material) -> MaterialId {
+        *self.known.entry(Key::of(&material)).or_insert_with(|| {
+            self.list.push(material);
+            (self.list.len() - 1) as MaterialId
+        })
+    }
+
+    /// All of them, in the order of their indices.
+    pub fn into_list(self) -> Vec<Material> {
+        self.list
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_materials_are_one() {
+        let mut materials = Materials::default();
+        let grey = || Material::diffuse("grey", Rgb::grey(0.5));
+        assert_eq!(materials.index(grey()), 0);
+        assert_eq!(materials.index(Material::mirror("grey", Rgb::grey(0.5))), 1);
+        assert_eq!(materials.index(grey()), 0);
+        let lamp = Material {
+            emits_back: true,
+            ..grey()
+        };
+        assert_eq!(materials.index(lamp), 2);
+        assert_eq!(materials.into_list().len(), 3);
+    }
+}
