@@ -208,10 +208,12 @@ fn by_words(head: &[u8]) -> Found {
     if let Some(found) = lines.clone().find_map(|line| by_line(line, head)) {
         return found;
     }
+    // `o` and `p` are words of OBJ and of MGF, and OBJ is the likelier.
+    if lines.clone().any(|l| matches!(first_word(l), b"o" | b"p")) {
+        return Ok(Format::Obj);
+    }
     match lines.next() {
         None => Err("nothing but blanks"),
-        // `o` and `p` are words of OBJ and of MGF, and OBJ is the likelier.
-        Some(_) if lines.any(|l| matches!(first_word(l), b"o" | b"p")) => Ok(Format::Obj),
         Some(_) if head.contains(&0) => Err("binary data of no known kind"),
         Some(_) => Err("text of no known kind"),
     }
