@@ -26,13 +26,16 @@ mod number;
 pub mod obj;
 pub mod openflight;
 mod options;
+mod phong;
 mod picture;
 pub mod ply;
 pub mod png;
 mod smooth;
 pub mod stl;
 pub mod studio3ds;
+mod tessellate;
 mod text;
+mod textures;
 pub mod vrml;
 mod warnings;
 

@@ -41,7 +41,7 @@ pub(super) fn assemble(
     Scene {
         objects,
         materials: library.materials,
-        textures: library.textures,
+        textures: library.textures.into_list(),
         ..Scene::default()
     }
 }

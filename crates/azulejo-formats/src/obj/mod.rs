@@ -8,7 +8,6 @@
 mod assemble;
 mod cursor;
 mod mtl;
-mod phong;
 mod read;
 #[cfg(test)]
 mod tests;

@@ -1,11 +1,12 @@
 //! Material libraries.
 
 use super::cursor::Cursor;
-use super::phong;
+use crate::phong;
 use crate::text::{shortened, text};
+use crate::textures::Textures;
 use crate::warnings::Warnings;
-use crate::{FileError, Files, Loaded, ReadError};
-use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, Texture, TextureId};
+use crate::{Files, Loaded, ReadError};
+use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, TextureId};
 use std::collections::HashMap;
 
 /// Reflectance of what a file leaves without a material.
@@ -27,7 +28,7 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
     Ok(Loaded {
         scene: Scene {
             materials: library.materials,
-            textures: library.textures,
+            textures: library.textures.into_list(),
             ..Scene::default()
         },
         warnings: warnings.finish(name),
@@ -38,9 +39,8 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
 #[derive(Debug, Default)]
 pub(super) struct Library {
     pub materials: Vec<Material>,
-    pub textures: Vec<Texture>,
+    pub textures: Textures,
     by_name: HashMap<String, MaterialId>,
-    texture_by_path: HashMap<String, TextureId>,
 }
 
 impl Library {
@@ -217,44 +217,11 @@ impl Parser<'_> {
             self.warn("map_Kd without a file: skipped");
             return None;
         }
-        let name = one_spelling(&name);
-        let beside = beside(self.file, &name);
-        for path in [&beside, &name] {
-            if let Some(&known) = self.library.texture_by_path.get(path) {
-                return Some(known);
-            }
+        let (id, problem) = self.library.textures.index(self.file, &name, self.files);
+        if let Some(problem) = problem {
+            self.warn(problem);
         }
-        let (path, image) = self.image(beside, name);
-        let id = self.library.textures.len() as TextureId;
-        self.library.texture_by_path.insert(path.clone(), id);
-        self.library.textures.push(Texture { path, image });
         Some(id)
-    }
-
-    /// Loads a picture that stands beside the library or beside the model.
-    fn image(&mut self, beside: String, name: String) -> (String, Option<azulejo_scene::Image>) {
-        let (path, read) = match self.files.read(&beside) {
-            Err(FileError::Missing) if beside != name => {
-                let read = self.files.read(&name);
-                (name, read)
-            }
-            read => (beside, read),
-        };
-        let decoded = match read {
-            Ok(bytes) => crate::png::read(&bytes).map_err(|e| e.to_string()),
-            Err(e) => Err(e.to_string()),
-        };
-        let image = match decoded {
-            Ok(image) => Some(image),
-            Err(e) => {
-                self.warn(format!(
-                    "picture \"{}\" is not shown: {e}",
-                    shortened(&path)
-                ));
-                None
-            }
-        };
-        (path, image)
     }
 
     /// Options stand before the file: `-s 1 1 1`, `-clamp on`...
@@ -420,25 +387,5 @@ fn missing_kd(m: &Definition) -> Rgb {
         Rgb::BLACK
     } else {
         DEFAULT_REFLECTANCE
-    }
-}
-
-/// A file's name seen from the model, when a library that may stand in another folder names it.
-fn beside(library: &str, name: &str) -> String {
-    match library.rfind('/') {
-        Some(end) if !name.starts_with('/') => format!("{}{name}", &library[..=end]),
-        _ => name.to_owned(),
-    }
-}
-
-/// A file's name with `/` between folders and no `.` among them, so that a file is not read and
-/// kept again for every way to spell its name.
-pub(super) fn one_spelling(name: &str) -> String {
-    let parts = name.split(['/', '\\']).filter(|p| !matches!(*p, "" | "."));
-    let path = parts.collect::<Vec<_>>().join("/");
-    if name.starts_with(['/', '\\']) {
-        format!("/{path}")
-    } else {
-        path
     }
 }

@@ -2,8 +2,9 @@
 
 use super::assemble::assemble;
 use super::cursor::Cursor;
-use super::mtl::{Library, one_spelling};
+use super::mtl::Library;
 use crate::text::{shortened, text, without_utf16};
+use crate::textures::one_spelling;
 use crate::warnings::Warnings;
 use crate::{Files, Loaded, Position, ReadError};
 use azulejo_scene::{Faces, Rgb};

@@ -609,7 +609,7 @@ fn pictures() {
         .iter()
         .map(|t| t.path.as_str())
         .collect();
-    assert_eq!(paths, ["sub/a b.png", "top.png", "no.png"]);
+    assert_eq!(paths, ["sub/a b.png", "top.png", "sub/no.png"]);
     let image = loaded.scene.textures[0].image.as_ref().unwrap();
     assert_eq!(image.pixels, [[1.0, 0.0, 0.0]]);
     assert_eq!(loaded.scene.materials[0].textures, [0]);
@@ -618,7 +618,7 @@ fn pictures() {
     let said: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
     assert_eq!(
         said[4],
-        "picture \"no.png\" is not shown: there is no such file"
+        "picture \"sub/no.png\" is not shown: there is no such file"
     );
 }
 

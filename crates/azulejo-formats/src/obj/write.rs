@@ -1,14 +1,11 @@
 //! Scenes to OBJ and MTL.
 
-use super::phong;
-use azulejo_scene::{Attribute, Material, Mesh, Object, Primitive, Rgb, Scene, Shape};
-use std::borrow::Cow;
+use crate::phong;
+use crate::tessellate::mesh_of;
+use azulejo_scene::{Attribute, Material, Mesh, Object, Rgb, Scene, Shape};
 use std::collections::HashSet;
 use std::fmt;
 use std::io::{self, BufWriter, Write};
-
-/// Chord error of exact primitives, which become polygons, relative to their size.
-const CHORD_ERROR: f64 = 1e-3;
 
 /// Writes a scene as a model, `obj`, and its materials, `mtl`; `mtl_name` is the file name under
 /// which the model names its materials.
@@ -99,10 +96,7 @@ struct Model<'a> {
 
 impl Model<'_> {
     fn object(&mut self, object: &Object) -> io::Result<()> {
-        let mesh = match &object.shape {
-            Shape::Mesh(mesh) => Cow::Borrowed(mesh),
-            Shape::Primitive(primitive) => Cow::Owned(polygons(primitive)),
-        };
+        let mesh = mesh_of(object);
         let name = one_line(&object.name);
         writeln!(self.out, "{}", format!("o {name}").trim_end())?;
         self.vertices(&mesh)?;
@@ -165,11 +159,6 @@ fn index<T>(list: Option<&Attribute<T>>, base: usize, corner: usize, vertex: u32
     let corners = &list?.corners;
     let local = corners.as_ref().map_or(vertex, |index| index[corner]);
     Some(base + local as usize)
-}
-
-fn polygons(primitive: &Primitive) -> Mesh {
-    let chord_error = CHORD_ERROR * primitive.bounds().diagonal();
-    primitive.tessellate(&primitive.grids(chord_error, f64::INFINITY))
 }
 
 fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) -> io::Result<()> {
@@ -264,8 +253,8 @@ fn unique_names(materials: &[Material]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Memory, obj};
-    use azulejo_scene::{Dielectric, Light, LightKind, Texture};
+    use crate::{Memory, obj, phong};
+    use azulejo_scene::{Dielectric, Light, LightKind, Primitive, Texture};
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 

@@ -1,9 +1,9 @@
-//! MTL's glossy surfaces, Ks and Ns, as the reflection model `phong` of GRF.
+//! Glossy surfaces, as MTL, 3DS and VRML describe them, kept as the reflection model `phong` of GRF.
 
 use azulejo_scene::{Brdf, Material, Rgb};
 
 /// The model with exponent `n`, glossy reflectance `ks` and diffuse reflectance `kd`.
-pub(super) fn brdf(n: f64, ks: Rgb, kd: Rgb) -> Brdf {
+pub(crate) fn brdf(n: f64, ks: Rgb, kd: Rgb) -> Brdf {
     let parameter = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
     Brdf::Model {
         name: "phong".into(),
@@ -16,7 +16,7 @@ pub(super) fn brdf(n: f64, ks: Rgb, kd: Rgb) -> Brdf {
 }
 
 /// Exponent and glossy reflectance, if the material carries this model.
-pub(super) fn parse(material: &Material) -> Option<(f64, Rgb)> {
+pub(crate) fn parse(material: &Material) -> Option<(f64, Rgb)> {
     let Some(Brdf::Model { name, parameters }) = &material.brdf else {
         return None;
     };
