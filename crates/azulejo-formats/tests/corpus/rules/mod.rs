@@ -1,0 +1,194 @@
+//! Which columns each format is compared with, and where azulejo differs and why.
+//!
+//! One file per format with `pub const RULES: Rules`; [`ALL`] lists them.
+
+mod dxf;
+mod gltf;
+mod mgf;
+mod obj;
+mod openflight;
+mod ply;
+mod stl;
+mod studio3ds;
+mod vrml;
+mod vrml1;
+mod x3d;
+
+use crate::counts::Counts;
+use crate::truth::Row;
+
+/// Every format that is compared.
+const ALL: &[&Rules] = &[
+    &dxf::RULES,
+    &gltf::RULES,
+    &mgf::RULES,
+    &obj::RULES,
+    &openflight::RULES,
+    &ply::RULES,
+    &stl::RULES,
+    &studio3ds::RULES,
+    &vrml1::RULES,
+    &vrml::RULES,
+    &x3d::RULES,
+];
+
+/// The rules for a file of the corpus, by its folder; the first that has it.
+pub fn of(path: &str) -> Option<&'static Rules> {
+    let has = |rules: &&&Rules| rules.folders.iter().any(|f| path.starts_with(f));
+    ALL.iter().find(has).copied()
+}
+
+/// What is compared in the files of a format.
+pub struct Rules {
+    /// How paths begin to which the rules apply: `"3ds/"`.
+    pub folders: &'static [&'static str],
+    /// Quantities, each with the columns of the truth that it must equal: the first that is not
+    /// empty in the file's row counts; when all are empty, nothing is compared.
+    pub compared: &'static [(Quantity, &'static [&'static str])],
+    /// Files whose folder is not enough for the files that they name, with the folder of the
+    /// corpus that is allowed besides.
+    pub allowed: &'static [(&'static str, &'static str)],
+    /// Where azulejo differs.
+    pub exceptions: &'static [Exception],
+}
+
+/// What can be compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Placed meshes and primitives.
+    Objects,
+    /// Sum of the objects' vertices.
+    Vertices,
+    /// Distinct positions of each object and material; compared only where there are as many
+    /// pairs of them as the column `assimp_meshes` says.
+    Positions,
+    /// Polygons.
+    Faces,
+    /// Triangles that the polygons make.
+    Triangles,
+    /// The box around all, to 1e-4 of its size. Columns are `assimp`, `second` or `third`; with
+    /// ` turned` behind, a file with z up that the program has turned to y up.
+    Bounds,
+}
+
+/// One quantity of one file that is not what the columns say.
+pub struct Exception {
+    pub path: &'static str,
+    pub quantity: Quantity,
+    pub expected: Expected,
+    /// Why azulejo is right, or whom it follows.
+    pub why: &'static str,
+}
+
+/// What is right instead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Expected {
+    /// This count.
+    Count(usize),
+    /// What another column says.
+    Column(&'static str),
+    /// This box: least and greatest corner.
+    Box([f64; 3], [f64; 3]),
+    /// The file is refused, whatever the quantity.
+    Refused,
+    /// There are no surfaces, and a warning says so.
+    Nothing,
+}
+
+impl Rules {
+    /// The exceptions for a file.
+    pub fn about<'a>(&'a self, path: &'a str) -> impl Iterator<Item = &'a Exception> {
+        self.exceptions.iter().filter(move |e| e.path == path)
+    }
+
+    /// A folder that a file may read from besides its own.
+    pub fn allowed(&self, path: &str) -> Option<&'static str> {
+        let entry = self.allowed.iter().find(|(file, _)| *file == path);
+        entry.map(|(_, folder)| *folder)
+    }
+}
+
+impl Exception {
+    /// Whether what is expected instead is there.
+    pub fn holds(&self, counts: &Counts, row: &Row) -> Result<(), String> {
+        match self.expected {
+            Expected::Count(n) => equal(self.quantity, counts.get(self.quantity), n, "the rule"),
+            Expected::Column(column) => agrees(counts, row, self.quantity, &[column]),
+            Expected::Box(min, max) => same_box(counts, [min, max], "the rule"),
+            Expected::Refused => Err("was to be refused".into()),
+            Expected::Nothing if counts.objects == 0 => Ok(()),
+            Expected::Nothing => Err("was to have no surfaces".into()),
+        }
+    }
+}
+
+impl Counts {
+    fn get(&self, quantity: Quantity) -> usize {
+        match quantity {
+            Quantity::Objects => self.objects,
+            Quantity::Vertices => self.vertices,
+            Quantity::Positions => self.positions,
+            Quantity::Faces => self.faces,
+            Quantity::Triangles => self.triangles,
+            Quantity::Bounds => unreachable!("a box is no count"),
+        }
+    }
+}
+
+/// Compares a quantity with the first of some columns that says anything.
+///
+/// # Errors
+/// The difference in words.
+pub fn agrees(
+    counts: &Counts,
+    row: &Row,
+    quantity: Quantity,
+    columns: &[&str],
+) -> Result<(), String> {
+    if quantity == Quantity::Bounds {
+        let said = |c: &&str| Some((row_box(row, c)?, (*c).to_owned()));
+        return match columns.iter().find_map(said) {
+            Some((expected, column)) => same_box(counts, expected, &column),
+            None => Ok(()),
+        };
+    }
+    if quantity == Quantity::Positions && row.count("assimp_meshes") != Some(counts.parts) {
+        return Ok(());
+    }
+    let said = |c: &&str| Some((row.count(c)?, (*c).to_owned()));
+    match columns.iter().find_map(said) {
+        Some((expected, column)) => equal(quantity, counts.get(quantity), expected, &column),
+        None => Ok(()),
+    }
+}
+
+fn equal(quantity: Quantity, found: usize, expected: usize, source: &str) -> Result<(), String> {
+    match found == expected {
+        true => Ok(()),
+        false => {
+            let name = format!("{quantity:?}").to_lowercase();
+            Err(format!("{name} {found}, {source} says {expected}"))
+        }
+    }
+}
+
+/// The box that a column has; `None` if it has none.
+fn row_box(row: &Row, column: &str) -> Option<[[f64; 3]; 2]> {
+    let Some(column) = column.strip_suffix(" turned") else {
+        return row.bounds(column);
+    };
+    // (x, y, z) with z up had become (x, z, −y).
+    let [min, max] = row.bounds(column)?;
+    Some([[min[0], -max[2], min[1]], [max[0], -min[2], max[1]]])
+}
+
+fn same_box(counts: &Counts, expected: [[f64; 3]; 2], source: &str) -> Result<(), String> {
+    let found = [counts.bounds.min.to_array(), counts.bounds.max.to_array()];
+    let size = counts.bounds.diagonal();
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-4 * size + 1e-5 * a.abs();
+    let pairs = found.iter().flatten().zip(expected.iter().flatten());
+    match !counts.bounds.is_empty() && pairs.into_iter().all(|(&a, &b)| near(a, b)) {
+        true => Ok(()),
+        false => Err(format!("bounds {found:?}, {source} says {expected:?}")),
+    }
+}

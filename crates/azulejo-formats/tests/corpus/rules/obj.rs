@@ -1,0 +1,48 @@
+//! Wavefront OBJ: polygons by the plain count of the file's own lines; triangles, positions and
+//! the box by assimp.
+
+use super::Quantity::{Bounds, Faces, Positions, Triangles};
+use super::{Exception, Expected, Rules};
+
+pub const RULES: Rules = Rules {
+    folders: &["obj/"],
+    compared: &[
+        (Positions, &["assimp_distinct_positions_per_mesh"]),
+        (Faces, &["raw_faces"]),
+        (Triangles, &["raw_triangles"]),
+        (Bounds, &["assimp"]),
+    ],
+    allowed: &[],
+    exceptions: &[
+        Exception {
+            path: "obj/tinyobjloader/points-prim.obj",
+            quantity: Bounds,
+            expected: Expected::Nothing,
+            why: "points have no surface; assimp keeps them",
+        },
+        Exception {
+            path: "obj/trimesh/emptyIO/obj_wireframe.obj",
+            quantity: Bounds,
+            expected: Expected::Nothing,
+            why: "lines have no surface; assimp keeps them",
+        },
+        Exception {
+            path: "obj/tinyobjloader/test-nan.obj",
+            quantity: Bounds,
+            expected: Expected::Refused,
+            why: "no surface goes through a vertex that is nowhere; assimp takes it",
+        },
+        Exception {
+            path: "obj/jdk/dinasaur.obj",
+            quantity: Faces,
+            expected: Expected::Column("assimp_polygons"),
+            why: "the plain count knows lines that end in LF only, and no `fo`",
+        },
+        Exception {
+            path: "obj/jdk/dinasaur.obj",
+            quantity: Triangles,
+            expected: Expected::Column("assimp_triangles"),
+            why: "the plain count knows lines that end in LF only, and no `fo`",
+        },
+    ],
+};

@@ -1,0 +1,16 @@
+//! STL: solids and triangles as the file has them, positions and box as assimp does.
+
+use super::Quantity::{Bounds, Objects, Positions, Triangles};
+use super::Rules;
+
+pub const RULES: Rules = Rules {
+    folders: &["stl/"],
+    compared: &[
+        (Objects, &["raw_objects"]),
+        (Positions, &["assimp_distinct_positions_per_mesh"]),
+        (Triangles, &["raw_triangles"]),
+        (Bounds, &["assimp"]),
+    ],
+    allowed: &[],
+    exceptions: &[],
+};
