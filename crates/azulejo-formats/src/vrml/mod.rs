@@ -1,4 +1,7 @@
-//! Under construction.
+//! VRML 1.0, VRML97 and X3D, the latter in XML or in the classic encoding.
+
+#[allow(dead_code, reason = "the readers that use it follow")]
+mod lexer;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
 

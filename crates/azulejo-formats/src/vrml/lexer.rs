@@ -1,0 +1,464 @@
+//! Words, numbers and strings of VRML 1.0, VRML97 and classic X3D, over bytes.
+//!
+//! The three share their tokens: blanks, commas and comments part them, marks stand alone, and
+//! what begins like a number is one. Words are generous: files of all ages hold names with dots
+//! and signs that no grammar allows. A string or a comment that never ends, ends with the file.
+
+use crate::text::{shortened, text};
+use crate::{Position, ReadError, number};
+use std::borrow::Cow;
+
+/// A place in the bytes of a text file, which it walks.
+#[derive(Clone, Debug)]
+pub(super) struct Lexer<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+/// Blanks, and the comma, which is one everywhere; NUL, because old programs fill with it.
+#[inline]
+fn is_blank(b: u8) -> bool {
+    matches!(b, b' ' | b'\n' | b'\r' | b'\t' | b',' | 0x0b | 0x0c | 0)
+}
+
+/// Whether a word ends before this byte.
+#[inline]
+fn ends_word(b: u8) -> bool {
+    is_blank(b) || matches!(b, b'{' | b'}' | b'[' | b']' | b'"' | b'#')
+}
+
+impl<'a> Lexer<'a> {
+    /// The start of a text; a byte order mark is passed. The header is a comment.
+    pub fn new(bytes: &'a [u8]) -> Lexer<'a> {
+        let at = if bytes.starts_with(b"\xef\xbb\xbf") {
+            3
+        } else {
+            0
+        };
+        Lexer { bytes, at }
+    }
+
+    /// Where it stands, for coming back to with [`position`].
+    pub fn offset(&self) -> usize {
+        self.at
+    }
+
+    /// The bytes that are left.
+    fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.at..]
+    }
+
+    /// Passes blanks, commas and comments.
+    #[inline]
+    pub fn skip_blanks(&mut self) {
+        while let Some(&b) = self.bytes.get(self.at) {
+            if is_blank(b) {
+                self.at += 1;
+            } else if b == b'#' {
+                self.skip_line();
+            } else if b == b'/' && self.bytes.get(self.at + 1) == Some(&b'*') {
+                self.skip_block();
+            } else {
+                break;
+            }
+        }
+    }
+
+    fn skip_line(&mut self) {
+        let rest = self.rest();
+        let end = rest.iter().position(|&b| matches!(b, b'\n' | b'\r'));
+        self.at += end.unwrap_or(rest.len());
+    }
+
+    /// A comment of X3D 4.
+    fn skip_block(&mut self) {
+        let rest = &self.rest()[2..];
+        let end = rest.windows(2).position(|w| w == b"*/");
+        self.at += 2 + end.map_or(rest.len(), |end| end + 2);
+    }
+
+    /// The byte that begins the next token, which is not taken; `None` at the end.
+    #[inline]
+    pub fn peek(&mut self) -> Option<u8> {
+        self.skip_blanks();
+        self.bytes.get(self.at).copied()
+    }
+
+    /// Takes `mark` (one of `{ } [ ]`, or any other byte) if it comes next.
+    #[inline]
+    pub fn take(&mut self, mark: u8) -> bool {
+        let found = self.peek() == Some(mark);
+        self.at += usize::from(found);
+        found
+    }
+
+    /// The next word, up to a blank, a bracket, a quote or a comment; `None` if something else
+    /// comes next.
+    #[inline]
+    pub fn word(&mut self) -> Option<&'a [u8]> {
+        self.word_until(|_| false)
+    }
+
+    /// As [`Lexer::word`], but what `is_mark` says ends a word too.
+    #[inline]
+    pub fn word_until(&mut self, is_mark: impl Fn(u8) -> bool) -> Option<&'a [u8]> {
+        self.skip_blanks();
+        let rest = self.rest();
+        let end = rest.iter().position(|&b| ends_word(b) || is_mark(b));
+        let word = &rest[..end.unwrap_or(rest.len())];
+        self.at += word.len();
+        (!word.is_empty()).then_some(word)
+    }
+
+    /// The next word, which is not taken.
+    pub fn peek_word(&mut self) -> Option<&'a [u8]> {
+        self.clone().word()
+    }
+
+    /// Takes the next word if it is `word`.
+    pub fn take_word(&mut self, word: &[u8]) -> bool {
+        self.skip_blanks();
+        let found = self.peek_word() == Some(word);
+        if found {
+            self.at += word.len();
+        }
+        found
+    }
+
+    /// Whether a number comes next.
+    pub fn at_number(&mut self) -> bool {
+        self.clone().number().is_some()
+    }
+
+    /// The next token as a number: decimal, `0x` hexadecimal, or NaN for what printing functions
+    /// make of a result that is no number (`nan`, `-1.#IND`, `inf`).
+    #[inline]
+    pub fn number(&mut self) -> Option<f64> {
+        self.skip_blanks();
+        let rest = self.rest();
+        let Some(found) = number::parse(rest) else {
+            return self.no_number();
+        };
+        match rest.get(found.length) {
+            Some(b'x' | b'X') if found.value == 0.0 => Some(self.hexadecimal(found.length + 1)),
+            Some(b'#') => Some(self.printed_nan(found)),
+            _ => {
+                self.at += found.length;
+                Some(found.value)
+            }
+        }
+    }
+
+    /// Digits behind `0x`, which stands in the `start` bytes before them.
+    #[cold]
+    fn hexadecimal(&mut self, start: usize) -> f64 {
+        let digits = self.rest()[start..]
+            .iter()
+            .map_while(|&b| (b as char).to_digit(16));
+        let (value, count) = digits.fold((0.0, 0), |(value, count), digit| {
+            (value * 16.0 + f64::from(digit), count + 1)
+        });
+        self.at += start + count;
+        value
+    }
+
+    /// A number with a `#` directly behind it: `1.#QNAN`, or a comment.
+    #[cold]
+    fn printed_nan(&mut self, found: number::Number) -> f64 {
+        self.at += found.length;
+        let words: [&[u8]; 4] = [b"#QNAN", b"#SNAN", b"#IND", b"#INF"];
+        match words.iter().find(|w| self.rest().starts_with(w)) {
+            Some(word) => {
+                self.at += word.len();
+                let digits = self.rest().iter().take_while(|b| b.is_ascii_digit());
+                self.at += digits.count();
+                f64::NAN
+            }
+            None => found.value,
+        }
+    }
+
+    /// `nan`, `inf` and their like as one number that is none.
+    #[cold]
+    fn no_number(&mut self) -> Option<f64> {
+        let word = self.peek_word()?;
+        let bare = word.strip_prefix(b"-").unwrap_or(word);
+        let bare = bare.strip_prefix(b"+").unwrap_or(bare);
+        let known: [&[u8]; 4] = [b"nan", b"nan(ind)", b"inf", b"infinity"];
+        known.iter().any(|k| bare.eq_ignore_ascii_case(k)).then(|| {
+            self.at += word.len();
+            f64::NAN
+        })
+    }
+
+    /// All numbers up to the next token that is none, or up to `most`.
+    pub fn numbers(&mut self, most: usize, into: &mut Vec<f64>) {
+        let most = into.len().saturating_add(most);
+        while into.len() < most
+            && let Some(value) = self.number()
+        {
+            into.push(value);
+        }
+    }
+
+    /// All numbers up to the next token that is none, as integers: cut towards zero, limited to
+    /// the range of the type, 0 for NaN.
+    pub fn integers(&mut self, into: &mut Vec<i32>) {
+        while let Some(value) = self.integer() {
+            into.push(value);
+        }
+    }
+
+    /// The next number as an integer.
+    #[inline]
+    pub fn integer(&mut self) -> Option<i32> {
+        self.skip_blanks();
+        let rest = self.rest();
+        let negative = rest.first() == Some(&b'-');
+        let start = usize::from(negative);
+        let digits = rest[start..].iter().take(9);
+        let (mut value, mut count) = (0i32, 0);
+        for &b in digits.take_while(|b| b.is_ascii_digit()) {
+            value = 10 * value + i32::from(b - b'0');
+            count += 1;
+        }
+        // Whatever is longer or stranger than nine digits takes the long way.
+        let plain = rest.get(start + count).is_none_or(|&b| ends_word(b));
+        if count == 0 || !plain {
+            return self.number().map(|value| value as i32);
+        }
+        self.at += start + count;
+        Some(if negative { -value } else { value })
+    }
+
+    /// A string in double quotes; `None` if something else comes next. `\"` and `\\` stand for
+    /// the character behind the backslash.
+    pub fn string(&mut self) -> Option<Cow<'a, str>> {
+        if !self.take(b'"') {
+            return None;
+        }
+        let rest = self.rest();
+        let mut escaped = false;
+        let end = rest.iter().position(|&b| match b {
+            _ if escaped => {
+                escaped = false;
+                false
+            }
+            b'\\' => {
+                escaped = true;
+                false
+            }
+            b => b == b'"',
+        });
+        let inside = &rest[..end.unwrap_or(rest.len())];
+        self.at += (inside.len() + 1).min(rest.len());
+        Some(unescaped(inside))
+    }
+
+    /// Passes the next token, whatever it is; `false` at the end.
+    pub fn skip_token(&mut self) -> bool {
+        match self.peek() {
+            None => return false,
+            Some(b'"') => drop(self.string()),
+            Some(_) if self.word().is_some() => {}
+            Some(_) => self.at += 1,
+        }
+        true
+    }
+
+    /// Passes tokens to the bracket that closes what is open here, and takes it. `false` if the
+    /// file ends before.
+    pub fn skip_to_close(&mut self) -> bool {
+        let mut depth = 0u64;
+        loop {
+            let mark = self.peek();
+            if !self.skip_token() {
+                return false;
+            }
+            match mark {
+                Some(b'{' | b'[') => depth += 1,
+                Some(b'}' | b']') if depth == 0 => return true,
+                Some(b'}' | b']') => depth -= 1,
+                _ => {}
+            }
+        }
+    }
+
+    /// Whether nothing but blanks is left.
+    pub fn at_end(&mut self) -> bool {
+        self.peek().is_none()
+    }
+
+    /// What comes next, for a message.
+    pub fn found(&self) -> String {
+        let mut ahead = self.clone();
+        match ahead.peek() {
+            None => "the end of the file".into(),
+            Some(b'"') => {
+                let string = ahead.string().unwrap_or_default();
+                format!("the string \"{}\"", shortened(&string))
+            }
+            Some(b) => match ahead.word() {
+                Some(word) => format!("\"{}\"", shortened(&text(word))),
+                None => format!("\"{}\"", b.escape_ascii()),
+            },
+        }
+    }
+
+    /// An error where the next token stands.
+    pub fn error(&mut self, file: &str, expected: &str) -> ReadError {
+        let found = self.found();
+        self.skip_blanks();
+        ReadError {
+            position: position(self.bytes, self.at),
+            source_line: Some(line_at(self.bytes, self.at)),
+            ..ReadError::whole(file, found, expected)
+        }
+    }
+}
+
+/// A string without its backslashes.
+fn unescaped(inside: &[u8]) -> Cow<'_, str> {
+    if !inside.contains(&b'\\') {
+        return text(inside);
+    }
+    let mut plain = Vec::with_capacity(inside.len());
+    let mut bytes = inside.iter();
+    while let Some(&b) = bytes.next() {
+        let b = if b == b'\\' { bytes.next() } else { Some(&b) };
+        plain.extend(b);
+    }
+    Cow::Owned(text(&plain).into_owned())
+}
+
+/// Line and column of a byte. Takes time in proportion to the offset.
+pub(super) fn position(bytes: &[u8], offset: usize) -> Position {
+    let before = &bytes[..offset.min(bytes.len())];
+    let start = line_start(before);
+    let ends = before[..start].iter().enumerate();
+    // The LF of a CRLF has been counted by its CR.
+    let lines =
+        ends.filter(|&(i, &b)| b == b'\r' || (b == b'\n' && (i == 0 || before[i - 1] != b'\r')));
+    let line = lines.count() as u32 + 1;
+    Position::Line(line, text(&before[start..]).chars().count() as u32 + 1)
+}
+
+fn line_start(before: &[u8]) -> usize {
+    let end = before.iter().rposition(|&b| matches!(b, b'\n' | b'\r'));
+    end.map_or(0, |end| end + 1)
+}
+
+/// The text of the line around a byte; of a very long line, what is near.
+fn line_at(bytes: &[u8], offset: usize) -> String {
+    let offset = offset.min(bytes.len());
+    let start = line_start(&bytes[..offset]);
+    let rest = &bytes[offset..];
+    let end = rest.iter().position(|&b| matches!(b, b'\n' | b'\r'));
+    let end = end.unwrap_or(rest.len()).min(1000);
+    text(&bytes[start..offset + end]).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tokens() {
+        let mut l = Lexer::new(b"\xef\xbb\xbf#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
+        assert_eq!(l.word(), Some(&b"DEF"[..]));
+        assert!(!l.take_word(b"a"));
+        assert!(l.take_word(b"a.b-1"));
+        assert_eq!(l.word(), None);
+        assert!(l.take(b'{') && l.take_word(b"x") && l.take(b'['));
+        let mut numbers = Vec::new();
+        l.numbers(usize::MAX, &mut numbers);
+        assert_eq!(numbers, [1.0, -2.0]);
+        assert!(l.take(b']') && l.take(b'}') && l.at_end() && !l.skip_token());
+    }
+
+    #[test]
+    fn numbers_of_every_kind() {
+        let check = |text: &str, expected: Option<f64>| {
+            let found = Lexer::new(text.as_bytes()).number();
+            assert_eq!(
+                found.map(f64::to_bits),
+                expected.map(f64::to_bits),
+                "{text}"
+            );
+        };
+        check(" +1.5e1,", Some(15.0));
+        check("0xFF00", Some(65280.0));
+        check("0x", Some(0.0));
+        check("1.#comment", Some(1.0));
+        check("-1.#IND00", Some(f64::NAN));
+        check("-NaN", Some(f64::NAN));
+        check("information", None);
+        check("]", None);
+    }
+
+    #[test]
+    fn integers_of_every_kind() {
+        let check = |text: &str, expected: &[i32]| {
+            let mut found = Vec::new();
+            Lexer::new(text.as_bytes()).integers(&mut found);
+            assert_eq!(found, expected, "{text}");
+        };
+        check("0 1,2 -1]", &[0, 1, 2, -1]);
+        check("+3 2.9 0x10 1e2", &[3, 2, 16, 100]);
+        check(
+            "123456789 1234567890 99999999999 -99999999999",
+            &[123_456_789, 1_234_567_890, i32::MAX, i32::MIN],
+        );
+        check("-", &[]);
+    }
+
+    #[test]
+    fn strings() {
+        let check = |text: &str, expected: Option<&str>, rest: &str| {
+            let mut l = Lexer::new(text.as_bytes());
+            assert_eq!(l.string().as_deref(), expected, "{text}");
+            assert_eq!(l.rest(), rest.as_bytes(), "{text}");
+        };
+        check("\"a b\nc\"d", Some("a b\nc"), "d");
+        check(r#" "say \"\\\" # 1"]"#, Some(r#"say "\" # 1"#), "]");
+        check("\"never ends", Some("never ends"), "");
+        check("\"ends in \\", Some("ends in "), "");
+        check("word", None, "word");
+    }
+
+    #[test]
+    fn closing_brackets_are_found_past_strings_and_comments() {
+        let mut l = Lexer::new(b"a [ b { \"}\" # }\n } ] } c");
+        assert!(l.skip_to_close());
+        assert_eq!(l.word(), Some(&b"c"[..]));
+        assert!(!l.skip_to_close());
+    }
+
+    #[test]
+    fn places() {
+        let text = "a\rb\r\nc\n\u{e9}\u{e9}x".as_bytes();
+        let check = |offset, line, column| {
+            assert_eq!(position(text, offset), Position::Line(line, column));
+        };
+        check(0, 1, 1);
+        check(2, 2, 1);
+        check(5, 3, 1);
+        check(7, 4, 1);
+        check(11, 4, 3);
+        check(99, 4, 4);
+    }
+
+    #[test]
+    fn an_error_shows_its_line() {
+        let mut l = Lexer::new(b"Group {\r  children ]\r}");
+        l.word();
+        l.take(b'{');
+        l.word();
+        let said = l.error("a.wrl", "a node").to_string();
+        assert!(
+            said.starts_with("a.wrl:2:12: found \"]\", expected a node"),
+            "{said}"
+        );
+        assert!(said.contains("2 |   children ]"), "{said}");
+    }
+}
