@@ -1,0 +1,631 @@
+//! Polygons as VRML and X3D give them: pools of values, and lists of indices in which −1 ends a
+//! face.
+
+use crate::smooth;
+use azulejo_scene::{Attribute, Faces, Mesh, Rgb};
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+/// No value, among indices.
+const NONE: u32 = u32::MAX;
+
+/// An IndexedFaceSet, whichever version of VRML it comes from.
+pub(super) struct FaceSet<'a> {
+    /// The pool of vertices.
+    pub positions: &'a [DVec3],
+    /// Indices into `positions`; −1 ends a face, and the last face needs none.
+    pub coord_index: &'a [i32],
+    /// Colours, or what else stands for a surface. By face they come back as
+    /// [`Built::face_values`], by vertex they become [`Mesh::colors`].
+    pub colors: Option<Bound<'a, Rgb>>,
+    /// Normals of any length; absent ones are made by `crease_angle`.
+    pub normals: Option<Bound<'a, DVec3>>,
+    /// Texture coordinates.
+    pub uvs: Option<Bound<'a, DVec2>>,
+    /// Whether corners run counter-clockwise when the front is seen.
+    pub ccw: bool,
+    /// Faces whose normals differ by less are smooth where they meet, radians. With 0 the mesh
+    /// has no normals.
+    pub crease_angle: f64,
+    /// Whether vertices without faces are left out, because other face sets share the pool.
+    pub drop_unused: bool,
+}
+
+/// A pool of values and how it is bound to faces and corners.
+#[derive(Clone, Copy)]
+pub(super) struct Bound<'a, T> {
+    /// The pool.
+    pub values: &'a [T],
+    /// The list that the `Indexed` bindings look into. Without one, vertices take
+    /// [`FaceSet::coord_index`] and faces the order of the pool.
+    pub index: Option<&'a [i32]>,
+    /// What a value belongs to.
+    pub binding: Binding,
+}
+
+/// What one value of a pool belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Binding {
+    /// Everything: the first value holds for all faces.
+    Overall,
+    /// A face, in the order of the faces.
+    PerFace,
+    /// A face; the index has one entry per face.
+    PerFaceIndexed,
+    /// A corner, in the order of all corners of all faces.
+    PerVertex,
+    /// A corner; the index has its entry where `coord_index` has the corner.
+    PerVertexIndexed,
+}
+
+/// What became of a face set.
+#[derive(Debug, Default)]
+pub(super) struct Built {
+    /// The polygons, all of material 0, in the coordinates of `positions`.
+    pub mesh: Mesh,
+    /// The colour of each face as an index into [`FaceSet::colors`], when these are bound to
+    /// faces or to everything; otherwise empty.
+    pub face_values: Vec<u32>,
+    /// What was wrong.
+    pub problems: Problems,
+}
+
+/// What was wrong with a face set, counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Problems {
+    /// Faces of one or two corners, dropped.
+    pub slivers: usize,
+    /// Faces with a corner that no position is given for, dropped.
+    pub stray_faces: usize,
+    /// Faces or corners without a colour: the last of the pool.
+    pub stray_colors: usize,
+    /// Corners without a usable normal: that of the face.
+    pub stray_normals: usize,
+    /// Corners without texture coordinates: (0, 0).
+    pub stray_uvs: usize,
+}
+
+impl Problems {
+    /// Each as a message and how often it happened, which may be 0.
+    pub fn messages(&self) -> [(&'static str, usize); 5] {
+        [
+            ("face with fewer than three corners: skipped", self.slivers),
+            (
+                "face with a coordIndex beyond its coordinates: skipped",
+                self.stray_faces,
+            ),
+            (
+                "face or corner with an index beyond its colours or materials: the last one taken",
+                self.stray_colors,
+            ),
+            (
+                "corner without a usable normal: that of its face taken",
+                self.stray_normals,
+            ),
+            (
+                "corner with an index beyond its texture coordinates: (0, 0) taken",
+                self.stray_uvs,
+            ),
+        ]
+    }
+}
+
+impl FaceSet<'_> {
+    /// How many elements the mesh takes at most, for a budget.
+    pub fn cost(&self) -> u64 {
+        let pool = if self.drop_unused {
+            0
+        } else {
+            self.positions.len()
+        };
+        (pool + self.coord_index.len()) as u64
+    }
+}
+
+/// Makes the mesh.
+pub(super) fn build(set: &FaceSet) -> Built {
+    let mut built = Built::default();
+    let kept = faces(set, &mut built);
+    color(set, &kept, &mut built);
+    built.mesh.face_materials = vec![0; kept.len()];
+    let uvs = set.uvs.map(|bound| {
+        let corners = corner_values(set, &kept, &bound, |_| true);
+        uv_attribute(&built.mesh, &bound, corners, &mut built.problems)
+    });
+    built.mesh.uvs = uvs;
+    let normals = set.normals.map(|bound| {
+        let usable = |n: &DVec3| n.try_normalize().is_some();
+        let corners = corner_values(set, &kept, &bound, usable);
+        normal_attribute(&built.mesh, set.ccw, &bound, corners, &mut built.problems)
+    });
+    built.mesh.normals = normals;
+    if !set.ccw {
+        built.mesh.flip();
+    }
+    if built.mesh.normals.is_none() && set.crease_angle > 0.0 {
+        built.mesh.normals = Some(creased(&built.mesh, set.crease_angle));
+    }
+    built
+}
+
+/// Texture coordinates of a face set that has none: the bounding box seen along its shortest
+/// side. `u` runs from 0 to 1 along the longest side, `v` along the second by the same measure.
+pub(super) fn box_mapping(positions: &[DVec3]) -> Vec<DVec2> {
+    let finite = positions.iter().copied().filter(|p| p.is_finite());
+    let bounds = azulejo_scene::math::Aabb::around(finite);
+    let size = bounds.size();
+    let mut axes = [0, 1, 2];
+    // Equal sides keep the order x, y, z, as the standard asks: the sort is stable.
+    axes.sort_by(|&a, &b| size[b].total_cmp(&size[a]));
+    let along = |p: &DVec3, axis: usize| {
+        let share = (p[axis] - bounds.min[axis]) / size[axes[0]];
+        if share.is_finite() { share } else { 0.0 }
+    };
+    let uv = |p| DVec2::new(along(p, axes[0]), along(p, axes[1]));
+    positions.iter().map(uv).collect()
+}
+
+/// A face that was kept, as it stands in the file.
+struct Kept {
+    /// Where its corners begin in `coord_index`.
+    start: u32,
+    /// How many corners stand before it.
+    corners_before: u32,
+    /// How many faces stand before it, those that were dropped included.
+    ordinal: u32,
+}
+
+/// Puts the faces and the positions into the mesh and says which faces these are.
+fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
+    let mut kept = Vec::new();
+    let mut corners = Vec::with_capacity(set.coord_index.len());
+    let mut starts = vec![0];
+    let (mut start, mut corners_before, mut ordinal) = (0, 0, 0);
+    for polygon in set.coord_index.split(|i| *i == -1) {
+        let exists = |i: &i32| usize::try_from(*i).is_ok_and(|i| i < set.positions.len());
+        if polygon.len() < 3 {
+            built.problems.slivers += usize::from(!polygon.is_empty());
+        } else if !polygon.iter().all(exists) {
+            built.problems.stray_faces += 1;
+        } else {
+            corners.extend(polygon.iter().map(|i| *i as u32));
+            starts.push(corners.len() as u32);
+            kept.push(Kept {
+                start,
+                corners_before,
+                ordinal,
+            });
+        }
+        start += polygon.len() as u32 + 1;
+        corners_before += polygon.len() as u32;
+        ordinal += u32::from(!polygon.is_empty());
+    }
+    corners.shrink_to_fit();
+    let mesh = &mut built.mesh;
+    mesh.positions = if set.drop_unused {
+        let used = renumber(&mut corners, set.positions.len());
+        used.iter().map(|&i| set.positions[i as usize]).collect()
+    } else {
+        set.positions.to_vec()
+    };
+    mesh.faces = Faces { starts, corners };
+    kept
+}
+
+/// The indices that occur, in ascending order; each entry becomes its place among them.
+/// [`NONE`] stays what it is. Takes time by the number of entries, however large the pool is.
+fn renumber(indices: &mut [u32], pool: usize) -> Vec<u32> {
+    let mut used: Vec<u32>;
+    if pool / 4 > indices.len() {
+        used = indices.iter().copied().filter(|i| *i != NONE).collect();
+        used.sort_unstable();
+        used.dedup();
+        for i in indices.iter_mut().filter(|i| **i != NONE) {
+            *i = used.binary_search(i).map_or(NONE, |place| place as u32);
+        }
+        return used;
+    }
+    let mut places = vec![NONE; pool];
+    for &i in indices.iter().filter(|i| **i != NONE) {
+        places[i as usize] = 0;
+    }
+    used = (0..pool as u32)
+        .filter(|i| places[*i as usize] == 0)
+        .collect();
+    for (place, &i) in used.iter().enumerate() {
+        places[i as usize] = place as u32;
+    }
+    for i in indices.iter_mut().filter(|i| **i != NONE) {
+        *i = places[*i as usize];
+    }
+    used
+}
+
+impl<T> Bound<'_, T> {
+    /// The value of a face, [`NONE`] if there is none.
+    fn of_face(&self, face: &Kept) -> u32 {
+        self.checked(match (self.binding, self.index) {
+            (Binding::PerFaceIndexed, Some(index)) => entry(index, face.ordinal),
+            (Binding::Overall, _) => 0,
+            _ => face.ordinal,
+        })
+    }
+
+    /// The value of the `k`-th corner of a face, [`NONE`] if there is none.
+    fn of_corner(&self, coord_index: &[i32], face: &Kept, k: u32) -> u32 {
+        match self.binding {
+            Binding::PerVertex => self.checked(face.corners_before + k),
+            Binding::PerVertexIndexed => {
+                let index = self.index.unwrap_or(coord_index);
+                self.checked(entry(index, face.start + k))
+            }
+            _ => self.of_face(face),
+        }
+    }
+
+    fn checked(&self, value: u32) -> u32 {
+        if (value as usize) < self.values.len() {
+            value
+        } else {
+            NONE
+        }
+    }
+}
+
+/// An entry of an index, [`NONE`] where it has none or a negative one.
+fn entry(index: &[i32], at: u32) -> u32 {
+    let entry = index.get(at as usize).copied();
+    entry.and_then(|i| u32::try_from(i).ok()).unwrap_or(NONE)
+}
+
+/// For each corner its value in the pool, [`NONE`] where there is none or none of use.
+fn corner_values<T>(
+    set: &FaceSet,
+    kept: &[Kept],
+    bound: &Bound<T>,
+    usable: impl Fn(&T) -> bool,
+) -> Vec<u32> {
+    let mut values = Vec::new();
+    for face in kept {
+        let rest = &set.coord_index[face.start as usize..];
+        let corners = rest.iter().take_while(|i| **i != -1).count() as u32;
+        values.extend((0..corners).map(|k| bound.of_corner(set.coord_index, face, k)));
+    }
+    for value in &mut values {
+        if !bound.values.get(*value as usize).is_some_and(&usable) {
+            *value = NONE;
+        }
+    }
+    values
+}
+
+/// Gives faces or vertices their colours.
+fn color(set: &FaceSet, kept: &[Kept], built: &mut Built) {
+    let Some(bound) = set.colors.filter(|c| !c.values.is_empty()) else {
+        return;
+    };
+    let last = bound.values.len() as u32 - 1;
+    let mut values = match bound.binding {
+        Binding::PerVertex | Binding::PerVertexIndexed => {
+            corner_values(set, kept, &bound, |_| true)
+        }
+        _ => kept.iter().map(|face| bound.of_face(face)).collect(),
+    };
+    for value in values.iter_mut().filter(|v| **v == NONE) {
+        *value = last;
+        built.problems.stray_colors += 1;
+    }
+    match bound.binding {
+        Binding::PerVertex | Binding::PerVertexIndexed => {
+            color_vertices(&mut built.mesh, bound.values, &values);
+        }
+        _ => built.face_values = values,
+    }
+}
+
+/// Gives each vertex the colour of its corners; one whose corners differ in colour is parted.
+fn color_vertices(mesh: &mut Mesh, pool: &[Rgb], corners: &[u32]) {
+    // Only colours that are used are looked at, because many face sets may share a large pool.
+    let color = |value: u32| pool[value as usize].map(|x| x.clamp(0.0, 1.0));
+    let mut of_vertex = vec![NONE; mesh.positions.len()];
+    let mut parted = HashMap::new();
+    for (vertex, &value) in mesh.faces.corners.iter_mut().zip(corners) {
+        let known = of_vertex[*vertex as usize];
+        if known == NONE {
+            of_vertex[*vertex as usize] = value;
+        } else if color(known) != color(value) {
+            let key = (*vertex, color(value).to_array().map(f64::to_bits));
+            *vertex = *parted.entry(key).or_insert_with(|| {
+                mesh.positions.push(mesh.positions[*vertex as usize]);
+                of_vertex.push(value);
+                mesh.positions.len() as u32 - 1
+            });
+        }
+    }
+    let or_white = |&value: &u32| {
+        if value == NONE {
+            Rgb::WHITE
+        } else {
+            color(value)
+        }
+    };
+    mesh.colors = of_vertex.iter().map(or_white).collect();
+}
+
+fn uv_attribute(
+    mesh: &Mesh,
+    bound: &Bound<DVec2>,
+    mut corners: Vec<u32>,
+    problems: &mut Problems,
+) -> Attribute<DVec2> {
+    let used = renumber(&mut corners, bound.values.len());
+    let finite = |i: &u32| Some(bound.values[*i as usize]).filter(|uv| uv.is_finite());
+    let mut values: Vec<DVec2> = used.iter().map(|i| finite(i).unwrap_or_default()).collect();
+    let none = values.len() as u32;
+    for corner in corners.iter_mut().filter(|c| **c == NONE) {
+        *corner = none;
+        problems.stray_uvs += 1;
+    }
+    if corners.contains(&none) {
+        values.push(DVec2::ZERO);
+    }
+    attribute(mesh, values, corners, DVec2::ZERO)
+}
+
+fn normal_attribute(
+    mesh: &Mesh,
+    ccw: bool,
+    bound: &Bound<DVec3>,
+    mut corners: Vec<u32>,
+    problems: &mut Problems,
+) -> Attribute<DVec3> {
+    let used = renumber(&mut corners, bound.values.len());
+    let unit = |i: &u32| bound.values[*i as usize].normalize_or(DVec3::Z);
+    let mut values: Vec<DVec3> = used.iter().map(unit).collect();
+    for face in 0..mesh.faces.len() {
+        let strays = corners[mesh.faces.corner_range(face)].iter_mut();
+        let mut own = None;
+        for corner in strays.filter(|c| **c == NONE) {
+            *corner = *own.get_or_insert_with(|| {
+                let front = if ccw { 1.0 } else { -1.0 } * mesh.face_area_vector(face);
+                values.push(front.normalize_or(DVec3::Z));
+                values.len() as u32 - 1
+            });
+            problems.stray_normals += 1;
+        }
+    }
+    attribute(mesh, values, corners, DVec3::Z)
+}
+
+/// Values per vertex when the corners of every vertex agree, else per corner. Vertices without
+/// faces get `unused`.
+fn attribute<T: Copy>(mesh: &Mesh, values: Vec<T>, corners: Vec<u32>, unused: T) -> Attribute<T> {
+    let mut of_vertex = vec![NONE; mesh.positions.len()];
+    let agree = mesh.faces.corners.iter().zip(&corners).all(|(&v, &value)| {
+        let known = &mut of_vertex[v as usize];
+        let agrees = *known == NONE || *known == value;
+        *known = value;
+        agrees
+    });
+    if agree {
+        let value = |i: &u32| values.get(*i as usize).copied().unwrap_or(unused);
+        Attribute::per_vertex(of_vertex.iter().map(value).collect())
+    } else {
+        Attribute {
+            values,
+            corners: Some(corners),
+        }
+    }
+}
+
+/// Normals that are smooth across edges whose faces differ by less than the angle.
+fn creased(mesh: &Mesh, angle: f64) -> Attribute<DVec3> {
+    if angle >= PI {
+        return smooth::corner_normals(mesh, |_, _| true);
+    }
+    let normals = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f).normalize_or_zero());
+    let (normals, cos) = (Vec::from_iter(normals), angle.cos());
+    smooth::corner_normals(mesh, |f, g| smooth::within(normals[f], normals[g], cos))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two unit squares side by side in the plane z = 0.
+    const POOL: [DVec3; 7] = [
+        DVec3::new(9.0, 9.0, 9.0),
+        DVec3::new(0.0, 0.0, 0.0),
+        DVec3::new(1.0, 0.0, 0.0),
+        DVec3::new(2.0, 0.0, 0.0),
+        DVec3::new(0.0, 1.0, 0.0),
+        DVec3::new(1.0, 1.0, 0.0),
+        DVec3::new(2.0, 1.0, 0.0),
+    ];
+    const SQUARES: [i32; 9] = [1, 2, 5, 4, -1, 2, 3, 6, 5];
+    const COLORS: [Rgb; 3] = [Rgb::BLACK, Rgb::grey(0.5), Rgb::WHITE];
+
+    fn plain<'a>(coord_index: &'a [i32]) -> FaceSet<'a> {
+        FaceSet {
+            positions: &POOL,
+            coord_index,
+            colors: None,
+            normals: None,
+            uvs: None,
+            ccw: true,
+            crease_angle: 0.0,
+            drop_unused: false,
+        }
+    }
+
+    fn bound<'a, T>(values: &'a [T], index: Option<&'a [i32]>, binding: Binding) -> Bound<'a, T> {
+        Bound {
+            values,
+            index,
+            binding,
+        }
+    }
+
+    #[test]
+    fn polygons_and_what_is_none() {
+        let check = |index: &[i32], faces: usize, slivers: usize, stray_faces: usize| {
+            let built = build(&plain(index));
+            let expected = Problems {
+                slivers,
+                stray_faces,
+                ..Problems::default()
+            };
+            assert_eq!(built.mesh.faces.len(), faces, "{index:?}");
+            assert_eq!(built.mesh.face_materials.len(), faces, "{index:?}");
+            assert_eq!(built.problems, expected, "{index:?}");
+            assert_eq!(built.mesh.positions.len(), 7);
+        };
+        check(&[], 0, 0, 0);
+        check(&[-1, -1], 0, 0, 0);
+        check(&SQUARES, 2, 0, 0);
+        check(&[1, 2, 5, -1], 1, 0, 0);
+        check(&[1, 2, -1, 3, -1, 1, 2, 5], 1, 2, 0);
+        check(&[1, 2, 7, -1, 1, 2, -2, -1, 1, 2, i32::MIN], 0, 0, 3);
+    }
+
+    #[test]
+    fn a_shared_pool_is_cut_down() {
+        for index in [&SQUARES[..], &[2, 3, 6]] {
+            let mut set = plain(index);
+            let whole = build(&set).mesh;
+            set.drop_unused = true;
+            let cut = build(&set).mesh;
+            assert_eq!(cut.bounds(), whole.bounds());
+            assert_eq!(cut.area(), whole.area());
+            assert_eq!(cut.positions.len(), 3 * (index.len() / 3).clamp(1, 2));
+        }
+    }
+
+    #[test]
+    fn clockwise_faces_are_turned() {
+        let mut set = plain(&SQUARES);
+        set.ccw = false;
+        set.crease_angle = 1.0;
+        let mesh = build(&set).mesh;
+        assert_eq!(mesh.face_area_vector(1), -DVec3::Z);
+        assert_eq!(mesh.normals.unwrap().at(0, 1), -DVec3::Z);
+    }
+
+    #[test]
+    fn colours_of_faces() {
+        let check = |binding, index: Option<&[i32]>, expected: [u32; 2], strays| {
+            let mut set = plain(&SQUARES);
+            set.colors = Some(bound(&COLORS, index, binding));
+            let built = build(&set);
+            assert_eq!(built.face_values, expected, "{binding:?}");
+            assert_eq!(built.problems.stray_colors, strays, "{binding:?}");
+            assert!(built.mesh.colors.is_empty());
+        };
+        check(Binding::Overall, None, [0, 0], 0);
+        check(Binding::PerFace, None, [0, 1], 0);
+        check(Binding::PerFaceIndexed, None, [0, 1], 0);
+        check(Binding::PerFaceIndexed, Some(&[2, 1]), [2, 1], 0);
+        check(Binding::PerFaceIndexed, Some(&[1]), [1, 2], 1);
+        check(Binding::PerFaceIndexed, Some(&[-1, 3]), [2, 2], 2);
+    }
+
+    #[test]
+    fn a_dropped_face_keeps_its_place_in_the_count() {
+        let index = [1, 2, -1, 1, 2, 99, -1, 1, 2, 5];
+        let mut set = plain(&index);
+        set.colors = Some(bound(&COLORS, None, Binding::PerFace));
+        assert_eq!(build(&set).face_values, [2]);
+        let normals: Vec<DVec3> = (1..=8).map(|x| DVec3::new(x.into(), 1.0, 0.0)).collect();
+        set.normals = Some(bound(&normals, None, Binding::PerVertex));
+        let found = build(&set).mesh.normals.unwrap();
+        assert_eq!(found.at(0, 1), normals[5].normalize());
+        assert_eq!(found.at(2, 5), normals[7].normalize());
+    }
+
+    #[test]
+    fn colours_part_vertices_only_where_they_differ() {
+        // The squares meet at vertices 2 and 5; the first gets one colour, the other two.
+        let index = [0, 1, 2, 0, -1, 1, 0, 0, 1];
+        let mut set = plain(&SQUARES);
+        set.colors = Some(bound(&COLORS, Some(&index), Binding::PerVertexIndexed));
+        let mesh = build(&set).mesh;
+        assert_eq!(mesh.positions.len(), 8);
+        assert_eq!(mesh.positions[7], POOL[5]);
+        assert_eq!(mesh.faces.get(0), [1, 2, 5, 4]);
+        assert_eq!(mesh.faces.get(1), [2, 3, 6, 7]);
+        let at = |v: usize| mesh.colors[v].r;
+        assert_eq!((at(0), at(2), at(5), at(7)), (1.0, 0.5, 1.0, 0.5));
+    }
+
+    #[test]
+    fn colours_by_coord_index_and_in_order() {
+        let mut set = plain(&[0, 1, 2]);
+        set.colors = Some(bound(&COLORS, None, Binding::PerVertexIndexed));
+        assert_eq!(build(&set).mesh.colors[..3], COLORS);
+        let mut set = plain(&SQUARES);
+        set.colors = Some(bound(&COLORS, None, Binding::PerVertex));
+        let built = build(&set);
+        assert_eq!(built.problems.stray_colors, 5);
+        assert_eq!(built.mesh.colors[1..3], COLORS[..2]);
+    }
+
+    #[test]
+    fn normals_are_made_unit_and_missing_ones_flat() {
+        let values = [DVec3::new(0.0, 4.0, 0.0), DVec3::ZERO];
+        let index = [0, 0, 0, 0, -1, 1, 7, 0, 0];
+        let mut set = plain(&SQUARES);
+        set.normals = Some(bound(&values, Some(&index), Binding::PerVertexIndexed));
+        let built = build(&set);
+        assert_eq!(built.problems.stray_normals, 2);
+        let normals = built.mesh.normals.unwrap();
+        assert_eq!(normals.at(0, 1), DVec3::Y);
+        assert_eq!(normals.at(4, 2), DVec3::Z);
+        assert_eq!(normals.at(5, 3), DVec3::Z);
+    }
+
+    #[test]
+    fn values_of_vertices_stay_with_vertices() {
+        let normals = [DVec3::Z; 7];
+        let uvs = POOL.map(|p| p.truncate());
+        let mut set = plain(&SQUARES);
+        set.normals = Some(bound(&normals, None, Binding::PerVertexIndexed));
+        set.uvs = Some(bound(&uvs, None, Binding::PerVertexIndexed));
+        let mesh = build(&set).mesh;
+        assert_eq!(mesh.normals.unwrap().corners, None);
+        let found = mesh.uvs.unwrap();
+        assert_eq!(
+            (found.corners, found.values[6]),
+            (None, DVec2::new(2.0, 1.0))
+        );
+        set.uvs = Some(bound(&uvs[..6], None, Binding::PerVertexIndexed));
+        let built = build(&set);
+        assert_eq!(built.problems.stray_uvs, 1);
+        assert_eq!(built.mesh.uvs.unwrap().at(6, 6), DVec2::ZERO);
+    }
+
+    #[test]
+    fn creases() {
+        let roof = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(-1.0, 0.0, -1.0)];
+        let check = |crease_angle, expected: Option<bool>| {
+            let mut set = plain(&[0, 1, 2, -1, 0, 2, 3]);
+            set.positions = &roof;
+            set.crease_angle = crease_angle;
+            let normals = build(&set).mesh.normals;
+            let smooth = normals.map(|n| n.at(0, 0) == n.at(3, 0));
+            assert_eq!(smooth, expected, "{crease_angle}");
+        };
+        check(0.0, None);
+        check(44f64.to_radians(), Some(false));
+        check(46f64.to_radians(), Some(true));
+        check(7.0, Some(true));
+    }
+
+    #[test]
+    fn boxes_are_mapped_along_their_longest_sides() {
+        let found = box_mapping(&[DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 5.0, 3.0)]);
+        assert_eq!(found, [DVec2::ZERO, DVec2::new(1.0, 0.75)]);
+        assert_eq!(box_mapping(&[DVec3::ONE]), [DVec2::ZERO]);
+        assert!(box_mapping(&[]).is_empty());
+    }
+}
