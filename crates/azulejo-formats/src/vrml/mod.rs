@@ -1,6 +1,8 @@
 //! VRML 1.0, VRML97 and X3D, the latter in XML or in the classic encoding.
 
 #[allow(dead_code, reason = "the readers that use it follow")]
+mod faces;
+#[allow(dead_code, reason = "the readers that use it follow")]
 mod lexer;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
