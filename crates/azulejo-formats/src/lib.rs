@@ -20,6 +20,7 @@ pub mod gltf;
 pub mod grf;
 mod gzip;
 pub mod hdr;
+pub mod jpeg;
 mod materials;
 pub mod mgf;
 mod number;

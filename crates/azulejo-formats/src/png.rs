@@ -1,7 +1,7 @@
 //! PNG: pictures on surfaces in, finished pictures out.
 
 use crate::PictureError;
-use crate::picture::{check_size, malformed};
+use crate::picture::{check_size, linear_from_srgb, linear_table, malformed};
 use azulejo_scene::Image;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Transformations};
 use std::io::{self, Cursor, Write};
@@ -50,17 +50,8 @@ fn linear_samples(samples: &[u8], depth: BitDepth) -> Vec<f32> {
         let share = |&pair: &[u8; 2]| f32::from(u16::from_be_bytes(pair)) / 65535.0;
         return pairs.iter().map(|p| linear_from_srgb(share(p))).collect();
     }
-    let table: [f32; 256] = std::array::from_fn(|v| linear_from_srgb(v as f32 / 255.0));
+    let table = linear_table();
     samples.iter().map(|&v| table[usize::from(v)]).collect()
-}
-
-/// Linear light of an sRGB value, both 0..=1. IEC 61966-2-1.
-fn linear_from_srgb(v: f32) -> f32 {
-    if v <= 0.04045 {
-        v / 12.92
-    } else {
-        ((v + 0.055) / 1.055).powf(2.4)
-    }
 }
 
 /// Writes finished pixels as PNG: `rgb` holds three sRGB bytes per pixel, rows from the top.

@@ -2,7 +2,7 @@
 
 use crate::files::beside;
 use crate::text::shortened;
-use crate::{FileError, Files, hdr, png};
+use crate::{FileError, Files, picture};
 use azulejo_scene::{Image, Texture, TextureId};
 use std::collections::HashMap;
 
@@ -22,8 +22,8 @@ impl Textures {
     /// itself, else its name as the model's folder knows it), and what to warn of.
     ///
     /// The picture is looked for beside `of`, beside the model, and there without the folders of
-    /// its name, which are those of its author's machine. PNG and Radiance HDR are loaded, told
-    /// apart by their content; one that cannot be had keeps its name, and the first to ask for
+    /// its name, which are those of its author's machine. PNG, JPEG and Radiance HDR are loaded,
+    /// told apart by their content; one that cannot be had keeps its name, and the first to ask for
     /// it hears why.
     pub fn index(
         &mut self,
@@ -50,7 +50,8 @@ impl Textures {
         path: String,
         read: Result<Vec<u8>, FileError>,
     ) -> (TextureId, Option<String>) {
-        let decoded = read.map_err(|e| e.to_string()).and_then(|b| decode(&b));
+        let decode = |bytes: Vec<u8>| picture::decode(&bytes).map_err(|e| e.to_string());
+        let decoded = read.map_err(|e| e.to_string()).and_then(decode);
         let image = decoded.and_then(|image| self.admit(image));
         let shown = shortened(&path);
         let said = |why| format!("picture \"{shown}\" is not shown: {why}");
@@ -98,14 +99,6 @@ fn find(wanted: &str, name: &str, files: &dyn Files) -> (String, Result<Vec<u8>,
     (wanted.to_owned(), read)
 }
 
-fn decode(bytes: &[u8]) -> Result<Image, String> {
-    let image = match bytes {
-        [b'#', b'?', ..] => hdr::read(bytes),
-        _ => png::read(bytes),
-    };
-    image.map_err(|e| e.to_string())
-}
-
 /// A file's name with `/` between folders and no `.` among them, so that a file is not read and
 /// kept again for every way to spell its name.
 pub(crate) fn one_spelling(name: &str) -> String {
@@ -121,7 +114,7 @@ pub(crate) fn one_spelling(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Memory;
+    use crate::{Memory, hdr};
 
     fn picture() -> Vec<u8> {
         let image = Image {

@@ -1,10 +1,10 @@
 //! Pixels of textures.
 
-use crate::{Files, Loaded, Position, Warning, hdr, png};
+use crate::{Files, Loaded, Position, Warning, picture};
 use azulejo_scene::Image;
 
-/// Loads the pictures that a scene's textures name and that are not loaded yet: PNG and
-/// Radiance HDR, told apart by their content. One that cannot be had stays without pixels, with
+/// Loads the pictures that a scene's textures name and that are not loaded yet: PNG, JPEG
+/// and Radiance HDR, told apart by their content. One that cannot be had stays without pixels, with
 /// a warning under `name`, which is what messages call the model.
 pub fn load_textures(loaded: &mut Loaded, name: &str, files: &dyn Files) {
     for texture in &mut loaded.scene.textures {
@@ -25,10 +25,5 @@ pub fn load_textures(loaded: &mut Loaded, name: &str, files: &dyn Files) {
 
 fn picture(path: &str, files: &dyn Files) -> Result<Image, String> {
     let bytes = files.read(path).map_err(|e| e.to_string())?;
-    let image = if bytes.starts_with(b"#?") {
-        hdr::read(&bytes)
-    } else {
-        png::read(&bytes)
-    };
-    image.map_err(|e| e.to_string())
+    picture::decode(&bytes).map_err(|e| e.to_string())
 }
