@@ -40,12 +40,8 @@ pub fn read(
 /// # Errors
 /// As [`read`].
 fn read_into(_stage: &mut Stage, source: &Source, _frame: &Frame) -> Result<(), ReadError> {
-    let bytes = source.bytes.strip_prefix(b"\xef\xbb\xbf");
-    let bytes = bytes.unwrap_or(&source.bytes);
-    match bytes {
-        // [b'#', b'V', b'R', b'M', b'L', b' ', b'V', b'1', ..] | [b'#', b'I', ..] => v1::read_into(stage, source, frame),
-        _ => Err(ReadError::whole(&*source.name, "VRML", "another format")),
-    }
+    // VRML 1.0 and Inventor plug in here: v1::read_into(stage, source, frame).
+    Err(ReadError::whole(&*source.name, "VRML", "another format"))
 }
 
 /// Reads the first file of `urls` that can be had into `frame`: the node `Inline` of any version,
