@@ -14,6 +14,7 @@ use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{cosine_about, hash, seeds, sobol, uniform};
 use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Iteration ends when less than this share of the first iteration's power is left to shoot.
 const REST: f64 = 1e-4;
@@ -147,11 +148,8 @@ struct Shooter<'a> {
 impl Shooter<'_> {
     fn exitance(&self, s: Side) -> Rgb {
         let material = self.patches.material((s / 2) as usize);
-        if s.is_multiple_of(2) {
-            self.gatherer.surfaces().scene.materials[material as usize].exitance()
-        } else {
-            Rgb::BLACK
-        }
+        let material = &self.gatherer.surfaces().scene.materials[material as usize];
+        material.emission_from(s.is_multiple_of(2)) * PI
     }
 
     /// Power of a radiosity per side, W.

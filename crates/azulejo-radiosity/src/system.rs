@@ -12,6 +12,7 @@ use azulejo_scene::{Material, Rgb};
 use azulejo_trace::follow::Scratch;
 use azulejo_trace::{Cancelled, DirectLight, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Rows computed between two looks at the progress bar.
 const BLOCK: usize = 64;
@@ -93,6 +94,9 @@ impl System {
             .filter(|&p| reflects(p))
             .map(|p| side(p as u32, true))
             .collect();
+        let emits_back = |&p: &usize| materials[patches.material(p) as usize].emits_back;
+        let backs = (0..patches.len()).filter(emits_back);
+        wave.extend(backs.map(|p| side(p as u32, false)));
         let begins = |&s: &Side| {
             let material = &materials[patches.material((s / 2) as usize) as usize];
             material.is_emitter() || !estimator.direct(s).lights.is_black()
@@ -100,7 +104,7 @@ impl System {
         if gatherer.ambient().is_black() && !wave.iter().any(begins) {
             wave.extend(
                 (0..patches.len())
-                    .filter(|&p| reflects(p))
+                    .filter(|p| reflects(*p) && !emits_back(p))
                     .map(|p| side(p as u32, false)),
             );
         }
@@ -268,11 +272,7 @@ impl Unknown {
         material: &Material,
         light: &DirectLight,
     ) -> Unknown {
-        let exitance = if s.is_multiple_of(2) {
-            material.exitance()
-        } else {
-            Rgb::BLACK
-        };
+        let exitance = material.emission_from(s.is_multiple_of(2)) * PI;
         Unknown {
             side: s,
             area: patches.area((s / 2) as usize),

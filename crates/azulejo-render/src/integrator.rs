@@ -30,6 +30,8 @@ pub(crate) struct Integrator<'a> {
     interpolator: Interpolator<'a>,
     /// Gather rays per diffuse hit; `None` to show what the first pass left.
     gather: Option<u32>,
+    /// What a path finds that leaves the scene: the background, else the surroundings.
+    sky: Rgb,
     seed: u32,
     max_depth: u32,
 }
@@ -83,8 +85,10 @@ pub(crate) struct Scratch {
 
 impl<'a> Integrator<'a> {
     pub fn new(scene: &'a Scene, tracer: &'a Tracer, options: &SecondPass) -> Integrator<'a> {
+        let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         Integrator {
-            gatherer: Gatherer::new(Surfaces::new(scene, tracer)),
+            sky: scene.background.unwrap_or(gatherer.ambient()),
+            gatherer,
             interpolator: Interpolator::new(scene, tracer),
             gather: options.gather,
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
@@ -193,7 +197,8 @@ impl Path<'_, '_> {
     /// Radiance along the first leg, which ends at `hit`, and along all that come of it; less
     /// what is still to be gathered.
     fn radiance(&mut self, first: Leg, hit: &KernelHit) -> Found {
-        let mut radiance = self.arrive(&first, hit);
+        let (first, fog) = self.through_fog(first, hit);
+        let mut radiance = fog + self.arrive(&first, hit);
         while let Some(leg) = self.scratch.pending.pop() {
             let ray = std::slice::from_ref(&leg.ray);
             self.integrator
@@ -208,10 +213,33 @@ impl Path<'_, '_> {
         }
     }
 
+    /// The first leg with what the fog leaves of its light, and what the fog adds. Fog is a matter
+    /// of the viewer: it hides no background, and mirrors show what they show.
+    fn through_fog(&self, first: Leg, hit: &KernelHit) -> (Leg, Rgb) {
+        let Some(fog) = self
+            .integrator
+            .surfaces()
+            .scene
+            .fog
+            .filter(|_| hit.is_hit())
+        else {
+            return (first, Rgb::BLACK);
+        };
+        let tracer = self.integrator.tracer();
+        let ray = tracer.world_ray(&first.ray);
+        let distance = tracer.resolve(&ray, hit).position.distance(ray.origin);
+        let clear = fog.transmittance(distance);
+        let weight = first.weight * clear;
+        (
+            Leg { weight, ..first },
+            first.weight * fog.color * (1.0 - clear),
+        )
+    }
+
     /// What a leg adds where it ends; what goes on from there becomes pending.
     fn arrive(&mut self, leg: &Leg, hit: &KernelHit) -> Rgb {
         if !hit.is_hit() {
-            return leg.weight * self.integrator.gatherer.ambient();
+            return leg.weight * self.integrator.sky;
         }
         let surfaces = self.integrator.surfaces();
         let material = surfaces.material(hit.item);
@@ -228,11 +256,7 @@ impl Path<'_, '_> {
 
     /// Radiance that leaves a surface by itself: emitted, and reflected diffusely.
     fn own_light(&mut self, leg: &Leg, at: &Arrival, material: &Material) -> Rgb {
-        let emitted = if at.front {
-            material.emission
-        } else {
-            Rgb::BLACK
-        };
+        let emitted = material.emission_from(at.front);
         if material.diffuse.is_black() {
             return emitted;
         }

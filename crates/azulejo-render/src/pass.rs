@@ -54,9 +54,9 @@ impl SecondPass {
 /// Draws what `camera` sees: linear radiance, W/(sr·m²), averaged over each pixel by a tent
 /// filter of one pixel's radius.
 ///
-/// `tracer` must have been made from `scene`. Radiance at a surface is its emission (front side
-/// only) plus ρ/π times the irradiance that the first pass left on the vertices; perfect mirrors
-/// and dielectrics are followed; what leaves the scene finds the ambient light. Surfaces without
+/// `tracer` must have been made from `scene`. Radiance at a surface is its emission plus ρ/π times the irradiance that the first pass left on the vertices; perfect mirrors
+/// and dielectrics are followed; what leaves the scene finds the background, or without one the ambient light; fog
+/// hides what is far from the viewer. Surfaces without
 /// irradiance reflect nothing diffusely: without a first pass and without
 /// [`gather`](SecondPass::gather) only lamps, their mirror images and the ambient light show.
 /// Vertices carry the irradiance of the front; where a path meets the back of a diffuse surface,
@@ -108,7 +108,7 @@ pub fn render(
 ///
 /// Follows `samples_per_pixel` paths along a ray where chance plays a part (dielectrics, deep
 /// mirrors, final gathers) and one where it does not. `t_min` and `t_max` of the rays hold for
-/// the first surface; a ray that ends before one finds the ambient light.
+/// the first surface; a ray that ends before one finds the background or the ambient light.
 ///
 /// Counts rays on `progress`.
 ///

@@ -132,9 +132,18 @@ impl Material {
         before == (self.diffuse, self.mirror)
     }
 
-    /// Emitted exitance M = πL, W/m².
+    /// Emitted exitance M = πL of the front, W/m².
     pub fn exitance(&self) -> Rgb {
         self.emission * std::f64::consts::PI
+    }
+
+    /// Emitted radiance of one side, W/(sr·m²).
+    pub fn emission_from(&self, front: bool) -> Rgb {
+        if front || self.emits_back {
+            self.emission
+        } else {
+            Rgb::BLACK
+        }
     }
 
     /// Whether light that arrives can leave in a mirrored or refracted direction.

@@ -96,7 +96,7 @@ impl<'a> Rows<'a> {
         let facet = |i: usize| Some(Facet::new(sides, i, sides.patches.polygon(sides.patch(i))?));
         let material =
             |i: usize| &surfaces.scene.materials[sides.patches.material(sides.patch(i)) as usize];
-        let is_lamp = |i: usize| material(i).is_emitter() && !sides.is_back(i);
+        let is_lamp = |i: usize| !material(i).emission_from(!sides.is_back(i)).is_black();
         Rows {
             sides,
             facets: (0..sides.len()).into_par_iter().map(facet).collect(),

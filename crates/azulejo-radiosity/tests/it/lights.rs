@@ -514,3 +514,40 @@ fn light_without_area_is_in_the_balance() {
     );
     assert!(report.balance.error() < 1e-3, "{:?}", report.balance);
 }
+
+/// A plate that shines from both sides lights floor and ceiling alike, whichever way it is turned;
+/// each as the polygon's formula says.
+#[test]
+fn a_plate_may_emit_from_both_sides() {
+    for turned in [false, true] {
+        let mut scene = Scene::default();
+        let (a, b) = match turned {
+            false => (DVec3::X, DVec3::Y),
+            true => (DVec3::Y, DVec3::X),
+        };
+        let lamp = Material {
+            emits_back: true,
+            ..Material::emitter("lamp", Rgb::grey(2.0))
+        };
+        let corner = dvec3(-0.5, -0.5, 0.0);
+        add_sheet(&mut scene, corner, a, b, lamp);
+        let points = [at(0.2, 0.1, -1.0, DVec3::Z), at(0.2, 0.1, 1.0, -DVec3::Z)];
+        let square = [
+            corner,
+            corner + DVec3::X,
+            corner + DVec3::X + DVec3::Y,
+            corner + DVec3::Y,
+        ];
+        let mut from_below = square;
+        from_below.reverse();
+        let truth = 2.0 * PI * point_to_polygon(points[0].position, DVec3::Z, &from_below).abs();
+        for found in irradiance(&scene, &points, &rays(64)) {
+            let off = (found.value.mean() - truth).abs();
+            assert!(
+                off < 1e-9 + 4.0 * found.error.mean(),
+                "{} for {truth}",
+                found.value.mean()
+            );
+        }
+    }
+}

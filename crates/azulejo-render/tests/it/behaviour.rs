@@ -1,9 +1,9 @@
 //! What holds for every picture: orientation, repeatability, cancelling.
 
 use crate::gallery::gallery;
-use crate::{assert_close, camera, primitive};
+use crate::{assert_close, camera, look, primitive};
 use azulejo_render::{SecondPass, render};
-use azulejo_scene::{Image, Material, Primitive, Rgb, Scene};
+use azulejo_scene::{Fog, Image, Material, Primitive, Rgb, Scene};
 use azulejo_trace::{Cancelled, Progress, Tracer};
 use glam::DVec3;
 
@@ -41,6 +41,54 @@ fn pictures_are_neither_mirrored_nor_upside_down() {
     assert_close(at(11, 4), Rgb::new(0.0, 1.0, 0.0), 1e-6);
     assert_close(at(4, 11), Rgb::new(0.0, 0.0, 1.0), 1e-6);
     assert_close(at(11, 11), Rgb::BLACK, 0.0);
+}
+
+#[test]
+fn background_and_fog_are_seen() {
+    let mut scene = Scene::default();
+    let lamp = scene.add_material(Material::emitter("lamp", Rgb::grey(2.0)));
+    let corner = DVec3::new(-1.0, -1.0, 0.0);
+    let plate = Primitive::parallelogram(corner, 2.0 * DVec3::X, 2.0 * DVec3::Y, lamp);
+    primitive(&mut scene, plate);
+    let mist = Rgb::new(0.2, 0.4, 0.6);
+    scene.background = Some(Rgb::new(0.0, 0.5, 1.0));
+    scene.fog = Some(Fog {
+        color: mist,
+        visibility: 4.0,
+        exponential: false,
+    });
+    let eye = DVec3::Z;
+    let rays = [(eye, DVec3::ZERO), (eye, 2.0 * DVec3::Z)];
+    let found = look(&scene, &rays, &SecondPass::default());
+    assert_close(found[0], 0.75 * Rgb::grey(2.0) + 0.25 * mist, 1e-6);
+    assert_close(found[1], Rgb::new(0.0, 0.5, 1.0), 0.0);
+    let exponential = scene.fog.as_mut().expect("fog");
+    exponential.exponential = true;
+    let clear = f64::exp(-1.0 / 3.0);
+    let expected = clear * Rgb::grey(2.0) + (1.0 - clear) * mist;
+    assert_close(
+        look(&scene, &rays, &SecondPass::default())[0],
+        expected,
+        1e-6,
+    );
+}
+
+#[test]
+fn some_emitters_are_seen_from_both_sides() {
+    let mut scene = Scene::default();
+    let lamp = scene.add_material(Material {
+        emits_back: true,
+        ..Material::emitter("lamp", Rgb::grey(2.0))
+    });
+    primitive(
+        &mut scene,
+        Primitive::parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y, lamp),
+    );
+    let middle = DVec3::new(0.5, 0.5, 0.0);
+    let rays = [(middle + DVec3::Z, middle), (middle - DVec3::Z, middle)];
+    for radiance in look(&scene, &rays, &SecondPass::default()) {
+        assert_close(radiance, Rgb::grey(2.0), 0.0);
+    }
 }
 
 /// The gallery in a pool of `threads`.

@@ -270,7 +270,10 @@ impl<'a> Direct<'a> {
             }
             Source::Globe(j) => {
                 let globe = &self.emitters.globes[*j as usize];
-                let y = globe.primitive.point(globe.part, u.0, u.1);
+                let mut y = globe.primitive.point(globe.part, u.0, u.1);
+                if globe.emits_back && y.normal.dot(point.position - y.position) < 0.0 {
+                    y.normal = -y.normal;
+                }
                 self.push_segment(from, self.surfaces.tracer.leaving(y.position, y.normal));
                 kernel(point, y.position, y.normal) * y.area_density
             }

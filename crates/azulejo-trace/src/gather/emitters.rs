@@ -22,7 +22,7 @@ pub struct Lamp {
     pub radiance: Rgb,
 }
 
-/// A curved part of a primitive that emits from its outside.
+/// A curved part of a primitive that emits from its outside, and from its inside if `emits_back`.
 pub struct Globe<'a> {
     /// The primitive.
     pub primitive: &'a Primitive,
@@ -30,6 +30,8 @@ pub struct Globe<'a> {
     pub part: usize,
     /// Emitted radiance, W/(sr·m²).
     pub radiance: Rgb,
+    /// Whether the inside emits too.
+    pub emits_back: bool,
     /// Its middle and the square of a radius around it, for rough estimates.
     pub centre: DVec3,
     /// See `centre`.
@@ -109,10 +111,14 @@ impl<'a> Emitters<'a> {
         let mut lamps = Vec::new();
         flat_faces(surfaces, Material::is_emitter, |polygon, _, material| {
             if lamps.len() <= MOST_LAMPS {
-                lamps.push(Lamp {
-                    polygon,
-                    radiance: material.emission,
-                });
+                let radiance = material.emission;
+                if material.emits_back {
+                    let mut back = ArrayPolygon::default();
+                    polygon.iter().rev().for_each(|&corner| back.push(corner));
+                    let polygon = back;
+                    lamps.push(Lamp { polygon, radiance });
+                }
+                lamps.push(Lamp { polygon, radiance });
             }
         });
         if lamps.len() <= MOST_LAMPS {
@@ -126,7 +132,8 @@ impl<'a> Emitters<'a> {
             let Shape::Primitive(primitive) = &object.shape else {
                 continue;
             };
-            let radiance = surfaces.scene.materials[primitive.material as usize].emission;
+            let material = &surfaces.scene.materials[primitive.material as usize];
+            let (radiance, emits_back) = (material.emission, material.emits_back);
             if radiance.is_black()
                 || matches!(
                     primitive.kind,
@@ -142,6 +149,7 @@ impl<'a> Emitters<'a> {
                 primitive,
                 part,
                 radiance,
+                emits_back,
                 centre,
                 radius2,
             }));

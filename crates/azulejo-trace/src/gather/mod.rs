@@ -158,14 +158,14 @@ impl<'a> Gatherer<'a> {
     /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts
     /// already: zero for most.
     pub fn stray_exitance(&self, hit: &KernelHit, front: bool, via: Via) -> Rgb {
-        if !front || !self.surfaces.is_emitter(hit.item) {
+        if !self.surfaces.is_emitter(hit.item) {
             return Rgb::BLACK;
         }
         let is_flat = self.surfaces.flat_normal(hit.item).is_some();
         if self.counts_direct(is_flat, via) {
             Rgb::BLACK
         } else {
-            self.surfaces.material(hit.item).exitance()
+            self.surfaces.material(hit.item).emission_from(front) * PI
         }
     }
 

@@ -48,7 +48,11 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
 }
 
 fn part(scene: &Scene, object: &Object) -> Part {
-    let emission = |m: MaterialId| scene.materials[m as usize].emission;
+    // Of both sides together.
+    let emission = |m: MaterialId| {
+        let material = &scene.materials[m as usize];
+        material.emission_from(true) + material.emission_from(false)
+    };
     match &object.shape {
         Shape::Mesh(mesh) => {
             let areas = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f).length());
