@@ -1,6 +1,8 @@
 //! What can be typed. Values are typed here; what they mean is for the commands to say.
 
-use super::values;
+use super::placement::{self, Placement};
+use super::values::{self, UpArg};
+use azulejo_formats::{Lod, ReadOptions};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
 use std::path::PathBuf;
@@ -82,12 +84,36 @@ pub struct Input {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub lights: Option<PathBuf>,
     #[command(flatten)]
-    pub trust: Trust,
+    pub reading: Reading,
 }
 
-/// Where a model may take other files from.
+/// How models are read and put together.
 #[derive(Debug, Args)]
-pub struct Trust {
+#[command(next_help_heading = "Reading")]
+pub struct Reading {
+    /// Where one of the models goes: FILE:translate=1,0,2,rotate=0,90,0,scale=2, done in the
+    /// order written (degrees about x, y, z; one scale or three); also up=z and unit=mm for a
+    /// model that does not say its own, and name=lamp for its branch
+    #[arg(long, value_name = "FILE:HOW", value_parser = placement::parse)]
+    pub place: Vec<Placement>,
+    /// Which axis points up in the scene; models with another are turned [default: that of the
+    /// first model]. For `render` also a direction X,Y,Z that points up in the picture alone
+    #[arg(long, value_name = "y|z", value_parser = values::up, allow_hyphen_values = true)]
+    pub up: Option<UpArg>,
+    /// Unit of the scene's lengths: mm, cm, m, km, in, ft, or a number of metres; models that say
+    /// another are scaled [default: that of the first model]
+    #[arg(long, value_name = "UNIT", value_parser = values::unit)]
+    pub unit: Option<f64>,
+    /// Level of detail, where a model has several: finest, coarsest, all, or what is seen from a
+    /// distance
+    #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
+    pub lod: Lod,
+    /// Fail when anything in a model had to be skipped or mended
+    #[arg(long)]
+    pub strict: bool,
+    /// Most vertices and corners that the instances and curves of a model may unfold to
+    #[arg(long, value_name = "N", default_value_t = ReadOptions::default().most_elements)]
+    pub most_elements: u64,
     /// Also read files from this folder when a model names them by `..` or an absolute path
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub allow: Vec<PathBuf>,
@@ -96,11 +122,8 @@ pub struct Trust {
 /// `info`
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// The model file; `-` is standard input
-    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub file: PathBuf,
     #[command(flatten)]
-    pub trust: Trust,
+    pub input: Input,
 }
 
 /// `convert`
@@ -194,9 +217,6 @@ pub struct View {
     /// What the viewer looks at
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub at: Option<DVec3>,
-    /// What is up in the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
-    pub up: Option<DVec3>,
     /// Vertical field of view
     #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
     pub fov: Option<f64>,
@@ -308,13 +328,15 @@ Exit codes: 0 done, 1 failed (an old output file stays as it was), 2 misused.";
 
 const INFO_EXAMPLES: &str = "\
 Examples:
-  azulejo info room.obj
+  azulejo info room.3ds
+  azulejo info drawing.dxf --strict
   azulejo info room.grf --json | python3 -m json.tool";
 
 const CONVERT_EXAMPLES: &str = "\
 Examples:
-  azulejo convert room.obj -o room.grf
-  azulejo convert walls.grf lamps.grf chairs.obj -o room.grf";
+  azulejo convert tank.flt -o tank.glb --lod coarsest
+  azulejo convert room.dxf chair.3ds -o room.grf --up y --unit m \\
+      --place chair.3ds:scale=0.01,rotate=0,30,0,translate=2,0,1";
 
 const SOLVE_EXAMPLES: &str = "\
 Examples:

@@ -1,12 +1,12 @@
 //! `info`: what is in a model.
 
-use super::args::InfoArgs;
+use super::args::{InfoArgs, Input};
 use super::failure::Failure;
 use super::input;
 use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
 use azulejo_scene::math::Aabb;
-use azulejo_scene::{LightKind, MaterialId, Object, PrimitiveKind, Rgb, Scene, Shape};
+use azulejo_scene::{LightKind, MaterialId, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -27,11 +27,11 @@ struct Part {
 
 /// Runs `info`.
 pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
-    let scene = input::read_one(&args.file, &args.trust, session)?;
+    session.list_warnings();
+    let scene = input::read_all(&args.input, session)?;
     let parts: Vec<Part> = scene.objects.iter().map(|o| part(&scene, o)).collect();
     let mut report = Report::default();
-    let file = args.file.display().to_string();
-    report.fact("file", file.clone(), "file", file);
+    source(&args.input, session, &mut report);
     contents(&scene, &parts, &mut report);
     extent(&scene, &parts, &mut report);
     lights(&scene, &parts, &mut report);
@@ -44,7 +44,43 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     };
     report.fact("solved", solved, "irradiance", words);
     objects(&scene, &parts, &mut report);
+    skipped(session, &mut report);
     Ok(report)
+}
+
+/// The files and their formats; machines get one name where there is one file.
+fn source(input: &Input, session: &Session, report: &mut Report) {
+    let files: Vec<String> = input
+        .scenes
+        .iter()
+        .map(|p| p.display().to_string())
+        .collect();
+    let formats: Vec<&str> = session.formats().iter().map(|f| f.name()).collect();
+    report.line("file", files.join(", "));
+    report.line("format", formats.join(", "));
+    match (&files[..], &formats[..]) {
+        ([file], [format]) => {
+            report.value("file", file.clone());
+            report.value("format", *format);
+        }
+        _ => {
+            report.value("file", files);
+            report.value("format", formats);
+        }
+    }
+}
+
+/// What the readers skipped or mended; machines find it under `warnings`.
+fn skipped(session: &Session, report: &mut Report) {
+    if session.listed().is_empty() {
+        return;
+    }
+    report.plain("");
+    report.plain("skipped or mended");
+    session
+        .listed()
+        .iter()
+        .for_each(|w| report.plain(w.clone()));
 }
 
 fn part(scene: &Scene, object: &Object) -> Part {
@@ -121,15 +157,22 @@ fn contents(scene: &Scene, parts: &[Part], report: &mut Report) {
 
 fn extent(scene: &Scene, parts: &[Part], report: &mut Report) {
     let Aabb { min, max } = scene.bounds();
-    let metres = scene.units.metres();
     let light = if scene.units.photometric {
         "cd/m² and lux"
     } else {
         "W/(sr·m²) and W/m²"
     };
-    let words = format!("1 unit is {} m; light in {light}", short(metres));
-    report.line("units", words);
-    report.value("metres_per_unit", number(metres));
+    let length = match scene.units.metres_per_unit {
+        Some(metres) => format!("1 unit is {} m", short(metres)),
+        None => "lengths without a unit, taken as m".into(),
+    };
+    let up = match scene.units.up {
+        Up::Y => "y",
+        Up::Z => "z",
+    };
+    report.line("units", format!("{length}; {up} is up; light in {light}"));
+    report.value("metres_per_unit", scene.units.metres_per_unit.map(number));
+    report.value("up", up);
     report.value("photometric", scene.units.photometric);
     if scene.bounds().is_empty() {
         report.fact("bounds", Value::Null, "bounds", "empty");

@@ -1,36 +1,58 @@
 //! Models from files to one scene.
 
-use super::args::{Input, Trust};
+use super::args::{Input, Reading};
 use super::failure::Failure;
+use super::placement::{self, Placement};
 use super::session::Session;
-use azulejo_formats::{Folder, Loaded, camera_json};
-use azulejo_scene::Scene;
+use super::values::UpArg;
+use azulejo_formats::{Folder, Loaded, ReadOptions, camera_json};
+use azulejo_scene::{Scene, Units};
 use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest model that is read.
 const MAX_FILE: u64 = 4 << 30;
 /// The same for what has no length of its own: a pipe may never end.
 const MAX_STREAM: u64 = 1 << 30;
 
-/// Reads all models of a command and merges them; says what was skipped.
+/// Reads all models of a command, puts each in its place and merges them; says what was skipped.
+///
+/// The first model's axes and unit become the scene's, unless the command line says others.
 pub fn read_all(input: &Input, session: &mut Session) -> Result<Scene, Failure> {
-    let (first, rest) = input
-        .scenes
-        .split_first()
-        .ok_or_else(|| Failure::misuse("no scene given"))?;
-    let mut scene = read_one(first, &input.trust, session)?;
-    for path in rest {
-        let other = read_one(path, &input.trust, session)?;
-        if other.units != scene.units {
-            let (a, b) = (first.display(), path.display());
-            session.note(&format!(
-                "{a} and {b} have different units; lengths are merged as they are"
-            ));
-        }
-        scene.merge(other);
+    if !session.makes_picture() && matches!(input.reading.up, Some(UpArg::Picture(_))) {
+        return Err(Failure::misuse(
+            "--up: expected y or z; a direction is for pictures",
+        ));
     }
+    let mut placements = Placements::new(&input.reading.place, &input.scenes)?;
+    let mut whole: Option<Scene> = None;
+    for (i, path) in input.scenes.iter().enumerate() {
+        let placement = placements.next(path);
+        let mut model = read_one(path, &input.reading, session)?;
+        if let Some(placement) = placement {
+            model.units.up = placement.up.unwrap_or(model.units.up);
+            model.units.metres_per_unit = placement.unit.or(model.units.metres_per_unit);
+        }
+        let wanted = wanted_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
+        tell_adaptation(path, model.units, wanted, session);
+        let mut model = model.adapted(wanted);
+        if let Some(placement) = placement {
+            model = model.transformed(&placement.scene_from_model);
+            model.validate().map_err(|e| unplaceable(path, &e))?;
+        }
+        if let Some(branch) = branch_name(&input.scenes, i, placement) {
+            placement::name_branch(&mut model, &branch);
+        }
+        match &mut whole {
+            None => whole = Some(model),
+            Some(scene) => {
+                scene.units.metres_per_unit = model.units.metres_per_unit;
+                scene.merge(model);
+            }
+        }
+    }
+    let mut scene = whole.ok_or_else(|| Failure::misuse("no scene given"))?;
     if let Some(path) = &input.lights {
         let lights = camera_json::read_lights(&read_bytes(path)?, &path.to_string_lossy());
         scene.lights.extend(lights.map_err(Failure::failed)?);
@@ -38,21 +60,124 @@ pub fn read_all(input: &Input, session: &mut Session) -> Result<Scene, Failure> 
     Ok(scene)
 }
 
+fn unplaceable(path: &Path, problem: &impl std::fmt::Display) -> Failure {
+    Failure::Failed(format!(
+        "{}: cannot be placed so: {problem}",
+        path.display()
+    ))
+}
+
+/// Units of the scene: what the command line says, else those there are.
+fn wanted_units(reading: &Reading, units: Units) -> Units {
+    Units {
+        metres_per_unit: reading.unit.or(units.metres_per_unit),
+        up: match reading.up {
+            Some(UpArg::Scene(up)) => up,
+            _ => units.up,
+        },
+        ..units
+    }
+}
+
+fn tell_adaptation(path: &Path, from: Units, to: Units, session: &mut Session) {
+    let path = path.display();
+    if from.up != to.up {
+        session.note(&format!(
+            "{path}: turned from {:?} up to {:?} up",
+            from.up, to.up
+        ));
+    }
+    match (from.metres_per_unit, to.metres_per_unit) {
+        (Some(a), Some(b)) if a != b => {
+            session.note(&format!(
+                "{path}: scaled from units of {a} m to units of {b} m"
+            ));
+        }
+        (None, Some(b)) => {
+            session.note(&format!("{path}: does not say its unit; taken as {b} m"));
+        }
+        _ => {}
+    }
+    if from.photometric != to.photometric {
+        let say = |is: bool| if is { "photometric" } else { "radiometric" };
+        let (a, b) = (say(from.photometric), say(to.photometric));
+        session.note(&format!(
+            "{path}: its light is {a} and is taken as {b}, number for number"
+        ));
+    }
+}
+
+/// A branch is named by its file, or as its placement says; one file alone has no branch.
+fn branch_name(paths: &[PathBuf], i: usize, placement: Option<&Placement>) -> Option<String> {
+    let stem = |path: &PathBuf| {
+        path.file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
+    let named = placement.and_then(|p| p.name.clone());
+    if named.is_some() || paths.len() == 1 {
+        return named;
+    }
+    let name = stem(&paths[i]);
+    match paths[..i].iter().filter(|p| stem(p) == name).count() {
+        0 => Some(name),
+        before => Some(format!("{name} {}", before + 1)),
+    }
+}
+
+/// Hands out placements: the first about a file for its first mention, and so on.
+struct Placements<'a>(Vec<&'a Placement>);
+
+impl<'a> Placements<'a> {
+    fn new(list: &'a [Placement], paths: &[PathBuf]) -> Result<Placements<'a>, Failure> {
+        match list
+            .iter()
+            .find(|p| !paths.iter().any(|path| p.is_about(path)))
+        {
+            Some(p) => Err(Failure::misuse(format_args!(
+                "--place {}: no scene of that name is given",
+                p.file
+            ))),
+            None => Ok(Placements(list.iter().collect())),
+        }
+    }
+
+    fn next(&mut self, path: &Path) -> Option<&'a Placement> {
+        let at = self.0.iter().position(|p| p.is_about(path))?;
+        Some(self.0.remove(at))
+    }
+}
+
 /// Reads one model; says what was skipped.
-pub fn read_one(path: &Path, trust: &Trust, session: &mut Session) -> Result<Scene, Failure> {
+fn read_one(path: &Path, reading: &Reading, session: &mut Session) -> Result<Scene, Failure> {
     session.progress().begin("reading", 0);
     let bytes = read_bytes(path)?;
     session.progress().advance(0)?;
     let mut folder = Folder::of_model(path);
-    for allowed in &trust.allow {
+    for allowed in &reading.allow {
         folder = folder.allow(allowed);
     }
+    let options = ReadOptions {
+        lod: reading.lod,
+        most_elements: reading.most_elements,
+        ..ReadOptions::default()
+    };
     let name = path.to_string_lossy();
     let Loaded { scene, warnings } =
-        azulejo_formats::read(&bytes, &name, &folder).map_err(Failure::failed)?;
+        azulejo_formats::read_with(&bytes, &name, &folder, &options).map_err(Failure::failed)?;
     session.progress().advance(0)?;
     warnings.iter().for_each(|w| session.warn(w));
-    Ok(scene)
+    if let Ok(format) = azulejo_formats::detect(&bytes) {
+        session.has_read(format);
+    }
+    match warnings.len() {
+        0 => Ok(scene),
+        n if reading.strict => Err(Failure::Failed(format!(
+            "{name}: {n} kinds of things were skipped or mended, and --strict forbids it"
+        ))),
+        _ => Ok(scene),
+    }
 }
 
 /// The bytes of a file, or of standard input for `-`.

@@ -14,6 +14,7 @@ mod npy;
 mod npz;
 mod output;
 mod pass;
+mod placement;
 mod points;
 mod probe;
 mod render;

@@ -25,8 +25,10 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let format = format_of(&args.output)?;
     let output = Output::check(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
+    session.set_makes_picture();
     let mut scene = input::read_all(&args.input, session)?;
-    let (camera, size) = view::choose(&args.view, args.picture.size, &scene)?;
+    let (camera, size) =
+        view::choose(&args.view, args.picture.size, &scene, args.input.reading.up)?;
     let mut report = Report::default();
     let tracer = lit(&mut scene, args, session, &mut report)?;
     let options = options(&args.picture, args.first_pass.seed, size);

@@ -5,7 +5,7 @@ use super::clock::{self, Clock};
 use super::failure::Failure;
 use super::report::{self, Report};
 use super::{interrupt, watch};
-use azulejo_formats::Warning;
+use azulejo_formats::{Format, Warning};
 use azulejo_trace::Progress;
 use serde_json::{Value, json};
 use std::fmt;
@@ -21,6 +21,10 @@ pub struct Session {
     progress: Arc<Progress>,
     clock: Clock,
     warnings: Vec<Value>,
+    /// Warnings in words, where a command lists them in its result.
+    listed: Option<Vec<String>>,
+    formats: Vec<Format>,
+    makes_picture: bool,
 }
 
 impl Session {
@@ -38,6 +42,9 @@ impl Session {
             progress,
             clock: Clock::start(),
             warnings: Vec::new(),
+            listed: None,
+            formats: Vec::new(),
+            makes_picture: false,
         })
     }
 
@@ -87,6 +94,36 @@ impl Session {
         self.record(value, warning);
     }
 
+    /// From now on keeps warnings for [`listed`](Session::listed) instead of printing them.
+    pub fn list_warnings(&mut self) {
+        self.listed = Some(Vec::new());
+    }
+
+    /// The warnings that were kept.
+    pub fn listed(&self) -> &[String] {
+        self.listed.as_deref().unwrap_or_default()
+    }
+
+    /// Says that the command makes a picture, in which a direction may be up.
+    pub fn set_makes_picture(&mut self) {
+        self.makes_picture = true;
+    }
+
+    /// Whether the command makes a picture.
+    pub fn makes_picture(&self) -> bool {
+        self.makes_picture
+    }
+
+    /// Remembers the format of a model.
+    pub fn has_read(&mut self, format: Format) {
+        self.formats.push(format);
+    }
+
+    /// The formats of the models that were read, in their order.
+    pub fn formats(&self) -> &[Format] {
+        &self.formats
+    }
+
     /// Says something about the run that no file is to blame for.
     pub fn note(&mut self, message: &str) {
         self.record(json!({ "message": message, "count": 1 }), message);
@@ -94,6 +131,10 @@ impl Session {
 
     fn record(&mut self, value: Value, words: impl fmt::Display) {
         self.warnings.push(value);
+        if let Some(listed) = &mut self.listed {
+            listed.push(words.to_string());
+            return;
+        }
         if !self.json && !self.quiet {
             // Standard error may be closed; a warning is not worth failing for.
             let _ = writeln!(io::stderr(), "warning: {words}");

@@ -1,5 +1,7 @@
 //! Values as people type them: `1%`, `60s`, `4G`, `640x480`, `1,2,3`.
 
+use azulejo_formats::Lod;
+use azulejo_scene::Up;
 use glam::DVec3;
 use std::time::Duration;
 
@@ -117,6 +119,69 @@ pub fn degrees(text: &str) -> Result<f64, String> {
     }
 }
 
+/// What `--up` says: an axis of the scene, or only of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum UpArg {
+    /// The scene's up axis.
+    Scene(Up),
+    /// A direction that points up in the picture.
+    Picture(DVec3),
+}
+
+/// An axis, `y` or `z`, or a direction for the picture alone, `0,1,1`.
+pub fn up(text: &str) -> Result<UpArg, String> {
+    match axis(text) {
+        Ok(up) => Ok(UpArg::Scene(up)),
+        Err(_) => vector(text)
+            .map(UpArg::Picture)
+            .map_err(|_| "expected y or z, or for a picture a direction as in 0,1,1".into()),
+    }
+}
+
+/// An up axis: `y` or `z`.
+pub fn axis(text: &str) -> Result<Up, String> {
+    match text.trim() {
+        "y" | "Y" => Ok(Up::Y),
+        "z" | "Z" => Ok(Up::Z),
+        other => Err(format!("\"{other}\" is no up axis, expected y or z")),
+    }
+}
+
+/// A length in metres: `mm`, `in`, or a number.
+pub fn unit(text: &str) -> Result<f64, String> {
+    let metres = match text.trim() {
+        "um" | "µm" => 1e-6,
+        "mm" => 1e-3,
+        "cm" => 1e-2,
+        "dm" => 1e-1,
+        "m" => 1.0,
+        "km" => 1e3,
+        "in" => 0.0254,
+        "ft" => 0.3048,
+        "yd" => 0.9144,
+        "mi" => 1609.344,
+        "nmi" => 1852.0,
+        other => number(other)
+            .map_err(|e| format!("{e} of metres, nor mm, cm, dm, m, km, in, ft, yd, mi or nmi"))?,
+    };
+    match metres > 0.0 {
+        true => Ok(metres),
+        false => Err(format!("a unit of {metres} m, expected more than 0")),
+    }
+}
+
+/// A level of detail: `finest`, `coarsest`, `all`, or a distance.
+pub fn lod(text: &str) -> Result<Lod, String> {
+    match text {
+        "finest" => Ok(Lod::Finest),
+        "coarsest" => Ok(Lod::Coarsest),
+        "all" => Ok(Lod::All),
+        other => not_negative(other)
+            .map(Lod::Distance)
+            .map_err(|e| format!("{e}; expected finest, coarsest, all or a distance")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -161,6 +226,19 @@ mod tests {
         check(bytes, "512MiB", 512 << 20);
         check(bytes, "2097152", 2 << 20);
         refuse(bytes, &["", "G", "1K", "-4G", "4X", "1e30T"]);
+    }
+
+    #[test]
+    fn readers_are_told_how() {
+        check(up, "z", UpArg::Scene(Up::Z));
+        check(up, "0,1,1", UpArg::Picture(DVec3::new(0.0, 1.0, 1.0)));
+        refuse(up, &["", "x", "w", "1,2"]);
+        check(unit, "in", 0.0254);
+        check(unit, "0.5", 0.5);
+        refuse(unit, &["", "parsec", "0", "-1", "nan"]);
+        check(lod, "coarsest", Lod::Coarsest);
+        check(lod, "120.5", Lod::Distance(120.5));
+        refuse(lod, &["", "-1", "best"]);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::args::View;
 use super::failure::Failure;
 use super::input;
+use super::values::UpArg;
 use azulejo_formats::camera_json;
 use azulejo_scene::{Camera, Scene};
 use glam::DVec3;
@@ -19,7 +20,12 @@ pub fn choose(
     view: &View,
     size: Option<(u32, u32)>,
     scene: &Scene,
+    up: Option<UpArg>,
 ) -> Result<(Camera, (u32, u32)), Failure> {
+    let up = match up {
+        Some(UpArg::Picture(direction)) => Some(direction),
+        _ => None,
+    };
     let given = match &view.camera {
         Some(name) => Some(by_name_or_file(name, scene)?),
         None => scene.cameras.first().cloned(),
@@ -28,9 +34,9 @@ pub fn choose(
     check_size(size)?;
     let camera = match given {
         Some(camera) => camera,
-        None => framing(view, size, scene)?,
+        None => framing(size, scene)?,
     };
-    let camera = overridden(camera, view);
+    let camera = overridden(camera, view, up);
     check(&camera)?;
     Ok((camera, size))
 }
@@ -59,20 +65,20 @@ fn by_name_or_file(name: &str, scene: &Scene) -> Result<Camera, Failure> {
 }
 
 /// A view of all of the scene.
-fn framing(view: &View, (width, height): (u32, u32), scene: &Scene) -> Result<Camera, Failure> {
+fn framing((width, height): (u32, u32), scene: &Scene) -> Result<Camera, Failure> {
     let bounds = scene.bounds();
     if bounds.is_empty() {
         return Err(Failure::failed("the scene has no surfaces to look at"));
     }
     let aspect = f64::from(width) / f64::from(height);
-    Ok(Camera::framing(bounds, aspect, view.up.unwrap_or(DVec3::Y)))
+    Ok(Camera::framing(bounds, aspect, scene.units.up.axis()))
 }
 
-fn overridden(camera: Camera, view: &View) -> Camera {
+fn overridden(camera: Camera, view: &View, up: Option<DVec3>) -> Camera {
     Camera {
         eye: view.from.unwrap_or(camera.eye),
         target: view.at.unwrap_or(camera.target),
-        up: view.up.unwrap_or(camera.up),
+        up: up.unwrap_or(camera.up),
         vertical_fov: view.fov.map_or(camera.vertical_fov, f64::to_radians),
         ..camera
     }
@@ -127,18 +133,17 @@ mod tests {
             camera: None,
             from: None,
             at: None,
-            up: None,
             fov: None,
         }
     }
 
     #[test]
     fn a_scene_without_camera_is_framed_whole() {
-        let (camera, size) = choose(&view(), None, &scene()).unwrap();
+        let (camera, size) = choose(&view(), None, &scene(), None).unwrap();
         assert_eq!(size, (512, 512));
         let half_angle = (1.0 / (camera.eye - camera.target).length()).asin();
         assert!(half_angle < 0.5 * camera.vertical_fov);
-        assert!(choose(&view(), None, &Scene::default()).is_err());
+        assert!(choose(&view(), None, &Scene::default(), None).is_err());
     }
 
     #[test]
@@ -149,29 +154,30 @@ mod tests {
         view.camera = Some("b".into());
         view.fov = Some(90.0);
         view.from = Some(DVec3::new(0.0, 0.0, 9.0));
-        let (chosen, size) = choose(&view, None, &scene).unwrap();
+        let (chosen, size) = choose(&view, None, &scene, None).unwrap();
         assert_eq!((chosen.name.as_str(), size), ("b", (30, 20)));
         assert_eq!(
             (chosen.eye.z, chosen.vertical_fov),
             (9.0, std::f64::consts::FRAC_PI_2)
         );
-        assert_eq!(choose(&view, Some((7, 5)), &scene).unwrap().1, (7, 5));
+        assert_eq!(choose(&view, Some((7, 5)), &scene, None).unwrap().1, (7, 5));
     }
 
     #[test]
     fn impossible_views_are_refused() {
         let mut scene = scene();
         scene.cameras = vec![camera("a", None)];
-        let mut along = view();
-        along.up = Some(DVec3::X);
+        let along = Some(UpArg::Picture(DVec3::X));
         assert!(matches!(
-            choose(&along, None, &scene),
+            choose(&view(), None, &scene, along),
             Err(Failure::Misuse(_))
         ));
         let mut unknown = view();
         unknown.camera = Some("c".into());
-        let said = choose(&unknown, None, &scene).unwrap_err().to_string();
+        let said = choose(&unknown, None, &scene, None)
+            .unwrap_err()
+            .to_string();
         assert!(said.contains("\"a\""), "{said}");
-        assert!(choose(&view(), Some((65_536, 65_536)), &scene).is_err());
+        assert!(choose(&view(), Some((65_536, 65_536)), &scene, None).is_err());
     }
 }

@@ -126,9 +126,11 @@ fn warnings_are_said_once_and_counted() {
         "a.obj",
         "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
     );
-    let said = folder.ok("info a.obj").err;
+    let said = folder.ok("info a.obj").out;
     assert_eq!(said.matches("lost.mtl").count(), 1, "{said}");
-    assert_eq!(folder.ok("info a.obj --quiet").err, "");
+    let said = folder.ok("convert a.obj -o a.grf").err;
+    assert_eq!(said.matches("lost.mtl").count(), 1, "{said}");
+    assert_eq!(folder.ok("convert a.obj -o a.grf --quiet").err, "");
     let info = folder.json("info a.obj");
     assert_eq!(info["warnings"].as_array().unwrap().len(), 1);
     assert_eq!(info["warnings"][0]["count"], json!(1));

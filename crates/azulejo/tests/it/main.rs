@@ -4,6 +4,7 @@ mod arrows;
 mod bad_input;
 mod commands;
 mod files;
+mod reading;
 mod support;
 
 #[cfg(unix)]
