@@ -1,0 +1,426 @@
+//! One file: its records as a tree, and its palettes.
+
+use super::fields::Fields;
+use super::opcode::{self, Role};
+use super::palettes::{self, Palettes};
+use super::vertices::VertexPalette;
+use crate::warnings::Warnings;
+use crate::{Position, ReadError};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::rc::Rc;
+
+/// A file of 4 GiB or more has offsets that its own fields cannot hold.
+const LARGEST: u64 = u32::MAX as u64;
+
+/// A record that is kept. What stands between it and `end` belongs to it: first its ancillary
+/// records, then its children, each followed by its own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub opcode: u16,
+    /// Where the record starts in the file.
+    pub at: u32,
+    /// The first node that does not belong to it.
+    pub end: u32,
+}
+
+/// A file whose records have been found, but not understood.
+#[derive(Debug)]
+pub(super) struct Document<'a> {
+    /// Its name for messages.
+    pub file: Rc<str>,
+    bytes: Cow<'a, [u8]>,
+    /// Records with their continuations, by where they start.
+    continued: HashMap<u32, Vec<u8>>,
+    pub nodes: Vec<Node>,
+    /// Numbers of instance definitions, and their nodes.
+    pub definitions: HashMap<u16, u32>,
+    /// As the header has it, but in hundredths: 1420 for 14.2.
+    pub revision: u32,
+    /// Whether all colours are packed colours.
+    pub packed_colors: bool,
+    pub metres_per_unit: Option<f64>,
+    pub palettes: Palettes,
+    pub vertices: VertexPalette,
+}
+
+impl<'a> Document<'a> {
+    /// Finds the records of a file. `path` is its name as the root model knows it, empty for the
+    /// root model itself.
+    ///
+    /// # Errors
+    /// Bytes that do not begin with a header; 4 GiB or more.
+    pub fn parse(
+        bytes: Cow<'a, [u8]>,
+        file: &str,
+        path: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Document<'a>, ReadError> {
+        let header = check_header(&bytes, file)?;
+        let revision = revision(header);
+        let metres_per_unit = metres_per_unit(header);
+        let packed_colors = header.u32(64).is_some_and(|flags| flags & 1 << 30 != 0);
+        let document = Document {
+            file: file.into(),
+            bytes,
+            continued: HashMap::new(),
+            nodes: Vec::new(),
+            definitions: HashMap::new(),
+            revision,
+            packed_colors,
+            metres_per_unit,
+            palettes: Palettes::default(),
+            vertices: VertexPalette::default(),
+        };
+        let mut scan = Scan {
+            document,
+            path: path.into(),
+            warnings,
+            open: Vec::new(),
+            current: None,
+            at: 0,
+        };
+        scan.header();
+        while scan.record() {}
+        Ok(scan.finish())
+    }
+
+    /// The fields of a record that starts at `at`, with its continuations.
+    pub fn fields(&self, at: u32) -> Fields<'_> {
+        if let Some(joined) = self.continued.get(&at) {
+            return Fields(joined);
+        }
+        let rest = self.bytes.get(at as usize..).unwrap_or_default();
+        let length = Fields(rest).u16(2).unwrap_or_default();
+        Fields(&rest[..rest.len().min(length.into())])
+    }
+
+    /// The fields of a node.
+    pub fn node(&self, node: u32) -> Fields<'_> {
+        self.fields(self.nodes[node as usize].at)
+    }
+
+    /// What belongs to a node: ancillary records and children.
+    pub fn below(&self, node: u32) -> Siblings<'_> {
+        self.siblings(node + 1..self.nodes[node as usize].end)
+    }
+
+    /// The nodes that belong to none.
+    pub fn top(&self) -> Siblings<'_> {
+        self.siblings(0..self.nodes.len() as u32)
+    }
+
+    fn siblings(&self, range: Range<u32>) -> Siblings<'_> {
+        Siblings {
+            nodes: &self.nodes,
+            range,
+        }
+    }
+
+    /// An ancillary record of a node.
+    pub fn ancillary(&self, node: u32, opcode: u16) -> Option<Fields<'_>> {
+        self.below(node)
+            .take_while(|(_, n)| Role::of(n.opcode) == Role::Ancillary)
+            .find(|(_, n)| n.opcode == opcode)
+            .map(|(_, n)| self.fields(n.at))
+    }
+
+    /// A node's name: its long ID if it has one, else its ID.
+    pub fn name(&self, node: u32) -> String {
+        use opcode::*;
+        if let Some(long) = self.ancillary(node, LONG_ID) {
+            return long.text(4, long.0.len());
+        }
+        match self.nodes[node as usize].opcode {
+            INSTANCE_REFERENCE..=EXTERNAL_REFERENCE | VERTEX_LIST | MESH_PRIMITIVE => String::new(),
+            _ => self.node(node).text(4, 8),
+        }
+    }
+}
+
+/// Nodes next to each other in the tree, with their indices.
+#[derive(Clone, Debug)]
+pub(super) struct Siblings<'a> {
+    nodes: &'a [Node],
+    range: Range<u32>,
+}
+
+impl Iterator for Siblings<'_> {
+    type Item = (u32, Node);
+
+    fn next(&mut self) -> Option<(u32, Node)> {
+        let index = self.range.start;
+        if index >= self.range.end {
+            return None;
+        }
+        let node = self.nodes[index as usize];
+        self.range.start = node.end;
+        Some((index, node))
+    }
+}
+
+fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<Fields<'b>, ReadError> {
+    let fields = Fields(bytes);
+    let expected = "a header record: opcode 1 and a length of at least 16";
+    let (found, length) = match (fields.u16(0), fields.u16(2)) {
+        _ if bytes.len() as u64 >= LARGEST => {
+            let expected = format!("fewer than {LARGEST}");
+            let found = format!("{} bytes", bytes.len());
+            return Err(ReadError::whole(file, found, expected));
+        }
+        (Some(opcode::HEADER), Some(length)) if length >= 16 => {
+            if let Some(header) = bytes.get(..length.into()) {
+                return Ok(Fields(header));
+            }
+            ("a header of", format!("{length} bytes, cut short"))
+        }
+        (Some(opcode), Some(length)) => ("opcode", format!("{opcode} and length {length}")),
+        _ => ("the end", "of the file".to_owned()),
+    };
+    Err(ReadError::at_byte(
+        file,
+        0,
+        format!("{found} {length}"),
+        expected,
+    ))
+}
+
+/// Old files say 14, later ones 1420.
+fn revision(header: Fields) -> u32 {
+    match header.u32(12).unwrap_or_default() {
+        small @ 0..100 => small * 100,
+        revision => revision,
+    }
+}
+
+fn metres_per_unit(header: Fields) -> Option<f64> {
+    match header.u8(62)? {
+        0 => Some(1.0),
+        1 => Some(1000.0),
+        4 => Some(0.3048),
+        5 => Some(0.0254),
+        8 => Some(1852.0),
+        _ => None,
+    }
+}
+
+/// A pass over the records of a file.
+struct Scan<'a, 'w> {
+    document: Document<'a>,
+    path: Rc<str>,
+    warnings: &'w mut Warnings,
+    /// The nodes whose children are being read.
+    open: Vec<u32>,
+    /// The latest node on this level.
+    current: Option<u32>,
+    at: usize,
+}
+
+impl<'a> Scan<'a, '_> {
+    #[cold]
+    fn warn(&mut self, message: String) {
+        let at = self.at as u64;
+        let file = &self.document.file;
+        self.warnings.add(file, message, || Position::Byte(at));
+    }
+
+    fn header(&mut self) {
+        if self.document.revision < 1400 {
+            let revision = f64::from(self.document.revision) / 100.0;
+            self.warn(format!(
+                "revision {revision}: before 14, colours and vertices had other forms, which are not read"
+            ));
+        }
+        if self.document.metres_per_unit.is_none() {
+            self.warn("unit of length that is none of the known: taken as unknown".into());
+        }
+    }
+
+    /// Reads a record; `false` at the end.
+    fn record(&mut self) -> bool {
+        let rest = &self.document.bytes[self.at..];
+        let (Some(opcode), Some(length)) = (Fields(rest).u16(0), Fields(rest).u16(2)) else {
+            if !rest.is_empty() {
+                self.warn(format!(
+                    "{} bytes after the last record: skipped",
+                    rest.len()
+                ));
+            }
+            return false;
+        };
+        let left = rest.len();
+        if length < 4 || usize::from(length) > left {
+            // Some writers pad a file with zeros.
+            if rest.iter().all(|b| *b == 0) {
+                return false;
+            }
+            let name = opcode::name(opcode);
+            self.warn(format!(
+                "damaged: {name} (opcode {opcode}) of {length} bytes, with {left} left; \
+                 the {left} bytes from here on are lost"
+            ));
+            return false;
+        }
+        let next = self.continuations(self.at + usize::from(length));
+        self.take(opcode);
+        self.at = next;
+        true
+    }
+
+    /// Joins the continuation records that follow to the record before them; returns where they
+    /// end.
+    fn continuations(&mut self, end: usize) -> usize {
+        let mut next = end;
+        while let Some(piece) = self.continuation(next) {
+            next += piece.len() + 4;
+        }
+        if next > end {
+            let mut joined = self.document.bytes[self.at..end].to_vec();
+            let mut at = end;
+            while at < next {
+                let piece = self.continuation(at).unwrap_or_default();
+                joined.extend_from_slice(piece);
+                at += piece.len() + 4;
+            }
+            self.document.continued.insert(self.at as u32, joined);
+        }
+        next
+    }
+
+    /// What a continuation record at `at` holds.
+    fn continuation(&self, at: usize) -> Option<&[u8]> {
+        let fields = Fields(self.document.bytes.get(at..)?);
+        let length = usize::from(fields.u16(2)?);
+        let is_one = fields.u16(0) == Some(opcode::CONTINUATION);
+        is_one.then(|| fields.0.get(4..length)).flatten()
+    }
+
+    fn take(&mut self, opcode: u16) {
+        match Role::of(opcode) {
+            Role::Push => self.push(),
+            Role::Pop => self.pop(),
+            Role::Node => self.node(opcode),
+            Role::Ancillary => {
+                self.add(opcode);
+            }
+            Role::Palette => self.palette(opcode),
+            Role::Silent => {}
+            Role::Skipped => {
+                let name = opcode::name(opcode);
+                self.warn(format!("{name} (opcode {opcode}): skipped"));
+            }
+        }
+    }
+
+    /// Adds a node, which for now has nothing below it.
+    fn add(&mut self, opcode: u16) -> u32 {
+        let index = self.document.nodes.len() as u32;
+        self.document.nodes.push(Node {
+            opcode,
+            at: self.at as u32,
+            end: index + 1,
+        });
+        index
+    }
+
+    fn node(&mut self, opcode: u16) {
+        self.close();
+        let index = self.add(opcode);
+        self.current = Some(index);
+        if opcode == opcode::INSTANCE_DEFINITION {
+            let number = self.document.node(index).u16(6).unwrap_or_default();
+            self.document.definitions.insert(number, index);
+        }
+    }
+
+    /// Everything since the latest node on this level belongs to it.
+    fn close(&mut self) {
+        if let Some(node) = self.current {
+            self.document.nodes[node as usize].end = self.document.nodes.len() as u32;
+        }
+    }
+
+    fn push(&mut self) {
+        if let Some(node) = self.current.take() {
+            self.open.push(node);
+        } else {
+            // The pop that belongs to it must find something to end.
+            let node = self.add(opcode::GROUP);
+            self.warn("push without a node before it: taken as an unnamed group".into());
+            self.open.push(node);
+        }
+    }
+
+    fn pop(&mut self) {
+        if self.open.is_empty() {
+            return self.warn("pop without a push: skipped".into());
+        }
+        self.close();
+        self.current = self.open.pop();
+    }
+
+    fn palette(&mut self, opcode: u16) {
+        use opcode::*;
+        let (at, revision) = (self.at as u32, self.document.revision);
+        let record = self.document.fields(at);
+        match opcode {
+            COLOR_PALETTE => {
+                let colors = palettes::colors(record, revision);
+                self.document.palettes.colors = Rc::new(colors);
+            }
+            OLD_MATERIAL_PALETTE => {
+                let materials = palettes::old_materials(record).collect();
+                self.document.palettes.materials = Rc::new(materials);
+            }
+            MATERIAL_PALETTE => {
+                let entry = palettes::material(record);
+                self.insert(entry, |palettes| &mut palettes.materials);
+            }
+            TEXTURE_PALETTE => {
+                let entry = palettes::texture(record, revision, &self.path);
+                self.insert(entry, |palettes| &mut palettes.textures);
+            }
+            LIGHT_SOURCE_PALETTE => {
+                let entry = palettes::light(record);
+                self.insert(entry, |palettes| &mut palettes.lights);
+            }
+            VERTEX_PALETTE => {
+                if !self.document.vertices.begin(at) {
+                    self.warn("second vertex palette: skipped".into());
+                }
+            }
+            _ => {
+                if !self.document.vertices.add(at) {
+                    self.warn("vertex outside of the vertex palette: skipped".into());
+                }
+            }
+        }
+    }
+
+    /// Puts an entry into a palette.
+    fn insert<T: Clone>(
+        &mut self,
+        entry: Option<(i32, T)>,
+        palette: impl Fn(&mut Palettes) -> &mut Rc<HashMap<i32, T>>,
+    ) {
+        if let Some((index, entry)) = entry {
+            let palette = Rc::make_mut(palette(&mut self.document.palettes));
+            palette.insert(index, entry);
+        } else {
+            self.warn("palette entry that is too short: skipped".into());
+        }
+    }
+
+    fn finish(mut self) -> Document<'a> {
+        if !self.open.is_empty() {
+            let levels = self.open.len();
+            self.warn(format!("the file ends within {levels} levels: closed"));
+        }
+        while !self.open.is_empty() {
+            self.pop();
+        }
+        self.close();
+        self.document
+    }
+}

@@ -1,0 +1,316 @@
+//! Faces and meshes.
+
+use super::look::Style;
+use super::opcode;
+use super::part::{Part, Slot};
+use super::transform::Place;
+use super::vertices::{LocalPool, palette_vertex, palette_vertex_color};
+use super::walk::{Source, Walker};
+use crate::ReadError;
+use azulejo_scene::{MaterialId, Rgb};
+
+/// Vertex of a mesh that has not been added to the part yet.
+const NONE: u32 = u32::MAX;
+
+/// A face or mesh where it is drawn.
+struct Surface<'d> {
+    source: Source<'d>,
+    node: u32,
+    place: &'d Place,
+    style: &'d Style,
+    color: Rgb,
+    material: MaterialId,
+}
+
+impl Walker<'_> {
+    /// Draws a face or a mesh, and the faces that lie on it.
+    pub fn surface(
+        &mut self,
+        source: Source,
+        node: u32,
+        place: &Place,
+        part: &mut Part,
+    ) -> Result<(), ReadError> {
+        let document = source.document;
+        let is_mesh = document.nodes[node as usize].opcode == opcode::MESH;
+        let style = Style::new(document.node(node), is_mesh, document);
+        if let Some(why) = style.skipped() {
+            self.notes(source, node).add(why);
+            return Ok(());
+        }
+        let (color, material) = self.look(source, node, &style, place.opacity);
+        self.deeper(source, node, |walker| {
+            walker.each_copy(source, node, place, |walker, place| {
+                part.enter(place, &mut walker.stamps);
+                let surface = Surface {
+                    source,
+                    node,
+                    place,
+                    style: &style,
+                    color,
+                    material,
+                };
+                match is_mesh {
+                    true => walker.mesh(&surface, part),
+                    false => walker.face(&surface, part),
+                }
+            })
+        })
+    }
+
+    /// The colour of a face and its material, and warnings about both.
+    fn look(
+        &mut self,
+        source: Source,
+        node: u32,
+        style: &Style,
+        opacity: f64,
+    ) -> (Rgb, MaterialId) {
+        let mut notes = super::warn::Notes::new(&mut self.warnings, source.document, node);
+        let color = style.color(source.palettes, &mut notes);
+        if style.opacity(opacity, source.palettes) < 1.0 {
+            notes.add("see-through face: opaque");
+        }
+        if style.billboard {
+            notes.add("face that turns to the viewer: kept as it stands");
+        }
+        // The colours of vertices take its place, and stand for it where a vertex has none.
+        let own = if style.is_gouraud() {
+            Rgb::WHITE
+        } else {
+            color
+        };
+        let palettes = (source.set, source.palettes);
+        let material = self.looks.material(style, own, palettes, &mut notes);
+        (color, material)
+    }
+
+    fn face(&mut self, face: &Surface, part: &mut Part) -> Result<(), ReadError> {
+        let source = face.source;
+        let mut has_corners = false;
+        for (child, node) in source.document.below(face.node) {
+            self.spend(1)?;
+            match node.opcode {
+                opcode::VERTEX_LIST => {
+                    has_corners = true;
+                    self.polygon(face, child, 4, part)?;
+                }
+                opcode::MORPH_VERTEX_LIST => {
+                    has_corners = true;
+                    let message = "morph vertex list: its state at 0 % is taken";
+                    self.notes(source, child).add(message);
+                    self.polygon(face, child, 8, part)?;
+                }
+                _ => self.below_surface(face, child, part)?,
+            }
+        }
+        if !has_corners {
+            self.notes(source, face.node)
+                .add("face without corners: skipped");
+        }
+        Ok(())
+    }
+
+    /// Draws what stands below a face or mesh, but is not its own.
+    fn below_surface(
+        &mut self,
+        surface: &Surface,
+        child: u32,
+        part: &mut Part,
+    ) -> Result<(), ReadError> {
+        let (source, place) = (surface.source, surface.place);
+        match source.document.nodes[child as usize].opcode {
+            opcode::FACE | opcode::MESH => {
+                let message = "sub-face, in the plane of the face below it: both are kept";
+                self.notes(source, child).add(message);
+                self.surface(source, child, place, part)?;
+                part.enter(place, &mut self.stamps);
+                Ok(())
+            }
+            other if opcode::Role::of(other) == opcode::Role::Node => {
+                self.node(source, child, place)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Adds the polygon of a vertex list, whose entries take `size` bytes and begin with the
+    /// offset of a vertex.
+    fn polygon(
+        &mut self,
+        face: &Surface,
+        list: u32,
+        size: usize,
+        part: &mut Part,
+    ) -> Result<(), ReadError> {
+        let record = face.source.document.node(list);
+        let count = (record.0.len() - 4) / size;
+        // A corner each, and perhaps a vertex.
+        self.spend(2 * count as u64)?;
+        let offsets = (0..count).filter_map(|k| record.u32(4 + size * k));
+        let mut corners = Vec::with_capacity(count);
+        corners.extend(offsets.filter_map(|offset| self.corner(face, offset, part)));
+        let lost = count - corners.len();
+        let mut notes = self.notes(face.source, list);
+        notes.add_many("corner that is no vertex of the palette: left out", lost);
+        if corners.len() < 3 {
+            notes.add("face with fewer than three corners: skipped");
+            return Ok(());
+        }
+        part.add_face(&mut corners, face.material, face.place);
+        self.note_missing_uvs(face, part);
+        Ok(())
+    }
+
+    /// The vertex of a part that stands for the vertex of the palette at an offset.
+    fn corner(&mut self, face: &Surface, offset: u32, part: &mut Part) -> Option<u32> {
+        let source = face.source;
+        let index = source.document.vertices.find(offset)?;
+        let color = if face.style.is_gouraud() {
+            let own = palette_vertex_color(source.document, source.palettes, index);
+            own.unwrap_or(face.color)
+        } else {
+            Rgb::WHITE
+        };
+        let slot = &mut self.slots[source.number][index as usize];
+        if slot.stamp == part.stamp && part.colors[slot.vertex as usize] == color {
+            return Some(slot.vertex);
+        }
+        let vertex = palette_vertex(source.document, index)?;
+        let added = part.add_vertex(&vertex, color, face.place)?;
+        *slot = Slot {
+            stamp: part.stamp,
+            vertex: added,
+        };
+        Some(added)
+    }
+
+    /// Adds the polygons of a mesh.
+    fn mesh(&mut self, mesh: &Surface, part: &mut Part) -> Result<(), ReadError> {
+        let document = mesh.source.document;
+        let record = document.ancillary(mesh.node, opcode::LOCAL_VERTEX_POOL);
+        let Some(pool) = record.and_then(LocalPool::new) else {
+            let message = "mesh without positions of vertices: skipped";
+            self.notes(mesh.source, mesh.node).add(message);
+            return Ok(());
+        };
+        if pool.count < pool.promised as usize {
+            let (count, promised) = (pool.count, pool.promised);
+            let message = format!("mesh of {promised} vertices with only {count} of them");
+            self.notes(mesh.source, mesh.node).add(message);
+        }
+        self.spend(pool.count as u64 / 8)?;
+        let mut local = vec![NONE; pool.count];
+        for (child, node) in document.below(mesh.node) {
+            self.spend(1)?;
+            match node.opcode {
+                opcode::MESH_PRIMITIVE => self.primitive(mesh, &pool, &mut local, child, part)?,
+                _ => self.below_surface(mesh, child, part)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the polygons of a mesh primitive. `local` holds the vertices that the part has.
+    fn primitive(
+        &mut self,
+        mesh: &Surface,
+        pool: &LocalPool,
+        local: &mut [u32],
+        node: u32,
+        part: &mut Part,
+    ) -> Result<(), ReadError> {
+        let primitive = Primitive::new(mesh.source.document.node(node));
+        if primitive.indices.len() < primitive.promised as usize {
+            let message = "mesh primitive with fewer indices than it promises";
+            self.notes(mesh.source, node).add(message);
+        }
+        self.spend(4 * primitive.indices.len() as u64)?;
+        let mut vertex = |index: u32| -> Option<u32> {
+            let known = local.get_mut(index as usize)?;
+            if *known == NONE {
+                let own = mesh.style.is_gouraud();
+                let color = own.then(|| pool.color(index, mesh.source.palettes));
+                let color = color.map_or(Rgb::WHITE, |c| c.unwrap_or(mesh.color));
+                *known = part.add_vertex(&pool.vertex(index)?, color, mesh.place)?;
+            }
+            Some(*known)
+        };
+        let indices = primitive.indices.iter();
+        let corners: Vec<Option<u32>> = indices.map(|i| vertex(*i)).collect();
+        let mut lost = 0;
+        let is_known = primitive.polygons(|polygon| {
+            let found: Option<Vec<u32>> = polygon.iter().map(|k| corners[*k]).collect();
+            match found {
+                Some(mut polygon) => part.add_face(&mut polygon, mesh.material, mesh.place),
+                None => lost += 1,
+            }
+        });
+        let mut notes = self.notes(mesh.source, node);
+        notes.add_many(
+            "polygon of a mesh with a vertex that it lacks: skipped",
+            lost,
+        );
+        if !is_known {
+            notes.add("mesh primitive of unknown kind: skipped");
+        }
+        self.note_missing_uvs(mesh, part);
+        Ok(())
+    }
+
+    fn note_missing_uvs(&mut self, surface: &Surface, part: &Part) {
+        if surface.style.has_texture() && !part.has_uvs {
+            let message = "face with a picture, but without texture coordinates";
+            self.notes(surface.source, surface.node).add(message);
+        }
+    }
+}
+
+/// The indices of a mesh primitive, and what they mean.
+struct Primitive {
+    kind: i16,
+    indices: Vec<u32>,
+    promised: u32,
+}
+
+impl Primitive {
+    fn new(record: super::fields::Fields) -> Primitive {
+        const FIRST: usize = 12;
+        let size = usize::from(record.u16(6).unwrap_or_default());
+        let promised = record.u32(8).unwrap_or_default();
+        let present = record.0.len().saturating_sub(FIRST).checked_div(size);
+        let count = present.unwrap_or_default().min(promised as usize);
+        let index = |k: usize| match size {
+            1 => record.u8(FIRST + k).map(u32::from),
+            2 => record.u16(FIRST + 2 * k).map(u32::from),
+            4 => record.u32(FIRST + 4 * k),
+            _ => None,
+        };
+        Primitive {
+            kind: record.i16(4).unwrap_or_default(),
+            indices: (0..count).map_while(index).collect(),
+            promised,
+        }
+    }
+
+    /// Calls `add` for each polygon with the places of its corners among the indices; `false` if
+    /// the kind is none of the known.
+    fn polygons(&self, mut add: impl FnMut(&[usize])) -> bool {
+        let n = self.indices.len();
+        match self.kind {
+            // Every other triangle of a strip turns the other way around.
+            1 => (2..n).for_each(|k| match k % 2 {
+                0 => add(&[k - 2, k - 1, k]),
+                _ => add(&[k - 1, k - 2, k]),
+            }),
+            2 => (2..n).for_each(|k| add(&[0, k - 1, k])),
+            3 => (3..n)
+                .step_by(2)
+                .for_each(|k| add(&[k - 3, k - 2, k, k - 1])),
+            4 if n >= 3 => add(&Vec::from_iter(0..n)),
+            4 => {}
+            _ => return false,
+        }
+        true
+    }
+}

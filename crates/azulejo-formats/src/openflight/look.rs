@@ -1,0 +1,209 @@
+//! How faces look: their own fields, and the material that comes of them.
+
+use super::document::Document;
+use super::fields::Fields;
+use super::palettes::{PaletteMaterial, Palettes};
+use super::warn::Notes;
+use crate::materials::Materials;
+use crate::textures::Textures;
+use crate::{Files, phong};
+use azulejo_scene::{Material, MaterialId, Rgb};
+use std::collections::HashMap;
+
+/// What faces and meshes say about themselves, in the same order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Style {
+    /// 0 one-sided, 1 two-sided, more for what is no plain surface.
+    draw: u8,
+    texture_white: bool,
+    pub billboard: bool,
+    texture: i32,
+    material: i32,
+    /// 0 opaque to 65535 clear.
+    transparency: u16,
+    flags: u32,
+    light_mode: u8,
+    packed_color: Option<Rgb>,
+    color: Option<u32>,
+}
+
+impl Style {
+    const NO_COLOR: u32 = 1 << 30;
+    const PACKED: u32 = 1 << 28;
+    const HIDDEN: u32 = 1 << 26;
+
+    /// The style of a face, or of a mesh, whose fields stand four bytes further.
+    pub fn new(record: Fields, is_mesh: bool, document: &Document) -> Style {
+        let shift = if is_mesh { 4 } else { 0 };
+        let index = |at: usize| record.i16(at + shift).map_or(-1, i32::from);
+        let flags = record.u32(44 + shift).unwrap_or_default();
+        // Before revision 15.1, index and brightness stood where later the colour's name stands.
+        let color = match document.revision {
+            ..1510 => record.u16(20 + shift).map(u32::from),
+            _ => record.u32(68 + shift),
+        };
+        let is_packed = flags & Style::PACKED != 0 || document.packed_colors;
+        let packed = is_packed.then(|| record.packed_color(56 + shift));
+        Style {
+            draw: record.u8(18 + shift).unwrap_or_default(),
+            texture_white: record.u8(19 + shift).is_some_and(|white| white != 0),
+            billboard: matches!(record.u8(25 + shift), Some(2 | 4)),
+            texture: index(28),
+            material: index(30),
+            transparency: record.u16(40 + shift).unwrap_or_default(),
+            flags,
+            light_mode: record.u8(48 + shift).unwrap_or_default(),
+            packed_color: packed.flatten(),
+            color,
+        }
+    }
+
+    /// Whether the vertices' colours take the place of the face's.
+    pub fn is_gouraud(&self) -> bool {
+        matches!(self.light_mode, 1 | 3)
+    }
+
+    /// Whether light changes what is seen, so that the material counts.
+    fn is_lit(&self) -> bool {
+        matches!(self.light_mode, 2 | 3)
+    }
+
+    pub fn has_texture(&self) -> bool {
+        self.texture >= 0
+    }
+
+    /// Why faces of this style are no surfaces, if so.
+    pub fn skipped(&self) -> Option<&'static str> {
+        match self.draw {
+            _ if self.flags & Style::HIDDEN != 0 => Some("hidden face: skipped"),
+            2 | 3 => Some("face drawn as a wireframe: skipped"),
+            8..=10 => Some("face drawn as light points: skipped"),
+            _ if self.transparency == u16::MAX => Some("wholly transparent face: skipped"),
+            _ => None,
+        }
+    }
+
+    /// Share of light that a face lets not through, below objects of some opacity.
+    pub fn opacity(&self, above: f64, palettes: &Palettes) -> f64 {
+        let lit = self.is_lit().then_some(self.material);
+        let entry = lit.and_then(|index| palettes.materials.get(&index));
+        let own = 1.0 - f64::from(self.transparency) / f64::from(u16::MAX);
+        above * own * entry.map_or(1.0, |entry| entry.alpha)
+    }
+
+    /// The colour of the face itself.
+    pub fn color(&self, palettes: &Palettes, notes: &mut Notes) -> Rgb {
+        if (self.texture_white && self.has_texture()) || self.flags & Style::NO_COLOR != 0 {
+            return Rgb::WHITE;
+        }
+        let index = match (self.packed_color, self.color) {
+            (Some(color), _) => return color,
+            (None, None | Some(u32::MAX)) => return Rgb::WHITE,
+            (None, Some(index)) => index,
+        };
+        palettes.color(index).unwrap_or_else(|| {
+            notes.add("face whose colour is beyond the palette: white");
+            Rgb::WHITE
+        })
+    }
+}
+
+/// The materials of the scene, with a memory of what faces have asked for.
+pub(super) struct Looks<'f> {
+    files: &'f dyn Files,
+    pub materials: Materials,
+    pub textures: Textures,
+    known: HashMap<Request, MaterialId>,
+}
+
+/// All that the material of a face depends on; palettes stand for themselves by number.
+#[derive(Debug, PartialEq, Eq, Hash)]
+struct Request {
+    palettes: u32,
+    material: Option<i32>,
+    texture: i32,
+    color: [u64; 3],
+    two_sided: bool,
+}
+
+impl<'f> Looks<'f> {
+    pub fn new(files: &'f dyn Files) -> Looks<'f> {
+        Looks {
+            files,
+            materials: Materials::default(),
+            textures: Textures::default(),
+            known: HashMap::new(),
+        }
+    }
+
+    /// The material of a face of colour `color`. `set` is the number of the palettes.
+    pub fn material(
+        &mut self,
+        style: &Style,
+        color: Rgb,
+        (set, palettes): (u32, &Palettes),
+        notes: &mut Notes,
+    ) -> MaterialId {
+        let request = Request {
+            palettes: set,
+            material: style.is_lit().then_some(style.material),
+            texture: style.texture,
+            color: color.to_array().map(f64::to_bits),
+            two_sided: style.draw == 1,
+        };
+        if let Some(&known) = self.known.get(&request) {
+            return known;
+        }
+        let id = self.build(&request, color, palettes, notes);
+        self.known.insert(request, id);
+        id
+    }
+
+    fn build(
+        &mut self,
+        request: &Request,
+        color: Rgb,
+        palettes: &Palettes,
+        notes: &mut Notes,
+    ) -> MaterialId {
+        let mut material = Material::diffuse("", color);
+        if let Some(index) = request.material.filter(|index| *index >= 0) {
+            match palettes.materials.get(&index) {
+                Some(entry) => apply(entry, &mut material, notes),
+                None => notes.add("material that the palette lacks: white"),
+            }
+        }
+        material.emits_back = material.is_emitter() && request.two_sided;
+        if !material.limit_reflectance() {
+            notes.add("material that reflects more than it gets, or less than nothing: clamped");
+        }
+        if request.texture >= 0 {
+            match palettes.textures.get(&request.texture) {
+                Some(file) => {
+                    let (of, name) = (&file.named_by, &file.name);
+                    let (id, problem) = self.textures.index(of, name, self.files);
+                    problem.into_iter().for_each(|p| notes.add(p));
+                    material.textures.push(id);
+                }
+                None => notes.add("texture that the palette lacks: not shown"),
+            }
+        }
+        self.materials.index(material)
+    }
+}
+
+/// Multiplies a face's colour with an entry of the material palette.
+fn apply(entry: &PaletteMaterial, material: &mut Material, notes: &mut Notes) {
+    material.name.clone_from(&entry.name);
+    material.diffuse *= entry.diffuse;
+    material.emission = entry.emissive.map(|e| e.max(0.0));
+    if entry.emissive != material.emission {
+        notes.add("material that emits less than nothing: clamped to 0");
+    }
+    if !entry.specular.is_black() {
+        notes.add("glossy material: kept as brdf phong, its diffuse colour alone reflects");
+        let n = entry.shininess.max(0.0);
+        let diffuse = material.diffuse.map(|d| d.clamp(0.0, 1.0));
+        material.brdf = Some(phong::brdf(n, entry.specular, diffuse));
+    }
+}

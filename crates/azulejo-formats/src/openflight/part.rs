@@ -1,0 +1,118 @@
+//! An object under construction.
+
+use super::transform::Place;
+use super::vertices::Vertex;
+use azulejo_scene::math::area_vector;
+use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Rgb};
+use glam::{DAffine3, DVec2, DVec3};
+
+/// The faces directly below one node.
+#[derive(Debug, Default)]
+pub(super) struct Part {
+    positions: Vec<DVec3>,
+    /// Unit length, or zero where the file gives none.
+    normals: Vec<DVec3>,
+    uvs: Vec<DVec2>,
+    pub colors: Vec<Rgb>,
+    faces: Faces,
+    materials: Vec<MaterialId>,
+    pub has_uvs: bool,
+    /// Tells this part, and this place in it, from all others: see [`Slot`].
+    pub stamp: u32,
+    place: Option<DAffine3>,
+}
+
+/// Which vertex of a part a vertex of the file became, if `stamp` is still the part's.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slot {
+    pub stamp: u32,
+    pub vertex: u32,
+}
+
+impl Part {
+    /// Vertices added from here on stand at `place`; those of another place are none of them.
+    pub fn enter(&mut self, place: &Place, stamps: &mut u32) {
+        if self.place != Some(place.world) {
+            self.place = Some(place.world);
+            *stamps += 1;
+            self.stamp = *stamps;
+        }
+    }
+
+    /// Adds a vertex; `None` if the world has no place for it.
+    pub fn add_vertex(&mut self, vertex: &Vertex, color: Rgb, place: &Place) -> Option<u32> {
+        let position = place.world.transform_point3(vertex.position);
+        if !position.is_finite() {
+            return None;
+        }
+        let normal = vertex
+            .normal
+            .and_then(|n| (place.normals * n).try_normalize());
+        self.positions.push(position);
+        self.normals.push(normal.unwrap_or_default());
+        self.uvs.push(vertex.uv.unwrap_or_default());
+        self.colors.push(color);
+        self.has_uvs |= vertex.uv.is_some();
+        Some((self.positions.len() - 1) as u32)
+    }
+
+    /// Adds a face of three or more corners.
+    pub fn add_face(&mut self, corners: &mut [u32], material: MaterialId, place: &Place) {
+        if place.mirrored {
+            corners[1..].reverse();
+        }
+        self.faces.push(corners);
+        self.materials.push(material);
+    }
+
+    /// The mesh, if there are faces.
+    pub fn finish(self) -> Option<Mesh> {
+        if self.faces.is_empty() {
+            return None;
+        }
+        let is_white = self.colors.iter().all(|c| *c == Rgb::WHITE);
+        let mut mesh = Mesh {
+            positions: self.positions,
+            uvs: self.has_uvs.then(|| Attribute::per_vertex(self.uvs)),
+            colors: if is_white { Vec::new() } else { self.colors },
+            faces: self.faces,
+            face_materials: self.materials,
+            ..Mesh::default()
+        };
+        mesh.normals = normals(&mesh, self.normals);
+        Some(mesh)
+    }
+}
+
+/// The normals of vertices; where some have none, the face's own.
+fn normals(mesh: &Mesh, mut values: Vec<DVec3>) -> Option<Attribute<DVec3>> {
+    let missing = values.iter().filter(|n| **n == DVec3::ZERO).count();
+    if missing == 0 {
+        return Some(Attribute::per_vertex(values));
+    }
+    if missing == values.len() {
+        return None;
+    }
+    let mut corners = mesh.faces.corners.clone();
+    for face in 0..mesh.faces.len() {
+        let own = &mut corners[mesh.faces.corner_range(face)];
+        if own.iter().all(|&v| values[v as usize] != DVec3::ZERO) {
+            continue;
+        }
+        // A face without area is seen by nobody; any unit vector does.
+        let flat = area_vector(&mesh.face_positions(face)).normalize_or(DVec3::Z);
+        values.push(flat);
+        let last = (values.len() - 1) as u32;
+        let bare = own
+            .iter_mut()
+            .filter(|v| values[**v as usize] == DVec3::ZERO);
+        bare.for_each(|v| *v = last);
+    }
+    // What no corner refers to must be a unit vector too.
+    let unused = values.iter_mut().filter(|n| **n == DVec3::ZERO);
+    unused.for_each(|n| *n = DVec3::Z);
+    Some(Attribute {
+        values,
+        corners: Some(corners),
+    })
+}

@@ -1,0 +1,160 @@
+//! Which children of a node are drawn: levels of detail, switches, frames of an animation.
+
+use super::document::{Document, Node, Siblings};
+use super::fields::Fields;
+use super::opcode;
+use crate::Lod;
+
+/// The choice among the children of one node.
+#[derive(Debug)]
+pub(super) struct Selection<'d> {
+    by_position: ByPosition<'d>,
+    lod: LodRule,
+}
+
+/// A choice by the place of a child among its siblings.
+#[derive(Debug)]
+enum ByPosition<'d> {
+    All,
+    First,
+    /// The bits of a switch's current mask, and where they begin.
+    Mask(Fields<'d>, usize),
+}
+
+#[derive(Debug)]
+enum LodRule {
+    All,
+    /// Those with this distance of switching out.
+    SwitchOut(f64),
+    /// Those that are seen from this distance, in the file's units.
+    Distance(f64),
+}
+
+impl<'d> Selection<'d> {
+    /// The choice among `children` below `parent`, for a viewer who asks for `lod`. A unit of
+    /// the document is `scale` units of the root model.
+    pub fn new(
+        document: &'d Document,
+        parent: Option<Node>,
+        children: Siblings,
+        lod: Lod,
+        scale: f64,
+    ) -> Selection<'d> {
+        Selection {
+            by_position: parent.map_or(ByPosition::All, |node| by_position(document, node)),
+            lod: lod_rule(document, children, lod, scale),
+        }
+    }
+
+    /// Whether a child is left out, and why; `position` counts the children before it.
+    pub fn leaves_out(
+        &self,
+        document: &Document,
+        position: usize,
+        child: Node,
+    ) -> Option<&'static str> {
+        let is_on = match self.by_position {
+            ByPosition::All => true,
+            ByPosition::First if position > 0 => {
+                return Some("frame of an animation behind the first: left out");
+            }
+            ByPosition::First => true,
+            ByPosition::Mask(record, start) => {
+                let word = record.u32(start + 4 * (position / 32)).unwrap_or_default();
+                word & 1 << (position % 32) != 0
+            }
+        };
+        if !is_on {
+            return Some("node that its switch has turned off: left out");
+        }
+        let (switch_in, switch_out) = range(document, child)?;
+        let is_seen = match self.lod {
+            LodRule::All => true,
+            LodRule::SwitchOut(chosen) => switch_out == chosen,
+            LodRule::Distance(d) => {
+                let always = switch_in == 0.0 && switch_out == 0.0;
+                let nearest = switch_out == 0.0 && d == 0.0;
+                always || nearest || (switch_out < d && d <= switch_in)
+            }
+        };
+        (!is_seen).then_some("level of detail that is not the one asked for: left out")
+    }
+}
+
+fn by_position<'d>(document: &'d Document, node: Node) -> ByPosition<'d> {
+    let record = document.fields(node.at);
+    match node.opcode {
+        opcode::GROUP if is_animated(record, document.revision) => ByPosition::First,
+        opcode::SWITCH => mask(record).map_or(ByPosition::All, |at| ByPosition::Mask(record, at)),
+        _ => ByPosition::All,
+    }
+}
+
+/// Whether the children of a group are frames of an animation.
+fn is_animated(group: Fields, revision: u32) -> bool {
+    const FORWARD: u32 = 1 << 30;
+    const SWING: u32 = 1 << 29;
+    const BACKWARD: u32 = 1 << 25;
+    // Revision 15.8 brought the third, and took from the second what it meant on its own.
+    let bits = match revision {
+        ..1580 => FORWARD | SWING,
+        _ => FORWARD | BACKWARD,
+    };
+    group.u32(16).is_some_and(|flags| flags & bits != 0)
+}
+
+/// Where the current mask of a switch begins; `None` if the record has no such mask.
+fn mask(switch: Fields) -> Option<usize> {
+    let [current, count, words] = [16, 20, 24].map(|at| switch.u32(at));
+    let (current, words) = (current?, words? as usize);
+    let start = words.checked_mul(4 * current as usize)?.checked_add(28)?;
+    let is_there = current < count? && words > 0 && start < switch.0.len();
+    is_there.then_some(start)
+}
+
+/// Distances at which a level of detail switches in and out; `None` for other nodes.
+fn range(document: &Document, node: Node) -> Option<(f64, f64)> {
+    let record = document.fields(node.at);
+    let (switch_in, switch_out) = match node.opcode {
+        opcode::LOD => (record.double(16), record.double(24)),
+        opcode::OLD_LOD => {
+            let distance = |at| record.u32(at).map(f64::from);
+            (distance(12), distance(16))
+        }
+        _ => return None,
+    };
+    let finite = |x: Option<f64>| x.filter(|x| x.is_finite());
+    let switch_in = finite(switch_in).unwrap_or(f64::INFINITY);
+    Some((switch_in, finite(switch_out).unwrap_or(0.0)))
+}
+
+fn lod_rule(document: &Document, children: Siblings, lod: Lod, scale: f64) -> LodRule {
+    let switch_out = |(_, node): (u32, Node)| range(document, node).map(|r| r.1);
+    match lod {
+        Lod::All => LodRule::All,
+        Lod::Distance(d) => LodRule::Distance(d / scale),
+        Lod::Finest => {
+            let all = children.filter_map(switch_out);
+            LodRule::SwitchOut(all.fold(f64::INFINITY, f64::min))
+        }
+        Lod::Coarsest => {
+            let full = children.filter(|(index, _)| has_surface(document, *index));
+            let all = full.filter_map(switch_out);
+            LodRule::SwitchOut(all.fold(f64::NEG_INFINITY, f64::max))
+        }
+    }
+}
+
+/// Whether a node has anything below it that may be seen.
+fn has_surface(document: &Document, node: u32) -> bool {
+    use opcode::*;
+    let end = document.nodes[node as usize].end;
+    let below = &document.nodes[node as usize..end as usize];
+    below.iter().any(|n| {
+        let is_surface = matches!(
+            n.opcode,
+            FACE | MESH | INSTANCE_REFERENCE | EXTERNAL_REFERENCE
+        );
+        is_surface
+    })
+}

@@ -1,0 +1,36 @@
+//! Warnings that know where they stand.
+
+use super::document::Document;
+use crate::Position;
+use crate::warnings::Warnings;
+
+/// Adds warnings about one record.
+pub(super) struct Notes<'a> {
+    pub warnings: &'a mut Warnings,
+    pub file: &'a str,
+    pub at: u32,
+}
+
+impl<'a> Notes<'a> {
+    /// Warnings about a node.
+    pub fn new(warnings: &'a mut Warnings, document: &'a Document, node: u32) -> Notes<'a> {
+        Notes {
+            warnings,
+            file: &document.file,
+            at: document.nodes[node as usize].at,
+        }
+    }
+
+    #[cold]
+    pub fn add(&mut self, message: impl Into<String>) {
+        self.add_many(message, 1);
+    }
+
+    /// Counts a warning `count` times, which may be 0.
+    #[cold]
+    pub fn add_many(&mut self, message: impl Into<String>, count: usize) {
+        let at = u64::from(self.at);
+        self.warnings
+            .add_many(self.file, message.into(), count, || Position::Byte(at));
+    }
+}
