@@ -65,6 +65,13 @@ impl Textures {
         (id, problem)
     }
 
+    /// Whether a picture's pixels are there.
+    pub fn is_loaded(&self, id: TextureId) -> bool {
+        self.list
+            .get(id as usize)
+            .is_some_and(|t| t.image.is_some())
+    }
+
     /// Counts the pixels of one more picture.
     fn admit(&mut self, image: Image) -> Result<Image, String> {
         let pixels = self.pixels + image.pixels.len();

@@ -1,13 +1,62 @@
-//! Under construction.
+//! 3D Studio, `.3ds`.
+//!
+//! What is read: meshes with texture coordinates and smoothing groups, materials by face, lights,
+//! cameras, and where the keyframer puts all of them at its first frame. `docs/formats/3ds.md`
+//! says how every chunk is understood.
 
+mod chunk;
+mod keyframer;
+mod material;
+mod mesh;
+mod parse;
+mod place;
+#[cfg(test)]
+mod tests;
+
+use crate::bytes::Bytes;
+use crate::options::Budget;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 
-/// Reads.
+/// The first chunk of a model.
+const MAIN: u16 = 0x4d4d;
+
+/// Reads a model. `name` stands in messages; `files` gives the pictures that it names, relative
+/// to its own folder.
+///
+/// # Errors
+/// Bytes that do not begin like a model, and instances that unfold to more than `options` allow.
+/// Everything else that is wrong with a file is a warning that counts what was lost.
 pub fn read(
-    _bytes: &[u8],
+    bytes: &[u8],
     name: &str,
-    _files: &dyn Files,
-    _options: &ReadOptions,
+    files: &dyn Files,
+    options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    Err(ReadError::whole(name, "studio3ds", "another format"))
+    check_start(bytes, name)?;
+    let mut parser = parse::Parser::new(name);
+    parser.file(Bytes::new(bytes));
+    let (model, walker) = parser.finish();
+    let mut builder = place::Builder {
+        files,
+        walker,
+        budget: Budget::new(options),
+    };
+    let scene = builder.scene(&model)?;
+    Ok(Loaded {
+        scene,
+        warnings: builder.walker.warnings.finish(name),
+    })
+}
+
+/// Refuses what is no model before anything is made of it.
+fn check_start(bytes: &[u8], name: &str) -> Result<(), ReadError> {
+    let expected = "a 3DS model, which begins with chunk 4D4D";
+    let found = match Bytes::new(bytes).u16_le() {
+        Some(MAIN) => return Ok(()),
+        None => "the end of the file".to_owned(),
+        Some(0xc23d) => "a project of 3D Studio (PRJ)".to_owned(),
+        Some(0x3daa) => "a material library of 3D Studio (MLI)".to_owned(),
+        Some(other) => format!("chunk {other:04X}"),
+    };
+    Err(ReadError::at_byte(name, 0, found, expected))
 }

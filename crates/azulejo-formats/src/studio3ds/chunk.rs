@@ -1,0 +1,175 @@
+//! Chunks: an id, a length, and bytes that may hold further chunks.
+
+use crate::Position;
+use crate::bytes::Bytes;
+use crate::text::text;
+use crate::warnings::Warnings;
+use azulejo_scene::Rgb;
+
+/// Longest name kept, in bytes. The program itself allowed 16 at most.
+const LONGEST_NAME: usize = 128;
+
+/// Bytes of an id and a length.
+const HEADER: usize = 6;
+
+/// One chunk.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chunk<'a> {
+    pub id: u16,
+    /// What follows the header: data, and chunks behind it.
+    pub body: Bytes<'a>,
+    /// Offset of the header in the file.
+    pub at: u64,
+}
+
+/// Walks through chunks and complains about what is wrong with them.
+pub(super) struct Walker<'w> {
+    pub file: &'w str,
+    pub warnings: Warnings,
+}
+
+impl<'a> Walker<'_> {
+    /// The next chunk of a body. One that claims more bytes than its parent has ends with it.
+    pub fn next(&mut self, body: &mut Bytes<'a>) -> Option<Chunk<'a>> {
+        let at = body.offset();
+        if body.left() == 0 {
+            return None;
+        }
+        let (Some(id), Some(length)) = (body.u16_le(), body.u32_le()) else {
+            self.warn(at, "a few bytes behind the last chunk: skipped");
+            return None;
+        };
+        let Some(wanted) = (length as usize).checked_sub(HEADER) else {
+            let message = format!(
+                "chunk {id:04X} shorter than its own header: what follows it in its parent is lost"
+            );
+            self.warn(at, message);
+            return None;
+        };
+        if wanted > body.left() {
+            let message =
+                format!("chunk {id:04X} longer than the chunk or file that holds it: cut");
+            self.warn(at, message);
+        }
+        let body = body.piece(wanted.min(body.left()))?;
+        Some(Chunk { id, body, at })
+    }
+
+    pub fn warn(&mut self, at: u64, message: impl Into<String>) {
+        self.warn_many(at, message, 1);
+    }
+
+    pub fn warn_many(&mut self, at: u64, message: impl Into<String>, count: usize) {
+        let position = || Position::Byte(at);
+        self.warnings
+            .add_many(self.file, message.into(), count, position);
+    }
+
+    /// Says that a chunk was not used.
+    pub fn skipped(&mut self, chunk: &Chunk<'_>, what: &str) {
+        let blank = if what.is_empty() { "unknown" } else { what };
+        self.warn(
+            chunk.at,
+            format!("{blank} (chunk {:04X}): skipped", chunk.id),
+        );
+    }
+
+    /// What `read` finds in a chunk's data; a warning if there are too few bytes.
+    pub fn data<T>(
+        &mut self,
+        chunk: &mut Chunk<'a>,
+        read: impl FnOnce(&mut Bytes<'a>) -> Option<T>,
+    ) -> Option<T> {
+        let found = read(&mut chunk.body);
+        if found.is_none() {
+            let message = format!("chunk {:04X} too short for its data: skipped", chunk.id);
+            self.warn(chunk.at, message);
+        }
+        found
+    }
+
+    /// Entries of `size` bytes behind their count, as many as are there.
+    pub fn list(&mut self, chunk: &mut Chunk<'a>, size: usize, what: &str) -> &'a [u8] {
+        let Some(promised) = self.data(chunk, Bytes::u16_le).map(usize::from) else {
+            return &[];
+        };
+        let there = promised.min(chunk.body.left() / size);
+        let message = format!("{what} missing from a list that ends too soon");
+        self.warn_many(chunk.at, message, promised - there);
+        let list = chunk.body.take(there * size).unwrap_or_default();
+        if there < promised {
+            // Half an entry is no chunk.
+            let _ = chunk.body.skip(chunk.body.left());
+        }
+        list
+    }
+
+    /// The colour among a chunk's children. Where a file gives one for the screen and one without
+    /// gamma, the latter is taken; one that is alone is linear too, as all readers have it.
+    pub fn color(&mut self, chunk: &Chunk<'a>) -> Option<Rgb> {
+        let (mut color, mut linear) = (None, None);
+        let mut body = chunk.body;
+        while let Some(mut child) = self.next(&mut body) {
+            match child.id {
+                0x0010 | 0x0011 => color = self.color_value(&mut child),
+                0x0012 | 0x0013 => linear = self.color_value(&mut child),
+                _ => self.skipped(&child, ""),
+            }
+        }
+        linear.or(color)
+    }
+
+    /// The colour that one of the chunks 0010 to 0013 holds.
+    pub fn color_value(&mut self, chunk: &mut Chunk<'a>) -> Option<Rgb> {
+        let color = match chunk.id {
+            0x0010 | 0x0013 => self.data(chunk, vector).map(Rgb::from),
+            _ => self.data(chunk, bytes),
+        };
+        let sound = color.filter(|c| c.is_finite());
+        sound.map(|c| c.map(|x| x.max(0.0)))
+    }
+
+    /// The share among a chunk's children, 0..=1.
+    pub fn percent(&mut self, chunk: &Chunk<'a>) -> Option<f64> {
+        let mut body = chunk.body;
+        let mut child = self.next(&mut body)?;
+        let share = match child.id {
+            0x0030 => self.data(&mut child, |b| b.i16_le().map(|x| f64::from(x) / 100.0)),
+            0x0031 => self.data(&mut child, |b| b.f32_le().map(f64::from)),
+            _ => None,
+        }?;
+        if (0.0..=1.0).contains(&share) {
+            return Some(share);
+        }
+        let message = format!(
+            "percentage outside 0..100 (in chunk {:04X}): clamped",
+            chunk.id
+        );
+        self.warn(chunk.at, message);
+        Some(if share > 0.0 { share.min(1.0) } else { 0.0 })
+    }
+}
+
+fn bytes(bytes: &mut Bytes<'_>) -> Option<Rgb> {
+    let mut channel = || bytes.u8_le().map(|c| f64::from(c) / 255.0);
+    Some(Rgb::new(channel()?, channel()?, channel()?))
+}
+
+/// As many numbers as wanted, or none.
+pub(super) fn vector<const N: usize>(bytes: &mut Bytes<'_>) -> Option<[f64; N]> {
+    let mut values = [0.0; N];
+    for value in &mut values {
+        *value = f64::from(bytes.f32_le()?);
+    }
+    Some(values)
+}
+
+/// A name up to its NUL, or up to the end of the bytes.
+pub(super) fn name(bytes: &mut Bytes<'_>) -> String {
+    let mut rest = *bytes;
+    let all = rest.take(rest.left()).unwrap_or_default();
+    let length = all.iter().position(|b| *b == 0);
+    let _ = bytes.skip(length.map_or(all.len(), |l| l + 1));
+    let kept = length.unwrap_or(all.len()).min(LONGEST_NAME);
+    text(&all[..kept]).trim().to_owned()
+}

@@ -1,0 +1,287 @@
+//! The keyframer: where nodes are at the first frame.
+
+use super::chunk::{Chunk, Walker, name, vector};
+use crate::bytes::Bytes;
+use crate::options::{Budget, Exhausted};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use std::collections::HashMap;
+
+/// Name of nodes that have no mesh: their instance name is what people see.
+const DUMMY: &str = "$$$DUMMY";
+
+/// What a node places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Kind {
+    Mesh,
+    Camera,
+    CameraTarget,
+    Light,
+    SpotTarget,
+}
+
+/// A node as it stands in the file, its tracks at their first key.
+#[derive(Debug)]
+pub(super) struct Node {
+    pub kind: Kind,
+    pub at: u64,
+    id: Option<u16>,
+    /// Name of the mesh, light or camera.
+    pub name: String,
+    instance: String,
+    parent: i16,
+    pub is_hidden: bool,
+    pivot: DVec3,
+    position: Option<DVec3>,
+    /// Angle in radians, clockwise, and axis.
+    rotation: Option<[f64; 4]>,
+    scale: DVec3,
+    /// Horizontal field of view of a camera, degrees.
+    pub field_of_view: Option<f64>,
+    /// Roll of a camera, degrees.
+    pub roll: Option<f64>,
+}
+
+/// A node in the world.
+#[derive(Debug)]
+pub(super) struct Placed {
+    pub world_from_node: DAffine3,
+    /// Where a mesh's own origin is in the node.
+    pub pivot: DVec3,
+    /// Whether the node says where it is.
+    pub has_position: bool,
+    /// Names from the root to the node.
+    pub path: String,
+}
+
+impl Kind {
+    fn of(id: u16) -> Option<Kind> {
+        Some(match id {
+            0xb002 => Kind::Mesh,
+            0xb003 => Kind::Camera,
+            0xb004 => Kind::CameraTarget,
+            0xb005 | 0xb007 => Kind::Light,
+            0xb006 => Kind::SpotTarget,
+            _ => return None,
+        })
+    }
+}
+
+/// The nodes of chunk B000.
+pub(super) fn read(walker: &mut Walker<'_>, chunk: &Chunk<'_>) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    let mut body = chunk.body;
+    while let Some(child) = walker.next(&mut body) {
+        match (Kind::of(child.id), child.id) {
+            (Some(kind), _) => nodes.push(node(walker, child, kind)),
+            // The header, the segment of frames and the current frame; settings of the ambient
+            // light, which is not used.
+            (None, 0xb00a | 0xb008 | 0xb009 | 0xb001) => {}
+            (None, 0x7001) => {}
+            _ => walker.skipped(&child, ""),
+        }
+    }
+    nodes
+}
+
+fn node<'a>(walker: &mut Walker<'_>, chunk: Chunk<'a>, kind: Kind) -> Node {
+    let mut node = Node {
+        kind,
+        at: chunk.at,
+        id: None,
+        name: String::new(),
+        instance: String::new(),
+        parent: -1,
+        is_hidden: false,
+        pivot: DVec3::ZERO,
+        position: None,
+        rotation: None,
+        scale: DVec3::ONE,
+        field_of_view: None,
+        roll: None,
+    };
+    let mut body = chunk.body;
+    while let Some(child) = walker.next(&mut body) {
+        node.entry(walker, child);
+    }
+    node
+}
+
+impl Node {
+    fn entry<'a>(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'a>) {
+        match chunk.id {
+            0xb030 => self.id = walker.data(&mut chunk, Bytes::u16_le),
+            0xb010 => self.header(walker, chunk),
+            0xb011 => self.instance = name(&mut chunk.body),
+            0xb013 => self.pivot = walker.data(&mut chunk, vector).map_or(DVec3::ZERO, finite),
+            0xb020 => self.position = first_key(walker, chunk).map(finite),
+            0xb021 => self.rotation = first_key(walker, chunk),
+            0xb022 => self.scale = first_key(walker, chunk).map_or(DVec3::ONE, finite),
+            0xb023 => self.field_of_view = first_key(walker, chunk).map(|[v]| v),
+            0xb024 => self.roll = first_key(walker, chunk).map(|[v]| v),
+            // Bounding boxes and the angle of morphs say nothing new; colours, hot spots and
+            // fall-offs of lights repeat what the lights say.
+            0xb014 | 0xb015 | 0xb025 | 0xb027 | 0xb028 => {}
+            0xb026 => walker.skipped(&chunk, "morphing"),
+            0xb029 => walker.skipped(&chunk, "track that hides and shows"),
+            _ => walker.skipped(&chunk, ""),
+        }
+    }
+
+    fn header(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'_>) {
+        self.name = name(&mut chunk.body);
+        let numbers = |b: &mut Bytes<'_>| Some((b.u16_le()?, b.u16_le()?, b.i16_le()?));
+        if let Some((flags, _, parent)) = walker.data(&mut chunk, numbers) {
+            self.is_hidden = flags & 0x0800 != 0;
+            self.parent = parent;
+        }
+    }
+
+    /// What people call it.
+    fn label(&self) -> &str {
+        match (self.instance.as_str(), self.name.as_str()) {
+            ("", DUMMY) => "",
+            ("", name) => name,
+            (instance, _) => instance,
+        }
+    }
+
+    /// Position, rotation and scale, in the parent's space.
+    fn parent_from_node(&self) -> DAffine3 {
+        let [angle, axis @ ..] = self.rotation.unwrap_or([0.0; 4]);
+        let rotation = match DVec3::from(axis).try_normalize() {
+            Some(axis) if angle.is_finite() => DQuat::from_axis_angle(axis, -angle),
+            _ => DQuat::IDENTITY,
+        };
+        let position = self.position.unwrap_or(DVec3::ZERO);
+        DAffine3::from_scale_rotation_translation(self.scale, rotation, position)
+    }
+}
+
+fn finite(v: [f64; 3]) -> DVec3 {
+    DVec3::from(v.map(|x| if x.is_finite() { x } else { 0.0 }))
+}
+
+/// The value of a track before anything moves.
+fn first_key<'a, const N: usize>(
+    walker: &mut Walker<'_>,
+    mut chunk: Chunk<'a>,
+) -> Option<[f64; N]> {
+    let keys = walker.data(&mut chunk, |b| {
+        b.skip(10)?;
+        b.u32_le()
+    })?;
+    if keys > 1 {
+        walker.warn(chunk.at, "animation: the scene is taken at its first key");
+    }
+    if keys == 0 {
+        return None;
+    }
+    walker.data(&mut chunk, |b| {
+        b.skip(4)?;
+        // One number for each of tension, continuity, bias and the two easings that is there.
+        let splines = b.u16_le()? & 0b1_1111;
+        b.skip(4 * splines.count_ones() as usize)?;
+        vector(b)
+    })
+}
+
+/// Places all nodes.
+///
+/// # Errors
+/// Names of nested nodes that take more memory than the file justifies.
+pub(super) fn place(
+    nodes: &[Node],
+    walker: &mut Walker<'_>,
+    budget: &mut Budget,
+) -> Result<Vec<Placed>, Exhausted> {
+    let parents = parents(nodes, walker);
+    let mut placed: Vec<Option<Placed>> = nodes.iter().map(|_| None).collect();
+    let mut chain = Vec::new();
+    for node in 0..nodes.len() {
+        // From the node up to the first ancestor that is placed, then down again.
+        let mut next = Some(node);
+        while let Some(n) = next.filter(|&n| placed[n].is_none()) {
+            chain.push(n);
+            next = parents[n];
+        }
+        while let Some(n) = chain.pop() {
+            let parent = parents[n].and_then(|p| placed[p].as_ref());
+            placed[n] = Some(child(&nodes[n], parent, budget)?);
+        }
+    }
+    Ok(placed.into_iter().flatten().collect())
+}
+
+fn child(node: &Node, parent: Option<&Placed>, budget: &mut Budget) -> Result<Placed, Exhausted> {
+    let (world_from_parent, above) = match parent {
+        Some(parent) => (parent.world_from_node, parent.path.as_str()),
+        None => (DAffine3::IDENTITY, ""),
+    };
+    budget.spend(1 + above.len() as u64 / 16)?;
+    let world_from_node = world_from_parent * node.parent_from_node();
+    let both = !above.is_empty() && !node.label().is_empty();
+    Ok(Placed {
+        world_from_node,
+        pivot: node.pivot,
+        has_position: node.position.is_some(),
+        path: [above, if both { "/" } else { "" }, node.label()].concat(),
+    })
+}
+
+/// The parent of each node, by node id or, in files without ids, by running number. Nodes that
+/// are their own ancestors become roots.
+fn parents(nodes: &[Node], walker: &mut Walker<'_>) -> Vec<Option<usize>> {
+    let id = |i: usize, n: &Node| n.id.unwrap_or(i as u16);
+    let by_id: HashMap<u16, usize> = nodes
+        .iter()
+        .enumerate()
+        .rev()
+        .map(|(i, n)| (id(i, n), i))
+        .collect();
+    let mut parent = |n: &Node| {
+        let found = by_id.get(&(n.parent as u16)).copied();
+        if n.parent != -1 && found.is_none() {
+            let message = "node of the keyframer whose parent is missing: at the root";
+            walker.warn(n.at, message);
+        }
+        found.filter(|_| n.parent != -1)
+    };
+    let mut parents: Vec<Option<usize>> = nodes.iter().map(&mut parent).collect();
+    for node in break_cycles(&mut parents) {
+        let message = "node of the keyframer that is its own ancestor: at the root";
+        walker.warn(nodes[node].at, message);
+    }
+    parents
+}
+
+/// Makes a root of one node in each cycle, and returns those.
+fn break_cycles(parents: &mut [Option<usize>]) -> Vec<usize> {
+    let mut broken = Vec::new();
+    // Which walk came past each node first.
+    let mut walks = vec![usize::MAX; parents.len()];
+    for start in 0..parents.len() {
+        let mut node = start;
+        while walks[node] == usize::MAX {
+            walks[node] = start;
+            let Some(parent) = parents[node] else { break };
+            if walks[parent] == start {
+                parents[node] = None;
+                broken.push(node);
+            }
+            node = parent;
+        }
+    }
+    broken
+}
+
+/// The local frame of a mesh, chunk 4160: three axes and the origin.
+pub(super) fn world_from_mesh(frame: [f64; 12]) -> Option<DAffine3> {
+    let axis = |i: usize| DVec3::from_slice(&frame[3 * i..]);
+    let mut matrix = DMat3::from_cols(axis(0), axis(1), axis(2));
+    if matrix.determinant() < 0.0 {
+        // The program mirrors such meshes in x before it places them.
+        matrix.x_axis = -matrix.x_axis;
+    }
+    let map = DAffine3::from_mat3_translation(matrix, axis(3));
+    (map.is_finite() && map.inverse().is_finite()).then_some(map)
+}
