@@ -134,10 +134,13 @@ impl<'a> Walker<'_> {
         let mut body = chunk.body;
         let mut child = self.next(&mut body)?;
         let share = match child.id {
-            0x0030 => self.data(&mut child, |b| b.i16_le().map(|x| f64::from(x) / 100.0)),
-            0x0031 => self.data(&mut child, |b| b.f32_le().map(f64::from)),
-            _ => None,
-        }?;
+            0x0030 => self.data(&mut child, |b| b.i16_le().map(|x| f64::from(x) / 100.0))?,
+            0x0031 => self.data(&mut child, |b| b.f32_le().map(f64::from))?,
+            _ => {
+                self.skipped(&child, "");
+                return None;
+            }
+        };
         if (0.0..=1.0).contains(&share) {
             return Some(share);
         }

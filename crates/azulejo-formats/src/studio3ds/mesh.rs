@@ -184,8 +184,8 @@ fn moved_by_corner(
     }
 }
 
-/// Normals where smoothing groups join faces, and the groups themselves where one number for
-/// each face can say them.
+/// Smoothing groups where one number for each face can say them: the passes know how to be
+/// smooth by groups. Otherwise the normals that the groups mean.
 fn smooth(raw: &RawMesh<'_>, kept: &[u32], mesh: &mut Mesh, table: &MaterialTable) {
     let (numbers, _) = raw.smoothing.as_chunks::<4>();
     let given = |face: u32| {
@@ -200,11 +200,11 @@ fn smooth(raw: &RawMesh<'_>, kept: &[u32], mesh: &mut Mesh, table: &MaterialTabl
     if masks.iter().all(|mask| *mask == 0) {
         return;
     }
-    mesh.normals = Some(smooth::corner_normals(mesh, |a, b| {
-        masks[a] & masks[b] != 0
-    }));
     if are_groups(&masks) {
         mesh.smoothing = masks;
+    } else {
+        let are_joined = |a: usize, b: usize| masks[a] & masks[b] != 0;
+        mesh.normals = Some(smooth::corner_normals(mesh, are_joined));
     }
 }
 
