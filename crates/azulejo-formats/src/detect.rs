@@ -93,7 +93,7 @@ pub fn read_with(
     let bytes = &*gzip::unpacked(bytes, name, options)?;
     match detect(bytes) {
         Ok(Format::Grf) => grf::read(bytes, name, files),
-        Ok(Format::Obj) => obj::read(bytes, name, files),
+        Ok(Format::Obj) => obj::read_with(bytes, name, files, options),
         Ok(Format::Studio3ds) => studio3ds::read(bytes, name, files, options),
         Ok(Format::Dxf) => dxf::read(bytes, name, files, options),
         Ok(Format::OpenFlight) => openflight::read(bytes, name, files, options),

@@ -1,7 +1,7 @@
 //! From the flat lists of a file to a scene: one mesh per object, each with its own vertices.
 
 use super::mtl::Library;
-use super::read::{NONE, Part, Raw};
+use super::read::{NONE, Raw};
 use crate::warnings::Warnings;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Object, Rgb, Scene, Shape};
@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// Builds the scene of a file whose indices are all in range.
 pub(super) fn assemble(
-    raw: Raw,
+    mut raw: Raw,
     mut library: Library,
     file: &str,
     warnings: &mut Warnings,
@@ -21,12 +21,15 @@ pub(super) fn assemble(
         .map(|name| library.find_or_default(name, file, warnings))
         .collect();
     // The last entry stands for faces before the first `usemtl`.
-    if raw.face_materials.contains(&NONE) {
+    let nameless = |list: &Vec<u32>| list.contains(&NONE);
+    let mut surfaces = raw.surfaces.iter().map(|s| &s.mesh.face_materials);
+    if nameless(&raw.face_materials) || surfaces.any(nameless) {
         materials.push(library.default_material());
     }
-    if raw.faces.is_empty() {
+    if raw.faces.is_empty() && raw.surfaces.is_empty() {
         warnings.add_whole(file, "no faces: the scene is empty");
     }
+    let mut surfaces = std::mem::take(&mut raw.surfaces).into_iter().peekable();
     let mut builder = Builder {
         raw: &raw,
         materials: &materials,
@@ -34,10 +37,19 @@ pub(super) fn assemble(
         warnings,
         file,
     };
-    let objects = parts(&raw)
-        .into_iter()
-        .map(|(name, faces)| Object::new(name, Shape::Mesh(builder.mesh(faces))))
-        .collect();
+    let mut objects = Vec::new();
+    for (part, (name, faces)) in parts(&raw).into_iter().enumerate() {
+        if !faces.is_empty() {
+            objects.push(Object::new(name, Shape::Mesh(builder.mesh(faces))));
+        }
+        while let Some(surface) = surfaces.next_if(|s| s.part == part) {
+            let mut mesh = surface.mesh;
+            for material in &mut mesh.face_materials {
+                *material = builder.material(*material);
+            }
+            objects.push(Object::new(name, Shape::Mesh(mesh)));
+        }
+    }
     Scene {
         objects,
         materials: library.materials,
@@ -46,24 +58,17 @@ pub(super) fn assemble(
     }
 }
 
-/// Names and faces of the objects: by `o` if the file has any, else by `g`.
+/// Names and faces of the parts: what stands before the first `o` or `g`, and from each to the
+/// next.
 fn parts(raw: &Raw) -> Vec<(&str, Range<usize>)> {
-    let named: &[Part] = if raw.objects.is_empty() {
-        &raw.groups
-    } else {
-        &raw.objects
-    };
-    let first = named.first().map_or(raw.faces.len(), |p| p.first_face);
-    let ends = named.iter().skip(1).map(|p| p.first_face);
-    let ends = ends.chain([raw.faces.len()]);
-    let nameless = ("", 0..first);
-    let named = named
-        .iter()
-        .zip(ends)
-        .map(|(p, end)| (p.name.as_str(), p.first_face..end));
-    std::iter::once(nameless)
-        .chain(named)
-        .filter(|(_, faces)| !faces.is_empty())
+    let all = raw.face_materials.len();
+    let starts = raw.parts.iter().map(|p| p.first_face);
+    let ends = starts.clone().chain([all]);
+    let names = raw.parts.iter().map(|p| p.name.as_str());
+    let ranges = [0].into_iter().chain(starts).zip(ends);
+    let named = [""].into_iter().chain(names).zip(ranges);
+    named
+        .map(|(name, (start, end))| (name, start..end))
         .collect()
 }
 

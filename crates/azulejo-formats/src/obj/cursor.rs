@@ -18,7 +18,8 @@ pub(super) struct Cursor<'a> {
 }
 
 /// Space, tab and what else nobody sees. NUL is among them: one exporter of 1991 writes it
-/// behind its line ends; [`Cursor::new`] lets no other NUL pass.
+/// behind its line ends; [`Cursor::new`] lets no other NUL pass but at the end of the file, where
+/// tapes and disks filled their blocks.
 #[inline]
 fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | 0x0b | 0x0c | 0)
@@ -33,9 +34,11 @@ impl<'a> Cursor<'a> {
     /// The start of a text file; `file` is its name in messages.
     ///
     /// # Errors
-    /// Bytes that are no text: a NUL that does not follow a line end.
+    /// Bytes that are no text: a NUL that neither follows a line end nor fills the file's end.
     pub fn new(bytes: &'a [u8], file: &'a str) -> Result<Cursor<'a>, ReadError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let text = bytes.len() - bytes.iter().rev().take_while(|b| **b == 0).count();
+        let bytes = &bytes[..text];
         let cursor = Cursor {
             file,
             bytes,
@@ -96,14 +99,16 @@ impl<'a> Cursor<'a> {
     }
 
     /// Goes to the first word of the next statement and takes it; `None` at the end of the file.
+    /// One comment is a statement: `#MRGB `, in which ZBrush writes colours.
     #[inline]
     pub fn keyword(&mut self) -> Option<&'a [u8]> {
         loop {
             self.skip_blanks();
             match self.bytes.get(self.at)? {
+                b'#' if self.bytes[self.at..].starts_with(b"#MRGB ") => return self.word_at(),
                 b'#' => self.skip_comment(),
                 &b if is_line_end(b) => self.pass_line_end(),
-                _ => return self.word(),
+                _ => return self.word_at(),
             }
         }
     }
@@ -114,6 +119,12 @@ impl<'a> Cursor<'a> {
         if self.at_end() {
             return None;
         }
+        self.word_at()
+    }
+
+    /// The word at the cursor, whatever its first byte is.
+    #[inline]
+    fn word_at(&mut self) -> Option<&'a [u8]> {
         let start = self.at;
         self.at += 1;
         while !self.at_delimiter() {

@@ -2,11 +2,14 @@
 
 use super::assemble::assemble;
 use super::cursor::Cursor;
+use super::free_form::{FreeForm, Tessellated};
 use super::mtl::Library;
+use crate::options::Budget;
+use crate::picture::linear_from_srgb;
 use crate::text::{shortened, text, without_utf16};
 use crate::textures::one_spelling;
 use crate::warnings::Warnings;
-use crate::{Files, Loaded, Position, ReadError};
+use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use azulejo_scene::{Faces, Rgb};
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
@@ -26,6 +29,8 @@ pub(super) struct Raw {
     pub positions: Vec<DVec3>,
     /// Colours of the vertices up to the last that has one.
     pub colors: Vec<Option<Rgb>>,
+    /// Weights of the vertices up to the last whose weight is not 1.
+    pub weights: Vec<f64>,
     pub uvs: Vec<DVec2>,
     /// Unit length, or zero for one that cannot be used.
     pub normals: Vec<DVec3>,
@@ -39,15 +44,16 @@ pub(super) struct Raw {
     /// Smoothing group of each face; empty as long as all are 0.
     pub smoothing: Vec<u32>,
     pub material_names: Vec<String>,
-    /// Where each `o` begins.
-    pub objects: Vec<Part>,
-    /// Where each `g` begins.
-    pub groups: Vec<Part>,
+    /// Where each `o` and each `g` begins.
+    pub parts: Vec<Part>,
+    /// Free-form surfaces, in the order of their parts.
+    pub surfaces: Vec<Tessellated>,
 }
 
 /// The faces from `first_face` to that of the next part.
 #[derive(Debug)]
 pub(super) struct Part {
+    /// `o`, `g`, or `o/g`.
     pub name: String,
     pub first_face: usize,
 }
@@ -55,26 +61,44 @@ pub(super) struct Part {
 /// Reads a Wavefront OBJ file. `name` stands in messages; `files` gives the material libraries
 /// and pictures, by their names relative to the model.
 ///
-/// One object comes out for each run of faces under one `o`, or under one `g` when the file has
-/// no `o`. It holds the positions that its faces use, in the order of the file. Missing material
-/// libraries and pictures are warnings, and so is all that is skipped.
+/// One object comes out for each run of faces under one `o` and `g`, named `o/g`, and one for
+/// the free-form surfaces among them. It holds the positions that its faces use, in the order of
+/// the file. Missing material libraries and pictures are warnings, and so is all that is skipped.
 ///
 /// # Errors
 /// A number, index or material that is malformed or out of range; bytes that are no text; a file
-/// of 4 GiB or more.
+/// of 4 GiB or more; surfaces of more polygons than [`ReadOptions`] allow.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+    read_with(bytes, name, files, &ReadOptions::default())
+}
+
+/// [`read`] with other choices than the default.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Loaded, ReadError> {
     let size = bytes.len() as u64;
     if size >= LARGEST {
         let (found, expected) = (format!("{size} bytes"), format!("fewer than {LARGEST}"));
         return Err(ReadError::whole(name, found, expected));
     }
     let bytes = without_utf16(bytes);
-    let mut reader = Reader::new(&bytes, name, files)?;
+    let mut reader = Reader::new(&bytes, name, files, options)?;
     while let Some(keyword) = reader.cursor.keyword() {
         reader.statement(keyword)?;
         reader.cursor.finish_statement();
     }
+    reader.end_of_file()?;
     reader.check_references()?;
+    reader.unused_weights();
+    if !reader.polypaint.is_empty() {
+        reader.end_polypaint();
+    }
     let Reader {
         raw,
         library,
@@ -88,31 +112,50 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
     })
 }
 
-struct Reader<'a> {
-    cursor: Cursor<'a>,
-    file: &'a str,
+/// A file under way.
+pub(super) struct Reader<'a> {
+    pub(super) cursor: Cursor<'a>,
+    pub(super) file: &'a str,
     files: &'a dyn Files,
-    raw: Raw,
+    pub(super) raw: Raw,
+    pub(super) budget: Budget,
+    pub(super) free_form: FreeForm,
     /// The largest vertex index that was ahead of its vertex, and the byte where it stands.
     ahead: (i64, usize),
-    material: u32,
+    pub(super) material: u32,
     smoothing: u32,
+    /// Name of the latest `o`.
+    object: String,
+    /// The first vertex that has a weight.
+    weight_at: Option<Position>,
+    /// Colours from ZBrush that wait for the end of their block.
+    polypaint: Vec<Rgb>,
     material_index: HashMap<String, u32>,
     library: Library,
     libraries_read: HashSet<String>,
-    warnings: Warnings,
+    pub(super) warnings: Warnings,
 }
 
 impl<'a> Reader<'a> {
-    fn new(bytes: &'a [u8], file: &'a str, files: &'a dyn Files) -> Result<Self, ReadError> {
+    fn new(
+        bytes: &'a [u8],
+        file: &'a str,
+        files: &'a dyn Files,
+        options: &ReadOptions,
+    ) -> Result<Self, ReadError> {
         Ok(Reader {
             cursor: Cursor::new(bytes, file)?,
             file,
             files,
             raw: Raw::default(),
+            budget: Budget::new(options),
+            free_form: FreeForm::default(),
             ahead: (0, 0),
             material: NONE,
             smoothing: 0,
+            object: String::new(),
+            weight_at: None,
+            polypaint: Vec::new(),
             material_index: HashMap::new(),
             library: Library::default(),
             libraries_read: HashSet::new(),
@@ -126,19 +169,22 @@ impl<'a> Reader<'a> {
             b"vt" => self.uv()?,
             b"vn" => self.normal()?,
             b"f" | b"fo" => self.face()?,
-            b"o" => self.object(),
-            b"g" => self.group(),
+            b"o" => self.begin_object(),
+            b"g" => self.begin_group(),
             b"s" => self.smoothing_group(),
             b"usemtl" => self.use_material(),
             b"mtllib" => self.material_library()?,
-            b"p" | b"l" => self.warn("points and lines have no surface: skipped"),
+            b"p" => self.points(),
+            b"l" => self.warn("lines (l) have no surface: skipped"),
+            POLYPAINT => self.polypaint(),
+            _ if self.free_form(keyword)? => {}
             _ => self.skipped(keyword),
         }
         Ok(())
     }
 
     #[cold]
-    fn warn(&mut self, message: impl Into<String>) {
+    pub(super) fn warn(&mut self, message: impl Into<String>) {
         let cursor = &self.cursor;
         self.warnings
             .add(self.file, message.into(), || cursor.position());
@@ -146,29 +192,22 @@ impl<'a> Reader<'a> {
 
     #[cold]
     fn skipped(&mut self, keyword: &[u8]) {
-        const FREE_FORM: [&[u8]; 18] = [
-            b"vp", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2", b"surf", b"parm",
-            b"trim", b"hole", b"scrv", b"sp", b"end", b"con", b"bzp", b"bsp", b"res",
-        ];
-        const DISPLAY: [&[u8]; 12] = [
+        const DISPLAY: [&[u8]; 7] = [
             b"bevel",
             b"c_interp",
             b"d_interp",
             b"lod",
             b"shadow_obj",
             b"trace_obj",
-            b"ctech",
-            b"stech",
             b"mg",
-            b"maplib",
-            b"usemap",
-            b"t",
         ];
         let word = shortened(&text(keyword));
-        if FREE_FORM.contains(&keyword) {
-            self.warn("free-form curves and surfaces: skipped");
-        } else if DISPLAY.contains(&keyword) {
+        if DISPLAY.contains(&keyword) {
             self.warn(format!("\"{word}\" does not change the geometry: skipped"));
+        } else if matches!(keyword, b"usemap" | b"maplib") {
+            self.warn(format!(
+                "\"{word}\" (pictures outside of materials) is not used: skipped"
+            ));
         } else {
             self.warn(format!("unknown statement \"{word}\": skipped"));
         }
@@ -201,6 +240,9 @@ impl<'a> Reader<'a> {
 
     /// `v x y z`, then nothing, a weight, a colour, or both.
     fn vertex(&mut self) -> Result<(), ReadError> {
+        if !self.polypaint.is_empty() {
+            self.end_polypaint();
+        }
         self.cursor.skip_blanks();
         let start = self.cursor.offset();
         let position = DVec3::from(self.numbers::<3>("x, y and z of a vertex")?);
@@ -237,25 +279,73 @@ impl<'a> Reader<'a> {
                 return Ok(());
             }
         };
+        let before = self.raw.positions.len() - 1;
         if weight != 1.0 {
-            self.warn(
-                "a vertex with a weight w: not divided by it, only free-form surfaces use it",
-            );
+            self.weight_at.get_or_insert_with(|| self.cursor.position());
+            self.raw.weights.resize(before, 1.0);
+            self.raw.weights.push(weight);
         }
         if let Some(color) = color {
-            self.color(color);
+            let clamped = color.map(|c| c.clamp(0.0, 1.0));
+            if clamped != color {
+                self.warn("vertex colour outside 0..1: clamped");
+            }
+            self.raw.colors.resize(before, None);
+            self.raw.colors.push(Some(clamped.into()));
         }
         Ok(())
     }
 
-    fn color(&mut self, color: [f64; 3]) {
-        let clamped = color.map(|c| c.clamp(0.0, 1.0));
-        if clamped != color {
-            self.warn("vertex colour outside 0..1: clamped");
+    /// Says that weights were given in vain.
+    fn unused_weights(&mut self) {
+        let Some(position) = self.weight_at.filter(|_| !self.free_form.weights_used) else {
+            return;
+        };
+        let message =
+            "a vertex with a weight w: not used, only rational surfaces are divided by it";
+        let count = self.raw.weights.iter().filter(|w| **w != 1.0).count();
+        self.warnings
+            .add_many(self.file, message.to_owned(), count, || position);
+    }
+
+    /// ZBrush writes colours into comments, `#MRGB` and eight hexadecimal digits for each vertex:
+    /// a mask, red, green and blue. A block of them is about the latest vertices.
+    fn polypaint(&mut self) {
+        let digits = self.cursor.word().unwrap_or_default();
+        for vertex in digits.chunks(8) {
+            let text = std::str::from_utf8(vertex).unwrap_or_default();
+            let Some(mrgb) = u32::from_str_radix(text, 16)
+                .ok()
+                .filter(|_| text.len() == 8)
+            else {
+                return self.warn("#MRGB colours that are not hexadecimal: skipped");
+            };
+            let linear = |v: u8| f64::from(linear_from_srgb(f32::from(v) / 255.0));
+            let [_, r, g, b] = mrgb.to_be_bytes();
+            self.polypaint.push(Rgb::from([r, g, b].map(linear)));
         }
-        let before = self.raw.positions.len() - 1;
-        self.raw.colors.resize(before, None);
-        self.raw.colors.push(Some(clamped.into()));
+    }
+
+    /// Gives the colours of a block to the vertices before it.
+    #[cold]
+    fn end_polypaint(&mut self) {
+        let colors = std::mem::take(&mut self.polypaint);
+        let Some(first) = self.raw.positions.len().checked_sub(colors.len()) else {
+            return self.warn("more #MRGB colours than vertices: skipped");
+        };
+        self.raw.colors.resize(first, None);
+        self.raw.colors.extend(colors.into_iter().map(Some));
+    }
+
+    fn points(&mut self) {
+        let mut count = 0;
+        while self.cursor.word().is_some() {
+            count += 1;
+        }
+        let message = "points (p) have no surface: skipped".to_owned();
+        let cursor = &self.cursor;
+        self.warnings
+            .add_many(self.file, message, count, || cursor.position());
     }
 
     /// `vt u [v [w]]`.
@@ -284,7 +374,11 @@ impl<'a> Reader<'a> {
     fn face(&mut self) -> Result<(), ReadError> {
         let first = self.raw.faces.corners.len();
         while !self.cursor.at_end() {
-            self.corner()?;
+            let at = self.raw.faces.corners.len();
+            let [position, uv, normal] = self.corner()?;
+            self.raw.faces.corners.push(position);
+            put(&mut self.raw.corner_uvs, at, uv);
+            put(&mut self.raw.corner_normals, at, normal);
         }
         if self.raw.faces.corners.len() - first < 3 {
             self.raw.faces.corners.truncate(first);
@@ -305,11 +399,11 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; what is missing behind a slash is absent.
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn` as indices from zero; what is missing behind a slash is
+    /// [`NONE`].
     #[inline]
-    fn corner(&mut self) -> Result<(), ReadError> {
+    pub(super) fn corner(&mut self) -> Result<[u32; 3], ReadError> {
         let start = self.cursor.offset();
-        let corner = self.raw.faces.corners.len();
         let position = self.position(start)?;
         let (mut uv, mut normal) = (NONE, NONE);
         if self.cursor.slash() {
@@ -321,10 +415,7 @@ impl<'a> Reader<'a> {
         if !self.cursor.word_ends() {
             return Err(self.cursor.error_at(start, CORNER));
         }
-        self.raw.faces.corners.push(position);
-        put(&mut self.raw.corner_uvs, corner, uv);
-        put(&mut self.raw.corner_normals, corner, normal);
-        Ok(())
+        Ok([position, uv, normal])
     }
 
     /// An index from zero into the positions.
@@ -367,7 +458,7 @@ impl<'a> Reader<'a> {
     }
 
     #[cold]
-    fn out_of_range(&self, given: i64, start: usize) -> ReadError {
+    pub(super) fn out_of_range(&self, given: i64, start: usize) -> ReadError {
         let expected = match (given, self.raw.positions.len()) {
             (0, _) => "1 for the first or -1 for the latest".to_owned(),
             (_, 0) => "vertices to be there first".to_owned(),
@@ -393,18 +484,30 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn object(&mut self) {
-        let (name, first_face) = (self.cursor.name(), self.raw.faces.len());
-        self.raw.objects.push(Part { name, first_face });
+    fn begin_object(&mut self) {
+        self.object = self.cursor.name();
+        let name = self.object.clone();
+        self.begin_part(name);
     }
 
     /// Begins a group, unless the current one has the same name: exporters repeat it after
     /// every change of material.
-    fn group(&mut self) {
-        let (name, first_face) = (self.cursor.name(), self.raw.faces.len());
-        if self.raw.groups.last().is_none_or(|last| last.name != name) {
-            self.raw.groups.push(Part { name, first_face });
+    fn begin_group(&mut self) {
+        let group = self.cursor.name();
+        let name = match (self.object.as_str(), group.as_str()) {
+            ("", _) => group,
+            (object, "") => object.to_owned(),
+            (object, group) if object == group => group.to_owned(),
+            (object, group) => format!("{object}/{group}"),
+        };
+        if self.raw.parts.last().is_none_or(|last| last.name != name) {
+            self.begin_part(name);
         }
+    }
+
+    fn begin_part(&mut self, name: String) {
+        let first_face = self.raw.face_materials.len();
+        self.raw.parts.push(Part { name, first_face });
     }
 
     fn smoothing_group(&mut self) {
@@ -461,6 +564,9 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 }
+
+/// What [`Cursor::keyword`] gives for ZBrush's comments.
+const POLYPAINT: &[u8] = b"#MRGB";
 
 const CORNER: &str = "a corner like 1, 1/2, 1//3 or 1/2/3";
 

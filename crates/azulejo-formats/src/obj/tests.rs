@@ -235,6 +235,9 @@ fn other_encodings() {
     for bytes in [marked, big, little] {
         assert_eq!(load(bytes).scene, expected);
     }
+    for padding in ["\0", "\n\0\0\0", "\0\0\0\0"] {
+        assert_eq!(load(text.clone() + padding).scene, expected);
+    }
     let error = read(b"v 0 0 0\nf \0 1 1", "a.obj", &Memory::new()).unwrap_err();
     assert_eq!(error.position, Position::Byte(10));
 }
@@ -257,18 +260,20 @@ fn vertices_belong_to_objects() {
 }
 
 #[test]
-fn groups_are_objects_only_without_objects() {
-    let text = format!("{SQUARE}g a\nf 1 2 3\ng a\nf 1 2 4\ng b c\nf 1 3 4\ng a\nf 2 3 4\n");
+fn groups_are_parts_of_objects() {
+    let text = "g a\nf 1 2 3\ng a\nf 1 2 4\ng b c\nf 1 3 4\ng a\nf 2 3 4\n";
     let names = |text: &str| -> Vec<String> {
-        load(text)
+        load(format!("{SQUARE}{text}"))
             .scene
             .objects
             .into_iter()
             .map(|o| o.name)
             .collect()
     };
-    assert_eq!(names(&text), ["a", "b c", "a"]);
-    assert_eq!(names(&format!("o x\n{text}")), ["x"]);
+    assert_eq!(names(text), ["a", "b c", "a"]);
+    assert_eq!(names(&format!("o x\n{text}")), ["x/a", "x/b c", "x/a"]);
+    let rooms = "o x\nf 1 2 3\ng\nf 1 2 4\ng x\nf 1 2 3\ng a\nf 1 2 3\no y\nf 1 2 3\n";
+    assert_eq!(names(rooms), ["x", "x/a", "y"]);
 }
 
 #[test]
@@ -286,7 +291,7 @@ fn vertices_with_more_than_a_place() {
     check_warnings(
         "v 1 2 3 0.5\nf 1 2 5",
         &[(
-            "a vertex with a weight w: not divided by it, only free-form surfaces use it",
+            "a vertex with a weight w: not used, only rational surfaces are divided by it",
             1,
         )],
     );
@@ -301,6 +306,33 @@ fn vertices_with_more_than_a_place() {
             1,
         )],
     );
+}
+
+#[test]
+fn colours_from_zbrush() {
+    let painted = only_mesh(
+        "v 0 0 0\nv 1 0 0\n#MRGB 00ff0000FF00ff00\nv 0 1 0\n# x\n#MRGB 000000ff\nf 1 2 3",
+    );
+    let pure = |r, g, b| Rgb::new(r, g, b);
+    let expected = [
+        pure(1.0, 0.0, 0.0),
+        pure(0.0, 1.0, 0.0),
+        pure(0.0, 0.0, 1.0),
+    ];
+    assert_eq!(painted.colors, expected);
+    let lines = "#MRGB 00808080\n#MRGB 00ffffff\n";
+    let tail = only_mesh(format!("{SQUARE}f 1 2 3 4\n{lines}"));
+    let linear = f64::from(crate::picture::linear_from_srgb(128.0 / 255.0));
+    assert_eq!(
+        tail.colors,
+        [Rgb::WHITE, Rgb::WHITE, Rgb::grey(linear), Rgb::WHITE]
+    );
+    let bad = "#MRGB colours that are not hexadecimal: skipped";
+    check_warnings("#MRGB 0080808\nf 1 2 3", &[(bad, 1)]);
+    let many = "more #MRGB colours than vertices: skipped";
+    check_warnings(&format!("{}f 1 2 3", lines.repeat(3)), &[(many, 1)]);
+    // Without its blank it is a comment like any other.
+    check_warnings("#MRGBX\nf 1 2 3", &[]);
 }
 
 #[test]
@@ -381,11 +413,11 @@ fn smoothing_groups() {
 
 #[test]
 fn what_has_no_surface_is_counted() {
-    let skipped = "points and lines have no surface: skipped";
-    check_warnings("f 1 2 3\np 1 2\nl 1 2 3\nl 1/1 2/1", &[(skipped, 3)]);
+    let points = "points (p) have no surface: skipped";
+    let lines = "lines (l) have no surface: skipped";
     check_warnings(
-        "f 1 2 3\ncstype bezier\nsurf 0 1 0 1 \\\n 1 2\nend",
-        &[("free-form curves and surfaces: skipped", 3)],
+        "f 1 2 3\np 1 2\nl 1 2 3\nl 1/1 2/1",
+        &[(points, 2), (lines, 2)],
     );
     check_warnings(
         "f 1 2 3\nf 1 2\nf",
@@ -395,6 +427,8 @@ fn what_has_no_surface_is_counted() {
         "f 1 2 3\nbevel on",
         &[("\"bevel\" does not change the geometry: skipped", 1)],
     );
+    let pictures = "\"usemap\" (pictures outside of materials) is not used: skipped";
+    check_warnings("f 1 2 3\nusemap a.png", &[(pictures, 1)]);
     check_warnings("", &[("no faces: the scene is empty", 1)]);
     check_warnings(
         "v 3.1+e2 0 0\nf 1 2 3",

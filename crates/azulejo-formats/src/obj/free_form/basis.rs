@@ -1,0 +1,320 @@
+//! Basis functions of one direction of a free-form curve or surface.
+
+use std::rc::Rc;
+
+/// Largest degree that is evaluated: beyond it polynomials lose their digits.
+pub(super) const MOST_DEGREE: usize = 30;
+
+/// Catmull and Rom's cubic, rows as in [`Kind::Matrix`].
+const CARDINAL: [f64; 16] = [
+    0.0, -0.5, 1.0, -0.5, //
+    1.0, 0.0, -2.5, 1.5, //
+    0.0, 0.5, 2.0, -1.5, //
+    0.0, 0.0, -0.5, 0.5,
+];
+
+/// A family of basis functions.
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    /// Bernstein polynomials; neighbouring spans share a control point.
+    Bezier,
+    /// Cox and de Boor's functions over any knots.
+    BSpline,
+    /// Polynomials in the span's own parameter 0..=1.
+    Matrix {
+        /// One row for each control point of a span, coefficients by rising power.
+        rows: Rc<[f64]>,
+        /// By how many control points the next span begins later.
+        step: usize,
+    },
+}
+
+impl Kind {
+    /// Cardinal splines, cubic only.
+    pub fn cardinal() -> Kind {
+        Kind::Matrix {
+            rows: Rc::new(CARDINAL),
+            step: 1,
+        }
+    }
+
+    /// Control points that are the polynomial's coefficients.
+    pub fn taylor(degree: usize) -> Kind {
+        let n = degree + 1;
+        let rows = (0..n * n).map(|k| f64::from(u8::from(k % (n + 1) == 0)));
+        Kind::Matrix {
+            rows: rows.collect(),
+            step: n,
+        }
+    }
+}
+
+/// The functions of one direction: their family, degree and parameter values.
+#[derive(Clone, Debug)]
+pub(super) struct Basis {
+    kind: Kind,
+    degree: usize,
+    /// Knots of a B-spline; where the spans of the others meet.
+    parm: Vec<f64>,
+}
+
+/// The functions that are not zero at some parameter, and their derivatives.
+#[derive(Clone, Debug)]
+pub(super) struct Weights {
+    /// Control point of the first of them.
+    pub first: usize,
+    pub values: Vec<f64>,
+    pub slopes: Vec<f64>,
+}
+
+impl Basis {
+    /// The functions, if `parm` suits them, else what is wrong.
+    pub fn new(kind: Kind, degree: usize, parm: Vec<f64>) -> Result<Basis, String> {
+        if !(1..=MOST_DEGREE).contains(&degree) {
+            return Err(format!("degree {degree}, expected 1 to {MOST_DEGREE}"));
+        }
+        if let Kind::Matrix { rows, step } = &kind
+            && (rows.len() != (degree + 1) * (degree + 1) || *step == 0)
+        {
+            return Err(format!(
+                "a basis matrix or step that does not fit degree {degree}"
+            ));
+        }
+        let least = match kind {
+            Kind::BSpline => 2 * degree + 2,
+            _ => 2,
+        };
+        if parm.len() < least {
+            let found = parm.len();
+            return Err(format!(
+                "{found} parameter values (parm), expected {least} or more"
+            ));
+        }
+        let rises = parm.windows(2).all(|w| w[0] <= w[1]);
+        let basis = Basis { kind, degree, parm };
+        let (from, to) = basis.range();
+        if rises && from < to && (to - from).is_finite() {
+            Ok(basis)
+        } else {
+            Err("parameter values (parm) that do not rise".to_owned())
+        }
+    }
+
+    /// Number of control points.
+    pub fn count(&self) -> usize {
+        let spans = self.parm.len() - 1;
+        match &self.kind {
+            Kind::Bezier => spans * self.degree + 1,
+            Kind::BSpline => spans - self.degree,
+            Kind::Matrix { step, .. } => (spans - 1) * step + self.degree + 1,
+        }
+    }
+
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// Where spans begin and end; some of a B-spline may be empty.
+    fn spans(&self) -> &[f64] {
+        match self.kind {
+            Kind::BSpline => &self.parm[self.degree..self.parm.len() - self.degree],
+            _ => &self.parm,
+        }
+    }
+
+    /// First and last parameter.
+    pub fn range(&self) -> (f64, f64) {
+        let spans = self.spans();
+        (spans[0], spans[spans.len() - 1])
+    }
+
+    /// `from`, `to`, and where spans meet in between.
+    pub fn breaks(&self, from: f64, to: f64) -> Vec<f64> {
+        let inner = self.spans().iter().copied();
+        let mut breaks = vec![from];
+        breaks.extend(inner.filter(|t| from < *t && *t < to));
+        breaks.push(to);
+        breaks.dedup();
+        breaks
+    }
+
+    /// The functions at `t`, which lies in the range.
+    pub fn at(&self, t: f64) -> Weights {
+        let spans = self.spans();
+        let to = spans[spans.len() - 1];
+        let last = spans.partition_point(|x| *x < to).max(1) - 1;
+        let span = (spans.partition_point(|x| *x <= t).max(1) - 1).min(last);
+        let length = spans[span + 1] - spans[span];
+        let local = (t - spans[span]) / length;
+        match &self.kind {
+            Kind::Bezier => bernstein(span * self.degree, self.degree, local, length),
+            Kind::BSpline => self.cox_de_boor(span, t),
+            Kind::Matrix { rows, step } => {
+                polynomials(span * step, self.degree + 1, rows, local, length)
+            }
+        }
+    }
+
+    /// Piegl and Tiller, *The NURBS Book*, algorithm A2.2, with the first derivatives by
+    /// equation 2.7. The knots that are subtracted enclose a span that is not empty.
+    fn cox_de_boor(&self, first: usize, t: f64) -> Weights {
+        let (knots, n) = (&self.parm, self.degree);
+        let span = first + n;
+        let mut values = vec![0.0; n + 1];
+        let mut slopes = vec![0.0; n + 1];
+        values[0] = 1.0;
+        for d in 1..=n {
+            let mut saved = 0.0;
+            for r in 0..d {
+                let (low, high) = (knots[span + 1 + r - d], knots[span + 1 + r]);
+                let share = values[r] / (high - low);
+                if d == n {
+                    slopes[r] -= n as f64 * share;
+                    slopes[r + 1] += n as f64 * share;
+                }
+                values[r] = saved + (high - t) * share;
+                saved = (t - low) * share;
+            }
+            values[d] = saved;
+        }
+        Weights {
+            first,
+            values,
+            slopes,
+        }
+    }
+}
+
+/// Bernstein polynomials over a span of some length, built up degree by degree.
+fn bernstein(first: usize, n: usize, t: f64, length: f64) -> Weights {
+    let mut values = vec![0.0; n + 1];
+    let mut slopes = vec![0.0; n + 1];
+    values[0] = 1.0;
+    for d in 1..=n {
+        let mut saved = 0.0;
+        for r in 0..d {
+            let share = values[r];
+            if d == n {
+                slopes[r] -= n as f64 * share / length;
+                slopes[r + 1] += n as f64 * share / length;
+            }
+            values[r] = saved + (1.0 - t) * share;
+            saved = t * share;
+        }
+        values[d] = saved;
+    }
+    Weights {
+        first,
+        values,
+        slopes,
+    }
+}
+
+fn polynomials(first: usize, n: usize, rows: &[f64], t: f64, length: f64) -> Weights {
+    let (mut values, mut slopes) = (Vec::with_capacity(n), Vec::with_capacity(n));
+    for row in rows.chunks_exact(n) {
+        let (mut value, mut slope) = (0.0, 0.0);
+        for &coefficient in row.iter().rev() {
+            slope = slope * t + value;
+            value = value * t + coefficient;
+        }
+        values.push(value);
+        slopes.push(slope / length);
+    }
+    Weights {
+        first,
+        values,
+        slopes,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Value and slope at `t` of a curve with these control points.
+    fn curve(kind: Kind, degree: usize, parm: &[f64], points: &[f64], t: f64) -> (f64, f64) {
+        let basis = Basis::new(kind, degree, parm.to_vec()).unwrap();
+        assert_eq!(basis.count(), points.len());
+        let w = basis.at(t);
+        let sum = |f: &[f64]| f.iter().zip(&points[w.first..]).map(|(a, b)| a * b).sum();
+        (sum(&w.values), sum(&w.slopes))
+    }
+
+    fn check(found: (f64, f64), expected: (f64, f64)) {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(
+            near(found.0, expected.0) && near(found.1, expected.1),
+            "{found:?}, expected {expected:?}"
+        );
+    }
+
+    /// The cubic t³ − 2t + 1 over 0..=1, with its slope.
+    fn cubic(t: f64) -> (f64, f64) {
+        (t * t * t - 2.0 * t + 1.0, 3.0 * t * t - 2.0)
+    }
+
+    #[test]
+    fn one_cubic_in_every_family() {
+        let bezier = [1.0, 1.0 / 3.0, -1.0 / 3.0, 0.0];
+        let cardinal = [2.0, 1.0, 0.0, 5.0].map(|x: f64| x);
+        let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+        let rows: Rc<[f64]> = Rc::new([
+            1.0, -3.0, 3.0, -1.0, 0.0, 3.0, -6.0, 3.0, 0.0, 0.0, 3.0, -3.0, 0.0, 0.0, 0.0, 1.0,
+        ]);
+        let matrix = Kind::Matrix { rows, step: 3 };
+        for t in [0.0, 0.25, 0.5, 1.0] {
+            check(curve(Kind::Bezier, 3, &[0.0, 1.0], &bezier, t), cubic(t));
+            check(curve(Kind::BSpline, 3, &knots, &bezier, t), cubic(t));
+            check(curve(matrix.clone(), 3, &[0.0, 1.0], &bezier, t), cubic(t));
+            let taylor = [1.0, -2.0, 0.0, 1.0];
+            check(curve(Kind::taylor(3), 3, &[0.0, 1.0], &taylor, t), cubic(t));
+        }
+        // A cardinal spline meets its inner points, and leaves along their neighbours.
+        let (value, slope) = curve(Kind::cardinal(), 3, &[0.0, 1.0], &cardinal, 0.0);
+        check((value, slope), (1.0, -1.0));
+        let (value, slope) = curve(Kind::cardinal(), 3, &[0.0, 1.0], &cardinal, 1.0);
+        check((value, slope), (0.0, 2.0));
+    }
+
+    #[test]
+    fn spans_meet() {
+        // A parabola, t², whole and in pieces of unequal length.
+        let square = |t: f64| (t * t, 2.0 * t);
+        let bezier = [0.0, 0.0, 1.0, 2.0 * 1.0 * 2.0 - 0.0, 9.0].map(|x: f64| x);
+        // The middle control point of the second piece lies where the tangents meet: 1·3.
+        let bezier = [bezier[0], bezier[1], bezier[2], 3.0, bezier[4]];
+        let taylor = [0.0, 0.0, 1.0, 1.0, 4.0, 4.0];
+        let knots = [0.0, 0.0, 0.0, 1.0, 3.0, 3.0, 3.0];
+        let spline = [0.0, 0.0, 3.0, 9.0];
+        for t in [0.0, 0.5, 1.0, 2.0, 3.0] {
+            let spans = [0.0, 1.0, 3.0];
+            check(curve(Kind::Bezier, 2, &spans, &bezier, t), square(t));
+            check(curve(Kind::taylor(2), 2, &spans, &taylor, t), square(t));
+            check(curve(Kind::BSpline, 2, &knots, &spline, t), square(t));
+        }
+        let uniform: Vec<f64> = (0..8).map(f64::from).collect();
+        let basis = Basis::new(Kind::BSpline, 3, uniform).unwrap();
+        assert_eq!((basis.range(), basis.count()), ((3.0, 4.0), 4));
+        let sum: f64 = basis.at(3.7).values.iter().sum();
+        assert!((sum - 1.0).abs() < 1e-15);
+        assert_eq!(basis.breaks(3.2, 4.0), [3.2, 4.0]);
+    }
+
+    #[test]
+    fn what_cannot_be_is_said() {
+        let check = |kind: Kind, degree, parm: &[f64], expected: &str| {
+            let said = Basis::new(kind, degree, parm.to_vec()).unwrap_err();
+            assert!(said.contains(expected), "{said}");
+        };
+        check(Kind::Bezier, 0, &[0.0, 1.0], "degree 0");
+        check(Kind::Bezier, 31, &[0.0, 1.0], "degree 31");
+        check(Kind::Bezier, 3, &[0.0], "1 parameter values");
+        check(Kind::Bezier, 3, &[0.0, 0.0], "do not rise");
+        check(Kind::Bezier, 3, &[0.0, 2.0, 1.0], "do not rise");
+        check(Kind::Bezier, 3, &[0.0, f64::NAN, 1.0], "do not rise");
+        check(Kind::Bezier, 3, &[f64::MIN, f64::MAX], "do not rise");
+        check(Kind::BSpline, 2, &[0.0; 5], "expected 6 or more");
+        check(Kind::cardinal(), 2, &[0.0, 1.0], "does not fit degree 2");
+    }
+}
