@@ -50,7 +50,7 @@ impl Curve {
     ) -> Result<Vec<DVec2>, Refused> {
         let (first, last) = self.basis.range();
         let (low, high) = (from.min(to).max(first), from.max(to).min(last));
-        if !(low < high) {
+        if low >= high {
             return Ok(Vec::new());
         }
         let breaks = self.basis.breaks(low, high);

@@ -196,8 +196,8 @@ pub(super) fn divided(breaks: &[f64], pieces: impl Fn(usize) -> usize) -> Vec<f6
 
 /// A whole number of pieces from an estimate, which may be anything.
 pub(super) fn whole_pieces(estimate: f64) -> usize {
-    // A slack of rounding keeps what is straight in one piece. The larger of NaN and 1 is 1.
-    (estimate - 1e-9).ceil().max(1.0).min(MOST_PIECES) as usize
+    // A slack of rounding keeps what is straight in one piece. What is no number becomes 0.
+    ((estimate - 1e-9).ceil().clamp(1.0, MOST_PIECES) as usize).max(1)
 }
 
 /// A regular grid of points that tells how a surface bends.

@@ -14,10 +14,12 @@ fn load(text: &str) -> Loaded {
 }
 
 fn meshes(loaded: &Loaded) -> Vec<&Mesh> {
-    let mesh = |shape| match shape {
-        &Shape::Mesh(ref mesh) => mesh,
-        Shape::Primitive(_) => panic!("OBJ has meshes only"),
-    };
+    fn mesh(shape: &Shape) -> &Mesh {
+        match shape {
+            Shape::Mesh(mesh) => mesh,
+            Shape::Primitive(_) => panic!("OBJ has meshes only"),
+        }
+    }
     loaded
         .scene
         .objects
