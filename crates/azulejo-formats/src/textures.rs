@@ -82,6 +82,21 @@ impl Textures {
         Ok(image)
     }
 
+    /// Adds a picture whose pixels stand in the model as numbers, under a name of its own.
+    ///
+    /// # Errors
+    /// The pictures have too many pixels.
+    pub fn drawn(&mut self, name: String, image: Image) -> Result<TextureId, String> {
+        let image = Some(self.admit(image)?);
+        self.list.push(Texture { path: name, image });
+        Ok((self.list.len() - 1) as TextureId)
+    }
+
+    /// The pixels of a picture, if it could be had.
+    pub fn image(&self, id: TextureId) -> Option<&Image> {
+        self.list.get(id as usize)?.image.as_ref()
+    }
+
     /// All of them, in the order of their indices.
     pub fn into_list(self) -> Vec<Texture> {
         self.list

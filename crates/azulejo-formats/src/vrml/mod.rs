@@ -5,15 +5,30 @@
 //! stage, because files of one version may stand inside files of another.
 //! `docs/formats/vrml.md` says how every node is understood.
 
-#[allow(dead_code, reason = "the readers that use it follow")]
+mod classic;
+mod elevation;
+mod extrusion;
+#[allow(dead_code, reason = "v1 uses the rest")]
 mod faces;
-#[allow(dead_code, reason = "the readers that use it follow")]
+mod flat;
+#[allow(dead_code, reason = "v1 uses the rest")]
 mod lexer;
-#[allow(dead_code, reason = "the readers that use it follow")]
+mod lights;
+mod look;
+mod names;
+mod shape;
+mod solids;
 mod stage;
+mod surroundings;
+mod tree;
+mod triangles;
+mod world;
+mod xml;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
-use stage::{Frame, Source, Stage};
+use stage::{Frame, Opened, Source, Stage};
+use std::rc::Rc;
+use tree::Document;
 
 /// Reads a model, with the files that it names.
 ///
@@ -26,10 +41,10 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let source = Source {
+    let source = Rc::new(Source {
         name: name.to_owned(),
         bytes: crate::text::without_utf16(bytes).into_owned(),
-    };
+    });
     let mut stage = Stage::new(name, files, options);
     read_into(&mut stage, &source, &Frame::default())?;
     Ok(stage.finish(name))
@@ -39,9 +54,33 @@ pub fn read(
 ///
 /// # Errors
 /// As [`read`].
-fn read_into(_stage: &mut Stage, source: &Source, _frame: &Frame) -> Result<(), ReadError> {
+fn read_into(stage: &mut Stage, source: &Rc<Source>, frame: &Frame) -> Result<(), ReadError> {
     // VRML 1.0 and Inventor plug in here: v1::read_into(stage, source, frame).
-    Err(ReadError::whole(&*source.name, "VRML", "another format"))
+    if source.text().starts_with(b"#VRML V1") || source.text().starts_with(b"#I") {
+        return Err(ReadError::whole(&*source.name, "VRML 1.0", "VRML97 or X3D"));
+    }
+    let document = document(stage, source)?;
+    world::build(stage, &document, frame)
+}
+
+/// Reads a file of nodes with fields.
+///
+/// # Errors
+/// A header of another version, text of which nothing could be used.
+fn document(stage: &mut Stage, source: &Rc<Source>) -> Result<Rc<Document>, ReadError> {
+    let text = source.text();
+    let document = match text.trim_ascii_start() {
+        [b'#', b'V' | b'X', ..] => classic::parse(stage, source)?,
+        [b'<', ..] => xml::parse(stage, source)?,
+        _ => {
+            let mut lexer = lexer::Lexer::new(&source.bytes);
+            let expected = "\"#VRML V2.0 utf8\", \"#X3D V3.3 utf8\" or XML";
+            return Err(lexer.error(&source.name, expected));
+        }
+    };
+    let document = Rc::new(document);
+    stage.know(source, &document);
+    Ok(document)
 }
 
 /// Reads the first file of `urls` that can be had into `frame`: the node `Inline` of any version,
@@ -49,7 +88,6 @@ fn read_into(_stage: &mut Stage, source: &Source, _frame: &Frame) -> Result<(), 
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
-#[allow(dead_code, reason = "the readers that use it follow")]
 fn include(
     stage: &mut Stage,
     from: &Source,
@@ -57,20 +95,38 @@ fn include(
     urls: &[String],
     frame: &Frame,
 ) -> Result<(), ReadError> {
-    let Some(source) = stage.open(from, at, urls) else {
-        return Ok(());
+    let done = match stage.open(from, at, urls) {
+        None => return Ok(()),
+        Some(Opened::Known(document)) => world::build(stage, &document, frame),
+        Some(Opened::New(source)) => match read_into(stage, &source, frame) {
+            Err(e) => refuse(stage, from, at, &source, e),
+            Ok(()) => Ok(()),
+        },
     };
-    let read = read_into(stage, &source, frame);
     stage.close();
-    match read {
-        Err(e) if e.file == source.name => {
-            stage.warn(
-                from,
-                at,
-                format!("a file inside this one is not shown: {e}"),
-            );
-            Ok(())
-        }
-        read => read,
+    done
+}
+
+/// Makes a warning of what is wrong with the file `inside` this one.
+///
+/// # Errors
+/// What is wrong with the model as a whole.
+fn refuse(
+    stage: &mut Stage,
+    from: &Source,
+    at: usize,
+    inside: &Source,
+    e: ReadError,
+) -> Result<(), ReadError> {
+    if e.file != inside.name {
+        return Err(e);
     }
+    let (place, found, expected) = (e.position, e.found, e.expected);
+    let why = format!("{}{place}: found {found}, expected {expected}", e.file);
+    stage.warn(
+        from,
+        at,
+        format!("a file inside this one is not shown: {why}"),
+    );
+    Ok(())
 }

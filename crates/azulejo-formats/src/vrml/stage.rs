@@ -1,6 +1,7 @@
 //! What the files of one model become together, whatever versions of VRML they are in.
 
 use super::lexer::position;
+use super::tree::Document;
 use crate::materials::Materials;
 use crate::options::Budget;
 use crate::text::shortened;
@@ -9,6 +10,7 @@ use crate::warnings::Warnings;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions, files, gzip};
 use azulejo_scene::{MaterialId, Mesh, Object, Primitive, PrimitiveKind, Scene, Shape, Units};
 use glam::DAffine3;
+use std::collections::HashMap;
 use std::rc::Rc;
 
 /// How many files may stand inside one another.
@@ -26,10 +28,39 @@ pub(super) struct Source {
     pub bytes: Vec<u8>,
 }
 
+/// A file that was asked for.
+pub(super) enum Opened {
+    /// It has not been read before.
+    New(Rc<Source>),
+    /// It has, and is a tree of nodes.
+    Known(Rc<Document>),
+}
+
 impl Source {
     /// Line and column of a byte.
     pub fn position(&self, offset: usize) -> Position {
         position(&self.bytes, offset)
+    }
+
+    /// The text without a byte order mark.
+    pub fn text(&self) -> &[u8] {
+        let marked = self.bytes.strip_prefix(b"\xef\xbb\xbf");
+        marked.unwrap_or(&self.bytes)
+    }
+
+    /// Whether it is X3D, in whatever encoding.
+    pub fn is_x3d(&self) -> bool {
+        !self.text().starts_with(b"#VRML")
+    }
+
+    /// Whether it is X3D of version 4 or later.
+    pub fn is_x3d_4(&self) -> bool {
+        // XML says so among the attributes of its first element.
+        let text = self.text();
+        let head = &text[..text.len().min(4096)];
+        let holds = |mark: &[u8]| head.windows(mark.len()).any(|w| w == mark);
+        text.starts_with(b"#X3D V4")
+            || text.starts_with(b"<") && (holds(b"version=\"4") || holds(b"version='4"))
     }
 }
 
@@ -83,6 +114,8 @@ pub(super) struct Stage<'a> {
     budget: Budget,
     /// Bytes that files named by the model may still have.
     bytes_left: u64,
+    /// Files that were read, by name.
+    documents: HashMap<String, Rc<Document>>,
     /// The files that are being read, the model itself first.
     open: Vec<String>,
 }
@@ -107,6 +140,7 @@ impl<'a> Stage<'a> {
             warnings: Warnings::default(),
             budget: Budget::new(options),
             bytes_left: options.most_unpacked,
+            documents: HashMap::new(),
             open: vec![model.to_owned()],
         }
     }
@@ -179,15 +213,15 @@ impl<'a> Stage<'a> {
     /// Opens the first of `urls` that can be had, beside the file that names it, unpacked. What
     /// stands behind `#` is not looked at. `None`, with a warning, if there is none, or if it is
     /// one of the files inside which this one stands. Call [`Stage::close`] when it is read.
-    pub fn open(&mut self, from: &Source, at: usize, urls: &[String]) -> Option<Rc<Source>> {
+    pub fn open(&mut self, from: &Source, at: usize, urls: &[String]) -> Option<Opened> {
         let mut why = "it names no file".to_owned();
         for url in urls {
             let file = url.split('#').next().unwrap_or_default();
             let name = files::beside(&from.name, local(file));
             match self.read(&name) {
-                Ok(bytes) => {
-                    self.open.push(name.clone());
-                    return Some(Rc::new(Source { name, bytes }));
+                Ok(opened) => {
+                    self.open.push(name);
+                    return Some(opened);
                 }
                 Err(problem) => why = format!("\"{}\": {problem}", shortened(file)),
             }
@@ -196,17 +230,30 @@ impl<'a> Stage<'a> {
         None
     }
 
+    /// Keeps what a file holds, in case it is asked for again.
+    pub fn know(&mut self, source: &Source, document: &Rc<Document>) {
+        self.documents.insert(source.name.clone(), document.clone());
+    }
+
+    /// Whether the model's own file is read, and none inside it.
+    pub fn is_outermost(&self) -> bool {
+        self.open.len() == 1
+    }
+
     /// The file that was opened last is read.
     pub fn close(&mut self) {
         self.open.pop();
     }
 
-    fn read(&mut self, name: &str) -> Result<Vec<u8>, String> {
+    fn read(&mut self, name: &str) -> Result<Opened, String> {
         if self.open.iter().any(|open| open == name) {
             return Err("the file is inside itself".into());
         }
         if self.open.len() >= MOST_NESTED {
             return Err(format!("more than {MOST_NESTED} files inside one another"));
+        }
+        if let Some(document) = self.documents.get(name) {
+            return Ok(Opened::Known(document.clone()));
         }
         let packed = self.files.read(name).map_err(|e| e.to_string())?;
         let options = ReadOptions {
@@ -218,7 +265,10 @@ impl<'a> Stage<'a> {
             Some(left) => self.bytes_left = left,
             None => return Err("the files of the model are too large together".into()),
         }
-        Ok(crate::text::without_utf16(&bytes).into_owned())
+        Ok(Opened::New(Rc::new(Source {
+            name: name.to_owned(),
+            bytes: crate::text::without_utf16(&bytes).into_owned(),
+        })))
     }
 
     /// The finished scene.
@@ -282,7 +332,9 @@ mod tests {
             bytes: Vec::new(),
         };
         let urls = ["none.wrl", "file:parts/a.wrl#x"].map(String::from);
-        let a = stage.open(&model, 0, &urls).unwrap();
+        let Some(Opened::New(a)) = stage.open(&model, 0, &urls) else {
+            panic!("a file that was not read before");
+        };
         assert_eq!((a.name.as_str(), &a.bytes[..]), ("parts/a.wrl", &b"a"[..]));
         assert!(stage.open(&a, 0, &["../b.wrl".into()]).is_some());
         stage.close();

@@ -1,0 +1,337 @@
+//! Appearances: materials, pictures, and how pictures lie.
+
+use super::stage::Stage;
+use super::tree::Node;
+use super::world::child;
+use crate::text::shortened;
+use crate::{ReadError, phong};
+use azulejo_scene::{Image, Material, Rgb, TextureId};
+use glam::{DAffine2, DMat2, DVec2};
+use std::rc::Rc;
+
+/// Diffuse reflectance of a material that does not say, and of a shape without one.
+const DIFFUSE: Rgb = Rgb::grey(0.8);
+
+/// Factor between `shininess` and the exponent of a highlight: ISO/IEC 14772-1, 4.14.4.
+const SHININESS: f64 = 128.0;
+
+/// Metals rougher than this are no mirrors.
+const SMOOTH: f64 = 0.1;
+
+/// How a shape looks.
+#[derive(Debug)]
+pub(super) struct Look {
+    /// Its material, without pictures.
+    pub material: Material,
+    /// Its pictures.
+    pub textures: Vec<TextureId>,
+    /// Whether the pictures replace the diffuse reflectance, and are not multiplied with it.
+    replaces: bool,
+    /// What is done to its texture coordinates.
+    pub picture_from_uv: Option<DAffine2>,
+}
+
+impl Look {
+    /// The material of a surface with texture coordinates; `color` replaces its own.
+    pub fn textured(&self, color: Option<Rgb>) -> Material {
+        let own = match self.replaces {
+            true => Rgb::WHITE,
+            false => self.material.diffuse,
+        };
+        let mut material = Material {
+            textures: self.textures.clone(),
+            diffuse: color.unwrap_or(own),
+            ..self.material.clone()
+        };
+        material.limit_reflectance();
+        material
+    }
+}
+
+/// How the node `shape` looks; `None`, with a warning, if it is invisible.
+///
+/// # Errors
+/// The model unfolds to more than the options allow.
+pub(super) fn of(stage: &mut Stage, shape: &Node) -> Result<Option<Look>, ReadError> {
+    let appearance = child(stage, shape, "appearance")?;
+    let material = match &appearance {
+        Some(appearance) => child(stage, appearance, "material")?,
+        None => None,
+    };
+    let mut look = Look {
+        material: Material::diffuse("", DIFFUSE),
+        textures: Vec::new(),
+        replaces: false,
+        picture_from_uv: None,
+    };
+    match &material {
+        Some(material) => {
+            if material.number("transparency", 0.0) >= 1.0 {
+                let message = "shape of a transparency of 1: invisible, not shown";
+                stage.warn(&shape.source, shape.at, message);
+                return Ok(None);
+            }
+            look.material = surface(stage, material);
+        }
+        None => {
+            let message =
+                "shape without a material, which VRML shows without light: matt, reflectance 0.8";
+            stage.warn(&shape.source, shape.at, message);
+        }
+    }
+    let Some(appearance) = appearance else {
+        return Ok(Some(look));
+    };
+    if look.material.name.is_empty() {
+        let name = appearance.name.as_deref().unwrap_or_default();
+        look.material.name = name.to_owned();
+    }
+    pictures(stage, &appearance, material.as_deref(), &mut look)?;
+    say_what_is_lost(
+        stage,
+        &appearance,
+        &["material", "texture", "textureTransform"],
+    );
+    Ok(Some(look))
+}
+
+/// A material without pictures.
+fn surface(stage: &mut Stage, node: &Rc<Node>) -> Material {
+    let mut material = match &*node.kind {
+        "PhysicalMaterial" => physical(stage, node),
+        "UnlitMaterial" => Material::emitter("", node.color("emissiveColor", Rgb::WHITE)),
+        "Material" | "TwoSidedMaterial" => phong_material(stage, node),
+        kind => {
+            let message = format!("material {}: matt, reflectance 0.8", shortened(kind));
+            stage.warn(&node.source, node.at, message);
+            Material::diffuse("", DIFFUSE)
+        }
+    };
+    if node.number("transparency", 0.0) > 0.0 {
+        let message = "see-through material (transparency): opaque";
+        stage.warn(&node.source, node.at, message);
+    }
+    if node.flag("separateBackColor", false) {
+        let message = "TwoSidedMaterial with colours of its back: the front's are on both sides";
+        stage.warn(&node.source, node.at, message);
+    }
+    say_what_is_lost(stage, node, KNOWN);
+    material.name = node.name.as_deref().unwrap_or_default().to_owned();
+    material
+}
+
+/// Fields of materials that are used, or whose loss is said elsewhere, or that stand for the
+/// light that azulejo computes.
+const KNOWN: &[&str] = &[
+    "ambientIntensity",
+    "diffuseColor",
+    "emissiveColor",
+    "specularColor",
+    "shininess",
+    "transparency",
+    "separateBackColor",
+    "backAmbientIntensity",
+    "backDiffuseColor",
+    "backEmissiveColor",
+    "backShininess",
+    "backSpecularColor",
+    "backTransparency",
+    "baseColor",
+    "metallic",
+    "roughness",
+    "diffuseTexture",
+    "baseTexture",
+];
+
+/// Names every field that is not among `known`.
+fn say_what_is_lost(stage: &mut Stage, node: &Node, known: &[&str]) {
+    let is_lost = |name: &str| !known.contains(&name) && !name.starts_with("metadata");
+    for field in node.fields().iter().filter(|f| is_lost(&f.name)) {
+        let message = format!("{} of {}: skipped", shortened(&field.name), node.kind);
+        stage.warn(&node.source, node.at, message);
+    }
+}
+
+fn phong_material(stage: &mut Stage, node: &Node) -> Material {
+    let diffuse = node.color("diffuseColor", DIFFUSE);
+    let specular = node.color("specularColor", Rgb::BLACK);
+    let mut material = Material {
+        emission: node.color("emissiveColor", Rgb::BLACK),
+        ..Material::diffuse("", diffuse)
+    };
+    if !specular.is_black() {
+        let message = "glossy material (specularColor, shininess): kept as brdf phong, its diffuseColor alone reflects";
+        stage.warn(&node.source, node.at, message);
+        let exponent = SHININESS * node.number("shininess", 0.2).clamp(0.0, 1.0);
+        material.brdf = Some(phong::brdf(exponent, specular, diffuse));
+    }
+    material
+}
+
+/// Smooth metals are mirrors, everything else is matt.
+fn physical(stage: &mut Stage, node: &Node) -> Material {
+    let base = node.color("baseColor", Rgb::WHITE);
+    let metallic = node.number("metallic", 1.0).clamp(0.0, 1.0);
+    let is_mirror = metallic > 0.0 && node.number("roughness", 1.0) <= SMOOTH;
+    let share = if is_mirror { metallic } else { 0.0 };
+    if metallic > 0.0 && !is_mirror {
+        let message = "rough metal (PhysicalMaterial): matt";
+        stage.warn(&node.source, node.at, message);
+    }
+    Material {
+        mirror: base * share,
+        emission: node.color("emissiveColor", Rgb::BLACK),
+        ..Material::diffuse("", base * (1.0 - share))
+    }
+}
+
+/// Finds the pictures of an appearance: its own, or since X3D 4 those of its material.
+fn pictures(
+    stage: &mut Stage,
+    appearance: &Node,
+    material: Option<&Node>,
+    look: &mut Look,
+) -> Result<(), ReadError> {
+    let mut texture = child(stage, appearance, "texture")?;
+    for field in ["diffuseTexture", "baseTexture"] {
+        if let (None, Some(material)) = (&texture, material) {
+            texture = child(stage, material, field)?;
+        }
+    }
+    let Some(texture) = texture else {
+        return Ok(());
+    };
+    picture(stage, &texture, look)?;
+    let is_colored = |id: &TextureId| stage.textures.image(*id).is_some_and(is_colored);
+    // Pictures of a single channel, and all pictures since X3D 4, are multiplied.
+    look.replaces = !appearance.source.is_x3d_4() && look.textures.iter().any(is_colored);
+    if let Some(transform) = child(stage, appearance, "textureTransform")? {
+        look.picture_from_uv = texture_transform(stage, &transform);
+    }
+    Ok(())
+}
+
+/// Whether a picture has more than shades of grey.
+fn is_colored(image: &Image) -> bool {
+    image.pixels.iter().any(|[r, g, b]| r != g || g != b)
+}
+
+fn picture(stage: &mut Stage, node: &Rc<Node>, look: &mut Look) -> Result<(), ReadError> {
+    match &*node.kind {
+        "ImageTexture" => look.textures.extend(named(stage, node)),
+        "PixelTexture" => look.textures.extend(drawn(stage, node)),
+        "MultiTexture" => {
+            let message =
+                "MultiTexture: its pictures are multiplied, by the first texture coordinates";
+            stage.warn(&node.source, node.at, message);
+            // A MultiTexture inside another is nothing that the standard has.
+            for part in node.nodes("texture") {
+                if let Some(part) = super::world::unfold(stage, part)?
+                    && &*part.kind != "MultiTexture"
+                {
+                    picture(stage, &part, look)?;
+                }
+            }
+        }
+        _ => super::world::skip(stage, node),
+    }
+    Ok(())
+}
+
+/// The picture in a file: the first of the URLs that there is.
+fn named(stage: &mut Stage, node: &Node) -> Option<TextureId> {
+    let urls = node.strings("url");
+    let beside = |url: &String| crate::files::beside(&node.source.name, url);
+    let exists = |url: &&String| stage.files.read(&beside(url)).is_ok();
+    let url = match &*urls {
+        [] => return None,
+        [only] => only,
+        several => several.iter().find(exists).unwrap_or(&several[0]),
+    };
+    for repeat in ["repeatS", "repeatT"] {
+        if !node.flag(repeat, true) {
+            stage.warn(
+                &node.source,
+                node.at,
+                "picture that does not repeat: it does",
+            );
+        }
+    }
+    let (id, problem) = stage.textures.index(&node.source.name, url, stage.files);
+    if let Some(problem) = problem {
+        stage.warn(&node.source, node.at, problem);
+    }
+    Some(id)
+}
+
+/// The picture in the file itself.
+fn drawn(stage: &mut Stage, node: &Node) -> Option<TextureId> {
+    let numbers = node.numbers("image");
+    let drawn = match pixels(&numbers) {
+        Some(image) => {
+            let name = node.name.as_deref().unwrap_or("PixelTexture");
+            stage.textures.drawn(shortened(name), image)
+        }
+        None => Err("it has fewer pixels than it says".to_owned()),
+    };
+    drawn
+        .map_err(|why| {
+            let message = format!("picture of numbers is not shown: {why}");
+            stage.warn(&node.source, node.at, message);
+        })
+        .ok()
+}
+
+/// Width, height, channels and pixels, rows from below: ISO/IEC 14772-1, 5.5.
+fn pixels(numbers: &[f64]) -> Option<Image> {
+    let (&[width, height, channels], pixels) = numbers.split_first_chunk()?;
+    let (width, height) = (width as u32, height as u32);
+    let count = (width as usize).checked_mul(height as usize)?;
+    if count == 0 || pixels.len() < count {
+        return None;
+    }
+    let rows = pixels[..count].chunks_exact(width as usize).rev();
+    let pixel = |&packed: &f64| unpacked(packed as u32, channels as u32);
+    Some(Image {
+        width,
+        height,
+        pixels: rows.flatten().map(pixel).collect(),
+    })
+}
+
+/// A pixel of 1 to 4 channels in one number, the first channel highest, as linear light.
+fn unpacked(packed: u32, channels: u32) -> [f32; 3] {
+    let byte = |shift: u32| linear((packed >> shift & 0xff) as u8);
+    match channels {
+        1 => [byte(0); 3],
+        2 => [byte(8); 3],
+        3 => [byte(16), byte(8), byte(0)],
+        _ => [byte(24), byte(16), byte(8)],
+    }
+}
+
+/// Linear light of a byte in sRGB, IEC 61966-2-1: what pictures in files are in, too.
+fn linear(byte: u8) -> f32 {
+    let v = f32::from(byte) / 255.0;
+    if v <= 0.04045 {
+        v / 12.92
+    } else {
+        ((v + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// −C × S × R × C × T, ISO/IEC 14772-1, 6.49.
+fn texture_transform(stage: &mut Stage, node: &Rc<Node>) -> Option<DAffine2> {
+    if &*node.kind != "TextureTransform" {
+        super::world::skip(stage, node);
+        return None;
+    }
+    let vector = |name: &str, default: f64| DVec2::from(node.array(name, [default; 2]));
+    let center = vector("center", 0.0);
+    Some(
+        DAffine2::from_translation(-center)
+            * DAffine2::from_scale(vector("scale", 1.0))
+            * DAffine2::from_mat2(DMat2::from_angle(node.number("rotation", 0.0)))
+            * DAffine2::from_translation(center + vector("translation", 0.0)),
+    )
+}

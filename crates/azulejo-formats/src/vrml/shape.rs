@@ -1,0 +1,328 @@
+//! Shapes: which geometry they have, and how it becomes an object.
+
+use super::faces::{Binding, Bound, FaceSet, box_mapping, build};
+use super::look::{self, Look};
+use super::stage::{Frame, Stage};
+use super::tree::{Node, triples};
+use super::world::{child, report, skip};
+use super::{elevation, extrusion, flat, solids, triangles};
+use crate::ReadError;
+use azulejo_scene::{MaterialId, Mesh, Rgb};
+use glam::{DVec2, DVec3};
+use std::borrow::Cow;
+use std::rc::Rc;
+
+/// Polygons before they are put together.
+#[derive(Debug)]
+pub(super) struct Surface<'n> {
+    /// The pool of vertices.
+    pub positions: Vec<DVec3>,
+    /// Corners; −1 ends a face.
+    pub coord_index: Cow<'n, [i32]>,
+    pub colors: Option<Pool<'n, Rgb>>,
+    pub normals: Option<Pool<'n, DVec3>>,
+    pub uvs: Option<Pool<'n, DVec2>>,
+    /// Whether fronts are counter-clockwise.
+    pub ccw: bool,
+    /// Whether the back is never seen.
+    pub solid: bool,
+    /// Greatest angle between faces that are smooth where they meet, radians.
+    pub crease_angle: f64,
+    /// Whether other surfaces have the same pool.
+    pub is_shared: bool,
+}
+
+/// Values, and to what they belong.
+#[derive(Debug)]
+pub(super) struct Pool<'n, T> {
+    pub values: Vec<T>,
+    /// Absent or empty: vertices take that of the positions, faces their order.
+    pub index: Option<Cow<'n, [i32]>>,
+    pub binding: Binding,
+}
+
+impl<T> Pool<'_, T> {
+    /// A value per vertex.
+    pub fn per_vertex(values: Vec<T>) -> Self {
+        Pool {
+            values,
+            index: None,
+            binding: Binding::PerVertexIndexed,
+        }
+    }
+
+    fn bound(&self) -> Bound<'_, T> {
+        let index = self.index.as_deref();
+        Bound {
+            values: &self.values,
+            index: index.filter(|index| !index.is_empty()),
+            binding: self.binding,
+        }
+    }
+}
+
+impl<'n> Surface<'n> {
+    /// Polygons of a node that says how they are seen, without anything else on them.
+    pub fn new(node: &Node, positions: Vec<DVec3>, coord_index: Cow<'n, [i32]>) -> Surface<'n> {
+        Surface {
+            positions,
+            coord_index,
+            colors: None,
+            normals: None,
+            uvs: None,
+            ccw: node.flag("ccw", true),
+            solid: node.flag("solid", true),
+            crease_angle: node.number("creaseAngle", 0.0).max(0.0),
+            is_shared: false,
+        }
+    }
+}
+
+/// Makes an object of a node `Shape`.
+///
+/// # Errors
+/// The model unfolds to more than the options allow.
+pub(super) fn place(stage: &mut Stage, shape: &Node, frame: &Frame) -> Result<(), ReadError> {
+    let Some(geometry) = child(stage, shape, "geometry")? else {
+        stage.warn(&shape.source, shape.at, "Shape without geometry: skipped");
+        return Ok(());
+    };
+    let frame = &frame.named(shape.name.as_deref().or(geometry.name.as_deref()));
+    let surface = match &*geometry.kind {
+        "Box" | "Sphere" | "Cylinder" | "Cone" => {
+            let Some(look) = look::of(stage, shape)? else {
+                return Ok(());
+            };
+            match solids::place(stage, &geometry, frame, &look)? {
+                None => return Ok(()),
+                Some(surface) => return mesh(stage, &geometry, frame, surface, &look),
+            }
+        }
+        "IndexedFaceSet" => Some(face_set(stage, &geometry)?),
+        "ElevationGrid" => elevation::surface(stage, &geometry)?,
+        "Extrusion" => extrusion::surface(stage, &geometry)?,
+        kind => match triangles::layout(kind) {
+            Some(layout) => Some(triangles::surface(stage, &geometry, layout)?),
+            None => flat::surface(&geometry),
+        },
+    };
+    let Some(surface) = surface else {
+        skip(stage, &geometry);
+        return Ok(());
+    };
+    match look::of(stage, shape)? {
+        Some(look) => mesh(stage, &geometry, frame, surface, &look),
+        None => Ok(()),
+    }
+}
+
+fn face_set<'n>(stage: &mut Stage, node: &'n Node) -> Result<Surface<'n>, ReadError> {
+    let (positions, is_shared) = coordinates(stage, node)?;
+    let mut surface = Surface::new(node, positions, node.integers("coordIndex"));
+    surface.is_shared = is_shared;
+    let index = |name: &str| Some(node.integers(name)).filter(|i| !i.is_empty());
+    attributes(stage, node, &mut surface)?;
+    let bind = |binding: &mut Binding, index: &Option<Cow<[i32]>>| {
+        if *binding == Binding::PerFace && index.is_some() {
+            *binding = Binding::PerFaceIndexed;
+        }
+    };
+    if let Some(colors) = &mut surface.colors {
+        colors.index = index("colorIndex");
+        bind(&mut colors.binding, &colors.index);
+    }
+    if let Some(normals) = &mut surface.normals {
+        normals.index = index("normalIndex");
+        bind(&mut normals.binding, &normals.index);
+    }
+    if let Some(uvs) = &mut surface.uvs {
+        uvs.index = index("texCoordIndex");
+    }
+    Ok(surface)
+}
+
+/// The positions in the field `coord`, and whether other geometries have the same.
+pub(super) fn coordinates(stage: &mut Stage, node: &Node) -> Result<(Vec<DVec3>, bool), ReadError> {
+    let is_shared = node
+        .nodes("coord")
+        .first()
+        .is_some_and(|c| Rc::strong_count(c) > 1);
+    let Some(coord) = child(stage, node, "coord")? else {
+        return Ok((Vec::new(), false));
+    };
+    if !matches!(&*coord.kind, "Coordinate" | "CoordinateDouble") {
+        skip(stage, &coord);
+        return Ok((Vec::new(), false));
+    }
+    let numbers = coord.numbers("point");
+    // A large pool may serve many small geometries, and each looks through all of it.
+    stage.spend(numbers.len() as u64 / 8)?;
+    let mut positions = triples(&numbers);
+    let mut lost = usize::from(!numbers.len().is_multiple_of(3));
+    for position in positions.iter_mut().filter(|p| !p.is_finite()) {
+        *position = DVec3::ZERO;
+        lost += 1;
+    }
+    let message = "position that is not three finite numbers: 0 0 0, or left out at the end";
+    stage.warn_many(&coord.source, coord.at, message, lost);
+    Ok((positions, is_shared))
+}
+
+/// Colours, normals and texture coordinates, bound as most geometries bind them.
+pub(super) fn attributes(
+    stage: &mut Stage,
+    node: &Node,
+    surface: &mut Surface,
+) -> Result<(), ReadError> {
+    let binding = |name: &str| match node.flag(name, true) {
+        true => Binding::PerVertexIndexed,
+        false => Binding::PerFace,
+    };
+    if let Some(color) = child(stage, node, "color")? {
+        surface.colors = colors(stage, &color)?.map(|values| Pool {
+            values,
+            index: None,
+            binding: binding("colorPerVertex"),
+        });
+    }
+    if let Some(normal) = child(stage, node, "normal")? {
+        let numbers = normal.numbers("vector");
+        stage.spend(numbers.len() as u64 / 8)?;
+        surface.normals = Some(Pool {
+            values: triples(&numbers),
+            index: None,
+            binding: binding("normalPerVertex"),
+        });
+    }
+    surface.uvs = uvs(stage, node)?.map(Pool::per_vertex);
+    // Fields of shaders and volumes, which azulejo has no use for.
+    for field in ["attrib", "fogCoord"] {
+        let lost = node.nodes(field).len();
+        stage.warn_many(&node.source, node.at, format!("{field}: skipped"), lost);
+    }
+    Ok(())
+}
+
+fn colors(stage: &mut Stage, node: &Node) -> Result<Option<Vec<Rgb>>, ReadError> {
+    let numbers = node.numbers("color");
+    stage.spend(numbers.len() as u64 / 8)?;
+    let channels = match &*node.kind {
+        "Color" => 3,
+        "ColorRGBA" => 4,
+        _ => {
+            skip(stage, node);
+            return Ok(None);
+        }
+    };
+    let colors = numbers.chunks_exact(channels);
+    if channels == 4 && colors.clone().any(|c| c[3] < 1.0) {
+        stage.warn(
+            &node.source,
+            node.at,
+            "see-through colours (ColorRGBA): opaque",
+        );
+    }
+    Ok(Some(colors.map(|c| Rgb::new(c[0], c[1], c[2])).collect()))
+}
+
+/// The texture coordinates of a geometry: of several sets the first.
+fn uvs(stage: &mut Stage, node: &Node) -> Result<Option<Vec<DVec2>>, ReadError> {
+    let Some(mut node) = child(stage, node, "texCoord")? else {
+        return Ok(None);
+    };
+    if &*node.kind == "MultiTextureCoordinate" {
+        match child(stage, &node, "texCoord")? {
+            Some(first) => node = first,
+            None => return Ok(None),
+        }
+    }
+    if &*node.kind != "TextureCoordinate" {
+        skip(stage, &node);
+        return Ok(None);
+    }
+    let points = node.points2("point");
+    stage.spend(points.len() as u64 / 4)?;
+    Ok(Some(points).filter(|p| !p.is_empty()))
+}
+
+/// Makes an object of polygons.
+fn mesh(
+    stage: &mut Stage,
+    node: &Node,
+    frame: &Frame,
+    mut surface: Surface,
+    look: &Look,
+) -> Result<(), ReadError> {
+    lay_picture(&mut surface, look);
+    let set = FaceSet {
+        positions: &surface.positions,
+        coord_index: &surface.coord_index,
+        colors: surface.colors.as_ref().map(Pool::bound),
+        normals: surface.normals.as_ref().map(Pool::bound),
+        uvs: surface.uvs.as_ref().map(Pool::bound),
+        ccw: surface.ccw,
+        crease_angle: surface.crease_angle,
+        drop_unused: surface.is_shared,
+    };
+    stage.spend(set.cost())?;
+    let mut built = build(&set);
+    for (message, count) in built.problems.messages() {
+        stage.warn_many(&node.source, node.at, message, count);
+    }
+    let pool = surface.colors.as_ref().map_or(&[][..], |c| &c.values);
+    paint(
+        stage,
+        &mut built.mesh,
+        &built.face_values,
+        pool,
+        &surface,
+        look,
+    );
+    let placed = stage.place_mesh(frame, None, built.mesh);
+    report(stage, &node.source, node.at, &node.kind, placed);
+    Ok(())
+}
+
+/// Gives a surface with a picture the texture coordinates that it lacks, and moves them as the
+/// appearance says.
+fn lay_picture(surface: &mut Surface, look: &Look) {
+    if look.textures.is_empty() {
+        return;
+    }
+    if surface.uvs.is_none() {
+        surface.uvs = Some(Pool::per_vertex(box_mapping(&surface.positions)));
+    }
+    if let (Some(map), Some(uvs)) = (look.picture_from_uv, &mut surface.uvs) {
+        for uv in &mut uvs.values {
+            *uv = map.transform_point2(*uv);
+        }
+    }
+}
+
+/// Gives the faces their materials. `face_values` says which colour of `pool` each has, if they
+/// have colours of their own.
+fn paint(
+    stage: &mut Stage,
+    mesh: &mut Mesh,
+    face_values: &[u32],
+    pool: &[Rgb],
+    surface: &Surface,
+    look: &Look,
+) {
+    let mut material = |color: Option<Rgb>| -> MaterialId {
+        let mut material = look.textured(color);
+        material.emits_back = material.is_emitter() && !surface.solid;
+        stage.materials.index(material)
+    };
+    if face_values.is_empty() {
+        // Colours of vertices replace the reflectance, and are multiplied with it here.
+        let color = (!mesh.colors.is_empty()).then_some(Rgb::WHITE);
+        mesh.face_materials.fill(material(color));
+        return;
+    }
+    let mut known = vec![None; pool.len()];
+    for (face, &value) in mesh.face_materials.iter_mut().zip(face_values) {
+        let color = pool[value as usize].map(|x| x.max(0.0).min(1.0));
+        *face = *known[value as usize].get_or_insert_with(|| material(Some(color)));
+    }
+}

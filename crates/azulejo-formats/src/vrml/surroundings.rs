@@ -1,0 +1,132 @@
+//! What belongs to the viewer: viewpoints, background, fog and the way to move.
+
+use super::stage::{Frame, Stage};
+use super::tree::{Node, triples};
+use super::world::rotation;
+use crate::text::shortened;
+use azulejo_scene::{Camera, Fog, Rgb};
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_4, PI};
+
+/// Puts a node of this sort into the scene.
+pub(super) fn place(stage: &mut Stage, node: &Node, frame: &Frame) {
+    match &*node.kind {
+        "Viewpoint" => viewpoint(stage, node, frame),
+        "Fog" => fog(stage, node, frame),
+        "NavigationInfo" => navigation(stage, node),
+        _ => background(stage, node),
+    }
+}
+
+fn viewpoint(stage: &mut Stage, node: &Node, frame: &Frame) {
+    let map = &frame.world_from_object;
+    let turn = rotation(node.array("orientation", [0.0, 0.0, 1.0, 0.0]));
+    let eye = map.transform_point3(node.vector("position", DVec3::new(0.0, 0.0, 10.0)));
+    let forward = map.transform_vector3(turn * DVec3::NEG_Z).try_normalize();
+    let up = map.transform_vector3(turn * DVec3::Y).try_normalize();
+    let field = node.number("fieldOfView", FRAC_PI_4);
+    let sane = field > 0.0 && field < PI;
+    let (Some(forward), Some(up)) = (forward, up) else {
+        return nowhere(stage, node);
+    };
+    let camera = Camera {
+        name: match node.strings("description").first() {
+            Some(description) if !description.is_empty() => shortened(description),
+            _ => frame.name(node.name.as_deref()),
+        },
+        eye,
+        target: eye + forward,
+        up,
+        vertical_fov: if sane { field } else { FRAC_PI_4 },
+        size: None,
+    };
+    let (right, up, forward) = camera.axes();
+    if !(eye.is_finite() && right.is_finite() && up.is_finite() && forward.is_finite()) {
+        return nowhere(stage, node);
+    }
+    if !sane {
+        let message = "Viewpoint with a fieldOfView outside 0..π: taken as π/4";
+        stage.warn(&node.source, node.at, message);
+    }
+    stage.scene.cameras.push(camera);
+}
+
+fn nowhere(stage: &mut Stage, node: &Node) {
+    stage.warn(
+        &node.source,
+        node.at,
+        "Viewpoint that sees nothing: skipped",
+    );
+}
+
+/// The one that is shown: the first.
+fn is_first(stage: &mut Stage, node: &Node, is_there: bool) -> bool {
+    if is_there {
+        let message = format!("{} behind the first: not shown", node.kind);
+        stage.warn(&node.source, node.at, message);
+    }
+    !is_there
+}
+
+fn background(stage: &mut Stage, node: &Node) {
+    let is_there = stage.scene.background.is_some();
+    if !is_first(stage, node, is_there) {
+        return;
+    }
+    let colors = triples(&node.numbers("skyColor"));
+    let colors: Vec<Rgb> = colors.iter().map(|c| in_range(*c)).collect();
+    let many = colors.len().max(1) as f64;
+    stage.scene.background = Some(colors.iter().copied().sum::<Rgb>() / many);
+    if colors.len() > 1 {
+        let message = "sky of several colours: their mean is the background";
+        stage.warn(&node.source, node.at, message);
+    }
+    let ground = node.color("groundColor", colors.first().copied().unwrap_or_default());
+    if Some(&ground) != colors.first() && node.value("groundColor").is_some() {
+        stage.warn(
+            &node.source,
+            node.at,
+            "groundColor of a background: skipped",
+        );
+    }
+    let sides = ["front", "back", "left", "right", "top", "bottom"];
+    let has_picture = |side: &&str| {
+        let (url, texture) = (format!("{side}Url"), format!("{side}Texture"));
+        !node.strings(&url).is_empty() || !node.nodes(&texture).is_empty()
+    };
+    let pictures = sides.into_iter().filter(has_picture).count();
+    let message = "picture of a background: skipped";
+    stage.warn_many(&node.source, node.at, message, pictures);
+}
+
+fn in_range(color: DVec3) -> Rgb {
+    // Written so that NaN becomes 0.
+    Rgb::from(color.to_array()).map(|x| x.max(0.0).min(1.0))
+}
+
+fn fog(stage: &mut Stage, node: &Node, frame: &Frame) {
+    let scale = frame.world_from_object.matrix3.determinant().abs().cbrt();
+    let visibility = node.number("visibilityRange", 0.0) * scale;
+    if !(visibility > 0.0 && visibility.is_finite()) {
+        // The standard's way to say that there is none.
+        return;
+    }
+    let is_there = stage.scene.fog.is_some();
+    if is_first(stage, node, is_there) {
+        let kind = node.strings("fogType");
+        stage.scene.fog = Some(Fog {
+            color: node.color("color", Rgb::WHITE),
+            visibility,
+            exponential: kind
+                .first()
+                .is_some_and(|k| k.eq_ignore_ascii_case("EXPONENTIAL")),
+        });
+    }
+}
+
+fn navigation(stage: &mut Stage, node: &Node) {
+    if node.flag("headlight", true) {
+        let message = "headlight of NavigationInfo: no light of the scene, skipped";
+        stage.warn(&node.source, node.at, message);
+    }
+}

@@ -1,0 +1,507 @@
+//! X3D in XML, as a tree of nodes.
+//!
+//! Elements become nodes, attributes fields; an element inside another is the value of the field
+//! that its `containerField` or its type says. The numbers of large fields are read at once,
+//! everything else keeps its text until someone asks for it.
+
+use super::classic::holds_integers;
+use super::names::Names;
+use super::stage::{Source, Stage};
+use super::tree::{
+    Document, Draft, Field, MOST_DEPTH, Node, Proto, Value, parsed_integers, parsed_numbers,
+};
+use crate::ReadError;
+use crate::text::{shortened, text};
+use roxmltree::{Node as Element, ParsingOptions};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// Reads a file.
+///
+/// # Errors
+/// What is wrong with its XML, if not even the elements before that can be used; no element
+/// `Scene`; more nodes than the options allow.
+pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, ReadError> {
+    let text = text(&source.bytes);
+    if let Some(at) = text.find("<!ENTITY") {
+        // One entity may stand for a megabyte, and be named a million times.
+        let name = &*source.name;
+        let found = "XML that declares entities of its own";
+        return Err(ReadError::at_byte(
+            name,
+            at as u64,
+            found,
+            "X3D without them",
+        ));
+    }
+    let whole = roxmltree::Document::parse_with_options(&text, options());
+    let broken = match &whole {
+        Ok(xml) => return read(stage, source, xml),
+        Err(e) => Broken::new(&text, e),
+    };
+    let mended = mended(&text[..broken.at]).unwrap_or_default();
+    match roxmltree::Document::parse_with_options(&mended, options()) {
+        Ok(xml) => {
+            let what = format!("{}: only what stands before is read", broken.what);
+            stage.warn(source, broken.at, what);
+            read(stage, source, &xml)
+        }
+        Err(_) => Err(ReadError {
+            position: source.position(broken.at),
+            ..ReadError::whole(&*source.name, broken.what, "well-formed XML")
+        }),
+    }
+}
+
+/// X3D files begin with a document type.
+fn options<'a>() -> ParsingOptions<'a> {
+    ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    }
+}
+
+/// What is wrong with XML.
+struct Broken {
+    /// At which byte.
+    at: usize,
+    what: String,
+}
+
+impl Broken {
+    fn new(text: &str, e: &roxmltree::Error) -> Broken {
+        let said = e.to_string();
+        // The crate's own words end with the place; where the text just ends, it gives none.
+        let what = said.rsplit_once(" at ").map_or(&*said, |(what, _)| what);
+        let place = e.pos();
+        let at = match (place.row, place.col) {
+            (1, 1) => text.len(),
+            (row, column) => offset(text, row, column),
+        };
+        Broken {
+            at,
+            what: format!("XML that is not well-formed ({what})"),
+        }
+    }
+}
+
+/// The byte at a line and column, both from 1.
+fn offset(text: &str, row: u32, column: u32) -> usize {
+    let before: usize = text
+        .split_inclusive('\n')
+        .take(row as usize - 1)
+        .map(str::len)
+        .sum();
+    let line = &text[before..];
+    let inside = line.char_indices().nth(column as usize - 1);
+    before + inside.map_or(line.len(), |(i, _)| i)
+}
+
+fn read(
+    stage: &mut Stage,
+    source: &Rc<Source>,
+    xml: &roxmltree::Document,
+) -> Result<Document, ReadError> {
+    let elements = || xml.root_element().descendants();
+    let Some(scene) = elements().find(|e| e.has_tag_name_local("Scene")) else {
+        return Err(ReadError::whole(
+            &*source.name,
+            "XML without a Scene",
+            "the element Scene of X3D",
+        ));
+    };
+    let mut reader = Reader {
+        source,
+        stage,
+        known: HashMap::new(),
+        names: Names::new(),
+        depth: 0,
+    };
+    let mut roots = Vec::new();
+    for child in scene.children().filter(Element::is_element) {
+        roots.extend(reader.statement(child)?);
+    }
+    let unit = elements()
+        .find(|e| e.has_tag_name_local("unit") && e.attribute("category") == Some("length"));
+    let factor = unit.and_then(|e| e.attribute("conversionFactor"));
+    Ok(Document {
+        roots: roots.into_iter().map(|(_, node)| node).collect(),
+        protos: reader.names.into_protos(),
+        metres: factor.and_then(|f| parsed_numbers(f).first().copied()),
+    })
+}
+
+/// Names without their name spaces, which X3D does not use.
+trait LocalName {
+    fn has_tag_name_local(&self, name: &str) -> bool;
+}
+
+impl LocalName for Element<'_, '_> {
+    fn has_tag_name_local(&self, name: &str) -> bool {
+        self.is_element() && self.tag_name().name() == name
+    }
+}
+
+struct Reader<'a, 's, 'f> {
+    source: &'a Rc<Source>,
+    stage: &'s mut Stage<'f>,
+    /// Words that have been seen, so that all fields of a name share it.
+    known: HashMap<String, Rc<str>>,
+    names: Names,
+    depth: u32,
+}
+
+/// A node, and the field of its parent in which it stands.
+type Contained = (Rc<str>, Rc<Node>);
+
+impl Reader<'_, '_, '_> {
+    #[cold]
+    fn warn(&mut self, element: Element, message: impl Into<String>) {
+        self.stage.warn(self.source, element.range().start, message);
+    }
+
+    fn intern(&mut self, word: &str) -> Rc<str> {
+        if let Some(known) = self.known.get(word) {
+            return known.clone();
+        }
+        let new: Rc<str> = word.into();
+        self.known.insert(word.to_owned(), new.clone());
+        new
+    }
+
+    /// A node, or something that is none.
+    fn statement(&mut self, element: Element) -> Result<Option<Contained>, ReadError> {
+        match element.tag_name().name() {
+            "ROUTE" => self.warn(element, "ROUTE: skipped, nothing moves"),
+            "IMPORT" | "EXPORT" => self.warn(element, "IMPORT or EXPORT of a name: skipped"),
+            "ProtoDeclare" => self.proto(element)?,
+            "ExternProtoDeclare" => self.extern_proto(element),
+            "ProtoInstance" => {
+                let kind = element.attribute("name").unwrap_or_default();
+                return self.node(element, kind);
+            }
+            kind => return self.node(element, kind),
+        }
+        Ok(None)
+    }
+
+    fn node(&mut self, element: Element, kind: &str) -> Result<Option<Contained>, ReadError> {
+        let field = element.attribute("containerField");
+        let field = self.intern(field.unwrap_or(container(kind)));
+        if let Some(name) = element.attribute("USE") {
+            return Ok(self.reference(element, name).map(|node| (field, node)));
+        }
+        self.stage.spend(1)?;
+        if self.depth == MOST_DEPTH {
+            self.too_deep(element);
+            return Ok(None);
+        }
+        self.depth += 1;
+        let mut fields = self.attributes(element);
+        self.children(element, &mut fields)?;
+        self.depth -= 1;
+        let name = element.attribute("DEF").map(|name| self.intern(name));
+        let kind = self.intern(kind);
+        let draft = Draft {
+            proto: self.names.proto(&kind),
+            kind,
+            name: name.clone(),
+            source: self.source.clone(),
+            at: element.range().start,
+            fields,
+        };
+        let Some(node) = draft.finish() else {
+            self.too_deep(element);
+            return Ok(None);
+        };
+        if let Some(name) = name {
+            self.names.define(name, node.clone());
+        }
+        Ok(Some((field, node)))
+    }
+
+    fn too_deep(&mut self, element: Element) {
+        let message = format!("node deeper than {MOST_DEPTH} others: skipped");
+        self.warn(element, message);
+    }
+
+    fn reference(&mut self, element: Element, name: &str) -> Option<Rc<Node>> {
+        let node = self.names.node(name);
+        if node.is_none() {
+            let name = shortened(name);
+            let message = format!("USE of \"{name}\", which no whole node before it is: skipped");
+            self.warn(element, message);
+        }
+        node
+    }
+
+    fn attributes(&mut self, element: Element) -> Vec<Field> {
+        let is_field = |name: &str| {
+            !matches!(
+                name,
+                "DEF" | "USE" | "containerField" | "class" | "id" | "style"
+            )
+        };
+        let attributes = element.attributes().filter(|a| is_field(a.name()));
+        let fields = attributes.map(|a| Field {
+            name: self.intern(a.name()),
+            value: value(a.name(), a.value()),
+        });
+        fields.collect()
+    }
+
+    /// The elements inside a node: nodes, and what a prototype has to do with it.
+    fn children(&mut self, element: Element, fields: &mut Vec<Field>) -> Result<(), ReadError> {
+        let mut nodes: Vec<Field> = Vec::new();
+        for child in element.children().filter(Element::is_element) {
+            match child.tag_name().name() {
+                "IS" => self.connections(child, fields),
+                "fieldValue" | "field" => fields.extend(self.given(child)?),
+                _ => {
+                    if let Some((name, node)) = self.statement(child)? {
+                        contain(&mut nodes, name, node);
+                    }
+                }
+            }
+        }
+        fields.append(&mut nodes);
+        Ok(())
+    }
+
+    /// `<connect nodeField="…" protoField="…"/>`
+    fn connections(&mut self, element: Element, fields: &mut Vec<Field>) {
+        for connect in element.children().filter(Element::is_element) {
+            let ends = (
+                connect.attribute("nodeField"),
+                connect.attribute("protoField"),
+            );
+            if let (Some(name), Some(of)) = ends {
+                let value = Value::Is(self.intern(of));
+                let name = self.intern(name);
+                fields.push(Field { name, value });
+            }
+        }
+    }
+
+    /// A field of a prototype or of its instance, with its value, if it has one.
+    fn given(&mut self, element: Element) -> Result<Option<Field>, ReadError> {
+        let Some(name) = element.attribute("name") else {
+            return Ok(None);
+        };
+        let is_node = |e: Element| e.attribute("type").is_some_and(|t| t.ends_with("Node"));
+        let value = match element.attribute("value") {
+            Some(text) => Value::Text(text.into()),
+            None => {
+                let mut nodes = Vec::new();
+                for child in element.children().filter(Element::is_element) {
+                    nodes.extend(self.statement(child)?.map(|(_, node)| node));
+                }
+                if nodes.is_empty() && !is_node(element) {
+                    return Ok(None);
+                }
+                Value::Nodes(nodes)
+            }
+        };
+        let name = self.intern(name);
+        Ok(Some(Field { name, value }))
+    }
+
+    fn proto(&mut self, element: Element) -> Result<(), ReadError> {
+        let child = |name: &str| element.children().find(|e| e.has_tag_name_local(name));
+        if self.depth == MOST_DEPTH {
+            self.too_deep(element);
+            return Ok(());
+        }
+        self.depth += 1;
+        let mut interface = Vec::new();
+        for field in child("ProtoInterface").iter().flat_map(Element::children) {
+            if field.is_element() {
+                interface.extend(self.given(field)?);
+            }
+        }
+        self.names.enter();
+        let mut body = Vec::new();
+        for node in child("ProtoBody").iter().flat_map(Element::children) {
+            if node.is_element() {
+                body.extend(self.statement(node)?.map(|(_, node)| node));
+            }
+        }
+        self.names.leave();
+        self.depth -= 1;
+        let name = self.intern(element.attribute("name").unwrap_or_default());
+        self.names.define_proto(Proto {
+            name,
+            interface,
+            body,
+            urls: Vec::new(),
+        });
+        Ok(())
+    }
+
+    fn extern_proto(&mut self, element: Element) {
+        let urls = element.attribute("url").map(|url| value("url", url));
+        let urls = urls.as_ref().and_then(Value::strings);
+        let name = self.intern(element.attribute("name").unwrap_or_default());
+        self.names.define_proto(Proto {
+            name,
+            interface: Vec::new(),
+            body: Vec::new(),
+            urls: urls.unwrap_or_default().into_owned(),
+        });
+    }
+}
+
+/// Adds a node to the field in which it stands.
+fn contain(fields: &mut Vec<Field>, name: Rc<str>, node: Rc<Node>) {
+    for field in fields.iter_mut() {
+        if let Value::Nodes(nodes) = &mut field.value
+            && field.name == name
+        {
+            return nodes.push(node);
+        }
+    }
+    let value = Value::Nodes(vec![node]);
+    fields.push(Field { name, value });
+}
+
+/// The value of an attribute: numbers at once where there may be many.
+fn value(field: &str, text: &str) -> Value {
+    match field {
+        "point" | "vector" | "color" | "height" | "spine" | "crossSection" | "image" => {
+            Value::Numbers(Rc::new(parsed_numbers(text)))
+        }
+        _ if holds_integers(field) => Value::Integers(Rc::new(parsed_integers(text))),
+        _ => Value::Text(text.into()),
+    }
+}
+
+/// The field in which a node stands that does not say: ISO/IEC 19776-1, 6.2.
+fn container(kind: &str) -> &'static str {
+    match kind {
+        "Appearance" => "appearance",
+        "Material" | "TwoSidedMaterial" | "PhysicalMaterial" | "UnlitMaterial" => "material",
+        "ImageTexture"
+        | "PixelTexture"
+        | "MovieTexture"
+        | "MultiTexture"
+        | "ComposedCubeMapTexture"
+        | "ImageCubeMapTexture"
+        | "GeneratedCubeMapTexture"
+        | "ComposedTexture3D"
+        | "ImageTexture3D"
+        | "PixelTexture3D"
+        | "RenderedTexture" => "texture",
+        "TextureTransform"
+        | "MultiTextureTransform"
+        | "TextureTransform3D"
+        | "TextureTransformMatrix3D" => "textureTransform",
+        "TextureProperties" => "textureProperties",
+        "LineProperties" => "lineProperties",
+        "PointProperties" => "pointProperties",
+        "FillProperties" => "fillProperties",
+        "Coordinate" | "CoordinateDouble" | "GeoCoordinate" => "coord",
+        "Color" | "ColorRGBA" => "color",
+        "Normal" => "normal",
+        "TextureCoordinate"
+        | "MultiTextureCoordinate"
+        | "TextureCoordinateGenerator"
+        | "TextureCoordinate3D"
+        | "TextureCoordinate4D" => "texCoord",
+        "FontStyle" | "ScreenFontStyle" => "fontStyle",
+        "Arc2D"
+        | "ArcClose2D"
+        | "Box"
+        | "Circle2D"
+        | "Cone"
+        | "Cylinder"
+        | "Disk2D"
+        | "ElevationGrid"
+        | "Extrusion"
+        | "GeoElevationGrid"
+        | "IndexedFaceSet"
+        | "IndexedLineSet"
+        | "IndexedQuadSet"
+        | "IndexedTriangleFanSet"
+        | "IndexedTriangleSet"
+        | "IndexedTriangleStripSet"
+        | "LineSet"
+        | "NurbsPatchSurface"
+        | "NurbsSweptSurface"
+        | "NurbsSwungSurface"
+        | "NurbsTrimmedSurface"
+        | "NurbsCurve"
+        | "PointSet"
+        | "Polyline2D"
+        | "Polypoint2D"
+        | "QuadSet"
+        | "Rectangle2D"
+        | "Sphere"
+        | "Text"
+        | "TriangleFanSet"
+        | "TriangleSet"
+        | "TriangleSet2D"
+        | "TriangleStripSet" => "geometry",
+        "CADFace" => "children",
+        "MetadataBoolean" | "MetadataDouble" | "MetadataFloat" | "MetadataInteger"
+        | "MetadataSet" | "MetadataString" => "metadata",
+        "HAnimHumanoid" => "children",
+        "ComposedShader" | "PackagedShader" | "ProgramShader" => "shaders",
+        _ => "children",
+    }
+}
+
+/// A text that stops somewhere, without the tag in which it stops, and with the elements closed
+/// that are open there. `None` if there are none.
+fn mended(text: &str) -> Option<String> {
+    let (kept, open) = open_elements(text)?;
+    let mut mended = text[..kept].to_owned();
+    for name in open.iter().rev() {
+        mended.push_str("</");
+        mended.push_str(name);
+        mended.push('>');
+    }
+    Some(mended)
+}
+
+/// How far the tags of a text are whole, and the elements that are open there.
+fn open_elements(text: &str) -> Option<(usize, Vec<&str>)> {
+    let mut open = Vec::new();
+    let (mut at, mut kept) = (0, 0);
+    while let Some(start) = text[at..].find('<').map(|i| at + i) {
+        let rest = &text[start..];
+        let Some(length) = tag_length(rest) else {
+            break;
+        };
+        let tag = &rest[..length];
+        at = start + length;
+        if tag.starts_with("</") {
+            open.pop();
+        } else if !tag.starts_with("<!") && !tag.starts_with("<?") && !tag.ends_with("/>") {
+            let name = tag[1..]
+                .split(|c: char| c.is_whitespace() || c == '>')
+                .next()?;
+            open.push(name);
+        }
+        kept = at;
+    }
+    (!open.is_empty()).then_some((kept, open))
+}
+
+/// Bytes to the end of the tag, comment or section at the start of a text.
+fn tag_length(text: &str) -> Option<usize> {
+    for (start, end) in [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")] {
+        if text.starts_with(start) {
+            return text.find(end).map(|i| i + end.len());
+        }
+    }
+    let mut quote = None;
+    for (i, c) in text.char_indices() {
+        match (quote, c) {
+            (None, '>') => return Some(i + 1),
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(q), c) if q == c => quote = None,
+            _ => {}
+        }
+    }
+    None
+}
