@@ -188,12 +188,15 @@ fn is_3ds(bytes: &[u8]) -> bool {
 }
 
 /// 80 bytes of anything, a count, and 50 bytes for each triangle. Some writers add a few bytes
-/// behind, and some begin the 80 bytes like the text format.
+/// behind, some begin the 80 bytes like the text format, and a few wrote the other byte order.
 fn is_binary_stl(bytes: &[u8]) -> bool {
-    let count = bytes.get(80..84).and_then(|b| b.try_into().ok());
-    let expected = count.map(|c| 84 + 50 * u64::from(u32::from_le_bytes(c)));
     let length = bytes.len() as u64;
-    expected.is_some_and(|e| e == length || (e > 84 && e < length && length - e < 50))
+    let expected = |count: u32| 84 + 50 * u64::from(count);
+    let fits = |e: u64| e == length || (e > 84 && e < length && length - e < 50);
+    let count = bytes.get(80..84).and_then(|b| b.try_into().ok());
+    count.is_some_and(|c| {
+        fits(expected(u32::from_le_bytes(c))) || expected(u32::from_be_bytes(c)) == length
+    })
 }
 
 /// The first word that begins a line and belongs to one format decides.

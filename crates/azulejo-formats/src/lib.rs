@@ -39,6 +39,8 @@ mod text;
 mod textures;
 pub mod vrml;
 mod warnings;
+mod weld;
+mod words;
 
 pub use detect::{Format, Unrecognised, detect, read, read_with};
 pub use error::{Loaded, Position, ReadError, Warning};

@@ -1,13 +1,124 @@
-//! Under construction.
+//! Stereolithography, `.stl`, as text or binary.
+//!
+//! What is read: solids of facets, each solid one object, its equal positions made one; colours
+//! of binary facets as VisCAM and Magics write them. `docs/formats/stl.md` says more.
 
+mod ascii;
+mod binary;
+#[cfg(test)]
+mod tests;
+
+use crate::warnings::Warnings;
+use crate::weld::Welder;
 use crate::{Files, Loaded, ReadError, ReadOptions};
+use azulejo_scene::{Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
+use glam::DVec3;
 
-/// Reads.
+/// Reflectance of facets without a colour.
+const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
+
+/// Largest file in bytes: corners and positions are counted in 32 bits.
+const LARGEST: usize = u32::MAX as usize;
+
+/// Reads a model. `name` stands in messages; STL names no other files and takes no options.
+///
+/// # Errors
+/// Text with a coordinate that is no number, and bytes too few for a binary file.
 pub fn read(
-    _bytes: &[u8],
+    bytes: &[u8],
     name: &str,
     _files: &dyn Files,
     _options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    Err(ReadError::whole(name, "stl", "another format"))
+    if bytes.len() > LARGEST {
+        let found = format!("{} bytes", bytes.len());
+        return Err(ReadError::whole(name, found, "less than 4 GiB"));
+    }
+    let mut warnings = Warnings::default();
+    let mut scene = match is_text(bytes) {
+        true => ascii::read(bytes, name, &mut warnings)?,
+        false => binary::read(bytes, name, &mut warnings)?,
+    };
+    if scene.objects.is_empty() {
+        warnings.add_whole(name, "no facets: the scene is empty");
+    }
+    scene.units = Units {
+        up: Up::Z,
+        ..Units::default()
+    };
+    Ok(Loaded {
+        scene,
+        warnings: warnings.finish(name),
+    })
+}
+
+/// Whether bytes are the text format. Binary files may begin with `solid` too: then their length
+/// is what their count of triangles says, or there is no text behind.
+fn is_text(bytes: &[u8]) -> bool {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let start = start.trim_ascii_start();
+    let says_solid = start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid");
+    let has_zeros = || bytes.iter().take(1 << 10).any(|b| *b == 0);
+    says_solid && !binary::has_right_length(bytes) && !has_zeros()
+}
+
+/// A solid under construction.
+struct Solid {
+    name: String,
+    welder: Welder,
+    faces: Faces,
+    face_materials: Vec<MaterialId>,
+}
+
+impl Solid {
+    /// A solid with room for about so many triangles.
+    fn new(name: String, triangles: usize) -> Solid {
+        let mut faces = Faces::default();
+        faces.starts.reserve(triangles);
+        faces.corners.reserve(3 * triangles);
+        Solid {
+            name,
+            // Around a vertex of a closed surface there are six triangles.
+            welder: Welder::new(triangles / 2),
+            faces,
+            face_materials: Vec::with_capacity(triangles),
+        }
+    }
+
+    /// Appends a polygon, or says why not.
+    #[inline]
+    fn facet(&mut self, corners: &[DVec3], material: MaterialId) -> Result<(), &'static str> {
+        if corners.len() < 3 {
+            return Err("facet of fewer than three vertices: skipped");
+        }
+        if !corners.iter().all(|c| c.is_finite()) {
+            return Err("facet with a vertex that is not finite: skipped");
+        }
+        for &corner in corners {
+            self.faces.corners.push(self.welder.index(corner));
+        }
+        self.faces.starts.push(self.faces.corners.len() as u32);
+        self.face_materials.push(material);
+        Ok(())
+    }
+
+    /// Adds the solid to a scene, unless it is empty.
+    fn finish(self, scene: &mut Scene) {
+        if self.faces.is_empty() {
+            return;
+        }
+        let mesh = Mesh {
+            positions: self.welder.positions,
+            faces: self.faces,
+            face_materials: self.face_materials,
+            ..Mesh::default()
+        };
+        scene
+            .objects
+            .push(Object::new(self.name, Shape::Mesh(mesh)));
+    }
+}
+
+fn default_material() -> Material {
+    Material::diffuse("default", DEFAULT_REFLECTANCE)
 }

@@ -1,0 +1,156 @@
+//! The text format.
+
+use super::{Solid, default_material};
+use crate::ReadError;
+use crate::text::{shortened, text};
+use crate::warnings::Warnings;
+use crate::words::Words;
+use azulejo_scene::Scene;
+use glam::DVec3;
+
+/// Bytes of a facet as programs write it, at least: room is made for no more triangles.
+const SHORTEST_FACET: usize = 90;
+
+/// Reads text that begins with `solid`.
+pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<Scene, ReadError> {
+    let bytes_left = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut reader = Reader {
+        words: Words::new(bytes, file).from(bytes.len() - bytes_left.len()),
+        file,
+        length: bytes.len(),
+        warnings,
+        scene: Scene::default(),
+        solid: None,
+        corners: Vec::new(),
+    };
+    reader.statements()?;
+    Ok(reader.scene)
+}
+
+struct Reader<'a> {
+    words: Words<'a>,
+    file: &'a str,
+    length: usize,
+    warnings: &'a mut Warnings,
+    scene: Scene,
+    solid: Option<Solid>,
+    /// Vertices of the current facet.
+    corners: Vec<DVec3>,
+}
+
+impl Reader<'_> {
+    fn statements(&mut self) -> Result<(), ReadError> {
+        while let Some(word) = self.words.word() {
+            match word {
+                b"vertex" => self.vertex()?,
+                b"facet" | b"outer" | b"loop" | b"endfacet" => {}
+                b"normal" => self.normal(),
+                b"endloop" => self.end_loop(),
+                _ => self.rare(word)?,
+            }
+        }
+        if self.solid.is_some() {
+            let at = self.length;
+            self.warn_at(at, "the file ends inside a solid: what is there is kept");
+            self.end_solid();
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn warn_at(&mut self, at: usize, message: impl Into<String>) {
+        let words = self.words;
+        self.warnings
+            .add(self.file, message.into(), || words.position(at));
+    }
+
+    /// What stands once in a solid, or in other capitals, or nowhere.
+    fn rare(&mut self, word: &[u8]) -> Result<(), ReadError> {
+        let at = self.words.offset() - word.len();
+        match word.to_ascii_lowercase().as_slice() {
+            b"solid" => self.begin_solid(),
+            b"endsolid" => {
+                self.words.rest_of_line();
+                self.end_solid();
+            }
+            b"vertex" => self.vertex()?,
+            b"facet" | b"outer" | b"loop" | b"endfacet" => {}
+            b"normal" => self.normal(),
+            b"endloop" => self.end_loop(),
+            _ => {
+                let shown = shortened(&text(word));
+                self.warn_at(
+                    at,
+                    format!("\"{shown}\" is no word of STL: skipped with its line"),
+                );
+                self.words.rest_of_line();
+            }
+        }
+        Ok(())
+    }
+
+    fn begin_solid(&mut self) {
+        if self.solid.is_some() {
+            let at = self.words.offset();
+            self.warn_at(
+                at,
+                "solid without an end: it ends where the next one begins",
+            );
+            self.end_solid();
+        }
+        let name = text(self.words.rest_of_line()).into_owned();
+        if self.scene.materials.is_empty() {
+            self.scene.add_material(default_material());
+        }
+        let left = self.length - self.words.offset();
+        // A file of many small solids must not get room for all of it in each of them.
+        let expected = match self.scene.objects.is_empty() {
+            true => left / (2 * SHORTEST_FACET),
+            false => 0,
+        };
+        self.solid = Some(Solid::new(name, expected));
+    }
+
+    fn end_solid(&mut self) {
+        if !self.corners.is_empty() {
+            self.end_loop();
+        }
+        match self.solid.take() {
+            Some(solid) if solid.faces.is_empty() => {
+                let at = self.words.offset();
+                self.warn_at(at, "solid without facets: skipped");
+            }
+            Some(solid) => solid.finish(&mut self.scene),
+            None => {}
+        }
+    }
+
+    /// Normals follow from the vertices; writers leave them out, as zero or worse.
+    fn normal(&mut self) {
+        for _ in 0..3 {
+            self.words.word();
+        }
+    }
+
+    #[inline]
+    fn vertex(&mut self) -> Result<(), ReadError> {
+        let (x, y, z) = (
+            self.words.number()?,
+            self.words.number()?,
+            self.words.number()?,
+        );
+        self.corners.push(DVec3::new(x, y, z));
+        Ok(())
+    }
+
+    fn end_loop(&mut self) {
+        let solid = self
+            .solid
+            .get_or_insert_with(|| Solid::new(String::new(), 0));
+        if let Err(problem) = solid.facet(&self.corners, 0) {
+            let at = self.words.offset();
+            self.warn_at(at, problem);
+        }
+        self.corners.clear();
+    }
+}

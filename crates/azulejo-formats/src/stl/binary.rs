@@ -1,0 +1,179 @@
+//! The binary format: 80 bytes of anything, a count, and 50 bytes for each triangle.
+
+use super::{Solid, default_material};
+use crate::text::text;
+use crate::warnings::Warnings;
+use crate::{Position, ReadError};
+use azulejo_scene::{Material, MaterialId, Rgb, Scene};
+use glam::DVec3;
+use std::collections::HashMap;
+
+const HEADER: usize = 80;
+
+/// Bytes before the first triangle.
+const START: usize = HEADER + 4;
+
+/// A normal and three corners of three numbers each, and two bytes for extensions.
+const TRIANGLE: usize = 50;
+
+/// Whether the number of bytes is what the count of triangles says, in either byte order.
+pub(super) fn has_right_length(bytes: &[u8]) -> bool {
+    let fits = |count: u32| START as u64 + TRIANGLE as u64 * u64::from(count) == bytes.len() as u64;
+    let count = bytes.get(HEADER..START).and_then(|b| b.try_into().ok());
+    count.is_some_and(|c| fits(u32::from_le_bytes(c)) || fits(u32::from_be_bytes(c)))
+}
+
+/// Reads a binary file.
+pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<Scene, ReadError> {
+    let Some((start, rest)) = bytes.split_first_chunk::<START>() else {
+        let found = format!("{} bytes", bytes.len());
+        let expected = "text that begins with \"solid\", or at least 84 bytes of binary STL";
+        return Err(ReadError::whole(file, found, expected));
+    };
+    let [.., a, b, c, d] = *start;
+    let little = u32::from_le_bytes([a, b, c, d]) as usize;
+    let big = u32::from_be_bytes([a, b, c, d]) as usize;
+    // Some old programs wrote in their machine's order: the length tells.
+    let is_big = little != rest.len() / TRIANGLE && big == rest.len() / TRIANGLE;
+    let promised = if is_big { big } else { little };
+    let (triangles, _) = rest.as_chunks::<TRIANGLE>();
+    let triangles = &triangles[..promised.min(triangles.len())];
+    let mut warn = |at: usize, message: String, count: usize| {
+        warnings.add_many(file, message, count, || Position::Byte(at as u64));
+    };
+    if is_big {
+        warn(
+            HEADER,
+            "big-endian numbers, against the format: read as such".into(),
+            1,
+        );
+    }
+    let lost = promised - triangles.len();
+    warn(
+        bytes.len(),
+        "triangles missing from the end of the file".into(),
+        lost,
+    );
+    let behind = START + triangles.len() * TRIANGLE;
+    if lost == 0 && behind < bytes.len() {
+        let message = format!(
+            "{} bytes behind the last triangle: skipped",
+            bytes.len() - behind
+        );
+        warn(behind, message, 1);
+    }
+
+    let mut scene = Scene::default();
+    let mut colors = Colors::new(&start[..HEADER], triangles);
+    if colors.are_odd {
+        let message = "bytes behind triangles that are no colours: skipped";
+        warn(START + TRIANGLE - 2, message.into(), 1);
+    }
+    let mut solid = Solid::new(name(&start[..HEADER]), triangles.len());
+    for (i, triangle) in triangles.iter().enumerate() {
+        let material = colors.material(triangle, &mut scene);
+        let corners = match is_big {
+            true => corners(triangle, f32::from_be_bytes),
+            false => corners(triangle, f32::from_le_bytes),
+        };
+        if let Err(problem) = solid.facet(&corners, material) {
+            warn(START + i * TRIANGLE, problem.into(), 1);
+        }
+    }
+    solid.finish(&mut scene);
+    Ok(scene)
+}
+
+#[inline]
+fn corners(triangle: &[u8; TRIANGLE], number: fn([u8; 4]) -> f32) -> [DVec3; 3] {
+    let (numbers, _) = triangle.as_chunks::<4>();
+    let at = |i: usize| f64::from(number(numbers[i]));
+    // The first three are the normal, which follows from the corners.
+    [3, 6, 9].map(|i| DVec3::new(at(i), at(i + 1), at(i + 2)))
+}
+
+/// The text behind `solid` at the start of the header.
+fn name(header: &[u8]) -> String {
+    let end = header.iter().position(|b| *b == 0).unwrap_or(HEADER);
+    let name = header[..end].strip_prefix(b"solid ").unwrap_or_default();
+    text(name.trim_ascii()).into_owned()
+}
+
+/// Colours in the two bytes behind each triangle, 5 bits for each channel.
+struct Colors {
+    /// Colour of the whole in the header of Magics.
+    whole: Option<Rgb>,
+    /// Whether any triangle has a colour of its own.
+    are_used: bool,
+    /// Whether the bytes say something else.
+    are_odd: bool,
+    /// By the bits of the colour.
+    known: HashMap<Option<[u64; 3]>, MaterialId>,
+    /// The last triangle's bytes and material: neighbours are alike.
+    last: Option<(u16, MaterialId)>,
+}
+
+/// The top bit of the two bytes: a colour for VisCAM, none for Magics.
+const FLAG: u16 = 0x8000;
+
+impl Colors {
+    fn new(header: &[u8], triangles: &[[u8; TRIANGLE]]) -> Colors {
+        let whole = magics_color(header);
+        let is_own = |bits: u16| (bits & FLAG == 0) == whole.is_some();
+        let mut found = triangles.iter().map(extra);
+        let are_used = found.clone().any(is_own);
+        Colors {
+            whole,
+            are_used,
+            are_odd: found.any(|bits| bits != 0 && !is_own(bits) && whole.is_none()),
+            known: HashMap::new(),
+            last: None,
+        }
+    }
+
+    #[inline]
+    fn material(&mut self, triangle: &[u8; TRIANGLE], scene: &mut Scene) -> MaterialId {
+        let bits = if self.are_used { extra(triangle) } else { FLAG };
+        match self.last {
+            Some((last, material)) if last == bits => material,
+            _ => self.find(bits, scene),
+        }
+    }
+
+    fn find(&mut self, bits: u16, scene: &mut Scene) -> MaterialId {
+        let color = self.color(bits);
+        let key = color.map(|c| c.to_array().map(f64::to_bits));
+        let new = || scene.add_material(color.map_or_else(default_material, painted));
+        let material = *self.known.entry(key).or_insert_with(new);
+        self.last = Some((bits, material));
+        material
+    }
+
+    fn color(&self, bits: u16) -> Option<Rgb> {
+        let channel = |shift: u16| f64::from(bits >> shift & 31) / 31.0;
+        match (self.whole, bits & FLAG != 0) {
+            (Some(whole), true) => Some(whole),
+            (Some(_), false) => Some(Rgb::new(channel(0), channel(5), channel(10))),
+            (None, true) if self.are_used => Some(Rgb::new(channel(10), channel(5), channel(0))),
+            (None, _) => None,
+        }
+    }
+}
+
+fn extra(triangle: &[u8; TRIANGLE]) -> u16 {
+    u16::from_le_bytes([triangle[TRIANGLE - 2], triangle[TRIANGLE - 1]])
+}
+
+/// A material named after its colour.
+fn painted(color: Rgb) -> Material {
+    let [r, g, b] = color.to_array().map(|c| (255.0 * c).round() as u8);
+    Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
+}
+
+/// What stands behind `COLOR=` in the header.
+fn magics_color(header: &[u8]) -> Option<Rgb> {
+    const MARK: &[u8] = b"COLOR=";
+    let at = header.windows(MARK.len()).position(|w| w == MARK)?;
+    let rgb = header.get(at + MARK.len()..)?.first_chunk::<3>()?;
+    Some(Rgb::from(rgb.map(|c| f64::from(c) / 255.0)))
+}

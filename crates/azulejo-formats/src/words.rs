@@ -1,0 +1,176 @@
+//! Text formats whose words stand between blanks: STL and PLY.
+
+use crate::number;
+use crate::text::{shortened, text};
+use crate::{Position, ReadError};
+
+/// A place in a text.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Words<'a> {
+    file: &'a str,
+    bytes: &'a [u8],
+    at: usize,
+}
+
+/// Blanks, line ends and other control characters stand between words.
+#[inline]
+fn is_blank(byte: u8) -> bool {
+    byte <= b' '
+}
+
+fn is_line_end(byte: u8) -> bool {
+    matches!(byte, b'\n' | b'\r')
+}
+
+impl<'a> Words<'a> {
+    /// The start of a text. `file` stands in messages.
+    pub fn new(bytes: &'a [u8], file: &'a str) -> Words<'a> {
+        Words { file, bytes, at: 0 }
+    }
+
+    /// The same text from byte `at` on.
+    pub fn from(self, at: usize) -> Words<'a> {
+        Words { at, ..self }
+    }
+
+    /// Offset of the next byte.
+    pub fn offset(&self) -> usize {
+        self.at
+    }
+
+    /// Passes over blanks and line ends.
+    #[inline]
+    pub fn skip_blanks(&mut self) {
+        while self.bytes.get(self.at).is_some_and(|&b| is_blank(b)) {
+            self.at += 1;
+        }
+    }
+
+    /// The next word; `None` at the end of the text.
+    #[inline]
+    pub fn word(&mut self) -> Option<&'a [u8]> {
+        self.skip_blanks();
+        let start = self.at;
+        while self.bytes.get(self.at).is_some_and(|&b| !is_blank(b)) {
+            self.at += 1;
+        }
+        (self.at > start).then(|| &self.bytes[start..self.at])
+    }
+
+    /// What is left of the line, without the blanks around it. Its end is passed.
+    pub fn rest_of_line(&mut self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().position(|&b| is_line_end(b));
+        let line = &rest[..length.unwrap_or(rest.len())];
+        self.at += line.len();
+        if self.bytes[self.at..].starts_with(b"\r\n") {
+            self.at += 2;
+        } else if self.at < self.bytes.len() {
+            self.at += 1;
+        }
+        line.trim_ascii()
+    }
+
+    /// The next word as a number; NaN and infinities included.
+    ///
+    /// # Errors
+    /// Another word, or the end of the text.
+    #[inline]
+    pub fn number(&mut self) -> Result<f64, ReadError> {
+        self.skip_blanks();
+        if let Some(found) = number::parse(&self.bytes[self.at..]) {
+            let end = self.at + found.length;
+            if self.bytes.get(end).is_none_or(|&b| is_blank(b)) {
+                self.at = end;
+                return Ok(found.value);
+            }
+        }
+        self.odd_number()
+    }
+
+    /// What C libraries print for numbers that are none: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
+    #[cold]
+    fn odd_number(&mut self) -> Result<f64, ReadError> {
+        let start = self.at;
+        let word = text(self.word().unwrap_or_default()).to_ascii_lowercase();
+        match word.trim_start_matches(['+', '-']) {
+            bare if bare.starts_with("nan") || bare.starts_with("1.#") => Ok(f64::NAN),
+            "inf" | "infinity" => Ok(f64::INFINITY),
+            _ => Err(self.error(start, "a number")),
+        }
+    }
+
+    /// Line and column of a byte, both from 1.
+    pub fn position(&self, offset: usize) -> Position {
+        let before = &self.bytes[..offset];
+        let ends = before.iter().enumerate().filter(|&(i, &b)| match b {
+            b'\r' => before.get(i + 1) != Some(&b'\n'),
+            _ => b == b'\n',
+        });
+        let start = before.iter().rposition(|&b| is_line_end(b));
+        let column = text(&before[start.map_or(0, |s| s + 1)..]).chars().count();
+        Position::Line(ends.count() as u32 + 1, column as u32 + 1)
+    }
+
+    /// An error about the word at byte `offset`.
+    #[cold]
+    pub fn error(&self, offset: usize, expected: &str) -> ReadError {
+        let found = match self.from(offset).word() {
+            Some(word) => format!("\"{}\"", shortened(&text(word))),
+            None => "the end of the file".to_owned(),
+        };
+        self.error_saying(offset, found, expected)
+    }
+
+    /// An error at byte `offset` in the words of the caller.
+    #[cold]
+    pub fn error_saying(
+        &self,
+        offset: usize,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> ReadError {
+        let start = self.bytes[..offset]
+            .iter()
+            .rposition(|&b| is_line_end(b))
+            .map_or(0, |i| i + 1);
+        let rest = &self.bytes[start..];
+        let end = rest.iter().position(|&b| is_line_end(b));
+        ReadError {
+            position: self.position(offset),
+            source_line: Some(text(&rest[..end.unwrap_or(rest.len())]).into_owned()),
+            ..ReadError::whole(self.file, found, expected)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_lines_and_numbers() {
+        let mut words = Words::new(b" solid a b \r\nvertex 1.5\t-2e1\rend", "a");
+        assert_eq!(words.word(), Some(&b"solid"[..]));
+        assert_eq!(words.rest_of_line(), b"a b");
+        assert_eq!(words.word(), Some(&b"vertex"[..]));
+        assert_eq!((words.number(), words.number()), (Ok(1.5), Ok(-20.0)));
+        assert_eq!(words.rest_of_line(), b"");
+        assert_eq!(words.position(words.offset()), Position::Line(3, 1));
+        assert_eq!(words.rest_of_line(), b"end");
+        assert_eq!((words.word(), words.rest_of_line()), (None, &b""[..]));
+    }
+
+    #[test]
+    fn numbers_that_are_none() {
+        let mut words = Words::new(b"nan -inf 1.#QNAN 1x", "a.stl");
+        assert!(words.number().unwrap().is_nan());
+        assert_eq!(words.number(), Ok(f64::INFINITY));
+        assert!(words.number().unwrap().is_nan());
+        let error = words.number().unwrap_err().to_string();
+        assert!(
+            error.starts_with("a.stl:1:18: found \"1x\", expected a number"),
+            "{error}"
+        );
+    }
+}
