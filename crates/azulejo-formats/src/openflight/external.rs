@@ -7,6 +7,7 @@ use super::transform::Place;
 use super::walk::{Source, Walker};
 use crate::files::beside;
 use crate::text::shortened;
+use crate::textures::one_spelling;
 use crate::warnings::Warnings;
 use crate::{FileError, Files, ReadError};
 use glam::{DAffine3, DVec3};
@@ -147,7 +148,8 @@ impl Walker<'_> {
         if self.externals.open.len() == MOST_OPEN {
             return Err(format!("more than {MOST_OPEN} files inside each other"));
         }
-        let base = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        let name = &one_spelling(name);
+        let base = name.rsplit('/').next().unwrap_or(name);
         let path = beside(source.path, name);
         match self.open(path) {
             Err(Problem::Elsewhere(why)) if base != name => {

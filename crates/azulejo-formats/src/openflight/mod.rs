@@ -15,6 +15,8 @@ mod opcode;
 mod palettes;
 mod part;
 mod select;
+#[cfg(test)]
+mod tests;
 mod transform;
 mod vertices;
 mod walk;

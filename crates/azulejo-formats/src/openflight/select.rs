@@ -103,6 +103,11 @@ fn is_animated(group: Fields, revision: u32) -> bool {
     group.u32(16).is_some_and(|flags| flags & bits != 0)
 }
 
+/// Whether a switch says which of its children are on.
+pub(super) fn has_current_mask(switch: Fields) -> bool {
+    mask(switch).is_some()
+}
+
 /// Where the current mask of a switch begins; `None` if the record has no such mask.
 fn mask(switch: Fields) -> Option<usize> {
     let [current, count, words] = [16, 20, 24].map(|at| switch.u32(at));

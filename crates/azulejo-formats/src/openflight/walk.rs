@@ -6,7 +6,7 @@ use super::look::Looks;
 use super::opcode::{self, Role};
 use super::palettes::Palettes;
 use super::part::{Part, Slot};
-use super::select::Selection;
+use super::select::{Selection, has_current_mask};
 use super::transform::{self, Place};
 use super::warn::Notes;
 use crate::options::Budget;
@@ -239,7 +239,13 @@ impl<'f> Walker<'f> {
         let opcode = source.document.nodes[node as usize].opcode;
         let record = source.document.node(node);
         match opcode {
-            HEADER | GROUP | OLD_LOD | LOD | SWITCH | BSP | EXTENSION => {}
+            HEADER | GROUP | OLD_LOD | LOD | BSP | EXTENSION => {}
+            SWITCH => {
+                if !has_current_mask(record) {
+                    let message = "switch without its current mask: all below it is drawn";
+                    self.notes(source, node).add(message);
+                }
+            }
             // Roads are made of faces, which are below; how they were made is of no use.
             CLIP_REGION | 87 | 127 => {
                 let message = format!(

@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod obj;
+mod openflight;
 
 /// Where the shared models and scenes are, if this machine has them.
 fn data() -> Option<std::path::PathBuf> {
