@@ -2,19 +2,29 @@
 
 use std::borrow::Cow;
 
-/// UTF-16 with its mark at the start becomes UTF-8; anything else stays as it is.
+/// UTF-16 becomes UTF-8, if a mark or plain letters stand at its start; anything else stays as
+/// it is.
 pub(crate) fn without_utf16(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let decode = |unit: fn([u8; 2]) -> u16| {
-        let (pairs, _) = bytes[2..].as_chunks::<2>();
+    let decode = |text: &[u8], unit: fn([u8; 2]) -> u16| {
+        let (pairs, _) = text.as_chunks::<2>();
         let units = pairs.iter().map(|&pair| unit(pair));
         let decoded = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
         decoded.collect::<String>().into_bytes().into()
     };
     match bytes {
-        [0xfe, 0xff, ..] => decode(u16::from_be_bytes),
-        [0xff, 0xfe, ..] => decode(u16::from_le_bytes),
+        [0xfe, 0xff, text @ ..] => decode(text, u16::from_be_bytes),
+        [0xff, 0xfe, text @ ..] => decode(text, u16::from_le_bytes),
+        [0, a, 0, b, 0, c, ..] if are_letters([*a, *b, *c]) => decode(bytes, u16::from_be_bytes),
+        [a, 0, b, 0, c, 0, ..] if are_letters([*a, *b, *c]) => decode(bytes, u16::from_le_bytes),
         _ => bytes.into(),
     }
+}
+
+/// Whether bytes may begin a text.
+fn are_letters(start: [u8; 3]) -> bool {
+    start
+        .iter()
+        .all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace())
 }
 
 /// Bytes as text: UTF-8 or, failing that, Latin-1.

@@ -1,6 +1,7 @@
 //! From the flat lists of a file to a scene: one mesh per object, each with its own vertices.
 
 use super::mtl::Library;
+use super::placement::{per_vertex_if_possible, place};
 use super::read::{NONE, Raw};
 use crate::warnings::Warnings;
 use azulejo_scene::math::area_vector;
@@ -40,13 +41,16 @@ pub(super) fn assemble(
     let mut objects = Vec::new();
     for (part, (name, faces)) in parts(&raw).into_iter().enumerate() {
         if !faces.is_empty() {
-            objects.push(Object::new(name, Shape::Mesh(builder.mesh(faces))));
+            let mut mesh = builder.mesh(faces);
+            place(&mut mesh, &library);
+            objects.push(Object::new(name, Shape::Mesh(mesh)));
         }
         while let Some(surface) = surfaces.next_if(|s| s.part == part) {
             let mut mesh = surface.mesh;
             for material in &mut mesh.face_materials {
                 *material = builder.material(*material);
             }
+            place(&mut mesh, &library);
             objects.push(Object::new(name, Shape::Mesh(mesh)));
         }
     }
@@ -167,7 +171,7 @@ impl Builder<'_> {
                 .filter(|t| **t == NONE)
                 .for_each(|t| *t = origin);
         }
-        Some(attribute(mesh, values, local))
+        Some(per_vertex_if_possible(mesh, values, local))
     }
 
     fn normals(&mut self, mesh: &Mesh, corners: Range<usize>) -> Option<Attribute<DVec3>> {
@@ -191,7 +195,7 @@ impl Builder<'_> {
             self.warn("object with normals on some corners only: the face's own on the others");
             fill_with_face_normals(mesh, &mut values, &mut local);
         }
-        Some(attribute(mesh, values, local))
+        Some(per_vertex_if_possible(mesh, values, local))
     }
 
     fn warn(&mut self, message: &str) {
@@ -214,26 +218,6 @@ fn fill_with_face_normals(mesh: &Mesh, values: &mut Vec<DVec3>, local: &mut [u32
             .iter_mut()
             .filter(|n| **n == NONE)
             .for_each(|n| *n = own);
-    }
-}
-
-/// Values per vertex when every vertex has but one of them, else per corner.
-fn attribute<T: Copy>(mesh: &Mesh, values: Vec<T>, corners: Vec<u32>) -> Attribute<T> {
-    let mut of_vertex = vec![NONE; mesh.positions.len()];
-    let unique = mesh.faces.corners.iter().zip(&corners).all(|(&v, &k)| {
-        let known = &mut of_vertex[v as usize];
-        let agrees = *known == NONE || *known == k;
-        *known = k;
-        agrees
-    });
-    if unique {
-        // Every vertex has a value, because it stands in a mesh only if a face uses it.
-        Attribute::per_vertex(of_vertex.iter().map(|&k| values[k as usize]).collect())
-    } else {
-        Attribute {
-            values,
-            corners: Some(corners),
-        }
     }
 }
 

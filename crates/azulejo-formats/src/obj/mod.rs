@@ -10,6 +10,7 @@ mod assemble;
 mod cursor;
 mod free_form;
 mod mtl;
+mod placement;
 mod read;
 #[cfg(test)]
 mod tests;

@@ -1,12 +1,14 @@
 //! Material libraries.
 
 use super::cursor::Cursor;
+use super::placement::Placement;
 use crate::phong;
 use crate::text::{shortened, text};
 use crate::textures::Textures;
 use crate::warnings::Warnings;
 use crate::{Files, Loaded, ReadError};
 use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, TextureId};
+use glam::DVec2;
 use std::collections::HashMap;
 
 /// Reflectance of what a file leaves without a material.
@@ -14,6 +16,9 @@ const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
 /// Index of refraction of glass that does not say its own.
 const DEFAULT_IOR: f64 = 1.5;
+
+/// Roughness up to which a metal is a mirror.
+const SMOOTH: f64 = 0.1;
 
 /// By how much shares that were scaled to a sum of 1 may exceed it.
 const ROUNDING: f64 = 1e-12;
@@ -41,6 +46,8 @@ pub(super) struct Library {
     pub materials: Vec<Material>,
     pub textures: Textures,
     by_name: HashMap<String, MaterialId>,
+    /// Of the materials whose picture does not lie as the model's texture coordinates say.
+    placements: HashMap<MaterialId, Placement>,
 }
 
 impl Library {
@@ -64,6 +71,11 @@ impl Library {
         self.materials
             .push(Material::diffuse("default", DEFAULT_REFLECTANCE));
         (self.materials.len() - 1) as MaterialId
+    }
+
+    /// How the picture of a material lies; `None` for as the model says.
+    pub fn placement(&self, material: MaterialId) -> Option<Placement> {
+        self.placements.get(&material).copied()
     }
 
     fn insert(&mut self, material: Material) -> MaterialId {
@@ -124,7 +136,10 @@ struct Definition {
     ni: Option<f64>,
     opacity: Option<f64>,
     illum: Option<f64>,
+    roughness: Option<f64>,
+    metallic: Option<f64>,
     map_kd: Option<TextureId>,
+    placement: Placement,
 }
 
 impl Definition {
@@ -163,14 +178,19 @@ impl Parser<'_> {
             b"illum" => m.illum = Some(self.number()?),
             b"d" => m.opacity = Some(self.opacity()?),
             b"Tr" => m.opacity = Some(1.0 - self.number()?),
-            b"map_Kd" => m.map_kd = self.texture().or(m.map_kd),
+            b"Pr" => m.roughness = Some(self.number()?),
+            b"Pm" => m.metallic = Some(self.number()?),
+            b"Ps" | b"Pc" | b"Pcr" | b"aniso" | b"anisor" => self.unless_zero(keyword),
+            b"map_Kd" => {
+                let placement = self.options();
+                if let Some(picture) = self.texture() {
+                    (m.map_kd, m.placement) = (Some(picture), placement);
+                }
+            }
             // The ambient term stands for the light that azulejo computes; sharpness for
             // pictures of surroundings that it does not use.
             b"Ka" | b"map_Ka" | b"sharpness" => {}
-            _ => {
-                let word = shortened(&text(keyword));
-                self.warn(format!("\"{word}\" is not used: skipped"));
-            }
+            _ => self.unused(keyword),
         }
         Ok(())
     }
@@ -183,6 +203,18 @@ impl Parser<'_> {
             Some(n) if n.value.is_finite() => Ok(n.value),
             _ => Err(self.cursor.error_at(start, "a finite number")),
         }
+    }
+
+    /// What changes nothing when it is zero, as Blender writes it for most materials.
+    fn unless_zero(&mut self, keyword: &[u8]) {
+        if !matches!(self.cursor.number(), Ok(Some(n)) if n.value == 0.0) {
+            self.unused(keyword);
+        }
+    }
+
+    fn unused(&mut self, keyword: &[u8]) {
+        let word = shortened(&text(keyword));
+        self.warn(format!("\"{word}\" is not used: skipped"));
     }
 
     /// `d value` or `d -halo value`.
@@ -211,7 +243,6 @@ impl Parser<'_> {
 
     /// The picture that `map_Kd` names, behind its options.
     fn texture(&mut self) -> Option<TextureId> {
-        self.skip_options();
         let name = self.cursor.name();
         if name.is_empty() {
             self.warn("map_Kd without a file: skipped");
@@ -224,30 +255,44 @@ impl Parser<'_> {
         Some(id)
     }
 
-    /// Options stand before the file: `-s 1 1 1`, `-clamp on`...
-    fn skip_options(&mut self) {
+    /// Options stand before the file: `-s 1 1 1`, `-clamp on`... Those that would change how the
+    /// picture looks, but for its place, are named and skipped.
+    fn options(&mut self) -> Placement {
+        let mut placement = Placement::default();
         loop {
             let mut ahead = self.cursor.clone();
-            let Some(option) = ahead.word() else { return };
-            let (least, most) = match option {
-                b"-s" | b"-o" | b"-t" => (1, 3),
-                b"-mm" => (2, 2),
-                b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-texres" | b"-bm" | b"-boost"
-                | b"-imfchan" | b"-type" | b"-colorspace" => (1, 1),
-                _ => return,
+            let Some(option) = ahead.word() else {
+                return placement;
             };
-            for i in 0..most {
-                let mut next = ahead.clone();
-                if i >= least && !next.number().is_ok_and(|n| n.is_some()) {
-                    break;
+            let plain = match option {
+                b"-s" | b"-o" | b"-t" => {
+                    let mut given = vector(&mut ahead).into_iter();
+                    let missing = f64::from(u8::from(option == b"-s"));
+                    let [u, v] = [(); 2].map(|()| given.next().unwrap_or(missing));
+                    let given = DVec2::new(u, v);
+                    match option {
+                        b"-s" => placement.scale = given,
+                        b"-o" => placement.offset = given,
+                        _ => {}
+                    }
+                    option != b"-t" || given == DVec2::ZERO
                 }
-                ahead.word();
-            }
+                b"-mm" => [ahead.word(), ahead.word()] == [Some(&b"0"[..]), Some(&b"1"[..])],
+                b"-clamp" | b"-cc" => ahead.word() == Some(b"off"),
+                b"-blendu" | b"-blendv" => ahead.word() == Some(b"on"),
+                b"-texres" | b"-bm" | b"-boost" | b"-imfchan" | b"-type" | b"-colorspace" => {
+                    ahead.word();
+                    false
+                }
+                _ => return placement,
+            };
             let option = text(option).into_owned();
             self.cursor = ahead;
-            self.warn(format!(
-                "option \"{option}\" of a picture is not used: skipped"
-            ));
+            if !plain {
+                self.warn(format!(
+                    "option \"{option}\" of a picture is not used: skipped"
+                ));
+            }
         }
     }
 
@@ -260,18 +305,24 @@ impl Parser<'_> {
         match self.surface(&m) {
             Surface::Matt => self.matt(&m, &mut material),
             Surface::Mirror => self.mirror(&m, &mut material),
+            Surface::Metal(share) => self.metal(&m, share, &mut material),
             Surface::Glass(ior) => self.glass(&m, ior, &mut material),
         }
         material.textures.extend(m.map_kd);
         material.name = m.name;
-        if let Some(&earlier) = self.library.by_name.get(&material.name) {
-            self.warn_about(
-                &material.name,
-                "is defined again: the later definition holds",
-            );
-            self.library.materials[earlier as usize] = material;
+        let id = match self.library.by_name.get(&material.name) {
+            Some(&earlier) => {
+                let what = "is defined again: the later definition holds";
+                self.warn_about(&material.name, what);
+                self.library.materials[earlier as usize] = material;
+                earlier
+            }
+            None => self.library.insert(material),
+        };
+        if m.placement == Placement::default() {
+            self.library.placements.remove(&id);
         } else {
-            self.library.insert(material);
+            self.library.placements.insert(id, m.placement);
         }
     }
 
@@ -281,11 +332,17 @@ impl Parser<'_> {
         self.warnings.add_whole(self.file, message);
     }
 
-    /// What `illum` makes of a surface.
+    /// What `illum` makes of a surface, or `Pm`, which programs write that know no `illum`.
     fn surface(&mut self, m: &Definition) -> Surface {
         let model = m.illum.unwrap_or(2.0);
         let ior = m.ni.filter(|ni| *ni > 1.0);
         match model as i64 {
+            0..=5
+                if m.metallic.is_some_and(|share| share > 0.0)
+                    && (model != 4.0 || ior.is_none()) =>
+            {
+                self.smooth_or_matt(m)
+            }
             0..=2 => Surface::Matt,
             3 | 5 => Surface::Mirror,
             4 if ior.is_none() => {
@@ -308,10 +365,35 @@ impl Parser<'_> {
         }
     }
 
+    /// A metal is a mirror if it is smooth. What scatters light around the mirrored direction is
+    /// nearer to matt than to a mirror.
+    fn smooth_or_matt(&mut self, m: &Definition) -> Surface {
+        if m.roughness.is_some_and(|r| r <= SMOOTH) {
+            Surface::Metal(m.metallic.unwrap_or(0.0).min(1.0))
+        } else {
+            let message = "metal (Pm) that is rough (Pr above 0.1, or none): matt";
+            self.warnings.add_whole(self.file, message);
+            Surface::Matt
+        }
+    }
+
+    fn metal(&mut self, m: &Definition, share: f64, material: &mut Material) {
+        let color = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
+        (material.diffuse, material.mirror) = (color * (1.0 - share), color * share);
+        if m.map_kd.is_some() {
+            let message = "picture (map_Kd) of a smooth metal: its Kd alone is mirrored";
+            self.warnings.add_whole(self.file, message);
+        }
+    }
+
     fn matt(&mut self, m: &Definition, material: &mut Material) {
         material.diffuse = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
         if m.opacity.is_some_and(|d| d < 1.0) {
             let message = "see-through material (d or Tr) with illum 0 to 2: opaque";
+            self.warnings.add_whole(self.file, message);
+        }
+        if m.roughness.is_some() && m.metallic.unwrap_or(0.0) <= 0.0 {
+            let message = "roughness (Pr) of what is no metal: not used, its Kd alone reflects";
             self.warnings.add_whole(self.file, message);
         }
         let ks = m.ks.unwrap_or_default();
@@ -370,12 +452,28 @@ impl Parser<'_> {
     }
 }
 
-/// The three surfaces that `illum` chooses from.
+/// The surfaces that `illum` and `Pm` choose from.
 enum Surface {
     Matt,
     Mirror,
+    /// With its metallic share, above 0.
+    Metal(f64),
     /// With its index of refraction, above 1.
     Glass(f64),
+}
+
+/// One to three numbers: as many as stand there.
+fn vector(cursor: &mut Cursor) -> Vec<f64> {
+    let mut given = Vec::new();
+    while given.len() < 3 {
+        let mut next = cursor.clone();
+        match next.number() {
+            Ok(Some(n)) if n.value.is_finite() => given.push(n.value),
+            _ => break,
+        }
+        *cursor = next;
+    }
+    given
 }
 
 /// What a matt surface reflects that does not say: nothing if it is a lamp, all of its picture,

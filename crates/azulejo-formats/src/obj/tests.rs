@@ -1,7 +1,7 @@
 //! Rules of OBJ and MTL, each by a small file.
 
 use super::read;
-use crate::{Loaded, Memory, Position};
+use crate::{Format, Loaded, Memory, Position, detect};
 use azulejo_scene::{Brdf, Material, Mesh, Rgb, Shape};
 use glam::{DVec2, DVec3};
 
@@ -219,7 +219,7 @@ fn comments_and_names() {
 
 #[test]
 fn other_encodings() {
-    let text = format!("o ñ\n{SQUARE}f 1 2 3");
+    let text = format!("o año\n{SQUARE}f 1 2 3");
     let expected = load(&text).scene;
     let marked = [b"\xef\xbb\xbf", text.as_bytes()].concat();
     let big: Vec<u8> = "\u{feff}"
@@ -233,7 +233,15 @@ fn other_encodings() {
         .flat_map(u16::to_le_bytes)
         .collect();
     for bytes in [marked, big, little] {
-        assert_eq!(load(bytes).scene, expected);
+        assert_eq!(load(&bytes).scene, expected);
+        assert_eq!(detect(&bytes), Ok(Format::Obj));
+        // Without its mark.
+        if let [0xfe | 0xff, _, rest @ ..] = bytes.as_slice() {
+            assert_eq!(load(rest).scene, expected);
+            assert_eq!(detect(rest), Ok(Format::Obj));
+            // Cut in the middle of a character.
+            assert_eq!(load([rest, b"\n"].concat()).scene, expected);
+        }
     }
     for padding in ["\0", "\n\0\0\0", "\0\0\0\0"] {
         assert_eq!(load(text.clone() + padding).scene, expected);
@@ -501,7 +509,7 @@ fn matt_materials() {
     check_material(
         "Pr 0.5",
         Material::diffuse("", half),
-        &["\"Pr\" is not used: skipped"],
+        &["roughness (Pr) of what is no metal: not used, its Kd alone reflects"],
     );
     check_material(
         "illum 9",
@@ -650,10 +658,85 @@ fn pictures() {
     assert_eq!(loaded.scene.materials[0].diffuse, Rgb::WHITE);
     assert_eq!(loaded.scene.materials[2].textures, [2]);
     let said: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
+    let unused = |option: &str| format!("option \"{option}\" of a picture is not used: skipped");
+    assert_eq!(said[0], unused("-clamp"));
     assert_eq!(
-        said[4],
+        said[1],
         "picture \"sub/no.png\" is not shown: there is no such file"
     );
+}
+
+#[test]
+fn metals() {
+    let smooth = |share: f64| Material {
+        diffuse: Rgb::grey(0.5 * (1.0 - share)),
+        mirror: Rgb::grey(0.5 * share),
+        ..Material::default()
+    };
+    check_material("Kd 0.5\nPm 1\nPr 0.05", smooth(1.0), &[]);
+    check_material("Kd 0.5\nKs 0.5\nillum 3\nPm 0.25\nPr 0", smooth(0.25), &[]);
+    check_material("Kd 0.5\nPm 1\nPr 0\nillum 4\nNi 1", smooth(1.0), &[]);
+    check_material(
+        "Pm 1\nPr 0\nillum 7\nNi 1.5",
+        Material::dielectric("", 1.5),
+        &[],
+    );
+    let rough = "metal (Pm) that is rough (Pr above 0.1, or none): matt";
+    check_material("Kd 0.5\nPm 1\nPr 0.5\nillum 3", smooth(0.0), &[rough]);
+    check_material("Kd 0.5\nPm 1", smooth(0.0), &[rough]);
+    check_material(
+        "Kd 0.5\nPm 0\nPs 0\nPc 0.0\nPcr 0\naniso 0\nanisor 0",
+        smooth(0.0),
+        &[],
+    );
+    let unused = |key: &str| format!("\"{key}\" is not used: skipped");
+    let keys = [
+        "Ps", "Pc", "Pcr", "aniso", "anisor", "map_Pr", "map_Pm", "map_Ke", "norm",
+    ];
+    for key in keys
+        .into_iter()
+        .chain(["map_Bump", "bump", "disp", "decal", "refl", "map_d"])
+    {
+        check_material(&format!("{key} 1"), smooth(0.0), &[&unused(key)]);
+    }
+}
+
+/// Texture coordinates of a triangle of two objects, the first with these options on its picture.
+fn check_placement(options: &str, expected: [[f64; 2]; 3], warnings: usize) {
+    let mtl = format!("newmtl m\nmap_Kd {options} a.png\nnewmtl n\n");
+    let files = Memory::new().with("m.mtl", mtl);
+    let text = "mtllib m.mtl\nvt 0 0\nvt 1 0\nvt 1 2\n\
+                usemtl m\nf 1/1 2/2 3/3\nusemtl n\nf 1/1 2/2 4/3\n";
+    let loaded = load_with(format!("{SQUARE}{text}"), &files);
+    let uvs = mesh(&loaded, 0).uvs.as_ref().unwrap();
+    let found = [0, 1, 2].map(|k| uvs.at(k, k as u32).to_array());
+    assert_eq!(found, expected, "{options}");
+    assert_eq!(uvs.at(5, 3).to_array(), [1.0, 2.0], "{options}");
+    // One warning is that there is no such picture.
+    assert_eq!(loaded.warnings.len(), 1 + warnings, "{options}");
+}
+
+#[test]
+fn pictures_are_placed() {
+    check_placement("", [[0.0, 0.0], [1.0, 0.0], [1.0, 2.0]], 0);
+    check_placement("-s 2 3 1", [[0.0, 0.0], [2.0, 0.0], [2.0, 6.0]], 0);
+    check_placement("-o 0.5 -s 2", [[0.5, 0.0], [2.5, 0.0], [2.5, 2.0]], 0);
+    check_placement("-s 1e308 1e308", [[0.0, 0.0], [1e308, 0.0], [1.0, 2.0]], 0);
+    let plain = [[0.0, 0.0], [1.0, 0.0], [1.0, 2.0]];
+    check_placement("-clamp off -blendu on -blendv on -cc off -mm 0 1", plain, 0);
+    check_placement("-t 0 0 0", plain, 0);
+    check_placement("-t 1 -clamp on -mm 0 2 -blendu off", plain, 4);
+}
+
+#[test]
+fn placed_pictures_on_surfaces() {
+    let files = Memory::new().with("m.mtl", "newmtl m\nmap_Kd -o 0.5 0.25 a.png");
+    let surface = "cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1 2 4 3\nparm u 0 1\nparm v 0 1\nend";
+    let text = format!("mtllib m.mtl\n{SQUARE}usemtl m\n{surface}");
+    let loaded = load_with(text, &files);
+    let uvs = mesh(&loaded, 0).uvs.as_ref().unwrap();
+    assert_eq!(uvs.corners, None);
+    assert_eq!(uvs.values[0], DVec2::new(0.5, 0.25));
 }
 
 #[test]

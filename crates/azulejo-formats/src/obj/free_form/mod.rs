@@ -493,6 +493,10 @@ impl Reader<'_> {
             |lines, budget| free_form.region(element, lines, budget),
             &mut self.budget,
         )?;
+        if patch.is_empty() {
+            let why = "loops that leave nothing of it";
+            return Err(Refused::Because(why.to_owned()));
+        }
         let part = self.raw.parts.len();
         let surfaces = &mut self.raw.surfaces;
         if surfaces.last().is_none_or(|last| last.part != part) {

@@ -117,6 +117,10 @@ impl Patch {
         (self.positions.len() - 1) as u32
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
     /// Adds the polygons to a mesh that holds nothing else.
     pub fn add_to(self, mesh: &mut Mesh, material: MaterialId) {
         let base = mesh.positions.len() as u32;

@@ -1,0 +1,84 @@
+//! How a picture lies on a surface: the options `-s` and `-o`, moved into texture coordinates.
+
+use super::mtl::Library;
+use azulejo_scene::{Attribute, MaterialId, Mesh};
+use glam::DVec2;
+use std::collections::HashMap;
+
+/// From texture coordinates of the model to those of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Placement {
+    pub scale: DVec2,
+    pub offset: DVec2,
+}
+
+impl Default for Placement {
+    fn default() -> Placement {
+        Placement {
+            scale: DVec2::ONE,
+            offset: DVec2::ZERO,
+        }
+    }
+}
+
+impl Placement {
+    /// As programs agree on it: scaled about the origin, then moved. What is too large to be a
+    /// number stays where it was.
+    fn apply(self, uv: DVec2) -> DVec2 {
+        let placed = uv * self.scale + self.offset;
+        if placed.is_finite() { placed } else { uv }
+    }
+}
+
+/// Moves the texture coordinates of faces whose material places its picture.
+pub(super) fn place(mesh: &mut Mesh, library: &Library) {
+    let placement = |m: &MaterialId| library.placement(*m);
+    let mut materials = mesh.face_materials.iter();
+    if !materials.any(|m| placement(m).is_some()) {
+        return;
+    }
+    let Some(uvs) = mesh.uvs.take() else { return };
+    let mut values = Vec::new();
+    let mut corners = Vec::with_capacity(mesh.faces.corners.len());
+    // Faces of differently placed materials may share a coordinate.
+    let mut known: HashMap<(u32, Option<MaterialId>), u32> = HashMap::new();
+    for (face, material) in mesh.face_materials.iter().enumerate() {
+        let placed = placement(material);
+        let key = placed.map(|_| *material);
+        for corner in mesh.faces.corner_range(face) {
+            let vertex = mesh.faces.corners[corner];
+            let old = uvs.corners.as_ref().map_or(vertex, |index| index[corner]);
+            corners.push(*known.entry((old, key)).or_insert_with(|| {
+                let uv = uvs.values[old as usize];
+                values.push(placed.map_or(uv, |p| p.apply(uv)));
+                (values.len() - 1) as u32
+            }));
+        }
+    }
+    mesh.uvs = Some(per_vertex_if_possible(mesh, values, corners));
+}
+
+/// Values per vertex when every vertex has but one of them, else per corner.
+pub(super) fn per_vertex_if_possible<T: Copy>(
+    mesh: &Mesh,
+    values: Vec<T>,
+    corners: Vec<u32>,
+) -> Attribute<T> {
+    const UNKNOWN: u32 = u32::MAX;
+    let mut of_vertex = vec![UNKNOWN; mesh.positions.len()];
+    let unique = mesh.faces.corners.iter().zip(&corners).all(|(&v, &k)| {
+        let known = &mut of_vertex[v as usize];
+        let agrees = *known == UNKNOWN || *known == k;
+        *known = k;
+        agrees
+    });
+    if unique {
+        // Every vertex has a value, because it stands in a mesh only if a face uses it.
+        Attribute::per_vertex(of_vertex.iter().map(|&k| values[k as usize]).collect())
+    } else {
+        Attribute {
+            values,
+            corners: Some(corners),
+        }
+    }
+}
