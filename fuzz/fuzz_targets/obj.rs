@@ -2,16 +2,21 @@
 //! but for names that no line can hold.
 #![no_main]
 
-use azulejo_formats::{Memory, obj};
+use azulejo_formats::{Memory, ReadOptions, obj};
 use azulejo_scene::Scene;
 use libfuzzer_sys::fuzz_target;
 
 const LIBRARY: &str =
-    "newmtl m\nKd 0.1 0.2 0.3\nnewmtl n\nKs 1\nillum 3\nnewmtl g\nNi 1.5\nillum 7\n";
+    "newmtl m\nKd 0.1 0.2 0.3\nnewmtl n\nKs 1\nillum 3\nnewmtl g\nNi 1.5\nillum 7\nnewmtl t\nmap_Kd -s 2 -o 0.5 a.png\n";
 
 fuzz_target!(|bytes: &[u8]| {
     let files = Memory::new().with("m.mtl", LIBRARY);
-    let Ok(loaded) = obj::read(bytes, "fuzz.obj", &files) else {
+    // Free-form surfaces make much of little.
+    let options = ReadOptions {
+        most_elements: 64 * bytes.len() as u64 / 100 + 10_000,
+        ..ReadOptions::default()
+    };
+    let Ok(loaded) = obj::read_with(bytes, "fuzz.obj", &files, &options) else {
         return;
     };
     loaded
