@@ -76,7 +76,7 @@ pub(super) struct Built {
 pub(super) struct Problems {
     /// Faces of one or two corners, dropped.
     pub slivers: usize,
-    /// Faces with a corner that no position is given for, dropped.
+    /// Faces with a corner that no position is given for, or none that is finite, dropped.
     pub stray_faces: usize,
     /// Faces or corners without a colour: the last of the pool.
     pub stray_colors: usize,
@@ -183,7 +183,10 @@ fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
     let mut starts = vec![0];
     let (mut start, mut corners_before, mut ordinal) = (0, 0, 0);
     for polygon in set.coord_index.split(|i| *i == -1) {
-        let exists = |i: &i32| usize::try_from(*i).is_ok_and(|i| i < set.positions.len());
+        let exists = |i: &i32| {
+            let place = usize::try_from(*i).ok().and_then(|i| set.positions.get(i));
+            place.is_some_and(|p| p.is_finite())
+        };
         if polygon.len() < 3 {
             built.problems.slivers += usize::from(!polygon.is_empty());
         } else if !polygon.iter().all(exists) {
@@ -207,7 +210,9 @@ fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
         let used = renumber(&mut corners, set.positions.len());
         used.iter().map(|&i| set.positions[i as usize]).collect()
     } else {
-        set.positions.to_vec()
+        // What no face can use is nowhere; a scene must not say so.
+        let somewhere = |p: &DVec3| if p.is_finite() { *p } else { DVec3::ZERO };
+        set.positions.iter().map(somewhere).collect()
     };
     mesh.faces = Faces { starts, corners };
     kept
@@ -487,6 +492,16 @@ mod tests {
         check(&[1, 2, 5, -1], 1, 0, 0);
         check(&[1, 2, -1, 3, -1, 1, 2, 5], 1, 2, 0);
         check(&[1, 2, 7, -1, 1, 2, -2, -1, 1, 2, i32::MIN], 0, 0, 3);
+    }
+
+    #[test]
+    fn nowhere_is_no_place() {
+        let pool = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NAN];
+        let mut set = plain(&[0, 1, 2, -1, 1, 2, 3]);
+        set.positions = &pool;
+        let built = build(&set);
+        assert_eq!((built.mesh.faces.len(), built.problems.stray_faces), (1, 1));
+        assert!(built.mesh.positions.iter().all(|p| p.is_finite()));
     }
 
     #[test]

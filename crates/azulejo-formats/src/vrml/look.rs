@@ -283,7 +283,7 @@ fn drawn(stage: &mut Stage, node: &Node) -> Option<TextureId> {
 }
 
 /// Width, height, channels and pixels, rows from below: ISO/IEC 14772-1, 5.5.
-fn pixels(numbers: &[f64]) -> Option<Image> {
+pub(super) fn pixels(numbers: &[f64]) -> Option<Image> {
     let (&[width, height, channels], pixels) = numbers.split_first_chunk()?;
     let (width, height) = (width as u32, height as u32);
     let count = (width as usize).checked_mul(height as usize)?;

@@ -8,10 +8,8 @@
 mod classic;
 mod elevation;
 mod extrusion;
-#[allow(dead_code, reason = "v1 uses the rest")]
 mod faces;
 mod flat;
-#[allow(dead_code, reason = "v1 uses the rest")]
 mod lexer;
 mod lights;
 mod look;
@@ -22,6 +20,7 @@ mod stage;
 mod surroundings;
 mod tree;
 mod triangles;
+mod v1;
 mod world;
 mod xml;
 
@@ -55,9 +54,8 @@ pub fn read(
 /// # Errors
 /// As [`read`].
 fn read_into(stage: &mut Stage, source: &Rc<Source>, frame: &Frame) -> Result<(), ReadError> {
-    // VRML 1.0 and Inventor plug in here: v1::read_into(stage, source, frame).
-    if source.text().starts_with(b"#VRML V1") || source.text().starts_with(b"#I") {
-        return Err(ReadError::whole(&*source.name, "VRML 1.0", "VRML97 or X3D"));
+    if v1::is_meant(source.text()) {
+        return v1::read_into(stage, source, frame);
     }
     let document = document(stage, source)?;
     world::build(stage, &document, frame)
@@ -74,7 +72,7 @@ fn document(stage: &mut Stage, source: &Rc<Source>) -> Result<Rc<Document>, Read
         [b'<', ..] => xml::parse(stage, source)?,
         _ => {
             let mut lexer = lexer::Lexer::new(&source.bytes);
-            let expected = "\"#VRML V2.0 utf8\", \"#X3D V3.3 utf8\" or XML";
+            let expected = "\"#VRML V1.0 ascii\", \"#VRML V2.0 utf8\", \"#X3D V3.3 utf8\" or XML";
             return Err(lexer.error(&source.name, expected));
         }
     };

@@ -1,0 +1,184 @@
+//! Materials and pictures.
+
+use super::node::Node;
+use super::walk::Walk;
+use crate::phong;
+use crate::text::shortened;
+use crate::vrml::look;
+use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
+use std::collections::HashMap;
+
+/// VRML's exponent of a highlight is its shininess times this, as in OpenGL.
+const MOST_EXPONENT: f64 = 128.0;
+
+/// Reflectance of what no Material tells otherwise.
+const DEFAULT_DIFFUSE: Rgb = Rgb::grey(0.8);
+
+/// What has been made of the nodes of this file.
+#[derive(Debug, Default)]
+pub(super) struct Looks {
+    materials: HashMap<Look, MaterialId>,
+    /// By the place of their node.
+    textures: HashMap<usize, Option<TextureId>>,
+}
+
+/// Everything that makes two materials of a file different.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Look {
+    /// The place of the node Material, and which of its materials.
+    material: Option<(usize, u32)>,
+    texture: Option<TextureId>,
+    is_open: bool,
+    is_colored: bool,
+}
+
+/// How many materials a node Material holds.
+pub(super) fn count(material: &Node) -> usize {
+    let diffuse = material.colors("diffuseColor").map_or(1, <[Rgb]>::len);
+    beyond_diffuse(material).fold(diffuse, usize::max).max(1)
+}
+
+/// Whether the materials of a node have more that is not alike than their diffuse colours.
+pub(super) fn differ_beyond_diffuse(material: &Node) -> bool {
+    beyond_diffuse(material).any(|count| count > 1)
+}
+
+/// How many values the other fields have that matter.
+fn beyond_diffuse<'n>(material: &'n Node) -> impl Iterator<Item = usize> + 'n {
+    let colors = ["specularColor", "emissiveColor"];
+    let numbers = ["shininess", "transparency", "mirror"];
+    let colors = colors
+        .into_iter()
+        .filter_map(|f| Some(material.colors(f)?.len()));
+    let numbers = numbers
+        .into_iter()
+        .filter_map(|f| Some(material.numbers(f)?.len()));
+    colors.chain(numbers)
+}
+
+/// The value of the `i`-th material: the last one of a list that is too short.
+fn nth<T: Copy>(list: Option<&[T]>, i: usize) -> Option<T> {
+    let list = list?;
+    list.get(i).or(list.last()).copied()
+}
+
+impl Walk<'_, '_, '_> {
+    /// The current materials' `i`-th, for a surface that is closed, or open and seen from both
+    /// sides; with `is_colored`, for one whose vertices have the diffuse colours.
+    pub fn material(&mut self, i: usize, is_open: bool, is_colored: bool) -> MaterialId {
+        let look = Look {
+            material: self.state.material.map(|node| (node.at, i as u32)),
+            texture: self.state.texture,
+            is_open,
+            is_colored,
+        };
+        if let Some(&known) = self.looks.materials.get(&look) {
+            return known;
+        }
+        let mut material = match self.state.material {
+            Some(node) => self.described(node, i),
+            None => Material::diffuse("", DEFAULT_DIFFUSE),
+        };
+        if is_colored {
+            material.diffuse = Rgb::WHITE;
+            // The vertices' colours cannot be more than white, so a mirror must leave room.
+            material.limit_reflectance();
+        }
+        material.emits_back = is_open && material.is_emitter();
+        material.textures.extend(look.texture);
+        let id = self.stage.materials.index(material);
+        self.looks.materials.insert(look, id);
+        id
+    }
+
+    /// The `i`-th material of a node.
+    fn described(&mut self, node: &Node, i: usize) -> Material {
+        let color = |field| nth(node.colors(field), i);
+        let number = |field, default| nth(node.numbers(field), i).unwrap_or(default);
+        let share = |x: f64| {
+            if x.is_finite() {
+                x.clamp(0.0, 1.0)
+            } else {
+                0.0
+            }
+        };
+        let emission = color("emissiveColor").unwrap_or_default();
+        // With an empty list of diffuse colours the light of the scene is in the emissive ones.
+        let is_baked =
+            node.colors("diffuseColor").is_some_and(<[Rgb]>::is_empty) && !emission.is_black();
+        let default = if is_baked {
+            Rgb::BLACK
+        } else {
+            DEFAULT_DIFFUSE
+        };
+        let mirror = share(number("mirror", 0.0));
+        let diffuse = color("diffuseColor").unwrap_or(default).map(share);
+        let mut material = Material {
+            name: node.name.as_deref().unwrap_or_default().to_owned(),
+            diffuse: (1.0 - mirror) * diffuse,
+            mirror: Rgb::grey(mirror),
+            emission: emission.map(|c| c.max(0.0)),
+            ..Material::default()
+        };
+        material.limit_reflectance();
+        let specular = color("specularColor").unwrap_or_default().map(share);
+        if !specular.is_black() {
+            let exponent = MOST_EXPONENT * share(number("shininess", 0.2));
+            material.brdf = Some(phong::brdf(exponent, specular, material.diffuse));
+            self.warn(node, "glossy material (specularColor, shininess): kept as brdf phong, its diffuseColor alone reflects");
+        }
+        if number("transparency", 0.0) > 0.0 {
+            self.warn(node, "see-through material (transparency): opaque");
+        }
+        material
+    }
+
+    /// Whether the current materials are all so transparent that nothing is seen.
+    pub fn is_invisible(&self) -> bool {
+        let transparency = self.state.material.and_then(|m| m.numbers("transparency"));
+        transparency.is_some_and(|list| !list.is_empty() && list.iter().all(|t| *t >= 1.0))
+    }
+
+    /// The picture of a node Texture2; `None` for one without.
+    pub fn texture(&mut self, node: &Node) -> Option<TextureId> {
+        if let Some(&known) = self.looks.textures.get(&node.at) {
+            return known;
+        }
+        for field in ["wrapS", "wrapT"] {
+            if node.word(field) == "CLAMP" {
+                self.warn(node, format!("{field} CLAMP of a picture: repeated"));
+            }
+        }
+        let id = match node.word("filename") {
+            "" => self.written_out(node),
+            name => Some(self.picture(node, name)),
+        };
+        self.looks.textures.insert(node.at, id);
+        id
+    }
+
+    /// The picture in a file.
+    fn picture(&mut self, node: &Node, name: &str) -> TextureId {
+        let stage = &mut *self.stage;
+        let (id, problem) = stage.textures.index(&self.source.name, name, stage.files);
+        if let Some(problem) = problem {
+            self.warn(node, problem);
+        }
+        id
+    }
+
+    /// The picture whose pixels stand in the node; `None` if it has none.
+    fn written_out(&mut self, node: &Node) -> Option<TextureId> {
+        let numbers = node.numbers("image")?;
+        if numbers.iter().take(3).any(|n| *n == 0.0) {
+            return None;
+        }
+        let name = shortened(node.name.as_deref().unwrap_or("Texture2"));
+        let drawn = match look::pixels(numbers) {
+            Some(image) => self.stage.textures.drawn(name, image),
+            None => Err("it has fewer pixels than it says".to_owned()),
+        };
+        let said = |why| self.warn(node, format!("picture of numbers is not shown: {why}"));
+        drawn.map_err(said).ok()
+    }
+}

@@ -1,0 +1,145 @@
+//! Face sets, and where shapes of all kinds go.
+
+use super::looks;
+use super::node::Node;
+use super::walk::Walk;
+use crate::ReadError;
+use crate::vrml::faces::{self, Binding, Bound, Built, FaceSet};
+use crate::vrml::stage::Placed;
+use azulejo_scene::{Attribute, Mesh, Rgb};
+use glam::DVec3;
+use std::borrow::Cow;
+
+impl<'d> Walk<'d, '_, '_> {
+    /// An IndexedFaceSet over the current points.
+    pub fn face_set(&mut self, node: &'d Node<'d>) -> Result<(), ReadError> {
+        let state = self.state;
+        let palette = self.palette()?;
+        let set = FaceSet {
+            positions: state.points,
+            coord_index: node.index("coordIndex").unwrap_or(&[]),
+            colors: self.bound_colors(&palette, node),
+            normals: self.bound_normals(node),
+            uvs: (state.texture.is_some() && !state.uvs.is_empty()).then_some(Bound {
+                values: state.uvs,
+                index: node.index("textureCoordIndex"),
+                binding: Binding::PerVertexIndexed,
+            }),
+            ccw: !state.hints.clockwise,
+            crease_angle: state.hints.crease_angle,
+            drop_unused: true,
+        };
+        self.stage.spend(set.cost())?;
+        let mut built = self.build(node, set);
+        for (message, count) in built.problems.messages() {
+            self.stage.warn_many(self.source, node.at, message, count);
+        }
+        self.map_texture(&mut built.mesh);
+        self.paint(node, &mut built);
+        self.put(node, built.mesh);
+        Ok(())
+    }
+
+    /// One colour for each of the current materials.
+    fn palette(&mut self) -> Result<Cow<'d, [Rgb]>, ReadError> {
+        let Some(material) = self.state.material else {
+            return Ok(Cow::Borrowed(&[]));
+        };
+        let count = looks::count(material);
+        match material.colors("diffuseColor") {
+            Some(diffuse) if diffuse.len() == count => Ok(Cow::Borrowed(diffuse)),
+            // Materials that differ in something else still have to be told apart.
+            diffuse => {
+                self.stage.spend(count as u64)?;
+                let mut palette = diffuse.unwrap_or_default().to_vec();
+                palette.resize(count, palette.last().copied().unwrap_or_default());
+                Ok(Cow::Owned(palette))
+            }
+        }
+    }
+
+    /// The current materials as the faces or corners of a set take them; `None` if one holds for
+    /// the whole set.
+    fn bound_colors<'b>(&self, palette: &'b [Rgb], node: &'b Node) -> Option<Bound<'b, Rgb>> {
+        let binding = self.state.material_binding.of_faces(Binding::Overall);
+        (palette.len() > 1 && binding != Binding::Overall).then_some(Bound {
+            values: palette,
+            index: node.index("materialIndex"),
+            binding,
+        })
+    }
+
+    fn bound_normals(&self, node: &'d Node<'d>) -> Option<Bound<'d, DVec3>> {
+        let binding = self
+            .state
+            .normal_binding
+            .of_faces(Binding::PerVertexIndexed);
+        (!self.state.normals.is_empty()).then_some(Bound {
+            values: self.state.normals,
+            index: node.index("normalIndex"),
+            binding,
+        })
+    }
+
+    /// Makes the mesh; where the current normals do not suffice, with normals of its own faces.
+    fn build(&mut self, node: &Node, set: FaceSet) -> Built {
+        let built = faces::build(&set);
+        if built.problems.stray_normals == 0 {
+            return built;
+        }
+        self.warn(node, "too few normals for a face set: made from its faces");
+        faces::build(&FaceSet {
+            normals: None,
+            ..set
+        })
+    }
+
+    /// Brings texture coordinates under the current Texture2Transform, and makes them where a
+    /// picture has none.
+    pub fn map_texture(&mut self, mesh: &mut Mesh) {
+        let Some(texture) = self.state.texture else {
+            return;
+        };
+        if mesh.uvs.is_none() && self.stage.textures.is_loaded(texture) {
+            mesh.uvs = Some(Attribute::per_vertex(faces::box_mapping(&mesh.positions)));
+        }
+        if let Some(uvs) = &mut mesh.uvs {
+            for uv in &mut uvs.values {
+                let mapped = self.state.uv_matrix.transform_point2(*uv);
+                *uv = if mapped.is_finite() { mapped } else { *uv };
+            }
+        }
+    }
+
+    /// Gives the faces of a set their materials.
+    fn paint(&mut self, node: &Node, built: &mut Built) {
+        let mesh = &mut built.mesh;
+        let is_open = !self.state.hints.has_inside;
+        if built.face_values.is_empty() {
+            let material = self.material(0, is_open, !mesh.colors.is_empty());
+            mesh.face_materials.fill(material);
+            let differ = self
+                .state
+                .material
+                .is_some_and(looks::differ_beyond_diffuse);
+            if !mesh.colors.is_empty() && differ {
+                self.warn(node, "materials of vertices that differ in more than diffuseColor: those of the first taken");
+            }
+        }
+        for (material, &value) in mesh.face_materials.iter_mut().zip(&built.face_values) {
+            *material = self.material(value as usize, is_open, false);
+        }
+    }
+
+    /// Makes an object of a mesh in the coordinates of its node.
+    pub fn put(&mut self, node: &Node, mesh: Mesh) {
+        let placed = self
+            .stage
+            .place_mesh(&self.frame(), node.name.as_deref(), mesh);
+        match placed {
+            Placed::Object => {}
+            Placed::Nothing => self.warn(node, "shape without faces: skipped"),
+            Placed::Nowhere => self.warn(node, "shape that lies beyond the numbers: skipped"),
+        }
+    }
+}

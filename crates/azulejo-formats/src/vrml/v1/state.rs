@@ -1,0 +1,175 @@
+//! What shapes find when they come: the state that other nodes change.
+
+use super::node::Node;
+use crate::vrml::faces::Binding;
+use azulejo_scene::TextureId;
+use glam::{DAffine2, DAffine3, DMat3, DQuat, DVec2, DVec3};
+
+/// The state between two nodes.
+#[derive(Clone, Copy)]
+pub(super) struct State<'d> {
+    /// From the coordinates of shapes to those of the file.
+    pub matrix: DAffine3,
+    /// What texture coordinates go through.
+    pub uv_matrix: DAffine2,
+    /// The current points.
+    pub points: &'d [DVec3],
+    /// The current normals.
+    pub normals: &'d [DVec3],
+    /// The current texture coordinates.
+    pub uvs: &'d [DVec2],
+    /// The current materials: a node Material.
+    pub material: Option<&'d Node<'d>>,
+    /// What each of the materials belongs to.
+    pub material_binding: Per,
+    /// What each of the normals belongs to.
+    pub normal_binding: Per,
+    /// The current picture.
+    pub texture: Option<TextureId>,
+    /// What is known about surfaces.
+    pub hints: Hints,
+}
+
+impl State<'_> {
+    /// The state at the start of a file.
+    pub fn new(inventor: bool) -> Self {
+        State {
+            matrix: DAffine3::IDENTITY,
+            uv_matrix: DAffine2::IDENTITY,
+            // A Coordinate3 that says nothing holds one point.
+            points: &[DVec3::ZERO],
+            normals: &[],
+            uvs: &[],
+            material: None,
+            material_binding: Per::Default,
+            normal_binding: Per::Default,
+            texture: None,
+            hints: Hints {
+                clockwise: false,
+                has_inside: false,
+                crease_angle: default_crease_angle(inventor),
+            },
+        }
+    }
+}
+
+/// VRML 1.0 smooths edges of less than half a radian, Inventor none.
+fn default_crease_angle(inventor: bool) -> f64 {
+    if inventor { 0.0 } else { 0.5 }
+}
+
+/// What ShapeHints says.
+#[derive(Clone, Copy)]
+pub(super) struct Hints {
+    /// Whether the front shows its corners clockwise.
+    pub clockwise: bool,
+    /// Whether shapes are solid and their fronts known, so that backs are never seen.
+    pub has_inside: bool,
+    /// Greatest angle between faces that are smooth where they meet, radians.
+    pub crease_angle: f64,
+}
+
+impl Hints {
+    /// The hints of a node, which replaces all of them.
+    pub fn of(node: &Node, inventor: bool) -> Hints {
+        let ordering = node.word("vertexOrdering");
+        let default = default_crease_angle(inventor);
+        Hints {
+            clockwise: ordering == "CLOCKWISE",
+            has_inside: matches!(ordering, "CLOCKWISE" | "COUNTERCLOCKWISE")
+                && node.word("shapeType") == "SOLID",
+            crease_angle: node.number("creaseAngle", default),
+        }
+    }
+}
+
+/// A value of MaterialBinding or NormalBinding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Per {
+    /// What suits the shape best.
+    Default,
+    Overall,
+    Part,
+    PartIndexed,
+    Face,
+    FaceIndexed,
+    Vertex,
+    VertexIndexed,
+}
+
+impl Per {
+    /// The value of that name; `None` if there is none.
+    pub fn named(word: &str) -> Option<Per> {
+        Some(match word {
+            "" | "DEFAULT" => Per::Default,
+            "OVERALL" | "NONE" => Per::Overall,
+            "PER_PART" => Per::Part,
+            "PER_PART_INDEXED" => Per::PartIndexed,
+            "PER_FACE" => Per::Face,
+            "PER_FACE_INDEXED" => Per::FaceIndexed,
+            "PER_VERTEX" => Per::Vertex,
+            "PER_VERTEX_INDEXED" => Per::VertexIndexed,
+            _ => return None,
+        })
+    }
+
+    /// How the faces of a set take values of this binding; the parts of a set are its faces.
+    pub fn of_faces(self, default: Binding) -> Binding {
+        match self {
+            Per::Default => default,
+            Per::Overall => Binding::Overall,
+            Per::Part | Per::Face => Binding::PerFace,
+            Per::PartIndexed | Per::FaceIndexed => Binding::PerFaceIndexed,
+            Per::Vertex => Binding::PerVertex,
+            Per::VertexIndexed => Binding::PerVertexIndexed,
+        }
+    }
+
+    /// Whether the parts of a sphere, cube, cylinder or cone have materials of their own.
+    pub fn is_per_part(self) -> bool {
+        matches!(self, Per::Part | Per::PartIndexed)
+    }
+}
+
+/// The rotation of four numbers, an axis and an angle; none if the axis has no direction.
+pub(super) fn rotation(numbers: Option<[f64; 4]>) -> DQuat {
+    let [x, y, z, angle] = numbers.unwrap_or([0.0, 0.0, 1.0, 0.0]);
+    let axis = DVec3::new(x, y, z).try_normalize();
+    axis.map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, angle))
+}
+
+/// The map of a Transform: scaled along turned axes, turned and moved, about a centre.
+pub(super) fn transform(node: &Node) -> DAffine3 {
+    let centre = node.vector("center", DVec3::ZERO);
+    let turned = DAffine3::from_quat(rotation(node.exactly("scaleOrientation")));
+    DAffine3::from_translation(node.vector("translation", DVec3::ZERO) + centre)
+        * DAffine3::from_quat(rotation(node.exactly("rotation")))
+        * turned
+        * DAffine3::from_scale(node.vector("scaleFactor", DVec3::ONE))
+        * turned.inverse()
+        * DAffine3::from_translation(-centre)
+}
+
+/// The map of a MatrixTransform, whose rows are what points, standing before it, go through:
+/// the last row moves. `None` if it is not affine.
+pub(super) fn matrix_transform(node: &Node) -> Option<DAffine3> {
+    let Some(m) = node.exactly::<16>("matrix") else {
+        return Some(DAffine3::IDENTITY);
+    };
+    let row = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]) / m[15];
+    let map = DAffine3 {
+        matrix3: DMat3::from_cols(row(0), row(1), row(2)),
+        translation: row(3),
+    };
+    ([m[3], m[7], m[11]] == [0.0; 3] && map.is_finite()).then_some(map)
+}
+
+/// The map of a Texture2Transform: scaled and turned about a centre, then moved.
+pub(super) fn uv_transform(node: &Node) -> DAffine2 {
+    let pair = |field, default| node.exactly(field).map_or(default, DVec2::from_array);
+    let centre = pair("center", DVec2::ZERO);
+    DAffine2::from_translation(pair("translation", DVec2::ZERO) + centre)
+        * DAffine2::from_angle(node.number("rotation", 0.0))
+        * DAffine2::from_scale(pair("scaleFactor", DVec2::ONE))
+        * DAffine2::from_translation(-centre)
+}
