@@ -241,7 +241,7 @@ fn picture(stage: &mut Stage, node: &Rc<Node>, look: &mut Look) -> Result<(), Re
 /// The picture in a file: the first of the URLs that there is.
 fn named(stage: &mut Stage, node: &Node) -> Option<TextureId> {
     let urls = node.strings("url");
-    let beside = |url: &String| crate::files::beside(&node.source.name, url);
+    let beside = |url: &String| crate::files::beside(&node.source.path, url);
     let exists = |url: &&String| stage.files.read(&beside(url)).is_ok();
     let url = match &*urls {
         [] => return None,
@@ -257,7 +257,7 @@ fn named(stage: &mut Stage, node: &Node) -> Option<TextureId> {
             );
         }
     }
-    let (id, problem) = stage.textures.index(&node.source.name, url, stage.files);
+    let (id, problem) = stage.textures.index(&node.source.path, url, stage.files);
     if let Some(problem) = problem {
         stage.warn(&node.source, node.at, problem);
     }

@@ -40,10 +40,7 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let source = Rc::new(Source {
-        name: name.to_owned(),
-        bytes: crate::text::without_utf16(bytes).into_owned(),
-    });
+    let source = Rc::new(Source::model(name, bytes));
     let mut stage = Stage::new(name, files, options);
     read_into(&mut stage, &source, &Frame::default())?;
     Ok(stage.finish(name))

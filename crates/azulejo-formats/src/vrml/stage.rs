@@ -22,8 +22,10 @@ const MOST_NAME: usize = 200;
 /// A text file of the model, kept for saying where in it something stands.
 #[derive(Debug)]
 pub(super) struct Source {
-    /// Its name as the model's folder knows it.
+    /// Its name in messages.
     pub name: String,
+    /// Its name as the model's folder knows it.
+    pub path: String,
     /// Its text, unpacked, in UTF-8 or near it.
     pub bytes: Vec<u8>,
 }
@@ -37,6 +39,15 @@ pub(super) enum Opened {
 }
 
 impl Source {
+    /// The model itself, whose name in messages may tell folders that its own does not know.
+    pub fn model(name: &str, bytes: &[u8]) -> Source {
+        Source {
+            name: name.to_owned(),
+            path: in_own_folder(name),
+            bytes: crate::text::without_utf16(bytes).into_owned(),
+        }
+    }
+
     /// Line and column of a byte.
     pub fn position(&self, offset: usize) -> Position {
         position(&self.bytes, offset)
@@ -112,6 +123,8 @@ pub(super) struct Stage<'a> {
     pub textures: Textures,
     pub warnings: Warnings,
     budget: Budget,
+    /// The model's name in messages.
+    model: String,
     /// Bytes that files named by the model may still have.
     bytes_left: u64,
     /// Files that were read, by name.
@@ -139,9 +152,10 @@ impl<'a> Stage<'a> {
             textures: Textures::default(),
             warnings: Warnings::default(),
             budget: Budget::new(options),
+            model: model.to_owned(),
             bytes_left: options.most_unpacked,
             documents: HashMap::new(),
-            open: vec![model.to_owned()],
+            open: vec![in_own_folder(model)],
         }
     }
 
@@ -168,7 +182,7 @@ impl<'a> Stage<'a> {
     /// # Errors
     /// Nothing is left.
     pub fn spend(&mut self, elements: u64) -> Result<(), ReadError> {
-        let exhausted = |e: crate::options::Exhausted| e.error(&self.open[0]);
+        let exhausted = |e: crate::options::Exhausted| e.error(&self.model);
         self.budget.spend(elements).map_err(exhausted)
     }
 
@@ -217,7 +231,7 @@ impl<'a> Stage<'a> {
         let mut why = "it names no file".to_owned();
         for url in urls {
             let file = url.split('#').next().unwrap_or_default();
-            let name = files::beside(&from.name, local(file));
+            let name = files::beside(&from.path, local(file));
             match self.read(&name) {
                 Ok(opened) => {
                     self.open.push(name);
@@ -232,7 +246,7 @@ impl<'a> Stage<'a> {
 
     /// Keeps what a file holds, in case it is asked for again.
     pub fn know(&mut self, source: &Source, document: &Rc<Document>) {
-        self.documents.insert(source.name.clone(), document.clone());
+        self.documents.insert(source.path.clone(), document.clone());
     }
 
     /// Whether the model's own file is read, and none inside it.
@@ -267,6 +281,7 @@ impl<'a> Stage<'a> {
         }
         Ok(Opened::New(Rc::new(Source {
             name: name.to_owned(),
+            path: name.to_owned(),
             bytes: crate::text::without_utf16(&bytes).into_owned(),
         })))
     }
@@ -298,6 +313,12 @@ pub(super) enum Placed {
     Nowhere,
 }
 
+/// A file's name without the folders before it.
+fn in_own_folder(name: &str) -> String {
+    let name = name.rsplit(['/', '\\']).next();
+    name.unwrap_or_default().to_owned()
+}
+
 /// A file's name without the scheme of a local URL.
 fn local(url: &str) -> &str {
     let rest = url.strip_prefix("file:").unwrap_or(url);
@@ -326,11 +347,8 @@ mod tests {
     fn files_are_opened_once_inside_one_another() {
         let files = Memory::new().with("parts/a.wrl", "a").with("b.wrl", "b");
         let options = ReadOptions::default();
-        let mut stage = Stage::new("m.wrl", &files, &options);
-        let model = Source {
-            name: "m.wrl".into(),
-            bytes: Vec::new(),
-        };
+        let mut stage = Stage::new("/models/m.wrl", &files, &options);
+        let model = Source::model("/models/m.wrl", b"");
         let urls = ["none.wrl", "file:parts/a.wrl#x"].map(String::from);
         let Some(Opened::New(a)) = stage.open(&model, 0, &urls) else {
             panic!("a file that was not read before");

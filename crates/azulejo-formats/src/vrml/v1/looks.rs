@@ -160,7 +160,7 @@ impl Walk<'_, '_, '_> {
     /// The picture in a file.
     fn picture(&mut self, node: &Node, name: &str) -> TextureId {
         let stage = &mut *self.stage;
-        let (id, problem) = stage.textures.index(&self.source.name, name, stage.files);
+        let (id, problem) = stage.textures.index(&self.source.path, name, stage.files);
         if let Some(problem) = problem {
             self.warn(node, problem);
         }
