@@ -39,27 +39,32 @@ impl Textures {
         let (path, read) = find(&wanted, &name, files);
         let (id, problem) = match self.known.get(&path) {
             Some(&known) => (known, None),
-            None => self.add(path, read),
+            None => {
+                self.known
+                    .insert(path.clone(), self.list.len() as TextureId);
+                self.embedded(path, read.map_err(|e| e.to_string()))
+            }
         };
         self.known.insert(wanted, id);
         (id, problem)
     }
 
-    fn add(
+    /// Adds a picture that stands in the model's own file, under a name of its own, and says
+    /// what to warn of; `read` are its bytes, or why they cannot be had.
+    pub fn embedded(
         &mut self,
-        path: String,
-        read: Result<Vec<u8>, FileError>,
+        name: String,
+        read: Result<Vec<u8>, String>,
     ) -> (TextureId, Option<String>) {
         let decode = |bytes: Vec<u8>| picture::decode(&bytes).map_err(|e| e.to_string());
-        let decoded = read.map_err(|e| e.to_string()).and_then(decode);
+        let decoded = read.and_then(decode);
         let image = decoded.and_then(|image| self.admit(image));
-        let shown = shortened(&path);
+        let shown = shortened(&name);
         let said = |why| format!("picture \"{shown}\" is not shown: {why}");
         let problem = image.as_ref().err().map(said);
         let id = self.list.len() as TextureId;
-        self.known.insert(path.clone(), id);
         self.list.push(Texture {
-            path,
+            path: name,
             image: image.ok(),
         });
         (id, problem)

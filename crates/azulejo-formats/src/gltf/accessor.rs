@@ -1,0 +1,266 @@
+//! Numbers out of buffers.
+
+use super::buffers::Buffers;
+use gltf_json::accessor::sparse::Sparse;
+use gltf_json::accessor::{Accessor, ComponentType, Type};
+use gltf_json::buffer::View;
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Root};
+
+/// What accessors read from. Faults are words, because what they spoil is only a part of the
+/// file, and the reader of that part knows what to make of it.
+#[derive(Debug)]
+pub(super) struct Data<'a> {
+    /// The file.
+    pub root: &'a Root,
+    /// Its buffers.
+    pub buffers: Buffers<'a>,
+}
+
+/// Elements of one accessor, or the values of a sparse one: each begins `stride` bytes behind
+/// the one before.
+#[derive(Clone, Copy)]
+struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+    count: usize,
+}
+
+impl<'a> Elements<'a> {
+    /// Checks that all elements are there.
+    fn new(
+        view: &'a [u8],
+        offset: u64,
+        stride: Option<usize>,
+        size: usize,
+        count: usize,
+    ) -> Result<Elements<'a>, String> {
+        let stride = stride.unwrap_or(size);
+        if stride < size {
+            return Err(format!("elements of {size} bytes every {stride} bytes"));
+        }
+        let length = match count {
+            0 => Some(0),
+            _ => stride
+                .checked_mul(count - 1)
+                .and_then(|l| l.checked_add(size)),
+        };
+        let start = usize::try_from(offset).ok();
+        let end = start.zip(length).and_then(|(s, l)| s.checked_add(l));
+        let bytes = start.zip(end).and_then(|(s, e)| view.get(s..e));
+        let bytes = bytes.ok_or_else(|| {
+            format!(
+                "{count} elements reach beyond the {} bytes of their view",
+                view.len()
+            )
+        })?;
+        Ok(Elements {
+            bytes,
+            stride,
+            size,
+            count,
+        })
+    }
+
+    /// The elements' bytes.
+    fn iter(self) -> impl Iterator<Item = &'a [u8]> {
+        (0..self.count).map(move |i| &self.bytes[i * self.stride..][..self.size])
+    }
+
+    /// Makes something of the numbers of every element, which are `S` bytes each.
+    fn numbers<const S: usize, const N: usize, T>(
+        self,
+        number: impl Fn([u8; S]) -> f64,
+        make: &impl Fn([f64; N]) -> T,
+    ) -> Vec<T> {
+        let element = |bytes: &[u8]| {
+            let (parts, _) = bytes.as_chunks::<S>();
+            make(std::array::from_fn(|k| number(parts[k])))
+        };
+        self.iter().map(element).collect()
+    }
+
+    /// As [`Elements::numbers`], for numbers of any type. What is normalised becomes shares of
+    /// its type's largest value.
+    fn decoded<const N: usize, T>(
+        self,
+        kind: ComponentType,
+        normalized: bool,
+        make: &impl Fn([f64; N]) -> T,
+    ) -> Vec<T> {
+        use ComponentType::{F32, I8, I16, U8, U16, U32};
+        let share = |value: f64, most: f64| if normalized { value / most } else { value };
+        let signed = |value: f64, most: f64| match normalized {
+            true => (value / most).max(-1.0),
+            false => value,
+        };
+        match kind {
+            F32 => self.numbers(|b| f32::from_le_bytes(b).into(), make),
+            U8 => self.numbers(|[b]| share(b.into(), 255.0), make),
+            U16 => self.numbers(|b| share(u16::from_le_bytes(b).into(), 65535.0), make),
+            U32 => self.numbers(|b| share(u32::from_le_bytes(b).into(), 4294967295.0), make),
+            I8 => self.numbers(|b| signed(i8::from_le_bytes(b).into(), 127.0), make),
+            I16 => self.numbers(|b| signed(i16::from_le_bytes(b).into(), 32767.0), make),
+        }
+    }
+
+    /// Whole numbers without a sign.
+    fn indices(self, kind: ComponentType) -> Result<Vec<u32>, String> {
+        fn each<const S: usize>(e: Elements, number: impl Fn([u8; S]) -> u32) -> Vec<u32> {
+            let elements = e.iter().filter_map(<[u8]>::first_chunk);
+            elements.map(|b| number(*b)).collect()
+        }
+        match kind {
+            ComponentType::U8 => Ok(each(self, |[b]| b.into())),
+            ComponentType::U16 => Ok(each(self, |b| u16::from_le_bytes(b).into())),
+            ComponentType::U32 => Ok(each(self, u32::from_le_bytes)),
+            _ => Err("indices that are no whole numbers".to_owned()),
+        }
+    }
+}
+
+fn size_of(kind: ComponentType) -> usize {
+    match kind {
+        ComponentType::I8 | ComponentType::U8 => 1,
+        ComponentType::I16 | ComponentType::U16 => 2,
+        ComponentType::U32 | ComponentType::F32 => 4,
+    }
+}
+
+fn valid<T: Copy>(checked: &Checked<T>) -> Result<T, String> {
+    match checked {
+        Checked::Valid(value) => Ok(*value),
+        Checked::Invalid => Err("an accessor of an unknown type".to_owned()),
+    }
+}
+
+impl Data<'_> {
+    fn accessor(&self, index: Index<Accessor>) -> Result<&Accessor, String> {
+        let accessor = self.root.get(index);
+        accessor.ok_or_else(|| format!("accessor {index} does not exist"))
+    }
+
+    /// How many elements an accessor says it has. Nobody has looked yet whether they are there.
+    pub fn count(&self, index: Index<Accessor>) -> Result<usize, String> {
+        let count = self.accessor(index)?.count.0;
+        usize::try_from(count).map_err(|_| format!("accessor {index} has {count} elements"))
+    }
+
+    /// How many numbers each element of an accessor has.
+    pub fn width(&self, index: Index<Accessor>) -> Result<usize, String> {
+        Ok(match valid(&self.accessor(index)?.type_)? {
+            Type::Scalar => 1,
+            Type::Vec2 => 2,
+            Type::Vec3 => 3,
+            Type::Vec4 | Type::Mat2 => 4,
+            Type::Mat3 => 9,
+            Type::Mat4 => 16,
+        })
+    }
+
+    /// Makes something of each of the `count` elements of an accessor. Whoever asks has
+    /// justified their number: a sparse accessor may have a billion elements in no bytes.
+    ///
+    /// # Errors
+    /// Words for another number of elements or another type than is asked for, and for elements
+    /// that are not there.
+    pub fn read<const N: usize, T: Clone>(
+        &self,
+        index: Index<Accessor>,
+        count: usize,
+        make: impl Fn([f64; N]) -> T,
+    ) -> Result<Vec<T>, String> {
+        let accessor = self.accessor(index)?;
+        if self.width(index)? != N {
+            return Err(format!("accessor {index} has not {N} numbers per element"));
+        }
+        self.expect_count(index, count)?;
+        let (kind, normalized) = (valid(&accessor.component_type)?.0, accessor.normalized);
+        let named = |fault| format!("accessor {index}: {fault}");
+        let mut values = match accessor.buffer_view {
+            Some(view) => {
+                let offset = accessor.byte_offset.unwrap_or_default().0;
+                let elements = self.elements(view, offset, N * size_of(kind), count);
+                elements.map_err(named)?.decoded(kind, normalized, &make)
+            }
+            None => vec![make([0.0; N]); count],
+        };
+        if let Some(sparse) = &accessor.sparse {
+            let changed = self.sparse(sparse, kind, normalized, count, &make);
+            for (i, value) in changed.map_err(named)? {
+                let slot = values.get_mut(i as usize);
+                *slot.ok_or_else(|| named("a sparse index out of range".into()))? = value;
+            }
+        }
+        Ok(values)
+    }
+
+    fn expect_count(&self, index: Index<Accessor>, expected: usize) -> Result<(), String> {
+        match self.count(index)? {
+            count if count == expected => Ok(()),
+            count => Err(format!(
+                "accessor {index} has {count} elements, where {expected} are needed"
+            )),
+        }
+    }
+
+    /// The `count` elements of an accessor of vertex indices.
+    ///
+    /// # Errors
+    /// As [`Data::read`].
+    pub fn indices(&self, index: Index<Accessor>, count: usize) -> Result<Vec<u32>, String> {
+        let accessor = self.accessor(index)?;
+        let kind = valid(&accessor.component_type)?.0;
+        if accessor.sparse.is_some() || self.width(index)? != 1 {
+            // Nobody writes sparse indices; the way by floating point is exact, too.
+            return self.read(index, count, |[i]| i as u32);
+        }
+        self.expect_count(index, count)?;
+        let view = accessor.buffer_view;
+        let view = view.ok_or_else(|| format!("accessor {index} has no buffer view"))?;
+        let offset = accessor.byte_offset.unwrap_or_default().0;
+        let elements = self.elements(view, offset, size_of(kind), count);
+        let indices = elements.and_then(|e| e.indices(kind));
+        indices.map_err(|fault| format!("accessor {index}: {fault}"))
+    }
+
+    fn elements(
+        &self,
+        view: Index<View>,
+        offset: u64,
+        size: usize,
+        count: usize,
+    ) -> Result<Elements<'_>, String> {
+        let bytes = self.buffers.view(view)?;
+        let stride = self.root.get(view).and_then(|v| v.byte_stride);
+        // Some writers say 0 for "one behind the other".
+        let stride = stride.map(|s| s.0).filter(|s| *s > 0);
+        Elements::new(bytes, offset, stride, size, count)
+    }
+
+    /// The elements that a sparse accessor changes, with their indices.
+    fn sparse<const N: usize, T>(
+        &self,
+        sparse: &Sparse,
+        kind: ComponentType,
+        normalized: bool,
+        most: usize,
+        make: &impl Fn([f64; N]) -> T,
+    ) -> Result<impl Iterator<Item = (u32, T)>, String> {
+        let count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
+        if count > most {
+            return Err("more sparse values than elements".to_owned());
+        }
+        let of = &sparse.indices;
+        let index_kind = valid(&of.component_type)?.0;
+        let size = size_of(index_kind);
+        let indices = self.elements(of.buffer_view, of.byte_offset.0, size, count)?;
+        let indices = indices.indices(index_kind)?;
+        let of = &sparse.values;
+        let size = N * size_of(kind);
+        let values = self.elements(of.buffer_view, of.byte_offset.0, size, count)?;
+        let values = values.decoded(kind, normalized, make);
+        Ok(indices.into_iter().zip(values))
+    }
+}

@@ -1,0 +1,169 @@
+//! The outer shape of a file: JSON text alone, or the chunks of a GLB.
+
+use super::said::Said;
+use crate::bytes::Bytes;
+use crate::{Position, ReadError};
+
+/// What a file is made of.
+#[derive(Debug)]
+pub(super) struct Container<'a> {
+    /// The JSON text, without byte order mark and padding.
+    pub json: &'a [u8],
+    /// Where it begins in a GLB; `None` if the whole file is text.
+    pub json_start: Option<u64>,
+    /// The bytes that a GLB carries behind its JSON.
+    pub bin: Option<&'a [u8]>,
+}
+
+/// Takes a file apart.
+///
+/// # Errors
+/// A GLB of another version than 2, or whose JSON is missing or cut off.
+pub(super) fn split<'a>(
+    bytes: &'a [u8],
+    file: &str,
+    said: &mut Said,
+) -> Result<Container<'a>, ReadError> {
+    if bytes.starts_with(b"glTF") {
+        return glb(bytes, file, said);
+    }
+    Ok(Container {
+        json: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
+        json_start: None,
+        bin: None,
+    })
+}
+
+fn glb<'a>(bytes: &'a [u8], file: &str, said: &mut Said) -> Result<Container<'a>, ReadError> {
+    let mut at = Bytes::new(bytes);
+    let header = (at.skip(4), at.u32_le(), at.u32_le());
+    let (Some(()), Some(version), Some(length)) = header else {
+        let found = "a GLB header that is cut off";
+        return Err(ReadError::at_byte(file, at.offset(), found, "12 bytes"));
+    };
+    if version != 2 {
+        let found = format!("binary glTF of version {version}");
+        return Err(ReadError::at_byte(file, 4, found, "version 2"));
+    }
+    if u64::from(length) != bytes.len() as u64 {
+        let message = "GLB whose length is not that of its header: read to its real end";
+        said.at(message, Position::Byte(8));
+    }
+    let json_start = at.offset() + 8;
+    let json = match chunk(&mut at) {
+        Some((b"JSON", json, true)) => json,
+        Some((b"JSON", _, false)) => {
+            let found = "a JSON chunk that is cut off";
+            return Err(ReadError::at_byte(file, 12, found, "a whole file"));
+        }
+        _ => {
+            let found = "a GLB that does not begin with its JSON";
+            return Err(ReadError::at_byte(file, 12, found, "a chunk of type JSON"));
+        }
+    };
+    Ok(Container {
+        json: without_padding(json),
+        json_start: Some(json_start),
+        bin: bin(&mut at, said),
+    })
+}
+
+/// The first chunk of type BIN, to the end of the file if it is cut off.
+fn bin<'a>(at: &mut Bytes<'a>, said: &mut Said) -> Option<&'a [u8]> {
+    let mut bin = None;
+    while at.left() > 0 {
+        let start = Position::Byte(at.offset());
+        match chunk(at) {
+            Some((b"BIN\0", content, whole)) if bin.is_none() => {
+                bin = Some(content);
+                if !whole {
+                    said.at("BIN chunk that is cut off: read as far as it goes", start);
+                }
+            }
+            Some((kind, ..)) => {
+                let kind = kind.escape_ascii();
+                said.at(&format!("chunk of type \"{kind}\": skipped"), start);
+            }
+            // Some writers pad the end of the file beyond its last chunk.
+            None => return bin,
+        }
+    }
+    bin
+}
+
+/// The next chunk: its type, its content, and whether all of it is there.
+fn chunk<'a>(at: &mut Bytes<'a>) -> Option<(&'a [u8; 4], &'a [u8], bool)> {
+    let length = at.u32_le()? as usize;
+    let kind = at.take(4)?.first_chunk()?;
+    let whole = length <= at.left();
+    let content = at.take(length.min(at.left()))?;
+    Some((kind, content, whole))
+}
+
+/// Padding is blanks; some writers pad with zeros.
+fn without_padding(json: &[u8]) -> &[u8] {
+    let end = json.iter().rposition(|b| !matches!(b, 0 | b' '));
+    &json[..end.map_or(0, |e| e + 1)]
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::warnings::Warnings;
+
+    /// A GLB of these chunks, without padding.
+    pub fn glb_of(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+        let mut body = Vec::new();
+        for (kind, content) in chunks {
+            body.extend((content.len() as u32).to_le_bytes());
+            body.extend(*kind);
+            body.extend(*content);
+        }
+        let mut glb = b"glTF\x02\0\0\0".to_vec();
+        glb.extend((body.len() as u32 + 12).to_le_bytes());
+        glb.extend(body);
+        glb
+    }
+
+    /// Checks what JSON and BIN a file holds, and how many warnings it earns.
+    fn check(bytes: &[u8], expected: Result<(&str, Option<&[u8]>, usize), &str>) {
+        let mut said = Said::default();
+        match (split(bytes, "a.glb", &mut said), expected) {
+            (Ok(found), Ok((json, bin, warned))) => {
+                let mut warnings = Warnings::default();
+                said.report("a.glb", &mut warnings);
+                assert_eq!((found.json, found.bin), (json.as_bytes(), bin));
+                assert_eq!(warnings.finish("a.glb").len(), warned);
+            }
+            (Err(e), Err(part)) => assert!(e.to_string().contains(part), "{e}"),
+            (found, _) => panic!("{found:?}, expected {expected:?}"),
+        }
+    }
+
+    #[test]
+    fn chunks() {
+        check(b"\xef\xbb\xbf{}", Ok(("{}", None, 0)));
+        check(&glb_of(&[(b"JSON", b"{} \0")]), Ok(("{}", None, 0)));
+        let whole = glb_of(&[
+            (b"JSON", b"{}"),
+            (b"abc\0", b"?"),
+            (b"BIN\0", b"12"),
+            (b"BIN\0", b"3"),
+        ]);
+        check(&whole, Ok(("{}", Some(b"12"), 2)));
+        let mut padded = glb_of(&[(b"JSON", b"{}"), (b"BIN\0", b"")]);
+        padded.push(0);
+        check(&padded, Ok(("{}", Some(b""), 1)));
+    }
+
+    #[test]
+    fn damage() {
+        check(b"glTF\x02\0\0", Err("byte 4"));
+        check(b"glTF\x01\0\0\0\0\0\0\0", Err("version 1"));
+        check(b"glTF\x02\0\0\0\0\0\0\0", Err("does not begin"));
+        check(&glb_of(&[(b"BIN\0", b"")]), Err("does not begin"));
+        let whole = glb_of(&[(b"JSON", b"{}"), (b"BIN\0", b"1234")]);
+        check(&whole[..21], Err("cut off"));
+        check(&whole[..whole.len() - 1], Ok(("{}", Some(b"123"), 2)));
+    }
+}

@@ -1,0 +1,271 @@
+//! JSON to the literal mirror of a file, checked as far as its JSON alone allows.
+
+use super::container::Container;
+use super::said::Said;
+use crate::ReadError;
+use crate::text::{shortened, text};
+use gltf_json::validation::{Checked, Error, Validate};
+use gltf_json::{Path, Root, mesh::Semantic};
+
+/// Extensions that a file may require.
+const SUPPORTED: [&str; 13] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    // What these two add changes nothing about the geometry or the light.
+    "KHR_xmp_json_ld",
+    "KHR_node_visibility",
+];
+
+/// Bytes that each JSON object must bring along. In memory an empty `{}` is as large as a
+/// material with everything in it, and a hostile file may be made of nothing else.
+const BYTES_PER_OBJECT: usize = 12;
+
+/// Objects that need no justification.
+const FREE_OBJECTS: usize = 1000;
+
+/// Reads and checks the JSON of a file.
+///
+/// # Errors
+/// What is no JSON or no glTF 2.0, with its place; indices out of range; required extensions
+/// that are not supported.
+pub(super) fn parse(container: &Container, file: &str, said: &mut Said) -> Result<Root, ReadError> {
+    let objects = container.json.iter().filter(|b| **b == b'{').count();
+    if objects.saturating_sub(FREE_OBJECTS) > container.json.len() / BYTES_PER_OBJECT {
+        let found = format!(
+            "{objects} objects in {} bytes of JSON",
+            container.json.len()
+        );
+        return Err(ReadError::whole(
+            file,
+            found,
+            "objects with something in them",
+        ));
+    }
+    let mut root = Root::from_slice(container.json).map_err(|e| malformed(&e, container, file))?;
+    check_version(&root, file)?;
+    check_extensions(&mut root, file, said)?;
+    check(&root, file, said)?;
+    Ok(root)
+}
+
+/// The error for JSON that is none, or has values of other types than glTF's.
+fn malformed(e: &gltf_json::Error, container: &Container, file: &str) -> ReadError {
+    let said = e.to_string();
+    let what = said.split(" at line ").next().unwrap_or(&said);
+    let (line, column) = (e.line(), e.column());
+    let expected = match version_of(container.json) {
+        Some(version) if !version.starts_with('2') => {
+            return ReadError::whole(file, format!("glTF {version}"), "glTF 2.0");
+        }
+        _ => "glTF 2.0",
+    };
+    match container.json_start {
+        Some(start) => {
+            let before = container.json.split_inclusive(|b| *b == b'\n');
+            let lines: usize = before.take(line.saturating_sub(1)).map(<[u8]>::len).sum();
+            let at = start + (lines + column.saturating_sub(1)) as u64;
+            ReadError::at_byte(file, at, what, expected)
+        }
+        None => {
+            let (line, column) = (line.max(1) as u32, column.max(1) as u32);
+            ReadError::at_line(file, &text(container.json), line, column, what, expected)
+        }
+    }
+}
+
+/// The version that the JSON gives itself, if it is JSON at all.
+fn version_of(json: &[u8]) -> Option<String> {
+    let value: serde_json::Value = serde_json::from_slice(json).ok()?;
+    Some(value.get("asset")?.get("version")?.as_str()?.to_owned())
+}
+
+fn check_version(root: &Root, file: &str) -> Result<(), ReadError> {
+    let (version, least) = (&root.asset.version, root.asset.min_version.as_deref());
+    if version.starts_with('2') && least.is_none_or(|v| v.starts_with("2.0")) {
+        return Ok(());
+    }
+    let found = format!("glTF {}", shortened(least.unwrap_or(version)));
+    Err(ReadError::whole(file, found, "glTF 2.0"))
+}
+
+/// Refuses what cannot be read without an unknown extension; names what is read without one.
+fn check_extensions(root: &mut Root, file: &str, said: &mut Said) -> Result<(), ReadError> {
+    for name in root.extensions_required.drain(..) {
+        if !SUPPORTED.contains(&name.as_str()) {
+            let found = format!("an extension that is required: \"{}\"", shortened(&name));
+            let expected = match name.as_str() {
+                "KHR_draco_mesh_compression" => "a file without Draco compression",
+                _ => "a file that can do without it",
+            };
+            return Err(ReadError::whole(file, found, expected));
+        }
+    }
+    for name in &root.extensions_used {
+        if !SUPPORTED.contains(&name.as_str()) {
+            said.whole(&format!("extension \"{}\": not used", shortened(name)));
+        }
+    }
+    Ok(())
+}
+
+/// Checks indices and enumerations by the rules of `gltf-json`; some of its errors are of no
+/// consequence for a reader that looks at the data itself.
+fn check(root: &Root, file: &str, said: &mut Said) -> Result<(), ReadError> {
+    check_positions(root, file)?;
+    let mut first = None;
+    root.validate(root, Path::new, &mut |path, error| {
+        if first.is_some() {
+            return;
+        }
+        let path = path();
+        match consequence(path.as_str(), error) {
+            Consequence::None => {}
+            Consequence::Warning(message) => said.of(message, || path.0),
+            Consequence::Error => first = Some((path, error)),
+        }
+    });
+    let Some((path, error)) = first else {
+        return Ok(());
+    };
+    let found = match error {
+        Error::IndexOutOfBounds => "an index out of range",
+        Error::Missing => "nothing",
+        Error::Oversize => "a number too large",
+        Error::Invalid | Error::Unsupported => "a value that glTF does not know",
+    };
+    let path = shortened(path.as_str());
+    Err(ReadError::whole(
+        file,
+        format!("{found} at {path}"),
+        "valid glTF 2.0",
+    ))
+}
+
+/// The validation of `gltf-json` looks up positions before it has checked their index.
+fn check_positions(root: &Root, file: &str) -> Result<(), ReadError> {
+    let key = Checked::Valid(Semantic::Positions);
+    for (m, mesh) in root.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let index = primitive.attributes.get(&key);
+            if index.is_some_and(|i| root.get(*i).is_none()) {
+                let found = format!("an index out of range at meshes[{m}].primitives[{p}]");
+                return Err(ReadError::whole(file, found, "valid glTF 2.0"));
+            }
+        }
+    }
+    Ok(())
+}
+
+enum Consequence {
+    None,
+    Warning(&'static str),
+    Error,
+}
+
+fn consequence(path: &str, error: Error) -> Consequence {
+    use Consequence::{None, Warning};
+    let bound = path.ends_with("[\"POSITION\"].min") || path.ends_with("[\"POSITION\"].max");
+    match error {
+        // Integer positions (KHR_mesh_quantization) have bounds beyond a single's range.
+        Error::Invalid if bound => None,
+        Error::Missing if bound => Warning("positions without min and max, which glTF demands"),
+        Error::Missing if path.ends_with("[\"POSITION\"]") => None,
+        Error::Invalid if path.contains(".attributes[") => {
+            Warning("vertex attribute of a name that glTF does not know: skipped")
+        }
+        _ if path.starts_with("animations[") => None,
+        _ => Consequence::Error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(json: &str, expected: Result<usize, &str>) {
+        let mut said = Said::default();
+        let container = Container {
+            json: json.as_bytes(),
+            json_start: None,
+            bin: None,
+        };
+        match (parse(&container, "a.gltf", &mut said), expected) {
+            (Ok(_), Ok(warned)) => {
+                let mut warnings = crate::warnings::Warnings::default();
+                said.report("a.gltf", &mut warnings);
+                assert_eq!(warnings.finish("a.gltf").len(), warned, "{json}");
+            }
+            (Err(e), Err(part)) => assert!(e.to_string().contains(part), "{e}"),
+            (found, _) => panic!("{json}: {found:?}"),
+        }
+    }
+
+    fn with(more: &str) -> String {
+        format!("{{\"asset\":{{\"version\":\"2.0\"}}{more}}}")
+    }
+
+    #[test]
+    fn versions() {
+        check(&with(""), Ok(0));
+        check("{}", Err("a.gltf:1:2: found missing field `asset`"));
+        check("{\"asset\":{\"version\":\"1.0\"}}", Err("found glTF 1.0"));
+        let old = "{\"asset\":{\"version\":\"1.0\"},\"meshes\":{}}";
+        check(old, Err("found glTF 1.0, expected glTF 2.0"));
+        check("{\n \"asset\": 7 }", Err("a.gltf:2:11"));
+        let newer = "{\"asset\":{\"version\":\"2.1\",\"minVersion\":\"2.1\"}}";
+        check(newer, Err("found glTF 2.1"));
+    }
+
+    #[test]
+    fn extensions() {
+        check(
+            &with(",\"extensionsRequired\":[\"KHR_mesh_quantization\"]"),
+            Ok(0),
+        );
+        check(
+            &with(",\"extensionsUsed\":[\"EXT_x\",\"KHR_materials_ior\"]"),
+            Ok(1),
+        );
+        let draco = with(",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]");
+        check(
+            &draco,
+            Err("\"KHR_draco_mesh_compression\", expected a file without Draco"),
+        );
+        check(
+            &with(",\"extensionsRequired\":[\"X\"]"),
+            Err("required: \"X\""),
+        );
+    }
+
+    #[test]
+    fn indices() {
+        check(&with(",\"nodes\":[{\"mesh\":0}]"), Err("nodes[0].mesh"));
+        let primitive = |p| with(&format!(",\"meshes\":[{{\"primitives\":[{p}]}}]"));
+        let far = primitive("{\"attributes\":{\"POSITION\":7}}");
+        check(
+            &far,
+            Err("an index out of range at meshes[0].primitives[0]"),
+        );
+        check(&primitive("{\"attributes\":{}}"), Ok(0));
+        check(
+            &with(",\"animations\":[{\"channels\":[],\"samplers\":[],\"x\":1}]"),
+            Ok(0),
+        );
+    }
+
+    #[test]
+    fn many_empty_objects_are_no_file() {
+        let nodes = |n: usize| with(&format!(",\"nodes\":[{}{{}}]", "{},".repeat(n)));
+        check(&nodes(900), Ok(0));
+        check(&nodes(9000), Err("9003 objects in"));
+    }
+}

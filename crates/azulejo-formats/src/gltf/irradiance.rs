@@ -1,0 +1,64 @@
+//! Irradiance in the colours of vertices, and the words beside it that say so.
+
+use azulejo_scene::{Rgb, Scene, Shape};
+use gltf_json::Mesh;
+use serde_json::{Value, json};
+
+/// How a mesh stores its irradiance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stored {
+    /// Which set of colours: `COLOR_0` or `COLOR_1`.
+    pub set: u32,
+    /// Irradiance of a colour of 1.
+    pub scale: f64,
+}
+
+/// What the extras of a mesh say about irradiance, if anything.
+pub(super) fn of(mesh: &Mesh) -> Option<Stored> {
+    let extras: Value = serde_json::from_str(mesh.extras.as_ref()?.get()).ok()?;
+    let irradiance = extras.get("azulejo")?.get("irradiance")?;
+    let stored = Stored {
+        set: match irradiance.get("attribute")?.as_str()? {
+            "COLOR_0" => 0,
+            "COLOR_1" => 1,
+            _ => return None,
+        },
+        scale: irradiance.get("scale")?.as_f64()?,
+    };
+    (stored.scale > 0.0 && stored.scale.is_finite()).then_some(stored)
+}
+
+/// A scale for all meshes of a scene, so that viewers show them equally bright: a power of two,
+/// by which no number loses a digit, that leaves no colour above 1, as glTF demands.
+pub(super) fn scale(scene: &Scene) -> f64 {
+    let lights = scene.objects.iter().map(|o| match &o.shape {
+        Shape::Mesh(mesh) => mesh.irradiance.as_slice(),
+        Shape::Primitive(p) => p.light.as_ref().map_or(&[][..], |l| &l.irradiance),
+    });
+    let most = lights
+        .flatten()
+        .map(|e: &Rgb| e.max_channel())
+        .fold(0.0, f64::max);
+    match most > 0.0 {
+        // Twice the least power of two above, or a half of it, is as good where the logarithm
+        // is rounded; a colour above 1 is not.
+        true => most.log2().ceil().exp2().max(most),
+        false => 1.0,
+    }
+}
+
+impl Stored {
+    /// The extras of a mesh that stores its irradiance so.
+    pub fn extras(&self, photometric: bool) -> Value {
+        json!({
+            "azulejo": {
+                "irradiance": {
+                    "attribute": format!("COLOR_{}", self.set),
+                    "scale": self.scale,
+                    "unit": if photometric { "lx" } else { "W/m²" },
+                    "meaning": "irradiance = scale × attribute; radiance = diffuse × irradiance / π",
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,83 @@
+//! What glTF cannot hold.
+
+use super::material::gltf_mr;
+use super::write_material::is_one_colour;
+use azulejo_scene::{LightKind, Material, Mesh, Rgb, Scene, Shape};
+
+/// What [`write()`](super::write()) would leave out of a scene, or change, in words: "2 lights".
+///
+/// That all numbers become single precision goes without saying.
+pub fn losses(scene: &Scene) -> Vec<String> {
+    let meshes = |lost: fn(&Mesh) -> bool| {
+        let meshes = scene.objects.iter().filter_map(|o| match &o.shape {
+            Shape::Mesh(mesh) => Some(mesh),
+            Shape::Primitive(_) => None,
+        });
+        meshes.filter(|m| lost(m)).count()
+    };
+    let materials =
+        |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
+    let lights =
+        |lost: fn(&LightKind) -> bool| scene.lights.iter().filter(|l| lost(&l.kind)).count();
+    let watts = !scene.units.photometric && scene.has_light();
+    let counts = [
+        (
+            meshes(|m| m.faces.triangle_count() > m.faces.len()),
+            "meshes whose polygons become triangles",
+        ),
+        (
+            scene.objects.len() - meshes(|_| true),
+            "exact primitives that become polygons",
+        ),
+        (meshes(|m| m.faces.is_empty()), "objects without faces"),
+        (
+            meshes(|m| !m.smoothing.is_empty()),
+            "meshes whose smoothing groups are left out",
+        ),
+        (
+            meshes(|m| !m.irradiance_error.is_empty()),
+            "meshes whose errors of irradiance are left out",
+        ),
+        (
+            materials(|m| m.textures.len() > 1),
+            "materials of which only the first picture is kept",
+        ),
+        (
+            materials(|m| m.brdf.is_some() && gltf_mr(m).is_none()),
+            "reflection models",
+        ),
+        (
+            materials(|m| m.dielectric.is_none() && !is_one_colour(m)),
+            "materials that mirror another colour than they scatter",
+        ),
+        (
+            materials(is_odd_glass),
+            "dielectrics that glTF cannot describe exactly",
+        ),
+        (
+            lights(|l| matches!(l, LightKind::Ambient { .. })),
+            "ambient lights",
+        ),
+        (
+            lights(|l| matches!(l, LightKind::Spot { outer, .. } if *outer > MOST_CONE)),
+            "spot lights wider than a half space",
+        ),
+        (usize::from(scene.background.is_some()), "background"),
+        (usize::from(scene.fog.is_some()), "fog"),
+        (
+            usize::from(watts),
+            "unit of light, watts, whose numbers other programs take for lumens",
+        ),
+    ];
+    let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
+    counts.iter().filter_map(said).collect()
+}
+
+/// Widest half angle of a spot light there.
+const MOST_CONE: f64 = std::f64::consts::FRAC_PI_2;
+
+/// glTF's glass is denser than what is around it, and scatters nothing.
+fn is_odd_glass(m: &Material) -> bool {
+    m.dielectric
+        .is_some_and(|g| g.ior < 1.0 || m.diffuse != Rgb::BLACK)
+}

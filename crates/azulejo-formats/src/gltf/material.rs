@@ -1,0 +1,354 @@
+//! Materials: metallic-roughness to shares that are reflected diffusely and mirrored.
+
+use super::accessor::Data;
+use super::pictures::Pictures;
+use super::said::Said;
+use crate::Files;
+use crate::materials::Materials;
+use azulejo_scene::{Brdf, Dielectric, Material, MaterialId, Rgb, Texture};
+use glam::{DAffine2, DMat2, DVec2};
+use gltf_json::extensions::texture::TextureTransform;
+use gltf_json::material::AlphaMode;
+use gltf_json::texture::Info;
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Root};
+use std::collections::HashMap;
+
+/// What primitives without a material reflect. glTF's own default is white, but nothing reflects
+/// all light.
+const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
+
+/// Index of refraction where no extension says one.
+const DEFAULT_IOR: f64 = 1.5;
+
+/// Below this roughness a metal is taken for a mirror.
+const MOST_MIRROR_ROUGHNESS: f64 = 0.1;
+
+/// From this share of transmitted light on, a surface is glass.
+const LEAST_TRANSMISSION: f64 = 0.5;
+
+/// A material as primitives use it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surface {
+    /// Its index in the scene.
+    pub id: MaterialId,
+    /// Whether a picture belongs to it.
+    pub is_textured: bool,
+    /// The set of texture coordinates that its picture uses.
+    pub set: u32,
+    /// What becomes of those coordinates before the picture is looked up.
+    pub picture_from_uv: DAffine2,
+}
+
+/// The materials of a file, read when they are first used.
+pub(super) struct Surfaces<'a> {
+    root: &'a Root,
+    pictures: Pictures<'a>,
+    materials: Materials,
+    known: HashMap<Option<usize>, Surface>,
+}
+
+impl<'a> Surfaces<'a> {
+    /// None yet.
+    pub fn new(data: &'a Data<'a>, files: &'a dyn Files) -> Surfaces<'a> {
+        Surfaces {
+            root: data.root,
+            pictures: Pictures::new(data, files),
+            materials: Materials::default(),
+            known: HashMap::new(),
+        }
+    }
+
+    /// All that were used, and their pictures.
+    pub fn finish(self) -> (Vec<Material>, Vec<Texture>) {
+        (self.materials.into_list(), self.pictures.finish())
+    }
+
+    /// A material of the file, or that of primitives without one.
+    pub fn of(&mut self, index: Option<Index<gltf_json::Material>>, said: &mut Said) -> Surface {
+        let key = index.map(|i| i.value());
+        if let Some(&known) = self.known.get(&key) {
+            return known;
+        }
+        let given = index.and_then(|i| self.root.get(i));
+        let surface = match given {
+            None => self.plain(Material::diffuse("default", DEFAULT_REFLECTANCE)),
+            Some(material) => {
+                let mut reader = Reader {
+                    json: material,
+                    index: key.unwrap_or(0),
+                    pictures: &mut self.pictures,
+                    said,
+                };
+                let read = reader.material();
+                let uv = reader.coordinates();
+                let surface = self.plain(read);
+                Surface {
+                    id: surface.id,
+                    ..uv
+                }
+            }
+        };
+        self.known.insert(key, surface);
+        surface
+    }
+
+    fn plain(&mut self, material: Material) -> Surface {
+        Surface {
+            id: self.materials.index(material),
+            is_textured: false,
+            set: 0,
+            picture_from_uv: DAffine2::IDENTITY,
+        }
+    }
+}
+
+/// One material on its way.
+struct Reader<'r, 'a> {
+    json: &'r gltf_json::Material,
+    index: usize,
+    pictures: &'r mut Pictures<'a>,
+    said: &'r mut Said,
+}
+
+/// A factor that a file should keep in 0..=1.
+fn share(value: f32) -> f64 {
+    // No JSON can spell NaN.
+    f64::from(value).clamp(0.0, 1.0)
+}
+
+fn color([r, g, b]: [f32; 3]) -> Rgb {
+    Rgb::new(share(r), share(g), share(b))
+}
+
+impl Reader<'_, '_> {
+    fn say(&mut self, message: &str) {
+        let index = self.index;
+        self.said.of(message, || format!("materials[{index}]"));
+    }
+
+    fn material(&mut self) -> Material {
+        let mut material = Material {
+            name: self.json.name.clone().unwrap_or_default(),
+            emission: self.emission(),
+            ..Material::default()
+        };
+        material.emits_back = self.json.double_sided && material.is_emitter();
+        if !self.glass(&mut material) {
+            self.opaque(&mut material);
+        }
+        self.name_the_rest();
+        material
+    }
+
+    /// Radiance in cd/m²: factor, strength, and the mean of the picture.
+    fn emission(&mut self) -> Rgb {
+        let extensions = self.json.extensions.as_ref();
+        let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |s| f64::from(s.emissive_strength.0));
+        let factor = Rgb::from(self.json.emissive_factor.0.map(f64::from));
+        let emission = (factor * strength).map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
+        let Some(picture) = self.json.emissive_texture.as_ref() else {
+            return emission;
+        };
+        if emission.is_black() {
+            return emission;
+        }
+        match self.pictures.mean(picture.index) {
+            Ok(mean) => {
+                self.say("emissive texture: its mean shines from all of the surface");
+                emission * mean
+            }
+            Err(fault) => {
+                self.say(&format!(
+                    "emissive texture, {fault}: the surface does not shine"
+                ));
+                Rgb::BLACK
+            }
+        }
+    }
+
+    /// A transmitting surface, with which `true` returns.
+    ///
+    /// A thin wall is a boundary that light passes straight through; what it would mirror is
+    /// left out. A volume is the boundary of a solid body; absorption inside is moved to its
+    /// boundary, which light that crosses the body passes twice.
+    fn glass(&mut self, material: &mut Material) -> bool {
+        let pbr = &self.json.pbr_metallic_roughness;
+        let extensions = self.json.extensions.as_ref();
+        let Some(transmission) = extensions.and_then(|e| e.transmission.as_ref()) else {
+            return false;
+        };
+        let of_rest = 1.0 - share(pbr.metallic_factor.0);
+        let transmitted = share(transmission.transmission_factor.0) * of_rest;
+        if transmitted < LEAST_TRANSMISSION {
+            if transmitted > 0.0 {
+                self.say("material that transmits less than half of its light: opaque");
+            }
+            return false;
+        }
+        if share(pbr.roughness_factor.0) >= MOST_MIRROR_ROUGHNESS {
+            self.say("frosted glass: taken as clear");
+        }
+        if transmission.transmission_texture.is_some() {
+            self.say("transmission texture: not used");
+        }
+        let [r, g, b, _] = pbr.base_color_factor.0;
+        let tint = color([r, g, b]) * transmitted;
+        let volume = extensions.and_then(|e| e.volume.as_ref());
+        let volume = volume.filter(|v| v.thickness_factor.0 > 0.0);
+        let (ior, transmittance) = match volume {
+            Some(volume) => {
+                let crossings = 0.5 * f64::from(volume.thickness_factor.0)
+                    / f64::from(volume.attenuation_distance.0);
+                let left = color(volume.attenuation_color.0);
+                let left = left.map(|c| {
+                    if crossings > 0.0 {
+                        c.powf(crossings)
+                    } else {
+                        1.0
+                    }
+                });
+                (self.ior(), tint * left)
+            }
+            None => (1.0, tint),
+        };
+        material.mirror = self.specular();
+        material.dielectric = Some(Dielectric { ior, transmittance });
+        true
+    }
+
+    fn ior(&self) -> f64 {
+        let extensions = self.json.extensions.as_ref();
+        let ior = extensions
+            .and_then(|e| e.ior.as_ref())
+            .map(|i| f64::from(i.ior.0));
+        ior.filter(|n| *n >= 1.0 && n.is_finite())
+            .unwrap_or(DEFAULT_IOR)
+    }
+
+    /// By what the reflection of a dielectric is scaled.
+    fn specular(&self) -> Rgb {
+        let extensions = self.json.extensions.as_ref();
+        match extensions.and_then(|e| e.specular.as_ref()) {
+            Some(s) => color(s.specular_color_factor.0) * share(s.specular_factor.0),
+            None => Rgb::WHITE,
+        }
+    }
+
+    /// A surface that no light passes: what smooth metal reflects is mirrored, the rest diffuse.
+    fn opaque(&mut self, material: &mut Material) {
+        let pbr = &self.json.pbr_metallic_roughness;
+        let [r, g, b, alpha] = pbr.base_color_factor.0;
+        let base = color([r, g, b]);
+        let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
+        let has_picture = pbr.base_color_texture.is_some();
+        material.diffuse = base;
+        if pbr.metallic_roughness_texture.is_some() {
+            self.say("picture of metal and roughness: not used, the surface is matt");
+        } else if metallic > 0.0 && roughness < MOST_MIRROR_ROUGHNESS {
+            material.diffuse = base * (1.0 - metallic);
+            material.mirror = base * metallic;
+        } else if metallic > 0.0 || roughness < 1.0 {
+            self.say("glossy material: kept as brdf gltf_mr, all that it reflects is diffuse");
+            material.brdf = Some(brdf(base, metallic, roughness));
+        }
+        let see_through = self.json.alpha_mode.as_ref().value() != Some(&AlphaMode::Opaque);
+        if see_through && (alpha < 1.0 || has_picture) {
+            self.say("see-through material (alphaMode): opaque");
+        }
+        if let Some(info) = &pbr.base_color_texture {
+            let (texture, problem) = self.pictures.index(info.index);
+            material.textures.extend(texture);
+            if let Some(problem) = problem {
+                self.say(&problem);
+            }
+        }
+    }
+
+    /// What changes nothing here.
+    fn name_the_rest(&mut self) {
+        let json = self.json;
+        let extensions = json.extensions.as_ref();
+        let rest = [
+            (json.normal_texture.is_some(), "normal map: not used"),
+            (json.occlusion_texture.is_some(), "occlusion map: not used"),
+            (
+                extensions.is_some_and(|e| e.unlit.is_some()),
+                "material without shading (KHR_materials_unlit): lit as a matt one",
+            ),
+        ];
+        for (found, message) in rest {
+            if found {
+                self.say(message);
+            }
+        }
+    }
+
+    /// The coordinates that the picture of the base colour uses.
+    fn coordinates(&self) -> Surface {
+        let info = self.json.pbr_metallic_roughness.base_color_texture.as_ref();
+        let transform = info.and_then(transform_of);
+        let set = transform.and_then(|t| t.tex_coord);
+        Surface {
+            id: 0,
+            is_textured: info.is_some(),
+            set: set.or(info.map(|i| i.tex_coord)).unwrap_or(0),
+            picture_from_uv: transform.map_or(DAffine2::IDENTITY, map_of),
+        }
+    }
+}
+
+fn transform_of(info: &Info) -> Option<&TextureTransform> {
+    info.extensions.as_ref()?.texture_transform.as_ref()
+}
+
+/// `KHR_texture_transform`: scale, then rotation counter-clockwise as the picture is seen, then
+/// offset. The formula of its specification turns the other way than its words and its example
+/// say; the words are what programs follow.
+fn map_of(transform: &TextureTransform) -> DAffine2 {
+    let [x, y] = transform.scale.0.map(f64::from);
+    let offset = DVec2::from(transform.offset.0.map(f64::from));
+    let (sin, cos) = f64::from(transform.rotation.0).sin_cos();
+    let turn = DMat2::from_cols(DVec2::new(cos, -sin), DVec2::new(sin, cos));
+    DAffine2::from_mat2_translation(turn * DMat2::from_diagonal(DVec2::new(x, y)), offset)
+}
+
+/// The reflection model of glTF, for keeping.
+pub(super) fn brdf(base: Rgb, metallic: f64, roughness: f64) -> Brdf {
+    let parameter = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
+    Brdf::Model {
+        name: "gltf_mr".into(),
+        parameters: vec![
+            parameter("base", &base.to_array()),
+            parameter("metallic", &[metallic]),
+            parameter("roughness", &[roughness]),
+        ],
+    }
+}
+
+/// Metallic and roughness, if the material carries that model.
+pub(super) fn gltf_mr(material: &Material) -> Option<(f64, f64)> {
+    let Some(Brdf::Model { name, parameters }) = &material.brdf else {
+        return None;
+    };
+    let value = |key: &str| {
+        let found = parameters.iter().find(|p| p.0 == key)?;
+        found.1.first().copied().filter(|v| (0.0..=1.0).contains(v))
+    };
+    (name == "gltf_mr").then_some((value("metallic")?, value("roughness")?))
+}
+
+/// `Checked` without panics.
+trait Value<T> {
+    fn value(self) -> Option<T>;
+}
+
+impl<T> Value<T> for Checked<T> {
+    fn value(self) -> Option<T> {
+        match self {
+            Checked::Valid(value) => Some(value),
+            Checked::Invalid => None,
+        }
+    }
+}

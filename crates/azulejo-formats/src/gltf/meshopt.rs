@@ -1,0 +1,558 @@
+//! Decoders of `EXT_meshopt_compression` (Kapoulkine and Rock, 2021; appendices A and B of the
+//! extension's specification), for the numbers of vertices and for their indices.
+
+use crate::bytes::Bytes;
+use gltf_json::Value;
+use gltf_json::buffer::View;
+
+/// Bytes that one byte of compressed data may stand for: two bits for 16 bytes.
+const MOST_BYTES_PER_BYTE: u64 = 64;
+
+/// Elements of a group, which is compressed in one way.
+const GROUP: usize = 16;
+
+/// A compressed view, as its JSON describes it.
+#[derive(Debug)]
+pub(super) struct Packed {
+    /// Index of the buffer that holds it.
+    pub buffer: usize,
+    /// Where it begins in the buffer.
+    pub offset: u64,
+    /// How many bytes it has.
+    pub length: u64,
+    stride: usize,
+    count: usize,
+    mode: Mode,
+    filter: Filter,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Mode {
+    Attributes,
+    Triangles,
+    Indices,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Filter {
+    None,
+    Octahedral,
+    Quaternion,
+    Exponential,
+}
+
+impl Packed {
+    /// The compression of a view, if it has any.
+    pub fn of(view: &View) -> Option<Result<Packed, String>> {
+        let extensions = &view.extensions.as_ref()?.others;
+        let read = Packed::read(extensions.get("EXT_meshopt_compression")?);
+        Some(read.ok_or_else(|| "compressed data that its JSON describes wrongly".to_owned()))
+    }
+
+    fn read(json: &Value) -> Option<Packed> {
+        let number = |key: &str| json.get(key).and_then(Value::as_u64);
+        let word = |key: &str| json.get(key).and_then(Value::as_str);
+        let packed = Packed {
+            buffer: usize::try_from(number("buffer")?).ok()?,
+            offset: number("byteOffset").unwrap_or(0),
+            length: number("byteLength")?,
+            stride: usize::try_from(number("byteStride")?).ok()?,
+            count: usize::try_from(number("count")?).ok()?,
+            mode: match word("mode")? {
+                "ATTRIBUTES" => Mode::Attributes,
+                "TRIANGLES" => Mode::Triangles,
+                "INDICES" => Mode::Indices,
+                _ => return None,
+            },
+            filter: match word("filter").unwrap_or("NONE") {
+                "NONE" => Filter::None,
+                "OCTAHEDRAL" => Filter::Octahedral,
+                "QUATERNION" => Filter::Quaternion,
+                "EXPONENTIAL" => Filter::Exponential,
+                _ => return None,
+            },
+        };
+        packed.is_sound().then_some(packed)
+    }
+
+    /// Whether the numbers fit each other, and no byte promises more than it can hold.
+    fn is_sound(&self) -> bool {
+        let stride = self.stride;
+        let fits = match (self.mode, self.filter) {
+            (Mode::Attributes, Filter::None | Filter::Exponential) => {
+                stride > 0 && stride.is_multiple_of(4) && stride <= 256
+            }
+            (Mode::Attributes, Filter::Octahedral) => stride == 4 || stride == 8,
+            (Mode::Attributes, Filter::Quaternion) => stride == 8,
+            (Mode::Triangles, Filter::None) => {
+                (stride == 2 || stride == 4) && self.count.is_multiple_of(3)
+            }
+            (Mode::Indices, Filter::None) => stride == 2 || stride == 4,
+            _ => false,
+        };
+        let most = self.length.saturating_mul(MOST_BYTES_PER_BYTE);
+        fits && self.size() <= most
+    }
+
+    /// Bytes that it unpacks to.
+    pub fn size(&self) -> u64 {
+        (self.count as u64).saturating_mul(self.stride as u64)
+    }
+
+    /// Decodes `bytes`, which are the compressed data.
+    ///
+    /// # Errors
+    /// Words for data that ends too soon or begins with another version's mark.
+    pub fn decode(&self, bytes: &[u8]) -> Result<Vec<u8>, String> {
+        let decoded = match self.mode {
+            Mode::Attributes => attributes(bytes, self.count, self.stride),
+            Mode::Triangles => triangles(bytes, self.count).map(|i| self.narrowed(&i)),
+            Mode::Indices => indices(bytes, self.count).map(|i| self.narrowed(&i)),
+        };
+        let mut decoded = decoded.ok_or("damaged compressed data")?;
+        match self.filter {
+            Filter::None => {}
+            Filter::Octahedral if self.stride == 4 => each(&mut decoded, octahedral_bytes),
+            Filter::Octahedral => each(&mut decoded, octahedral_shorts),
+            Filter::Quaternion => each(&mut decoded, quaternion),
+            Filter::Exponential => each(&mut decoded, exponential),
+        }
+        Ok(decoded)
+    }
+
+    /// Indices as bytes, two or four for each.
+    fn narrowed(&self, indices: &[u32]) -> Vec<u8> {
+        let bytes = indices.iter().map(|i| i.to_le_bytes());
+        bytes
+            .flat_map(|b| b.into_iter().take(self.stride))
+            .collect()
+    }
+}
+
+fn zigzag(v: u8) -> u8 {
+    (v >> 1) ^ (v & 1).wrapping_neg()
+}
+
+fn zigzag_wide(v: u32) -> u32 {
+    (v >> 1) ^ (v & 1).wrapping_neg()
+}
+
+/// Mode 0. Elements stand in blocks; in a block, the first bytes of all elements are followed by
+/// the second bytes, each as its difference from the element before.
+fn attributes(bytes: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
+    // The first element's base stands in the tail, padded at its front to 32 bytes.
+    let tail = bytes.len().checked_sub(stride.max(32))?;
+    let mut last = bytes.get(bytes.len() - stride..)?.to_vec();
+    let mut data = Bytes::new(&bytes[..tail]);
+    if data.u8_le()? != 0xa0 {
+        return None;
+    }
+    let most = ((8192 / stride) & !(GROUP - 1)).min(256);
+    let mut elements = vec![0; count * stride];
+    for block in elements.chunks_mut(most * stride) {
+        for (k, last) in last.iter_mut().enumerate() {
+            byte_column(&mut data, &mut block[k..], stride, last)?;
+        }
+    }
+    Some(elements)
+}
+
+/// One byte of each element of a block: every `stride`-th of `block`, as sums from `last`.
+fn byte_column(data: &mut Bytes, block: &mut [u8], stride: usize, last: &mut u8) -> Option<()> {
+    let count = block.len().div_ceil(stride);
+    let groups = count.div_ceil(GROUP);
+    let headers = data.take(groups.div_ceil(4))?;
+    let mut slots = block.iter_mut().step_by(stride);
+    for group in 0..groups {
+        let mode = headers[group / 4] >> (group % 4 * 2) & 3;
+        for delta in deltas(data, mode)? {
+            *last = last.wrapping_add(zigzag(delta));
+            // The last group may be longer than what is left of the block.
+            let Some(slot) = slots.next() else { break };
+            *slot = *last;
+        }
+    }
+    Some(())
+}
+
+/// The differences of a group, 0, 2, 4 or 8 bits each, the largest value of 2 or 4 bits standing
+/// for a byte that follows the bits of the group.
+fn deltas(data: &mut Bytes, mode: u8) -> Option<[u8; GROUP]> {
+    let bits = match mode {
+        0 => return Some([0; GROUP]),
+        1 => 2,
+        2 => 4,
+        _ => return data.take(GROUP)?.try_into().ok(),
+    };
+    let per_byte = 8 / bits;
+    let escape = (1 << bits) - 1;
+    let packed = data.take(GROUP / per_byte)?;
+    let mut deltas = [0; GROUP];
+    for (i, delta) in deltas.iter_mut().enumerate() {
+        let shift = 8 - bits * (i % per_byte + 1);
+        *delta = packed[i / per_byte] >> shift & escape;
+        if *delta == escape {
+            *delta = data.u8_le()?;
+        }
+    }
+    Some(deltas)
+}
+
+/// A number of 7 bits per byte, the lowest first; the highest bit says that more follow.
+fn varint(data: &mut Bytes) -> Option<u32> {
+    let mut value = 0;
+    for shift in (0..35).step_by(7) {
+        let byte = data.u8_le()?;
+        value |= u32::from(byte & 0x7f) << shift;
+        if byte < 0x80 {
+            return Some(value);
+        }
+    }
+    None
+}
+
+/// Mode 2: each index as its difference from one of two that came before.
+fn indices(bytes: &[u8], count: usize) -> Option<Vec<u32>> {
+    let mut data = Bytes::new(&bytes[..bytes.len().checked_sub(4)?]);
+    if data.u8_le()? & 0xfe != 0xd0 {
+        return None;
+    }
+    let mut last = [0u32; 2];
+    let mut next = || {
+        let v = varint(&mut data)?;
+        let base = &mut last[v as usize & 1];
+        *base = base.wrapping_add(zigzag_wide(v >> 1));
+        Some(*base)
+    };
+    (0..count).map(|_| next()).collect()
+}
+
+/// The last 16 of something, counted backwards from the latest.
+#[derive(Clone, Copy)]
+struct Recent<T> {
+    ring: [T; 16],
+    next: usize,
+}
+
+impl<T: Copy + Default> Recent<T> {
+    fn new() -> Recent<T> {
+        Recent {
+            ring: [T::default(); 16],
+            next: 0,
+        }
+    }
+
+    fn push(&mut self, value: T) {
+        self.ring[self.next % 16] = value;
+        self.next += 1;
+    }
+
+    fn get(&self, back: u8) -> T {
+        self.ring[(self.next + 15 - usize::from(back)) % 16]
+    }
+}
+
+/// Decoder of mode 1, which says of each triangle what it shares with those before.
+struct Triangles<'a> {
+    data: Bytes<'a>,
+    next: u32,
+    last: u32,
+    edges: Recent<(u32, u32)>,
+    vertices: Recent<u32>,
+}
+
+/// Mode 1: a byte for each triangle, what the bytes leave open, and a table of frequent codes.
+fn triangles(bytes: &[u8], count: usize) -> Option<Vec<u32>> {
+    let (head, table) = bytes.split_last_chunk::<16>()?;
+    let mut data = Bytes::new(head);
+    if data.u8_le()? & 0xfe != 0xe0 {
+        return None;
+    }
+    let codes = data.take(count / 3)?;
+    let mut triangles = Triangles {
+        data,
+        next: 0,
+        last: 0,
+        edges: Recent::new(),
+        vertices: Recent::new(),
+    };
+    let mut indices = Vec::with_capacity(count);
+    for &code in codes {
+        let triangle = match code >> 4 {
+            0xf => triangles.without_edge(code & 15, table)?,
+            edge => triangles.beside_edge(edge, code & 15)?,
+        };
+        indices.extend(triangle);
+    }
+    Some(indices)
+}
+
+impl Triangles<'_> {
+    fn fresh(&mut self) -> u32 {
+        self.next = self.next.wrapping_add(1);
+        self.next.wrapping_sub(1)
+    }
+
+    /// A vertex that stands in the data, as its difference from the one there before.
+    fn explicit(&mut self) -> Option<u32> {
+        let delta = zigzag_wide(varint(&mut self.data)?);
+        self.last = self.last.wrapping_add(delta);
+        Some(self.last)
+    }
+
+    /// A triangle at a recent edge.
+    fn beside_edge(&mut self, edge: u8, vertex: u8) -> Option<[u32; 3]> {
+        let (a, b) = self.edges.get(edge);
+        let c = match vertex {
+            0 => self.fresh(),
+            1..0xd => self.vertices.get(vertex),
+            0xd => self.last.wrapping_sub(1),
+            0xe => self.last.wrapping_add(1),
+            _ => self.explicit()?,
+        };
+        if let 0xd | 0xe = vertex {
+            self.last = c;
+        }
+        if !(1..0xd).contains(&vertex) {
+            self.vertices.push(c);
+        }
+        self.edges.push((c, b));
+        self.edges.push((a, c));
+        Some([a, b, c])
+    }
+
+    /// A triangle of three vertices, by a code of the table or one that stands in the data.
+    fn without_edge(&mut self, code: u8, table: &[u8; 16]) -> Option<[u32; 3]> {
+        let from_table = code < 0xe;
+        let pair = match from_table {
+            true => table[usize::from(code)],
+            false => self.data.u8_le()?,
+        };
+        if !from_table && pair == 0 {
+            self.next = 0;
+        }
+        let a = match code {
+            0xf => self.explicit()?,
+            _ => self.fresh(),
+        };
+        let (b, b_is_new) = self.vertex(pair >> 4, from_table)?;
+        let (c, c_is_new) = self.vertex(pair & 15, from_table)?;
+        self.vertices.push(a);
+        for (vertex, is_new) in [(b, b_is_new), (c, c_is_new)] {
+            if is_new {
+                self.vertices.push(vertex);
+            }
+        }
+        self.edges.push((b, a));
+        self.edges.push((c, b));
+        self.edges.push((a, c));
+        Some([a, b, c])
+    }
+
+    /// A vertex by half of a code, and whether the recent ones do not hold it yet.
+    fn vertex(&mut self, half: u8, from_table: bool) -> Option<(u32, bool)> {
+        match half {
+            0 => Some((self.fresh(), true)),
+            0xf if from_table => None,
+            0xf => Some((self.explicit()?, true)),
+            back => Some((self.vertices.get(back - 1), false)),
+        }
+    }
+}
+
+/// Puts every `N` bytes through a filter.
+fn each<const N: usize>(bytes: &mut [u8], filter: impl Fn([u8; N]) -> [u8; N]) {
+    let (elements, _) = bytes.as_chunks_mut::<N>();
+    for element in elements {
+        *element = filter(*element);
+    }
+}
+
+fn octahedral_bytes(element: [u8; 4]) -> [u8; 4] {
+    let [x, y, one, w] = element.map(|b| f32::from(b.cast_signed()));
+    let [x, y, z] = octahedral(x, y, one).map(|v| ((v * 127.0).round() as i8).cast_unsigned());
+    [x, y, z, (w as i8).cast_unsigned()]
+}
+
+fn octahedral_shorts(element: [u8; 8]) -> [u8; 8] {
+    let [x, y, one, w] = shorts(element);
+    let [x, y, z] = octahedral(x.into(), y.into(), one.into());
+    bytes_of([x, y, z].map(|v| (v * 32767.0).round() as i16), w)
+}
+
+/// A unit vector by its place on an unfolded octahedron.
+fn octahedral(x: f32, y: f32, one: f32) -> [f32; 3] {
+    let (x, y) = (x / one, y / one);
+    let z = 1.0 - x.abs() - y.abs();
+    let fold = z.min(0.0);
+    let (x, y) = (x - fold.copysign(x), y - fold.copysign(y));
+    let length = (x * x + y * y + z * z).sqrt();
+    [x / length, y / length, z / length]
+}
+
+/// A unit quaternion by its three smaller components.
+fn quaternion(element: [u8; 8]) -> [u8; 8] {
+    let [x, y, z, code] = shorts(element);
+    let scale = std::f32::consts::FRAC_1_SQRT_2 / f32::from(code | 3);
+    let [x, y, z] = [x, y, z].map(|v| f32::from(v) * scale);
+    let w = (1.0 - x * x - y * y - z * z).max(0.0).sqrt();
+    let largest = usize::from(code.cast_unsigned() & 3);
+    let mut turned = [0; 4];
+    for (k, v) in [w, x, y, z].into_iter().enumerate() {
+        turned[(largest + k) % 4] = (v * 32767.0).round() as i16;
+    }
+    let [x, y, z, w] = turned;
+    bytes_of([x, y, z], w)
+}
+
+/// A single from 8 bits of exponent over 24 bits of mantissa.
+fn exponential(element: [u8; 4]) -> [u8; 4] {
+    let value = i32::from_le_bytes(element);
+    let mantissa = value << 8 >> 8;
+    (2f32.powi(value >> 24) * mantissa as f32).to_le_bytes()
+}
+
+fn shorts(element: [u8; 8]) -> [i16; 4] {
+    let (pairs, _) = element.as_chunks::<2>();
+    std::array::from_fn(|k| i16::from_le_bytes(pairs[k]))
+}
+
+fn bytes_of([x, y, z]: [i16; 3], w: i16) -> [u8; 8] {
+    let mut element = [0; 8];
+    for (slot, value) in element.chunks_mut(2).zip([x, y, z, w]) {
+        slot.copy_from_slice(&value.to_le_bytes());
+    }
+    element
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Packed data of this JSON, which says everything but where it stands.
+    fn packed(json: &str, length: usize) -> Option<Packed> {
+        let json = format!("{{\"buffer\":0,\"byteLength\":{length},{json}}}");
+        Packed::read(&serde_json::from_str(&json).unwrap())
+    }
+
+    fn bytes(hex: &str) -> Vec<u8> {
+        let digits: Vec<u8> = hex.bytes().filter(u8::is_ascii_hexdigit).collect();
+        let value = |d: u8| char::from(d).to_digit(16).unwrap() as u8;
+        let (pairs, _) = digits.as_chunks::<2>();
+        pairs
+            .iter()
+            .map(|&[h, l]| value(h) << 4 | value(l))
+            .collect()
+    }
+
+    /// Checks what meshoptimizer 0.25 made of some data, and that no cut of it does harm.
+    fn check(json: &str, hex: &str, expected: &[u8]) {
+        let file = bytes(hex);
+        let packed = packed(json, file.len()).unwrap();
+        assert_eq!(packed.decode(&file).as_deref(), Ok(expected), "{json}");
+        for end in 0..file.len() {
+            let _ = packed.decode(&file[..end]);
+        }
+        let mut changed = file.clone();
+        for at in 0..file.len() {
+            for value in [0, 0xff, file[at] ^ 0x80, file[at].wrapping_add(1)] {
+                changed[at] = value;
+                let _ = packed.decode(&changed);
+            }
+            changed[at] = file[at];
+        }
+    }
+
+    fn check_indices(json: &str, hex: &str, expected: &[u32]) {
+        let expected: Vec<u8> = expected.iter().flat_map(|i| i.to_le_bytes()).collect();
+        check(json, hex, &expected);
+    }
+
+    #[test]
+    fn attributes_of_every_kind_of_group() {
+        let element = |i: u32| {
+            let second = if i < 16 { 0 } else { i & 3 };
+            [i, i * i, i * 37, 7, second, i >> 2, 255 - i, i * i * i].map(|v| v as u8)
+        };
+        let expected: Vec<u8> = (0..40).flat_map(element).collect();
+        check(
+            "\"byteStride\":8,\"count\":40,\"mode\":\"ATTRIBUTES\"",
+            "a0152aaaaaaaaaaaaaaaaaaa00001f0002060a0e12161a1e22262a2e32363a3e42464a4e52565a5e6266 \
+             6a6e72767affff00007e82868a8e92969a1f004a4a4a4a4a4a4a4a4a4a4a4a4a4a4a4a4a4a4a4a4a4a4a \
+             4a4a4a4a4a4a4a4affff00004a4a4a4a4a4a4a4a00142aeaeaea050505eaea0000050515008080808080 \
+             808080800000151555555555555555555500001f00020e264a7ab6fead4d1e96e55546ee5d62d106ea25 \
+             d621f212c17645f56631ffff0000bdc24e1975c5f6be0000000000000000000000000000000000000000 \
+             00000000000000070000ff00",
+            &expected,
+        );
+    }
+
+    #[test]
+    fn triangles_of_a_grid_and_strangers() {
+        check_indices(
+            "\"byteStride\":4,\"count\":105,\"mode\":\"TRIANGLES\"",
+            "e1fe1e100e100e100ece1e160e150e140ece1e140e140e140ece1e140e140e140effffff0f0af80029ff \
+             0c0000ffb601c30160007687566778a9866589689801690000",
+            &[
+                0, 1, 5, 5, 1, 6, 6, 1, 2, 6, 2, 7, 7, 2, 3, 7, 3, 8, 8, 3, 4, 8, 4, 9, 5, 6, 10,
+                10, 6, 11, 11, 6, 7, 11, 7, 12, 12, 7, 8, 12, 8, 13, 13, 8, 9, 13, 9, 14, 10, 11,
+                15, 15, 11, 16, 16, 11, 12, 16, 12, 17, 17, 12, 13, 17, 13, 18, 18, 13, 14, 18, 14,
+                19, 15, 16, 20, 20, 16, 21, 21, 16, 17, 21, 17, 22, 22, 17, 18, 22, 18, 23, 23, 18,
+                19, 23, 19, 24, 24, 3, 17, 9, 9, 9, 100, 2, 50,
+            ],
+        );
+    }
+
+    #[test]
+    fn two_runs_of_indices() {
+        check_indices(
+            "\"byteStride\":4,\"count\":10,\"mode\":\"INDICES\"",
+            "d1000404d10f05040405f0b418c30f00000000",
+            &[0, 1, 2, 500, 501, 3, 4, 502, 100_000, 5],
+        );
+    }
+
+    #[test]
+    fn filters() {
+        let cases = [
+            (
+                "\"byteStride\":4,\"count\":3,\"mode\":\"ATTRIBUTES\",\"filter\":\"OCTAHEDRAL\"",
+                "a0013c000000913a013c00000091b500010c000000fe000000000000000000000000000000000000000000000000000000007f007f00",
+                "7f0000004c9a00003c4cae7f",
+            ),
+            (
+                "\"byteStride\":8,\"count\":3,\"mode\":\"ATTRIBUTES\",\"filter\":\"OCTAHEDRAL\"",
+                "a0013c000000dc6f013c0000000704013c000000dcac013c000000091400000104000000010c000000fe000000000000000000000000000000000000000000000000ff070000ff070000",
+                "ff7f000000000000c54c959900000000693dca4c0daeff7f",
+            ),
+            (
+                "\"byteStride\":8,\"count\":3,\"mode\":\"ATTRIBUTES\",\"filter\":\"QUATERNION\"",
+                "a0013c000000b170013c0000000a0d013c000000b1de013c0000000a19013c000000b170013c0000000a0d01380000000500000000000000000000000000000000000000000000000000000000000000ff07",
+                "000000000000ff7f0f40fa3ffa3ffa3f39f39f5939f36ca6",
+            ),
+            (
+                "\"byteStride\":16,\"count\":1,\"mode\":\"ATTRIBUTES\",\"filter\":\"EXPONENTIAL\"",
+                "a0000000000000000000000000000000000000000000000000000000000000000001000000fdffff00000000003a300000",
+                "0000803f000040c00000000000e84046",
+            ),
+        ];
+        for (json, hex, expected) in cases {
+            check(json, hex, &bytes(expected));
+        }
+    }
+
+    #[test]
+    fn descriptions_that_cannot_be() {
+        let refused = |json: &str, length| assert!(packed(json, length).is_none(), "{json}");
+        refused("\"byteStride\":4,\"count\":1", 99);
+        refused("\"byteStride\":3,\"count\":1,\"mode\":\"ATTRIBUTES\"", 99);
+        refused("\"byteStride\":4,\"count\":4,\"mode\":\"TRIANGLES\"", 99);
+        refused("\"byteStride\":4,\"count\":3,\"mode\":\"WORDS\"", 99);
+        refused(
+            "\"byteStride\":4,\"count\":4000000000,\"mode\":\"INDICES\"",
+            99,
+        );
+        let quaternions = "\"mode\":\"ATTRIBUTES\",\"filter\":\"QUATERNION\"";
+        refused(&format!("\"byteStride\":4,\"count\":1,{quaternions}"), 99);
+    }
+}

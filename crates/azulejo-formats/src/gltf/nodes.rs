@@ -1,0 +1,181 @@
+//! The tree of nodes: which hangs on which, and where they stand.
+
+use super::skin::affine;
+use crate::ReadError;
+use glam::{DAffine3, DQuat, DVec3};
+use gltf_json::{Node, Root};
+
+/// Most nodes above a node, itself included.
+pub(super) const MOST_LEVELS: usize = 256;
+
+/// Numbers of a node's map beyond which nothing can be placed. Positions are singles, so that
+/// what is placed stays finite.
+const MOST_PLACE: f64 = 1e100;
+
+/// The nodes of a file, none of which is above itself.
+#[derive(Debug)]
+pub(super) struct Tree<'a> {
+    nodes: &'a [Node],
+    parents: Vec<Option<u32>>,
+}
+
+impl<'a> Tree<'a> {
+    /// Finds every node's parent; of several, which glTF forbids, the first.
+    ///
+    /// # Errors
+    /// Nodes that are above themselves.
+    pub fn of(root: &'a Root, file: &str) -> Result<Tree<'a>, ReadError> {
+        let nodes = root.nodes.as_slice();
+        if let Some(node) = on_a_cycle(nodes) {
+            return Err(ReadError::whole(
+                file,
+                format!("a node above itself: nodes[{node}]"),
+                "nodes that form a tree",
+            ));
+        }
+        let mut parents = vec![None; nodes.len()];
+        for (i, node) in nodes.iter().enumerate() {
+            for child in children(node) {
+                if let Some(parent) = parents.get_mut(child) {
+                    parent.get_or_insert(i as u32);
+                }
+            }
+        }
+        Ok(Tree { nodes, parents })
+    }
+
+    /// The nodes without a parent.
+    pub fn roots(&self) -> impl Iterator<Item = usize> {
+        let orphans = self.parents.iter().enumerate();
+        orphans
+            .filter(|(_, parent)| parent.is_none())
+            .map(|(i, _)| i)
+    }
+
+    /// Where a node stands, nodes above it included.
+    pub fn world_from_node(&self, node: usize) -> DAffine3 {
+        let mut map = DAffine3::IDENTITY;
+        let mut next = Some(node);
+        for _ in 0..MOST_LEVELS {
+            let Some(node) = next else { break };
+            let Some(json) = self.nodes.get(node) else {
+                break;
+            };
+            map = parent_from_node(json) * map;
+            next = self.parents[node].map(|p| p as usize);
+        }
+        map
+    }
+}
+
+/// Indices of a node's children.
+pub(super) fn children(node: &Node) -> impl Iterator<Item = usize> {
+    node.children.iter().flatten().map(|child| child.value())
+}
+
+/// A node that is above itself, if there is one.
+fn on_a_cycle(nodes: &[Node]) -> Option<usize> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Seen {
+        Not,
+        Above,
+        Done,
+    }
+    let mut seen = vec![Seen::Not; nodes.len()];
+    for start in 0..nodes.len() {
+        if seen[start] == Seen::Done {
+            continue;
+        }
+        seen[start] = Seen::Above;
+        let mut path = vec![(start, children(&nodes[start]))];
+        while let Some((node, below)) = path.last_mut() {
+            let Some(child) = below.next() else {
+                seen[*node] = Seen::Done;
+                path.pop();
+                continue;
+            };
+            match seen.get(child) {
+                Some(Seen::Above) => return Some(child),
+                Some(Seen::Not) => {
+                    seen[child] = Seen::Above;
+                    path.push((child, children(&nodes[child])));
+                }
+                Some(Seen::Done) | None => {}
+            }
+        }
+    }
+    None
+}
+
+/// A node's own map: its matrix, or translation, rotation and scale.
+pub(super) fn parent_from_node(node: &Node) -> DAffine3 {
+    if let Some(matrix) = node.matrix {
+        return affine(matrix.map(f64::from));
+    }
+    let vector = |v: Option<[f32; 3]>, rest| v.map_or(rest, |v| DVec3::from(v.map(f64::from)));
+    let rotation = node.rotation.unwrap_or_default().0;
+    placed(
+        vector(node.translation, DVec3::ZERO),
+        rotation.map(f64::from),
+        vector(node.scale, DVec3::ONE),
+    )
+}
+
+/// The map of a translation, a quaternion of any length and a scale.
+pub(super) fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
+    let [x, y, z, w] = rotation;
+    let length = (x * x + y * y + z * z + w * w).sqrt();
+    let rotation = match length > 0.0 && length.is_finite() {
+        true => DQuat::from_xyzw(x, y, z, w) / length,
+        false => DQuat::IDENTITY,
+    };
+    DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+}
+
+/// Whether what a map places is somewhere.
+pub(super) fn is_usable(map: &DAffine3) -> bool {
+    // NaN compares as false.
+    map.to_cols_array().iter().all(|v| v.abs() < MOST_PLACE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn root(nodes: &str) -> Root {
+        let json = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{nodes}]}}");
+        Root::from_slice(json.as_bytes()).unwrap()
+    }
+
+    fn check(nodes: &str, expected: Option<usize>) {
+        assert_eq!(on_a_cycle(&root(nodes).nodes), expected, "{nodes}");
+    }
+
+    #[test]
+    fn cycles() {
+        check("{},{}", None);
+        check("{\"children\":[1]},{\"children\":[2]},{}", None);
+        check("{\"children\":[1,2]},{\"children\":[2]},{}", None);
+        check("{\"children\":[0]}", Some(0));
+        check(
+            "{\"children\":[1]},{\"children\":[2]},{\"children\":[1]}",
+            Some(1),
+        );
+        check("{\"children\":[7]}", None);
+    }
+
+    #[test]
+    fn places() {
+        let root = root(
+            "{\"translation\":[1,0,0],\"rotation\":[0,0,2,2],\"children\":[1]},\
+             {\"matrix\":[2,0,0,0, 0,2,0,0, 0,0,2,0, 3,0,0,1]}",
+        );
+        let tree = Tree::of(&root, "a.gltf").unwrap();
+        let placed = tree.world_from_node(1).transform_point3(DVec3::X);
+        assert!(
+            (placed - DVec3::new(1.0, 5.0, 0.0)).length() < 1e-12,
+            "{placed}"
+        );
+        assert_eq!(tree.roots().collect::<Vec<_>>(), [0]);
+    }
+}

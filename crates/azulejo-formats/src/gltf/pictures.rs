@@ -1,0 +1,142 @@
+//! Pictures of materials: files beside the model, data in URIs and pieces of buffers.
+
+use super::accessor::Data;
+use super::uri::{self, Uri};
+use crate::textures::Textures;
+use crate::{Files, picture};
+use azulejo_scene::{Image, Rgb, Texture, TextureId};
+use gltf_json::{Index, Root};
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// How often the bytes of the buffers may be decoded as pictures, so that a hostile file cannot
+/// have one picture decoded a thousand times: once as a colour, and once as a light.
+const MOST_DECODED: usize = 2;
+
+/// The pictures of a file, each loaded once.
+pub(super) struct Pictures<'a> {
+    root: &'a Root,
+    data: &'a Data<'a>,
+    files: &'a dyn Files,
+    textures: Textures,
+    /// Bytes of buffers that may still be decoded.
+    left: usize,
+    /// By index of the image.
+    known: HashMap<usize, TextureId>,
+    means: HashMap<usize, Result<Rgb, String>>,
+}
+
+/// Where the bytes of a picture are.
+enum Source<'a> {
+    /// In the file itself.
+    Embedded(Cow<'a, [u8]>),
+    /// In another file of this name.
+    File(Cow<'a, str>),
+}
+
+impl<'a> Pictures<'a> {
+    /// None yet.
+    pub fn new(data: &'a Data<'a>, files: &'a dyn Files) -> Pictures<'a> {
+        Pictures {
+            root: data.root,
+            data,
+            files,
+            textures: Textures::default(),
+            left: MOST_DECODED * data.buffers.size(),
+            known: HashMap::new(),
+            means: HashMap::new(),
+        }
+    }
+
+    /// All that were asked for.
+    pub fn finish(self) -> Vec<Texture> {
+        self.textures.into_list()
+    }
+
+    /// The picture of a texture, if it has one at all, and what to warn of.
+    pub fn index(
+        &mut self,
+        texture: Index<gltf_json::Texture>,
+    ) -> (Option<TextureId>, Option<String>) {
+        let Some(image) = self.image(texture) else {
+            let problem = "texture without a PNG or JPEG: not shown";
+            return (None, Some(problem.to_owned()));
+        };
+        if let Some(&known) = self.known.get(&image) {
+            return (Some(known), None);
+        }
+        let (id, problem) = match self.source(image) {
+            Ok(Source::File(name)) => self.textures.index("", &name, self.files),
+            Ok(Source::Embedded(bytes)) => {
+                let name = self.name(image);
+                self.textures.embedded(name, Ok(bytes.into_owned()))
+            }
+            Err(fault) => {
+                let name = self.name(image);
+                self.textures.embedded(name, Err(fault))
+            }
+        };
+        self.known.insert(image, id);
+        (Some(id), problem)
+    }
+
+    /// The mean of a texture's picture, as linear light.
+    ///
+    /// # Errors
+    /// Words for a picture that cannot be had.
+    pub fn mean(&mut self, texture: Index<gltf_json::Texture>) -> Result<Rgb, String> {
+        let image = self.image(texture).ok_or("which has no PNG or JPEG")?;
+        if let Some(known) = self.means.get(&image) {
+            return known.clone();
+        }
+        let mean = self.load(image).map(|image| mean(&image));
+        self.means.insert(image, mean.clone());
+        mean
+    }
+
+    fn load(&mut self, image: usize) -> Result<Image, String> {
+        let bytes = match self.source(image)? {
+            Source::Embedded(bytes) => bytes,
+            Source::File(name) => {
+                let read = self.files.read(&name);
+                Cow::Owned(read.map_err(|e| e.to_string())?)
+            }
+        };
+        picture::decode(&bytes).map_err(|e| e.to_string())
+    }
+
+    fn image(&self, texture: Index<gltf_json::Texture>) -> Option<usize> {
+        let source = self.root.get(texture)?.source;
+        self.root.get(source).map(|_| source.value())
+    }
+
+    /// An embedded picture's name, which stands where others have their file's.
+    fn name(&self, image: usize) -> String {
+        let name = self.root.images[image].name.clone();
+        name.filter(|n| !n.is_empty())
+            .unwrap_or_else(|| format!("image {image}"))
+    }
+
+    fn source(&mut self, image: usize) -> Result<Source<'a>, String> {
+        let json = &self.root.images[image];
+        match (json.buffer_view, &json.uri) {
+            (Some(view), _) => {
+                let bytes = self.data.buffers.view(view)?;
+                let left = self.left.checked_sub(bytes.len());
+                self.left = left.ok_or("more pictures than the buffers can hold")?;
+                Ok(Source::Embedded(bytes.into()))
+            }
+            (None, Some(uri)) => Ok(match uri::read(uri)? {
+                Uri::Data(bytes) => Source::Embedded(bytes.into()),
+                Uri::File(name) => Source::File(name),
+            }),
+            (None, None) => Err("an image without a uri".to_owned()),
+        }
+    }
+}
+
+fn mean(image: &Image) -> Rgb {
+    let pixels = image.pixels.iter().map(|p| Rgb::from(p.map(f64::from)));
+    let sum = pixels.fold(Rgb::BLACK, |sum, pixel| sum + pixel);
+    sum * (1.0 / image.pixels.len().max(1) as f64)
+}

@@ -1,0 +1,108 @@
+//! What was said about a file while it was read: each message once, with its first place.
+
+use crate::Position;
+use crate::warnings::Warnings;
+use std::collections::HashMap;
+
+/// Different messages kept apart, which is more than anybody is shown.
+const KEPT: usize = 1000;
+
+/// Messages, each counted, with the first place where it was true.
+///
+/// JSON that has been read knows no lines any more, so a place is a path: `meshes[3]`.
+#[derive(Debug, Default)]
+pub(super) struct Said {
+    list: Vec<Message>,
+    known: HashMap<String, usize>,
+}
+
+#[derive(Debug)]
+struct Message {
+    text: String,
+    place: String,
+    position: Position,
+    count: usize,
+}
+
+impl Said {
+    /// Counts a message about the part of the file at `place`.
+    pub fn of(&mut self, message: &str, place: impl FnOnce() -> String) {
+        self.add(message, Position::Whole, place);
+    }
+
+    /// Counts a message about a byte or a line.
+    pub fn at(&mut self, message: &str, position: Position) {
+        self.add(message, position, String::new);
+    }
+
+    /// Counts a message about the whole file.
+    pub fn whole(&mut self, message: &str) {
+        self.at(message, Position::Whole);
+    }
+
+    fn add(&mut self, message: &str, position: Position, place: impl FnOnce() -> String) {
+        if let Some(&known) = self.known.get(message) {
+            self.list[known].count += 1;
+        } else if self.list.len() < KEPT {
+            self.known.insert(message.to_owned(), self.list.len());
+            self.list.push(Message {
+                text: message.to_owned(),
+                place: place(),
+                position,
+                count: 1,
+            });
+        } else {
+            // Whatever it is, the reader of a thousand messages learns only that there are more.
+            self.list[KEPT - 1].count += 1;
+        }
+    }
+
+    /// The first message that begins so.
+    pub fn first_of(&self, start: &str) -> Option<&str> {
+        let mut texts = self.list.iter().map(|m| m.text.as_str());
+        texts.find(|text| text.starts_with(start))
+    }
+
+    /// Turns all messages into warnings.
+    pub fn report(self, file: &str, warnings: &mut Warnings) {
+        for m in self.list {
+            let text = match m.place.as_str() {
+                "" => m.text,
+                place if m.count > 1 => format!("{} (first at {place})", m.text),
+                place => format!("{} (at {place})", m.text),
+            };
+            warnings.add_many(file, text, m.count, || m.position);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_message_once_with_its_first_place() {
+        let mut said = Said::default();
+        said.of("points: skipped", || "meshes[3]".into());
+        said.of("points: skipped", || "meshes[4]".into());
+        said.of("lines: skipped", || "meshes[5]".into());
+        said.whole("no normals");
+        for i in 0..2 * KEPT {
+            said.whole(&i.to_string());
+        }
+        assert_eq!(said.first_of("lines"), Some("lines: skipped"));
+        let mut warnings = Warnings::default();
+        said.report("a.gltf", &mut warnings);
+        let list = warnings.finish("a.gltf");
+        let shown: Vec<String> = list.iter().take(3).map(ToString::to_string).collect();
+        assert_eq!(
+            shown,
+            [
+                "a.gltf: points: skipped (first at meshes[3]) (2 times)",
+                "a.gltf: lines: skipped (at meshes[5])",
+                "a.gltf: no normals",
+            ]
+        );
+        assert_eq!(list.iter().map(|w| w.count).sum::<usize>(), 2 * KEPT + 4);
+    }
+}

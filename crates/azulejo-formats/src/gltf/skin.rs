@@ -1,0 +1,71 @@
+//! Skins: vertices that hang on joints, at rest.
+
+use super::accessor::Data;
+use super::nodes::Tree;
+use glam::{DAffine3, DMat3, DVec3};
+use gltf_json::Index;
+use gltf_json::skin::Skin;
+
+/// Where the joints of a skin take its vertices.
+#[derive(Debug)]
+pub(super) struct Joints {
+    world_from_mesh: Vec<DAffine3>,
+}
+
+impl Joints {
+    /// The joints of a skin as the nodes stand.
+    ///
+    /// # Errors
+    /// Words for matrices that are not there.
+    pub fn of(index: Index<Skin>, data: &Data, tree: &Tree) -> Result<Joints, String> {
+        let skin = data.root.get(index).ok_or("a skin out of range")?;
+        let mut world_from_mesh: Vec<DAffine3> = skin
+            .joints
+            .iter()
+            .map(|joint| tree.world_from_node(joint.value()))
+            .collect();
+        if let Some(matrices) = skin.inverse_bind_matrices {
+            let count = data.count(matrices)?;
+            if count > world_from_mesh.len() {
+                return Err("more matrices than joints".to_owned());
+            }
+            let inverse = data.read(matrices, count, affine)?;
+            for (map, inverse) in world_from_mesh.iter_mut().zip(inverse) {
+                *map *= inverse;
+            }
+        }
+        Ok(Joints { world_from_mesh })
+    }
+
+    /// Where some joints take a vertex, given their indices and weights.
+    pub fn blend(&self, influences: impl Iterator<Item = (f64, f64)>) -> DAffine3 {
+        let (mut sum, mut total) = (ZERO, 0.0);
+        for (joint, weight) in influences {
+            if let Some(map) = self.world_from_mesh.get(joint as usize)
+                && weight > 0.0
+            {
+                sum.matrix3 += map.matrix3 * weight;
+                sum.translation += map.translation * weight;
+                total += weight;
+            }
+        }
+        if total > 0.0 {
+            sum.matrix3 *= 1.0 / total;
+            sum.translation /= total;
+            sum
+        } else {
+            DAffine3::IDENTITY
+        }
+    }
+}
+
+const ZERO: DAffine3 = DAffine3 {
+    matrix3: DMat3::ZERO,
+    translation: DVec3::ZERO,
+};
+
+/// An affine map of a matrix of four columns, whose last row says nothing.
+pub(super) fn affine(m: [f64; 16]) -> DAffine3 {
+    let column = |k: usize| DVec3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
+    DAffine3::from_cols(column(0), column(1), column(2), column(3))
+}

@@ -1,0 +1,174 @@
+//! Metallic-roughness and its extensions.
+
+use super::{read, triangle};
+use crate::png;
+use azulejo_scene::{Dielectric, Material, Rgb, Scene};
+use glam::DVec2;
+
+const PRIMITIVE: &str = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":\
+    {\"POSITION\":0,\"TEXCOORD_1\":0},\"material\":0}]}],";
+
+fn scene(material: &str, rest: &str, warnings: &[&str]) -> Scene {
+    let file = triangle(
+        &[],
+        "",
+        &format!("{PRIMITIVE}\"materials\":[{{{material}}}]{rest}"),
+    );
+    // Positions have three numbers, texture coordinates two.
+    let file = file.replace("\"TEXCOORD_1\":0", "\"TEXCOORD_1\":1");
+    let uvs = ",{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}";
+    let file = file.replace("\"max\":[1,1,0]}", &format!("\"max\":[1,1,0]}}{uvs}"));
+    read(&file, warnings)
+}
+
+fn material(json: &str, warnings: &[&str]) -> Material {
+    scene(json, "", warnings).materials.remove(0)
+}
+
+fn pbr(json: &str) -> String {
+    format!("\"pbrMetallicRoughness\":{{{json}}}")
+}
+
+#[test]
+fn matt_mirrored_and_glossy() {
+    let colour = "\"baseColorFactor\":[0.5,0.25,0,1]";
+    let base = Rgb::new(0.5, 0.25, 0.0);
+    let matt = material(&pbr(&format!("{colour},\"metallicFactor\":0")), &[]);
+    assert_eq!(matt, Material::diffuse("", base));
+    let json = pbr(&format!(
+        "{colour},\"metallicFactor\":0.75,\"roughnessFactor\":0.05"
+    ));
+    let mirror = material(&json, &[]);
+    assert_eq!((mirror.diffuse, mirror.mirror), (base * 0.25, base * 0.75));
+    let json = pbr(&format!("{colour},\"roughnessFactor\":0.5"));
+    let metal = material(&json, &["glossy material"]);
+    assert_eq!((metal.diffuse, metal.mirror), (base, Rgb::BLACK));
+    assert!(metal.brdf.is_some());
+    let json = "\"name\":\"default\",\"alphaMode\":\"BLEND\"";
+    let default = material(json, &["glossy material"]);
+    assert_eq!(
+        (default.diffuse, default.name.as_str()),
+        (Rgb::WHITE, "default")
+    );
+}
+
+#[test]
+fn emission_is_in_candela_per_square_metre() {
+    let matt = pbr("\"metallicFactor\":0");
+    let lamp = format!(
+        "{matt},\"doubleSided\":true,\"emissiveFactor\":[1,0.5,0],\
+         \"extensions\":{{\"KHR_materials_emissive_strength\":{{\"emissiveStrength\":4}}}}"
+    );
+    let lamp = material(&lamp, &[]);
+    assert_eq!(
+        (lamp.emission, lamp.emits_back),
+        (Rgb::new(4.0, 2.0, 0.0), true)
+    );
+    let picture = format!("{matt},\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{{\"index\":0}}");
+    let found = scene(
+        &picture,
+        &picture_of(&[[255; 3], [0; 3]]),
+        &["its mean shines"],
+    );
+    let mean = found.materials[0].emission;
+    assert!((mean.r - 0.5).abs() < 1e-6, "{mean:?}");
+    let missing = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"x.png\"}]";
+    let dark = scene(
+        &picture,
+        missing,
+        &["no such file: the surface does not shine"],
+    );
+    assert_eq!(dark.materials[0].emission, Rgb::BLACK);
+}
+
+fn glass(json: &str, warnings: &[&str]) -> (Option<Dielectric>, Rgb) {
+    let material = material(
+        &format!(
+            "{},\"extensions\":{{{json}}}",
+            pbr("\"baseColorFactor\":[1,0.5,1,1],\"metallicFactor\":0,\"roughnessFactor\":0")
+        ),
+        warnings,
+    );
+    (material.dielectric, material.mirror)
+}
+
+#[test]
+fn panes_and_bodies_of_glass() {
+    let transmits =
+        |t: f64| format!("\"KHR_materials_transmission\":{{\"transmissionFactor\":{t}}}");
+    let tint = Rgb::new(1.0, 0.5, 1.0);
+    let pane = Dielectric {
+        ior: 1.0,
+        transmittance: tint,
+    };
+    assert_eq!(glass(&transmits(1.0), &[]), (Some(pane), Rgb::WHITE));
+    // A quarter of the light is left at the distance 2, half of it at the thickness 1, and the
+    // boundary takes the root of that, since a ray passes it twice.
+    let volume = "\"KHR_materials_volume\":{\"thicknessFactor\":1,\"attenuationDistance\":2,\
+        \"attenuationColor\":[0.0625,1,1]},\"KHR_materials_ior\":{\"ior\":1.25},\
+        \"KHR_materials_specular\":{\"specularFactor\":0.5}";
+    let body = Dielectric {
+        ior: 1.25,
+        transmittance: Rgb::new(0.5, 0.5, 1.0),
+    };
+    let found = glass(&format!("{},{volume}", transmits(1.0)), &[]);
+    assert_eq!(found, (Some(body), Rgb::grey(0.5)));
+    let little = ["transmits less than half", "glossy"];
+    assert_eq!(glass(&transmits(0.25), &little), (None, Rgb::BLACK));
+}
+
+/// A texture of one row, as a data URI.
+fn picture_of(pixels: &[[u8; 3]]) -> String {
+    let mut file = Vec::new();
+    png::write(pixels.len() as u32, 1, pixels.as_flattened(), &mut file).unwrap();
+    let escaped: String = file.iter().map(|b| format!("%{b:02x}")).collect();
+    format!(
+        ",\"textures\":[{{\"source\":0}}],\
+         \"images\":[{{\"name\":\"wood\",\"uri\":\"data:image/png,{escaped}\"}}]"
+    )
+}
+
+#[test]
+fn pictures_and_their_coordinates() {
+    let json = pbr(
+        "\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"texCoord\":0,\"extensions\":\
+         {\"KHR_texture_transform\":{\"offset\":[0,1],\"rotation\":1.5707963267948966,\
+         \"scale\":[0.5,0.5],\"texCoord\":1}}}",
+    );
+    let found = scene(&json, &picture_of(&[[255; 3]]), &[]);
+    assert_eq!(found.materials[0].textures, [0]);
+    assert_eq!(found.textures[0].path, "wood");
+    assert_eq!(found.textures[0].image.as_ref().unwrap().pixels, [[1.0; 3]]);
+    // The lower left quarter of the picture, turned: (0, 0) is its lower left corner in azulejo,
+    // the coordinates (0, 0), (0, 1) and (0, 0) of the file come from its lower edge.
+    let uvs = &super::mesh_of(&found, 0).uvs.as_ref().unwrap().values;
+    let expected = [DVec2::ZERO, DVec2::new(0.5, 0.0), DVec2::ZERO];
+    let near = |(a, b): (&DVec2, DVec2)| (*a - b).length() < 1e-6;
+    assert!(uvs.iter().zip(expected).all(near), "{uvs:?}");
+}
+
+#[test]
+fn what_is_not_used_is_named() {
+    let json = format!(
+        "{},\"normalTexture\":{{\"index\":0}},\"occlusionTexture\":{{\"index\":0}},\
+         \"alphaMode\":\"MASK\",\"extensions\":{{\"KHR_materials_unlit\":{{}}}}",
+        pbr(
+            "\"baseColorFactor\":[1,1,1,0.5],\"metallicRoughnessTexture\":{\"index\":0},\
+             \"baseColorTexture\":{\"index\":0}"
+        )
+    );
+    let warnings = [
+        "picture of metal and roughness",
+        "see-through",
+        "\"image 0\" is not shown",
+        "normal map",
+        "occlusion map",
+        "KHR_materials_unlit",
+        "textured primitive without",
+    ];
+    let rest = ",\"textures\":[{\"source\":0}],\"images\":[{}]";
+    assert_eq!(
+        scene(&json, rest, &warnings).materials[0].diffuse,
+        Rgb::WHITE
+    );
+}

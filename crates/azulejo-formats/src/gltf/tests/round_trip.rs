@@ -1,0 +1,419 @@
+//! What is written is read.
+
+use crate::{Memory, ReadOptions, gltf};
+use azulejo_scene::{
+    Attribute, Camera, Dielectric, Image, Light, LightKind, Material, Mesh, Object, Primitive, Rgb,
+    Scene, Shape, Texture, Units, Up,
+};
+use glam::{DVec2, DVec3};
+use proptest::prelude::*;
+
+fn glb(scene: &Scene) -> Vec<u8> {
+    let mut file = Vec::new();
+    gltf::write(scene, &mut file).unwrap();
+    file
+}
+
+fn read_back(scene: &Scene) -> Scene {
+    let loaded = gltf::read(
+        &glb(scene),
+        "a.glb",
+        &Memory::new(),
+        &ReadOptions::default(),
+    );
+    let loaded = loaded.unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(loaded.warnings, []);
+    loaded.scene.validate().unwrap();
+    loaded.scene
+}
+
+/// Numbers that single precision holds.
+fn number(most: f64) -> impl Strategy<Value = f64> {
+    (-most..most).prop_map(|v| f64::from(v as f32))
+}
+
+fn share() -> impl Strategy<Value = Rgb> {
+    let channel = || (0u32..=8).prop_map(|n| f64::from(n) / 16.0);
+    (channel(), channel(), channel()).prop_map(|(r, g, b)| Rgb::new(r, g, b))
+}
+
+fn surface() -> impl Strategy<Value = Material> {
+    let mixed = (share(), 0u32..=4).prop_map(|(colour, mirrored)| Material {
+        diffuse: colour * (1.0 - f64::from(mirrored) / 4.0),
+        mirror: colour * (f64::from(mirrored) / 4.0),
+        ..Material::default()
+    });
+    let glass =
+        (share(), prop_oneof![Just(1.0), Just(1.5), Just(2.25)]).prop_map(|(t, ior)| Material {
+            mirror: Rgb::WHITE,
+            dielectric: Some(Dielectric {
+                ior,
+                transmittance: t,
+            }),
+            ..Material::default()
+        });
+    let lamp = (share(), any::<bool>(), 0i32..20).prop_map(|(c, emits_back, strength)| {
+        let emission = c * 2f64.powi(strength);
+        Material {
+            emission,
+            emits_back: emits_back && !emission.is_black(),
+            ..Material::default()
+        }
+    });
+    let textured = share().prop_map(|diffuse| Material {
+        diffuse,
+        textures: vec![0],
+        ..Material::default()
+    });
+    prop_oneof![mixed, glass, lamp, textured]
+}
+
+/// Triangles over vertices of which each has one of everything, sorted by material.
+fn mesh() -> impl Strategy<Value = Mesh> {
+    let extras = any::<[bool; 4]>();
+    (3usize..12, 1usize..8, extras).prop_flat_map(|(vertices, faces, has)| {
+        let count = |wanted: bool| if wanted { vertices } else { 0 };
+        let vector = |most: f64| [number(most), number(most), number(most)];
+        (
+            prop::collection::vec(vector(1e3), vertices),
+            prop::collection::vec((0usize..6).prop_map(axis), count(has[0])),
+            prop::collection::vec([number(8.0), number(8.0)], count(has[1])),
+            prop::collection::vec(share(), count(has[2])),
+            prop::collection::vec(share().prop_map(|e| e * 1e3), count(has[3])),
+            prop::collection::vec(
+                [0..vertices as u32, 0..vertices as u32, 0..vertices as u32],
+                faces,
+            ),
+            prop::collection::vec(0u32..4, faces),
+        )
+            .prop_map(
+                |(positions, normals, uvs, colors, light, faces, mut materials)| {
+                    materials.sort_unstable();
+                    let mut mesh = Mesh {
+                        positions: positions.into_iter().map(DVec3::from).collect(),
+                        normals: per_vertex(normals),
+                        // 1 − v is exact both ways for these.
+                        uvs: per_vertex(
+                            uvs.into_iter().map(|uv| DVec2::from(uv).round()).collect(),
+                        ),
+                        colors,
+                        irradiance: light.into_iter().map(|e| e.map(|c| c.round())).collect(),
+                        ..Mesh::default()
+                    };
+                    for (face, material) in faces.iter().zip(materials) {
+                        mesh.push_face(face, material);
+                    }
+                    mesh
+                },
+            )
+    })
+}
+
+fn per_vertex<T: Copy>(values: Vec<T>) -> Option<Attribute<T>> {
+    (!values.is_empty()).then(|| Attribute::per_vertex(values))
+}
+
+fn axis(k: usize) -> DVec3 {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    if k < 3 { axes[k] } else { -axes[k - 3] }
+}
+
+fn scene() -> impl Strategy<Value = Scene> {
+    let materials = prop::collection::vec(surface(), 4);
+    let name = "[a-z/ áñ漢\"\\\\]{0,9}";
+    let objects = prop::collection::vec((name, mesh()), 1..4);
+    (materials, objects, any::<bool>()).prop_map(|(mut materials, objects, photometric)| {
+        for (i, m) in materials.iter_mut().enumerate() {
+            m.name = format!("m {i}");
+        }
+        Scene {
+            materials,
+            textures: vec![Texture {
+                path: "maps/a b.png".into(),
+                image: Some(Image {
+                    width: 2,
+                    height: 1,
+                    pixels: vec![[0.0, 1.0, 0.0], [1.0; 3]],
+                }),
+            }],
+            objects: objects
+                .into_iter()
+                .map(|(name, mesh)| Object::new(name, Shape::Mesh(mesh)))
+                .collect(),
+            units: Units {
+                metres_per_unit: Some(1.0),
+                up: Up::Y,
+                photometric,
+            },
+            ..Scene::default()
+        }
+    })
+}
+
+/// Leaves what no face uses out of a scene, in the order in which faces use it, as a reader
+/// finds it.
+fn as_used(scene: &Scene) -> Scene {
+    let mut used = Scene {
+        materials: Vec::new(),
+        textures: Vec::new(),
+        ..scene.clone()
+    };
+    let mut order: Vec<u32> = Vec::new();
+    for object in &mut used.objects {
+        let Shape::Mesh(mesh) = &mut object.shape else {
+            continue;
+        };
+        for m in &mut mesh.face_materials {
+            let place = order.iter().position(|o| o == m).unwrap_or_else(|| {
+                order.push(*m);
+                order.len() - 1
+            });
+            *m = place as u32;
+        }
+    }
+    used.materials = order
+        .iter()
+        .map(|&m| scene.materials[m as usize].clone())
+        .collect();
+    if used.materials.iter().any(|m| !m.textures.is_empty()) {
+        used.textures.clone_from(&scene.textures);
+    }
+    used
+}
+
+/// Whether two scenes are the same but for the rounding of colours and directions.
+fn assert_alike(found: &Scene, expected: &Scene) {
+    let rounded = |scene: &Scene| {
+        let mut scene = scene.clone();
+        let near = |c: Rgb| c.map(|c| f64::from(c as f32));
+        for m in &mut scene.materials {
+            (m.diffuse, m.mirror) = (near(m.diffuse), near(m.mirror));
+            m.emission = near(m.emission);
+        }
+        scene
+    };
+    assert_eq!(rounded(found), rounded(expected));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    #[test]
+    fn what_is_written_is_read(scene in scene()) {
+        prop_assert_eq!(scene.validate(), Ok(()));
+        // A vertex list of which half is unused is cut down.
+        let expected = as_used(&scene);
+        let all_used = expected.objects.iter().all(|o| match &o.shape {
+            Shape::Mesh(mesh) => {
+                let used = |v: u32| mesh.faces.corners.contains(&v);
+                2 * (0..mesh.positions.len() as u32).filter(|v| used(*v)).count() >= mesh.positions.len()
+            }
+            Shape::Primitive(_) => true,
+        });
+        // Without texture coordinates there is no picture.
+        let warned = expected.objects.iter().any(|o| match &o.shape {
+            Shape::Mesh(mesh) => mesh.uvs.is_none()
+                && mesh.face_materials.iter().any(|m| !expected.materials[*m as usize].textures.is_empty()),
+            Shape::Primitive(_) => false,
+        });
+        prop_assume!(all_used && !warned);
+        assert_alike(&read_back(&scene), &expected);
+    }
+}
+
+#[test]
+fn two_files_are_one_scene() {
+    let mut scene = Scene::default();
+    let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+    let ball = Primitive::sphere(DVec3::ZERO, 2.0, white);
+    scene
+        .objects
+        .push(Object::new("ball", Shape::Primitive(ball)));
+    scene.units.metres_per_unit = Some(1.0);
+    let (mut json, mut bin) = (Vec::new(), Vec::new());
+    gltf::write_json(&scene, "the numbers.bin", &mut json, &mut bin).unwrap();
+    let files = Memory::new().with("the numbers.bin", bin);
+    let loaded = gltf::read(&json, "a.gltf", &files, &ReadOptions::default()).unwrap();
+    assert_eq!(loaded.scene, read_back(&scene));
+    let area = 16.0 * std::f64::consts::PI;
+    let Shape::Mesh(mesh) = &loaded.scene.objects[0].shape else {
+        panic!("glTF has meshes only")
+    };
+    assert!((mesh.area() / area - 1.0).abs() < 0.01, "{}", mesh.area());
+    assert_eq!(
+        gltf::losses(&scene),
+        ["1 exact primitives that become polygons"]
+    );
+}
+
+/// A square of one face with a normal for each corner and a hard edge in its coordinates.
+#[test]
+fn values_of_corners_part_vertices() {
+    let mut scene = Scene::default();
+    scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+    let mut mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y],
+        irradiance: vec![Rgb::grey(3.0), Rgb::grey(1.0), Rgb::BLACK, Rgb::grey(0.5)],
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2, 3], 0);
+    mesh.push_face(&[2, 1, 0], 0);
+    mesh.normals = Some(Attribute {
+        values: vec![DVec3::Z, DVec3::NEG_Z],
+        corners: Some(vec![0, 0, 0, 0, 1, 1, 1]),
+    });
+    scene.objects.push(Object::new("", Shape::Mesh(mesh)));
+    let back = read_back(&scene);
+    let Shape::Mesh(mesh) = &back.objects[0].shape else {
+        panic!("glTF has meshes only")
+    };
+    assert_eq!((mesh.positions.len(), mesh.faces.len()), (7, 3));
+    assert_eq!(mesh.irradiance[6], Rgb::grey(3.0));
+    assert!(mesh.colors.is_empty());
+    assert_eq!(
+        gltf::losses(&scene),
+        ["1 meshes whose polygons become triangles"]
+    );
+}
+
+/// A scene in millimetres with z up: a lamp, a camera and a triangle that faces up.
+#[test]
+fn other_units_are_turned_and_scaled() {
+    let mut scene = Scene::default();
+    scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+    let mut mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X * 1e3, DVec3::Y * 1e3],
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2], 0);
+    scene.objects.push(Object::new("floor", Shape::Mesh(mesh)));
+    let lights = [
+        LightKind::Point {
+            position: DVec3::Z * 2e3,
+            intensity: Rgb::grey(4e6),
+        },
+        LightKind::Spot {
+            position: DVec3::Z * 2e3,
+            direction: DVec3::NEG_Z,
+            intensity: Rgb::new(1e6, 5e5, 0.0),
+            inner: 0.25,
+            outer: 0.5,
+        },
+        LightKind::Directional {
+            direction: DVec3::Y,
+            irradiance: Rgb::grey(3.0),
+        },
+        LightKind::Ambient {
+            radiance: Rgb::WHITE,
+        },
+    ];
+    let light = |kind| Light {
+        name: "lamp".into(),
+        kind,
+    };
+    scene.lights = lights.map(light).to_vec();
+    scene.cameras.push(Camera {
+        name: "eye".into(),
+        eye: DVec3::new(0.0, -5e3, 1e3),
+        target: DVec3::new(0.0, 0.0, 1e3),
+        up: DVec3::Z,
+        vertical_fov: 0.75,
+        size: Some((4, 3)),
+    });
+    scene.units = Units {
+        metres_per_unit: Some(1e-3),
+        up: Up::Z,
+        photometric: false,
+    };
+    let expected = scene.clone().adapted(Units {
+        metres_per_unit: Some(1.0),
+        ..Units::default()
+    });
+    let back = read_back(&scene);
+    let near = |a: DVec3, b: DVec3| (a - b).length() < 1e-6;
+    let positions = |scene: &Scene| match &scene.objects[0].shape {
+        Shape::Mesh(mesh) => mesh.positions.clone(),
+        Shape::Primitive(_) => Vec::new(),
+    };
+    let pairs = positions(&back).into_iter().zip(positions(&expected));
+    assert!(pairs.into_iter().all(|(a, b)| near(a, b)));
+    let (found, wanted) = (&back.cameras[0], &expected.cameras[0]);
+    assert!(near(found.eye, wanted.eye) && near(found.axes().2, wanted.axes().2));
+    assert!(near(found.axes().1, wanted.axes().1) && found.vertical_fov == 0.75);
+    assert_eq!(back.lights.len(), 3);
+    for (found, wanted) in back.lights.iter().zip(&expected.lights) {
+        let at = DVec3::new(0.3, 0.1, -0.2);
+        match (found.kind, wanted.kind) {
+            (
+                LightKind::Directional { direction: a, .. },
+                LightKind::Directional { direction: b, .. },
+            ) => {
+                assert!(near(a, b));
+            }
+            (a, b) => {
+                let w = (at - DVec3::Y * 2.0).normalize();
+                let (a, b) = (a.intensity_toward(w), b.intensity_toward(w));
+                assert!((a - b).map(f64::abs).max_channel() < 1e-5, "{a:?} {b:?}");
+            }
+        }
+    }
+    assert!(!back.units.photometric);
+    let losses = gltf::losses(&scene);
+    assert_eq!(losses.len(), 2, "{losses:?}");
+}
+
+#[test]
+fn pictures_without_pixels_are_named() {
+    let mut scene = Scene::default();
+    scene.textures.push(Texture {
+        path: "maps/a b.png".into(),
+        image: None,
+    });
+    scene.add_material(Material {
+        textures: vec![0],
+        diffuse: Rgb::grey(0.5),
+        ..Material::default()
+    });
+    let mut mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        uvs: Some(Attribute::per_vertex(vec![DVec2::ONE; 3])),
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2], 0);
+    scene.objects.push(Object::new("", Shape::Mesh(mesh)));
+    let loaded = gltf::read(
+        &glb(&scene),
+        "a.glb",
+        &Memory::new(),
+        &ReadOptions::default(),
+    );
+    let loaded = loaded.unwrap();
+    assert_eq!(loaded.scene.textures, scene.textures);
+    assert_eq!(loaded.warnings.len(), 1);
+}
+
+/// glTF allows no picture on a mesh without texture coordinates, and there azulejo shows none.
+#[test]
+fn pictures_without_coordinates() {
+    let mut scene = Scene::default();
+    scene.textures.push(Texture::default());
+    scene.add_material(Material {
+        textures: vec![0],
+        diffuse: Rgb::grey(0.5),
+        ..Material::default()
+    });
+    let mut mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2], 0);
+    scene.objects.push(Object::new("", Shape::Mesh(mesh)));
+    let back = read_back(&scene);
+    assert_eq!(back.materials, [Material::diffuse("", Rgb::grey(0.5))]);
+}
+
+#[test]
+fn an_empty_scene_is_a_file() {
+    let file = glb(&Scene::default());
+    let loaded = gltf::read(&file, "a.glb", &Memory::new(), &ReadOptions::default());
+    assert_eq!(loaded.unwrap().warnings.len(), 1);
+}

@@ -1,0 +1,93 @@
+//! Triangles of lists, strips and fans.
+
+use super::vertices::Vertices;
+use azulejo_scene::{MaterialId, Mesh};
+use gltf_json::mesh::Mode;
+
+/// The triangles of a primitive.
+#[derive(Debug)]
+pub(super) struct Triangles<'a> {
+    mode: Mode,
+    corners: &'a [u32],
+    /// Corners that make no triangle.
+    pub left_over: usize,
+}
+
+/// The triangles that `corners` make.
+pub(super) fn triangles(mode: Mode, corners: &[u32]) -> Triangles<'_> {
+    let left_over = match mode {
+        Mode::Triangles => corners.len() % 3,
+        _ if corners.len() < 3 => corners.len(),
+        _ => 0,
+    };
+    Triangles {
+        mode,
+        corners,
+        left_over,
+    }
+}
+
+impl Triangles<'_> {
+    fn count(&self) -> usize {
+        match self.mode {
+            Mode::Triangles => self.corners.len() / 3,
+            _ => self.corners.len().saturating_sub(2),
+        }
+    }
+
+    fn get(&self, i: usize) -> [u32; 3] {
+        let c = self.corners;
+        match self.mode {
+            Mode::TriangleStrip => [c[i], c[i + 1 + i % 2], c[i + 2 - i % 2]],
+            Mode::TriangleFan => [c[i + 1], c[i + 2], c[0]],
+            _ => [c[3 * i], c[3 * i + 1], c[3 * i + 2]],
+        }
+    }
+
+    /// Adds the triangles to a mesh; their vertices are the `count` from `first` on. Says how
+    /// many have no vertices, or vertices that are nowhere.
+    pub fn push_into(
+        &self,
+        mesh: &mut Mesh,
+        vertices: &Vertices,
+        first: u32,
+        count: u32,
+        material: MaterialId,
+    ) -> usize {
+        let mut outside = 0;
+        let triangles = self.count();
+        mesh.faces.starts.reserve(triangles);
+        mesh.faces.corners.reserve(3 * triangles);
+        mesh.face_materials.reserve(triangles);
+        for triangle in (0..triangles).map(|i| self.get(i)) {
+            let usable = |&v: &u32| v < count && vertices.is_somewhere(first + v);
+            if triangle.iter().all(usable) {
+                mesh.push_face(&triangle.map(|v| first + v), material);
+            } else {
+                outside += 1;
+            }
+        }
+        outside
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(mode: Mode, corners: &[u32], expected: &[[u32; 3]], left_over: usize) {
+        let found = triangles(mode, corners);
+        let list: Vec<[u32; 3]> = (0..found.count()).map(|i| found.get(i)).collect();
+        assert_eq!((list.as_slice(), found.left_over), (expected, left_over));
+    }
+
+    #[test]
+    fn fronts_are_kept() {
+        check(Mode::Triangles, &[5, 6, 7, 8], &[[5, 6, 7]], 1);
+        let strip = [[0, 1, 2], [1, 3, 2], [2, 3, 4]];
+        check(Mode::TriangleStrip, &[0, 1, 2, 3, 4], &strip, 0);
+        let fan = [[1, 2, 0], [2, 3, 0]];
+        check(Mode::TriangleFan, &[0, 1, 2, 3], &fan, 0);
+        check(Mode::TriangleFan, &[0, 1], &[], 2);
+    }
+}

@@ -1,0 +1,155 @@
+//! URIs: data that stands in them, and names of files.
+
+use std::borrow::Cow;
+
+/// What a URI gives.
+#[derive(Debug, PartialEq)]
+pub(super) enum Uri<'a> {
+    /// Bytes that stand in the URI itself.
+    Data(Vec<u8>),
+    /// The name of a file, relative to the model's.
+    File(Cow<'a, str>),
+}
+
+/// Reads a URI.
+///
+/// # Errors
+/// Words for a URI that names neither data nor a file.
+pub(super) fn read(uri: &str) -> Result<Uri<'_>, String> {
+    if let Some(rest) = uri.strip_prefix("data:") {
+        return data(rest).map(Uri::Data);
+    }
+    if uri.contains("://") {
+        return Err("a URI outside the model's folder".to_owned());
+    }
+    let plain = percent_decoded(uri);
+    Ok(Uri::File(match plain {
+        Cow::Borrowed(_) => uri.into(),
+        Cow::Owned(bytes) => String::from_utf8_lossy(&bytes).into_owned().into(),
+    }))
+}
+
+/// The bytes behind `data:`, RFC 2397.
+fn data(rest: &str) -> Result<Vec<u8>, String> {
+    let (kind, content) = rest.split_once(',').ok_or("a data URI without a comma")?;
+    if kind.ends_with(";base64") {
+        base64(content.as_bytes()).ok_or_else(|| "a data URI that is no base64".to_owned())
+    } else {
+        Ok(percent_decoded(content).into_owned())
+    }
+}
+
+/// `%41` becomes `A`; what is no two digits behind a `%` stays as it is.
+fn percent_decoded(text: &str) -> Cow<'_, [u8]> {
+    let bytes = text.as_bytes();
+    if !bytes.contains(&b'%') {
+        return bytes.into();
+    }
+    let digit = |at: usize| char::from(*bytes.get(at)?).to_digit(16);
+    let mut plain = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while let Some(&b) = bytes.get(at) {
+        let escaped = (b == b'%').then(|| Some(16 * digit(at + 1)? + digit(at + 2)?));
+        match escaped.flatten() {
+            Some(value) => {
+                plain.push(value as u8);
+                at += 3;
+            }
+            None => {
+                plain.push(b);
+                at += 1;
+            }
+        }
+    }
+    plain.into()
+}
+
+/// Writes a file's name as a URI: what has a meaning of its own in one is escaped.
+pub(super) fn escaped(name: &str) -> String {
+    let mut uri = String::with_capacity(name.len());
+    for b in name.replace('\\', "/").bytes() {
+        match b {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                uri.push(b.into());
+            }
+            _ => uri += &format!("%{b:02X}"),
+        }
+    }
+    uri
+}
+
+/// Value of each base64 character; 64 for those that are none.
+const SEXTETS: [u8; 256] = {
+    let mut table = [64; 256];
+    let alphabet = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut value = 0;
+    while value < 64 {
+        table[alphabet[value] as usize] = value as u8;
+        value += 1;
+    }
+    // The URL-safe alphabet does not clash with the common one.
+    table[b'-' as usize] = 62;
+    table[b'_' as usize] = 63;
+    table
+};
+
+/// Decodes base64, RFC 4648, with or without padding.
+fn base64(text: &[u8]) -> Option<Vec<u8>> {
+    let end = text.iter().rposition(|b| *b != b'=').map_or(0, |e| e + 1);
+    let text = &text[..end];
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 2);
+    let (fours, rest) = text.as_chunks::<4>();
+    for four in fours {
+        bytes.extend(group(*four)?);
+    }
+    if !rest.is_empty() {
+        let mut four = [b'A'; 4];
+        four[..rest.len()].copy_from_slice(rest);
+        bytes.extend_from_slice(&group(four)?[..rest.len() - 1]);
+    }
+    Some(bytes)
+}
+
+/// Three bytes of four characters.
+fn group(four: [u8; 4]) -> Option<[u8; 3]> {
+    let [a, b, c, d] = four.map(|character| SEXTETS[usize::from(character)]);
+    let known = (a | b | c | d) < 64;
+    known.then_some([a << 2 | b >> 4, b << 4 | c >> 2, c << 6 | d])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(uri: &str, expected: Result<Uri, &str>) {
+        match (read(uri), expected) {
+            (Err(e), Err(part)) => assert!(e.contains(part), "{e}"),
+            (found, expected) => assert_eq!(found.ok(), expected.ok(), "{uri}"),
+        }
+    }
+
+    #[test]
+    fn data_and_names() {
+        let data = |bytes: &[u8]| Ok(Uri::Data(bytes.to_vec()));
+        check("data:;base64,", data(b""));
+        check("data:a/b;base64,Zg==", data(b"f"));
+        check("data:;base64,Zm8", data(b"fo"));
+        check("data:;base64,Zm9v", data(b"foo"));
+        check("data:;base64,+/-_", data(&[0xfb, 0xff, 0xbf]));
+        check("data:,a%20b%2", data(b"a b%2"));
+        check("data:;base64,Zm9v!", Err("no base64"));
+        check("data:;base64,Z", data(b""));
+        check("data:", Err("without a comma"));
+        check("http://a/b.bin", Err("outside"));
+        check("a%20b%C3%A1.bin", Ok(Uri::File("a bá.bin".into())));
+        check("c/d.bin", Ok(Uri::File("c/d.bin".into())));
+    }
+
+    #[test]
+    fn names_come_back() {
+        for name in ["a b.png", "50%.png", "azulejo/á#?.png"] {
+            assert_eq!(read(&escaped(name)), Ok(Uri::File(name.into())));
+        }
+        assert_eq!(escaped("maps\\a b.png"), "maps/a%20b.png");
+    }
+}

@@ -1,0 +1,393 @@
+//! From the nodes of a scene to objects, lights and cameras in the world.
+
+use super::accessor::Data;
+use super::material::Surfaces;
+use super::mesh::{Builder, Pose};
+use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
+use super::said::Said;
+use super::skin::Joints;
+use crate::options::{Budget, Exhausted};
+use crate::{ReadError, ReadOptions};
+use azulejo_scene::{Camera, Light, LightKind, Mesh, Object, Rgb, Scene, Shape};
+use glam::{DAffine3, DVec3};
+use gltf_json::accessor::Accessor;
+use gltf_json::extensions::scene::khr_lights_punctual::{self, Type};
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Node, Root};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Bytes that an object may take for itself, counted against the elements of the budget.
+const BYTES_PER_ELEMENT: usize = 100;
+
+/// Elements that an object without vertices counts for.
+const ELEMENTS_PER_OBJECT: u64 = 10;
+
+/// Longest path that becomes an object's name, in bytes.
+const MOST_PATH: usize = 1000;
+
+/// Translations, rotations and scales of instances.
+type Places = (Vec<DVec3>, Vec<[f64; 4]>, Vec<DVec3>);
+
+/// A scene under construction.
+pub(super) struct Walk<'w, 'a> {
+    data: &'a Data<'a>,
+    tree: &'w Tree<'a>,
+    surfaces: Surfaces<'a>,
+    budget: Budget,
+    said: &'w mut Said,
+    scene: Scene,
+    file: &'w str,
+}
+
+/// Where the walk is.
+#[derive(Clone, Copy)]
+struct Place<'p> {
+    world: DAffine3,
+    /// Names of the nodes above.
+    path: &'p str,
+    level: usize,
+}
+
+impl<'w, 'a> Walk<'w, 'a> {
+    /// An empty scene.
+    pub fn new(
+        data: &'a Data<'a>,
+        tree: &'w Tree<'a>,
+        surfaces: Surfaces<'a>,
+        options: &ReadOptions,
+        said: &'w mut Said,
+        file: &'w str,
+    ) -> Walk<'w, 'a> {
+        Walk {
+            data,
+            tree,
+            surfaces,
+            budget: Budget::new(options),
+            said,
+            scene: Scene::default(),
+            file,
+        }
+    }
+
+    /// Reads the default scene; without one the first, and without scenes all nodes.
+    ///
+    /// # Errors
+    /// Nodes too deep, and more of everything than the file may unfold to.
+    pub fn scene(mut self) -> Result<Scene, ReadError> {
+        let root = self.root();
+        let chosen = root.scene.map_or(0, |s| s.value());
+        for (i, scene) in root.scenes.iter().enumerate() {
+            if i != chosen {
+                let name = scene.name.as_deref().unwrap_or("without a name");
+                let message = format!("scene {name}: skipped, another is shown");
+                self.said.of(&message, || format!("scenes[{i}]"));
+            }
+        }
+        let start = Place {
+            world: DAffine3::IDENTITY,
+            path: "",
+            level: 0,
+        };
+        match root.scenes.get(chosen) {
+            Some(scene) => {
+                for node in &scene.nodes {
+                    self.node(node.value(), start)?;
+                }
+            }
+            None => {
+                for node in self.tree.roots() {
+                    self.node(node, start)?;
+                }
+            }
+        }
+        (self.scene.materials, self.scene.textures) = self.surfaces.finish();
+        Ok(self.scene)
+    }
+
+    fn root(&self) -> &'a Root {
+        self.data.root
+    }
+
+    fn spend(&mut self, elements: u64) -> Result<(), ReadError> {
+        let spent = self.budget.spend(elements);
+        spent.map_err(|exhausted| exhausted.error(self.file))
+    }
+
+    fn node(&mut self, index: usize, place: Place) -> Result<(), ReadError> {
+        let Some(node) = self.root().nodes.get(index) else {
+            return Ok(());
+        };
+        if place.level == MOST_LEVELS {
+            let found = format!("more than {MOST_LEVELS} nodes one below the other");
+            return Err(ReadError::whole(self.file, found, "a flatter file"));
+        }
+        self.spend(1)?;
+        if is_hidden(node) {
+            let message = "hidden node: left out, and what is below it";
+            self.said.of(message, || format!("nodes[{index}]"));
+            return Ok(());
+        }
+        let world = place.world * parent_from_node(node);
+        if !is_usable(&world) {
+            let message = "node that is nowhere: left out, and what is below it";
+            self.said.of(message, || format!("nodes[{index}]"));
+            return Ok(());
+        }
+        let own = node.name.as_deref().unwrap_or("");
+        let path = joined(place.path, own);
+        let here = Place {
+            world,
+            path: &path,
+            level: place.level + 1,
+        };
+        self.content(index, node, here)?;
+        for child in children(node) {
+            self.node(child, here)?;
+        }
+        Ok(())
+    }
+
+    /// What hangs on a node itself.
+    fn content(&mut self, index: usize, node: &'a Node, place: Place) -> Result<(), ReadError> {
+        if let Some(mesh) = node.mesh {
+            self.mesh(index, node, mesh.value(), place)?;
+        }
+        if let Some(camera) = node.camera {
+            self.camera(camera, place);
+        }
+        let extension = node.extensions.as_ref();
+        if let Some(light) = extension.and_then(|e| e.khr_lights_punctual.as_ref()) {
+            self.light(light.light, place);
+        }
+        Ok(())
+    }
+
+    /// The name of what hangs on a node: the path of the nodes' names, or, if the node has none,
+    /// the thing's own behind it.
+    fn name(&self, node: &Node, own: Option<&str>, place: Place) -> String {
+        match node.name.as_deref() {
+            Some(name) if !name.is_empty() => place.path.to_owned(),
+            _ => joined(place.path, own.unwrap_or("")),
+        }
+    }
+
+    fn mesh(
+        &mut self,
+        index: usize,
+        node: &'a Node,
+        mesh: usize,
+        place: Place,
+    ) -> Result<(), ReadError> {
+        let Some(json) = self.root().meshes.get(mesh) else {
+            return Ok(());
+        };
+        let joints = node.skin.and_then(|skin| {
+            let joints = Joints::of(skin, self.data, self.tree);
+            let fault = |fault| {
+                let message = format!("skin left out: {fault}");
+                self.said.of(&message, || format!("nodes[{index}]"));
+            };
+            joints.map_err(fault).ok()
+        });
+        let weights = node.weights.as_deref().or(json.weights.as_deref());
+        let pose = Pose {
+            weights: weights.unwrap_or_default(),
+            joints: joints.as_ref(),
+        };
+        let mut builder = Builder {
+            data: self.data,
+            surfaces: &mut self.surfaces,
+            budget: &mut self.budget,
+            said: &mut *self.said,
+        };
+        let built = builder.mesh(mesh, pose);
+        let Some(built) = built.map_err(|e| e.error(self.file))? else {
+            return Ok(());
+        };
+        let name = self.name(node, json.name.as_deref(), place);
+        match self.instances(index, node) {
+            None if joints.is_some() => self.object(name, built, &DAffine3::IDENTITY),
+            None => self.object(name, built, &place.world),
+            Some(maps) => {
+                for map in maps {
+                    let world = place.world * map;
+                    self.spend((built.positions.len() + built.faces.corners.len()) as u64)?;
+                    self.object(name.clone(), built.clone(), &world)?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn object(&mut self, name: String, mut mesh: Mesh, world: &DAffine3) -> Result<(), ReadError> {
+        if !is_usable(world) {
+            self.said.whole("instance that is nowhere: left out");
+            return Ok(());
+        }
+        self.spend(ELEMENTS_PER_OBJECT + (name.len() / BYTES_PER_ELEMENT) as u64)?;
+        if *world != DAffine3::IDENTITY {
+            mesh.transform(world);
+        }
+        self.scene
+            .objects
+            .push(Object::new(name, Shape::Mesh(mesh)));
+        Ok(())
+    }
+
+    /// Where `EXT_mesh_gpu_instancing` puts the copies of a node's mesh, if it does.
+    fn instances(&mut self, index: usize, node: &Node) -> Option<Vec<DAffine3>> {
+        let extension = node
+            .extensions
+            .as_ref()?
+            .others
+            .get("EXT_mesh_gpu_instancing")?;
+        let attribute = |name: &str| {
+            let index = extension.get("attributes")?.get(name)?.as_u64()?;
+            u32::try_from(index).ok().map(Index::new)
+        };
+        let lists = ["TRANSLATION", "ROTATION", "SCALE"].map(attribute);
+        match self.places(lists) {
+            Ok((translations, rotations, scales)) => Some(
+                (0..translations.len())
+                    .map(|i| placed(translations[i], rotations[i], scales[i]))
+                    .collect(),
+            ),
+            Err(fault) => {
+                let message = format!("instances left out: {fault}");
+                self.said.of(&message, || format!("nodes[{index}]"));
+                None
+            }
+        }
+    }
+
+    fn places(&mut self, lists: [Option<Index<Accessor>>; 3]) -> Result<Places, String> {
+        let data = self.data;
+        let given = lists.iter().flatten().next();
+        let count = data.count(*given.ok_or("no attributes")?)?;
+        let most = self.budget.spend(3 * count as u64);
+        most.map_err(|Exhausted { .. }| format!("{count} of them"))?;
+        let [translation, rotation, scale] = lists;
+        let vectors = |list: Option<Index<Accessor>>, rest| match list {
+            Some(list) => data.read(list, count, DVec3::from),
+            None => Ok(vec![rest; count]),
+        };
+        let rotations = match rotation {
+            Some(list) => data.read(list, count, |q: [f64; 4]| q)?,
+            None => vec![[0.0, 0.0, 0.0, 1.0]; count],
+        };
+        Ok((
+            vectors(translation, DVec3::ZERO)?,
+            rotations,
+            vectors(scale, DVec3::ONE)?,
+        ))
+    }
+
+    fn camera(&mut self, index: Index<gltf_json::Camera>, place: Place) {
+        let Some(json) = self.root().get(index) else {
+            return;
+        };
+        let at = || format!("cameras[{index}]");
+        let Some(perspective) = &json.perspective else {
+            self.said.of("orthographic camera: skipped", at);
+            return;
+        };
+        let eye = place.world.translation;
+        let axes = place.world.matrix3;
+        let (Some(forward), Some(up)) =
+            ((-axes.z_axis).try_normalize(), axes.y_axis.try_normalize())
+        else {
+            self.said.of("camera that looks nowhere: skipped", at);
+            return;
+        };
+        let camera = Camera {
+            name: match place.path {
+                "" => json.name.clone().unwrap_or_default(),
+                path => path.to_owned(),
+            },
+            eye,
+            // Far from the origin a step of one would be lost in rounding.
+            target: eye + forward * (1e-3 * eye.length()).max(1.0),
+            up,
+            vertical_fov: perspective.yfov.into(),
+            size: None,
+        };
+        let (right, up, forward) = camera.axes();
+        let sees = camera.vertical_fov > 0.0 && camera.vertical_fov < PI;
+        if sees && right.is_finite() && up.is_finite() && forward.is_finite() {
+            self.scene.cameras.push(camera);
+        } else {
+            self.said.of("camera without a usable view: skipped", at);
+        }
+    }
+
+    fn light(&mut self, index: Index<khr_lights_punctual::Light>, place: Place) {
+        let Some(json) = self.root().get(index) else {
+            return;
+        };
+        let at = || format!("lights[{index}]");
+        if json.range.is_some() {
+            self.said.of(
+                "range of a light: not used, light falls with the square of the distance",
+                at,
+            );
+        }
+        let Some(kind) = kind_of(json, &place.world) else {
+            self.said.of("light that shines nowhere: skipped", at);
+            return;
+        };
+        let name = match place.path {
+            "" => json.name.clone().unwrap_or_default(),
+            path => path.to_owned(),
+        };
+        self.scene.lights.push(Light { name, kind });
+    }
+}
+
+/// The kind of a light in the world, if its direction is one.
+fn kind_of(json: &khr_lights_punctual::Light, world: &DAffine3) -> Option<LightKind> {
+    let intensity = Rgb::from(json.color.map(f64::from)) * f64::from(json.intensity);
+    let intensity = intensity.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
+    let position = world.translation;
+    let direction = || (-world.matrix3.z_axis).try_normalize();
+    match &json.type_ {
+        Checked::Valid(Type::Point) => Some(LightKind::Point {
+            position,
+            intensity,
+        }),
+        Checked::Valid(Type::Directional) => Some(LightKind::Directional {
+            direction: direction()?,
+            irradiance: intensity,
+        }),
+        Checked::Valid(Type::Spot) => {
+            let cone = json.spot.as_ref()?;
+            let outer = f64::from(cone.outer_cone_angle).clamp(0.0, FRAC_PI_2);
+            Some(LightKind::Spot {
+                position,
+                direction: direction()?,
+                intensity,
+                inner: f64::from(cone.inner_cone_angle).clamp(0.0, outer),
+                outer,
+            })
+        }
+        Checked::Invalid => None,
+    }
+}
+
+/// `KHR_node_visibility`.
+fn is_hidden(node: &Node) -> bool {
+    let extensions = node.extensions.as_ref();
+    let found = extensions.and_then(|e| e.others.get("KHR_node_visibility"));
+    found.and_then(|v| v.get("visible")?.as_bool()) == Some(false)
+}
+
+/// A path and a name behind it. A path that has become too long to be a name begins anew.
+fn joined(path: &str, name: &str) -> String {
+    let end = name.floor_char_boundary(MOST_PATH.min(name.len()));
+    let name = &name[..end];
+    match (path, name) {
+        (path, "") => path.to_owned(),
+        ("", name) => name.to_owned(),
+        (path, name) if path.len() + name.len() >= MOST_PATH => name.to_owned(),
+        (path, name) => format!("{path}/{name}"),
+    }
+}

@@ -1,0 +1,281 @@
+//! Scenes to glTF.
+
+use super::irradiance;
+use super::pack::Pack;
+use super::write_material::Materials;
+use super::write_mesh;
+use azulejo_scene::{Camera, Light, LightKind, Object, Rgb, Scene, Units, Up};
+use glam::{DMat3, DQuat, DVec3};
+use serde_json::{Map, Value, json};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
+use std::io::{self, Write};
+
+/// Distance of the plane in front of which a camera shows nothing, metres. glTF wants one.
+const NEAR: f64 = 0.01;
+
+/// Writes a scene as one binary file, GLB.
+///
+/// One node per object, with triangles in single precision. Where the scene is not in metres or
+/// not y up, a node above all the others says so. [`losses`](super::losses) says what does not
+/// fit into the format.
+///
+/// # Errors
+/// What `out` says, and a scene that needs more than 4 GiB.
+pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    let mut document = Document::of(scene)?;
+    let mut json = document.json(None)?;
+    let mut bin = std::mem::take(&mut document.pack.bin);
+    json.resize(json.len().next_multiple_of(4), b' ');
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let chunk = if bin.is_empty() { 0 } else { 8 + bin.len() };
+    let length = u32::try_from(12 + 8 + json.len() + chunk);
+    let length = length.map_err(|_| io::Error::other("a GLB holds at most 4 GiB"))?;
+    out.write_all(b"glTF\x02\0\0\0")?;
+    out.write_all(&length.to_le_bytes())?;
+    out.write_all(&(json.len() as u32).to_le_bytes())?;
+    out.write_all(b"JSON")?;
+    out.write_all(&json)?;
+    if !bin.is_empty() {
+        out.write_all(&(bin.len() as u32).to_le_bytes())?;
+        out.write_all(b"BIN\0")?;
+        out.write_all(&bin)?;
+    }
+    out.flush()
+}
+
+/// Writes a scene as two files: JSON, and its numbers and pictures beside it under the name
+/// `bin_name`. Otherwise as [`write()`].
+///
+/// # Errors
+/// What `json` and `bin` say.
+pub fn write_json(
+    scene: &Scene,
+    bin_name: &str,
+    json: &mut dyn Write,
+    bin: &mut dyn Write,
+) -> io::Result<()> {
+    let document = Document::of(scene)?;
+    json.write_all(&document.json(Some(bin_name))?)?;
+    bin.write_all(&document.pack.bin)?;
+    json.flush()?;
+    bin.flush()
+}
+
+/// A file under way.
+struct Document<'a> {
+    scene: &'a Scene,
+    pack: Pack,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+    cameras: Vec<Value>,
+    lights: Vec<Value>,
+    materials: Materials,
+}
+
+impl<'a> Document<'a> {
+    fn of(scene: &'a Scene) -> io::Result<Document<'a>> {
+        let mut pack = Pack::default();
+        let mut document = Document {
+            scene,
+            materials: Materials::of(scene, &mut pack)?,
+            pack,
+            meshes: Vec::new(),
+            nodes: Vec::new(),
+            cameras: Vec::new(),
+            lights: Vec::new(),
+        };
+        let scale = irradiance::scale(scene);
+        for object in &scene.objects {
+            document.object(object, scale);
+        }
+        for light in &scene.lights {
+            document.light(light);
+        }
+        for camera in &scene.cameras {
+            document.camera(camera);
+        }
+        Ok(document)
+    }
+
+    fn object(&mut self, object: &Object, scale: f64) {
+        let photometric = self.scene.units.photometric;
+        let mut node = named(&object.name);
+        if let Some(mut mesh) = write_mesh::mesh(
+            object,
+            scale,
+            photometric,
+            &mut self.materials,
+            &mut self.pack,
+        ) {
+            if !object.name.is_empty() {
+                mesh["name"] = json!(object.name);
+            }
+            node.insert("mesh".into(), json!(self.meshes.len()));
+            self.meshes.push(mesh);
+        }
+        self.nodes.push(node.into());
+    }
+
+    fn light(&mut self, light: &Light) {
+        let size = self.scene.units.metres();
+        let (kind, colour, position, direction) = match light.kind {
+            // The distances that the light falls with are in metres there.
+            LightKind::Point {
+                position,
+                intensity,
+            } => ("point", intensity * (size * size), position, None),
+            LightKind::Spot {
+                position,
+                direction,
+                intensity,
+                ..
+            } => ("spot", intensity * (size * size), position, Some(direction)),
+            LightKind::Directional {
+                direction,
+                irradiance,
+            } => ("directional", irradiance, DVec3::ZERO, Some(direction)),
+            LightKind::Ambient { .. } => return,
+        };
+        let (factor, strength) = factor_and_strength(colour);
+        let mut json = named(&light.name);
+        json.insert("type".into(), json!(kind));
+        json.insert("color".into(), json!(factor.to_array()));
+        json.insert("intensity".into(), json!(strength));
+        if let LightKind::Spot { inner, outer, .. } = light.kind {
+            json.insert("spot".into(), cone(inner, outer));
+        }
+        let mut node = named(&light.name);
+        place(&mut node, position, direction, self.scene.units.up.axis());
+        let extension = json!({ "KHR_lights_punctual": { "light": self.lights.len() } });
+        node.insert("extensions".into(), extension);
+        self.nodes.push(node.into());
+        self.lights.push(json.into());
+    }
+
+    fn camera(&mut self, camera: &Camera) {
+        let mut perspective = json!({ "yfov": camera.vertical_fov, "znear": NEAR });
+        if let Some((width, height)) = camera.size {
+            perspective["aspectRatio"] = json!(f64::from(width) / f64::from(height));
+        }
+        let mut json = named(&camera.name);
+        json.insert("type".into(), json!("perspective"));
+        json.insert("perspective".into(), perspective);
+        let mut node = named(&camera.name);
+        let forward = (camera.target - camera.eye).normalize();
+        place(&mut node, camera.eye, Some(forward), camera.up);
+        node.insert("camera".into(), json!(self.cameras.len()));
+        self.nodes.push(node.into());
+        self.cameras.push(json.into());
+    }
+
+    /// The JSON text; `bin_name` is the file that holds the numbers, if they are not in a GLB.
+    fn json(&self, bin_name: Option<&str>) -> io::Result<Vec<u8>> {
+        let mut nodes = self.nodes.clone();
+        let mut roots: Vec<usize> = (0..nodes.len()).collect();
+        if let Some(mut above) = above_all(&self.scene.units)
+            && !nodes.is_empty()
+        {
+            above["children"] = json!(roots);
+            roots = vec![nodes.len()];
+            nodes.push(above);
+        }
+        let mut root = Map::new();
+        let mut buffer = json!({ "byteLength": self.pack.bin.len() });
+        if let Some(name) = bin_name {
+            buffer["uri"] = json!(super::uri::escaped(name));
+        }
+        let buffers = Vec::from_iter((!self.pack.bin.is_empty()).then_some(buffer));
+        let lists = [
+            ("buffers", &buffers),
+            ("bufferViews", &self.pack.views),
+            ("accessors", &self.pack.accessors),
+            ("meshes", &self.meshes),
+            ("materials", &self.materials.list),
+            ("textures", &self.materials.textures),
+            ("images", &self.materials.images),
+            ("cameras", &self.cameras),
+            ("nodes", &nodes),
+        ];
+        // glTF has no empty lists.
+        for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
+            root.insert(name.into(), json!(list));
+        }
+        if !roots.is_empty() {
+            root.insert("scenes".into(), json!([{ "nodes": roots }]));
+            root.insert("scene".into(), json!(0));
+        }
+        root.insert("asset".into(), asset(&self.scene.units));
+        let mut used: Vec<&str> = self.materials.extensions.iter().copied().collect();
+        if !self.lights.is_empty() {
+            used.push("KHR_lights_punctual");
+            let lights = json!({ "KHR_lights_punctual": { "lights": self.lights } });
+            root.insert("extensions".into(), lights);
+        }
+        if !used.is_empty() {
+            root.insert("extensionsUsed".into(), json!(used));
+        }
+        Ok(serde_json::to_vec(&root)?)
+    }
+}
+
+/// Who wrote the file, and what the numbers of its light mean.
+fn asset(units: &Units) -> Value {
+    json!({
+        "version": "2.0",
+        "generator": concat!("azulejo ", env!("CARGO_PKG_VERSION")),
+        "extras": { "azulejo": { "photometric": units.photometric } },
+    })
+}
+
+/// The node that turns and scales a scene to metres and y up, if it is not so already.
+fn above_all(units: &Units) -> Option<Value> {
+    let mut node = Map::new();
+    if units.up == Up::Z {
+        let turn = json!([-FRAC_1_SQRT_2, 0, 0, FRAC_1_SQRT_2]);
+        node.insert("rotation".into(), turn);
+    }
+    if units.metres() != 1.0 {
+        let scale = [units.metres(); 3];
+        node.insert("scale".into(), json!(scale));
+    }
+    (!node.is_empty()).then(|| node.into())
+}
+
+/// An object with a name, unless the name is empty.
+pub(super) fn named(name: &str) -> Map<String, Value> {
+    let mut json = Map::new();
+    if !name.is_empty() {
+        json.insert("name".into(), json!(name));
+    }
+    json
+}
+
+/// Places a node that looks along its −z axis.
+fn place(node: &mut Map<String, Value>, position: DVec3, direction: Option<DVec3>, up: DVec3) {
+    if position != DVec3::ZERO {
+        node.insert("translation".into(), json!(position.to_array()));
+    }
+    let Some(forward) = direction else { return };
+    let right = forward.cross(up).try_normalize();
+    let right = right.unwrap_or_else(|| forward.any_orthonormal_vector());
+    let axes = DMat3::from_cols(right, right.cross(forward), -forward);
+    let rotation = DQuat::from_mat3(&axes).normalize();
+    node.insert("rotation".into(), json!(rotation.to_array()));
+}
+
+/// Angles of a spot light. glTF's are below a right angle, and the inner less than the outer.
+fn cone(inner: f64, outer: f64) -> Value {
+    let outer = outer.clamp(1e-6, FRAC_PI_2);
+    let inner = inner.min(outer * (1.0 - 1e-6));
+    json!({ "innerConeAngle": inner, "outerConeAngle": outer })
+}
+
+/// A colour as a factor, whose largest channel is 1, and a strength.
+pub(super) fn factor_and_strength(colour: Rgb) -> (Rgb, f64) {
+    let most = colour.max_channel();
+    if most > 0.0 {
+        (colour.map(|c| c / most), most)
+    } else {
+        (Rgb::WHITE, 0.0)
+    }
+}

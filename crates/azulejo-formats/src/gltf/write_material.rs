@@ -1,0 +1,186 @@
+//! Materials and pictures to glTF.
+
+use super::material::gltf_mr;
+use super::pack::Pack;
+use super::uri;
+use super::write::{factor_and_strength, named};
+use crate::png;
+use azulejo_scene::{Dielectric, Image, Material, MaterialId, Rgb, Scene, Texture};
+use serde_json::{Map, Value, json};
+use std::collections::{BTreeSet, HashMap};
+use std::io;
+
+/// Thickness that tells a solid body from a thin wall, metres. Only programs that do not trace
+/// rays make more of it.
+const SOLID: f64 = 0.01;
+
+/// The materials of a file under way, in the order of the scene's.
+#[derive(Debug, Default)]
+pub(super) struct Materials {
+    /// The materials.
+    pub list: Vec<Value>,
+    /// Their textures, in the order of the scene's.
+    pub textures: Vec<Value>,
+    /// The pictures of the textures.
+    pub images: Vec<Value>,
+    /// What extensions they use.
+    pub extensions: BTreeSet<&'static str>,
+    /// Twins without a picture, by the index of the material that has one.
+    plain: HashMap<MaterialId, usize>,
+}
+
+impl Materials {
+    /// Writes the materials of a scene; the pixels of their pictures go into `pack`.
+    ///
+    /// # Errors
+    /// A picture without pixels.
+    pub fn of(scene: &Scene, pack: &mut Pack) -> io::Result<Materials> {
+        let mut materials = Materials::default();
+        for (i, texture) in scene.textures.iter().enumerate() {
+            materials.textures.push(json!({ "source": i }));
+            materials.images.push(image(texture, pack)?);
+        }
+        for material in &scene.materials {
+            let json = materials.material(material);
+            materials.list.push(json);
+        }
+        Ok(materials)
+    }
+
+    /// The index of a material for a mesh without texture coordinates: glTF allows it no picture.
+    pub fn plain(&mut self, material: MaterialId) -> usize {
+        let of_material = &self.list[material as usize];
+        let picture = &of_material["pbrMetallicRoughness"]["baseColorTexture"];
+        if picture.is_null() {
+            return material as usize;
+        }
+        *self.plain.entry(material).or_insert_with(|| {
+            let mut twin = self.list[material as usize].clone();
+            if let Some(surface) = twin["pbrMetallicRoughness"].as_object_mut() {
+                surface.remove("baseColorTexture");
+            }
+            self.list.push(twin);
+            self.list.len() - 1
+        })
+    }
+
+    fn material(&mut self, m: &Material) -> Value {
+        let mut extensions = Map::new();
+        let mut surface = match m.dielectric {
+            Some(glass) => self.glass(m, glass, &mut extensions),
+            None => opaque(m),
+        };
+        if let Some(&texture) = m.textures.first() {
+            surface["baseColorTexture"] = json!({ "index": texture });
+        }
+        let mut json = named(&m.name);
+        json.insert("pbrMetallicRoughness".into(), surface);
+        json.insert("doubleSided".into(), json!(has_two_sides(m)));
+        if m.is_emitter() {
+            let factor = self.emission(m.emission, &mut extensions);
+            json.insert("emissiveFactor".into(), json!(factor.to_array()));
+        }
+        if !extensions.is_empty() {
+            json.insert("extensions".into(), extensions.into());
+        }
+        json.into()
+    }
+
+    fn extend(&mut self, list: &mut Map<String, Value>, name: &'static str, value: Value) {
+        self.extensions.insert(name);
+        list.insert(name.into(), value);
+    }
+
+    /// The factor of an emission, which is at most 1; what is brighter needs an extension.
+    fn emission(&mut self, emission: Rgb, extensions: &mut Map<String, Value>) -> Rgb {
+        if emission.max_channel() <= 1.0 {
+            return emission;
+        }
+        let (factor, strength) = factor_and_strength(emission);
+        let name = "KHR_materials_emissive_strength";
+        self.extend(extensions, name, json!({ "emissiveStrength": strength }));
+        factor
+    }
+
+    fn glass(
+        &mut self,
+        m: &Material,
+        glass: Dielectric,
+        extensions: &mut Map<String, Value>,
+    ) -> Value {
+        let all = json!({ "transmissionFactor": 1 });
+        self.extend(extensions, "KHR_materials_transmission", all);
+        let ior = glass.ior.max(1.0);
+        self.extend(extensions, "KHR_materials_ior", json!({ "ior": ior }));
+        if ior > 1.0 {
+            let solid = json!({ "thicknessFactor": SOLID });
+            self.extend(extensions, "KHR_materials_volume", solid);
+        }
+        if m.mirror != Rgb::WHITE {
+            let mirror = json!({ "specularColorFactor": m.mirror.to_array() });
+            self.extend(extensions, "KHR_materials_specular", mirror);
+        }
+        metallic_roughness(glass.transmittance, 0.0, 0.0)
+    }
+}
+
+/// Surfaces act on both sides here; but lamps may shine from one, and of a body's boundary glTF
+/// knows the other side without being told.
+fn has_two_sides(m: &Material) -> bool {
+    let is_solid = m.dielectric.is_some_and(|g| g.ior > 1.0);
+    !is_solid && (!m.is_emitter() || m.emits_back)
+}
+
+fn metallic_roughness(base: Rgb, metallic: f64, roughness: f64) -> Value {
+    let [r, g, b] = base.to_array();
+    json!({
+        "baseColorFactor": [r, g, b, 1],
+        "metallicFactor": metallic,
+        "roughnessFactor": roughness,
+    })
+}
+
+fn opaque(m: &Material) -> Value {
+    if m.mirror.is_black() {
+        let (metallic, roughness) = gltf_mr(m).unwrap_or((0.0, 1.0));
+        return metallic_roughness(m.diffuse, metallic, roughness);
+    }
+    let base = (m.diffuse + m.mirror).map(|c| c.min(1.0));
+    metallic_roughness(base, mirrored_share(m), 0.0)
+}
+
+/// How much of what a surface reflects is mirrored.
+fn mirrored_share(m: &Material) -> f64 {
+    m.mirror.mean() / (m.diffuse + m.mirror).mean()
+}
+
+/// Whether one colour and one share say all about a surface that mirrors and scatters.
+pub(super) fn is_one_colour(m: &Material) -> bool {
+    let share = mirrored_share(m);
+    let off = m.mirror - (m.diffuse + m.mirror) * share;
+    m.mirror.is_black() || off.map(f64::abs).max_channel() < 1e-6
+}
+
+fn image(texture: &Texture, pack: &mut Pack) -> io::Result<Value> {
+    let Some(image) = &texture.image else {
+        return Ok(json!({ "uri": uri::escaped(&texture.path) }));
+    };
+    let mut file = Vec::new();
+    png::write(image.width, image.height, &srgb(image), &mut file)?;
+    let mut json = named(&texture.path);
+    json.insert("mimeType".into(), json!("image/png"));
+    json.insert("bufferView".into(), json!(pack.bytes(&file)));
+    Ok(json.into())
+}
+
+/// The pixels as sRGB bytes, IEC 61966-2-1. What is brighter than white becomes white.
+fn srgb(image: &Image) -> Vec<u8> {
+    let byte = |v: f32| {
+        let v = match v {
+            v if v <= 0.003_130_8 => 12.92 * v,
+            v => 1.055 * v.powf(1.0 / 2.4) - 0.055,
+        };
+        (255.0 * v).round().clamp(0.0, 255.0) as u8
+    };
+    image.pixels.iter().flatten().map(|&v| byte(v)).collect()
+}

@@ -1,0 +1,145 @@
+//! Objects to meshes: triangles by material over one list of vertices.
+
+use super::irradiance::Stored;
+use super::pack::Pack;
+use super::write_material::Materials;
+use crate::tessellate::lit_mesh_of;
+use azulejo_scene::{Attribute, MaterialId, Mesh, Object};
+use serde_json::{Map, Value, json};
+use std::collections::HashMap;
+
+/// The mesh of an object; `None` if it has no faces.
+pub(super) fn mesh(
+    object: &Object,
+    scale: f64,
+    photometric: bool,
+    materials: &mut Materials,
+    pack: &mut Pack,
+) -> Option<Value> {
+    let mesh = lit_mesh_of(object);
+    if mesh.faces.is_empty() {
+        return None;
+    }
+    let corners = Corners::of(&mesh);
+    let stored = Stored {
+        set: u32::from(!mesh.colors.is_empty()),
+        scale,
+    };
+    let attributes = attributes(&mesh, &corners, stored, pack);
+    let primitives: Vec<Value> = by_material(&mesh, &corners)
+        .into_iter()
+        .map(|(material, indices)| {
+            json!({
+                "attributes": attributes,
+                "indices": pack.indices(&indices, corners.vertices.len()),
+                "material": match mesh.uvs {
+                    Some(_) => material as usize,
+                    None => materials.plain(material),
+                },
+            })
+        })
+        .collect();
+    let mut json = json!({ "primitives": primitives });
+    if !mesh.irradiance.is_empty() {
+        json["extras"] = stored.extras(photometric);
+    }
+    Some(json)
+}
+
+/// The vertices that glTF needs: one for each combination of a vertex with a normal and texture
+/// coordinates.
+struct Corners {
+    /// Vertex, normal and texture coordinates, as indices into the mesh's lists.
+    vertices: Vec<[u32; 3]>,
+    /// For each corner of the mesh, which of them it is.
+    corners: Vec<u32>,
+}
+
+impl Corners {
+    fn of(mesh: &Mesh) -> Corners {
+        let by_corner = |a: Option<&Vec<u32>>, corner: usize, v: u32| a.map_or(v, |a| a[corner]);
+        let normals = mesh.normals.as_ref().and_then(|a| a.corners.as_ref());
+        let uvs = mesh.uvs.as_ref().and_then(|a| a.corners.as_ref());
+        if normals.is_none() && uvs.is_none() {
+            return Corners {
+                vertices: (0..mesh.positions.len() as u32).map(|v| [v; 3]).collect(),
+                corners: mesh.faces.corners.clone(),
+            };
+        }
+        let mut vertices = Vec::with_capacity(mesh.positions.len());
+        let mut known = HashMap::with_capacity(mesh.positions.len());
+        let corners = mesh.faces.corners.iter().enumerate().map(|(corner, &v)| {
+            let key = [v, by_corner(normals, corner, v), by_corner(uvs, corner, v)];
+            *known.entry(key).or_insert_with(|| {
+                vertices.push(key);
+                vertices.len() as u32 - 1
+            })
+        });
+        let corners = corners.collect();
+        Corners { vertices, corners }
+    }
+
+    /// A list of the mesh by new vertices.
+    fn of_vertices<'c, T: Copy, const N: usize>(
+        &'c self,
+        list: &'c [T],
+        which: usize,
+        numbers: impl Fn(T) -> [f64; N] + 'c,
+    ) -> impl ExactSizeIterator<Item = [f64; N]> + 'c {
+        let value = move |key: &[u32; 3]| numbers(list[key[which] as usize]);
+        self.vertices.iter().map(value)
+    }
+}
+
+fn attributes(
+    mesh: &Mesh,
+    corners: &Corners,
+    stored: Stored,
+    pack: &mut Pack,
+) -> Map<String, Value> {
+    let mut attributes = Map::new();
+    let positions = corners.of_vertices(&mesh.positions, 0, |p| p.to_array());
+    attributes.insert("POSITION".into(), json!(pack.positions(positions)));
+    if let Some(Attribute { values, .. }) = &mesh.normals {
+        // A valid scene's normals may be off by a thousandth, glTF's by less.
+        let normals = corners.of_vertices(values, 1, |n| n.normalize().to_array());
+        attributes.insert("NORMAL".into(), json!(pack.attribute(normals)));
+    }
+    if let Some(Attribute { values, .. }) = &mesh.uvs {
+        let uvs = corners.of_vertices(values, 2, |uv| [uv.x, 1.0 - uv.y]);
+        attributes.insert("TEXCOORD_0".into(), json!(pack.attribute(uvs)));
+    }
+    if !mesh.colors.is_empty() {
+        let colors = corners.of_vertices(&mesh.colors, 0, |c| c.to_array().map(|c| c.min(1.0)));
+        attributes.insert("COLOR_0".into(), json!(pack.attribute(colors)));
+    }
+    if !mesh.irradiance.is_empty() {
+        let share = move |c: azulejo_scene::Rgb| (c * (1.0 / stored.scale)).to_array();
+        let light = corners.of_vertices(&mesh.irradiance, 0, share);
+        attributes.insert(
+            format!("COLOR_{}", stored.set),
+            json!(pack.attribute(light)),
+        );
+    }
+    attributes
+}
+
+/// The triangles of each material, in the order in which the materials are first used.
+fn by_material(mesh: &Mesh, corners: &Corners) -> Vec<(MaterialId, Vec<u32>)> {
+    let mut lists: Vec<(MaterialId, Vec<u32>)> = Vec::new();
+    let mut known = HashMap::new();
+    let mut triangles = Vec::new();
+    for (face, &material) in mesh.face_materials.iter().enumerate() {
+        let list = *known.entry(material).or_insert_with(|| {
+            lists.push((material, Vec::new()));
+            lists.len() - 1
+        });
+        triangles.clear();
+        mesh.triangulate_into(face, &mut triangles);
+        let range = mesh.faces.corner_range(face);
+        let of_face = &corners.corners[range];
+        let indices = triangles.iter().flatten().map(|&k| of_face[k as usize]);
+        lists[list].1.extend(indices);
+    }
+    lists
+}
