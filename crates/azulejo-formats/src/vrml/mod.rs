@@ -18,6 +18,8 @@ mod shape;
 mod solids;
 mod stage;
 mod surroundings;
+#[cfg(test)]
+mod tests;
 mod tree;
 mod triangles;
 mod v1;

@@ -3,7 +3,7 @@
 use super::faces::{Binding, Bound, FaceSet, box_mapping, build};
 use super::look::{self, Look};
 use super::stage::{Frame, Stage};
-use super::tree::{Node, triples};
+use super::tree::{Node, limited, triples};
 use super::world::{child, report, skip};
 use super::{elevation, extrusion, flat, solids, triangles};
 use crate::ReadError;
@@ -322,7 +322,7 @@ fn paint(
     }
     let mut known = vec![None; pool.len()];
     for (face, &value) in mesh.face_materials.iter_mut().zip(face_values) {
-        let color = pool[value as usize].map(|x| x.max(0.0).min(1.0));
+        let color = limited(pool[value as usize]);
         *face = *known[value as usize].get_or_insert_with(|| material(Some(color)));
     }
 }

@@ -1,7 +1,7 @@
 //! What belongs to the viewer: viewpoints, background, fog and the way to move.
 
 use super::stage::{Frame, Stage};
-use super::tree::{Node, triples};
+use super::tree::{Node, limited, triples};
 use super::world::rotation;
 use crate::text::shortened;
 use azulejo_scene::{Camera, Fog, Rgb};
@@ -74,7 +74,10 @@ fn background(stage: &mut Stage, node: &Node) {
         return;
     }
     let colors = triples(&node.numbers("skyColor"));
-    let colors: Vec<Rgb> = colors.iter().map(|c| in_range(*c)).collect();
+    let colors: Vec<Rgb> = colors
+        .iter()
+        .map(|c| limited(c.to_array().into()))
+        .collect();
     let many = colors.len().max(1) as f64;
     stage.scene.background = Some(colors.iter().copied().sum::<Rgb>() / many);
     if colors.len() > 1 {
@@ -97,11 +100,6 @@ fn background(stage: &mut Stage, node: &Node) {
     let pictures = sides.into_iter().filter(has_picture).count();
     let message = "picture of a background: skipped";
     stage.warn_many(&node.source, node.at, message, pictures);
-}
-
-fn in_range(color: DVec3) -> Rgb {
-    // Written so that NaN becomes 0.
-    Rgb::from(color.to_array()).map(|x| x.max(0.0).min(1.0))
 }
 
 fn fog(stage: &mut Stage, node: &Node, frame: &Frame) {

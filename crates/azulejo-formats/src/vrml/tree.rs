@@ -127,6 +127,15 @@ impl Value {
         }
     }
 
+    /// Whether it may hold nodes: an empty list has no type.
+    pub fn is_nodes(&self) -> bool {
+        match self {
+            Value::Nodes(_) => true,
+            Value::Text(text) => text.trim().is_empty(),
+            _ => false,
+        }
+    }
+
     /// The numbers, if it holds any.
     pub fn numbers(&self) -> Option<Cow<'_, [f64]>> {
         match self {
@@ -270,11 +279,6 @@ impl Node {
         Rgb::from(self.array(name, default.to_array())).map(|x| x.clamp(0.0, 1.0))
     }
 
-    /// The points of a field; a number that is missing or not finite is NaN.
-    pub fn points(&self, name: &str) -> Vec<DVec3> {
-        triples(&self.numbers(name))
-    }
-
     /// The points in a plane of a field.
     pub fn points2(&self, name: &str) -> Vec<DVec2> {
         let numbers = self.numbers(name);
@@ -321,6 +325,11 @@ impl Node {
         }
         .finish()
     }
+}
+
+/// Red, green and blue, limited to 0..=1; NaN becomes 0.
+pub(super) fn limited(color: Rgb) -> Rgb {
+    color.map(|x| if x > 0.0 { x.min(1.0) } else { 0.0 })
 }
 
 /// Numbers by threes.

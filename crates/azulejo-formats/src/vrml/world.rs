@@ -12,7 +12,7 @@ use std::rc::Rc;
 const MOST_DEPTH: u32 = 200;
 
 /// What a node costs of what a model may unfold to: many nodes may show nothing, but take time.
-const NODE: u64 = 16;
+const NODE: u64 = 32;
 
 /// Where a node stands.
 #[derive(Clone)]
@@ -170,6 +170,15 @@ fn external(
     .cloned())
 }
 
+/// The nodes of a field, with a warning if it holds something else.
+fn nodes<'n>(stage: &mut Stage, node: &'n Node, field: &str) -> &'n [Rc<Node>] {
+    if node.value(field).is_some_and(|value| !value.is_nodes()) {
+        let message = format!("{field} of {} that is no node: skipped", node.kind);
+        stage.warn(&node.source, node.at, message);
+    }
+    node.nodes(field)
+}
+
 /// The first node of a field, with prototypes unfolded.
 ///
 /// # Errors
@@ -179,7 +188,7 @@ pub(super) fn child(
     node: &Node,
     field: &str,
 ) -> Result<Option<Rc<Node>>, ReadError> {
-    match node.nodes(field).first() {
+    match nodes(stage, node, field).first() {
         Some(child) => unfold(stage, child),
         None => Ok(None),
     }
@@ -201,22 +210,37 @@ fn groups(kind: &str) -> Option<&'static [&'static str]> {
 }
 
 fn group(stage: &mut Stage, node: &Node, fields: &[&str], place: &Place) -> Result<(), ReadError> {
-    if &*node.kind == "Billboard" {
-        let message = "Billboard: stands as it is, and does not turn to the viewer";
+    let lost = match &*node.kind {
+        "Billboard" => Some("Billboard: stands as it is, and does not turn to the viewer"),
+        "Collision" if !node.nodes("proxy").is_empty() => {
+            Some("proxy of a Collision, which is never seen: not shown")
+        }
+        _ => None,
+    };
+    if let Some(message) = lost {
         stage.warn(&node.source, node.at, message);
     }
     let frame = place.frame.named(node.name.as_deref());
-    let place = place.inside(frame.moved(transformation(node)));
+    let place = place.inside(match is_transformation(&node.kind) {
+        true => frame.moved(transformation(node)),
+        false => frame,
+    });
     for field in fields {
-        for child in node.nodes(field) {
+        for child in nodes(stage, node, field) {
             visit(stage, child, &place)?;
         }
     }
     Ok(())
 }
 
-/// T × C × R × SR × S × −SR × −C, ISO/IEC 14772-1, 6.52; the identity for other groups, which
-/// have none of the fields.
+fn is_transformation(kind: &str) -> bool {
+    matches!(
+        kind,
+        "Transform" | "CADPart" | "EspduTransform" | "HAnimHumanoid" | "HAnimJoint" | "HAnimSite"
+    )
+}
+
+/// T × C × R × SR × S × −SR × −C, ISO/IEC 14772-1, 6.52.
 fn transformation(node: &Node) -> DAffine3 {
     let center = node.vector("center", DVec3::ZERO);
     let translation = node.vector("translation", DVec3::ZERO);
@@ -239,15 +263,15 @@ pub(super) fn rotation([x, y, z, angle]: [f64; 4]) -> DQuat {
 }
 
 /// The children of a node that chooses among them: VRML97 has another name for them.
-fn choices<'n>(node: &'n Node, vrml97: &str) -> &'n [Rc<Node>] {
-    match node.nodes("children") {
-        [] => node.nodes(vrml97),
+fn choices<'n>(stage: &mut Stage, node: &'n Node, vrml97: &str) -> &'n [Rc<Node>] {
+    match nodes(stage, node, "children") {
+        [] => nodes(stage, node, vrml97),
         children => children,
     }
 }
 
 fn switch(stage: &mut Stage, node: &Node, place: &Place) -> Result<(), ReadError> {
-    let children = choices(node, "choice");
+    let children = choices(stage, node, "choice");
     let chosen = usize::try_from(node.number("whichChoice", -1.0) as i64).ok();
     let chosen = chosen.filter(|i| *i < children.len());
     let hidden = children.len() - usize::from(chosen.is_some());
@@ -261,7 +285,7 @@ fn switch(stage: &mut Stage, node: &Node, place: &Place) -> Result<(), ReadError
 }
 
 fn levels(stage: &mut Stage, node: &Node, place: &Place) -> Result<(), ReadError> {
-    let children = choices(node, "level");
+    let children = choices(stage, node, "level");
     let place = place.inside(place.frame.named(node.name.as_deref()));
     let level = match stage.options.lod {
         Lod::Finest => 0,

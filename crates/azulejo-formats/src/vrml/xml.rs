@@ -41,16 +41,27 @@ pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, 
     };
     let mended = mended(&text[..broken.at]).unwrap_or_default();
     match roxmltree::Document::parse_with_options(&mended, options()) {
-        Ok(xml) => {
+        Ok(xml) if scene(&xml).is_some() => {
             let what = format!("{}: only what stands before is read", broken.what);
             stage.warn(source, broken.at, what);
             read(stage, source, &xml)
         }
-        Err(_) => Err(ReadError {
+        _ => Err(ReadError {
             position: source.position(broken.at),
             ..ReadError::whole(&*source.name, broken.what, "well-formed XML")
         }),
     }
+}
+
+/// The element that holds all nodes.
+fn scene<'a, 'i>(xml: &'a roxmltree::Document<'i>) -> Option<Element<'a, 'i>> {
+    let mut elements = xml.root_element().descendants();
+    elements.find(|e| is(*e, "Scene"))
+}
+
+/// Whether an element has a name, in whatever name space.
+fn is(element: Element, name: &str) -> bool {
+    element.is_element() && element.tag_name().name() == name
 }
 
 /// X3D files begin with a document type.
@@ -102,8 +113,7 @@ fn read(
     source: &Rc<Source>,
     xml: &roxmltree::Document,
 ) -> Result<Document, ReadError> {
-    let elements = || xml.root_element().descendants();
-    let Some(scene) = elements().find(|e| e.has_tag_name_local("Scene")) else {
+    let Some(scene) = scene(xml) else {
         return Err(ReadError::whole(
             &*source.name,
             "XML without a Scene",
@@ -121,25 +131,14 @@ fn read(
     for child in scene.children().filter(Element::is_element) {
         roots.extend(reader.statement(child)?);
     }
-    let unit = elements()
-        .find(|e| e.has_tag_name_local("unit") && e.attribute("category") == Some("length"));
+    let mut elements = xml.root_element().descendants();
+    let unit = elements.find(|e| is(*e, "unit") && e.attribute("category") == Some("length"));
     let factor = unit.and_then(|e| e.attribute("conversionFactor"));
     Ok(Document {
         roots: roots.into_iter().map(|(_, node)| node).collect(),
         protos: reader.names.into_protos(),
         metres: factor.and_then(|f| parsed_numbers(f).first().copied()),
     })
-}
-
-/// Names without their name spaces, which X3D does not use.
-trait LocalName {
-    fn has_tag_name_local(&self, name: &str) -> bool;
-}
-
-impl LocalName for Element<'_, '_> {
-    fn has_tag_name_local(&self, name: &str) -> bool {
-        self.is_element() && self.tag_name().name() == name
-    }
 }
 
 struct Reader<'a, 's, 'f> {
@@ -307,7 +306,7 @@ impl Reader<'_, '_, '_> {
     }
 
     fn proto(&mut self, element: Element) -> Result<(), ReadError> {
-        let child = |name: &str| element.children().find(|e| e.has_tag_name_local(name));
+        let child = |name: &str| element.children().find(|e| is(*e, name));
         if self.depth == MOST_DEPTH {
             self.too_deep(element);
             return Ok(());

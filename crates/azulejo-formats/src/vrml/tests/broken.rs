@@ -1,0 +1,211 @@
+//! Files that are damaged, strange or hostile.
+
+use super::*;
+
+const QUAD: &str = "IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] } coordIndex [ 0 1 2 3 ] }";
+
+fn error(text: &str) -> String {
+    let options = ReadOptions {
+        most_elements: 100_000,
+        ..ReadOptions::default()
+    };
+    let read = super::super::read(text.as_bytes(), "model.wrl", &Memory::new(), &options);
+    read.unwrap_err().to_string()
+}
+
+#[test]
+fn a_file_that_ends_too_soon_keeps_what_it_has() {
+    let whole = format!(
+        "{} Group {{ children [ {} ] }}",
+        shape(QUAD),
+        shape("Box { }")
+    );
+    let cut = &whole[..whole.len() - 7];
+    let (scene, warnings) = load(cut);
+    assert_eq!(scene.objects.len(), 2);
+    let warning = "the file ends inside a node: what there is of it is read";
+    assert!(warnings.iter().any(|w| w.contains(warning)), "{warnings:?}");
+    // However much is cut, nothing worse happens.
+    for end in 0..whole.len() {
+        let text = format!("#VRML V2.0 utf8\n{}", &whole[..end]);
+        let read = super::super::read(
+            text.as_bytes(),
+            "a",
+            &Memory::new(),
+            &ReadOptions::default(),
+        );
+        read.map(|loaded| loaded.scene.validate().unwrap()).ok();
+    }
+}
+
+#[test]
+fn an_error_costs_the_node_around_it() {
+    let text = format!(
+        "Group {{ children [ {} Transform {{ ] translation 1 2 3 }} {} ] }} ] {{ a }} {}",
+        shape("Box { }"),
+        shape("Sphere { } 4 \"x\""),
+        shape(QUAD)
+    );
+    let objects = [
+        ": Cuboid, -1 -1 -1 to 1 1 1",
+        ": Sphere, -1 -1 -1 to 1 1 1",
+        ": 4 vertices 1 faces, 0 0 0 to 1 1 0",
+    ];
+    let (scene, warnings) = load(&text);
+    assert_eq!(described(&scene), objects, "{warnings:?}");
+    assert!(
+        warnings[0].contains("found \"]\", expected a field of Transform"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn indices_beyond_the_coordinates_cost_their_faces() {
+    let geometry = "IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, x 1 0, 7 ] }
+        coordIndex [ 0 1 2 -1 0 1 9 -1 0 1 -1 -1 0 2 3 ] }";
+    let warnings = [
+        ":2:131: word or string in a list of numbers",
+        ":2:89: position that is not three finite numbers",
+        ":2:66: face with fewer than three corners",
+        ":2:66: face with a coordIndex beyond its coordinates",
+    ];
+    check_lossy(
+        &shape(geometry),
+        &[": 4 vertices 2 faces, 0 0 0 to 1 1 0"],
+        &warnings,
+    );
+}
+
+#[test]
+fn nothing_usable_is_an_error() {
+    let check = |text: &str, expected: &str| {
+        let found = error(text);
+        assert!(found.contains(expected), "{found}");
+    };
+    check(
+        "#VRML V2.0 utf8\n ]",
+        "model.wrl:2:2: found \"]\", expected a node",
+    );
+    check("Group { }", "found \"Group\", expected \"#VRML V2.0 utf8\"");
+    check("<X3D><head/></X3D>", "found XML without a Scene");
+    check("<X3D>\n <Scene", "found XML that is not well-formed");
+    check(
+        "<!DOCTYPE X3D [<!ENTITY a 'b'>]><X3D/>",
+        "declares entities",
+    );
+}
+
+#[test]
+fn no_geometry_is_said() {
+    check_lossy("", &[], &[": there is no geometry"]);
+    let warnings = [
+        ":2:1: choice of Switch that is no node",
+        ": there is no geometry",
+    ];
+    check_lossy("Switch { choice [ 0 ] }", &[], &warnings);
+}
+
+#[test]
+fn xml_that_ends_too_soon_keeps_what_it_has() {
+    let text = "<X3D version='3.3'><Scene>
+        <Shape><Appearance><Material/></Appearance><Sphere/></Shape>
+        <Group><Shape><Appearance><Material/></Appearance><Box/></Shape><Shape><IndexedFaceSet coordIndex='0 1 2";
+    let objects = [": Sphere, -1 -1 -1 to 1 1 1", ": Cuboid, -1 -1 -1 to 1 1 1"];
+    let (scene, warnings) = load(text);
+    assert_eq!(described(&scene), objects);
+    assert!(
+        warnings[0].contains("XML that is not well-formed"),
+        "{warnings:?}"
+    );
+    assert!(warnings[0].starts_with("model.wrl:3:"), "{warnings:?}");
+}
+
+#[test]
+fn nodes_may_not_be_too_deep() {
+    let deep = |open: &str, close: &str| {
+        format!(
+            "{}{}{}",
+            open.repeat(50_000),
+            shape("Box { }"),
+            close.repeat(50_000)
+        )
+    };
+    let (_, warnings) = load(&deep("Group { children [ ", " ] }"));
+    assert!(warnings[0].contains("deeper than 200"), "{warnings:?}");
+    let (_, warnings) = load(&deep("PROTO A [ ] { ", "}"));
+    assert!(warnings[0].contains("deeper than 200"), "{warnings:?}");
+    let xml = format!(
+        "<X3D><Scene>{}{}</Scene></X3D>",
+        "<Group>".repeat(50_000),
+        "</Group>".repeat(50_000)
+    );
+    let (_, warnings) = load(&xml);
+    assert!(warnings[0].contains("deeper than 200"), "{warnings:?}");
+    // The same by names, which stand beside each other.
+    let chain: String = (0..1_000)
+        .map(|i| format!("DEF g{} Group {{ children USE g{i} }}\n", i + 1))
+        .collect();
+    let (_, warnings) = load(&format!("DEF g0 Group {{ }} {chain}"));
+    assert!(warnings[0].contains("deeper than 200"), "{warnings:?}");
+    let chain: String = (0..1_000)
+        .map(|i| format!("PROTO P{} [ ] {{ P{i} {{ }} }}\n", i + 1))
+        .collect();
+    let (_, warnings) = load(&format!(
+        "PROTO P0 [ ] {{ {} }} {chain} P150 {{ }}",
+        shape("Box { }")
+    ));
+    assert!(warnings[0].contains("deeper than 200"), "{warnings:?}");
+}
+
+#[test]
+fn what_unfolds_without_end_is_refused() {
+    let twice: String = (0..60)
+        .map(|i| {
+            format!(
+                "DEF g{} Group {{ children [ USE g{i} USE g{i} ] }}\n",
+                i + 1
+            )
+        })
+        .collect();
+    let bomb = format!("#VRML V2.0 utf8\nDEF g0 Group {{ }} {twice}");
+    assert!(error(&bomb).contains("more than 100000"));
+    let cross = "0 1 ".repeat(2000);
+    let spine = "0 1 2 ".repeat(2000);
+    let extrusion = format!(
+        "#VRML V2.0 utf8\n{}",
+        shape(&format!(
+            "Extrusion {{ crossSection [ {cross} ] spine [ {spine} ] }}"
+        ))
+    );
+    assert!(error(&extrusion).contains("more than 100000"));
+    let grid =
+        shape("ElevationGrid { xDimension 2000000000 zDimension 2000000000 height [ 1 2 3 ] }");
+    check_lossy(
+        &grid,
+        &[],
+        &[
+            ":2:66: row of an ElevationGrid",
+            ":2:66: node ElevationGrid: skipped",
+            ": there is no geometry",
+        ],
+    );
+}
+
+#[test]
+fn numbers_that_are_none_do_no_harm() {
+    let text = format!(
+        "Transform {{ translation nan 1 2 scale 1e308 1e308 1e308 children Transform {{ scale 1e308 1 1 children [ {} {} ] }} }}
+         Transform {{ scale 0 1 1 children [ {} {} Viewpoint {{ orientation 0 1 0 1.5707963267948966 }} ] }}
+         Fog {{ visibilityRange inf }} Background {{ skyColor -1.#IND 1 1 }}",
+        shape("Box { }"),
+        shape(QUAD),
+        shape("Sphere { radius -1.#IND }"),
+        shape(QUAD)
+    );
+    let (scene, warnings) = load(&text);
+    assert_eq!(described(&scene), [": 4 vertices 1 faces, 0 0 0 to 0 1 0"]);
+    let lost = warnings
+        .iter()
+        .filter(|w| w.contains("flattened to nothing"));
+    assert_eq!(lost.count(), 3, "{warnings:?}");
+}

@@ -1,0 +1,103 @@
+//! VRML97 and X3D, by small files of our own.
+
+mod broken;
+mod groups;
+mod looks;
+mod prototypes;
+mod shapes;
+
+use crate::{Files, Lod, Memory, ReadOptions};
+use azulejo_scene::{Mesh, Scene, Shape};
+use glam::DVec3;
+
+/// Reads a model that must be readable, and valid.
+fn load_with(text: &str, files: &dyn Files, options: &ReadOptions) -> (Scene, Vec<String>) {
+    let loaded = super::read(text.as_bytes(), "model.wrl", files, options).unwrap();
+    loaded.scene.validate().unwrap();
+    let warnings = loaded.warnings.iter().map(ToString::to_string);
+    (loaded.scene, warnings.collect())
+}
+
+/// Reads what stands behind the header of VRML97, or a whole file.
+fn load(text: &str) -> (Scene, Vec<String>) {
+    let header = match text.starts_with(['#', '<']) {
+        true => "",
+        false => "#VRML V2.0 utf8\n",
+    };
+    let files = Memory::new();
+    load_with(&format!("{header}{text}"), &files, &ReadOptions::default())
+}
+
+/// Objects in a line each: name, vertices and faces or the kind of an exact shape, and the box,
+/// rounded to thousandths.
+fn described(scene: &Scene) -> Vec<String> {
+    let round = |v: DVec3| {
+        // Adding zero makes of −0 a 0.
+        let rounded = v.to_array().map(|x| (x * 1e3).round() / 1e3 + 0.0);
+        format!("{} {} {}", rounded[0], rounded[1], rounded[2])
+    };
+    let describe = |o: &azulejo_scene::Object| {
+        let kind = match &o.shape {
+            Shape::Mesh(m) => format!("{} vertices {} faces", m.positions.len(), m.faces.len()),
+            Shape::Primitive(p) => format!("{:?}", p.kind),
+        };
+        let bounds = o.bounds();
+        format!(
+            "{}: {kind}, {} to {}",
+            o.name,
+            round(bounds.min),
+            round(bounds.max)
+        )
+    };
+    scene.objects.iter().map(describe).collect()
+}
+
+/// Expects these objects and no warnings.
+fn check(text: &str, objects: &[&str]) {
+    check_lossy(text, objects, &[]);
+}
+
+/// Expects these objects, and a warning that begins with each of these behind the file's name.
+fn check_lossy(text: &str, objects: &[&str], warnings: &[&str]) {
+    let (scene, found) = load(text);
+    assert_eq!(described(&scene), objects, "{text}");
+    expect_warnings(&found, warnings);
+}
+
+fn expect_warnings(found: &[String], expected: &[&str]) {
+    assert_eq!(found.len(), expected.len(), "{found:#?}");
+    for (found, expected) in found.iter().zip(expected) {
+        let found = found.strip_prefix("model.wrl").unwrap_or(found);
+        assert!(found.starts_with(expected), "{found:?} is not {expected:?}");
+    }
+}
+
+/// The one mesh of a model.
+fn mesh(text: &str) -> Mesh {
+    let (scene, _) = load(text);
+    match &scene.objects[..] {
+        [object] => match &object.shape {
+            Shape::Mesh(mesh) => mesh.clone(),
+            Shape::Primitive(_) => panic!("an exact shape"),
+        },
+        objects => panic!("{} objects", objects.len()),
+    }
+}
+
+/// Six times what a mesh holds, positive if its fronts look outside.
+fn volume(mesh: &Mesh) -> f64 {
+    let part = |f: usize| mesh.face_area_vector(f).dot(mesh.face_positions(f)[0]) / 3.0;
+    (0..mesh.faces.len()).map(part).sum()
+}
+
+fn with_lod(lod: Lod) -> ReadOptions {
+    ReadOptions {
+        lod,
+        ..ReadOptions::default()
+    }
+}
+
+/// A Shape of a material and this geometry.
+fn shape(geometry: &str) -> String {
+    format!("Shape {{ appearance Appearance {{ material Material {{ }} }} geometry {geometry} }}")
+}
