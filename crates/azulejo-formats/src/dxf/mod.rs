@@ -1,13 +1,64 @@
-//! Under construction.
+//! DXF, the drawing interchange format of AutoCAD, as text and binary, from release 10 to 2018.
+//!
+//! What is read: faces, meshes, filled areas, lines, curves and polylines that thickness or width
+//! gives a surface, blocks placed by INSERT, layers, colours, MATERIALs, lights, views in
+//! perspective, units, external references. Everything else is named and counted.
+//! `docs/formats/dxf.md` says how every entity is understood.
 
+mod axes;
+mod camera;
+mod color;
+mod curve;
+mod drawing;
+mod entities;
+mod finish;
+mod light;
+mod mesh_entity;
+mod outline;
+mod pairs;
+mod parse;
+mod place;
+mod polyline;
+mod project;
+mod record;
+mod surfaces;
+
+mod units;
+
+use crate::text::without_utf16;
+use crate::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
+use azulejo_scene::{Units, Up};
+use project::Project;
 
-/// Reads.
+/// Reads a drawing. External references come through `files`; `name` stands in messages.
+///
+/// # Errors
+/// A file without sections, and one whose blocks and curves unfold to more than `options` allow.
+/// Anything less is mended with a warning.
 pub fn read(
-    _bytes: &[u8],
+    bytes: &[u8],
     name: &str,
-    _files: &dyn Files,
-    _options: &ReadOptions,
+    files: &dyn Files,
+    options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    Err(ReadError::whole(name, "dxf", "another format"))
+    let bytes = &*without_utf16(bytes);
+    let mut warnings = Warnings::default();
+    let mut project = Project::read(bytes, name, files, options, &mut warnings)?;
+    let metres_per_unit = project.drawings[0].metres_per_unit;
+    let cameras = std::mem::take(&mut project.drawings[0].cameras);
+    let mut scene = place::place(project, &mut warnings);
+    scene.cameras = cameras;
+    scene.units = Units {
+        metres_per_unit,
+        up: Up::Z,
+        photometric: false,
+    };
+    if scene.objects.is_empty() {
+        warnings.add_whole(name, "there is no surface in it");
+    }
+    Ok(Loaded {
+        scene,
+        warnings: warnings.finish(name),
+    })
 }

@@ -1,0 +1,57 @@
+//! The coordinate systems of flat entities.
+
+use glam::{DMat3, DVec3};
+
+/// Axes of an entity's own coordinates in those of the drawing, by its extrusion direction: the
+/// columns of the matrix, the last of them the direction.
+///
+/// *DXF Reference*, "Arbitrary Axis Algorithm". Without a direction they are the drawing's.
+pub(super) fn world_from_entity(extrusion: DVec3) -> DMat3 {
+    // Exact for nearly all there are, and for the mirrored ones.
+    if extrusion == DVec3::Z {
+        return DMat3::IDENTITY;
+    }
+    let z = extrusion.try_normalize().unwrap_or(DVec3::Z);
+    let near_pole = z.x.abs() < 1.0 / 64.0 && z.y.abs() < 1.0 / 64.0;
+    let other = if near_pole { DVec3::Y } else { DVec3::Z };
+    let x = other.cross(z).normalize();
+    DMat3::from_cols(x, z.cross(x).normalize(), z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(extrusion: [f64; 3], x: [f64; 3], y: [f64; 3]) {
+        let axes = world_from_entity(DVec3::from_array(extrusion));
+        let z = DVec3::from_array(extrusion).normalize();
+        let expected = DMat3::from_cols(DVec3::from_array(x), DVec3::from_array(y), z);
+        assert!(
+            axes.abs_diff_eq(expected, 1e-15),
+            "{extrusion:?}: {axes} and not {expected}"
+        );
+    }
+
+    #[test]
+    fn by_hand() {
+        check([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        // What MIRROR makes of a drawing.
+        check([0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        // A wall that faces along x, and one along −y.
+        check([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        check([0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        // Z × (0, 3, 4)/5 = (−3/5, 0, 0).
+        check([0.0, 3.0, 4.0], [-1.0, 0.0, 0.0], [0.0, -0.8, 0.6]);
+        // Y × (a, 0, c) = (c, 0, −a) as long as a and the y of the direction are below 1/64.
+        let (a, c) = (0.01, f64::sqrt(1.0 - 1e-4));
+        check([a, 0.0, c], [c, 0.0, -a], [0.0, 1.0, 0.0]);
+        // Z × (a, 0, c) = (0, a, 0) behind that.
+        let (a, c) = (0.02, f64::sqrt(1.0 - 4e-4));
+        check([a, 0.0, c], [0.0, 1.0, 0.0], [-c, 0.0, a]);
+    }
+
+    #[test]
+    fn no_direction() {
+        assert_eq!(world_from_entity(DVec3::ZERO), DMat3::IDENTITY);
+    }
+}

@@ -1,0 +1,75 @@
+//! LIGHT, from release 2007 on.
+
+use super::color::{Color, Paint};
+use super::record::Record;
+use azulejo_scene::{Light, LightKind, Rgb};
+use glam::{DAffine3, DVec3};
+
+/// The light of an entity, in the coordinates of its block, or why there is none.
+pub(super) fn light(record: &Record) -> Result<Light, &'static str> {
+    if record.integer(290, 1) == 0 {
+        return Err("that is off");
+    }
+    let color = match Color::with_codes(record, 63, 421) {
+        Color::Own(Paint::Index(7)) | Color::ByLayer | Color::ByBlock => Rgb::WHITE,
+        Color::Own(paint) => paint.linear(),
+    };
+    let intensity = color * record.real(40, 1.0).max(0.0);
+    let position = record.point(10);
+    let direction = (record.point(11) - position).try_normalize();
+    let kind = match (record.integer(70, 0), direction) {
+        (1, Some(direction)) => LightKind::Directional {
+            direction,
+            irradiance: intensity,
+        },
+        (2, _) => LightKind::Point {
+            position,
+            intensity,
+        },
+        (3, Some(direction)) => spot(record, position, direction, intensity),
+        (1 | 3, None) => return Err("that points nowhere"),
+        _ => return Err("of unknown type"),
+    };
+    Ok(Light {
+        name: record.text(1).into_owned(),
+        kind,
+    })
+}
+
+/// Angles are those of whole cones, degrees.
+fn spot(record: &Record, position: DVec3, direction: DVec3, intensity: Rgb) -> LightKind {
+    let half = |code, default| 0.5 * record.real(code, default).clamp(0.0, 360.0).to_radians();
+    let outer = half(51, 50.0);
+    LightKind::Spot {
+        position,
+        direction,
+        intensity,
+        inner: half(50, 45.0).min(outer),
+        outer,
+    }
+}
+
+/// A light of a block that is placed; `None` where the place is beyond all numbers. Its strength
+/// is what the file says, whatever the scale.
+pub(super) fn placed(light: &Light, map: &DAffine3) -> Option<Light> {
+    let mut light = light.clone();
+    let turned = |d: DVec3| (map.matrix3 * d).try_normalize().unwrap_or(d);
+    match &mut light.kind {
+        LightKind::Spot {
+            position,
+            direction,
+            ..
+        } => {
+            *position = map.transform_point3(*position);
+            *direction = turned(*direction);
+        }
+        LightKind::Point { position, .. } => *position = map.transform_point3(*position),
+        LightKind::Directional { direction, .. } => *direction = turned(*direction),
+        LightKind::Ambient { .. } => {}
+    }
+    let place = match light.kind {
+        LightKind::Spot { position, .. } | LightKind::Point { position, .. } => position,
+        LightKind::Directional { .. } | LightKind::Ambient { .. } => DVec3::ZERO,
+    };
+    place.is_finite().then_some(light)
+}

@@ -1,0 +1,264 @@
+//! From drawings to a scene: every INSERT becomes a copy of its block.
+
+use super::color::{Color, FOREGROUND, Paint};
+use super::drawing::{Block, Drawing, Finish, Insert, Layer, LayerId, Look, LookId};
+use super::finish::material;
+use super::light::placed;
+use super::project::{Node, Project};
+use super::surfaces::LayerMesh;
+use crate::materials::Materials;
+use crate::text::shortened;
+use crate::warnings::Warnings;
+use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape};
+use glam::DAffine3;
+use std::collections::HashMap;
+
+/// Longest path of blocks in an object's name, in bytes; names of deeper blocks are left out.
+const LONGEST_PATH: usize = 1000;
+
+/// Puts everything in its place.
+pub(super) fn place(mut project: Project, warnings: &mut Warnings) -> Scene {
+    // The drawing's own surfaces are placed once, as they are: they need no copy.
+    let surfaces = std::mem::take(&mut project.root_mut().surfaces);
+    let mut placer = Placer {
+        project: &project,
+        scene: Scene::default(),
+        materials: Materials::default(),
+        warnings,
+    };
+    let context = Context::default();
+    let drawing = &project.drawings[0];
+    for LayerMesh { layer, mesh, .. } in surfaces.meshes {
+        if let Some(layer) = placer.shown(drawing, layer, &context) {
+            placer.add_mesh(drawing, mesh, layer, &context);
+        }
+    }
+    placer.add_contents(Node::ROOT, &DAffine3::IDENTITY, &context);
+    let Placer {
+        mut scene,
+        materials,
+        ..
+    } = placer;
+    scene.materials = materials.into_list();
+    scene
+}
+
+/// What a block takes over from the INSERT that places it.
+#[derive(Clone, Debug)]
+struct Context<'a> {
+    /// Names of the blocks that lead here, joined by `/`.
+    path: String,
+    /// What stands in for layer 0; none for the drawing itself.
+    layer: Option<Plane<'a>>,
+    /// The colour of what takes its INSERT's.
+    paint: Paint,
+    /// The MATERIAL of what takes its INSERT's.
+    finish: Option<&'a Finish>,
+}
+
+impl Default for Context<'_> {
+    fn default() -> Self {
+        Context {
+            path: String::new(),
+            layer: None,
+            paint: FOREGROUND,
+            finish: None,
+        }
+    }
+}
+
+/// A layer, which may be one of another drawing, with its MATERIAL.
+#[derive(Clone, Copy, Debug)]
+struct Plane<'a> {
+    layer: &'a Layer,
+    finish: Option<&'a Finish>,
+}
+
+/// A look in its context.
+struct Resolved<'a> {
+    plane: Plane<'a>,
+    paint: Paint,
+    finish: Option<&'a Finish>,
+}
+
+struct Placer<'a, 'w> {
+    project: &'a Project,
+    scene: Scene,
+    materials: Materials,
+    warnings: &'w mut Warnings,
+}
+
+impl<'a> Placer<'a, '_> {
+    /// Adds a block's lights, and what is placed in it.
+    fn add_contents(&mut self, node: Node, map: &DAffine3, context: &Context<'a>) {
+        let (drawing, block) = self.project.get(node);
+        for (layer, light) in &block.lights {
+            if self.shown(drawing, *layer, context).is_some() {
+                self.scene.lights.extend(placed(light, map));
+            }
+        }
+        for insert in &block.inserts {
+            self.add_insert(node, insert, map, context);
+        }
+    }
+
+    fn add_insert(&mut self, node: Node, insert: &Insert, map: &DAffine3, context: &Context<'a>) {
+        let (drawing, _) = self.project.get(node);
+        let Some(target) = self.project.target(node, insert) else {
+            return;
+        };
+        let look = self.resolved(drawing, insert.look, context);
+        let layer = look.plane.layer;
+        if layer.is_frozen {
+            return self.note_hidden(layer);
+        }
+        let block = self.project.get(target).1;
+        // The name and the base point of an external reference are those of its block here.
+        let outer = &drawing.blocks[insert.block as usize];
+        let inner = Context {
+            path: joined(&context.path, &outer.name),
+            layer: Some(look.plane),
+            paint: look.paint,
+            finish: look.finish,
+        };
+        let base = insert.matrix * outer.base;
+        for row in 0..insert.rows {
+            for column in 0..insert.columns {
+                let step =
+                    f64::from(column) * insert.column_step + f64::from(row) * insert.row_step;
+                let local =
+                    DAffine3::from_mat3_translation(insert.matrix, insert.origin + step - base);
+                self.add_block(target, block, &(*map * local), &inner);
+            }
+        }
+    }
+
+    fn add_block(&mut self, node: Node, block: &Block, map: &DAffine3, context: &Context<'a>) {
+        let drawing = self.project.get(node).0;
+        for LayerMesh { layer, mesh, .. } in &block.surfaces.meshes {
+            if let Some(layer) = self.shown(drawing, *layer, context) {
+                let mut mesh = mesh.clone();
+                mesh.transform(map);
+                self.add_mesh(drawing, mesh, layer, context);
+            }
+        }
+        self.add_contents(node, map, context);
+    }
+
+    /// Adds a mesh in its place.
+    fn add_mesh(
+        &mut self,
+        drawing: &'a Drawing,
+        mut mesh: Mesh,
+        layer: &'a Layer,
+        context: &Context<'a>,
+    ) {
+        if mesh.faces.is_empty() {
+            return;
+        }
+        if !mesh.positions.iter().all(|p| p.is_finite()) {
+            let message = "surfaces beyond all numbers, by scales within scales: left out";
+            return self.warnings.add_whole(&drawing.file, message);
+        }
+        let mut known: HashMap<LookId, MaterialId> = HashMap::new();
+        let mut last = (LookId::MAX, 0);
+        for slot in &mut mesh.face_materials {
+            if last.0 != *slot {
+                let id = *known
+                    .entry(*slot)
+                    .or_insert_with(|| self.material(drawing, *slot, context));
+                last = (*slot, id);
+            }
+            *slot = last.1;
+        }
+        let name = joined(&context.path, &layer.name);
+        self.scene
+            .objects
+            .push(Object::new(name, Shape::Mesh(mesh)));
+    }
+
+    fn material(
+        &mut self,
+        drawing: &'a Drawing,
+        look: LookId,
+        context: &Context<'a>,
+    ) -> MaterialId {
+        let Resolved {
+            plane,
+            paint,
+            finish,
+        } = self.resolved(drawing, look, context);
+        let layer = plane.layer;
+        self.materials
+            .index(material(&layer.name, layer.paint, paint, finish))
+    }
+
+    /// A look with all that it takes from its layer and its INSERT.
+    fn resolved(&self, drawing: &'a Drawing, look: LookId, context: &Context<'a>) -> Resolved<'a> {
+        let Look {
+            layer,
+            color,
+            finish,
+        } = drawing.looks[look as usize];
+        let plane = plane_in(drawing, layer, context);
+        let paint = match color {
+            Color::ByLayer => plane.layer.paint,
+            Color::ByBlock => context.paint,
+            Color::Own(paint) => paint,
+        };
+        let finish = match drawing.finishes.get(&finish) {
+            None | Some(Finish::ByLayer) => plane.finish,
+            Some(Finish::ByBlock) => context.finish,
+            own => own,
+        };
+        Resolved {
+            plane,
+            paint,
+            finish,
+        }
+    }
+
+    /// The layer of something in a block, if it is to be seen.
+    fn shown(
+        &mut self,
+        drawing: &'a Drawing,
+        id: LayerId,
+        context: &Context<'a>,
+    ) -> Option<&'a Layer> {
+        let layer = plane_in(drawing, id, context).layer;
+        if layer.is_off || layer.is_frozen {
+            self.note_hidden(layer);
+            return None;
+        }
+        Some(layer)
+    }
+
+    fn note_hidden(&mut self, layer: &Layer) {
+        let name = shortened(&layer.name);
+        let message = format!("layer \"{name}\" is off or frozen: what is on it is left out");
+        self.warnings
+            .add_whole(&self.project.drawings[0].file, message);
+    }
+}
+
+/// The layer of something in a block: layer 0 is that of the INSERT.
+fn plane_in<'a>(drawing: &'a Drawing, id: LayerId, context: &Context<'a>) -> Plane<'a> {
+    let layer = &drawing.layers[id as usize];
+    match context.layer {
+        Some(outer) if layer.is_zero() => outer,
+        _ => Plane {
+            layer,
+            finish: drawing.finishes.get(&layer.finish),
+        },
+    }
+}
+
+/// A path with one name more, unless one of them is empty or it becomes too long.
+fn joined(path: &str, name: &str) -> String {
+    match (path, name) {
+        ("", name) => name.to_owned(),
+        (path, "") => path.to_owned(),
+        _ if path.len() + name.len() > LONGEST_PATH => path.to_owned(),
+        _ => format!("{path}/{name}"),
+    }
+}

@@ -1,0 +1,208 @@
+//! POLYLINE with the VERTEX records behind it: flat and spatial lines, meshes of rows and
+//! columns, and meshes of any faces.
+
+use super::color::Color;
+use super::drawing::{Look, LookId};
+use super::outline::{Outline, Vertex};
+use super::record::Record;
+use super::surfaces::{Corners, LayerMesh};
+use glam::DVec3;
+
+/// Bits of group 70 of a POLYLINE.
+mod flag {
+    pub const CLOSED: i64 = 1;
+    pub const SPLINE: i64 = 4;
+    pub const SPATIAL: i64 = 8;
+    pub const MESH: i64 = 16;
+    pub const CLOSED_ACROSS: i64 = 32;
+    pub const POLYFACE: i64 = 64;
+}
+
+/// Bits of group 70 of a VERTEX.
+mod vertex_flag {
+    pub const CONTROL_POINT: i64 = 16;
+    pub const PLACE: i64 = 64;
+    pub const POLYFACE: i64 = 128;
+}
+
+/// A POLYLINE whose vertices are being read.
+#[derive(Debug)]
+pub(super) struct Polyline {
+    /// Its flags.
+    flags: i64,
+    /// What it looks like; faces may have colours of their own.
+    pub look: Look,
+    /// Where it begins in the file.
+    pub offset: usize,
+    /// Whether it is not to be drawn.
+    pub is_left_out: bool,
+    /// Numbers of rows and columns, and their numbers once it is smoothed.
+    sizes: [[usize; 2]; 2],
+    /// Widths of vertices that do not say theirs.
+    widths: [f64; 2],
+    /// Of a flat one.
+    pub outline: Outline,
+    /// The points of all others, without those that only control a curve.
+    points: Vec<DVec3>,
+    /// The faces of a polyface mesh.
+    faces: Vec<PolyFace>,
+}
+
+/// A face of a polyface mesh.
+#[derive(Debug)]
+struct PolyFace {
+    corners: [i64; 4],
+    look: LookId,
+}
+
+/// What a POLYLINE is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A flat line.
+    Flat,
+    /// A line through space.
+    Spatial,
+    /// A mesh of rows and columns.
+    Mesh,
+    /// A mesh of faces.
+    Polyface,
+}
+
+impl Polyline {
+    /// Begins with the POLYLINE record.
+    pub fn new(record: &Record, look: Look, outline: Outline) -> Polyline {
+        let size = |code| record.integer(code, 0).clamp(0, 1 << 24) as usize;
+        let flags = record.integer(70, 0);
+        Polyline {
+            flags,
+            look,
+            offset: record.offset,
+            is_left_out: false,
+            sizes: [[size(71), size(72)], [size(73), size(74)]],
+            widths: [record.real(40, 0.0), record.real(41, 0.0)],
+            outline: Outline {
+                is_closed: flags & flag::CLOSED != 0,
+                ..outline
+            },
+            points: Vec::new(),
+            faces: Vec::new(),
+        }
+    }
+
+    /// What it is.
+    pub fn kind(&self) -> Kind {
+        match self.flags {
+            f if f & flag::POLYFACE != 0 => Kind::Polyface,
+            f if f & flag::MESH != 0 => Kind::Mesh,
+            f if f & flag::SPATIAL != 0 => Kind::Spatial,
+            _ => Kind::Flat,
+        }
+    }
+
+    /// What a VERTEX that is a face looks like.
+    pub fn look_of(&self, vertex: &Record) -> Look {
+        let own = vertex.find(62).or(vertex.find(420));
+        match own {
+            Some(_) => Look {
+                color: Color::of(vertex),
+                ..self.look
+            },
+            None => self.look,
+        }
+    }
+
+    /// Takes a VERTEX and what it looks like.
+    pub fn add(&mut self, record: &Record, look: LookId) {
+        let flags = record.integer(70, 0);
+        match self.kind() {
+            Kind::Polyface => self.add_to_polyface(record, flags, look),
+            _ if flags & vertex_flag::CONTROL_POINT != 0 => {}
+            Kind::Flat => self.outline.vertices.push(Vertex {
+                point: record.point(10).truncate(),
+                widths: [
+                    record.real(40, self.widths[0]),
+                    record.real(41, self.widths[1]),
+                ],
+                bulge: record.real(42, 0.0),
+            }),
+            Kind::Mesh | Kind::Spatial => self.points.push(record.point(10)),
+        }
+    }
+
+    /// Vertices that are places have both bits, faces have one.
+    fn add_to_polyface(&mut self, record: &Record, flags: i64, look: LookId) {
+        if flags & vertex_flag::PLACE != 0 || flags & vertex_flag::POLYFACE == 0 {
+            self.points.push(record.point(10));
+        } else {
+            self.faces.push(PolyFace {
+                corners: [71, 72, 73, 74].map(|code| record.integer(code, 0)),
+                look,
+            });
+        }
+    }
+
+    /// Adds a mesh of rows and columns. Returns whether it has as many vertices as those need.
+    pub fn draw_mesh(&self, mesh: &mut LayerMesh, look: LookId) -> bool {
+        let [asked, columns] = self.size();
+        let rows = asked.min(self.points.len() / columns.max(1));
+        if rows < 2 || columns < 2 {
+            return false;
+        }
+        let first = mesh.vertices(self.points[..rows * columns].iter().copied());
+        let at =
+            |row: usize, column: usize| first + (row % rows * columns + column % columns) as u32;
+        let ways = |flag, count| count - usize::from(self.flags & flag == 0);
+        for row in 0..ways(flag::CLOSED, rows) {
+            for column in 0..ways(flag::CLOSED_ACROSS, columns) {
+                let (next_row, next) = (row + 1, column + 1);
+                let corners = [
+                    at(row, column),
+                    at(next_row, column),
+                    at(next_row, next),
+                    at(row, next),
+                ];
+                mesh.face(&corners, look);
+            }
+        }
+        asked * columns == self.points.len()
+    }
+
+    /// Rows and columns that it should have. Smoothed meshes have their own numbers.
+    fn size(&self) -> [usize; 2] {
+        let [given, smoothed] = self.sizes;
+        let fits = |size: [usize; 2]| size[0] * size[1] == self.points.len();
+        let is_smoothed = self.flags & flag::SPLINE != 0 && (fits(smoothed) || !fits(given));
+        if is_smoothed { smoothed } else { given }
+    }
+
+    /// Adds a mesh of faces. Returns how many are lost, because they have fewer than three corners
+    /// or one that is no vertex.
+    pub fn draw_polyface(&self, mesh: &mut LayerMesh) -> usize {
+        let mut lost = 0;
+        let first = mesh.vertices(self.points.iter().copied());
+        for face in &self.faces {
+            // A corner 0 ends the face; a negative one hides the edge behind it, not the face.
+            let given = face.corners.iter().take_while(|corner| **corner != 0);
+            let vertices = given.map(|corner| corner.unsigned_abs() - 1);
+            let exist = vertices
+                .clone()
+                .all(|vertex| vertex < self.points.len() as u64);
+            let corners = Corners::new(vertices.map(|vertex| first.wrapping_add(vertex as u32)));
+            match exist && corners.are_a_face() {
+                true => mesh.face(corners.as_slice(), face.look),
+                false => lost += 1,
+            }
+        }
+        lost
+    }
+
+    /// Most vertices and corners that it makes.
+    pub fn cost(&self) -> u64 {
+        match self.kind() {
+            Kind::Flat => self.outline.cost(),
+            Kind::Spatial => 0,
+            Kind::Mesh => 5 * self.points.len() as u64,
+            Kind::Polyface => self.points.len() as u64 + 4 * self.faces.len() as u64,
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! A drawing with all that it refers to: which block is in which, and how much they unfold to.
+
+use super::drawing::{Block, BlockId, Drawing, Insert, MODEL_SPACE};
+use super::pairs::Pairs;
+use super::parse::{parse, position};
+use crate::files::beside;
+use crate::options::Budget;
+use crate::text::{shortened, without_utf16};
+use crate::warnings::Warnings;
+use crate::{FileError, Files, Format, ReadError, ReadOptions, detect};
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// Blocks within blocks, external references included; deeper ones are left out.
+const DEEPEST: u32 = 64;
+
+/// Most external files.
+const MOST_FILES: usize = 1000;
+
+/// What an INSERT, a light or an object costs, in elements, beside its vertices and corners.
+const COST_OF_NODE: u64 = 8;
+
+/// All drawings; the first is the one that was asked for.
+#[derive(Debug)]
+pub(super) struct Project {
+    /// The drawings.
+    pub drawings: Vec<Drawing>,
+    /// What external references lead to, by the drawing and the block that name them.
+    references: HashMap<Node, usize>,
+    /// What each block unfolds to.
+    extents: HashMap<Node, Extent>,
+}
+
+/// A block of a drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Node {
+    /// Index of the drawing.
+    pub drawing: usize,
+    /// The block in it.
+    pub block: BlockId,
+}
+
+/// What a block unfolds to.
+#[derive(Clone, Copy, Debug, Default)]
+struct Extent {
+    /// Vertices, corners and what nodes cost.
+    elements: u64,
+    /// Blocks within blocks, at most.
+    height: u32,
+    /// Whether it is still being looked at: an INSERT that leads here closes a circle.
+    is_open: bool,
+}
+
+impl Project {
+    /// Reads a drawing, and the files that its blocks refer to.
+    ///
+    /// # Errors
+    /// What [`parse`] says of the drawing itself, and one that unfolds to more than `options`
+    /// allow.
+    pub fn read(
+        bytes: &[u8],
+        name: &str,
+        files: &dyn Files,
+        options: &ReadOptions,
+        warnings: &mut Warnings,
+    ) -> Result<Project, ReadError> {
+        let drawing = parse(bytes, name, options, warnings)?;
+        let mut reader = Reader {
+            project: Project {
+                drawings: vec![drawing],
+                references: HashMap::new(),
+                extents: HashMap::new(),
+            },
+            sources: vec![Source {
+                path: String::new(),
+                bytes: bytes.into(),
+            }],
+            by_path: HashMap::new(),
+            bytes_left: options.most_unpacked,
+            files,
+            options,
+            warnings,
+        };
+        let extent = reader.extent(Node::ROOT, 0);
+        Budget::new(options)
+            .spend(extent.elements)
+            .map_err(|e| e.error(name))?;
+        Ok(reader.project)
+    }
+
+    /// A block and its drawing.
+    pub fn get(&self, node: Node) -> (&Drawing, &Block) {
+        let drawing = &self.drawings[node.drawing];
+        (drawing, &drawing.blocks[node.block as usize])
+    }
+
+    /// The drawing itself, as a block.
+    pub fn root_mut(&mut self) -> &mut Block {
+        &mut self.drawings[0].blocks[MODEL_SPACE as usize]
+    }
+
+    /// What an INSERT in a block places; nothing if that is not there or empty.
+    pub fn target(&self, node: Node, insert: &Insert) -> Option<Node> {
+        if insert.is_refused {
+            return None;
+        }
+        let target = self.followed(Node {
+            block: insert.block,
+            ..node
+        });
+        let extent = self.extents.get(&target)?;
+        (extent.elements > 0).then_some(target)
+    }
+
+    /// The block, or what it refers to.
+    fn followed(&self, node: Node) -> Node {
+        match self.references.get(&node) {
+            Some(&drawing) => Node {
+                drawing,
+                block: MODEL_SPACE,
+            },
+            None => node,
+        }
+    }
+}
+
+impl Node {
+    /// The drawing itself.
+    pub const ROOT: Node = Node {
+        drawing: 0,
+        block: MODEL_SPACE,
+    };
+}
+
+/// Where a drawing comes from.
+struct Source<'a> {
+    /// Its name as the first drawing's folder knows it; empty for the first.
+    path: String,
+    bytes: Cow<'a, [u8]>,
+}
+
+/// A project under construction.
+struct Reader<'a, 'w> {
+    project: Project,
+    /// In the order of the drawings.
+    sources: Vec<Source<'a>>,
+    /// Which drawing each external file is, or why it is none.
+    by_path: HashMap<String, Result<usize, String>>,
+    bytes_left: u64,
+    files: &'a dyn Files,
+    options: &'a ReadOptions,
+    warnings: &'w mut Warnings,
+}
+
+impl Reader<'_, '_> {
+    /// Finds out what a block unfolds to. INSERTs that cannot be followed are marked, with a
+    /// warning.
+    fn extent(&mut self, node: Node, depth: u32) -> Extent {
+        let open = Extent {
+            is_open: true,
+            ..Extent::default()
+        };
+        self.project.extents.insert(node, open);
+        let block = self.project.get(node).1;
+        let mut extent = Extent {
+            elements: own_elements(block),
+            ..Extent::default()
+        };
+        for i in 0..block.inserts.len() {
+            match self.inserted(node, i, depth) {
+                Ok(inner) if inner.elements > 0 => {
+                    let count = self.project.get(node).1.inserts[i].count();
+                    let each = inner.elements.saturating_add(COST_OF_NODE);
+                    extent.elements = extent.elements.saturating_add(count.saturating_mul(each));
+                    extent.height = extent.height.max(inner.height + 1);
+                }
+                Ok(_) => {}
+                Err(why) => self.refuse(node, i, &why),
+            }
+        }
+        self.project.extents.insert(node, extent);
+        extent
+    }
+
+    /// What an INSERT's block unfolds to, or why it cannot be followed.
+    fn inserted(&mut self, node: Node, insert: usize, depth: u32) -> Result<Extent, String> {
+        let block = self.project.get(node).1.inserts[insert].block;
+        let target = Node { block, ..node };
+        if !self.project.get(target).1.is_defined {
+            return Err("is not defined".to_owned());
+        }
+        self.follow_reference(target)?;
+        let target = self.project.followed(target);
+        let extent = match self.project.extents.get(&target) {
+            Some(known) => *known,
+            None if depth + 1 >= DEEPEST => return Err(too_deep()),
+            None => self.extent(target, depth + 1),
+        };
+        if extent.is_open {
+            return Err("contains itself".to_owned());
+        }
+        if extent.height + 1 >= DEEPEST {
+            return Err(too_deep());
+        }
+        Ok(extent)
+    }
+
+    fn refuse(&mut self, node: Node, insert: usize, why: &str) {
+        let drawing = &mut self.project.drawings[node.drawing];
+        let name = |block: BlockId| shortened(&drawing.blocks[block as usize].name);
+        let refused = &drawing.blocks[node.block as usize].inserts[insert];
+        let message = format!(
+            "INSERT of block \"{}\", which {why}: left out",
+            name(refused.block)
+        );
+        let offset = refused.offset;
+        drawing.blocks[node.block as usize].inserts[insert].is_refused = true;
+        let bytes = &self.sources[node.drawing].bytes;
+        let encoding = || Pairs::new(bytes).encoding;
+        self.warnings.add(&drawing.file, message, || {
+            position(bytes, encoding(), offset)
+        });
+    }
+
+    /// Reads the file that a block refers to, if it does.
+    fn follow_reference(&mut self, node: Node) -> Result<(), String> {
+        let Some(name) = self.project.get(node).1.external.clone() else {
+            return Ok(());
+        };
+        if !self.project.references.contains_key(&node) {
+            let drawing = self.external(node.drawing, &name)?;
+            self.project.references.insert(node, drawing);
+        }
+        Ok(())
+    }
+
+    /// The drawing in a file that another drawing names, or what is wrong with it.
+    fn external(&mut self, from: usize, name: &str) -> Result<usize, String> {
+        let mut problem = FileError::Missing.to_string();
+        for path in candidates(&self.sources[from].path, name) {
+            if let Some(known) = self.by_path.get(&path) {
+                return known.clone();
+            }
+            match self.files.read(&path) {
+                Ok(bytes) => {
+                    let read = self.add(&path, bytes);
+                    self.by_path.insert(path, read.clone());
+                    return read;
+                }
+                Err(e) => problem = e.to_string(),
+            }
+        }
+        Err(format!(
+            "is the external file \"{}\": {problem}",
+            shortened(name)
+        ))
+    }
+
+    /// Adds an external drawing.
+    fn add(&mut self, path: &str, bytes: Vec<u8>) -> Result<usize, String> {
+        let refused = |why: &str| format!("is the external file \"{}\": {why}", shortened(path));
+        let left = self.bytes_left.checked_sub(bytes.len() as u64);
+        match left {
+            Some(left) if self.project.drawings.len() <= MOST_FILES => self.bytes_left = left,
+            _ => return Err(refused("too many or too large files")),
+        }
+        match detect(&bytes) {
+            Ok(Format::Dxf) => {}
+            Ok(other) => return Err(refused(&format!("{}, not DXF", other.name()))),
+            Err(unrecognised) => return Err(refused(unrecognised.looks_like)),
+        }
+        let bytes = without_utf16(&bytes).into_owned();
+        let drawing = parse(&bytes, path, self.options, self.warnings)
+            .map_err(|e| refused(&format!("found {}, expected {}", e.found, e.expected)))?;
+        self.project.drawings.push(drawing);
+        self.sources.push(Source {
+            path: path.to_owned(),
+            bytes: bytes.into(),
+        });
+        Ok(self.project.drawings.len() - 1)
+    }
+}
+
+/// Elements of a block without what is placed in it.
+fn own_elements(block: &Block) -> u64 {
+    let meshes = block.surfaces.meshes.iter().map(|m| {
+        let (vertices, corners) = (m.mesh.positions.len(), m.mesh.faces.corners.len());
+        (vertices + corners) as u64 + COST_OF_NODE
+    });
+    meshes.sum::<u64>() + block.lights.len() as u64 * COST_OF_NODE
+}
+
+fn too_deep() -> String {
+    format!("is more than {DEEPEST} blocks deep")
+}
+
+/// Names under which an external file may be found: as it is written, and beside the drawing,
+/// because most are written for the computer of somebody else; each as DXF in place of DWG.
+fn candidates(from: &str, name: &str) -> Vec<String> {
+    let plain = name.replace('\\', "/");
+    let alone = plain.rsplit('/').next().unwrap_or_default();
+    let spellings = if alone == plain {
+        vec![alone]
+    } else {
+        vec![plain.as_str(), alone]
+    };
+    let mut paths = Vec::new();
+    for spelling in spellings {
+        let path = beside(from, spelling);
+        let stem = path.len().checked_sub(4).filter(|&stem| {
+            let ending = path.get(stem..);
+            ending.is_some_and(|ending| ending.eq_ignore_ascii_case(".dwg"))
+        });
+        paths.extend(stem.map(|stem| format!("{}.dxf", &path[..stem])));
+        paths.push(path);
+    }
+    paths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn external_files_are_looked_for_beside_the_drawing() {
+        let check = |from, name, expected: &[&str]| assert_eq!(candidates(from, name), expected);
+        check("", "part.dxf", &["part.dxf"]);
+        check("", "part.DWG", &["part.dxf", "part.DWG"]);
+        check(
+            "x/a.dxf",
+            "C:\\b\\part.dwg",
+            &["C:/b/part.dxf", "C:/b/part.dwg", "x/part.dxf", "x/part.dwg"],
+        );
+    }
+}

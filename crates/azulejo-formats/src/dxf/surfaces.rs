@@ -1,0 +1,186 @@
+//! The surfaces of a block: one mesh per layer, in the block's coordinates.
+
+use super::drawing::{LayerId, LookId};
+use azulejo_scene::Mesh;
+use azulejo_scene::math::area_vector;
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// The meshes of a block.
+#[derive(Debug, Default)]
+pub(super) struct Surfaces {
+    /// In the order in which layers are first drawn on.
+    pub meshes: Vec<LayerMesh>,
+    by_layer: HashMap<LayerId, usize>,
+}
+
+/// What is drawn on one layer.
+#[derive(Debug)]
+pub(super) struct LayerMesh {
+    /// The layer.
+    pub layer: LayerId,
+    /// Its faces, with looks in place of materials.
+    pub mesh: Mesh,
+    /// The last smoothing group given to a curved surface.
+    last_group: u32,
+}
+
+impl Surfaces {
+    /// The mesh of a layer.
+    pub fn on(&mut self, layer: LayerId) -> &mut LayerMesh {
+        // Entities of a layer mostly follow each other.
+        let at = match self.meshes.last() {
+            Some(last) if last.layer == layer => self.meshes.len() - 1,
+            _ => self.index(layer),
+        };
+        &mut self.meshes[at]
+    }
+
+    fn index(&mut self, layer: LayerId) -> usize {
+        let next = self.meshes.len();
+        let at = *self.by_layer.entry(layer).or_insert(next);
+        if at == next {
+            self.meshes.push(LayerMesh {
+                layer,
+                mesh: Mesh::default(),
+                last_group: 0,
+            });
+        }
+        at
+    }
+}
+
+impl LayerMesh {
+    /// Adds vertices and returns the index of the first.
+    pub fn vertices(&mut self, positions: impl IntoIterator<Item = DVec3>) -> u32 {
+        let first = self.mesh.positions.len() as u32;
+        self.mesh.positions.extend(positions);
+        first
+    }
+
+    /// Adds a flat face.
+    #[inline]
+    pub fn face(&mut self, corners: &[u32], look: LookId) {
+        self.mesh.push_face(corners, look);
+        if !self.mesh.smoothing.is_empty() {
+            self.mesh.smoothing.push(0);
+        }
+    }
+
+    /// Adds a face of a smooth surface; group 0 is flat.
+    pub fn smooth_face(&mut self, corners: &[u32], look: LookId, group: u32) {
+        if group != 0 {
+            self.mesh.smoothing.resize(self.mesh.faces.len(), 0);
+        }
+        self.face(corners, look);
+        if let Some(last) = self.mesh.smoothing.last_mut() {
+            *last = group;
+        }
+    }
+
+    /// A smoothing group of its own for a curved surface.
+    pub fn new_group(&mut self) -> u32 {
+        self.last_group += 1;
+        self.last_group
+    }
+
+    /// Adds the surface that a line sweeps along `offset`. `groups` gives the smoothing group of
+    /// the part behind each point. A closed line faces outside.
+    pub fn wall(
+        &mut self,
+        line: &Line,
+        offset: DVec3,
+        look: LookId,
+        groups: impl Fn(usize) -> u32,
+    ) {
+        let points = &line.points;
+        let inside_out = line.is_closed && area_vector(points).dot(offset) < 0.0;
+        let low = self.vertices(points.iter().flat_map(|&p| [p, p + offset]));
+        let count = points.len() as u32;
+        for part in 0..line.parts() as u32 {
+            let (a, b) = (low + 2 * part, low + 2 * ((part + 1) % count));
+            let corners = match inside_out {
+                false => [a, b, b + 1, a + 1],
+                true => [b, a, a + 1, b + 1],
+            };
+            self.smooth_face(&corners, look, groups(part as usize));
+        }
+    }
+
+    /// Adds a flat polygon that faces along `up`, as near as its plane allows.
+    pub fn polygon(&mut self, points: &[DVec3], up: DVec3, look: LookId) {
+        let first = self.vertices(points.iter().copied());
+        self.polygon_of(first, 1, points, up, look);
+    }
+
+    /// A polygon of vertices that are there already, each `step` behind the one before.
+    fn polygon_of(&mut self, first: u32, step: u32, points: &[DVec3], up: DVec3, look: LookId) {
+        let mut corners: Vec<u32> = (0..points.len() as u32).map(|i| first + step * i).collect();
+        if area_vector(points).dot(up) < 0.0 {
+            corners.reverse();
+        }
+        self.face(&corners, look);
+    }
+
+    /// Adds the closed body that a polygon sweeps along `offset`, with its smoothing group for
+    /// the side.
+    pub fn prism(&mut self, outline: &Line, offset: DVec3, look: LookId, group: u32) {
+        let first = self.mesh.positions.len() as u32;
+        self.wall(outline, offset, look, |_| group);
+        self.polygon_of(first, 2, &outline.points, -offset, look);
+        self.polygon_of(first + 1, 2, &outline.points, offset, look);
+    }
+}
+
+/// A line of straight parts.
+#[derive(Debug)]
+pub(super) struct Line {
+    /// Its points.
+    pub points: Vec<DVec3>,
+    /// Whether it goes back to the first.
+    pub is_closed: bool,
+}
+
+impl Line {
+    /// Number of straight parts.
+    pub fn parts(&self) -> usize {
+        let ends = usize::from(!self.is_closed);
+        self.points.len().saturating_sub(ends)
+    }
+}
+
+/// Up to four corners, of which neighbours are not the same: a triangle may be given as a face of
+/// four corners, one of them twice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corners<T> {
+    corners: [T; 4],
+    count: usize,
+}
+
+impl<T: Copy + Default + PartialEq> Corners<T> {
+    /// The first four of these, without repetitions.
+    pub fn new(given: impl IntoIterator<Item = T>) -> Corners<T> {
+        let mut corners = [T::default(); 4];
+        let mut count = 0;
+        for corner in given.into_iter().take(4) {
+            if count == 0 || corners[count - 1] != corner {
+                corners[count] = corner;
+                count += 1;
+            }
+        }
+        while count > 1 && corners[count - 1] == corners[0] {
+            count -= 1;
+        }
+        Corners { corners, count }
+    }
+
+    /// Whether there are enough for a face.
+    pub fn are_a_face(&self) -> bool {
+        self.count >= 3
+    }
+
+    /// All of them.
+    pub fn as_slice(&self) -> &[T] {
+        &self.corners[..self.count]
+    }
+}
