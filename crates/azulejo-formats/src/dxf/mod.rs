@@ -22,6 +22,8 @@ mod polyline;
 mod project;
 mod record;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 
 mod units;
 

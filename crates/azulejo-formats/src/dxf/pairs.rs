@@ -110,9 +110,18 @@ pub(super) struct Pairs<'a> {
     pub encoding: Encoding,
     /// Whether the binary mark lost its carriage return on the way.
     pub mark_is_damaged: bool,
-    /// Where the first line stands that should be a group code and is none, and how many do; in
-    /// a binary file, where the first unknown code stands, behind which nothing can be read.
-    pub damage: Option<(usize, usize)>,
+    /// What is wrong with the groups.
+    pub damage: Option<Damage>,
+}
+
+/// Lines that should be group codes and are none; in a binary file, the first unknown code, behind
+/// which nothing can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Damage {
+    /// Where the first is.
+    pub offset: usize,
+    /// How many there are.
+    pub count: usize,
 }
 
 impl<'a> Pairs<'a> {
@@ -201,7 +210,8 @@ impl<'a> Pairs<'a> {
             .iter()
             .all(|b| b.is_ascii_whitespace() || matches!(b, 0 | 0x1a))
         {
-            self.damage.get_or_insert((offset, 0)).1 += 1;
+            let first = Damage { offset, count: 0 };
+            self.damage.get_or_insert(first).count += 1;
         }
     }
 
@@ -228,7 +238,10 @@ impl<'a> Pairs<'a> {
         let code = self.binary_code()?;
         let Some(kind) = Kind::of(code) else {
             // Nobody knows how long the value is.
-            self.damage = Some((start, 1));
+            self.damage = Some(Damage {
+                offset: start,
+                count: 1,
+            });
             self.at = self.bytes.len();
             return None;
         };
@@ -324,7 +337,10 @@ impl Kind {
 mod tests {
     use super::*;
 
-    fn all(bytes: &[u8]) -> (Vec<(i16, String)>, Option<(usize, usize)>) {
+    type Groups = Vec<(i16, String)>;
+
+    /// All groups, and where and how often they are damaged.
+    fn all(bytes: &[u8]) -> (Groups, Option<(usize, usize)>) {
         let mut pairs = Pairs::new(bytes);
         let mut found = Vec::new();
         while let Some(pair) = pairs.next() {
@@ -335,7 +351,7 @@ mod tests {
             };
             found.push((pair.code, value));
         }
-        (found, pairs.damage)
+        (found, pairs.damage.map(|d| (d.offset, d.count)))
     }
 
     fn check(bytes: &[u8], expected: &[(i16, &str)]) {

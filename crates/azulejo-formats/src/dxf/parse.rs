@@ -2,7 +2,7 @@
 
 use super::color::{Color, Paint};
 use super::drawing::{Block, BlockId, Drawing, Finish, Layer, LayerId, Look, LookId, MODEL_SPACE};
-use super::pairs::Encoding;
+use super::pairs::{Damage, Encoding};
 use super::polyline::Polyline;
 use super::record::{Record, Records};
 use super::{camera, units};
@@ -340,11 +340,13 @@ impl<'a, 'w> Parser<'a, 'w> {
             self.warn("the mark of a binary file lost a byte, as transfers as text do: numbers may be wrong", 0);
         }
         match damage {
-            Some((offset, count)) if is_text => {
+            Some(Damage { offset, count }) if is_text => {
                 let message = "line that should be a group code and is none: passed over";
                 self.warn_many(message.to_owned(), count, offset);
             }
-            Some((offset, _)) => self.warn("unknown group code: the rest is not read", offset),
+            Some(Damage { offset, .. }) => {
+                self.warn("unknown group code: the rest is not read", offset)
+            }
             None => {}
         }
         if self.has_sections && has_rest {

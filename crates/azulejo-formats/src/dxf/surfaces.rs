@@ -61,20 +61,18 @@ impl LayerMesh {
     /// Adds a flat face.
     #[inline]
     pub fn face(&mut self, corners: &[u32], look: LookId) {
-        self.mesh.push_face(corners, look);
-        if !self.mesh.smoothing.is_empty() {
-            self.mesh.smoothing.push(0);
-        }
+        self.smooth_face(corners, look, 0);
     }
 
     /// Adds a face of a smooth surface; group 0 is flat.
+    #[inline]
     pub fn smooth_face(&mut self, corners: &[u32], look: LookId, group: u32) {
-        if group != 0 {
-            self.mesh.smoothing.resize(self.mesh.faces.len(), 0);
-        }
-        self.face(corners, look);
-        if let Some(last) = self.mesh.smoothing.last_mut() {
-            *last = group;
+        let before = self.mesh.faces.len();
+        self.mesh.push_face(corners, look);
+        // Most meshes have nothing smooth and no groups.
+        if group != 0 || !self.mesh.smoothing.is_empty() {
+            self.mesh.smoothing.resize(before, 0);
+            self.mesh.smoothing.push(group);
         }
     }
 
