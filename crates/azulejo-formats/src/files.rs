@@ -26,7 +26,7 @@ pub(crate) fn beside(of: &str, name: &str) -> String {
     let name = name.replace('\\', "/");
     let of = of.replace('\\', "/");
     let (folder, _) = of.rsplit_once('/').unwrap_or_default();
-    if folder.is_empty() || name.starts_with('/') || name.as_bytes().get(1) == Some(&b':') {
+    if name.starts_with('/') || name.as_bytes().get(1) == Some(&b':') {
         return name;
     }
     let mut path: Vec<&str> = Vec::new();
@@ -222,6 +222,8 @@ mod tests {
     fn names_are_relative_to_the_file_that_holds_them() {
         let check = |of, name, expected: &str| assert_eq!(beside(of, name), expected);
         check("room.wrl", "lamp.wrl", "lamp.wrl");
+        check("room.wrl", "./a/../lamp.wrl", "lamp.wrl");
+        check("room.wrl", "./../lamp.wrl", "../lamp.wrl");
         check("parts/a.flt", "b.flt", "parts/b.flt");
         check("parts\\a.flt", "..\\b.flt", "b.flt");
         check("parts/a.flt", "../../b.flt", "../b.flt");

@@ -1,0 +1,329 @@
+//! The scene as the statements build it: named groups, each with a mesh of the faces that stand
+//! directly in it.
+
+use crate::materials::Materials;
+use azulejo_scene::math::area_vector;
+use azulejo_scene::{
+    Attribute, Light, Material, MaterialId, Mesh, Object, Primitive, Scene, Shape, Units, Up,
+};
+use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
+
+/// Longest name of an object; what nests deeper is not told apart by name.
+const LONGEST_NAME: usize = 255;
+
+/// A corner of a face, placed in the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    /// Tells apart what may not share a vertex of the mesh: the state of the file's vertex, and
+    /// the transform that was in force.
+    pub key: (u64, u64),
+    /// Where it is.
+    pub position: DVec3,
+    /// Unit shading normal.
+    pub normal: Option<DVec3>,
+}
+
+/// A scene under construction.
+#[derive(Debug)]
+pub(super) struct Builder {
+    scene: Scene,
+    materials: Materials,
+    path: String,
+    groups: Vec<Group>,
+}
+
+/// An open group.
+#[derive(Debug, Default)]
+struct Group {
+    /// Length of the path outside of it.
+    path_length: usize,
+    /// Its faces, and the object that they will be.
+    draft: Option<Box<(usize, Draft)>>,
+}
+
+impl Builder {
+    /// An empty scene and its outermost group.
+    pub fn new() -> Builder {
+        Builder {
+            scene: Scene {
+                units: Units {
+                    metres_per_unit: Some(1.0),
+                    up: Up::Z,
+                    photometric: true,
+                },
+                ..Scene::default()
+            },
+            materials: Materials::default(),
+            path: String::new(),
+            groups: vec![Group::default()],
+        }
+    }
+
+    /// Path of the groups that are open, for names of objects.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Whether there is nothing to see or to be lit by yet.
+    pub fn is_empty(&self) -> bool {
+        self.scene.objects.is_empty() && self.scene.lights.is_empty()
+    }
+
+    /// Index of a material.
+    pub fn material(&mut self, material: Material) -> MaterialId {
+        self.materials.index(material)
+    }
+
+    /// Opens a group; an empty name adds nothing to the path.
+    pub fn open(&mut self, name: &str) {
+        self.groups.push(Group {
+            path_length: self.path.len(),
+            draft: None,
+        });
+        if !name.is_empty() && self.path.len() + name.len() < LONGEST_NAME {
+            if !self.path.is_empty() {
+                self.path.push('/');
+            }
+            self.path.push_str(name);
+        }
+    }
+
+    /// Closes the innermost group.
+    pub fn close(&mut self) {
+        if let Some(group) = self.groups.pop() {
+            self.path.truncate(group.path_length);
+            self.place(group.draft);
+        }
+    }
+
+    /// Puts a group's faces where their object was announced.
+    fn place(&mut self, draft: Option<Box<(usize, Draft)>>) {
+        if let Some((object, draft)) = draft.map(|d| *d) {
+            self.scene.objects[object].shape = Shape::Mesh(draft.finish());
+        }
+    }
+
+    /// Adds a face of three or more corners to the innermost group.
+    pub fn face(&mut self, corners: &[Corner], material: MaterialId) {
+        let group = self.groups.last_mut().expect("the outermost group is open");
+        let announced = group.draft.get_or_insert_with(|| {
+            // Objects stand in the order of their first faces, also when groups nest.
+            let object = Object::new(self.path.clone(), Shape::Mesh(Mesh::default()));
+            self.scene.objects.push(object);
+            Box::new((self.scene.objects.len() - 1, Draft::default()))
+        });
+        announced.1.face(corners, material);
+    }
+
+    /// Adds a mesh of one material as an object of its own; its own material does not count.
+    pub fn solid(&mut self, mut mesh: Mesh, map: &DAffine3, material: MaterialId) {
+        mesh.transform(map);
+        mesh.face_materials.fill(material);
+        self.shape(Shape::Mesh(mesh));
+    }
+
+    /// Adds an exact primitive as an object of its own.
+    pub fn primitive(&mut self, primitive: Primitive) {
+        self.shape(Shape::Primitive(primitive));
+    }
+
+    fn shape(&mut self, shape: Shape) {
+        self.scene
+            .objects
+            .push(Object::new(self.path.clone(), shape));
+    }
+
+    /// Adds a light without area, named by the path.
+    pub fn light(&mut self, kind: azulejo_scene::LightKind) {
+        let name = self.path.clone();
+        self.scene.lights.push(Light { name, kind });
+    }
+
+    /// The scene, with every group closed.
+    pub fn finish(mut self) -> Scene {
+        while !self.groups.is_empty() {
+            self.close();
+        }
+        self.scene.materials = self.materials.into_list();
+        self.scene
+    }
+}
+
+/// The faces of a group.
+#[derive(Debug, Default)]
+struct Draft {
+    mesh: Mesh,
+    known: HashMap<(u64, u64), u32>,
+    /// Shading normal of each vertex that has one.
+    normals: Vec<Option<DVec3>>,
+    /// How each face is shaded.
+    shading: Vec<Shading>,
+}
+
+/// How a face is shaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shading {
+    /// By its own normal.
+    Flat,
+    /// By the normals of its vertices.
+    Smooth,
+    /// By their opposites: they look to the back.
+    Turned,
+}
+
+impl Draft {
+    fn face(&mut self, corners: &[Corner], material: MaterialId) {
+        let indices: Vec<u32> = corners.iter().map(|c| self.vertex(c)).collect();
+        self.mesh.push_face(&indices, material);
+        self.shading.push(shading(corners));
+    }
+
+    fn vertex(&mut self, corner: &Corner) -> u32 {
+        *self.known.entry(corner.key).or_insert_with(|| {
+            self.mesh.positions.push(corner.position);
+            self.normals.push(corner.normal);
+            (self.normals.len() - 1) as u32
+        })
+    }
+
+    fn finish(self) -> Mesh {
+        let mut mesh = self.mesh;
+        let all = |shading| self.shading.iter().all(|&s| s == shading);
+        mesh.normals = if all(Shading::Flat) {
+            None
+        } else if all(Shading::Smooth) {
+            // Every vertex belongs to a face, and every corner of a smooth face has a normal.
+            let normals = self.normals.iter().map(|n| n.unwrap_or(DVec3::Z));
+            Some(Attribute::per_vertex(normals.collect()))
+        } else {
+            Some(corner_normals(&mesh, &self.normals, &self.shading))
+        };
+        mesh
+    }
+}
+
+/// A face is smooth if all its corners have normals, and they are to lie on its front.
+fn shading(corners: &[Corner]) -> Shading {
+    let outline: Vec<DVec3> = corners.iter().map(|c| c.position).collect();
+    let front = area_vector(&outline);
+    let mut behind = true;
+    for corner in corners {
+        let Some(normal) = corner.normal else {
+            return Shading::Flat;
+        };
+        behind &= normal.dot(front) < 0.0;
+    }
+    if behind {
+        Shading::Turned
+    } else {
+        Shading::Smooth
+    }
+}
+
+/// Normals for a mesh whose faces are shaded differently.
+fn corner_normals(mesh: &Mesh, normals: &[Option<DVec3>], shading: &[Shading]) -> Attribute<DVec3> {
+    let mut attribute = Attribute {
+        values: Vec::new(),
+        corners: Some(Vec::with_capacity(mesh.faces.corners.len())),
+    };
+    let mut known: HashMap<(u32, bool), u32> = HashMap::new();
+    let Attribute { values, corners } = &mut attribute;
+    let corners = corners.get_or_insert_default();
+    for (face, &shading) in shading.iter().enumerate() {
+        let polygon = mesh.faces.get(face);
+        if shading == Shading::Flat {
+            let flat = mesh.face_area_vector(face).try_normalize();
+            values.push(flat.unwrap_or(DVec3::Z));
+            corners.extend(vec![(values.len() - 1) as u32; polygon.len()]);
+            continue;
+        }
+        let turned = shading == Shading::Turned;
+        corners.extend(polygon.iter().map(|&v| {
+            *known.entry((v, turned)).or_insert_with(|| {
+                let normal = normals[v as usize].unwrap_or(DVec3::Z);
+                values.push(if turned { -normal } else { normal });
+                (values.len() - 1) as u32
+            })
+        }));
+    }
+    attribute
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::Rgb;
+
+    fn corner(key: u64, x: f64, y: f64, normal: Option<DVec3>) -> Corner {
+        Corner {
+            key: (key, 0),
+            position: DVec3::new(x, y, 0.0),
+            normal,
+        }
+    }
+
+    fn triangle(first: u64, normal: Option<DVec3>) -> [Corner; 3] {
+        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
+            .map(|(x, y)| corner(first + x as u64 + 2 * y as u64, x, y, normal))
+    }
+
+    fn meshes(faces: &[[Corner; 3]]) -> Mesh {
+        let mut builder = Builder::new();
+        let grey = builder.material(Material::diffuse("", Rgb::grey(0.5)));
+        for face in faces {
+            builder.face(face, grey);
+        }
+        let mut scene = builder.finish();
+        scene.validate().unwrap();
+        match scene.objects.remove(0).shape {
+            Shape::Mesh(mesh) => mesh,
+            Shape::Primitive(_) => unreachable!("faces make meshes"),
+        }
+    }
+
+    #[test]
+    fn vertices_are_shared_by_key() {
+        let mesh = meshes(&[triangle(0, None), triangle(0, None), triangle(9, None)]);
+        assert_eq!((mesh.positions.len(), mesh.faces.len()), (6, 3));
+        assert_eq!(mesh.normals, None);
+    }
+
+    #[test]
+    fn normals_belong_to_vertices_where_they_can() {
+        let up = Some(DVec3::Z);
+        let mesh = meshes(&[triangle(0, up), triangle(9, up)]);
+        assert_eq!(mesh.normals, Some(Attribute::per_vertex(vec![DVec3::Z; 6])));
+        let mesh = meshes(&[
+            triangle(0, up),
+            triangle(9, None),
+            triangle(20, Some(-DVec3::Z)),
+        ]);
+        let normals = mesh.normals.unwrap();
+        assert_eq!(normals.corners.unwrap(), [0, 1, 2, 3, 3, 3, 4, 5, 6]);
+        assert_eq!(normals.values, [DVec3::Z; 7]);
+    }
+
+    #[test]
+    fn groups_nest_and_keep_their_order() {
+        let mut builder = Builder::new();
+        let grey = builder.material(Material::diffuse("", Rgb::grey(0.5)));
+        builder.open("house");
+        builder.face(&triangle(0, None), grey);
+        builder.open("");
+        builder.open("room");
+        builder.face(&triangle(0, None), grey);
+        builder.close();
+        builder.close();
+        builder.face(&triangle(3, None), grey);
+        builder.open(&"long".repeat(100));
+        builder.primitive(Primitive::sphere(DVec3::ZERO, 1.0, grey));
+        let scene = builder.finish();
+        let names: Vec<&str> = scene.objects.iter().map(|o| o.name.as_str()).collect();
+        assert_eq!(names, ["house", "house/room", "house"]);
+        let Shape::Mesh(mesh) = &scene.objects[0].shape else {
+            panic!("a mesh")
+        };
+        assert_eq!(mesh.faces.len(), 2);
+    }
+}

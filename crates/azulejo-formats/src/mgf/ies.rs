@@ -1,0 +1,419 @@
+//! IESNA LM-63 photometric files, as far as azulejo's lights can say what they say: how much light
+//! goes at which angle from the axis, and out of how large an opening.
+
+use super::lines::number;
+use crate::text::text;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Bins of one degree from the aim of the lamp to its back.
+pub(super) const BINS: usize = 180;
+
+/// A luminaire in its own coordinates: metres, aiming at −z, the 0° plane along x, the origin in
+/// the middle of the luminous opening.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Luminaire {
+    /// Light that leaves within each degree from the aim, lumens, with all factors.
+    pub flux: Vec<f64>,
+    /// Luminous opening.
+    pub opening: Opening,
+    /// All factors of the file together: what the emittance of a body is multiplied with.
+    pub factor: f64,
+    /// MGF file of its body, whose surfaces shine.
+    pub body: Option<String>,
+}
+
+/// Where the light comes out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Opening {
+    /// Too small to have a size.
+    Point,
+    /// A box of this size; the light comes out of its lower and upper sides.
+    Rectangle {
+        /// Along x.
+        length: f64,
+        /// Along y.
+        width: f64,
+        /// Along z, >= 0.
+        height: f64,
+    },
+    /// A round box.
+    Disc {
+        /// Across.
+        diameter: f64,
+        /// Along z, >= 0.
+        height: f64,
+    },
+}
+
+/// Reads a photometric file, of 1986 or later.
+///
+/// # Errors
+/// What is wrong with it.
+pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
+    let (head, data) = split_at_tilt(bytes).ok_or("no line that begins with TILT=")?;
+    let mut numbers = Numbers::new(data);
+    numbers.skip_tilt(head.tilt_included)?;
+    let [
+        _lamps,
+        _lumens,
+        multiplier,
+        vertical,
+        horizontal,
+        kind,
+        units,
+    ] = numbers.take()?;
+    let [width, length, height, ballast, photometric, _watts] = numbers.take()?;
+    let vertical = numbers.list(vertical, "vertical angles")?;
+    let horizontal = numbers.list(horizontal, "horizontal angles")?;
+    let count = (vertical.len() * horizontal.len()) as f64;
+    let candelas = numbers.list(count, "candelas")?;
+    let metres = if units == 1.0 { 0.3048 } else { 1.0 };
+    let factor = multiplier * ballast * photometric;
+    if !(factor >= 0.0 && factor.is_finite()) {
+        return Err("factors below 0".into());
+    }
+    let web = Web {
+        vertical: rising(vertical, "vertical angles")?,
+        horizontal: rising(horizontal, "horizontal angles")?,
+        candelas,
+    };
+    let flux = if kind == 1.0 {
+        web.around_axis()
+    } else {
+        web.across(kind == 2.0)
+    };
+    let flux: Vec<f64> = flux.iter().map(|lumens| lumens.max(0.0) * factor).collect();
+    if !flux.iter().sum::<f64>().is_finite() {
+        return Err("candelas too large for numbers".into());
+    }
+    Ok(Luminaire {
+        flux,
+        opening: opening([width, length, height].map(|size| size * metres)),
+        factor,
+        body: head.body,
+    })
+}
+
+/// What the lines before the numbers say.
+struct Head {
+    body: Option<String>,
+    tilt_included: bool,
+}
+
+/// The head, and what follows the line `TILT=`.
+fn split_at_tilt(bytes: &[u8]) -> Option<(Head, &[u8])> {
+    let mut head = Head {
+        body: None,
+        tilt_included: false,
+    };
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        let end = rest.iter().position(|b| matches!(b, b'\n' | b'\r'));
+        let (line, behind) = rest.split_at(end.unwrap_or(rest.len()));
+        rest = behind.get(1..).unwrap_or_default();
+        let line = text(line.trim_ascii());
+        if let Some(tilt) = after(&line, "TILT=") {
+            head.tilt_included = tilt.eq_ignore_ascii_case("INCLUDE");
+            return Some((head, rest));
+        }
+        let body = after(&line, "[LUMINOUSGEOMETRY]").or_else(|| after(&line, "GEOM="));
+        head.body = head
+            .body
+            .or(body.filter(|b| !b.is_empty()).map(str::to_owned));
+    }
+    None
+}
+
+/// What follows a keyword at the start of a line, in any case.
+fn after<'a>(line: &'a str, keyword: &str) -> Option<&'a str> {
+    let start = line.get(..keyword.len())?;
+    start
+        .eq_ignore_ascii_case(keyword)
+        .then(|| line[keyword.len()..].trim())
+}
+
+/// A row of numbers with blanks or commas between.
+struct Numbers<'a> {
+    words: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
+    /// More of them than this there cannot be.
+    most: usize,
+}
+
+impl<'a> Numbers<'a> {
+    fn new(bytes: &'a [u8]) -> Numbers<'a> {
+        let words = bytes.split(|b| b.is_ascii_whitespace() || *b == b',');
+        Numbers {
+            words: Box::new(words.filter(|word| !word.is_empty())),
+            most: bytes.len() / 2 + 1,
+        }
+    }
+
+    fn next(&mut self) -> Result<f64, String> {
+        let word = self
+            .words
+            .next()
+            .ok_or("the end of the file, expected a number")?;
+        number(word).ok_or_else(|| format!("{}, expected a number", super::reader::quoted(word)))
+    }
+
+    fn take<const N: usize>(&mut self) -> Result<[f64; N], String> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            *value = self.next()?;
+        }
+        Ok(values)
+    }
+
+    fn list(&mut self, count: f64, what: &str) -> Result<Vec<f64>, String> {
+        if !(count >= 1.0 && count <= self.most as f64) {
+            return Err(format!("{count} {what}"));
+        }
+        (0..count as usize).map(|_| self.next()).collect()
+    }
+
+    /// Passes over the table of `TILT=INCLUDE`: how lamps dim when they are tilted.
+    fn skip_tilt(&mut self, is_included: bool) -> Result<(), String> {
+        if is_included {
+            let [_geometry, pairs] = self.take()?;
+            self.list(2.0 * pairs, "numbers of a tilt table")?;
+        }
+        Ok(())
+    }
+}
+
+/// Angles in radians that do not fall.
+fn rising(degrees: Vec<f64>, what: &str) -> Result<Vec<f64>, String> {
+    match degrees.is_sorted() {
+        true => Ok(degrees.iter().map(|d| d.to_radians()).collect()),
+        false => Err(format!("{what} that do not rise")),
+    }
+}
+
+/// The opening by the file's width, length and height, metres; circles have negative sizes.
+fn opening([width, length, height]: [f64; 3]) -> Opening {
+    let height = height.abs();
+    if width > 0.0 && length > 0.0 {
+        return Opening::Rectangle {
+            length,
+            width,
+            height,
+        };
+    }
+    if width < 0.0 && length <= 0.0 {
+        // An ellipse becomes the circle of its area.
+        let across = if length < 0.0 {
+            (width * length).sqrt()
+        } else {
+            -width
+        };
+        return Opening::Disc {
+            diameter: across,
+            height,
+        };
+    }
+    Opening::Point
+}
+
+/// Luminous intensities by angles, candela.
+struct Web {
+    vertical: Vec<f64>,
+    horizontal: Vec<f64>,
+    /// All vertical angles for the first horizontal one, then for the next.
+    candelas: Vec<f64>,
+}
+
+/// The middle of a bin of one degree, radians.
+fn middle(bin: usize) -> f64 {
+    (bin as f64 + 0.5).to_radians()
+}
+
+impl Web {
+    /// Intensity at angles that are inside the web, bilinear; 0 elsewhere.
+    fn at(&self, vertical: f64, horizontal: f64) -> f64 {
+        let (Some((i, f)), Some((j, g))) = (
+            place(&self.vertical, vertical),
+            place(&self.horizontal, horizontal),
+        ) else {
+            return 0.0;
+        };
+        let n = self.vertical.len();
+        let row = |j: usize| {
+            let next = self.candelas[j * n + (i + 1).min(n - 1)];
+            (1.0 - f) * self.candelas[j * n + i] + f * next
+        };
+        (1.0 - g) * row(j) + g * row((j + 1).min(self.horizontal.len() - 1))
+    }
+
+    /// Type C: vertical angles from the aim, horizontal ones around it. The mean over the angles
+    /// that are there is the mean over all, by symmetry.
+    fn around_axis(&self) -> Vec<f64> {
+        let ends = [
+            self.horizontal[0],
+            self.horizontal[self.horizontal.len() - 1],
+        ];
+        let steps = if ends[0] == ends[1] { 1 } else { 360 };
+        let step = (ends[1] - ends[0]) / f64::from(steps);
+        let flux = |bin: usize| {
+            let sum: f64 = (0..steps)
+                .map(|k| self.at(middle(bin), ends[0] + (f64::from(k) + 0.5) * step))
+                .sum();
+            let edges = [bin, bin + 1].map(|edge| (edge as f64).to_radians().cos());
+            TAU * (edges[0] - edges[1]) * sum / f64::from(steps)
+        };
+        (0..BINS).map(flux).collect()
+    }
+
+    /// Types A and B: angles up and across, both 0 at the aim, whose half that is not there
+    /// mirrors the other. In type B the vertical angle turns about the axis that lies across.
+    fn across(&self, is_b: bool) -> Vec<f64> {
+        let mut flux = vec![0.0; BINS];
+        let degree = 1f64.to_radians();
+        let ways = |angles: &[f64]| if angles[0] < 0.0 { 1.0 } else { 2.0 };
+        let copies = ways(&self.vertical) * ways(&self.horizontal);
+        for v in 0..BINS {
+            for h in 0..BINS {
+                let (v, h) = (middle(v) - FRAC_PI_2, middle(h) - FRAC_PI_2);
+                let solid_angle = if is_b { h.cos() } else { v.cos() } * degree * degree;
+                let from_aim = (v.cos() * h.cos()).clamp(-1.0, 1.0).acos();
+                let bin = (from_aim / PI * BINS as f64) as usize;
+                flux[bin.min(BINS - 1)] += copies * solid_angle * self.at(v, h);
+            }
+        }
+        flux
+    }
+}
+
+/// Where a value lies in a rising list: the index before it and the share of the way to the next;
+/// `None` outside. A list of one value holds everywhere.
+fn place(list: &[f64], value: f64) -> Option<(usize, f64)> {
+    let (first, last) = (*list.first()?, *list.last()?);
+    if list.len() == 1 {
+        return Some((0, 0.0));
+    }
+    if !(first..=last).contains(&value) {
+        return None;
+    }
+    let behind = list
+        .partition_point(|&x| x <= value)
+        .clamp(1, list.len() - 1);
+    let width = list[behind] - list[behind - 1];
+    let share = if width > 0.0 {
+        (value - list[behind - 1]) / width
+    } else {
+        0.0
+    };
+    Some((behind - 1, share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file of type C in feet with the given sizes, angles and candelas.
+    fn file(sizes: &str, vertical: &str, horizontal: &str, candelas: &str) -> String {
+        let count = |list: &str| list.split_whitespace().count();
+        format!(
+            "IESNA91\n[TEST] x\nTILT=NONE\n1 1000 2.0 {} {} 1 1 {sizes}\n0.5 1.0 60\n{vertical}\n{horizontal}\n{candelas}\n",
+            count(vertical),
+            count(horizontal)
+        )
+    }
+
+    fn lumens(luminaire: &Luminaire) -> f64 {
+        luminaire.flux.iter().sum()
+    }
+
+    #[test]
+    fn light_the_same_everywhere() {
+        let l = parse(file("0 0 0", "0 180", "0", "100 100").as_bytes()).unwrap();
+        assert!((lumens(&l) - 400.0 * PI).abs() < 1e-9);
+        assert_eq!((l.opening, l.factor, l.body), (Opening::Point, 1.0, None));
+        // The same over a quarter of the horizon, and over all of it.
+        for horizontal in ["0 90", "0 90 180 270 360"] {
+            let candelas = "100 100 ".repeat(horizontal.split(' ').count());
+            let l = parse(file("0 0 0", "0 180", horizontal, &candelas).as_bytes()).unwrap();
+            assert!((lumens(&l) - 400.0 * PI).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_matt_opening() {
+        let angles: Vec<String> = (0..=90).map(|a| a.to_string()).collect();
+        let candelas: Vec<String> = (0..=90)
+            .map(|a| (100.0 * f64::from(a).to_radians().cos()).to_string())
+            .collect();
+        let l = parse(file("1 2 0", &angles.join(" "), "0", &candelas.join(",")).as_bytes());
+        let l = l.unwrap();
+        // Lambert: Φ = π I.
+        assert!((lumens(&l) - 100.0 * PI).abs() < 0.02);
+        let rectangle = Opening::Rectangle {
+            length: 0.6096,
+            width: 0.3048,
+            height: 0.0,
+        };
+        assert_eq!(l.opening, rectangle);
+    }
+
+    #[test]
+    fn spotlights_of_types_a_and_b() {
+        // 100 cd within 10 degrees up and across; type B gives both halves across.
+        for (kind, horizontal, rows) in [("3", "0 10", 2), ("2", "-10 10", 2)] {
+            let text = format!(
+                "TILT=INCLUDE\n1\n2\n0 90\n1 1\n1 1 1 2 2 {kind} 2 -0.2 0 0 1 1 1 -10 10 {horizontal} {}",
+                "100 100 ".repeat(rows)
+            );
+            let l = parse(text.as_bytes()).unwrap();
+            let side = 20f64.to_radians();
+            assert!(
+                (lumens(&l) / (100.0 * side * side) - 1.0).abs() < 0.01,
+                "{}",
+                lumens(&l)
+            );
+            assert!(l.flux[15..].iter().all(|&f| f == 0.0));
+            let disc = Opening::Disc {
+                diameter: 0.2,
+                height: 0.0,
+            };
+            assert_eq!(l.opening, disc);
+        }
+    }
+
+    #[test]
+    fn bodies() {
+        let with = |line: &str| {
+            let text = file("0 0 0", "0 90", "0", "1 1").replace("[TEST] x", line);
+            parse(text.as_bytes()).unwrap().body
+        };
+        assert_eq!(
+            with("[LUMINOUSGEOMETRY]  lamp.mgf").as_deref(),
+            Some("lamp.mgf")
+        );
+        assert_eq!(with("GEOM=lamp.mgf").as_deref(), Some("lamp.mgf"));
+        assert_eq!(with("[LUMINOUSGEOMETRY]"), None);
+    }
+
+    #[test]
+    fn what_is_wrong() {
+        let check = |text: &str, expected: &str| {
+            let error = parse(text.as_bytes()).unwrap_err();
+            assert!(error.contains(expected), "{error}");
+        };
+        let good = file("0 0 0", "0 90", "0", "1 1");
+        check("", "TILT=");
+        check("TILT=NONE\n1 2 3", "the end of the file");
+        check(&good.replace("1000", "many"), "\"many\", expected a number");
+        check(
+            &good.replace("2.0 2 1", "2.0 9e9 1"),
+            "9000000000 vertical angles",
+        );
+        check(&good.replace("2.0 2 1", "2.0 0 1"), "0 vertical angles");
+        check(&good.replace("0 90", "90 0"), "do not rise");
+        check(&good.replace("2.0 2 1", "-2.0 2 1"), "factors below 0");
+        check(
+            &good
+                .replace("\n1 1\n", "\n1e308 1e308\n")
+                .replace("2.0 2 1", "9.0 2 1"),
+            "too large",
+        );
+    }
+}

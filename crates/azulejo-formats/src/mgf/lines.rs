@@ -1,0 +1,191 @@
+//! The statements of a text file and their words, for MGF.
+//!
+//! A line is a statement. A backslash at the end of a line continues it, also in comments. A word
+//! that begins with `#` begins a comment.
+
+use crate::text::text;
+use crate::{Position, number};
+
+/// A place in the bytes of a text file, between two statements.
+#[derive(Clone, Debug)]
+pub(super) struct Lines<'a> {
+    bytes: &'a [u8],
+    here: Mark,
+}
+
+/// A place to come back to, or to complain about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Mark {
+    at: usize,
+    line: u32,
+}
+
+#[inline]
+fn is_blank(b: u8) -> bool {
+    matches!(b, b' ' | b'\t' | 0x0b | 0x0c)
+}
+
+#[inline]
+fn is_line_end(b: u8) -> bool {
+    matches!(b, b'\n' | b'\r')
+}
+
+impl<'a> Lines<'a> {
+    /// The start of a text.
+    pub fn new(bytes: &'a [u8]) -> Lines<'a> {
+        let mark = b"\xef\xbb\xbf";
+        let at = if bytes.starts_with(mark) { 3 } else { 0 };
+        Lines {
+            bytes,
+            here: Mark { at, line: 1 },
+        }
+    }
+
+    /// The place behind the last statement.
+    pub fn mark(&self) -> Mark {
+        self.here
+    }
+
+    /// Goes back to a place of this text.
+    pub fn return_to(&mut self, mark: Mark) {
+        self.here = mark;
+    }
+
+    /// Line and column of a place. Takes time in proportion to the column.
+    pub fn position(&self, mark: Mark) -> Position {
+        let before = &self.bytes[..mark.at];
+        let line_start = before.iter().rposition(|&b| is_line_end(b));
+        let column = &before[line_start.map_or(0, |i| i + 1)..];
+        Position::Line(mark.line, text(column).chars().count() as u32 + 1)
+    }
+
+    /// Puts the words of the next statement, one at least, into `words`, and says where it
+    /// begins; `None` at the end of the text.
+    pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<Mark> {
+        words.clear();
+        let mut start = self.here;
+        loop {
+            match self.bytes.get(self.here.at) {
+                None => return (!words.is_empty()).then_some(start),
+                Some(&b) if is_line_end(b) => {
+                    self.pass_line_end();
+                    if !words.is_empty() {
+                        return Some(start);
+                    }
+                }
+                Some(&b) if is_blank(b) => self.here.at += 1,
+                Some(b'\\') if self.continues() => self.pass_continuation(),
+                Some(b'#') => self.skip_comment(),
+                Some(_) => {
+                    if words.is_empty() {
+                        start = self.here;
+                    }
+                    words.push(self.word());
+                }
+            }
+        }
+    }
+
+    fn word(&mut self) -> &'a [u8] {
+        let start = self.here.at;
+        while let Some(&b) = self.bytes.get(self.here.at) {
+            if is_blank(b) || is_line_end(b) || (b == b'\\' && self.continues()) {
+                break;
+            }
+            self.here.at += 1;
+        }
+        &self.bytes[start..self.here.at]
+    }
+
+    /// Whether the backslash here is the last of its line.
+    fn continues(&self) -> bool {
+        let next = self.bytes.get(self.here.at + 1);
+        next.is_none_or(|&b| is_line_end(b))
+    }
+
+    fn pass_continuation(&mut self) {
+        self.here.at += 1;
+        self.pass_line_end();
+    }
+
+    fn pass_line_end(&mut self) {
+        match self.bytes[self.here.at..] {
+            [] => return,
+            [b'\r', b'\n', ..] => self.here.at += 2,
+            _ => self.here.at += 1,
+        }
+        self.here.line += 1;
+    }
+
+    fn skip_comment(&mut self) {
+        while let Some(&b) = self.bytes.get(self.here.at) {
+            match b {
+                b'\\' if self.continues() => self.pass_continuation(),
+                _ if is_line_end(b) => break,
+                _ => self.here.at += 1,
+            }
+        }
+    }
+}
+
+/// A word as a finite number.
+pub(super) fn number(word: &[u8]) -> Option<f64> {
+    let found = number::parse(word)?;
+    (found.length == word.len() && found.value.is_finite()).then_some(found.value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(source: &str, expected: &[&str]) {
+        let (mut lines, mut words) = (Lines::new(source.as_bytes()), Vec::new());
+        let mut found = Vec::new();
+        while let Some(mark) = lines.next(&mut words) {
+            let Position::Line(line, column) = lines.position(mark) else {
+                unreachable!("text has lines")
+            };
+            let words: Vec<_> = words.iter().map(|w| text(w)).collect();
+            found.push(format!("{line}:{column} {}", words.join("|")));
+        }
+        assert_eq!(found, expected, "{source:?}");
+    }
+
+    #[test]
+    fn statements() {
+        check(
+            "\u{feff}c red =\n\n\tcxy .6 .3 # warm\r\nm",
+            &["1:2 c|red|=", "3:2 cxy|.6|.3", "4:1 m"],
+        );
+        check("f a\\\n b \\\r\n\tc\nf d", &["1:1 f|a|b|c", "4:1 f|d"]);
+        check("# lost \\\n also lost\r#lost\ro x\\", &["4:1 o|x"]);
+        check("i ..\\a\\b.mgf\\c", &["1:1 i|..\\a\\b.mgf\\c"]);
+        check("", &[]);
+        check("\\", &[]);
+        check("é x\n  é\u{0} y", &["1:1 é|x", "2:3 é\u{0}|y"]);
+    }
+
+    #[test]
+    fn places_can_be_returned_to() {
+        let (mut lines, mut words) = (Lines::new(b"a\nb\n\nc"), Vec::new());
+        lines.next(&mut words);
+        let mark = lines.mark();
+        lines.next(&mut words);
+        lines.next(&mut words);
+        assert_eq!(words, [b"c"]);
+        lines.return_to(mark);
+        let start = lines.next(&mut words).unwrap();
+        assert_eq!(
+            (words[0], lines.position(start)),
+            (&b"b"[..], Position::Line(2, 1))
+        );
+    }
+
+    #[test]
+    fn numbers_are_whole_words() {
+        assert_eq!(number(b"-.5e1"), Some(-5.0));
+        assert_eq!(number(b"5m"), None);
+        assert_eq!(number(b"1e999"), None);
+        assert_eq!(number(b""), None);
+    }
+}

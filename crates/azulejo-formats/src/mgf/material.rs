@@ -1,0 +1,284 @@
+//! MGF's materials as azulejo's.
+
+use super::color::Chroma;
+use azulejo_scene::{Brdf, Dielectric, Material, MaterialId, Rgb};
+use std::f64::consts::PI;
+
+/// Surfaces up to this roughness (RMS facet slope) are taken as perfect mirrors: what they
+/// reflect is spread by about one degree.
+const SMOOTH: f64 = 0.01;
+
+/// Reflectance of what a file names and does not define.
+const DEFAULT_REFLECTANCE: f64 = 0.5;
+
+/// One of the five ways in which light leaves a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Part {
+    /// Share of the light that arrives, or lm/m² for emittance; of equal-energy white.
+    pub amount: f64,
+    /// The colour that was current when the part was read.
+    pub color: Chroma,
+    /// RMS facet slope, of specular parts.
+    pub roughness: f64,
+}
+
+impl Part {
+    fn rgb(&self) -> Rgb {
+        self.color.rgb(self.amount)
+    }
+}
+
+/// A material as the file says it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Surface {
+    /// Whether it is `sides 1`.
+    pub is_one_sided: bool,
+    /// `rd`: diffuse reflectance.
+    pub rd: Part,
+    /// `td`: diffuse transmittance.
+    pub td: Part,
+    /// `ed`: diffuse emittance.
+    pub ed: Part,
+    /// `rs`: specular reflectance.
+    pub rs: Part,
+    /// `ts`: specular transmittance.
+    pub ts: Part,
+    /// `ir`: real part of the index of refraction; `None` for the default of 1.
+    pub ior: Option<f64>,
+    /// What it has become in the scene, on open and on closed surfaces; whoever changes anything
+    /// forgets it.
+    pub made: [Option<MaterialId>; 2],
+}
+
+impl Surface {
+    /// What stands for a material that nobody defines: grey.
+    pub fn undefined() -> Surface {
+        Surface {
+            rd: Part {
+                amount: DEFAULT_REFLECTANCE,
+                ..Part::default()
+            },
+            ..Surface::default()
+        }
+    }
+
+    /// Whether light goes through without being scattered.
+    pub fn is_glass(&self) -> bool {
+        self.ts.amount > 0.0
+    }
+
+    /// Whether the two sides are different to azulejo: only one of them emits, or one is glass.
+    pub fn has_different_sides(&self) -> bool {
+        let is_solid = self.is_one_sided && self.is_glass() && self.ior.is_some();
+        (self.is_one_sided && self.ed.amount > 0.0) || is_solid
+    }
+
+    /// As one of azulejo's materials, and what is lost on the way. Of a closed surface nobody
+    /// sees the back, which then emits nothing.
+    pub fn material(&self, name: &str, is_closed: bool) -> (Material, Vec<&'static str>) {
+        let mut losses = Vec::new();
+        let [rd, td, rs, ts] = self.shares(&mut losses);
+        let mut material = Material {
+            name: name.to_owned(),
+            diffuse: rd,
+            emission: self.ed.color.rgb(self.ed.amount / PI),
+            emits_back: self.ed.amount > 0.0 && !self.is_one_sided && !is_closed,
+            ..Material::default()
+        };
+        if !td.is_black() {
+            losses.push("diffuse transmittance (td) is not used: what it lets through is absorbed");
+        }
+        if !ts.is_black() {
+            self.glass(&mut material, rs, ts, &mut losses);
+        } else if self.rs.roughness <= SMOOTH {
+            material.mirror = rs;
+        } else if !rs.is_black() {
+            losses
+                .push("glossy reflection (rs with roughness) is kept but not evaluated: absorbed");
+            material.brdf = Some(ward(self.rs.roughness, rs, rd));
+        }
+        // The shares were made possible; this is for the last bit of their sums.
+        material.limit_reflectance();
+        (material, losses)
+    }
+
+    /// rd, td, rs and ts as RGB, scaled down together where they make light of nothing.
+    fn shares(&self, losses: &mut Vec<&'static str>) -> [Rgb; 4] {
+        let shares = [self.rd, self.td, self.rs, self.ts].map(|part| part.rgb());
+        let total = shares
+            .iter()
+            .fold(Rgb::BLACK, |sum, &s| sum + s)
+            .max_channel();
+        // What rounds to three digits may come to a little more than 1.
+        if total <= 1.0 + 1e-9 {
+            return shares;
+        }
+        losses.push("material that reflects and transmits more than arrives: scaled down to 1");
+        shares.map(|share| share / total)
+    }
+
+    /// Glass: a solid body if it is one-sided and refracts, otherwise a sheet that light passes
+    /// straight.
+    fn glass(&self, material: &mut Material, rs: Rgb, ts: Rgb, losses: &mut Vec<&'static str>) {
+        if self.ts.roughness > SMOOTH {
+            losses.push("rough transmission (ts with roughness) is taken as clear");
+        }
+        if !material.diffuse.is_black() {
+            losses.push("diffuse reflection of glass is not used: absorbed");
+            material.diffuse = Rgb::BLACK;
+        }
+        let solid = self.ior.filter(|_| self.is_one_sided);
+        material.mirror = Rgb::WHITE;
+        material.dielectric = Some(match solid {
+            Some(ior) => Dielectric {
+                ior,
+                transmittance: through_one_face(ior, ts),
+            },
+            None => Dielectric {
+                ior: 1.0,
+                transmittance: ts,
+            },
+        });
+        if solid.is_none() && !rs.is_black() {
+            losses.push("reflection of a sheet of glass (rs beside ts) is not used: absorbed");
+        }
+    }
+}
+
+/// What one face of a solid passes of the light that its reflection leaves, when `ts` comes
+/// through a plate of two faces.
+///
+/// Fresnel at normal incidence: R = ((n − 1)/(n + 1))², and ts = ((1 − R) t)².
+fn through_one_face(ior: f64, ts: Rgb) -> Rgb {
+    let reflected = ((ior - 1.0) / (ior + 1.0)).powi(2);
+    ts.map(|share| (share.sqrt() / (1.0 - reflected)).min(1.0))
+}
+
+/// Ward's model (SIGGRAPH 1992), by the parameter names of GRF: MGF's roughness is its α.
+fn ward(roughness: f64, ks: Rgb, kd: Rgb) -> Brdf {
+    let parameter = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
+    Brdf::Model {
+        name: "ward".into(),
+        parameters: vec![
+            parameter("ax", &[roughness]),
+            parameter("ay", &[roughness]),
+            parameter("ks", &ks.to_array()),
+            parameter("kd", &kd.to_array()),
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(amount: f64, roughness: f64) -> Part {
+        Part {
+            amount,
+            roughness,
+            ..Part::default()
+        }
+    }
+
+    fn check(surface: Surface, expected: Material, losses: &[&str]) {
+        let (found, lost) = surface.material("m", false);
+        let close = |a: Rgb, b: Rgb| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
+        assert!(
+            close(found.diffuse, expected.diffuse)
+                && close(found.mirror, expected.mirror)
+                && close(found.emission, expected.emission),
+            "{found:?}"
+        );
+        assert_eq!(found.emits_back, expected.emits_back);
+        assert_eq!(found.dielectric, expected.dielectric);
+        assert_eq!(lost.len(), losses.len(), "{lost:?}");
+        for (found, expected) in lost.iter().zip(losses) {
+            assert!(found.contains(expected), "{found}");
+        }
+    }
+
+    #[test]
+    fn matt_mirror_gloss() {
+        let surface = |rs| Surface {
+            rd: part(0.3, 0.0),
+            rs,
+            ..Surface::default()
+        };
+        let matt = Material::diffuse("m", Rgb::grey(0.3));
+        let mirror = Material {
+            mirror: Rgb::grey(0.2),
+            ..matt.clone()
+        };
+        check(surface(part(0.0, 0.0)), matt.clone(), &[]);
+        check(surface(part(0.2, 0.0)), mirror.clone(), &[]);
+        check(surface(part(0.2, 0.01)), mirror, &[]);
+        check(surface(part(0.2, 0.1)), matt, &["glossy"]);
+        let (glossy, _) = surface(part(0.2, 0.1)).material("m", false);
+        let Some(Brdf::Model { name, parameters }) = glossy.brdf else {
+            panic!("the gloss is kept")
+        };
+        assert_eq!(
+            (name.as_str(), &parameters[0]),
+            ("ward", &("ax".to_owned(), vec![0.1]))
+        );
+    }
+
+    #[test]
+    fn more_than_all_is_scaled() {
+        let surface = Surface {
+            rd: part(0.9, 0.0),
+            rs: part(0.3, 0.0),
+            ..Surface::default()
+        };
+        let expected = Material {
+            mirror: Rgb::grey(0.25),
+            ..Material::diffuse("m", Rgb::grey(0.75))
+        };
+        check(surface, expected, &["more than arrives"]);
+    }
+
+    #[test]
+    fn glass_as_sheet_and_as_solid() {
+        let sheet = Surface {
+            rs: part(0.08, 0.0),
+            ts: part(0.88, 0.0),
+            ior: Some(1.52),
+            ..Surface::default()
+        };
+        let pane = |ior, transmittance| Material {
+            mirror: Rgb::WHITE,
+            dielectric: Some(Dielectric { ior, transmittance }),
+            ..Material::default()
+        };
+        check(
+            sheet.clone(),
+            pane(1.0, Rgb::grey(0.88)),
+            &["sheet of glass"],
+        );
+        // 4.26% is lost at each face; what is left of 0.88 is lost inside.
+        let reflected = (0.52f64 / 2.52).powi(2);
+        let t = 0.88f64.sqrt() / (1.0 - reflected);
+        let solid = Surface {
+            is_one_sided: true,
+            ..sheet
+        };
+        check(solid, pane(1.52, Rgb::grey(t)), &[]);
+    }
+
+    #[test]
+    fn emission_by_sides() {
+        let lamp = |is_one_sided| Surface {
+            is_one_sided,
+            ed: part(PI, 0.0),
+            td: part(0.5, 0.0),
+            ..Surface::default()
+        };
+        let expected = |emits_back| Material {
+            emits_back,
+            ..Material::emitter("m", Rgb::WHITE)
+        };
+        check(lamp(false), expected(true), &["td"]);
+        check(lamp(true), expected(false), &["td"]);
+        assert!(!lamp(false).material("m", true).0.emits_back);
+    }
+}

@@ -1,0 +1,258 @@
+//! The statements that make surfaces.
+
+use super::build::Corner;
+use super::reader::{Reader, Source, Stop, Vertex, quoted, skip};
+use super::{holes, solids};
+use azulejo_scene::{MaterialId, Mesh, Primitive, PrimitiveKind};
+use glam::{DAffine3, DVec3};
+
+/// What an object costs besides its vertices and corners.
+const OBJECT: u64 = 16;
+
+impl Reader<'_> {
+    /// Carries out one of the statements that make surfaces.
+    pub(super) fn surface(
+        &mut self,
+        source: &Source,
+        keyword: &[u8],
+        words: &[&[u8]],
+    ) -> Result<(), Stop> {
+        match keyword {
+            b"f" => self.face(source, words),
+            b"fh" => self.face_with_holes(source, words),
+            b"sph" => self.sphere(source, words),
+            b"cyl" => match words {
+                [a, r, b] => self.cone(source, [a, b], [r, r]),
+                _ => skip("cyl without \"vertex radius vertex\": skipped"),
+            },
+            b"cone" => match words {
+                [a, ra, b, rb] => self.cone(source, [a, b], [ra, rb]),
+                _ => skip("cone without \"vertex radius vertex radius\": skipped"),
+            },
+            b"ring" => self.ring(source, words),
+            b"torus" => self.torus(source, words),
+            _ => self.prism(source, words),
+        }
+    }
+
+    fn named(&self, name: &[u8]) -> Result<Vertex, Stop> {
+        match self.vertices.get(name) {
+            Some(&vertex) => Ok(vertex),
+            None => skip(format!(
+                "undefined vertex {}: its surface is skipped",
+                quoted(name)
+            )),
+        }
+    }
+
+    /// A vertex under the transform in force.
+    fn corner(&self, name: &[u8]) -> Result<Corner, Stop> {
+        let vertex = self.named(name)?;
+        let position = self.placement.map.transform_point3(vertex.position);
+        if !position.is_finite() {
+            return skip("surface that is too large for numbers: skipped");
+        }
+        // A map that flattens leaves some normals no direction; theirs is as good as any.
+        let placed = |n: DVec3| (self.placement.normals * n).try_normalize().unwrap_or(n);
+        Ok(Corner {
+            key: (vertex.revision, self.placement.serial),
+            position,
+            normal: vertex.normal.map(placed),
+        })
+    }
+
+    /// The current material in the scene, as a surface without or with an inside that nobody
+    /// sees.
+    fn current_material(&mut self, source: &Source, is_closed: bool) -> MaterialId {
+        let (name, surface) = self.surfaces.current();
+        if let Some(made) = surface.made[usize::from(is_closed)] {
+            return made;
+        }
+        let (material, mut losses) = surface.material(&crate::text::text(name), is_closed);
+        if surface.is_one_sided {
+            losses.push("one-sided material (sides 1) is seen from behind too");
+        }
+        if name.is_empty() && surface.made == [None; 2] && material == Default::default() {
+            losses.push("surfaces before any material: black");
+        }
+        let id = self.builder.material(material);
+        surface.made[usize::from(is_closed)] = Some(id);
+        for loss in losses {
+            self.warn(source, loss.into());
+        }
+        id
+    }
+
+    fn face(&mut self, source: &Source, names: &[&[u8]]) -> Result<(), Stop> {
+        if names.len() < 3 {
+            return skip("face of fewer than 3 corners: skipped");
+        }
+        let corners = names.iter().map(|name| self.corner(name));
+        let corners: Vec<Corner> = corners.collect::<Result<_, _>>()?;
+        self.polygon(source, corners)
+    }
+
+    fn polygon(&mut self, source: &Source, mut corners: Vec<Corner>) -> Result<(), Stop> {
+        self.budget.spend(2 * corners.len() as u64)?;
+        if self.placement.mirrors() {
+            corners[1..].reverse();
+        }
+        let material = self.current_material(source, false);
+        self.builder.face(&corners, material);
+        Ok(())
+    }
+
+    /// `fh`: the outline and the holes stand behind each other, with `-` between.
+    fn face_with_holes(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+        let loops: Vec<&[&[u8]]> = words.split(|word| *word == b"-").collect();
+        let names = loops.iter().copied().flatten();
+        let corners: Vec<Corner> = names.map(|n| self.corner(n)).collect::<Result<_, _>>()?;
+        let (outline, found) = (loops[0].len(), &loops[1..]);
+        if outline < 3 {
+            return skip("face of fewer than 3 corners: skipped");
+        }
+        let holes: Vec<usize> = found.iter().map(|hole| hole.len()).collect();
+        // Each hole looks at all corners that are joined already.
+        self.budget
+            .spend((holes.len() * corners.len()) as u64 / 8)?;
+        let points: Vec<DVec3> = corners.iter().map(|c| c.position).collect();
+        let (joined, left_out) = holes::join(&points, outline, &holes);
+        self.polygon(source, joined.into_iter().map(|k| corners[k]).collect())?;
+        match left_out {
+            0 => Ok(()),
+            _ => skip("hole of a face that is not inside it: filled"),
+        }
+    }
+
+    fn sphere(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+        let [name, radius] = words else {
+            return skip("sph without \"vertex radius\": skipped");
+        };
+        let (centre, radius) = (self.named(name)?.position, length(radius)?);
+        let inward = radius < 0.0;
+        let map = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(radius.abs()),
+            glam::DQuat::IDENTITY,
+            centre,
+        );
+        let map = self.placement.map * map;
+        let size = map.matrix3.determinant();
+        if !(map.is_finite() && size.is_finite() && size != 0.0) {
+            return skip("sph without size, or too large for numbers: skipped");
+        }
+        let sphere = |material| Primitive::new(PrimitiveKind::Sphere, map, material);
+        if inward && self.surfaces.current().1.has_different_sides() {
+            // The front of an exact sphere is its outside.
+            let radius = radius.abs() * self.placement.scale;
+            let grids = sphere(0).grids(1e-3 * radius, f64::INFINITY);
+            self.budget
+                .spend(2 * grids.iter().map(|g| g.vertices() as u64).sum::<u64>())?;
+            let mut mesh = sphere(0).tessellate(&grids);
+            mesh.flip();
+            let normals = mesh.normals.iter_mut().flat_map(|n| &mut n.values);
+            normals.for_each(|n| *n = -*n);
+            return self.solid(source, mesh, true, &DAffine3::IDENTITY);
+        }
+        self.budget.spend(OBJECT)?;
+        let material = self.current_material(source, !inward);
+        self.builder.primitive(sphere(material));
+        Ok(())
+    }
+
+    fn cone(&mut self, source: &Source, ends: [&[u8]; 2], radii: [&[u8]; 2]) -> Result<(), Stop> {
+        let [a, b] = [self.named(ends[0])?.position, self.named(ends[1])?.position];
+        let [ra, rb] = [length(radii[0])?, length(radii[1])?];
+        let sides = solids::sides(ra.abs().max(rb.abs()) * self.placement.scale);
+        self.budget.spend(6 * u64::from(sides))?;
+        match solids::cone(a, ra, b, rb, sides) {
+            Some(mesh) => self.solid(source, mesh, false, &self.placement.map.clone()),
+            None => skip("cyl or cone without length, radius or inside: skipped"),
+        }
+    }
+
+    fn ring(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+        let (centre, normal, inner, outer) = self.round(words)?;
+        if !(0.0 <= inner && inner < outer) {
+            return skip("ring whose radii are not 0 <= inner < outer: skipped");
+        }
+        let sides = solids::sides(outer * self.placement.scale);
+        self.budget.spend(6 * u64::from(sides))?;
+        let mesh = solids::ring(centre, normal, inner, outer, sides);
+        self.solid(source, mesh, false, &self.placement.map.clone())
+    }
+
+    fn torus(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+        let (centre, normal, inner, outer) = self.round(words)?;
+        if inner * outer < 0.0 || inner.abs() == outer.abs() {
+            return skip("torus whose radii are equal or of two signs: skipped");
+        }
+        let inward = inner < 0.0 || outer < 0.0;
+        let (inner_size, outer_size) = (inner.abs(), outer.abs());
+        let scale = self.placement.scale;
+        let around = solids::sides(inner_size.max(outer_size) * scale);
+        let tube = solids::sides(0.5 * (outer_size - inner_size).abs() * scale);
+        self.budget.spend(5 * u64::from(around) * u64::from(tube))?;
+        let mesh = solids::torus(centre, normal, inner, outer, [around, tube]);
+        self.solid(source, mesh, !inward, &self.placement.map.clone())
+    }
+
+    /// Centre, normal and two radii.
+    fn round(&self, words: &[&[u8]]) -> Result<(DVec3, DVec3, f64, f64), Stop> {
+        let [name, inner, outer] = words else {
+            return skip("ring or torus without \"vertex radius radius\": skipped");
+        };
+        let vertex = self.named(name)?;
+        match vertex.normal {
+            Some(normal) => Ok((vertex.position, normal, length(inner)?, length(outer)?)),
+            None => skip("ring or torus around a vertex without normal: skipped"),
+        }
+    }
+
+    fn prism(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+        let [names @ .., last] = words else {
+            return skip("prism without \"vertices length\": skipped");
+        };
+        let height = length(last)?;
+        let base = names.iter().map(|name| self.named(name));
+        let base: Vec<Vertex> = base.collect::<Result<_, _>>()?;
+        let base: Vec<(DVec3, Option<DVec3>)> =
+            base.iter().map(|v| (v.position, v.normal)).collect();
+        self.budget.spend(8 * base.len() as u64)?;
+        match solids::prism(&base, height) {
+            Some(mesh) if height != 0.0 => {
+                self.solid(source, mesh, height > 0.0, &self.placement.map.clone())
+            }
+            _ => skip("prism without base or length: skipped"),
+        }
+    }
+
+    /// Adds a mesh in the file's coordinates as an object of its own.
+    fn solid(
+        &mut self,
+        source: &Source,
+        mesh: Mesh,
+        is_closed: bool,
+        map: &DAffine3,
+    ) -> Result<(), Stop> {
+        self.budget.spend(OBJECT)?;
+        let placed = mesh.positions.iter().map(|p| map.transform_point3(*p));
+        let normals = mesh.normals.iter().flat_map(|n| &n.values);
+        if !placed.chain(normals.copied()).all(DVec3::is_finite) {
+            return skip("surface that is too large for numbers: skipped");
+        }
+        let material = self.current_material(source, is_closed);
+        self.builder.solid(mesh, map, material);
+        Ok(())
+    }
+}
+
+/// A number as a length.
+fn length(word: &[u8]) -> Result<f64, Stop> {
+    match super::lines::number(word) {
+        Some(length) => Ok(length),
+        None => skip(format!(
+            "{} is no length: its surface is skipped",
+            quoted(word)
+        )),
+    }
+}

@@ -1,0 +1,262 @@
+//! `xf` and what else takes its options: maps in a row, some of them repeated as arrays.
+
+use super::lines::number;
+use glam::{DAffine3, DMat3, DVec3};
+use std::fmt::Write;
+
+/// Maps that act one after the other on what they are applied to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Transform {
+    pieces: Vec<Piece>,
+}
+
+/// A map that is applied several times, or in an array 0, 1, 2... times for its instances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece {
+    map: DAffine3,
+    count: u64,
+    is_array: bool,
+}
+
+impl Piece {
+    const ONCE: Piece = Piece {
+        map: DAffine3::IDENTITY,
+        count: 1,
+        is_array: false,
+    };
+}
+
+impl Transform {
+    /// Reads options, and what is wrong with the first that is not understood; it and those
+    /// behind it do nothing.
+    pub fn parse(words: &[&[u8]]) -> (Transform, Option<&'static str>) {
+        let mut transform = Transform {
+            pieces: vec![Piece::ONCE],
+        };
+        let mut rest = words;
+        while !rest.is_empty() {
+            match option(rest) {
+                Ok((taken, Found::Map(map))) => {
+                    let last = transform.pieces.last_mut();
+                    let last = last.expect("there is a piece from the start");
+                    last.map = map * last.map;
+                    rest = &rest[taken..];
+                }
+                Ok((taken, Found::Piece(piece))) => {
+                    transform.pieces.push(piece);
+                    rest = &rest[taken..];
+                }
+                Err(wrong) => return (transform, Some(wrong)),
+            }
+        }
+        (transform, None)
+    }
+
+    /// Whether there are instances, were it only one.
+    pub fn is_array(&self) -> bool {
+        self.pieces.iter().any(|p| p.is_array)
+    }
+
+    /// How many instances; 1 without an array.
+    pub fn instances(&self) -> u64 {
+        let arrays = self.pieces.iter().filter(|p| p.is_array);
+        arrays.fold(1, |product, p| product.saturating_mul(p.count))
+    }
+
+    /// The map of an instance, counted from 0; the last array turns fastest.
+    pub fn map(&self, instance: u64) -> DAffine3 {
+        let (mut whole, mut left) = (DAffine3::IDENTITY, instance);
+        for piece in self.pieces.iter().rev() {
+            let times = match piece.is_array {
+                true => left % piece.count,
+                false => piece.count,
+            };
+            if piece.is_array {
+                left /= piece.count;
+            }
+            whole *= power(piece.map, times);
+        }
+        whole
+    }
+
+    /// The name of an instance: `a2.0` for the third of the first array and the first of the
+    /// second.
+    pub fn name(&self, instance: u64) -> String {
+        let (mut places, mut left) = (Vec::new(), instance);
+        for piece in self.pieces.iter().rev().filter(|p| p.is_array) {
+            places.push(left % piece.count);
+            left /= piece.count;
+        }
+        let mut name = String::from("a");
+        for (i, place) in places.iter().rev().enumerate() {
+            let dot = if i > 0 { "." } else { "" };
+            // Writing to a string cannot fail.
+            let _ = write!(name, "{dot}{place}");
+        }
+        name
+    }
+}
+
+/// A map applied `times` times.
+fn power(map: DAffine3, mut times: u64) -> DAffine3 {
+    let (mut result, mut square) = (DAffine3::IDENTITY, map);
+    while times > 0 {
+        if times & 1 == 1 {
+            result = square * result;
+        }
+        square = square * square;
+        times >>= 1;
+    }
+    result
+}
+
+/// What an option is.
+enum Found {
+    /// A map that acts behind those before.
+    Map(DAffine3),
+    /// The start of a repetition.
+    Piece(Piece),
+}
+
+/// The option at the start of some words, and how many of these it takes.
+fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
+    let (option, arguments) = (words[0], &words[1..]);
+    let wrong = "an option of a transform without its numbers";
+    let numbers = |n: usize| -> Result<Vec<f64>, &'static str> {
+        let words = arguments.get(..n).ok_or(wrong)?;
+        words.iter().map(|w| number(w).ok_or(wrong)).collect()
+    };
+    let map = |taken: usize, matrix: DMat3| Ok((taken, Found::Map(DAffine3::from_mat3(matrix))));
+    let scale = |axes: DVec3| match numbers(1)?[0] {
+        0.0 => Err("a scale of 0"),
+        f => map(2, DMat3::from_diagonal(axes * f + (DVec3::ONE - axes))),
+    };
+    let angle = || numbers(1).map(|values| values[0].to_radians());
+    let mirror = |axis: DVec3| map(1, DMat3::from_diagonal(DVec3::ONE - 2.0 * axis));
+    match option {
+        b"-t" => {
+            let t = DVec3::from_slice(&numbers(3)?);
+            Ok((4, Found::Map(DAffine3::from_translation(t))))
+        }
+        b"-rx" => map(2, DMat3::from_rotation_x(angle()?)),
+        b"-ry" => map(2, DMat3::from_rotation_y(angle()?)),
+        b"-rz" => map(2, DMat3::from_rotation_z(angle()?)),
+        b"-r" => {
+            let values = numbers(4)?;
+            let axis = DVec3::from_slice(&values).try_normalize();
+            let axis = axis.ok_or("a rotation about no axis")?;
+            map(5, DMat3::from_axis_angle(axis, values[3].to_radians()))
+        }
+        b"-s" => scale(DVec3::ONE),
+        b"-sx" => scale(DVec3::X),
+        b"-sy" => scale(DVec3::Y),
+        b"-sz" => scale(DVec3::Z),
+        b"-mx" => mirror(DVec3::X),
+        b"-my" => mirror(DVec3::Y),
+        b"-mz" => mirror(DVec3::Z),
+        b"-i" | b"-a" => {
+            let is_array = option == b"-a";
+            let n = numbers(1)?[0];
+            let least = if is_array { 1.0 } else { 0.0 };
+            if !(n >= least && n <= 1e15) {
+                return Err("a repetition that is no count");
+            }
+            let piece = Piece {
+                count: n as u64,
+                is_array,
+                ..Piece::ONCE
+            };
+            Ok((2, Found::Piece(piece)))
+        }
+        _ => Err("an unknown option of a transform"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(options: &str) -> (Transform, Option<&'static str>) {
+        let words: Vec<&[u8]> = options
+            .split_ascii_whitespace()
+            .map(str::as_bytes)
+            .collect();
+        Transform::parse(&words)
+    }
+
+    /// Where each instance puts (1, 0, 0).
+    fn check(options: &str, expected: &[(&str, [f64; 3])]) {
+        let (transform, wrong) = parse(options);
+        assert_eq!(wrong, None, "{options}");
+        assert_eq!(transform.instances(), expected.len() as u64, "{options}");
+        for (i, (name, place)) in (0..).zip(expected) {
+            let p = transform.map(i).transform_point3(DVec3::X);
+            assert!((p - DVec3::from(*place)).length() < 1e-12, "{options}: {p}");
+            if transform.is_array() {
+                assert_eq!(transform.name(i), *name);
+            }
+        }
+    }
+
+    #[test]
+    fn options_act_in_their_order() {
+        check("", &[("", [1.0, 0.0, 0.0])]);
+        check("-t 1 2 3 -s 2", &[("", [4.0, 4.0, 6.0])]);
+        check("-s -2 -t 1 2 3", &[("", [-1.0, 2.0, 3.0])]);
+        check("-rz 90 -rx 90", &[("", [0.0, 0.0, 1.0])]);
+        check("-ry 90", &[("", [0.0, 0.0, -1.0])]);
+        check("-mx -t 0 1 0 -my", &[("", [-1.0, -1.0, 0.0])]);
+        check("-sx 3 -sy 5 -sz 7", &[("", [3.0, 0.0, 0.0])]);
+        check("-r 0 0 2 90", &[("", [0.0, 1.0, 0.0])]);
+    }
+
+    #[test]
+    fn repetitions() {
+        check("-i 3 -t 1 0 0", &[("", [4.0, 0.0, 0.0])]);
+        check("-i 0 -t 1 0 0 -i 1 -t 0 0 1", &[("", [1.0, 0.0, 1.0])]);
+        check(
+            "-t 0 0 1 -a 2 -t 1 0 0 -a 2 -t 0 5 0 -i 1 -s 2",
+            &[
+                ("a0.0", [2.0, 0.0, 2.0]),
+                ("a0.1", [2.0, 10.0, 2.0]),
+                ("a1.0", [4.0, 0.0, 2.0]),
+                ("a1.1", [4.0, 10.0, 2.0]),
+            ],
+        );
+        check(
+            "-a 4 -rz 90",
+            &[
+                ("a0", [1.0, 0.0, 0.0]),
+                ("a1", [0.0, 1.0, 0.0]),
+                ("a2", [-1.0, 0.0, 0.0]),
+                ("a3", [0.0, -1.0, 0.0]),
+            ],
+        );
+        assert_eq!(
+            parse(&"-a 100000000 -mx ".repeat(3)).0.instances(),
+            u64::MAX
+        );
+    }
+
+    #[test]
+    fn what_is_wrong() {
+        let check = |options, expected| {
+            let (transform, wrong) = parse(options);
+            assert_eq!(wrong, Some(expected), "{options}");
+            // What stands before still holds.
+            let x = transform.map(0).transform_point3(DVec3::ZERO).x;
+            assert_eq!(x, f64::from(options.starts_with("-t 1")), "{options}");
+        };
+        check("-t 1 0 0 -q", "an unknown option of a transform");
+        check(
+            "-t 1 0 0 -t 1 0",
+            "an option of a transform without its numbers",
+        );
+        check("-rx ninety", "an option of a transform without its numbers");
+        check("-s 0", "a scale of 0");
+        check("-a 0", "a repetition that is no count");
+        check("-a -1", "a repetition that is no count");
+        check("-i 1e300", "a repetition that is no count");
+        check("-r 0 0 0 5", "a rotation about no axis");
+    }
+}
