@@ -50,6 +50,14 @@ impl Materials {
         })
     }
 
+    /// A material that was added.
+    ///
+    /// # Panics
+    /// If there is none of that index.
+    pub fn get(&self, id: MaterialId) -> &Material {
+        &self.list[id as usize]
+    }
+
     /// All of them, in the order of their indices.
     pub fn into_list(self) -> Vec<Material> {
         self.list

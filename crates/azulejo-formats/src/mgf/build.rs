@@ -100,7 +100,26 @@ impl Builder {
     /// Puts a group's faces where their object was announced.
     fn place(&mut self, draft: Option<Box<(usize, Draft)>>) {
         if let Some((object, draft)) = draft.map(|d| *d) {
-            self.scene.objects[object].shape = Shape::Mesh(draft.finish());
+            let mut mesh = draft.finish();
+            self.darken_insides(&mut mesh);
+            self.scene.objects[object].shape = Shape::Mesh(mesh);
+        }
+    }
+
+    /// Lamps that shine on both sides and enclose a body shine outward alone: what they emit
+    /// inward nobody sees, and it would count as power.
+    fn darken_insides(&mut self, mesh: &mut Mesh) {
+        let shines_in = |m: &MaterialId| self.materials.get(*m).emits_back;
+        let is_lamp: Vec<bool> = mesh.face_materials.iter().map(shines_in).collect();
+        if !is_lamp.contains(&true) || !encloses(mesh, &is_lamp) {
+            return;
+        }
+        for (material, _) in mesh.face_materials.iter_mut().zip(is_lamp).filter(|f| f.1) {
+            let outward = Material {
+                emits_back: false,
+                ..self.materials.get(*material).clone()
+            };
+            *material = self.materials.index(outward);
         }
     }
 
@@ -221,6 +240,27 @@ fn shading(corners: &[Corner]) -> Shading {
     }
 }
 
+/// Whether some of a mesh's faces are the whole surface of a body, seen from outside: each edge is
+/// walked as often in one direction as in the other, and the body has a volume.
+fn encloses(mesh: &Mesh, faces: &[bool]) -> bool {
+    let mut walks: HashMap<(u32, u32), i64> = HashMap::new();
+    let (mut volume, mut area) = (0.0, 0.0);
+    let origin = mesh.bounds().centre();
+    for face in (0..mesh.faces.len()).filter(|&f| faces[f]) {
+        let polygon = mesh.faces.get(face);
+        for (k, &a) in polygon.iter().enumerate() {
+            let b = polygon[(k + 1) % polygon.len()];
+            let edge = (a.min(b), a.max(b));
+            *walks.entry(edge).or_default() += i64::from(b > a) - i64::from(a > b);
+        }
+        let front = mesh.face_area_vector(face);
+        volume += front.dot(mesh.positions[polygon[0] as usize] - origin) / 3.0;
+        area += front.length();
+    }
+    // A sheet whose two sides are faces of their own has no volume but by rounding.
+    walks.values().all(|&net| net == 0) && volume > 1e-9 * area.powf(1.5)
+}
+
 /// Normals for a mesh whose faces are shaded differently.
 fn corner_normals(mesh: &Mesh, normals: &[Option<DVec3>], shading: &[Shading]) -> Attribute<DVec3> {
     let mut attribute = Attribute {
@@ -302,6 +342,38 @@ mod tests {
         let normals = mesh.normals.unwrap();
         assert_eq!(normals.corners.unwrap(), [0, 1, 2, 3, 3, 3, 4, 5, 6]);
         assert_eq!(normals.values, [DVec3::Z; 7]);
+    }
+
+    #[test]
+    fn lamps_that_enclose_a_body_shine_outward() {
+        let check = |faces: &[[u64; 3]], expected: bool| {
+            let mut builder = Builder::new();
+            let lamp = Material {
+                emits_back: true,
+                ..Material::emitter("", Rgb::WHITE)
+            };
+            let lamp = builder.material(lamp);
+            for face in faces {
+                let corners = face.map(|k| Corner {
+                    key: (k, 0),
+                    position: [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z][k as usize],
+                    normal: None,
+                });
+                builder.face(&corners, lamp);
+            }
+            let scene = builder.finish();
+            let Shape::Mesh(mesh) = &scene.objects[0].shape else {
+                panic!("a mesh")
+            };
+            for &material in &mesh.face_materials {
+                assert_eq!(scene.materials[material as usize].emits_back, expected);
+            }
+        };
+        check(&[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], false);
+        // Inside out, open, and a sheet with two sides.
+        check(&[[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]], true);
+        check(&[[0, 2, 1], [0, 1, 3], [0, 3, 2]], true);
+        check(&[[0, 2, 1], [0, 1, 2]], true);
     }
 
     #[test]

@@ -1,0 +1,99 @@
+//! MGF scenes that people have made: their light, and what they have of each kind.
+
+use crate::data;
+use azulejo_formats::{Folder, Loaded, Memory, ReadOptions, mgf};
+use azulejo_scene::{Material, MaterialId, PrimitiveKind, Scene, Shape};
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Reads a file of the corpus and the materials that stand beside its folder.
+fn read(data: &Path, path: &str) -> Loaded {
+    let corpus = data.join("corpus/mgf");
+    let path = corpus.join(path);
+    let bytes = std::fs::read(&path).expect("a readable file");
+    let name = path.file_name().expect("a file name").to_string_lossy();
+    let files = Folder::of_model(&path).allow(&corpus);
+    let loaded = mgf::read(&bytes, &name, &files, &ReadOptions::default()).expect("a scene");
+    loaded.scene.validate().expect("a valid scene");
+    loaded
+}
+
+/// Light that leaves the fronts of all surfaces, lumens.
+fn lumens(scene: &Scene) -> f64 {
+    let exitance = |m: MaterialId| PI * scene.materials[m as usize].emission.luminance();
+    let shines = |m: MaterialId| Material::is_emitter(&scene.materials[m as usize]);
+    let objects = scene.objects.iter().map(|object| match &object.shape {
+        Shape::Mesh(mesh) => mesh
+            .face_materials
+            .iter()
+            .enumerate()
+            .filter(|(_, m)| shines(**m))
+            .map(|(f, &m)| mesh.face_area_vector(f).length() * exitance(m))
+            .sum(),
+        Shape::Primitive(p) if shines(p.material) => p.area() * exitance(p.material),
+        Shape::Primitive(_) => 0.0,
+    });
+    objects.sum()
+}
+
+#[test]
+fn lamps_give_the_light_that_the_files_say() {
+    let Some(data) = data() else { return };
+    // The sums of area times ed, of fronts.
+    for (path, expected) in [
+        ("cube.mgf", 200_000.0),
+        ("corridor.mgf", 2_280_000.0),
+        ("office2/office2.mgf", 2_600.0),
+        ("office3/office.mgf", 16_718.0),
+        ("examp1.mgf", 8_697.5),
+        ("hospital/main.mgf", 13_548.0),
+    ] {
+        let found = lumens(&read(&data, path).scene);
+        assert!(
+            (found / expected - 1.0).abs() < 5e-4,
+            "{path}: {found}, expected {expected}"
+        );
+    }
+}
+
+#[test]
+fn spheres_are_exact() {
+    let Some(data) = data() else { return };
+    for (path, expected) in [
+        ("cube.mgf", 0),
+        ("corridor.mgf", 1),
+        ("office3/office.mgf", 77),
+        ("hospital/main.mgf", 61),
+    ] {
+        let scene = read(&data, path).scene;
+        let is_sphere = |shape: &Shape| match shape {
+            Shape::Primitive(p) => p.kind == PrimitiveKind::Sphere,
+            Shape::Mesh(_) => false,
+        };
+        let found = scene.objects.iter().filter(|o| is_sphere(&o.shape)).count();
+        assert_eq!(found, expected, "{path}");
+    }
+}
+
+#[test]
+fn a_photometric_file_and_its_body() {
+    let Some(data) = data() else { return };
+    let ies = std::fs::read(data.join("corpus/mgf/examp1.ies")).expect("a readable file");
+    let body = std::fs::read(data.join("corpus/mgf/examp1.mgf")).expect("a readable file");
+    let text = b"ies lamp.ies -t 0 0 2.5\n";
+    let files = Memory::new().with("lamp.ies", ies);
+    let read = |files: &Memory| {
+        mgf::read(text, "room.mgf", files, &ReadOptions::default())
+            .expect("a scene")
+            .scene
+    };
+    // Without its body the luminaire is two sheets of light, one down and one up, which together
+    // give what the candelas come to.
+    let alone = read(&files);
+    assert_eq!(alone.objects.len(), 2);
+    let found = lumens(&alone);
+    assert!((found / 5_000.0 - 1.0).abs() < 0.25, "{found}");
+    let whole = read(&files.with("examp1.mgf", body));
+    assert!((lumens(&whole) / 8_697.5 - 1.0).abs() < 5e-4);
+    assert_eq!(whole.objects.len(), 27);
+}
