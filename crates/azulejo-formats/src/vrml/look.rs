@@ -7,6 +7,7 @@ use crate::text::shortened;
 use crate::{ReadError, phong};
 use azulejo_scene::{Image, Material, Rgb, TextureId};
 use glam::{DAffine2, DMat2, DVec2};
+use std::collections::HashMap;
 use std::rc::Rc;
 
 /// Diffuse reflectance of a material that does not say, and of a shape without one.
@@ -48,11 +49,58 @@ impl Look {
     }
 }
 
+/// Looks of appearances that were asked for, because many shapes share one, and pictures take
+/// time to find.
+#[derive(Default)]
+pub(super) struct Looks {
+    /// By the address of the node, which is kept so that no other takes its place.
+    known: HashMap<*const Node, (Rc<Node>, Option<Rc<Look>>)>,
+}
+
+impl Looks {
+    /// Most that are kept: instances of prototypes may each have an appearance of their own.
+    const MOST: usize = 4096;
+
+    fn get(&self, appearance: &Rc<Node>) -> Option<Option<Rc<Look>>> {
+        let known = self.known.get(&Rc::as_ptr(appearance));
+        known.map(|(_, look)| look.clone())
+    }
+
+    fn keep(&mut self, appearance: Rc<Node>, look: Option<Rc<Look>>) {
+        if self.known.len() == Looks::MOST {
+            self.known.clear();
+        }
+        let address = Rc::as_ptr(&appearance);
+        self.known.insert(address, (appearance, look));
+    }
+}
+
 /// How the node `shape` looks; `None`, with a warning, if it is invisible.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
-pub(super) fn of(stage: &mut Stage, shape: &Node) -> Result<Option<Look>, ReadError> {
+pub(super) fn of(stage: &mut Stage, shape: &Node) -> Result<Option<Rc<Look>>, ReadError> {
+    let appearance = shape.nodes("appearance").first();
+    let known = appearance.and_then(|a| stage.looks.get(a));
+    let look = match known {
+        Some(look) => look,
+        None => {
+            let look = new(stage, shape)?.map(Rc::new);
+            if let Some(appearance) = appearance {
+                stage.looks.keep(appearance.clone(), look.clone());
+            }
+            look
+        }
+    };
+    if look.is_none() {
+        let message = "shape of a transparency of 1: invisible, not shown";
+        stage.warn(&shape.source, shape.at, message);
+    }
+    Ok(look)
+}
+
+/// How a shape looks whose appearance is new; `None` if it is invisible.
+fn new(stage: &mut Stage, shape: &Node) -> Result<Option<Look>, ReadError> {
     let appearance = child(stage, shape, "appearance")?;
     let material = match &appearance {
         Some(appearance) => child(stage, appearance, "material")?,
@@ -65,14 +113,8 @@ pub(super) fn of(stage: &mut Stage, shape: &Node) -> Result<Option<Look>, ReadEr
         picture_from_uv: None,
     };
     match &material {
-        Some(material) => {
-            if material.number("transparency", 0.0) >= 1.0 {
-                let message = "shape of a transparency of 1: invisible, not shown";
-                stage.warn(&shape.source, shape.at, message);
-                return Ok(None);
-            }
-            look.material = surface(stage, material);
-        }
+        Some(m) if m.number("transparency", 0.0) >= 1.0 => return Ok(None),
+        Some(material) => look.material = surface(stage, material),
         None => {
             let message =
                 "shape without a material, which VRML shows without light: matt, reflectance 0.8";

@@ -1,6 +1,7 @@
 //! What the files of one model become together, whatever versions of VRML they are in.
 
 use super::lexer::position;
+use super::look::Looks;
 use super::tree::Document;
 use crate::materials::Materials;
 use crate::options::Budget;
@@ -127,6 +128,7 @@ pub(super) struct Stage<'a> {
     model: String,
     /// Bytes that files named by the model may still have.
     bytes_left: u64,
+    pub looks: Looks,
     /// Files that were read, by name.
     documents: HashMap<String, Rc<Document>>,
     /// The files that are being read, the model itself first.
@@ -154,6 +156,7 @@ impl<'a> Stage<'a> {
             budget: Budget::new(options),
             model: model.to_owned(),
             bytes_left: options.most_unpacked,
+            looks: Looks::default(),
             documents: HashMap::new(),
             open: vec![in_own_folder(model)],
         }

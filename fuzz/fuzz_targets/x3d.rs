@@ -1,0 +1,30 @@
+//! Any bytes as X3D in XML: what is read must be valid.
+#![no_main]
+
+use azulejo_formats::{Memory, ReadOptions, vrml};
+use libfuzzer_sys::fuzz_target;
+
+const PARTS: &str = "<X3D><Scene><ProtoDeclare name='A'><ProtoInterface>
+  <field name='r' type='SFFloat' accessType='initializeOnly' value='1'/></ProtoInterface><ProtoBody>
+  <Shape><Sphere><IS><connect nodeField='radius' protoField='r'/></IS></Sphere></Shape>
+  </ProtoBody></ProtoDeclare><ProtoInstance name='A'/></Scene></X3D>";
+
+fuzz_target!(|bytes: &[u8]| {
+    let text = match bytes.starts_with(b"<") {
+        true => bytes.to_vec(),
+        false => [b"<X3D><Scene>", bytes, b"</Scene></X3D>"].concat(),
+    };
+    let length = text.len() as u64;
+    let options = ReadOptions {
+        most_elements: 64 * length / 100 + 10_000,
+        most_unpacked: 64 * length,
+        ..ReadOptions::default()
+    };
+    let files = Memory::new().with("a.x3d", PARTS);
+    if let Ok(loaded) = vrml::read(&text, "fuzz.x3d", &files, &options) {
+        loaded
+            .scene
+            .validate()
+            .expect("a reader gives valid scenes");
+    }
+});
