@@ -68,7 +68,7 @@ impl Vertices {
 
     /// Gives normals unit length, and coordinates that are not finite a place.
     pub fn make_usable(&mut self) {
-        for normal in &mut self.normals {
+        for normal in self.normals.iter_mut().filter(|n| !is_unit(**n)) {
             *normal = normal.normalize_or_zero();
         }
         for uv in self.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
@@ -101,6 +101,12 @@ impl Vertices {
         retain(&mut self.colors, marked);
         retain(&mut self.light, marked);
     }
+}
+
+/// Whether a vector has length 1 as far as single precision can say. Such normals stay as they
+/// are in both directions, so that they do not drift.
+pub(super) fn is_unit(normal: DVec3) -> bool {
+    (normal.length_squared() - 1.0).abs() < 1e-6
 }
 
 fn join<T: Copy>(list: &mut Vec<T>, other: Vec<T>, here: usize, there: usize, neutral: T) {

@@ -2,9 +2,11 @@
 
 use super::irradiance::Stored;
 use super::pack::Pack;
+use super::vertices::is_unit;
 use super::write_material::Materials;
 use crate::tessellate::lit_mesh_of;
 use azulejo_scene::{Attribute, MaterialId, Mesh, Object};
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 
@@ -102,7 +104,8 @@ fn attributes(
     attributes.insert("POSITION".into(), json!(pack.positions(positions)));
     if let Some(Attribute { values, .. }) = &mesh.normals {
         // A valid scene's normals may be off by a thousandth, glTF's by less.
-        let normals = corners.of_vertices(values, 1, |n| n.normalize().to_array());
+        let exact = |n: DVec3| if is_unit(n) { n } else { n.normalize() };
+        let normals = corners.of_vertices(values, 1, move |n| exact(n).to_array());
         attributes.insert("NORMAL".into(), json!(pack.attribute(normals)));
     }
     if let Some(Attribute { values, .. }) = &mesh.uvs {
