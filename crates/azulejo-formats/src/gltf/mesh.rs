@@ -8,12 +8,11 @@ use super::skin::Joints;
 use super::topology;
 use super::vertices::{Vertices, finish};
 use crate::options::{Budget, Exhausted};
-use azulejo_scene::{Attribute, Mesh, Rgb};
-use glam::{DVec2, DVec3};
+use azulejo_scene::{Attribute, Mesh};
+use gltf_json::Index;
 use gltf_json::accessor::Accessor;
 use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
 use gltf_json::validation::Checked;
-use gltf_json::{Index, Root};
 use std::collections::{BTreeMap, HashMap};
 
 /// How messages about primitives begin whose numbers are not there.
@@ -31,6 +30,10 @@ pub(super) struct Builder<'b, 'a> {
     pub budget: &'b mut Budget,
     /// Where losses are counted.
     pub said: &'b mut Said,
+    /// Index of the mesh.
+    pub mesh: usize,
+    /// Index of the primitive in it.
+    pub primitive: usize,
 }
 
 /// How the node that places a mesh changes its vertices.
@@ -71,9 +74,11 @@ impl<'a> Pool<'a> {
     }
 }
 
-/// Why a primitive is not read: it alone, or the whole file.
-enum Fault {
+/// Why a primitive is not read.
+pub(super) enum Fault {
+    /// It alone, for this reason.
     Skipped(String),
+    /// More vertices and corners than the file may unfold to.
     Exhausted(Exhausted),
 }
 
@@ -90,47 +95,45 @@ impl From<Exhausted> for Fault {
 }
 
 impl<'a> Builder<'_, 'a> {
-    fn root(&self) -> &'a Root {
-        self.data.root
+    /// Counts a loss of the primitive that is being read.
+    pub fn say(&mut self, message: &str) {
+        let (mesh, primitive) = (self.mesh, self.primitive);
+        let place = || format!("meshes[{mesh}].primitives[{primitive}]");
+        self.said.of(message, place);
     }
 
-    /// Reads a mesh in its own coordinates, or in the world's if it hangs on joints; `None` if
+    /// Reads the mesh in its own coordinates, or in the world's if it hangs on joints; `None` if
     /// nothing of it is left.
     ///
     /// # Errors
     /// More vertices and corners than the file may unfold to.
-    pub fn mesh(&mut self, index: usize, pose: Pose) -> Result<Option<Mesh>, Exhausted> {
-        let Some(json) = self.root().meshes.get(index) else {
+    pub fn mesh(&mut self, pose: Pose) -> Result<Option<Mesh>, Exhausted> {
+        let Some(json) = self.data.root.meshes.get(self.mesh) else {
             return Ok(None);
         };
         let mut mesh = Mesh::default();
         let mut vertices = Vertices::new(irradiance::of(json));
         let mut pools = HashMap::new();
         for (p, primitive) in json.primitives.iter().enumerate() {
-            let place = || format!("meshes[{index}].primitives[{p}]");
-            let read = self.primitive(primitive, pose, &mut vertices, &mut pools, &mut mesh);
-            match read {
-                Ok(outside) if outside > 0 => {
-                    let message = "triangles without all of their vertices: left out";
-                    self.said.of(message, place);
-                }
-                Ok(_) => {}
-                Err(Fault::Skipped(message)) => self.said.of(&message, place),
+            self.primitive = p;
+            match self.primitive(primitive, pose, &mut vertices, &mut pools, &mut mesh) {
+                Ok(()) => {}
+                Err(Fault::Skipped(message)) => self.say(&message),
                 Err(Fault::Exhausted(exhausted)) => return Err(exhausted),
             }
         }
         if mesh.faces.is_empty() {
             return Ok(None);
         }
-        let mended = finish(&mut mesh, vertices);
-        if mended > 0 {
+        if finish(&mut mesh, vertices) > 0 {
+            let index = self.mesh;
             let message = "mesh with vertices without a usable normal: their faces' own";
             self.said.of(message, || format!("meshes[{index}]"));
         }
         Ok(Some(mesh))
     }
 
-    /// Reads a primitive, and says how many of its triangles had no vertices.
+    /// Adds a primitive to a mesh and its vertices.
     fn primitive(
         &mut self,
         primitive: &'a Primitive,
@@ -138,7 +141,7 @@ impl<'a> Builder<'_, 'a> {
         vertices: &mut Vertices,
         pools: &mut HashMap<Pool<'a>, (u32, u32)>,
         mesh: &mut Mesh,
-    ) -> Result<usize, Fault> {
+    ) -> Result<(), Fault> {
         let mode = match primitive.mode {
             Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => {
                 mode
@@ -159,10 +162,13 @@ impl<'a> Builder<'_, 'a> {
         let corners = self.corners(primitive, count)?;
         let triangles = topology::triangles(mode, &corners);
         if triangles.left_over > 0 {
-            let message = "corners that make no whole triangle: left out";
-            self.said.whole(message);
+            self.say("corners that make no whole triangle: left out");
         }
-        Ok(triangles.push_into(mesh, vertices, first, count, surface.id))
+        let outside = triangles.push_into(mesh, vertices, first, count, surface.id);
+        if outside > 0 {
+            self.say("triangles without all of their vertices: left out");
+        }
+        Ok(())
     }
 
     fn corners(&mut self, primitive: &Primitive, vertices: u32) -> Result<Vec<u32>, Fault> {
@@ -174,152 +180,16 @@ impl<'a> Builder<'_, 'a> {
         self.budget.spend(count as u64)?;
         Ok(self.data.indices(index, count).map_err(lost)?)
     }
-
-    /// Adds the vertices of a primitive, and says which they are: the first and how many.
-    fn vertices(
-        &mut self,
-        primitive: &Primitive,
-        surface: &Surface,
-        pose: Pose,
-        vertices: &mut Vertices,
-    ) -> Result<(u32, u32), Fault> {
-        let attribute = |s: Semantic| primitive.attributes.get(&Checked::Valid(s)).copied();
-        let positions = attribute(Semantic::Positions);
-        let positions = positions.ok_or_else(|| skipped("primitive without positions: skipped"))?;
-        let count = self.data.count(positions).map_err(lost)?;
-        self.budget.spend(count as u64)?;
-        let end = vertices.len() as u64 + count as u64;
-        if end >= u64::from(u32::MAX) {
-            return Err(skipped("mesh of more than 4 billion vertices: skipped"));
-        }
-        let data = self.data;
-        let mut added = Vertices::new(vertices.irradiance);
-        added.positions = data.read(positions, count, DVec3::from).map_err(lost)?;
-        if let Some(normals) = attribute(Semantic::Normals) {
-            let read = data.read(normals, count, DVec3::from);
-            added.normals = self.optional(read, "normals");
-        }
-        self.morph(primitive, pose.weights, &mut added)?;
-        self.pose(primitive, pose.joints, &mut added);
-        if let Some(uvs) = attribute(Semantic::TexCoords(surface.set)) {
-            let read = data.read(uvs, count, |uv| uv_of(surface, uv));
-            added.uvs = self.optional(read, "texture coordinates");
-        } else if surface.is_textured {
-            self.said
-                .whole("textured primitive without texture coordinates");
-        }
-        for set in [0, 1] {
-            if let Some(colors) = attribute(Semantic::Colors(set)) {
-                let read = self.colors(colors, count);
-                let values = self.optional(read, "colours");
-                added.set_colors(set, values);
-            }
-        }
-        added.make_usable();
-        let first = vertices.len() as u32;
-        vertices.append(added);
-        Ok((first, count as u32))
-    }
-
-    /// An attribute that a mesh can do without.
-    fn optional<T>(&mut self, read: Result<Vec<T>, String>, what: &str) -> Vec<T> {
-        read.unwrap_or_else(|fault| {
-            self.said.whole(&format!("{what} left out: {fault}"));
-            Vec::new()
-        })
-    }
-
-    fn colors(&self, index: Index<Accessor>, count: usize) -> Result<Vec<Rgb>, String> {
-        let data = self.data;
-        match data.width(index)? {
-            4 => data.read(index, count, |[r, g, b, _]: [f64; 4]| Rgb::new(r, g, b)),
-            _ => data.read(index, count, Rgb::from),
-        }
-    }
-
-    /// Adds the morph targets by their weights.
-    fn morph(
-        &mut self,
-        primitive: &Primitive,
-        weights: &[f32],
-        vertices: &mut Vertices,
-    ) -> Result<(), Exhausted> {
-        let targets = primitive.targets.iter().flatten();
-        for (target, &weight) in targets.zip(weights).filter(|(_, w)| **w != 0.0) {
-            let lists = [
-                (target.positions, &mut vertices.positions),
-                (target.normals, &mut vertices.normals),
-            ];
-            for (index, list) in lists {
-                let Some(index) = index.filter(|_| !list.is_empty()) else {
-                    continue;
-                };
-                self.budget.spend(list.len() as u64)?;
-                match self.data.read(index, list.len(), DVec3::from) {
-                    Ok(deltas) => {
-                        let moved = list.iter_mut().zip(deltas);
-                        moved.for_each(|(v, d)| *v += f64::from(weight) * d);
-                    }
-                    Err(fault) => self.said.whole(&format!("morph target left out: {fault}")),
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Puts the vertices where their joints are.
-    fn pose(&mut self, primitive: &Primitive, joints: Option<&Joints>, vertices: &mut Vertices) {
-        let Some(joints) = joints else { return };
-        let attribute = |s: Semantic| primitive.attributes.get(&Checked::Valid(s)).copied();
-        let count = vertices.len();
-        let mut influences = Vec::new();
-        for set in 0..2 {
-            let of_set = (
-                attribute(Semantic::Joints(set)),
-                attribute(Semantic::Weights(set)),
-            );
-            let (Some(indices), Some(weights)) = of_set else {
-                continue;
-            };
-            let read = self
-                .data
-                .read(indices, count, |j: [f64; 4]| j)
-                .and_then(|indices| {
-                    let weights = self.data.read(weights, count, |w: [f64; 4]| w)?;
-                    Ok((indices, weights))
-                });
-            match read {
-                Ok(read) => influences.push(read),
-                Err(fault) => self.said.whole(&format!("joints left out: {fault}")),
-            }
-        }
-        for vertex in 0..count {
-            let each = influences
-                .iter()
-                .flat_map(|(indices, weights)| std::iter::zip(indices[vertex], weights[vertex]));
-            let map = joints.blend(each);
-            let position = &mut vertices.positions[vertex];
-            *position = map.transform_point3(*position);
-            if let Some(normal) = vertices.normals.get_mut(vertex) {
-                *normal = azulejo_scene::math::normal_matrix(map.matrix3) * *normal;
-            }
-        }
-    }
 }
 
-fn skipped(message: &str) -> Fault {
+/// A primitive that is left out as it is.
+pub(super) fn skipped(message: &str) -> Fault {
     Fault::Skipped(message.to_owned())
 }
 
 /// A primitive whose numbers are not there.
-fn lost(fault: String) -> String {
+pub(super) fn lost(fault: String) -> String {
     format!("{LOST}{fault}")
-}
-
-/// Texture coordinates as azulejo has them, with v upwards.
-fn uv_of(surface: &Surface, uv: [f64; 2]) -> DVec2 {
-    let uv = surface.picture_from_uv.transform_point2(uv.into());
-    DVec2::new(uv.x, 1.0 - uv.y)
 }
 
 /// Values per vertex, if there are any.

@@ -5,6 +5,7 @@
 //! buffers only behind panics.
 
 mod accessor;
+mod attributes;
 mod buffers;
 mod container;
 mod document;

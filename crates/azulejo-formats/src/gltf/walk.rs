@@ -199,8 +199,10 @@ impl<'w, 'a> Walk<'w, 'a> {
             surfaces: &mut self.surfaces,
             budget: &mut self.budget,
             said: &mut *self.said,
+            mesh,
+            primitive: 0,
         };
-        let built = builder.mesh(mesh, pose);
+        let built = builder.mesh(pose);
         let Some(built) = built.map_err(|e| e.error(self.file))? else {
             return Ok(());
         };

@@ -1,0 +1,168 @@
+//! Vertices of one primitive: what its attributes say, moved by morph targets and joints.
+
+use super::material::Surface;
+use super::mesh::{Builder, Fault, Pose, lost, skipped};
+use super::skin::Joints;
+use super::vertices::Vertices;
+use crate::options::Exhausted;
+use azulejo_scene::Rgb;
+use azulejo_scene::math::normal_matrix;
+use glam::{DVec2, DVec3};
+use gltf_json::Index;
+use gltf_json::accessor::Accessor;
+use gltf_json::mesh::{Primitive, Semantic};
+use gltf_json::validation::Checked;
+
+/// For every vertex four joints and their weights.
+type Influences = (Vec<[f64; 4]>, Vec<[f64; 4]>);
+
+fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
+    primitive.attributes.get(&Checked::Valid(semantic)).copied()
+}
+
+impl Builder<'_, '_> {
+    /// Adds the vertices of a primitive, and says which they are: the first and how many.
+    pub fn vertices(
+        &mut self,
+        primitive: &Primitive,
+        surface: &Surface,
+        pose: Pose,
+        vertices: &mut Vertices,
+    ) -> Result<(u32, u32), Fault> {
+        let positions = attribute(primitive, Semantic::Positions);
+        let positions = positions.ok_or_else(|| skipped("primitive without positions: skipped"))?;
+        let count = self.data.count(positions).map_err(lost)?;
+        self.budget.spend(count as u64)?;
+        let end = vertices.len() as u64 + count as u64;
+        if end >= u64::from(u32::MAX) {
+            return Err(skipped("mesh of more than 4 billion vertices: skipped"));
+        }
+        let mut added = Vertices::new(vertices.irradiance);
+        let read = self.data.read(positions, count, DVec3::from);
+        added.positions = read.map_err(lost)?;
+        if let Some(normals) = attribute(primitive, Semantic::Normals) {
+            let read = self.data.read(normals, count, DVec3::from);
+            added.normals = self.optional(read, "normals");
+        }
+        self.morph(primitive, pose.weights, &mut added)?;
+        if let Some(joints) = pose.joints {
+            self.hang(primitive, joints, &mut added);
+        }
+        self.colours(primitive, surface, &mut added);
+        added.make_usable();
+        let first = vertices.len() as u32;
+        vertices.append(added);
+        Ok((first, count as u32))
+    }
+
+    /// Reads what gives vertices their colours: texture coordinates, colours, irradiance.
+    fn colours(&mut self, primitive: &Primitive, surface: &Surface, vertices: &mut Vertices) {
+        let count = vertices.len();
+        if let Some(uvs) = attribute(primitive, Semantic::TexCoords(surface.set)) {
+            let read = self.data.read(uvs, count, |uv| uv_of(surface, uv));
+            vertices.uvs = self.optional(read, "texture coordinates");
+        } else if surface.is_textured {
+            self.say("textured primitive without texture coordinates");
+        }
+        for set in [0, 1] {
+            if let Some(colors) = attribute(primitive, Semantic::Colors(set)) {
+                let read = self.colors(colors, count);
+                let values = self.optional(read, "colours");
+                vertices.set_colors(set, values);
+            }
+        }
+    }
+
+    /// An attribute that a mesh can do without.
+    fn optional<T>(&mut self, read: Result<Vec<T>, String>, what: &str) -> Vec<T> {
+        read.unwrap_or_else(|fault| {
+            self.say(&format!("{what} left out: {fault}"));
+            Vec::new()
+        })
+    }
+
+    fn colors(&self, index: Index<Accessor>, count: usize) -> Result<Vec<Rgb>, String> {
+        let data = self.data;
+        match data.width(index)? {
+            4 => data.read(index, count, |[r, g, b, _]: [f64; 4]| Rgb::new(r, g, b)),
+            _ => data.read(index, count, Rgb::from),
+        }
+    }
+
+    /// Adds the morph targets by their weights.
+    fn morph(
+        &mut self,
+        primitive: &Primitive,
+        weights: &[f32],
+        vertices: &mut Vertices,
+    ) -> Result<(), Exhausted> {
+        let targets = primitive.targets.iter().flatten();
+        for (target, &weight) in targets.zip(weights).filter(|(_, w)| **w != 0.0) {
+            let lists = [
+                (target.positions, &mut vertices.positions),
+                (target.normals, &mut vertices.normals),
+            ];
+            for (index, list) in lists {
+                let Some(index) = index.filter(|_| !list.is_empty()) else {
+                    continue;
+                };
+                self.budget.spend(list.len() as u64)?;
+                match self.data.read(index, list.len(), DVec3::from) {
+                    Ok(deltas) => {
+                        let moved = list.iter_mut().zip(deltas);
+                        moved.for_each(|(v, d)| *v += f64::from(weight) * d);
+                    }
+                    Err(fault) => self.say(&format!("morph target left out: {fault}")),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the vertices where their joints are.
+    fn hang(&mut self, primitive: &Primitive, joints: &Joints, vertices: &mut Vertices) {
+        let count = vertices.len();
+        let mut influences = Vec::new();
+        for set in 0..2 {
+            let indices = attribute(primitive, Semantic::Joints(set));
+            let weights = attribute(primitive, Semantic::Weights(set));
+            let Some((indices, weights)) = indices.zip(weights) else {
+                continue;
+            };
+            match self.influences(indices, weights, count) {
+                Ok(read) => influences.push(read),
+                Err(fault) => self.say(&format!("joints left out: {fault}")),
+            }
+        }
+        for vertex in 0..count {
+            let each = influences
+                .iter()
+                .flat_map(|(indices, weights)| std::iter::zip(indices[vertex], weights[vertex]));
+            let map = joints.blend(each);
+            let position = &mut vertices.positions[vertex];
+            *position = map.transform_point3(*position);
+            if let Some(normal) = vertices.normals.get_mut(vertex) {
+                *normal = normal_matrix(map.matrix3) * *normal;
+            }
+        }
+    }
+
+    fn influences(
+        &self,
+        indices: Index<Accessor>,
+        weights: Index<Accessor>,
+        count: usize,
+    ) -> Result<Influences, String> {
+        let same = |numbers: [f64; 4]| numbers;
+        Ok((
+            self.data.read(indices, count, same)?,
+            self.data.read(weights, count, same)?,
+        ))
+    }
+}
+
+/// Texture coordinates as azulejo has them, with v upwards.
+fn uv_of(surface: &Surface, uv: [f64; 2]) -> DVec2 {
+    let uv = surface.picture_from_uv.transform_point2(uv.into());
+    DVec2::new(uv.x, 1.0 - uv.y)
+}
