@@ -14,6 +14,9 @@ use std::rc::Rc;
 /// A file of 4 GiB or more has offsets that its own fields cannot hold.
 const LARGEST: u64 = u32::MAX as u64;
 
+/// Most ancillary records of one node that are looked at: only four kinds are kept.
+const MOST_ANCILLARY: usize = 16;
+
 /// A record that is kept. What stands between it and `end` belongs to it: first its ancillary
 /// records, then its children, each followed by its own.
 #[derive(Clone, Copy, Debug)]
@@ -101,6 +104,11 @@ impl<'a> Document<'a> {
         self.fields(self.nodes[node as usize].at)
     }
 
+    /// Length of the file in bytes.
+    pub fn size(&self) -> u64 {
+        self.bytes.len() as u64
+    }
+
     /// What belongs to a node: ancillary records and children.
     pub fn below(&self, node: u32) -> Siblings<'_> {
         self.siblings(node + 1..self.nodes[node as usize].end)
@@ -121,6 +129,7 @@ impl<'a> Document<'a> {
     /// An ancillary record of a node.
     pub fn ancillary(&self, node: u32, opcode: u16) -> Option<Fields<'_>> {
         self.below(node)
+            .take(MOST_ANCILLARY)
             .take_while(|(_, n)| Role::of(n.opcode) == Role::Ancillary)
             .find(|(_, n)| n.opcode == opcode)
             .map(|(_, n)| self.fields(n.at))

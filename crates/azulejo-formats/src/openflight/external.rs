@@ -4,12 +4,12 @@ use super::document::Document;
 use super::opcode;
 use super::part::Slot;
 use super::transform::Place;
-use super::walk::{Source, Walker};
+use super::walk::{BYTES_PER_ELEMENT, Source, Walker};
 use crate::files::beside;
 use crate::text::shortened;
 use crate::textures::one_spelling;
 use crate::warnings::Warnings;
-use crate::{FileError, Files, ReadError};
+use crate::{FileError, Files, Position, ReadError};
 use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -176,7 +176,8 @@ impl Walker<'_> {
     /// Draws the first node of that name.
     fn named(&mut self, source: Source, name: &str, place: &Place) -> Result<(), ReadError> {
         let document = source.document;
-        self.spend(document.nodes.len() as u64)?;
+        // Each of them is asked for its name.
+        self.spend(document.nodes.len() as u64 + document.size() / BYTES_PER_ELEMENT)?;
         let is_it = |&index: &u32| {
             let opcode = document.nodes[index as usize].opcode;
             opcode::Role::of(opcode) == opcode::Role::Node && document.name(index) == name
@@ -186,7 +187,7 @@ impl Walker<'_> {
         }
         let message = format!("no node of the name \"{}\": left out", shortened(name));
         self.warnings
-            .add(&document.file, message, super::walk::at_start);
+            .add(&document.file, message, || Position::Byte(0));
         Ok(())
     }
 }

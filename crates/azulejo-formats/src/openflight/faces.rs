@@ -6,6 +6,7 @@ use super::part::{Part, Slot};
 use super::transform::Place;
 use super::vertices::{LocalPool, palette_vertex, palette_vertex_color};
 use super::walk::{Source, Walker};
+use super::warn::Notes;
 use crate::ReadError;
 use azulejo_scene::{MaterialId, Rgb};
 
@@ -66,7 +67,7 @@ impl Walker<'_> {
         style: &Style,
         opacity: f64,
     ) -> (Rgb, MaterialId) {
-        let mut notes = super::warn::Notes::new(&mut self.warnings, source.document, node);
+        let mut notes = Notes::new(&mut self.warnings, source.document, node);
         let color = style.color(source.palettes, &mut notes);
         if style.opacity(opacity, source.palettes) < 1.0 {
             notes.add("see-through face: opaque");

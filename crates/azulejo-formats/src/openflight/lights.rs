@@ -1,9 +1,11 @@
 //! Light sources.
 
 use super::fields::Fields;
-use super::palettes::PaletteLight;
+use super::palettes::{PaletteLight, Palettes};
 use super::transform::Place;
 use super::walk::{Source, Walker};
+use super::warn::Notes;
+use crate::ReadError;
 use azulejo_scene::{Light, LightKind};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -13,37 +15,53 @@ const GLOBAL: u32 = 1 << 30;
 
 impl Walker<'_> {
     /// Adds the light of a light source node.
-    pub fn light(&mut self, source: Source, node: u32, place: &Place) {
+    pub fn light(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
         let record = source.document.node(node);
-        let flags = record.u32(24).unwrap_or_default();
-        let index = record.i32(16).unwrap_or(-1);
-        let mut notes = super::warn::Notes::new(&mut self.warnings, source.document, node);
-        if flags & ENABLED == 0 {
-            return notes.add("light source that is turned off: left out");
+        let mut notes = self.notes(source, node);
+        match found(record, source.palettes, place) {
+            Err(why) => notes.add(why),
+            Ok((entry, kind)) => {
+                note_losses(record, entry, &mut notes);
+                let name = match self.full_name()? {
+                    path if path.is_empty() => entry.name.clone(),
+                    path => path,
+                };
+                self.scene.lights.push(Light { name, kind });
+            }
         }
-        let Some(entry) = source.palettes.lights.get(&index) else {
-            return notes.add("light source that the palette lacks: left out");
-        };
-        let Some(kind) = kind(record, entry, place) else {
-            return notes.add(
-                "light source of unknown kind, without a place, or of what is no number: left out",
-            );
-        };
-        if flags & GLOBAL == 0 {
-            notes.add("light source for what is below it alone: lights all");
-        }
-        if entry.attenuation[1..] != [0.0, 0.0] && entry.kind != INFINITE {
-            let message = "attenuation of a light source: not used, light falls with the square of the distance";
-            notes.add(message);
-        }
-        if entry.kind == SPOT && entry.spot_exponent != 0.0 {
-            notes.add("exponent of a spot light: fades from its axis to its edge instead");
-        }
-        let name = match self.path.as_str() {
-            "" => entry.name.clone(),
-            path => path.to_owned(),
-        };
-        self.scene.lights.push(Light { name, kind });
+        Ok(())
+    }
+}
+
+/// The light that a node stands for and its entry in the palette, or why there is none.
+fn found<'p>(
+    record: Fields,
+    palettes: &'p Palettes,
+    place: &Place,
+) -> Result<(&'p PaletteLight, LightKind), &'static str> {
+    if record.u32(24).unwrap_or_default() & ENABLED == 0 {
+        return Err("light source that is turned off: left out");
+    }
+    let index = record.i32(16).unwrap_or(-1);
+    let entry = palettes.lights.get(&index);
+    let entry = entry.ok_or("light source that the palette lacks: left out")?;
+    let kind = kind(record, entry, place).ok_or(
+        "light source of unknown kind, without a place, or of what is no number: left out",
+    )?;
+    Ok((entry, kind))
+}
+
+fn note_losses(record: Fields, entry: &PaletteLight, notes: &mut Notes) {
+    if record.u32(24).unwrap_or_default() & GLOBAL == 0 {
+        notes.add("light source for what is below it alone: lights all");
+    }
+    if entry.attenuation[1..] != [0.0, 0.0] && entry.kind != INFINITE {
+        notes.add(
+            "attenuation of a light source: not used, light falls with the square of the distance",
+        );
+    }
+    if entry.kind == SPOT && entry.spot_exponent != 0.0 {
+        notes.add("exponent of a spot light: fades from its axis to its edge instead");
     }
 }
 

@@ -11,12 +11,15 @@ use super::transform::{self, Place};
 use super::warn::Notes;
 use crate::options::Budget;
 use crate::warnings::Warnings;
-use crate::{Files, Lod, Position, ReadError, ReadOptions};
+use crate::{Files, Lod, ReadError, ReadOptions};
 use azulejo_scene::{Object, Scene, Shape};
 use glam::DAffine3;
 
 /// Most levels of nodes, instances and files inside each other.
 const MOST_LEVELS: u32 = 128;
+
+/// So many bytes of names count as one element of the budget.
+pub(super) const BYTES_PER_ELEMENT: u64 = 64;
 
 /// A file in the part that it plays where it is referred to.
 #[derive(Clone, Copy)]
@@ -119,8 +122,7 @@ impl<'f> Walker<'f> {
             opcode::FACE | opcode::MESH => {
                 let mut part = Part::default();
                 self.surface(source, node, place, &mut part)?;
-                self.finish(part);
-                Ok(())
+                self.finish(part)
             }
             _ => self.node(source, node, place),
         }
@@ -161,23 +163,31 @@ impl<'f> Walker<'f> {
                 (None, _) => self.node(source, child, place)?,
             }
         }
-        self.finish(part);
-        Ok(())
+        self.finish(part)
     }
 
     /// Makes an object of the faces that have been found below one node.
-    fn finish(&mut self, part: Part) {
+    fn finish(&mut self, part: Part) -> Result<(), ReadError> {
         if let Some(mesh) = part.finish() {
-            let object = Object::new(self.path.clone(), Shape::Mesh(mesh));
+            let object = Object::new(self.full_name()?, Shape::Mesh(mesh));
             self.scene.objects.push(object);
         }
+        Ok(())
+    }
+
+    /// Names of all nodes above. A long name above many objects is copied to each.
+    pub fn full_name(&mut self) -> Result<String, ReadError> {
+        self.spend(self.path.len() as u64 / BYTES_PER_ELEMENT)?;
+        Ok(self.path.clone())
     }
 
     /// Draws a node that is no face, and all below it.
     pub fn node(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
         let outer = self.path.len();
         if source.document.nodes[node as usize].opcode != opcode::HEADER {
-            self.enter(&source.document.name(node));
+            let name = source.document.name(node);
+            self.spend(name.len() as u64 / BYTES_PER_ELEMENT)?;
+            self.enter(&name);
         }
         let done = self.deeper(source, node, |walker| {
             walker.each_copy(source, node, place, |walker, place| {
@@ -264,7 +274,7 @@ impl<'f> Walker<'f> {
                 return self.children(source, node, &place);
             }
             DOF => return self.degree_of_freedom(source, node, place),
-            LIGHT_SOURCE => self.light(source, node, place),
+            LIGHT_SOURCE => self.light(source, node, place)?,
             // It is drawn only where it is referred to.
             INSTANCE_DEFINITION => return Ok(()),
             INSTANCE_REFERENCE => return self.instance(source, node, place),
@@ -313,9 +323,4 @@ impl<'f> Walker<'f> {
         self.instances.pop();
         done
     }
-}
-
-/// A warning about a whole file, at its start.
-pub(super) fn at_start() -> Position {
-    Position::Byte(0)
 }

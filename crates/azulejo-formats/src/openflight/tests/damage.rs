@@ -232,6 +232,16 @@ fn instances_are_limited() {
     check_budget(&flt.0);
 }
 
+/// A name of a hundred thousand bytes above as many objects as a small file has room for.
+#[test]
+fn names_are_limited() {
+    let name = Record::new(LONG_ID, 60_000).bytes(4, &[b'n'; 59_996]);
+    let objects = |f| (0..200).fold(f, |f: Flt, _| f.node(object(""), &[]));
+    let more = Record::new(CONTINUATION, 40_000).bytes(4, &[b'n'; 39_996]);
+    let flt = Flt::new().add(group("")).add(name).add(more).with(objects);
+    check_budget(&flt.0);
+}
+
 /// Replicated groups inside each other.
 #[test]
 fn replication_is_limited() {
