@@ -7,6 +7,9 @@ use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
+/// Cosine of an angle that is nothing but rounding.
+const FLAT: f64 = 1.0 - 1e-12;
+
 /// No value, among indices.
 const NONE: u32 = u32::MAX;
 
@@ -80,15 +83,17 @@ pub(super) struct Problems {
     pub stray_faces: usize,
     /// Faces or corners without a colour: the last of the pool.
     pub stray_colors: usize,
-    /// Corners without a usable normal: that of the face.
+    /// Corners without a normal: that of the face.
     pub stray_normals: usize,
+    /// Corners whose normal has no direction: that of the face.
+    pub zero_normals: usize,
     /// Corners without texture coordinates: (0, 0).
     pub stray_uvs: usize,
 }
 
 impl Problems {
     /// Each as a message and how often it happened, which may be 0.
-    pub fn messages(&self) -> [(&'static str, usize); 5] {
+    pub fn messages(&self) -> [(&'static str, usize); 6] {
         [
             ("face with fewer than three corners: skipped", self.slivers),
             (
@@ -100,8 +105,12 @@ impl Problems {
                 self.stray_colors,
             ),
             (
-                "corner without a usable normal: that of its face taken",
+                "corner with an index beyond its normals: that of its face taken",
                 self.stray_normals,
+            ),
+            (
+                "corner with a normal without a direction: that of its face taken",
+                self.zero_normals,
             ),
             (
                 "corner with an index beyond its texture coordinates: (0, 0) taken",
@@ -130,13 +139,12 @@ pub(super) fn build(set: &FaceSet) -> Built {
     color(set, &kept, &mut built);
     built.mesh.face_materials = vec![0; kept.len()];
     let uvs = set.uvs.map(|bound| {
-        let corners = corner_values(set, &kept, &bound, |_| true);
+        let corners = corner_values(set, &kept, &bound);
         uv_attribute(&built.mesh, &bound, corners, &mut built.problems)
     });
     built.mesh.uvs = uvs;
     let normals = set.normals.map(|bound| {
-        let usable = |n: &DVec3| n.try_normalize().is_some();
-        let corners = corner_values(set, &kept, &bound, usable);
+        let corners = corner_values(set, &kept, &bound);
         normal_attribute(&built.mesh, set.ccw, &bound, corners, &mut built.problems)
     });
     built.mesh.normals = normals;
@@ -144,7 +152,7 @@ pub(super) fn build(set: &FaceSet) -> Built {
         built.mesh.flip();
     }
     if built.mesh.normals.is_none() && set.crease_angle > 0.0 {
-        built.mesh.normals = Some(creased(&built.mesh, set.crease_angle));
+        built.mesh.normals = creased(&built.mesh, set.crease_angle);
     }
     built
 }
@@ -284,23 +292,13 @@ fn entry(index: &[i32], at: u32) -> u32 {
     entry.and_then(|i| u32::try_from(i).ok()).unwrap_or(NONE)
 }
 
-/// For each corner its value in the pool, [`NONE`] where there is none or none of use.
-fn corner_values<T>(
-    set: &FaceSet,
-    kept: &[Kept],
-    bound: &Bound<T>,
-    usable: impl Fn(&T) -> bool,
-) -> Vec<u32> {
+/// For each corner its value in the pool, [`NONE`] where there is none.
+fn corner_values<T>(set: &FaceSet, kept: &[Kept], bound: &Bound<T>) -> Vec<u32> {
     let mut values = Vec::new();
     for face in kept {
         let rest = &set.coord_index[face.start as usize..];
         let corners = rest.iter().take_while(|i| **i != -1).count() as u32;
         values.extend((0..corners).map(|k| bound.of_corner(set.coord_index, face, k)));
-    }
-    for value in &mut values {
-        if !bound.values.get(*value as usize).is_some_and(&usable) {
-            *value = NONE;
-        }
     }
     values
 }
@@ -312,9 +310,7 @@ fn color(set: &FaceSet, kept: &[Kept], built: &mut Built) {
     };
     let last = bound.values.len() as u32 - 1;
     let mut values = match bound.binding {
-        Binding::PerVertex | Binding::PerVertexIndexed => {
-            corner_values(set, kept, &bound, |_| true)
-        }
+        Binding::PerVertex | Binding::PerVertexIndexed => corner_values(set, kept, &bound),
         _ => kept.iter().map(|face| bound.of_face(face)).collect(),
     };
     for value in values.iter_mut().filter(|v| **v == NONE) {
@@ -386,19 +382,26 @@ fn normal_attribute(
     problems: &mut Problems,
 ) -> Attribute<DVec3> {
     let used = renumber(&mut corners, bound.values.len());
-    let unit = |i: &u32| bound.values[*i as usize].normalize_or(DVec3::Z);
+    let unit = |i: &u32| bound.values[*i as usize].normalize_or_zero();
     let mut values: Vec<DVec3> = used.iter().map(unit).collect();
     for face in 0..mesh.faces.len() {
-        let strays = corners[mesh.faces.corner_range(face)].iter_mut();
         let mut own = None;
-        for corner in strays.filter(|c| **c == NONE) {
+        for corner in &mut corners[mesh.faces.corner_range(face)] {
+            match values.get(*corner as usize) {
+                Some(&DVec3::ZERO) => problems.zero_normals += 1,
+                Some(_) => continue,
+                None => problems.stray_normals += 1,
+            }
             *corner = *own.get_or_insert_with(|| {
                 let front = if ccw { 1.0 } else { -1.0 } * mesh.face_area_vector(face);
                 values.push(front.normalize_or(DVec3::Z));
                 values.len() as u32 - 1
             });
-            problems.stray_normals += 1;
         }
+    }
+    // No corner has these any more; but no normal may be without a direction.
+    for value in values.iter_mut().filter(|v| **v == DVec3::ZERO) {
+        *value = DVec3::Z;
     }
     attribute(mesh, values, corners, DVec3::Z)
 }
@@ -424,14 +427,20 @@ fn attribute<T: Copy>(mesh: &Mesh, values: Vec<T>, corners: Vec<u32>, unused: T)
     }
 }
 
-/// Normals that are smooth across edges whose faces differ by less than the angle.
-fn creased(mesh: &Mesh, angle: f64) -> Attribute<DVec3> {
-    if angle >= PI {
-        return smooth::corner_normals(mesh, |_, _| true);
-    }
-    let normals = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f).normalize_or_zero());
-    let (normals, cos) = (Vec::from_iter(normals), angle.cos());
-    smooth::corner_normals(mesh, |f, g| smooth::within(normals[f], normals[g], cos))
+/// Normals that are smooth across edges whose faces differ by less than the angle; none where
+/// that leaves all faces flat.
+fn creased(mesh: &Mesh, angle: f64) -> Option<Attribute<DVec3>> {
+    let flat = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f).normalize_or_zero());
+    let flat = Vec::from_iter(flat);
+    // All faces differ by half a turn at most, whatever rounding says.
+    let cos = if angle < PI { angle.cos() } else { -2.0 };
+    let normals = smooth::corner_normals(mesh, |f, g| smooth::within(flat[f], flat[g], cos));
+    let is_flat = |face: usize| {
+        let mut corners = mesh.faces.corner_range(face);
+        corners.all(|c| smooth::within(normals.at(c, mesh.faces.corners[c]), flat[face], FLAT))
+    };
+    let all_flat = (0..mesh.faces.len()).all(|f| flat[f] == DVec3::ZERO || is_flat(f));
+    (!all_flat).then_some(normals)
 }
 
 #[cfg(test)]
@@ -524,7 +533,7 @@ mod tests {
         set.crease_angle = 1.0;
         let mesh = build(&set).mesh;
         assert_eq!(mesh.face_area_vector(1), -DVec3::Z);
-        assert_eq!(mesh.normals.unwrap().at(0, 1), -DVec3::Z);
+        assert_eq!(mesh.normals, None);
     }
 
     #[test]
@@ -592,7 +601,8 @@ mod tests {
         let mut set = plain(&SQUARES);
         set.normals = Some(bound(&values, Some(&index), Binding::PerVertexIndexed));
         let built = build(&set);
-        assert_eq!(built.problems.stray_normals, 2);
+        let problems = built.problems;
+        assert_eq!((problems.stray_normals, problems.zero_normals), (1, 1));
         let normals = built.mesh.normals.unwrap();
         assert_eq!(normals.at(0, 1), DVec3::Y);
         assert_eq!(normals.at(4, 2), DVec3::Z);
@@ -631,7 +641,7 @@ mod tests {
             assert_eq!(smooth, expected, "{crease_angle}");
         };
         check(0.0, None);
-        check(44f64.to_radians(), Some(false));
+        check(44f64.to_radians(), None);
         check(46f64.to_radians(), Some(true));
         check(7.0, Some(true));
     }
