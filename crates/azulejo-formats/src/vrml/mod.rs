@@ -71,7 +71,7 @@ fn document(stage: &mut Stage, source: &Rc<Source>) -> Result<Rc<Document>, Read
         [b'<', ..] => xml::parse(stage, source)?,
         _ => {
             let mut lexer = lexer::Lexer::new(&source.bytes);
-            let expected = "\"#VRML V1.0 ascii\", \"#VRML V2.0 utf8\", \"#X3D V3.3 utf8\" or XML";
+            let expected = "\"#VRML V2.0 utf8\", \"#VRML V1.0 ascii\", \"#X3D V3.3 utf8\" or XML";
             return Err(lexer.error(&source.name, expected));
         }
     };
