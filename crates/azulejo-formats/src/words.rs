@@ -100,6 +100,47 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// Passes over blanks before the next word or line end.
+    #[inline]
+    pub fn skip_spaces(&mut self) {
+        let is_space = |b: u8| is_blank(b) && !is_line_end(b);
+        while self.bytes.get(self.at).is_some_and(|&b| is_space(b)) {
+            self.at += 1;
+        }
+    }
+
+    /// Whether the line or the text ends here.
+    #[inline]
+    pub fn at_line_end(&self) -> bool {
+        self.bytes.get(self.at).is_none_or(|&b| is_line_end(b))
+    }
+
+    /// Whether the text ends here.
+    #[inline]
+    pub fn at_end(&self) -> bool {
+        self.at == self.bytes.len()
+    }
+
+    /// The next word as a decimal integer of at most nine digits. Another word is not passed.
+    #[inline]
+    pub fn small_integer(&mut self) -> Option<u32> {
+        self.skip_spaces();
+        let (mut value, mut at) = (0, self.at);
+        while let Some(digit) = self.bytes.get(at).map(|b| b.wrapping_sub(b'0'))
+            && digit < 10
+            && at - self.at < 10
+        {
+            value = 10 * value + u64::from(digit);
+            at += 1;
+        }
+        let ends = self.bytes.get(at).is_none_or(|&b| is_blank(b));
+        if at == self.at || !ends || at - self.at > 9 {
+            return None;
+        }
+        self.at = at;
+        Some(value as u32)
+    }
+
     /// Line and column of a byte, both from 1.
     pub fn position(&self, offset: usize) -> Position {
         let before = &self.bytes[..offset];
@@ -159,6 +200,24 @@ mod tests {
         assert_eq!(words.position(words.offset()), Position::Line(3, 1));
         assert_eq!(words.rest_of_line(), b"end");
         assert_eq!((words.word(), words.rest_of_line()), (None, &b""[..]));
+    }
+
+    #[test]
+    fn integers_and_line_ends() {
+        let mut words = Words::new(b"12 999999999 1234567890 1.5\n7", "a");
+        assert_eq!(words.small_integer(), Some(12));
+        assert_eq!(words.small_integer(), Some(999_999_999));
+        assert_eq!(
+            (words.small_integer(), words.number()),
+            (None, Ok(1_234_567_890.0))
+        );
+        assert_eq!((words.small_integer(), words.number()), (None, Ok(1.5)));
+        words.skip_spaces();
+        assert!(words.at_line_end() && !words.at_end());
+        assert_eq!(words.small_integer(), None);
+        words.skip_blanks();
+        assert_eq!(words.small_integer(), Some(7));
+        assert!(words.at_line_end() && words.at_end());
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub(super) enum Kind {
 pub(super) struct Node {
     pub kind: Kind,
     pub at: u64,
-    id: Option<u16>,
+    id: u16,
     /// Name of the mesh, light or camera.
     pub name: String,
     instance: String,
@@ -69,10 +69,15 @@ impl Kind {
 /// The nodes of chunk B000.
 pub(super) fn read(walker: &mut Walker<'_>, chunk: &Chunk<'_>) -> Vec<Node> {
     let mut nodes = Vec::new();
+    let mut count = 0;
     let mut body = chunk.body;
     while let Some(child) = walker.next(&mut body) {
         match (Kind::of(child.id), child.id) {
-            (Some(kind), _) => nodes.push(node(walker, child, kind)),
+            (Some(kind), _) => {
+                let node = node(walker, child, kind, count);
+                count = count.wrapping_add(1);
+                nodes.extend(node);
+            }
             // The header, the segment of frames and the current frame; settings of the ambient
             // light, which is not used.
             (None, 0xb00a | 0xb008 | 0xb009 | 0xb001) => {}
@@ -83,11 +88,13 @@ pub(super) fn read(walker: &mut Walker<'_>, chunk: &Chunk<'_>) -> Vec<Node> {
     nodes
 }
 
-fn node<'a>(walker: &mut Walker<'_>, chunk: Chunk<'a>, kind: Kind) -> Node {
+/// A node; none without the header that says of what. `number` counts the nodes, and is the id of
+/// those that old programs wrote.
+fn node(walker: &mut Walker<'_>, chunk: Chunk<'_>, kind: Kind, number: u16) -> Option<Node> {
     let mut node = Node {
         kind,
         at: chunk.at,
-        id: None,
+        id: number,
         name: String::new(),
         instance: String::new(),
         parent: -1,
@@ -103,13 +110,17 @@ fn node<'a>(walker: &mut Walker<'_>, chunk: Chunk<'a>, kind: Kind) -> Node {
     while let Some(child) = walker.next(&mut body) {
         node.entry(walker, child);
     }
-    node
+    if node.name.is_empty() {
+        walker.warn(chunk.at, "node of the keyframer without a name: skipped");
+        return None;
+    }
+    Some(node)
 }
 
 impl Node {
     fn entry<'a>(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'a>) {
         match chunk.id {
-            0xb030 => self.id = walker.data(&mut chunk, Bytes::u16_le),
+            0xb030 => self.id = walker.data(&mut chunk, Bytes::u16_le).unwrap_or(self.id),
             0xb010 => self.header(walker, chunk),
             0xb011 => self.instance = name(&mut chunk.body),
             0xb013 => self.pivot = walker.data(&mut chunk, vector).map_or(DVec3::ZERO, finite),
@@ -231,12 +242,11 @@ fn child(node: &Node, parent: Option<&Placed>, budget: &mut Budget) -> Result<Pl
 /// The parent of each node, by node id or, in files without ids, by running number. Nodes that
 /// are their own ancestors become roots.
 fn parents(nodes: &[Node], walker: &mut Walker<'_>) -> Vec<Option<usize>> {
-    let id = |i: usize, n: &Node| n.id.unwrap_or(i as u16);
     let by_id: HashMap<u16, usize> = nodes
         .iter()
         .enumerate()
         .rev()
-        .map(|(i, n)| (id(i, n), i))
+        .map(|(i, n)| (n.id, i))
         .collect();
     let mut parent = |n: &Node| {
         let found = by_id.get(&(n.parent as u16)).copied();

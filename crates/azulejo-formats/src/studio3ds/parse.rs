@@ -134,7 +134,10 @@ impl<'a, 'w> Parser<'a, 'w> {
             match chunk.id {
                 0xafff => {
                     let definition = Definition::read(&mut self.walker, &chunk);
-                    self.model.materials.push(definition);
+                    match definition.name.is_empty() {
+                        true => self.walker.skipped(&chunk, "material without a name"),
+                        false => self.model.materials.push(definition),
+                    }
                 }
                 0x4000 => self.object(chunk),
                 0x0100 => self.master_scale(&mut chunk),
@@ -229,7 +232,10 @@ impl<'a, 'w> Parser<'a, 'w> {
                 _ => self.walker.skipped(&chunk, ""),
             }
         }
-        self.model.meshes.push(mesh);
+        match mesh.faces.is_empty() {
+            true => self.walker.warn(mesh.at, "mesh without faces: skipped"),
+            false => self.model.meshes.push(mesh),
+        }
     }
 
     fn faces(&mut self, mesh: &mut RawMesh<'a>, mut chunk: Chunk<'a>) {

@@ -592,10 +592,8 @@ fn hidden_objects_and_nodes_are_left_out() {
     // The flags stand behind two headers, the id and the name.
     let flags = 6 + 8 + 6 + 2;
     hidden[flags + 1] = 0x08;
-    let secret = object(
-        "secret",
-        &[chunk(0x4010, &[]), chunk(0x4100, &vertices(&SQUARE))],
-    );
+    let mesh = [vertices(&SQUARE), faces(&HALVES, &[])].concat();
+    let secret = object("secret", &[chunk(0x4010, &[]), chunk(0x4100, &mesh)]);
     let loaded = load(&file(&[square("a"), secret], &[keyframer(&[hidden])]));
     assert!(loaded.scene.objects.is_empty());
     check_warnings(

@@ -1,0 +1,319 @@
+//! From lists to a scene.
+
+use super::Reader;
+use super::faces::{FaceList, Look};
+use super::header::Header;
+use super::vertices::Vertices;
+use crate::textures::Textures;
+use crate::warnings::Warnings;
+use crate::{Files, Position};
+use azulejo_scene::{
+    Attribute, Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, TextureId,
+};
+use glam::{DVec2, DVec3};
+use std::ops::Range;
+
+/// Reflectance of faces without a colour.
+pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
+
+/// The scene of a file, and all that was wrong with it.
+pub(super) fn scene(reader: Reader<'_>, header: &Header, files: &dyn Files) -> (Scene, Warnings) {
+    let mut builder = Builder {
+        file: reader.file,
+        warnings: reader.warnings,
+    };
+    let mut vertices = reader.vertices.unwrap_or_default();
+    let mut list = reader.faces;
+    builder.check_faces(&mut list, &vertices.positions);
+    let mut scene = Scene {
+        units: header.units,
+        ..Scene::default()
+    };
+    if list.faces.is_empty() {
+        let points = vertices.positions.len();
+        let message = match points {
+            0 => "no faces: the scene is empty".to_owned(),
+            _ => format!("no faces: {points} points have no surface, the scene is empty"),
+        };
+        builder.warnings.add_whole(builder.file, message);
+        return (scene, builder.warnings);
+    }
+    let materials = builder.materials(&list, &vertices, header, files, &mut scene);
+    let objects = std::mem::take(&mut vertices.objects);
+    let mesh = builder.mesh(list, vertices, &materials);
+    let parts = match parts(&mesh, &objects) {
+        Some(parts) => parts
+            .into_iter()
+            .map(|piece| (piece.object, part(&mesh, piece.faces, piece.vertices)))
+            .collect(),
+        None => vec![(0, mesh)],
+    };
+    for (object, mut mesh) in parts {
+        builder.settle_normals(&mut mesh);
+        let name = header.objects.get(object as usize).cloned();
+        let shape = Shape::Mesh(mesh);
+        scene
+            .objects
+            .push(Object::new(name.unwrap_or_default(), shape));
+    }
+    (scene, builder.warnings)
+}
+
+struct Builder<'a> {
+    file: &'a str,
+    warnings: Warnings,
+}
+
+impl Builder<'_> {
+    fn count(&mut self, message: &str, count: usize) {
+        self.warnings
+            .add_many(self.file, message.into(), count, || Position::Whole);
+    }
+
+    /// Drops faces whose vertices do not exist or are nowhere.
+    fn check_faces(&mut self, list: &mut FaceList, positions: &[DVec3]) {
+        let is_there = |&c: &u32| positions.get(c as usize).is_some_and(|p| p.is_finite());
+        let largest = list.faces.corners.iter().max();
+        let all_finite = || positions.iter().all(|p| p.is_finite());
+        if largest.is_none_or(|&c| (c as usize) < positions.len()) && all_finite() {
+            return;
+        }
+        let before = std::mem::take(list);
+        for (face, corners) in before.faces.iter().enumerate() {
+            if !corners.iter().all(is_there) {
+                continue;
+            }
+            list.faces.push(corners);
+            list.face_looks.extend(before.face_looks.get(face));
+            let uvs = before.corner_uvs.get(before.faces.corner_range(face));
+            list.corner_uvs.extend_from_slice(uvs.unwrap_or_default());
+        }
+        list.looks = before.looks;
+        let lost = before.faces.len() - list.faces.len();
+        let message = "face with a vertex that does not exist or is not finite: skipped";
+        self.count(message, lost);
+    }
+
+    /// A material for each look of faces, or one for all.
+    fn materials(
+        &mut self,
+        list: &FaceList,
+        vertices: &Vertices,
+        header: &Header,
+        files: &dyn Files,
+        scene: &mut Scene,
+    ) -> Vec<MaterialId> {
+        let mut textures = Textures::default();
+        let pictures: Vec<TextureId> = header
+            .textures
+            .iter()
+            .map(|file| {
+                let (id, problem) = textures.index("", file, files);
+                if let Some(problem) = problem {
+                    self.warnings.add_whole(self.file, problem);
+                }
+                id
+            })
+            .collect();
+        let plain = [Look::default()];
+        let looks = match list.looks.is_empty() {
+            true => &plain[..],
+            false => &list.looks,
+        };
+        let base = match vertices.colors.is_empty() {
+            true => DEFAULT_REFLECTANCE,
+            false => Rgb::WHITE,
+        };
+        let ids = looks.iter().map(|look| {
+            let picture = pictures.get(look.texture as usize).copied();
+            let shown = picture.is_some_and(|p| textures.is_loaded(p));
+            let mut material = painted(look, if shown { Rgb::WHITE } else { base });
+            material.textures.extend(picture);
+            scene.add_material(material)
+        });
+        let ids = ids.collect();
+        scene.textures = textures.into_list();
+        ids
+    }
+
+    fn mesh(&mut self, list: FaceList, vertices: Vertices, materials: &[MaterialId]) -> Mesh {
+        let looks = list.face_looks;
+        let material = |f: usize| materials[looks.get(f).map_or(0, |&l| l as usize)];
+        let face_materials = (0..list.faces.len()).map(material).collect();
+        let finite = |p: DVec3| if p.is_finite() { p } else { DVec3::ZERO };
+        Mesh {
+            positions: vertices.positions.into_iter().map(finite).collect(),
+            normals: normals(vertices.normals),
+            uvs: self.uvs(vertices.uvs, list.corner_uvs),
+            colors: self.colors(vertices.colors),
+            irradiance: self.light(vertices.irradiance),
+            irradiance_error: self.light(vertices.irradiance_error),
+            faces: list.faces,
+            face_materials,
+            ..Mesh::default()
+        }
+    }
+
+    /// Says that zeros among the normals are none: of a whole mesh, or of some vertices.
+    fn settle_normals(&mut self, mesh: &mut Mesh) {
+        let Some(normals) = &mut mesh.normals else {
+            return;
+        };
+        let zero = |n: &&mut DVec3| **n == DVec3::ZERO;
+        let missing = normals.values.iter_mut().filter(zero).count();
+        if missing == normals.values.len() {
+            mesh.normals = None;
+            return;
+        }
+        normals
+            .values
+            .iter_mut()
+            .filter(zero)
+            .for_each(|n| *n = DVec3::Z);
+        self.count("normal that is zero or not finite: taken as +z", missing);
+    }
+
+    fn uvs(&mut self, of_vertices: Vec<DVec2>, of_corners: Vec<DVec2>) -> Option<Attribute<DVec2>> {
+        let by_corner = !of_corners.is_empty();
+        let mut values = if by_corner { of_corners } else { of_vertices };
+        let odd = values.iter_mut().filter(|uv| !uv.is_finite());
+        let odd = odd.map(|uv| *uv = DVec2::ZERO).count();
+        self.count(
+            "texture coordinate that is not finite: taken as (0, 0)",
+            odd,
+        );
+        let corners = by_corner.then(|| (0..values.len() as u32).collect());
+        (!values.is_empty()).then_some(Attribute { values, corners })
+    }
+
+    /// Colours in 0..=1. Some programs write numbers up to 255 with a point.
+    fn colors(&mut self, mut colors: Vec<Rgb>) -> Vec<Rgb> {
+        let most = colors.iter().map(|c| c.max_channel()).fold(0.0, f64::max);
+        if most > 1.0 && most <= 255.0 {
+            self.count(
+                "vertex colours as fractions above 1: taken as 0..255",
+                colors.len(),
+            );
+            colors.iter_mut().for_each(|c| *c *= 1.0 / 255.0);
+        }
+        let mut odd = 0;
+        for color in &mut colors {
+            let limited = color.map(limited);
+            odd += usize::from(limited != *color);
+            *color = limited;
+        }
+        self.count("vertex colour outside 0..1: clamped", odd);
+        colors
+    }
+
+    fn light(&mut self, mut values: Vec<Rgb>) -> Vec<Rgb> {
+        let sound = |c: &Rgb| c.is_finite() && c.to_array().iter().all(|x| *x >= 0.0);
+        let odd = values.iter_mut().filter(|c| !sound(c));
+        let odd = odd.map(|c| *c = Rgb::BLACK).count();
+        self.count("irradiance that is negative or not finite: taken as 0", odd);
+        values
+    }
+}
+
+/// Normals of unit length, or zero.
+fn normals(mut normals: Vec<DVec3>) -> Option<Attribute<DVec3>> {
+    for normal in &mut normals {
+        // What is as good as single precision stays as it is.
+        if (normal.length_squared() - 1.0).abs() > 1e-6 {
+            // Dividing first keeps the square of the length from overflow and underflow.
+            let scaled = *normal / normal.abs().max_element();
+            *normal = scaled.try_normalize().unwrap_or(DVec3::ZERO);
+        }
+    }
+    (!normals.is_empty()).then(|| Attribute::per_vertex(normals))
+}
+
+fn limited(x: f64) -> f64 {
+    if x >= 0.0 { x.min(1.0) } else { 0.0 }
+}
+
+fn painted(look: &Look, base: Rgb) -> Material {
+    let Some(color) = look.color.map(|c| c.map(limited)) else {
+        return Material::diffuse("default", base);
+    };
+    let [r, g, b] = color.to_array().map(|c| (255.0 * c).round() as u8);
+    Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
+}
+
+/// One of azulejo's objects in the lists of the file.
+struct Piece {
+    object: u32,
+    faces: Range<usize>,
+    vertices: Range<usize>,
+}
+
+/// Object, faces and vertices of each of azulejo's objects, where a file says which vertices are
+/// of which. `None` if they do not follow one after the other.
+fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<Piece>> {
+    if objects.is_empty() || !objects.is_sorted() {
+        return None;
+    }
+    let mut parts: Vec<Piece> = Vec::new();
+    for (face, corners) in mesh.faces.iter().enumerate() {
+        let object = objects[corners[0] as usize];
+        if corners.iter().any(|&c| objects[c as usize] != object) {
+            return None;
+        }
+        match parts.last_mut() {
+            Some(last) if last.object == object => last.faces.end = face + 1,
+            Some(last) if last.object > object => return None,
+            _ => parts.push(Piece {
+                object,
+                faces: face..face + 1,
+                vertices: objects.partition_point(|o| *o < object)
+                    ..objects.partition_point(|o| *o <= object),
+            }),
+        }
+    }
+    Some(parts)
+}
+
+/// Some faces of a mesh with the vertices that they use, which are a range of it.
+fn part(mesh: &Mesh, faces: Range<usize>, vertices: Range<usize>) -> Mesh {
+    let starts = &mesh.faces.starts[faces.start..=faces.end];
+    let corners = starts[0] as usize..starts[starts.len() - 1] as usize;
+    let slice = |list: &[Rgb]| list.get(vertices.clone()).unwrap_or_default().to_vec();
+    Mesh {
+        positions: mesh.positions[vertices.clone()].to_vec(),
+        normals: mesh
+            .normals
+            .as_ref()
+            .map(|n| slice_of(n, &vertices, &corners)),
+        uvs: mesh
+            .uvs
+            .as_ref()
+            .map(|uv| slice_of(uv, &vertices, &corners)),
+        colors: slice(&mesh.colors),
+        irradiance: slice(&mesh.irradiance),
+        irradiance_error: slice(&mesh.irradiance_error),
+        faces: Faces {
+            starts: starts.iter().map(|s| s - starts[0]).collect(),
+            corners: mesh.faces.corners[corners.clone()]
+                .iter()
+                .map(|c| c - vertices.start as u32)
+                .collect(),
+        },
+        face_materials: mesh.face_materials[faces].to_vec(),
+        ..Mesh::default()
+    }
+}
+
+/// What some vertices and corners have of an attribute. Values of corners stand in their order.
+fn slice_of<T: Copy>(
+    attribute: &Attribute<T>,
+    vertices: &Range<usize>,
+    corners: &Range<usize>,
+) -> Attribute<T> {
+    match &attribute.corners {
+        None => Attribute::per_vertex(attribute.values[vertices.clone()].to_vec()),
+        Some(_) => Attribute {
+            values: attribute.values[corners.clone()].to_vec(),
+            corners: Some((0..corners.len() as u32).collect()),
+        },
+    }
+}

@@ -1,0 +1,271 @@
+//! The elements `face` and `tristrips`.
+
+use super::header::{Element, Kind, Property, Type};
+use super::source::{Source, Stop};
+use super::{NONE, Reader, rows};
+use crate::{Position, ReadError};
+use azulejo_scene::{Faces, Rgb};
+use glam::DVec2;
+use std::collections::HashMap;
+
+/// Different colours and pictures of faces that are told apart; each becomes a material.
+const MOST_LOOKS: usize = 1 << 16;
+
+/// The polygons of a file, their indices not yet checked.
+#[derive(Debug, Default)]
+pub(super) struct FaceList {
+    pub faces: Faces,
+    /// Texture coordinate of each corner, or empty.
+    pub corner_uvs: Vec<DVec2>,
+    /// Look of each face, or empty.
+    pub face_looks: Vec<u32>,
+    pub looks: Vec<Look>,
+    known: HashMap<(Option<[u64; 3]>, u32), u32>,
+}
+
+/// What a face says about its surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Look {
+    pub color: Option<Rgb>,
+    /// Which of the file's pictures.
+    pub texture: u32,
+}
+
+/// What a property of faces means.
+#[derive(Clone, Copy, PartialEq)]
+enum Meaning {
+    Corners(Kind, Kind),
+    CornerUvs(Kind, Kind),
+    Color(usize, Kind),
+    Texture(Kind),
+    Nothing,
+}
+
+/// What one row of faces said.
+#[derive(Clone, Copy, Default)]
+struct Row {
+    color: [f64; 3],
+    texture: u32,
+}
+
+impl Meaning {
+    /// `red` is a colour of its own only where vertices have none: programs that write both
+    /// write the same twice. `diffuse_red` always says something about the material.
+    fn of(property: &Property, vertices_have_colors: bool) -> Meaning {
+        let channel = |names: [&str; 3]| names.iter().position(|n| *n == property.name);
+        match (property.kind, property.name.as_str()) {
+            (Type::List { count, item }, "vertex_indices" | "vertex_index") => {
+                Meaning::Corners(count, item)
+            }
+            (Type::List { count, item }, "texcoord") => Meaning::CornerUvs(count, item),
+            (Type::List { .. }, _) => Meaning::Nothing,
+            (Type::Scalar(kind), "texnumber") => Meaning::Texture(kind),
+            (Type::Scalar(kind), _) => {
+                let plain = channel(["red", "green", "blue"]).filter(|_| !vertices_have_colors);
+                let own = channel(["diffuse_red", "diffuse_green", "diffuse_blue"]);
+                let found = own.or(plain);
+                found.map_or(Meaning::Nothing, |i| Meaning::Color(i, kind))
+            }
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// Reads faces and says how many are missing.
+    pub fn read_faces<S: Source>(
+        &mut self,
+        element: &Element,
+        source: &mut S,
+    ) -> Result<u64, ReadError> {
+        let meanings = self.meanings(element);
+        let has = |m: fn(&Meaning) -> bool| meanings.iter().any(m);
+        let has_uvs = has(|m| matches!(m, Meaning::CornerUvs(..)));
+        let has_color = has(|m| matches!(m, Meaning::Color(..)));
+        let has_look = has_color || has(|m| matches!(m, Meaning::Texture(_)));
+        let room = element.room(source.left());
+        let mut reading = Reading {
+            list: &mut self.faces,
+            too_few: 0,
+            odd_uvs: 0,
+        };
+        reading.list.faces.starts.reserve(room);
+        reading.list.faces.corners.reserve(3 * room);
+        let missing = rows(element, source, |source| {
+            let start = reading.start();
+            let row = reading.row(source, element, &meanings);
+            if row.is_err() {
+                reading.undo(start);
+            }
+            let row = row?;
+            if reading.finish(start, has_uvs) && has_look {
+                reading.list.look(row, has_color);
+            }
+            Ok(())
+        })?;
+        let (too_few, odd_uvs) = (reading.too_few, reading.odd_uvs);
+        self.count("face of fewer than three corners: skipped", too_few);
+        let message = "face without a texture coordinate for each corner: (0, 0)";
+        self.count(message, odd_uvs);
+        Ok(missing)
+    }
+
+    fn count(&mut self, message: &str, count: usize) {
+        self.warnings
+            .add_many(self.file, message.into(), count, || Position::Whole);
+    }
+
+    fn meanings(&mut self, element: &Element) -> Vec<Meaning> {
+        let has_colors = self.vertices.as_ref().is_some_and(|v| !v.colors.is_empty());
+        let meanings: Vec<Meaning> = element
+            .properties
+            .iter()
+            .map(|p| Meaning::of(p, has_colors))
+            .collect();
+        for (property, meaning) in std::iter::zip(&element.properties, &meanings) {
+            if *meaning == Meaning::Nothing {
+                self.unused(element, &property.name);
+            }
+        }
+        meanings
+    }
+
+    /// Reads triangle strips: rows of indices, of which −1 begins the next strip.
+    pub fn read_strips<S: Source>(
+        &mut self,
+        element: &Element,
+        source: &mut S,
+    ) -> Result<u64, ReadError> {
+        let meanings = self.meanings(element);
+        let mut strip = Vec::new();
+        let faces = &mut self.faces.faces;
+        rows(element, source, |source| {
+            strip.clear();
+            for (property, meaning) in std::iter::zip(&element.properties, &meanings) {
+                let Meaning::Corners(count, item) = *meaning else {
+                    property.skip(source)?;
+                    continue;
+                };
+                for _ in 0..source.count(count, item)? {
+                    strip.push(source.index(item)?);
+                }
+            }
+            for strip in strip.split(|index| *index == NONE) {
+                push_strip(faces, strip);
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Appends the triangles of a strip, of which every second is the other way around. Those with
+/// an index twice only turn the strip.
+fn push_strip(faces: &mut Faces, strip: &[u32]) {
+    for (i, corners) in strip.windows(3).enumerate() {
+        let &[a, b, c] = corners else { continue };
+        if a == b || b == c || c == a {
+            continue;
+        }
+        faces.push(&if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+    }
+}
+
+/// Faces under way.
+struct Reading<'a> {
+    list: &'a mut FaceList,
+    too_few: usize,
+    odd_uvs: usize,
+}
+
+impl Reading<'_> {
+    fn start(&self) -> (usize, usize) {
+        (self.list.faces.corners.len(), self.list.corner_uvs.len())
+    }
+
+    fn undo(&mut self, (corners, uvs): (usize, usize)) {
+        self.list.faces.corners.truncate(corners);
+        self.list.corner_uvs.truncate(uvs);
+    }
+
+    #[inline]
+    fn row<S: Source>(
+        &mut self,
+        source: &mut S,
+        element: &Element,
+        meanings: &[Meaning],
+    ) -> Result<Row, Stop> {
+        let mut row = Row::default();
+        for (number, meaning) in meanings.iter().enumerate() {
+            match *meaning {
+                Meaning::Corners(count, item) => {
+                    for _ in 0..source.count(count, item)? {
+                        self.list.faces.corners.push(source.index(item)?);
+                    }
+                }
+                Meaning::CornerUvs(count, item) => self.corner_uvs(source, count, item)?,
+                Meaning::Color(channel, kind) => {
+                    row.color[channel] = source.number(kind)? / kind.one();
+                }
+                Meaning::Texture(kind) => row.texture = source.index(kind)?,
+                Meaning::Nothing => element.properties[number].skip(source)?,
+            }
+        }
+        Ok(row)
+    }
+
+    fn corner_uvs<S: Source>(
+        &mut self,
+        source: &mut S,
+        count: Kind,
+        item: Kind,
+    ) -> Result<(), Stop> {
+        let count = source.count(count, item)?;
+        for _ in 0..count / 2 {
+            let (u, v) = (source.number(item)?, source.number(item)?);
+            self.list.corner_uvs.push(DVec2::new(u, v));
+        }
+        for _ in 0..count % 2 {
+            source.number(item)?;
+        }
+        Ok(())
+    }
+
+    /// Ends a face; `false` if it is none.
+    #[inline]
+    fn finish(&mut self, start: (usize, usize), has_uvs: bool) -> bool {
+        let end = self.list.faces.corners.len();
+        if end < start.0 + 3 {
+            self.too_few += 1;
+            self.undo(start);
+            return false;
+        }
+        self.list.faces.starts.push(end as u32);
+        if has_uvs {
+            let wanted = start.1 + end - start.0;
+            self.odd_uvs += usize::from(self.list.corner_uvs.len() != wanted);
+            self.list.corner_uvs.resize(wanted, DVec2::ZERO);
+        }
+        true
+    }
+}
+
+impl FaceList {
+    /// Gives the last face its look.
+    fn look(&mut self, row: Row, has_color: bool) {
+        let color = has_color.then(|| Rgb::from(row.color));
+        let key = (color.map(|c| c.to_array().map(f64::to_bits)), row.texture);
+        let look = match self.known.get(&key) {
+            Some(&known) => known,
+            None if self.looks.len() == MOST_LOOKS => 0,
+            None => {
+                self.looks.push(Look {
+                    color,
+                    texture: row.texture,
+                });
+                let new = (self.looks.len() - 1) as u32;
+                self.known.insert(key, new);
+                new
+            }
+        };
+        self.face_looks.push(look);
+    }
+}

@@ -1,0 +1,187 @@
+//! The element `vertex`.
+
+use super::header::{Element, Kind, Type};
+use super::source::{Source, Stop};
+use super::{Reader, rows};
+use crate::{Position, ReadError};
+use azulejo_scene::Rgb;
+use glam::{DVec2, DVec3};
+
+/// What is known of each vertex; lists of what the file does not give are empty.
+#[derive(Debug, Default)]
+pub(super) struct Vertices {
+    /// May hold what is not finite.
+    pub positions: Vec<DVec3>,
+    /// As they stand in the file.
+    pub normals: Vec<DVec3>,
+    pub uvs: Vec<DVec2>,
+    /// As numbers of their kind over what stands for 1.
+    pub colors: Vec<Rgb>,
+    pub irradiance: Vec<Rgb>,
+    pub irradiance_error: Vec<Rgb>,
+    /// Which of azulejo's objects a vertex is of.
+    pub objects: Vec<u32>,
+}
+
+/// Properties by what they mean. The place of a name is the place of its value.
+const MEANINGS: [&[&str]; 18] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["s", "u", "texture_u", "texture_s"],
+    &["t", "v", "texture_v", "texture_t"],
+    &["red", "r", "diffuse_red"],
+    &["green", "g", "diffuse_green"],
+    &["blue", "b", "diffuse_blue"],
+    &["irradiance_red"],
+    &["irradiance_green"],
+    &["irradiance_blue"],
+    &["irradiance_error_red"],
+    &["irradiance_error_green"],
+    &["irradiance_error_blue"],
+    &["object"],
+];
+
+const NORMAL: usize = 3;
+const UV: usize = 6;
+const COLOR: usize = 8;
+const IRRADIANCE: usize = 11;
+const ERROR: usize = 14;
+const OBJECT: usize = 17;
+
+/// Where values go that nobody wants.
+const UNUSED: usize = MEANINGS.len();
+
+/// What to do with each property of a row, and what comes of it.
+#[derive(Default)]
+struct Plan {
+    steps: Vec<Step>,
+    has: [bool; UNUSED],
+    /// What stands for 1 in colours.
+    one: [f64; 3],
+    normals: bool,
+    uvs: bool,
+    colors: bool,
+    irradiance: bool,
+    errors: bool,
+}
+
+enum Step {
+    Value(Kind, usize),
+    List(usize),
+}
+
+type Values = [f64; UNUSED + 1];
+
+impl Plan {
+    fn new(reader: &mut Reader<'_>, element: &Element, objects_are_named: bool) -> Plan {
+        let mut plan = Plan::default();
+        for (number, property) in element.properties.iter().enumerate() {
+            let Type::Scalar(kind) = property.kind else {
+                plan.steps.push(Step::List(number));
+                reader.unused(element, &property.name);
+                continue;
+            };
+            let means = |names: &&[&str]| names.contains(&property.name.as_str());
+            let known = MEANINGS.iter().position(means);
+            let wanted = known.filter(|&m| !plan.has[m] && (m != OBJECT || objects_are_named));
+            match wanted {
+                Some(meaning) => plan.has[meaning] = true,
+                None => reader.unused(element, &property.name),
+            }
+            let slot = wanted.unwrap_or(UNUSED);
+            plan.steps.push(Step::Value(kind, slot));
+            if (COLOR..IRRADIANCE).contains(&slot) {
+                plan.one[slot - COLOR] = kind.one();
+            }
+        }
+        plan.normals = plan.all(NORMAL, 3);
+        plan.uvs = plan.all(UV, 2);
+        plan.colors = plan.all(COLOR, 3);
+        plan.irradiance = plan.all(IRRADIANCE, 3);
+        plan.errors = plan.all(ERROR, 3);
+        plan
+    }
+
+    /// Whether all of a group of properties are there.
+    fn all(&self, first: usize, count: usize) -> bool {
+        self.has[first..first + count].iter().all(|h| *h)
+    }
+
+    /// Puts the numbers of a row at the places of their meanings.
+    #[inline]
+    fn row<S: Source>(
+        &self,
+        source: &mut S,
+        element: &Element,
+        values: &mut Values,
+    ) -> Result<(), Stop> {
+        for step in &self.steps {
+            match *step {
+                Step::Value(kind, slot) => values[slot] = source.number(kind)?,
+                Step::List(number) => element.properties[number].skip(source)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Reader<'_> {
+    /// Reads the vertices and says how many are missing.
+    pub fn read_vertices<S: Source>(
+        &mut self,
+        element: &Element,
+        objects_are_named: bool,
+        source: &mut S,
+    ) -> Result<(Vertices, u64), ReadError> {
+        let plan = Plan::new(self, element, objects_are_named);
+        let mut vertices = Vertices::default();
+        if !plan.all(0, 3) {
+            let found = "vertices that lack x, y or z";
+            return Err(ReadError {
+                position: Position::Line(element.line, 1),
+                ..ReadError::whole(self.file, found, "these three properties")
+            });
+        }
+        let room = element.room(source.left());
+        vertices.positions.reserve_exact(room);
+        let mut values = [0.0; UNUSED + 1];
+        let missing = rows(element, source, |source| {
+            plan.row(source, element, &mut values)?;
+            vertices.push(&plan, &values);
+            Ok(())
+        })?;
+        Ok((vertices, missing))
+    }
+}
+
+impl Vertices {
+    #[inline]
+    fn push(&mut self, plan: &Plan, values: &Values) {
+        let vector = |first: usize| DVec3::new(values[first], values[first + 1], values[first + 2]);
+        let color = |first: usize| Rgb::from(vector(first).to_array());
+        self.positions.push(vector(0));
+        if plan.normals {
+            self.normals.push(vector(NORMAL));
+        }
+        if plan.uvs {
+            self.uvs.push(DVec2::new(values[UV], values[UV + 1]));
+        }
+        if plan.colors {
+            let share = |i: usize| values[COLOR + i] / plan.one[i];
+            self.colors.push(Rgb::new(share(0), share(1), share(2)));
+        }
+        if plan.irradiance {
+            self.irradiance.push(color(IRRADIANCE));
+        }
+        if plan.errors {
+            self.irradiance_error.push(color(ERROR));
+        }
+        if plan.has[OBJECT] {
+            self.objects.push(values[OBJECT] as u32);
+        }
+    }
+}

@@ -1,0 +1,418 @@
+//! Scenes to PLY, binary little-endian.
+
+use super::assemble::DEFAULT_REFLECTANCE;
+use crate::tessellate::lit_mesh_of;
+use azulejo_scene::{Attribute, Material, Mesh, Rgb, Scene, Shape, Up};
+use glam::{DVec2, DVec3};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io::{self, BufWriter, Write};
+
+/// Writes a scene: all objects in one list of vertices and one of faces, with the irradiance if
+/// any object is solved.
+///
+/// Positions, texture coordinates and colours are written so that they read back to the same
+/// value, normals and irradiance in single precision. Exact primitives become polygons. Vertices
+/// whose corners have several normals or texture coordinates are written once for each.
+/// [`losses`] says what else does not fit into the format.
+///
+/// # Errors
+/// What `out` says, and more than 2³² vertices.
+pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    let parts: Vec<Part<'_>> = scene
+        .objects
+        .iter()
+        .map(|o| Part::new(lit_mesh_of(o)))
+        .collect();
+    let count: usize = parts.iter().map(|p| p.vertices.len()).sum();
+    if u32::try_from(count).is_err() {
+        let message = "PLY counts at most 2^32 vertices";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    let layout = Layout::new(scene, &parts);
+    let mut out = BufWriter::new(out);
+    layout.header(scene, &parts, &mut out)?;
+    for (object, part) in parts.iter().enumerate() {
+        layout.vertices(object as u32, part, &mut out)?;
+    }
+    let mut first = 0;
+    for part in &parts {
+        layout.faces(scene, part, first, &mut out)?;
+        first += part.vertices.len() as u32;
+    }
+    out.flush()
+}
+
+/// What [`write()`] would leave out of a scene, or change, in words: "2 cameras".
+pub fn losses(scene: &Scene) -> Vec<String> {
+    let meshes = || {
+        scene.objects.iter().filter_map(|o| match &o.shape {
+            Shape::Mesh(mesh) => Some(mesh),
+            Shape::Primitive(_) => None,
+        })
+    };
+    let meshes_with = |lost: fn(&Mesh) -> bool| meshes().filter(|m| lost(m)).count();
+    let materials =
+        |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
+    let primitives = scene.objects.len() - meshes().count();
+    let counts = [
+        (scene.lights.len(), "lights without area"),
+        (scene.cameras.len(), "cameras"),
+        (usize::from(scene.background.is_some()), "background"),
+        (usize::from(scene.fog.is_some()), "fog"),
+        (primitives, "exact primitives that become polygons"),
+        (
+            materials(|m| m.is_specular() || m.is_emitter() || m.brdf.is_some()),
+            "materials of which only the diffuse reflectance is kept",
+        ),
+        (
+            materials(|m| m.textures.len() > 1),
+            "materials of which only the first picture is kept",
+        ),
+        (
+            meshes_with(|m| m.smoothing.iter().any(|s| *s != 0)),
+            "meshes whose smoothing groups are left out",
+        ),
+        (
+            meshes_with(|m| is_by_corner(&m.normals) || is_by_corner(&m.uvs)),
+            "meshes whose vertices are divided where normals or texture coordinates differ",
+        ),
+    ];
+    let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
+    counts.iter().filter_map(said).collect()
+}
+
+fn is_by_corner<T>(attribute: &Option<Attribute<T>>) -> bool {
+    attribute.as_ref().is_some_and(|a| a.corners.is_some())
+}
+
+/// An object, its vertices divided so that each has one normal and one texture coordinate.
+struct Part<'a> {
+    mesh: Cow<'a, Mesh>,
+    vertices: Vec<Vertex>,
+    /// Index into `vertices` of each corner.
+    corners: Vec<u32>,
+}
+
+/// A vertex and which of the values for corners it has.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Vertex {
+    vertex: u32,
+    normal: u32,
+    uv: u32,
+}
+
+impl<'a> Part<'a> {
+    /// Vertices stay in their order; those that only others have at their corners follow.
+    fn new(mesh: Cow<'a, Mesh>) -> Part<'a> {
+        let plain = |vertex| Vertex {
+            vertex,
+            normal: vertex,
+            uv: vertex,
+        };
+        let mut vertices: Vec<Vertex> = (0..mesh.positions.len() as u32).map(plain).collect();
+        if !is_by_corner(&mesh.normals) && !is_by_corner(&mesh.uvs) {
+            let corners = mesh.faces.corners.clone();
+            return Part {
+                mesh,
+                vertices,
+                corners,
+            };
+        }
+        let mut is_taken = vec![false; vertices.len()];
+        let mut others = HashMap::new();
+        let own = std::iter::zip(0.., &mesh.faces.corners).map(|(corner, &vertex)| {
+            let wanted = Vertex {
+                vertex,
+                normal: index(mesh.normals.as_ref(), corner, vertex),
+                uv: index(mesh.uvs.as_ref(), corner, vertex),
+            };
+            let at = vertex as usize;
+            if !is_taken[at] {
+                is_taken[at] = true;
+                vertices[at] = wanted;
+            }
+            if vertices[at] == wanted {
+                return vertex;
+            }
+            *others.entry(wanted).or_insert_with(|| {
+                vertices.push(wanted);
+                (vertices.len() - 1) as u32
+            })
+        });
+        let corners = own.collect();
+        // Vertices without faces have no corner to say which value is theirs.
+        for (vertex, taken) in std::iter::zip(&mut vertices, is_taken) {
+            if !taken {
+                (vertex.normal, vertex.uv) = (0, 0);
+            }
+        }
+        Part {
+            mesh,
+            vertices,
+            corners,
+        }
+    }
+
+    fn normal(&self, vertex: Vertex) -> DVec3 {
+        let normals = self.mesh.normals.as_ref();
+        normals.map_or(DVec3::ZERO, |n| n.values[vertex.normal as usize])
+    }
+
+    fn uv(&self, vertex: Vertex) -> DVec2 {
+        let uvs = self.mesh.uvs.as_ref();
+        uvs.map_or(DVec2::ZERO, |uv| uv.values[vertex.uv as usize])
+    }
+}
+
+/// Which of an attribute's values a corner has.
+fn index<T>(attribute: Option<&Attribute<T>>, corner: usize, vertex: u32) -> u32 {
+    let corners = attribute.and_then(|a| a.corners.as_ref());
+    corners.map_or(vertex, |index| index[corner])
+}
+
+/// How numbers of a kind are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Byte,
+    Float,
+    Double,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Kind::Byte => "uchar",
+            Kind::Float => "float",
+            Kind::Double => "double",
+        }
+    }
+
+    /// Single precision if that is exact for all.
+    fn of_coordinates(mut values: impl Iterator<Item = f64>) -> Kind {
+        match values.all(|x| f64::from(x as f32) == x) {
+            true => Kind::Float,
+            false => Kind::Double,
+        }
+    }
+
+    /// Bytes if they are exact for all, since that is what other programs expect.
+    fn of_shares(values: impl Iterator<Item = f64> + Clone) -> Kind {
+        let is_byte = |x: f64| (255.0 * x).round() / 255.0 == x && (0.0..=1.0).contains(&x);
+        match values.clone().all(is_byte) {
+            true => Kind::Byte,
+            false => Kind::of_coordinates(values),
+        }
+    }
+
+    fn write(self, values: &[f64], out: &mut dyn Write) -> io::Result<()> {
+        for &value in values {
+            match self {
+                Kind::Byte => out.write_all(&[(255.0 * value).round() as u8]),
+                // Irradiance beyond single precision is as bright as that can say.
+                Kind::Float => {
+                    out.write_all(&(value.min(f64::from(f32::MAX)) as f32).to_le_bytes())
+                }
+                Kind::Double => out.write_all(&value.to_le_bytes()),
+            }?;
+        }
+        Ok(())
+    }
+}
+
+/// Which properties are written, and how.
+struct Layout {
+    positions: Kind,
+    normals: Option<Kind>,
+    uvs: Option<Kind>,
+    colors: Option<Kind>,
+    irradiance: Option<Kind>,
+    errors: Option<Kind>,
+    has_objects: bool,
+    /// Bytes of the number of corners.
+    wide_counts: bool,
+    face_colors: Option<Kind>,
+    has_textures: bool,
+}
+
+impl Layout {
+    fn new(scene: &Scene, parts: &[Part<'_>]) -> Layout {
+        let meshes = || parts.iter().map(|p| &*p.mesh);
+        let positions = meshes().flat_map(|m| &m.positions);
+        let uvs = meshes()
+            .filter_map(|m| m.uvs.as_ref())
+            .flat_map(|uv| &uv.values);
+        let colors = meshes().flat_map(|m| &m.colors);
+        let has = |list: fn(&Mesh) -> bool| meshes().any(list);
+        let has_colors = has(|m| !m.colors.is_empty());
+        let used = || meshes().flat_map(|m| &m.face_materials);
+        let used = || used().map(|&m| &scene.materials[m as usize]);
+        let has_uvs = has(|m| m.uvs.is_some());
+        let has_textures = has_uvs && used().any(|m| !m.textures.is_empty());
+        // What a reader takes for granted needs not be written.
+        let granted = if has_colors {
+            Rgb::WHITE
+        } else {
+            DEFAULT_REFLECTANCE
+        };
+        let has_looks = has_textures || used().any(|m| m.diffuse != granted);
+        Layout {
+            positions: Kind::of_coordinates(positions.flat_map(|p| p.to_array())),
+            normals: has(|m| m.normals.is_some()).then_some(Kind::Float),
+            uvs: has_uvs.then(|| Kind::of_coordinates(uvs.flat_map(|uv| uv.to_array()))),
+            colors: has_colors.then(|| Kind::of_shares(colors.flat_map(|c| c.to_array()))),
+            irradiance: has(|m| !m.irradiance.is_empty()).then_some(Kind::Float),
+            errors: has(|m| !m.irradiance_error.is_empty()).then_some(Kind::Float),
+            has_objects: parts.len() > 1,
+            wide_counts: meshes().any(|m| m.faces.iter().any(|f| f.len() > 255)),
+            face_colors: has_looks
+                .then(|| Kind::of_shares(used().flat_map(|m| m.diffuse.to_array()))),
+            has_textures,
+        }
+    }
+
+    fn header(&self, scene: &Scene, parts: &[Part<'_>], out: &mut dyn Write) -> io::Result<()> {
+        writeln!(
+            out,
+            "ply\nformat binary_little_endian 1.0\ncomment written by azulejo"
+        )?;
+        self.information(scene, out)?;
+        let vertices: usize = parts.iter().map(|p| p.vertices.len()).sum();
+        writeln!(out, "element vertex {vertices}")?;
+        self.vertex_properties(out)?;
+        let faces: usize = parts.iter().map(|p| p.mesh.faces.len()).sum();
+        let count = if self.wide_counts { "uint" } else { "uchar" };
+        writeln!(
+            out,
+            "element face {faces}\nproperty list {count} uint vertex_indices"
+        )?;
+        // Where vertices have colours, other programs would take these instead of them.
+        let prefix = if self.colors.is_some() {
+            "diffuse_"
+        } else {
+            ""
+        };
+        let channels = CHANNELS.map(|c| format!("{prefix}{c}"));
+        properties(self.face_colors, &channels, out)?;
+        if self.has_textures {
+            writeln!(out, "property int texnumber")?;
+        }
+        writeln!(out, "end_header")
+    }
+
+    /// Units, names of objects and pictures.
+    fn information(&self, scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+        let units = scene.units;
+        if units.up == Up::Z {
+            writeln!(out, "obj_info azulejo up z")?;
+        }
+        if let Some(metres) = units.metres_per_unit {
+            writeln!(out, "obj_info azulejo metres_per_unit {metres:e}")?;
+        }
+        if units.photometric {
+            writeln!(out, "obj_info azulejo photometric")?;
+        }
+        if self.has_objects || scene.objects.iter().any(|o| !o.name.is_empty()) {
+            for object in &scene.objects {
+                writeln!(out, "obj_info azulejo object {}", one_line(&object.name))?;
+            }
+        }
+        if self.has_textures {
+            for texture in &scene.textures {
+                writeln!(out, "comment TextureFile {}", one_line(&texture.path))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn vertex_properties(&self, out: &mut dyn Write) -> io::Result<()> {
+        let light = |what: &str| CHANNELS.map(|c| format!("{what}_{c}"));
+        properties(Some(self.positions), &["x", "y", "z"], out)?;
+        properties(self.normals, &["nx", "ny", "nz"], out)?;
+        properties(self.uvs, &["s", "t"], out)?;
+        properties(self.colors, &CHANNELS, out)?;
+        properties(self.irradiance, &light("irradiance"), out)?;
+        properties(self.errors, &light("irradiance_error"), out)?;
+        if self.has_objects {
+            writeln!(out, "property uint object")?;
+        }
+        Ok(())
+    }
+
+    fn vertices(&self, object: u32, part: &Part<'_>, out: &mut dyn Write) -> io::Result<()> {
+        let mesh = &*part.mesh;
+        // Objects that lack what others have get what means nothing.
+        let color = |list: &[Rgb], v: Vertex, none| *list.get(v.vertex as usize).unwrap_or(&none);
+        let colored = |kind: Option<Kind>, color: Rgb, out: &mut dyn Write| match kind {
+            Some(kind) => kind.write(&color.to_array(), out),
+            None => Ok(()),
+        };
+        for &vertex in &part.vertices {
+            let position = mesh.positions[vertex.vertex as usize];
+            self.positions.write(&position.to_array(), out)?;
+            if let Some(kind) = self.normals {
+                kind.write(&part.normal(vertex).to_array(), out)?;
+            }
+            if let Some(kind) = self.uvs {
+                kind.write(&part.uv(vertex).to_array(), out)?;
+            }
+            colored(self.colors, color(&mesh.colors, vertex, Rgb::WHITE), out)?;
+            let irradiance = color(&mesh.irradiance, vertex, Rgb::BLACK);
+            colored(self.irradiance, irradiance, out)?;
+            let error = color(&mesh.irradiance_error, vertex, Rgb::BLACK);
+            colored(self.errors, error, out)?;
+            if self.has_objects {
+                out.write_all(&object.to_le_bytes())?;
+            }
+        }
+        Ok(())
+    }
+
+    fn faces(
+        &self,
+        scene: &Scene,
+        part: &Part<'_>,
+        first: u32,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        for face in 0..part.mesh.faces.len() {
+            let corners = &part.corners[part.mesh.faces.corner_range(face)];
+            match self.wide_counts {
+                true => out.write_all(&(corners.len() as u32).to_le_bytes())?,
+                false => out.write_all(&[corners.len() as u8])?,
+            }
+            for corner in corners {
+                out.write_all(&(first + corner).to_le_bytes())?;
+            }
+            let material = &scene.materials[part.mesh.face_materials[face] as usize];
+            if let Some(kind) = self.face_colors {
+                kind.write(&material.diffuse.to_array(), out)?;
+            }
+            if self.has_textures {
+                let texture = material.textures.first();
+                let number = texture.map_or(-1, |&t| t as i32);
+                out.write_all(&number.to_le_bytes())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+fn properties(
+    kind: Option<Kind>,
+    names: &[impl AsRef<str>],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let Some(kind) = kind else { return Ok(()) };
+    names
+        .iter()
+        .try_for_each(|name| writeln!(out, "property {} {}", kind.name(), name.as_ref()))
+}
+
+/// A name as one line can hold it.
+fn one_line(name: &str) -> String {
+    let printable = |c: char| if c.is_control() { ' ' } else { c };
+    name.chars().map(printable).collect()
+}
