@@ -54,6 +54,9 @@ impl Reader<'_> {
             self.warn_at(at, "the file ends inside a solid: what is there is kept");
             self.end_solid();
         }
+        if !self.scene.objects.is_empty() {
+            self.scene.add_material(default_material());
+        }
         Ok(())
     }
 
@@ -99,9 +102,6 @@ impl Reader<'_> {
             self.end_solid();
         }
         let name = text(self.words.rest_of_line()).into_owned();
-        if self.scene.materials.is_empty() {
-            self.scene.add_material(default_material());
-        }
         let left = self.length - self.words.offset();
         // A file of many small solids must not get room for all of it in each of them.
         let expected = match self.scene.objects.is_empty() {

@@ -109,6 +109,17 @@ fn text_with_flaws() {
 }
 
 #[test]
+fn facets_outside_solids_are_an_object_too() {
+    let bare = SQUARE.replacen("solid", "solidus", 1);
+    let loaded = load(bare.as_bytes());
+    assert_eq!(mesh(&loaded, 0).faces.len(), 2);
+    check_warnings(
+        &loaded,
+        &["a.stl:1:1: \"solidus\" is no word of STL: skipped with its line"],
+    );
+}
+
+#[test]
 fn text_that_ends_too_soon_keeps_what_is_there() {
     let end = SQUARE.find("  ENDFACET").unwrap();
     let loaded = load(&SQUARE.as_bytes()[..end]);
