@@ -1,11 +1,13 @@
 //! X3D's flat geometry, in the plane z = 0.
 
 use super::shape::{Pool, Surface};
-use super::solids::SIDES;
 use super::tree::Node;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Sides of a circle: its chords are within a thousandth of the radius.
+const SIDES: usize = 72;
 
 /// The polygons of a node; `None` if it is of another type, or has none.
 pub(super) fn surface(node: &Node) -> Option<Surface<'_>> {

@@ -183,6 +183,7 @@ const KNOWN: &[&str] = &[
     "roughness",
     "diffuseTexture",
     "baseTexture",
+    "mirror",
 ];
 
 /// Names every field that is not among `known`.
@@ -197,9 +198,12 @@ fn say_what_is_lost(stage: &mut Stage, node: &Node, known: &[&str]) {
 fn phong_material(stage: &mut Stage, node: &Node) -> Material {
     let diffuse = node.color("diffuseColor", DIFFUSE);
     let specular = node.color("specularColor", Rgb::BLACK);
+    // Castle Game Engine's own field: the share that a perfect mirror reflects.
+    let mirror = node.number("mirror", 0.0).clamp(0.0, 1.0);
     let mut material = Material {
+        mirror: Rgb::grey(mirror),
         emission: node.color("emissiveColor", Rgb::BLACK),
-        ..Material::diffuse("", diffuse)
+        ..Material::diffuse("", diffuse * (1.0 - mirror))
     };
     if !specular.is_black() {
         let message = "glossy material (specularColor, shininess): kept as brdf phong, its diffuseColor alone reflects";

@@ -15,6 +15,7 @@ mod lights;
 mod look;
 mod names;
 mod shape;
+mod solid;
 mod solids;
 mod stage;
 mod surroundings;

@@ -88,16 +88,13 @@ pub(super) fn place(stage: &mut Stage, shape: &Node, frame: &Frame) -> Result<()
         return Ok(());
     };
     let frame = &frame.named(shape.name.as_deref().or(geometry.name.as_deref()));
+    if let Some(solid) = solids::solid(&geometry) {
+        return match look::of(stage, shape)? {
+            Some(look) => solids::place(stage, &geometry, &solid, frame, &look),
+            None => Ok(()),
+        };
+    }
     let surface = match &*geometry.kind {
-        "Box" | "Sphere" | "Cylinder" | "Cone" => {
-            let Some(look) = look::of(stage, shape)? else {
-                return Ok(());
-            };
-            match solids::place(stage, &geometry, frame, &look)? {
-                None => return Ok(()),
-                Some(surface) => return mesh(stage, &geometry, frame, surface, &look),
-            }
-        }
         "IndexedFaceSet" => Some(face_set(stage, &geometry)?),
         "ElevationGrid" => elevation::surface(stage, &geometry)?,
         "Extrusion" => extrusion::surface(stage, &geometry)?,

