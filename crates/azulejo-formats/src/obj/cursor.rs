@@ -198,6 +198,32 @@ impl<'a> Cursor<'a> {
         name
     }
 
+    /// The next `N` words as numbers, if all of them are plain; else none is taken, and
+    /// [`Cursor::number`] says why.
+    #[inline]
+    pub fn plain_numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
+        let start = self.at;
+        let mut values = [0.0; N];
+        for value in &mut values {
+            while matches!(self.bytes.get(self.at), Some(b' ' | b'\t')) {
+                self.at += 1;
+            }
+            let number = number::parse(&self.bytes[self.at..])
+                .filter(|number| !number.misplaced_sign)
+                .filter(|number| {
+                    let behind = self.bytes.get(self.at + number.length);
+                    behind.is_none_or(|&b| is_blank(b) || is_line_end(b))
+                });
+            let Some(number) = number else {
+                self.at = start;
+                return None;
+            };
+            self.at += number.length;
+            *value = number.value;
+        }
+        Some(values)
+    }
+
     /// The next word as a number, NaN and infinities included, with whether its exponent's sign
     /// was misplaced; `None` when the statement has no more words.
     ///

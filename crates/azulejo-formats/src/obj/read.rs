@@ -245,7 +245,10 @@ impl<'a> Reader<'a> {
         }
         self.cursor.skip_blanks();
         let start = self.cursor.offset();
-        let position = DVec3::from(self.numbers::<3>("x, y and z of a vertex")?);
+        let position = match self.cursor.plain_numbers() {
+            Some(position) => DVec3::from_array(position),
+            None => DVec3::from(self.numbers::<3>("x, y and z of a vertex")?),
+        };
         if !position.is_finite() {
             let found = format!("a vertex at {position}");
             return Err(self.cursor.error_saying(start, found, "finite coordinates"));
@@ -350,9 +353,13 @@ impl<'a> Reader<'a> {
 
     /// `vt u [v [w]]`.
     fn uv(&mut self) -> Result<(), ReadError> {
-        let [u] = self.numbers::<1>("u of a texture coordinate")?;
-        let v = self.number()?.unwrap_or(0.0);
-        let mut uv = DVec2::new(u, v);
+        let mut uv = match self.cursor.plain_numbers() {
+            Some(uv) => DVec2::from_array(uv),
+            None => {
+                let [u] = self.numbers::<1>("u of a texture coordinate")?;
+                DVec2::new(u, self.number()?.unwrap_or(0.0))
+            }
+        };
         if !uv.is_finite() {
             self.warn("texture coordinate that is not finite: taken as (0, 0)");
             uv = DVec2::ZERO;
@@ -362,7 +369,10 @@ impl<'a> Reader<'a> {
     }
 
     fn normal(&mut self) -> Result<(), ReadError> {
-        let given = DVec3::from(self.numbers::<3>("x, y and z of a normal")?);
+        let given = match self.cursor.plain_numbers() {
+            Some(normal) => DVec3::from_array(normal),
+            None => DVec3::from(self.numbers::<3>("x, y and z of a normal")?),
+        };
         let unit = unit_or_zero(given);
         if unit == DVec3::ZERO {
             self.warn("normal that is zero or not finite: dropped");
@@ -401,7 +411,7 @@ impl<'a> Reader<'a> {
 
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn` as indices from zero; what is missing behind a slash is
     /// [`NONE`].
-    #[inline]
+    #[inline(always)]
     pub(super) fn corner(&mut self) -> Result<[u32; 3], ReadError> {
         let start = self.cursor.offset();
         let position = self.position(start)?;
