@@ -207,7 +207,8 @@ impl Parser<'_> {
 
     /// What changes nothing when it is zero, as Blender writes it for most materials.
     fn unless_zero(&mut self, keyword: &[u8]) {
-        if !matches!(self.cursor.number(), Ok(Some(n)) if n.value == 0.0) {
+        self.cursor.skip_blanks();
+        if self.cursor.plain_numbers() != Some([0.0]) {
             self.unused(keyword);
         }
     }
@@ -467,8 +468,9 @@ fn vector(cursor: &mut Cursor) -> Vec<f64> {
     let mut given = Vec::new();
     while given.len() < 3 {
         let mut next = cursor.clone();
-        match next.number() {
-            Ok(Some(n)) if n.value.is_finite() => given.push(n.value),
+        next.skip_blanks();
+        match next.plain_numbers() {
+            Some([value]) if value.is_finite() => given.push(value),
             _ => break,
         }
         *cursor = next;

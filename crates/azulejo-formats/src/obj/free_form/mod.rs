@@ -195,16 +195,21 @@ impl Reader<'_> {
     /// The numbers of a statement; a warning when one is malformed or not finite.
     fn values(&mut self, keyword: &str) -> Option<Vec<f64>> {
         let mut values = Vec::new();
-        loop {
-            match self.cursor.number() {
-                Ok(Some(number)) if number.value.is_finite() => values.push(number.value),
-                Ok(None) => return Some(values),
-                _ => {
-                    self.warn(format!("\"{keyword}\" with what is no number: skipped"));
-                    return None;
-                }
-            }
+        while !self.cursor.at_end() {
+            let Some(value) = self.value() else {
+                self.warn(format!("\"{keyword}\" with what is no number: skipped"));
+                return None;
+            };
+            values.push(value);
         }
+        Some(values)
+    }
+
+    /// The next number, if it is one and finite.
+    fn value(&mut self) -> Option<f64> {
+        self.cursor.skip_blanks();
+        let [value] = self.cursor.plain_numbers()?;
+        value.is_finite().then_some(value)
     }
 
     /// 0 or 1 for the word `u` or `v`.
@@ -303,13 +308,11 @@ impl Reader<'_> {
     fn surface(&mut self) -> Result<(), ReadError> {
         let mut range = [0.0; 4];
         for value in &mut range {
-            match self.cursor.number() {
-                Ok(Some(number)) if number.value.is_finite() => *value = number.value,
-                _ => {
-                    self.warn("\"surf\" without four numbers for its range: skipped");
-                    return self.begin(What::Nothing);
-                }
-            }
+            let Some(given) = self.value() else {
+                self.warn("\"surf\" without four numbers for its range: skipped");
+                return self.begin(What::Nothing);
+            };
+            *value = given;
         }
         let what = What::Surface {
             range,

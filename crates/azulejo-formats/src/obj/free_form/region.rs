@@ -185,6 +185,10 @@ fn area(points: &[DVec2]) -> f64 {
 
 /// The convex polygons of a cell: the cell itself where it is whole, otherwise triangles.
 fn triangles(loops: Loops, budget: &mut Budget) -> Result<Vec<Vec<DVec2>>, Refused> {
+    if !loops.iter().flatten().all(|p| p.is_finite()) {
+        let why = "a trimming curve of points that are not finite";
+        return Err(Refused::Because(why.to_owned()));
+    }
     if let [only] = loops.as_slice()
         && let Some(convex) = convex(only)
     {

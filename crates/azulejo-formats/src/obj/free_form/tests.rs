@@ -423,6 +423,27 @@ fn what_cannot_be_is_named() {
     );
 }
 
+/// Each of these once took time in proportion to all of the file before it.
+#[test]
+fn many_malformed_statements_take_no_time() {
+    let start = std::time::Instant::now();
+    let text = "deg x\nstep 1e999\nsurf a\nend\nvp nan\n".repeat(20_000);
+    check_warnings(
+        &format!("{SQUARE}f 1 2 3\n{text}"),
+        &[
+            "\"deg\" with what is no number: skipped",
+            "\"step\" with what is no number: skipped",
+            "\"surf\" without four numbers for its range: skipped",
+            "\"vp\" with what is no number: skipped",
+        ],
+    );
+    let options = "map_Kd -s 1 x a.png\nPc x\n".repeat(20_000);
+    let mtl = format!("newmtl m\n{options}");
+    let read = obj::read_materials(mtl.as_bytes(), "m.mtl", &Memory::new()).unwrap();
+    assert_eq!(read.warnings.len(), 2);
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
 #[test]
 fn control_points_must_exist() {
     let text = format!("{SQUARE}surf 0 1 0 1 1 2 3 5");
