@@ -33,7 +33,7 @@ const COMPLAINT: u64 = 64;
 /// Why a statement is not carried out.
 #[derive(Debug)]
 pub(super) enum Stop {
-    /// It is skipped; this is said.
+    /// It is skipped, or carried out as well as it can be; this is said.
     Skipped(String),
     /// The model unfolds to more than is allowed: nothing more is read.
     Exhausted(Exhausted),
@@ -45,7 +45,7 @@ impl From<Exhausted> for Stop {
     }
 }
 
-/// A statement that is skipped for a reason.
+/// A statement that is skipped or mended for a reason.
 pub(super) fn skip<T>(message: impl Into<String>) -> Result<T, Stop> {
     Err(Stop::Skipped(message.into()))
 }
@@ -350,62 +350,52 @@ impl<'r> Reader<'r> {
     }
 
     fn material(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), Stop> {
-        let color = *self.colors.current().1;
-        let emission = self.emission;
         let (_, surface) = self.surfaces.current();
         surface.made = [None; 2];
-        let limited = |amount: f64| Part {
-            amount: amount.clamp(0.0, 1.0),
-            color,
-            roughness: 0.0,
-        };
-        let diffuse = || -> Result<(f64, Part), Stop> {
-            let [amount] = numbers(words)?;
-            Ok((amount, limited(amount)))
-        };
-        let specular = || -> Result<(f64, Part), Stop> {
-            let [amount, roughness] = numbers(words)?;
-            let part = Part {
-                roughness: roughness.max(0.0),
-                ..limited(amount)
-            };
-            Ok((amount, part))
-        };
-        let (target, (amount, part)) = match keyword {
+        match keyword {
             b"sides" => match numbers(words)? {
-                [1.0] => {
-                    surface.is_one_sided = true;
-                    return Ok(());
-                }
-                [2.0] => {
-                    surface.is_one_sided = false;
-                    return Ok(());
-                }
+                [1.0] => surface.is_one_sided = true,
+                [2.0] => surface.is_one_sided = false,
                 _ => return skip("sides are 1 or 2: skipped"),
             },
             b"ir" => {
                 let [real, _] = numbers(words)?;
                 surface.ior = (real > 0.0 && real != 1.0).then_some(real);
-                return Ok(());
             }
             b"ed" => {
                 let [amount] = numbers(words)?;
-                let part = Part {
-                    amount: (amount * emission).clamp(0.0, f64::MAX),
-                    ..limited(0.0)
+                surface.ed = Part {
+                    amount: (amount * self.emission).clamp(0.0, f64::MAX),
+                    color: *self.colors.current().1,
+                    roughness: 0.0,
                 };
-                surface.ed = part;
-                return match amount < 0.0 {
-                    true => skip("ed below 0: taken as 0"),
-                    false => Ok(()),
-                };
+                if amount < 0.0 {
+                    return skip("ed below 0: taken as 0");
+                }
             }
-            b"rd" => (&mut surface.rd, diffuse()?),
-            b"td" => (&mut surface.td, diffuse()?),
-            b"rs" => (&mut surface.rs, specular()?),
-            _ => (&mut surface.ts, specular()?),
+            _ => return self.share(keyword, words),
+        }
+        Ok(())
+    }
+
+    /// Sets one of the shares of the light that arrives: rd, td, rs or ts.
+    fn share(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), Stop> {
+        let [amount, roughness] = match keyword {
+            b"rd" | b"td" => [numbers::<1>(words)?[0], 0.0],
+            _ => numbers(words)?,
         };
-        *target = part;
+        let part = Part {
+            amount: amount.clamp(0.0, 1.0),
+            color: *self.colors.current().1,
+            roughness: roughness.max(0.0),
+        };
+        let (_, surface) = self.surfaces.current();
+        match keyword {
+            b"rd" => surface.rd = part,
+            b"td" => surface.td = part,
+            b"rs" => surface.rs = part,
+            _ => surface.ts = part,
+        }
         match amount == part.amount {
             true => Ok(()),
             false => skip(format!("{} outside 0..1: clamped", text(keyword))),

@@ -66,10 +66,6 @@ fn spheres_are_exact() {
         ("hospital/main.mgf", 61),
     ] {
         let scene = read(&data, path).scene;
-        let is_sphere = |shape: &Shape| match shape {
-            Shape::Primitive(p) => p.kind == PrimitiveKind::Sphere,
-            Shape::Mesh(_) => false,
-        };
         let found = scene.objects.iter().filter(|o| is_sphere(&o.shape)).count();
         assert_eq!(found, expected, "{path}");
     }
@@ -96,4 +92,68 @@ fn a_photometric_file_and_its_body() {
     let whole = read(&files.with("examp1.mgf", body));
     assert!((lumens(&whole) / 8_697.5 - 1.0).abs() < 5e-4);
     assert_eq!(whole.objects.len(), 27);
+}
+
+/// The office, and what a converter has made of it in VRML 1.0: the same rooms, tables and lamps.
+#[test]
+fn the_office_and_its_twin() {
+    let Some(data) = data() else { return };
+    let office = read(&data, "office3/office.mgf").scene;
+    let path = data.join("corpus/wrl/castle/lights_materials/raytracer/office.wrl");
+    let bytes = std::fs::read(&path).expect("a readable file");
+    let twin = azulejo_formats::read(&bytes, "office.wrl", &Folder::of_model(&path))
+        .expect("a scene")
+        .scene;
+    let (found, expected) = (Measures::of(&office), Measures::of(&twin));
+    assert_eq!((found.spheres, expected.spheres), (77, 77));
+    // Both have circles as polygons, of different numbers of sides.
+    let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-3;
+    assert!(close(found.area, expected.area), "{found:?} {expected:?}");
+    assert!(
+        close(found.shining, expected.shining),
+        "{found:?} {expected:?}"
+    );
+    let (a, b) = (office.bounds(), twin.bounds());
+    let apart = (a.min - b.min).abs().max((a.max - b.max).abs());
+    assert!(apart.max_element() < 1e-3, "{a:?} {b:?}");
+}
+
+/// What can be measured in a scene, whatever its objects are called and made of.
+#[derive(Debug, Default)]
+struct Measures {
+    spheres: usize,
+    area: f64,
+    /// Area of the surfaces that emit.
+    shining: f64,
+}
+
+impl Measures {
+    fn of(scene: &Scene) -> Measures {
+        let mut measures = Measures::default();
+        let mut add = |area: f64, material: MaterialId| {
+            measures.area += area;
+            if scene.materials[material as usize].is_emitter() {
+                measures.shining += area;
+            }
+        };
+        for object in &scene.objects {
+            match &object.shape {
+                Shape::Primitive(p) => add(p.area(), p.material),
+                Shape::Mesh(mesh) => mesh
+                    .face_materials
+                    .iter()
+                    .enumerate()
+                    .for_each(|(f, &m)| add(mesh.face_area_vector(f).length(), m)),
+            }
+        }
+        measures.spheres = scene.objects.iter().filter(|o| is_sphere(&o.shape)).count();
+        measures
+    }
+}
+
+fn is_sphere(shape: &Shape) -> bool {
+    match shape {
+        Shape::Primitive(p) => p.kind == PrimitiveKind::Sphere,
+        Shape::Mesh(_) => false,
+    }
 }
