@@ -470,3 +470,37 @@ fn small_files_cannot_fill_memory() {
         "{error}"
     );
 }
+
+#[test]
+fn cut_or_changed_anywhere() {
+    let text = format!(
+        "{}{SURFACE}trim 0 4 1\nend\nstech cparma 2 1\n{}hole 0 4 -1\nend\n",
+        format!("{SQUARE}{}", circle(0.4)),
+        octant().replace("1 2 3 4 5 6 7 8 7", "5 6 7 8 9 10 11 12 11"),
+    );
+    assert_eq!(
+        meshes(&load(&text))[0]
+            .uvs
+            .as_ref()
+            .map(|uvs| uvs.corners.is_none()),
+        Some(true)
+    );
+    let options = ReadOptions {
+        most_elements: 10_000,
+        ..ReadOptions::default()
+    };
+    let survive = |bytes: &[u8]| match obj::read_with(bytes, "a.obj", &Memory::new(), &options) {
+        Ok(loaded) => loaded.scene.validate().unwrap_or_else(|e| panic!("{e}")),
+        Err(e) => assert!(!e.to_string().is_empty()),
+    };
+    for end in 0..=text.len() {
+        survive(&text.as_bytes()[..end]);
+    }
+    for value in b"\n-.e9" {
+        for at in 0..text.len() {
+            let mut changed = text.clone().into_bytes();
+            changed[at] = *value;
+            survive(&changed);
+        }
+    }
+}
