@@ -1,7 +1,7 @@
 //! Meshes: primitives over vertices that they share.
 
 use super::accessor::Data;
-use super::irradiance;
+use super::irradiance::Stored;
 use super::material::{Surface, Surfaces};
 use super::said::Said;
 use super::skin::Joints;
@@ -18,6 +18,9 @@ use std::collections::{BTreeMap, HashMap};
 /// How messages about primitives begin whose numbers are not there.
 pub(super) const LOST: &str = "primitive left out: ";
 
+/// Elements that a primitive counts for, by the time it takes, even if nothing comes of it.
+const ELEMENTS_PER_PRIMITIVE: u64 = 16;
+
 type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
 /// What a mesh is read with.
@@ -30,6 +33,8 @@ pub(super) struct Builder<'b, 'a> {
     pub budget: &'b mut Budget,
     /// Where losses are counted.
     pub said: &'b mut Said,
+    /// How the mesh stores its irradiance, if it has any.
+    pub irradiance: Option<Stored>,
     /// Index of the mesh.
     pub mesh: usize,
     /// Index of the primitive in it.
@@ -112,7 +117,7 @@ impl<'a> Builder<'_, 'a> {
             return Ok(None);
         };
         let mut mesh = Mesh::default();
-        let mut vertices = Vertices::new(irradiance::of(json));
+        let mut vertices = Vertices::new(self.irradiance);
         let mut pools = HashMap::new();
         for (p, primitive) in json.primitives.iter().enumerate() {
             self.primitive = p;
@@ -142,6 +147,8 @@ impl<'a> Builder<'_, 'a> {
         pools: &mut HashMap<Pool<'a>, (u32, u32)>,
         mesh: &mut Mesh,
     ) -> Result<(), Fault> {
+        let targets = primitive.targets.as_ref().map_or(0, Vec::len);
+        self.budget.spend(ELEMENTS_PER_PRIMITIVE + targets as u64)?;
         let mode = match primitive.mode {
             Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => {
                 mode

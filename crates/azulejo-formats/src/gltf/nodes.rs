@@ -17,6 +17,8 @@ const MOST_PLACE: f64 = 1e100;
 pub(super) struct Tree<'a> {
     nodes: &'a [Node],
     parents: Vec<Option<u32>>,
+    /// Where each node stands; empty if there are no skins, which alone ask.
+    places: Vec<DAffine3>,
 }
 
 impl<'a> Tree<'a> {
@@ -41,7 +43,15 @@ impl<'a> Tree<'a> {
                 }
             }
         }
-        Ok(Tree { nodes, parents })
+        let mut tree = Tree {
+            nodes,
+            parents,
+            places: Vec::new(),
+        };
+        if !root.skins.is_empty() {
+            tree.places = (0..nodes.len()).map(|node| tree.place(node)).collect();
+        }
+        Ok(tree)
     }
 
     /// The nodes without a parent.
@@ -52,8 +62,13 @@ impl<'a> Tree<'a> {
             .map(|(i, _)| i)
     }
 
+    /// Where a node stands that is a joint of a skin.
+    pub fn world_from_joint(&self, node: usize) -> DAffine3 {
+        self.places.get(node).copied().unwrap_or_default()
+    }
+
     /// Where a node stands, nodes above it included.
-    pub fn world_from_node(&self, node: usize) -> DAffine3 {
+    fn place(&self, node: usize) -> DAffine3 {
         let mut map = DAffine3::IDENTITY;
         let mut next = Some(node);
         for _ in 0..MOST_LEVELS {
@@ -171,7 +186,7 @@ mod tests {
              {\"matrix\":[2,0,0,0, 0,2,0,0, 0,0,2,0, 3,0,0,1]}",
         );
         let tree = Tree::of(&root, "a.gltf").unwrap();
-        let placed = tree.world_from_node(1).transform_point3(DVec3::X);
+        let placed = tree.place(1).transform_point3(DVec3::X);
         assert!(
             (placed - DVec3::new(1.0, 5.0, 0.0)).length() < 1e-12,
             "{placed}"

@@ -1,7 +1,7 @@
 //! Skins: vertices that hang on joints, at rest.
 
 use super::accessor::Data;
-use super::nodes::Tree;
+use super::nodes::{Tree, is_usable};
 use glam::{DAffine3, DMat3, DVec3};
 use gltf_json::Index;
 use gltf_json::skin::Skin;
@@ -22,7 +22,7 @@ impl Joints {
         let mut world_from_mesh: Vec<DAffine3> = skin
             .joints
             .iter()
-            .map(|joint| tree.world_from_node(joint.value()))
+            .map(|joint| tree.world_from_joint(joint.value()))
             .collect();
         if let Some(matrices) = skin.inverse_bind_matrices {
             let count = data.count(matrices)?;
@@ -33,6 +33,10 @@ impl Joints {
             for (map, inverse) in world_from_mesh.iter_mut().zip(inverse) {
                 *map *= inverse;
             }
+        }
+        // What hangs on a joint that is nowhere is nowhere, too.
+        for map in world_from_mesh.iter_mut().filter(|m| !is_usable(m)) {
+            *map = DAffine3::NAN;
         }
         Ok(Joints { world_from_mesh })
     }

@@ -1,12 +1,14 @@
 //! From the nodes of a scene to objects, lights and cameras in the world.
 
 use super::accessor::Data;
+use super::irradiance::{self, Stored};
 use super::material::Surfaces;
 use super::mesh::{Builder, Pose};
 use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
 use super::said::Said;
 use super::skin::Joints;
 use crate::options::{Budget, Exhausted};
+use crate::text::shortened;
 use crate::{ReadError, ReadOptions};
 use azulejo_scene::{Camera, Light, LightKind, Mesh, Object, Rgb, Scene, Shape};
 use glam::{DAffine3, DVec3};
@@ -22,6 +24,10 @@ const BYTES_PER_ELEMENT: usize = 100;
 /// Elements that an object without vertices counts for.
 const ELEMENTS_PER_OBJECT: u64 = 10;
 
+/// Elements that a visit to a node counts for, by the time it takes: files can make a few nodes
+/// be visited millions of times.
+const ELEMENTS_PER_NODE: u64 = 16;
+
 /// Longest path that becomes an object's name, in bytes.
 const MOST_PATH: usize = 1000;
 
@@ -33,6 +39,8 @@ pub(super) struct Walk<'w, 'a> {
     data: &'a Data<'a>,
     tree: &'w Tree<'a>,
     surfaces: Surfaces<'a>,
+    /// How each mesh stores its irradiance, if it has any.
+    irradiance: Vec<Option<Stored>>,
     budget: Budget,
     said: &'w mut Said,
     scene: Scene,
@@ -62,6 +70,7 @@ impl<'w, 'a> Walk<'w, 'a> {
             data,
             tree,
             surfaces,
+            irradiance: data.root.meshes.iter().map(irradiance::of).collect(),
             budget: Budget::new(options),
             said,
             scene: Scene::default(),
@@ -78,7 +87,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         let chosen = root.scene.map_or(0, |s| s.value());
         for (i, scene) in root.scenes.iter().enumerate() {
             if i != chosen {
-                let name = scene.name.as_deref().unwrap_or("without a name");
+                let name = shortened(scene.name.as_deref().unwrap_or("without a name"));
                 let message = format!("scene {name}: skipped, another is shown");
                 self.said.of(&message, || format!("scenes[{i}]"));
             }
@@ -121,7 +130,7 @@ impl<'w, 'a> Walk<'w, 'a> {
             let found = format!("more than {MOST_LEVELS} nodes one below the other");
             return Err(ReadError::whole(self.file, found, "a flatter file"));
         }
-        self.spend(1)?;
+        self.spend(ELEMENTS_PER_NODE)?;
         if is_hidden(node) {
             let message = "hidden node: left out, and what is below it";
             self.said.of(message, || format!("nodes[{index}]"));
@@ -181,14 +190,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         let Some(json) = self.root().meshes.get(mesh) else {
             return Ok(());
         };
-        let joints = node.skin.and_then(|skin| {
-            let joints = Joints::of(skin, self.data, self.tree);
-            let fault = |fault| {
-                let message = format!("skin left out: {fault}");
-                self.said.of(&message, || format!("nodes[{index}]"));
-            };
-            joints.map_err(fault).ok()
-        });
+        let joints = self.joints(index, node)?;
         let weights = node.weights.as_deref().or(json.weights.as_deref());
         let pose = Pose {
             weights: weights.unwrap_or_default(),
@@ -199,6 +201,7 @@ impl<'w, 'a> Walk<'w, 'a> {
             surfaces: &mut self.surfaces,
             budget: &mut self.budget,
             said: &mut *self.said,
+            irradiance: self.irradiance.get(mesh).copied().flatten(),
             mesh,
             primitive: 0,
         };
@@ -219,6 +222,22 @@ impl<'w, 'a> Walk<'w, 'a> {
                 Ok(())
             }
         }
+    }
+
+    /// The joints on which a node's mesh hangs, if it does.
+    fn joints(&mut self, index: usize, node: &Node) -> Result<Option<Joints>, ReadError> {
+        let Some(skin) = node.skin else {
+            return Ok(None);
+        };
+        let count = self.root().get(skin).map_or(0, |s| s.joints.len());
+        self.spend(ELEMENTS_PER_NODE * count as u64)?;
+        let joints = Joints::of(skin, self.data, self.tree);
+        Ok(joints
+            .map_err(|fault| {
+                let message = format!("skin left out: {fault}");
+                self.said.of(&message, || format!("nodes[{index}]"));
+            })
+            .ok())
     }
 
     fn object(&mut self, name: String, mut mesh: Mesh, world: &DAffine3) -> Result<(), ReadError> {
@@ -302,10 +321,7 @@ impl<'w, 'a> Walk<'w, 'a> {
             return;
         };
         let camera = Camera {
-            name: match place.path {
-                "" => json.name.clone().unwrap_or_default(),
-                path => path.to_owned(),
-            },
+            name: named(place, json.name.as_deref()),
             eye,
             // Far from the origin a step of one would be lost in rounding.
             target: eye + forward * (1e-3 * eye.length()).max(1.0),
@@ -337,10 +353,7 @@ impl<'w, 'a> Walk<'w, 'a> {
             self.said.of("light that shines nowhere: skipped", at);
             return;
         };
-        let name = match place.path {
-            "" => json.name.clone().unwrap_or_default(),
-            path => path.to_owned(),
-        };
+        let name = named(place, json.name.as_deref());
         self.scene.lights.push(Light { name, kind });
     }
 }
@@ -372,6 +385,14 @@ fn kind_of(json: &khr_lights_punctual::Light, world: &DAffine3) -> Option<LightK
             })
         }
         Checked::Invalid => None,
+    }
+}
+
+/// The name of a light or a camera: the path of the nodes' names, or else its own.
+fn named(place: Place, own: Option<&str>) -> String {
+    match place.path {
+        "" => joined("", own.unwrap_or("")),
+        path => path.to_owned(),
     }
 }
 

@@ -71,6 +71,13 @@ fn bombs() {
         &few,
         "unfold to more than 10000",
     );
+    // A mesh of nothing but points, in thousands of places.
+    let points = "{\"attributes\":{},\"mode\":0},".repeat(900);
+    let nodes = "{\"mesh\":0},".repeat(900);
+    let rest = format!(
+        "\"nodes\":[{nodes}{{}}],\"meshes\":[{{\"primitives\":[{points}{{\"attributes\":{{}}}}]}}]"
+    );
+    check_with(json(&rest).as_bytes(), &few, "unfold to more than 10000");
     let chain: String = (1..400)
         .map(|i| format!("{{\"children\":[{i}]}},"))
         .collect();
