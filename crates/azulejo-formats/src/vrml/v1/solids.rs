@@ -6,7 +6,7 @@ use super::walk::Walk;
 use crate::ReadError;
 use crate::vrml::solid::Solid;
 use crate::vrml::stage::Placed;
-use azulejo_scene::{MaterialId, Mesh};
+use azulejo_scene::MaterialId;
 
 /// The solid of a node, and for each of its parts the number in VRML, which counts materials by
 /// it.
@@ -53,9 +53,13 @@ impl<'d> Walk<'d, '_, '_> {
                 return Ok(());
             }
         }
-        let mesh = solid.polygons(&materials);
+        let mut mesh = solid.polygons(&materials);
         self.stage.spend(mesh.positions.len() as u64)?;
-        self.put_solid(node, mesh, is_textured);
+        match is_textured {
+            true => self.map_texture(&mut mesh),
+            false => mesh.uvs = None,
+        }
+        self.put(node, mesh);
         Ok(())
     }
 
@@ -67,14 +71,5 @@ impl<'d> Walk<'d, '_, '_> {
         numbers
             .map(|number| self.material(number, is_open, false))
             .collect()
-    }
-
-    fn put_solid(&mut self, node: &Node, mut mesh: Mesh, is_textured: bool) {
-        if is_textured {
-            self.map_texture(&mut mesh);
-        } else {
-            mesh.uvs = None;
-        }
-        self.put(node, mesh);
     }
 }
