@@ -20,6 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("cornell", cornell_box(CornellVariant::Diffuse)),
         ("cornell-mirror", cornell_box(CornellVariant::MirrorBlock)),
         ("shapes", shapes()),
+        ("studio", studio()),
     ] {
         scene.validate()?;
         let mut text = Vec::new();
@@ -113,6 +114,43 @@ fn add(scene: &mut Scene, name: &str, primitive: Primitive) {
     scene
         .objects
         .push(Object::new(name, Shape::Primitive(primitive)));
+}
+
+/// A photographer's corner for any model: put one in with `--place MODEL:fit=2`.
+fn studio() -> Scene {
+    let mut scene = Scene::default();
+    let mut diffuse =
+        |name, r, g, b| scene.add_material(Material::diffuse(name, Rgb::new(r, g, b)));
+    let floor = diffuse("floor", 0.5, 0.48, 0.45);
+    let wall = diffuse("wall", 0.65, 0.66, 0.68);
+    let key = scene.add_material(Material::emitter("key lamp", Rgb::new(24.0, 22.0, 19.0)));
+    let fill = scene.add_material(Material::emitter("fill lamp", Rgb::new(2.0, 2.4, 3.0)));
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let tilted = (2.0 * z - 1.2 * y) * 0.7;
+    for (name, corner, edge1, edge2, material) in [
+        ("floor", -5.0 * x - 3.0 * z, 12.0 * z, 10.0 * x, floor),
+        ("wall", -5.0 * x - 3.0 * z, 10.0 * x, 7.0 * y, wall),
+        ("key lamp", DVec3::new(-3.2, 5.0, 1.0), 1.6 * x, tilted, key),
+        (
+            "fill lamp",
+            DVec3::new(5.0, 1.0, 1.0),
+            3.0 * z,
+            3.0 * y,
+            fill,
+        ),
+    ] {
+        let lamp = Primitive::parallelogram(corner, edge1, edge2, material);
+        add(&mut scene, name, lamp);
+    }
+    scene.cameras.push(Camera {
+        name: "front".into(),
+        eye: DVec3::new(2.0, 1.9, 5.2),
+        target: DVec3::new(0.0, 0.65, 0.0),
+        up: y,
+        vertical_fov: 32f64.to_radians(),
+        size: Some((640, 480)),
+    });
+    scene
 }
 
 /// Floor, ceiling and three walls of a room of 6 × 3 × 5, open toward the viewer; each a

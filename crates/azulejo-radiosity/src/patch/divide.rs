@@ -37,6 +37,10 @@ impl Division {
                 Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64))
             }
             PatchSize::Count(count) => Division::of_count(plan, count.clamp(1, MAX_PATCHES)),
+            PatchSize::Beyond(count) => {
+                let whole = plan.estimate(f64::INFINITY) as usize;
+                Division::of_count(plan, whole.saturating_add(count).clamp(1, MAX_PATCHES))
+            }
         }
     }
 

@@ -505,6 +505,21 @@ fn small_faces_stay_whole() {
 }
 
 #[test]
+fn fine_figures_leave_patches_for_the_room() {
+    let figure = globe(30, 12);
+    let faces = figure.faces.len();
+    let floor = polygon(&[(-50., -50.), (50., -50.), (50., 50.), (-50., 50.)]);
+    let scene = scene(vec![Shape::Mesh(figure), Shape::Mesh(floor)]);
+    let of_floor = |size| {
+        let patches = Patches::new(&scene, size);
+        patches.len() - faces
+    };
+    assert!(of_floor(PatchSize::Count(300)) < 10);
+    let beyond = of_floor(PatchSize::Beyond(300));
+    assert!((240..360).contains(&beyond), "{beyond}");
+}
+
+#[test]
 fn counts_come_near() {
     let check = |name: &str, scene: &Scene, count: usize| {
         let got = Patches::new(scene, PatchSize::Count(count)).len();

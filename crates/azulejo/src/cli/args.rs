@@ -92,8 +92,9 @@ pub struct Input {
 #[command(next_help_heading = "Reading")]
 pub struct Reading {
     /// Where one of the models goes: FILE:translate=1,0,2,rotate=0,90,0,scale=2, done in the
-    /// order written (degrees about x, y, z; one scale or three); also up=z and unit=mm for a
-    /// model that does not say its own, and name=lamp for its branch
+    /// order written (degrees about x, y, z; one scale or three), or fit=2 to give it that largest
+    /// side and stand it on the origin; also up=z and unit=mm for a model that does not say its
+    /// own, and name=lamp for its branch
     #[arg(long, value_name = "FILE:HOW", value_parser = placement::parse)]
     pub place: Vec<Placement>,
     /// Which axis points up in the scene; models with another are turned [default: that of the
@@ -131,8 +132,8 @@ pub struct InfoArgs {
 pub struct ConvertArgs {
     #[command(flatten)]
     pub input: Input,
-    /// Where to write, by extension: .grf or .obj (with its .mtl beside); `-` writes GRF to
-    /// standard output
+    /// Where to write, by extension: .grf, .obj (with its .mtl beside), .glb, .gltf or .ply; `-`
+    /// writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
 }
@@ -185,8 +186,9 @@ pub struct FirstPassArgs {
 pub struct SolveArgs {
     #[command(flatten)]
     pub input: Input,
-    /// Where to write the scene with its light, as GRF; `-` is standard output
-    #[arg(long, short, value_name = "OUT.grf", value_hint = ValueHint::FilePath)]
+    /// Where to write the scene with its light, by extension: .grf, .glb, .gltf or .ply; `-` writes
+    /// GRF to standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
@@ -342,6 +344,7 @@ const SOLVE_EXAMPLES: &str = "\
 Examples:
   azulejo solve room.obj -o room.grf
   azulejo solve room.obj -o room.grf --patches 20000 --error 1%
+  azulejo solve level.glb -o level-lit.glb --keep-mesh
   azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json";
 
 const RENDER_EXAMPLES: &str = "\

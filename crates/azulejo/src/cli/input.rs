@@ -38,7 +38,8 @@ pub fn read_all(input: &Input, session: &mut Session) -> Result<Scene, Failure> 
         tell_adaptation(path, model.units, wanted, session);
         let mut model = model.adapted(wanted);
         if let Some(placement) = placement {
-            model = model.transformed(&placement.scene_from_model);
+            let map = placement.scene_from_model(model.bounds(), wanted.up);
+            model = model.transformed(&map);
             model.validate().map_err(|e| unplaceable(path, &e))?;
         }
         if let Some(branch) = branch_name(&input.scenes, i, placement) {

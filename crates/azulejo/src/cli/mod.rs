@@ -19,6 +19,7 @@ mod points;
 mod probe;
 mod render;
 mod report;
+mod scene_output;
 mod session;
 mod solve;
 mod sparse;

@@ -1,6 +1,7 @@
 //! `--place FILE:translate=1,0,2,rotate=0,90,0,scale=2`: where one of several models goes.
 
 use super::values;
+use azulejo_scene::math::Aabb;
 use azulejo_scene::{Object, Scene, Up};
 use glam::{DAffine3, DMat3, DVec3};
 use std::path::Path;
@@ -10,8 +11,8 @@ use std::path::Path;
 pub struct Placement {
     /// The file as it was typed.
     pub file: String,
-    /// Its place in the scene, in the scene's axes and unit.
-    pub scene_from_model: DAffine3,
+    /// What brings it to its place, in the scene's axes and unit, the first step first.
+    pub steps: Vec<Step>,
     /// Its up axis, whatever its format's convention.
     pub up: Option<Up>,
     /// Its unit in metres, whatever it says.
@@ -20,7 +21,29 @@ pub struct Placement {
     pub name: Option<String>,
 }
 
+/// One step of a placement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// An affine map.
+    Map(DAffine3),
+    /// To this largest side, standing on the origin.
+    Fit(f64),
+}
+
 impl Placement {
+    /// The map that the steps make of a model with `bounds` in a scene where `up` is up.
+    pub fn scene_from_model(&self, bounds: Aabb, up: Up) -> DAffine3 {
+        let mut map = DAffine3::IDENTITY;
+        for step in &self.steps {
+            let next = match *step {
+                Step::Map(next) => next,
+                Step::Fit(side) => fit(mapped(bounds, &map), side, up),
+            };
+            map = next * map;
+        }
+        map
+    }
+
     /// Whether it is about the file at `path`, by the whole path or by the file's name.
     pub fn is_about(&self, path: &Path) -> bool {
         Path::new(&self.file) == path || path.file_name().is_some_and(|n| n == &*self.file)
@@ -43,7 +66,7 @@ pub fn parse(text: &str) -> Result<Placement, String> {
         })?;
     let mut placement = Placement {
         file: file.to_owned(),
-        scene_from_model: DAffine3::IDENTITY,
+        steps: Vec::new(),
         up: None,
         unit: None,
         name: None,
@@ -55,7 +78,7 @@ pub fn parse(text: &str) -> Result<Placement, String> {
 }
 
 /// The keys, with which an entry begins.
-const KEYS: [&str; 6] = ["translate", "rotate", "scale", "up", "unit", "name"];
+const KEYS: [&str; 7] = ["translate", "rotate", "scale", "fit", "up", "unit", "name"];
 
 /// The keys and their values, commas within included.
 fn entries(how: &str) -> Result<Vec<(&str, String)>, String> {
@@ -76,9 +99,13 @@ fn entries(how: &str) -> Result<Vec<(&str, String)>, String> {
 impl Placement {
     fn set(&mut self, key: &str, value: &str) -> Result<(), String> {
         let step = match key {
-            "translate" => DAffine3::from_translation(values::vector(value)?),
-            "rotate" => DAffine3::from_mat3(rotation(values::vector(value)?)),
-            "scale" => DAffine3::from_scale(scale(value)?),
+            "translate" => Step::Map(DAffine3::from_translation(values::vector(value)?)),
+            "rotate" => Step::Map(DAffine3::from_mat3(rotation(values::vector(value)?))),
+            "scale" => Step::Map(DAffine3::from_scale(scale(value)?)),
+            "fit" => match values::not_negative(value)? {
+                0.0 => return Err("nothing fits into 0".into()),
+                side => Step::Fit(side),
+            },
             "up" => {
                 self.up = Some(values::axis(value)?);
                 return Ok(());
@@ -93,9 +120,34 @@ impl Placement {
             }
             other => return Err(format!("unknown \"{other}\", expected {}", KEYS.join(", "))),
         };
-        self.scene_from_model = step * self.scene_from_model;
+        self.steps.push(step);
         Ok(())
     }
+}
+
+/// The box around a box under a map.
+fn mapped(bounds: Aabb, map: &DAffine3) -> Aabb {
+    if bounds.is_empty() {
+        return bounds;
+    }
+    let end = |high: bool| if high { bounds.max } else { bounds.min };
+    let corner = |k: u32| {
+        let [x, y, z] = [k & 1 != 0, k & 2 != 0, k & 4 != 0].map(end);
+        map.transform_point3(DVec3::new(x.x, y.y, z.z))
+    };
+    Aabb::around((0..8).map(corner))
+}
+
+/// Scales a box to a largest side and puts the middle of its ground on the origin.
+fn fit(bounds: Aabb, side: f64, up: Up) -> DAffine3 {
+    let largest = bounds.size().max_element();
+    if bounds.is_empty() || largest <= 0.0 {
+        return DAffine3::IDENTITY;
+    }
+    let up = up.axis();
+    let ground = bounds.centre() - up * (0.5 * bounds.size().dot(up));
+    let scale = DAffine3::from_scale(DVec3::splat(side / largest));
+    scale * DAffine3::from_translation(-ground)
 }
 
 /// Turns about x, then y, then z, degrees, as GRF's `rotation` does.
@@ -146,14 +198,31 @@ mod tests {
     fn steps_are_done_in_the_order_written() {
         let place = parse("a:b.obj:scale=2,rotate=0,0,90,translate=1,0,0").unwrap();
         assert_eq!(place.file, "a:b.obj");
-        let moved = place.scene_from_model.transform_point3(DVec3::X);
+        let map = place.scene_from_model(Aabb::EMPTY, Up::Y);
+        let moved = map.transform_point3(DVec3::X);
         assert!(
             (moved - DVec3::new(1.0, 2.0, 0.0)).length() < 1e-15,
             "{moved}"
         );
         let place = parse("a.obj:translate=1,0,0,scale=2,3,4").unwrap();
-        let moved = place.scene_from_model.transform_point3(DVec3::ZERO);
+        let map = place.scene_from_model(Aabb::EMPTY, Up::Y);
+        let moved = map.transform_point3(DVec3::ZERO);
         assert_eq!(moved, DVec3::new(2.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn models_fit() {
+        let place = parse("a.obj:rotate=90,0,0,fit=2,translate=5,0,0").unwrap();
+        let bounds = Aabb::around([DVec3::ZERO, DVec3::new(10.0, 1.0, 20.0)]);
+        let placed = mapped(bounds, &place.scene_from_model(bounds, Up::Y));
+        assert!(
+            (placed.min - DVec3::new(4.5, 0.0, -0.05)).length() < 1e-12,
+            "{placed:?}"
+        );
+        assert!(
+            (placed.max - DVec3::new(5.5, 2.0, 0.05)).length() < 1e-12,
+            "{placed:?}"
+        );
     }
 
     #[test]
@@ -171,6 +240,7 @@ mod tests {
             ("a.obj", "expected FILE:"),
             ("a.obj:move=1,2,3", "expected FILE:"),
             ("a.obj:scale=0", "leaves nothing"),
+            ("a.obj:fit=0", "nothing fits"),
             ("a.obj:translate=1,2", "2 numbers"),
             ("a.obj:up=x", "no up axis"),
             ("a.obj:scale=1,turn=3", "unknown \"turn\""),

@@ -155,8 +155,9 @@ impl Session {
     }
 
     /// Ends a command whose result is what it prints.
-    pub fn print(self, report: Report) -> Result<(), Failure> {
+    pub fn print(self, mut report: Report) -> Result<(), Failure> {
         if self.json {
+            self.costs(&mut report);
             return self.print_json(report);
         }
         let mut out = io::stdout().lock();

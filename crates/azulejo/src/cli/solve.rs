@@ -2,26 +2,15 @@
 
 use super::args::SolveArgs;
 use super::failure::Failure;
-use super::output::Output;
 use super::report::Report;
+use super::scene_output::SceneOutput;
 use super::session::Session;
 use super::{input, pass};
-use azulejo_formats::grf;
 use azulejo_trace::Tracer;
 
 /// Runs `solve`.
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
-    let is_grf = args
-        .output
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("grf"));
-    let output = Output::check(&args.output)?;
-    if !is_grf && !output.is_stdout() {
-        return Err(Failure::misuse(format_args!(
-            "{}: only .grf can hold the light",
-            args.output.display()
-        )));
-    }
+    let output = SceneOutput::check_lit(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     let mut scene = input::read_all(&args.input, session)?;
     let tracer = Tracer::new(&scene);
@@ -29,7 +18,7 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let mut report = Report::default();
     pass::describe(&light.report, &mut report);
     scene.set_irradiance(light.irradiance);
-    output.write(session.progress(), |out| grf::write(&scene, out))?;
+    output.write(&scene, session)?;
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
     Ok(report)
