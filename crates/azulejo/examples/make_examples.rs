@@ -128,8 +128,8 @@ fn studio() -> Scene {
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
     let tilted = (2.0 * z - 1.2 * y) * 0.7;
     for (name, corner, edge1, edge2, material) in [
-        ("floor", -5.0 * x - 3.0 * z, 12.0 * z, 10.0 * x, floor),
-        ("wall", -5.0 * x - 3.0 * z, 10.0 * x, 7.0 * y, wall),
+        ("floor", -8.0 * x - 3.0 * z, 10.0 * z, 14.0 * x, floor),
+        ("wall", -8.0 * x - 3.0 * z, 14.0 * x, 7.0 * y, wall),
         ("key lamp", DVec3::new(-3.2, 5.0, 1.0), 1.6 * x, tilted, key),
         (
             "fill lamp",
