@@ -220,8 +220,7 @@ impl Shooter<'_> {
             hash(&[self.seed, s]),
             |path, event| {
                 if let Event::Escape = event {
-                    sums[path.id as usize] +=
-                        radiance * std::f64::consts::PI * Rgb::from(path.weight.map(f64::from));
+                    sums[path.id as usize] += radiance * PI * Rgb::from(path.weight.map(f64::from));
                 }
             },
         );

@@ -403,14 +403,11 @@ mod tests {
         );
         check(|s| s.materials[0].mirror = Rgb::grey(0.6), "exceed 1");
         check(|s| s.units.metres_per_unit = Some(0.0), "metres_per_unit");
-        check(
-            |s| s.background = Some(crate::Rgb::grey(-1.0)),
-            "background",
-        );
+        check(|s| s.background = Some(Rgb::grey(-1.0)), "background");
         check(
             |s| {
-                s.fog = Some(crate::Fog {
-                    color: crate::Rgb::WHITE,
+                s.fog = Some(Fog {
+                    color: Rgb::WHITE,
                     visibility: 0.0,
                     exponential: true,
                 });

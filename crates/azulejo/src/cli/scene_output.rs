@@ -13,8 +13,8 @@ use std::path::Path;
 pub struct SceneOutput {
     format: &'static WrittenFormat,
     model: Output,
-    /// The `.mtl` beside an `.obj`.
-    materials: Option<Output>,
+    /// The second file beside it, for formats that have two.
+    companion: Option<Output>,
 }
 
 /// A format that scenes are written in.
@@ -33,8 +33,11 @@ struct WrittenFormat {
 enum Writer {
     /// One file.
     One(fn(&Scene, &mut dyn Write) -> io::Result<()>),
-    /// OBJ, with its materials in a second file.
-    ObjAndMtl,
+    /// A file and one beside it, which has this extension and is named in the first.
+    Two(
+        &'static str,
+        fn(&Scene, &str, &mut dyn Write, &mut dyn Write) -> io::Result<()>,
+    ),
 }
 
 /// All of them; the first is what goes to standard output.
@@ -49,7 +52,7 @@ static FORMATS: [WrittenFormat; 5] = [
     WrittenFormat {
         name: "OBJ",
         extension: "obj",
-        write: Writer::ObjAndMtl,
+        write: Writer::Two("mtl", obj::write),
         keeps_light: false,
         losses: obj::losses,
     },
@@ -63,7 +66,7 @@ static FORMATS: [WrittenFormat; 5] = [
     WrittenFormat {
         name: "glTF",
         extension: "gltf",
-        write: Writer::One(gltf::write_json),
+        write: Writer::Two("bin", gltf::write_json),
         keeps_light: true,
         losses: gltf::losses,
     },
@@ -101,14 +104,14 @@ impl SceneOutput {
                     extensions(|_| true)
                 ))
             })?;
-        let materials = match format.write {
+        let companion = match format.write {
             Writer::One(_) => None,
-            Writer::ObjAndMtl => Some(Output::check(&path.with_extension("mtl"))?),
+            Writer::Two(extension, _) => Some(Output::check(&path.with_extension(extension))?),
         };
         Ok(SceneOutput {
             format,
             model: Output::check(path)?,
-            materials,
+            companion,
         })
     }
 
@@ -139,15 +142,15 @@ impl SceneOutput {
             session.note(&format!("{name} does not keep all: {losses}"));
         }
         let progress = session.progress();
-        match (&self.format.write, &self.materials) {
+        match (&self.format.write, &self.companion) {
             (Writer::One(write), _) => self.model.write(progress, |out| write(scene, out)),
-            (Writer::ObjAndMtl, None) => unreachable!("an .obj has its .mtl"),
-            (Writer::ObjAndMtl, Some(materials)) => {
-                let name = materials.path().file_name().unwrap_or_default();
-                let (mut obj, mut mtl) = (self.model.draft()?, materials.draft()?);
-                obj::write(scene, &name.to_string_lossy(), &mut obj, &mut mtl)
-                    .map_err(|e| obj.failure(&e))?;
-                output::commit(vec![mtl, obj], progress)
+            (Writer::Two(..), None) => unreachable!("a format of two files has both"),
+            (Writer::Two(_, write), Some(companion)) => {
+                let name = companion.path().file_name().unwrap_or_default();
+                let (mut first, mut second) = (self.model.draft()?, companion.draft()?);
+                write(scene, &name.to_string_lossy(), &mut first, &mut second)
+                    .map_err(|e| first.failure(&e))?;
+                output::commit(vec![second, first], progress)
             }
         }
     }
