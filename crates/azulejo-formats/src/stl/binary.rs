@@ -30,46 +30,18 @@ pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<
         let expected = "text that begins with \"solid\", or at least 84 bytes of binary STL";
         return Err(ReadError::whole(file, found, expected));
     };
-    let [.., a, b, c, d] = *start;
-    let little = u32::from_le_bytes([a, b, c, d]) as usize;
-    let big = u32::from_be_bytes([a, b, c, d]) as usize;
-    // Some old programs wrote in their machine's order: the length tells.
-    let is_big = little != rest.len() / TRIANGLE && big == rest.len() / TRIANGLE;
-    let promised = if is_big { big } else { little };
-    let (triangles, _) = rest.as_chunks::<TRIANGLE>();
-    let triangles = &triangles[..promised.min(triangles.len())];
+    let (header, count) = start.split_at(HEADER);
     let mut warn = |at: usize, message: String, count: usize| {
         warnings.add_many(file, message, count, || Position::Byte(at as u64));
     };
-    if is_big {
-        warn(
-            HEADER,
-            "big-endian numbers, against the format: read as such".into(),
-            1,
-        );
-    }
-    let lost = promised - triangles.len();
-    warn(
-        bytes.len(),
-        "triangles missing from the end of the file".into(),
-        lost,
-    );
-    let behind = START + triangles.len() * TRIANGLE;
-    if lost == 0 && behind < bytes.len() {
-        let message = format!(
-            "{} bytes behind the last triangle: skipped",
-            bytes.len() - behind
-        );
-        warn(behind, message, 1);
-    }
-
+    let (triangles, is_big) = triangles(count, rest, &mut warn);
     let mut scene = Scene::default();
-    let mut colors = Colors::new(&start[..HEADER], triangles);
+    let mut colors = Colors::new(header, triangles);
     if colors.are_odd {
         let message = "bytes behind triangles that are no colours: skipped";
         warn(START + TRIANGLE - 2, message.into(), 1);
     }
-    let mut solid = Solid::new(name(&start[..HEADER]), triangles.len());
+    let mut solid = Solid::new(name(header), triangles.len());
     for (i, triangle) in triangles.iter().enumerate() {
         let material = colors.material(triangle, &mut scene);
         let corners = match is_big {
@@ -82,6 +54,34 @@ pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<
     }
     solid.finish(&mut scene);
     Ok(scene)
+}
+
+/// The triangles that are there, of as many as the four bytes of `count` promise, and whether
+/// they are big-endian: some old programs wrote in their machine's order, and the length tells.
+fn triangles<'a>(
+    count: &[u8],
+    rest: &'a [u8],
+    warn: &mut impl FnMut(usize, String, usize),
+) -> (&'a [[u8; TRIANGLE]], bool) {
+    let number = |read: fn([u8; 4]) -> u32| count.try_into().map_or(0, read) as usize;
+    let (little, big) = (number(u32::from_le_bytes), number(u32::from_be_bytes));
+    let (triangles, _) = rest.as_chunks::<TRIANGLE>();
+    let is_big = little != triangles.len() && big == triangles.len();
+    let promised = if is_big { big } else { little };
+    let triangles = &triangles[..promised.min(triangles.len())];
+    if is_big {
+        let message = "big-endian numbers, against the format: read as such";
+        warn(HEADER, message.into(), 1);
+    }
+    let lost = promised - triangles.len();
+    let behind = rest.len() - triangles.len() * TRIANGLE;
+    let message = "triangles missing from the end of the file";
+    warn(START + rest.len(), message.into(), lost);
+    if lost == 0 && behind > 0 {
+        let message = format!("{behind} bytes behind the last triangle: skipped");
+        warn(START + rest.len() - behind, message, 1);
+    }
+    (triangles, is_big)
 }
 
 #[inline]
