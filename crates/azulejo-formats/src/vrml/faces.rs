@@ -328,7 +328,7 @@ fn color(set: &FaceSet, kept: &[Kept], built: &mut Built) {
 /// Gives each vertex the colour of its corners; one whose corners differ in colour is parted.
 fn color_vertices(mesh: &mut Mesh, pool: &[Rgb], corners: &[u32]) {
     // Only colours that are used are looked at, because many face sets may share a large pool.
-    let color = |value: u32| pool[value as usize].map(|x| x.clamp(0.0, 1.0));
+    let color = |value: u32| super::tree::limited(pool[value as usize]);
     let mut of_vertex = vec![NONE; mesh.positions.len()];
     let mut parted = HashMap::new();
     for (vertex, &value) in mesh.faces.corners.iter_mut().zip(corners) {

@@ -219,7 +219,8 @@ fn colors(stage: &mut Stage, node: &Node) -> Result<Option<Vec<Rgb>>, ReadError>
             "see-through colours (ColorRGBA): opaque",
         );
     }
-    Ok(Some(colors.map(|c| Rgb::new(c[0], c[1], c[2])).collect()))
+    let color = |c: &[f64]| limited(Rgb::new(c[0], c[1], c[2]));
+    Ok(Some(colors.map(color).collect()))
 }
 
 /// The texture coordinates of a geometry: of several sets the first.
@@ -319,7 +320,7 @@ fn paint(
     }
     let mut known = vec![None; pool.len()];
     for (face, &value) in mesh.face_materials.iter_mut().zip(face_values) {
-        let color = limited(pool[value as usize]);
+        let color = pool[value as usize];
         *face = *known[value as usize].get_or_insert_with(|| material(Some(color)));
     }
 }

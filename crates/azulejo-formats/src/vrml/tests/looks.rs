@@ -105,6 +105,16 @@ fn colors_replace_the_reflectance() {
     expect_warnings(&warnings, &[":2:190: see-through colours"]);
 }
 
+#[test]
+fn a_colour_that_is_none_is_black() {
+    let color = "color Color { color [ 1 1 1, -1.#IND 1 1, nan nan nan, inf 0 0 ] }";
+    let (scene, _) = look("material Material { }", color);
+    let Shape::Mesh(mesh) = &scene.objects[0].shape else {
+        panic!("a mesh");
+    };
+    assert_eq!(mesh.colors[1..3], [Rgb::new(0.0, 1.0, 1.0), Rgb::BLACK]);
+}
+
 fn uvs(scene: &Scene) -> Vec<DVec2> {
     match &scene.objects[0].shape {
         Shape::Mesh(Mesh {
