@@ -21,6 +21,7 @@ pub(super) fn world_from_entity(extrusion: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn check(extrusion: [f64; 3], x: [f64; 3], y: [f64; 3]) {
         let axes = world_from_entity(DVec3::from_array(extrusion));
@@ -53,5 +54,19 @@ mod tests {
     #[test]
     fn no_direction() {
         assert_eq!(world_from_entity(DVec3::ZERO), DMat3::IDENTITY);
+    }
+
+    proptest! {
+        #[test]
+        fn always_a_rotation(x in -1.0..1.0, y in -1.0..1.0, z in -1.0..1.0, small in 0..20) {
+            let direction = DVec3::new(x, y, z * f64::from(1 << small)) * 1e-3;
+            prop_assume!(direction.length() > 1e-9);
+            let axes = world_from_entity(direction);
+            prop_assert!((axes * axes.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-12));
+            prop_assert!((axes.determinant() - 1.0).abs() < 1e-12);
+            prop_assert!((axes.z_axis - direction.normalize()).length() < 1e-12);
+            // The x axis stays in the drawing's plane of x and y, but near the pole.
+            prop_assert!(axes.x_axis.z.abs() < 1.0 / 63.0);
+        }
     }
 }

@@ -39,11 +39,8 @@ impl Color {
 
     /// The colour in groups of these codes, one for the index and one for a true colour.
     pub fn with_codes(record: &Record, index: i16, true_color: i16) -> Color {
-        if let Some(value) = record
-            .find(true_color)
-            .and_then(|value| record.whole(value))
-        {
-            return Color::Own(Paint::True(value as u32 & 0xff_ffff));
+        if let Some(paint) = Paint::true_color(record, true_color) {
+            return Color::Own(paint);
         }
         match record.integer(index, 256) {
             0 => Color::ByBlock,
@@ -54,6 +51,12 @@ impl Color {
 }
 
 impl Paint {
+    /// The true colour in a group of this code, if there is one.
+    pub fn true_color(record: &Record, code: i16) -> Option<Paint> {
+        let value = record.whole(record.find(code)?)?;
+        Some(Paint::True(value as u32 & 0xff_ffff))
+    }
+
     /// A colour of a MATERIAL: its highest byte says what the others are.
     pub fn of_material(value: i64) -> Paint {
         const BY_INDEX: i64 = 0xc3;

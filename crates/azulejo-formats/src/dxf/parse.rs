@@ -177,7 +177,7 @@ impl<'a, 'w> Parser<'a, 'w> {
         }
         match (record.kind, self.section) {
             (b"SECTION", _) => self.begin_section(record),
-            (b"ENDSEC", _) => self.section = Section::None,
+            (b"ENDSEC", _) => (self.section, self.block) = (Section::None, Some(MODEL_SPACE)),
             (b"LAYER", Section::Tables) => self.layer_entry(record),
             (b"VIEW" | b"VPORT", Section::Tables) => self.view(record),
             (b"MATERIAL", Section::Objects) => self.material(record),
@@ -292,10 +292,8 @@ impl<'a, 'w> Parser<'a, 'w> {
         const FROZEN: i64 = 1;
         let id = self.layer_id(record.bytes(2));
         let index = record.integer(62, 7);
-        let paint = match Color::with_codes(record, -1, 420) {
-            Color::Own(paint) => paint,
-            _ => Paint::Index(index.unsigned_abs().clamp(1, 255) as u8),
-        };
+        let indexed = || Paint::Index(index.unsigned_abs().clamp(1, 255) as u8);
+        let paint = Paint::true_color(record, 420).unwrap_or_else(indexed);
         let layer = &mut self.drawing.layers[id as usize];
         layer.paint = paint;
         layer.finish = record.handle(347);

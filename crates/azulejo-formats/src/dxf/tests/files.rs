@@ -112,8 +112,11 @@ fn damage_is_passed_over() {
         whole.replace("0\nEOF\n", ""),
         &[":51:1: the file ends without its EOF: what comes before is kept"],
     );
-    let outside = load(whole.replace("2\nENTITIES\n", "2\nENTITIES\n0\nENDSEC\n"));
-    assert_eq!(mesh(&outside, 0).faces.len(), 2);
+    for section in ["ENTITIES", "BLOCKS"] {
+        let empty = format!("2\n{section}\n0\nENDSEC\n");
+        let outside = load(whole.replace("2\nENTITIES\n", &empty));
+        assert_eq!(mesh(&outside, 0).faces.len(), 2, "{section}");
+    }
     check_warnings(
         whole + "\nrubbish\n",
         &[":53:1: what stands behind the EOF is not read"],
