@@ -4,6 +4,7 @@ use super::read;
 use crate::{Loaded, Memory, ReadOptions};
 use azulejo_scene::{LightKind, Material, Mesh, Object, Primitive, Rgb, Shape, Up};
 use glam::DVec3;
+use proptest::prelude::*;
 use std::f64::consts::PI;
 
 fn load_with(text: &str, files: &Memory) -> Loaded {
@@ -546,4 +547,59 @@ fn luminaires_with_a_body() {
             "no geometry",
         ],
     );
+}
+
+/// Words that mean something, in any order.
+fn any_word() -> impl Strategy<Value = &'static str> {
+    prop::sample::select(
+        "a b c - -1 0 .5 2 1e308 -3 = -t -rx -s -mx -i -a -m 1e-300 400 700 a.mgf t.mgf l.ies x"
+            .split(' ')
+            .collect::<Vec<_>>(),
+    )
+}
+
+fn any_keyword() -> impl Strategy<Value = &'static str> {
+    prop::sample::select(
+        "v p n c cxy cspec cct cmix m sides rd td ed rs ts ir f fh sph cyl cone ring torus prism o \
+         xf i ies 0"
+            .split_ascii_whitespace()
+            .collect::<Vec<_>>(),
+    )
+}
+
+proptest! {
+    /// Statements without sense make warnings, not harm.
+    #[test]
+    fn any_statements(
+        statements in prop::collection::vec(
+            (any_keyword(), prop::collection::vec(any_word(), 0..8)),
+            0..60,
+        ),
+        photometric in prop::collection::vec(any_word(), 0..40),
+    ) {
+        let lines = statements.iter().map(|(word, rest)| format!("{word} {}\n", rest.join(" ")));
+        let text = format!(
+            "{SQUARE}n 0 0 1\nm lamp =\ned 5\n{}",
+            lines.collect::<String>()
+        );
+        let head = "GEOM=a.mgf\nTILT=NONE\n1 1 1 2 1 1 2 1 1 0\n1 1 1\n0 90\n0\n9 9\n";
+        let (head, _) = head.split_at(head.len() - photometric.len());
+        let files = Memory::new()
+            .with("a.mgf", "sph a .1\nf a b c\ncyl a .1 b\nies l.ies\n")
+            .with("l.ies", format!("{head}{}", photometric.join(" ")));
+        let options = ReadOptions {
+            most_elements: 20_000,
+            ..ReadOptions::default()
+        };
+        if let Ok(loaded) = read(text.as_bytes(), "t.mgf", &files, &options) {
+            prop_assert_eq!(loaded.scene.validate(), Ok(()));
+        }
+    }
+
+    /// So do bytes.
+    #[test]
+    fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        let loaded = read(&bytes, "t.mgf", &Memory::new(), &ReadOptions::default()).unwrap();
+        prop_assert_eq!(loaded.scene.validate(), Ok(()));
+    }
 }
