@@ -27,7 +27,7 @@ const SUPPORTED: [&str; 13] = [
 
 /// Bytes that each JSON object must bring along. In memory an empty `{}` is as large as a
 /// material with everything in it, and a hostile file may be made of nothing else.
-const BYTES_PER_OBJECT: usize = 12;
+const BYTES_PER_OBJECT: usize = 20;
 
 /// Objects that need no justification.
 const FREE_OBJECTS: usize = 1000;

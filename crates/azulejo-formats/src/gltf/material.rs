@@ -190,8 +190,8 @@ impl Reader<'_, '_> {
         if share(pbr.roughness_factor.0) >= MOST_MIRROR_ROUGHNESS {
             self.say("frosted glass: taken as clear");
         }
-        if transmission.transmission_texture.is_some() {
-            self.say("transmission texture: not used");
+        if transmission.transmission_texture.is_some() || pbr.base_color_texture.is_some() {
+            self.say("picture of glass: not used");
         }
         let [r, g, b, _] = pbr.base_color_factor.0;
         let tint = color([r, g, b]) * transmitted;
@@ -249,6 +249,9 @@ impl Reader<'_, '_> {
         } else if metallic > 0.0 && roughness < MOST_MIRROR_ROUGHNESS {
             material.diffuse = base * (1.0 - metallic);
             material.mirror = base * metallic;
+            if has_picture {
+                self.say("picture of a mirror: colours what it scatters alone");
+            }
         } else if metallic > 0.0 || roughness < 1.0 {
             self.say("glossy material: kept as brdf gltf_mr, all that it reflects is diffuse");
             material.brdf = Some(brdf(base, metallic, roughness));
