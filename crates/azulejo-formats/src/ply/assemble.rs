@@ -219,7 +219,8 @@ impl Builder<'_> {
 fn normals(mut normals: Vec<DVec3>) -> Option<Attribute<DVec3>> {
     for normal in &mut normals {
         // What is as good as single precision stays as it is.
-        if (normal.length_squared() - 1.0).abs() > 1e-6 {
+        let is_unit = (normal.length_squared() - 1.0).abs() <= 1e-6;
+        if !is_unit {
             // Dividing first keeps the square of the length from overflow and underflow.
             let scaled = *normal / normal.abs().max_element();
             *normal = scaled.try_normalize().unwrap_or(DVec3::ZERO);

@@ -305,8 +305,13 @@ fn normals_and_texture_coordinates() {
         square.uvs,
         Some(Attribute::per_vertex(vec![DVec2::new(0.25, 0.5); 4]))
     );
-    let none = with_properties("float nx, float ny, float nz", "0 0 0");
-    assert!(mesh(&none.scene, 0).normals.is_none());
+    for none in ["0 0 0", "nan 0 1", "inf 0 0", "1 nan nan"] {
+        let loaded = with_properties("float nx, float ny, float nz", none);
+        assert!(mesh(&loaded.scene, 0).normals.is_none());
+    }
+    let large = with_properties("double nx, double ny, double nz", "0 1e300 0");
+    let normals = mesh(&large.scene, 0).normals.as_ref().unwrap();
+    assert_eq!(normals.values[0], DVec3::Y);
 }
 
 #[test]
