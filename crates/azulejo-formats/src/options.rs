@@ -33,7 +33,7 @@ impl Default for ReadOptions {
     fn default() -> ReadOptions {
         ReadOptions {
             lod: Lod::Finest,
-            most_elements: 1 << 27,
+            most_elements: 1 << 26,
             most_unpacked: 1 << 30,
         }
     }
