@@ -182,7 +182,8 @@ fn extent(scene: &Scene, parts: &[Part], report: &mut Report) {
         let value = json!({ "min": numbers(min), "max": numbers(max) });
         report.fact("bounds", value, "bounds", words);
     }
-    let area: f64 = parts.iter().map(|p| p.area).sum();
+    // Adding zero, because the sum of nothing is -0.
+    let area = parts.iter().map(|p| p.area).sum::<f64>() + 0.0;
     report.fact(
         "area",
         number(area),
