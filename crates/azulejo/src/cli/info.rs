@@ -3,6 +3,7 @@
 use super::args::{InfoArgs, Input};
 use super::failure::Failure;
 use super::input;
+use super::pass::power_unit;
 use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
 use azulejo_scene::math::Aabb;
@@ -213,7 +214,11 @@ fn lights(scene: &Scene, parts: &[Part], report: &mut Report) {
     let mut words: Vec<String> = Vec::new();
     if !lamps.is_empty() {
         let n = count(lamps.len());
-        words.push(format!("{n} with area, {} W", triple(power.to_array())));
+        let unit = power_unit(scene.units);
+        words.push(format!(
+            "{n} with area, {} {unit}",
+            triple(power.to_array())
+        ));
     }
     let named = kinds.iter().filter(|(_, n)| *n > 0);
     words.extend(named.map(|(name, n)| format!("{} {name}", count(*n))));

@@ -7,7 +7,7 @@ use super::report::{Report, bytes, count, number, numbers, percent, short, tripl
 use super::session::Session;
 use azulejo_radiosity::{Balance, FirstPass, Light, Method, PatchSize, SolveError};
 
-use azulejo_scene::{Rgb, Scene};
+use azulejo_scene::{Rgb, Scene, Units};
 use azulejo_trace::Tracer;
 
 /// How finely to divide, as the library takes it; `None` leaves it to the library.
@@ -56,8 +56,13 @@ pub fn failure(error: SolveError) -> Failure {
     }
 }
 
+/// The unit of power that goes with a scene's light.
+pub fn power_unit(units: Units) -> &'static str {
+    if units.photometric { "lm" } else { "W" }
+}
+
 /// What the first pass did and how good its answer is.
-pub fn describe(pass: &azulejo_radiosity::Report, report: &mut Report) {
+pub fn describe(pass: &azulejo_radiosity::Report, units: Units, report: &mut Report) {
     let method = match pass.method {
         Method::Matrix => "matrix",
         Method::Stochastic => "stochastic",
@@ -90,7 +95,7 @@ pub fn describe(pass: &azulejo_radiosity::Report, report: &mut Report) {
     let words = format!("{}, residual {}", pass.iterations, short(pass.residual));
     report.fact("iterations", pass.iterations, "bounces", words);
     report.value("residual", number(pass.residual));
-    energy(&pass.balance, report);
+    energy(&pass.balance, units, report);
     report.fact(
         "error",
         number(pass.error),
@@ -102,15 +107,16 @@ pub fn describe(pass: &azulejo_radiosity::Report, report: &mut Report) {
 /// More of the light than this should not be missing from the balance.
 const LOST: f64 = 0.05;
 
-/// Where the emitted power went, in W and as shares.
-fn energy(balance: &Balance, report: &mut Report) {
+/// Where the emitted power went, in W or lm and as shares.
+fn energy(balance: &Balance, units: Units, report: &mut Report) {
     let emitted = balance.emitted.mean();
     let share = |power: Rgb| percent(power.mean() / emitted.max(f64::MIN_POSITIVE));
     report.line(
         "energy",
         format!(
-            "{} W emitted, {} absorbed, {} escaped, {} not accounted for",
+            "{} {} emitted, {} absorbed, {} escaped, {} not accounted for",
             triple(balance.emitted.to_array()),
+            power_unit(units),
             share(balance.absorbed),
             share(balance.escaped),
             percent(balance.error())

@@ -84,7 +84,7 @@ fn irradiance(
         .watched(|p| azulejo_radiosity::probe(scene, &tracer, &points, &options, p))
         .map_err(pass::failure)?;
     spent("tracing", "trace", clock, report);
-    pass::describe(&probed.report, report);
+    pass::describe(&probed.report, scene.units, report);
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
     Ok(Rows {
         columns: IRRADIANCE,
@@ -103,7 +103,7 @@ fn radiance(
     if !scene.is_solved() {
         let tracer = Tracer::new(scene);
         let light = pass::solve(scene, &tracer, &args.first_pass, session)?;
-        pass::describe(&light.report, report);
+        pass::describe(&light.report, scene.units, report);
         scene.set_irradiance(light.irradiance);
     }
     let tracer = build(scene, report);

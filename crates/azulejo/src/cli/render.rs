@@ -58,7 +58,7 @@ fn lit(
     }
     let tracer = Tracer::new(scene);
     let light = pass::solve(scene, &tracer, &args.first_pass, session)?;
-    pass::describe(&light.report, report);
+    pass::describe(&light.report, scene.units, report);
     scene.set_irradiance(light.irradiance);
     // The refined mesh has other faces than the one that was traced so far.
     Ok(Tracer::new(scene))

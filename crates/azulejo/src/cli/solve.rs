@@ -16,7 +16,7 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let tracer = Tracer::new(&scene);
     let light = pass::solve(&scene, &tracer, &args.first_pass, session)?;
     let mut report = Report::default();
-    pass::describe(&light.report, &mut report);
+    pass::describe(&light.report, scene.units, &mut report);
     scene.set_irradiance(light.irradiance);
     output.write(&scene, session)?;
     let path = args.output.display().to_string();
