@@ -37,9 +37,11 @@ impl Division {
                 Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64))
             }
             PatchSize::Count(count) => Division::of_count(plan, count.clamp(1, MAX_PATCHES)),
-            PatchSize::Beyond(count) => {
-                let whole = plan.estimate(f64::INFINITY) as usize;
-                Division::of_count(plan, whole.saturating_add(count).clamp(1, MAX_PATCHES))
+            PatchSize::Squares(count) => {
+                let area: f64 = outline.regions.iter().map(|r| r.area).sum();
+                let edge = (area / count.max(1) as f64).sqrt();
+                let edge = if edge > 0.0 { edge } else { f64::INFINITY };
+                Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64))
             }
         }
     }

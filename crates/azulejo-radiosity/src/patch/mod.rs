@@ -60,9 +60,9 @@ pub enum PatchSize {
     /// About this many in the whole scene: within 10% where the faces allow it. There is at
     /// least one patch per face.
     Count(usize),
-    /// About this many more than there are faces: a finely modelled figure in a plain room leaves
-    /// enough for the room.
-    Beyond(usize),
+    /// The edge that this many squares would have that share the area of all surfaces evenly. What
+    /// is modelled finer stays as it is, and a fine figure takes nothing from the room around it.
+    Squares(usize),
     /// The longest edge, in scene units. It holds exactly for what lies on edges of faces and
     /// in regular patterns; inner edges of irregular triangles may be up to 1.5 times as long.
     /// Not a positive number: faces stay whole.

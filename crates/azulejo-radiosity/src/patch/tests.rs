@@ -515,8 +515,8 @@ fn fine_figures_leave_patches_for_the_room() {
         patches.len() - faces
     };
     assert!(of_floor(PatchSize::Count(300)) < 10);
-    let beyond = of_floor(PatchSize::Beyond(300));
-    assert!((240..360).contains(&beyond), "{beyond}");
+    let even = of_floor(PatchSize::Squares(300));
+    assert!((270..400).contains(&even), "{even}");
 }
 
 #[test]

@@ -474,8 +474,8 @@ fn small_files_cannot_fill_memory() {
 #[test]
 fn cut_or_changed_anywhere() {
     let text = format!(
-        "{}{SURFACE}trim 0 4 1\nend\nstech cparma 2 1\n{}hole 0 4 -1\nend\n",
-        format!("{SQUARE}{}", circle(0.4)),
+        "{SQUARE}{}{SURFACE}trim 0 4 1\nend\nstech cparma 2 1\n{}hole 0 4 -1\nend\n",
+        circle(0.4),
         octant().replace("1 2 3 4 5 6 7 8 7", "5 6 7 8 9 10 11 12 11"),
     );
     assert_eq!(
