@@ -20,6 +20,10 @@ const HARMONY_ROUNDS: usize = 8;
 /// How far the chords of an exact shape's cells may leave it, as a share of the patch size.
 const CHORD_ERROR: f64 = 0.02;
 
+/// Patches beyond the faces themselves, for each square asked for, that contacts may cut: where
+/// hundreds of parts go through each other, they would cut ever more.
+const MOST_CUTS: usize = 3;
+
 /// A chosen size and what it makes of every region.
 pub(super) struct Division {
     /// Pieces of each edge.
@@ -41,7 +45,13 @@ impl Division {
                 let area: f64 = outline.regions.iter().map(|r| r.area).sum();
                 let edge = (area / count.max(1) as f64).sqrt();
                 let edge = if edge > 0.0 { edge } else { f64::INFINITY };
-                Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64))
+                let most = plan.estimate(f64::INFINITY) as usize;
+                let most = most.saturating_add(count.saturating_mul(MOST_CUTS));
+                let division = Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64));
+                match division.patches() > most {
+                    true => Division::of_count(plan, most.clamp(1, MAX_PATCHES)),
+                    false => division,
+                }
             }
         }
     }

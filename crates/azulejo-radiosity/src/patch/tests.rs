@@ -516,7 +516,8 @@ fn fine_figures_leave_patches_for_the_room() {
     };
     assert!(of_floor(PatchSize::Count(300)) < 10);
     let even = of_floor(PatchSize::Squares(300));
-    assert!((270..400).contains(&even), "{even}");
+    // The figure stands through the floor, which cuts some more.
+    assert!((300..700).contains(&even), "{even}");
 }
 
 #[test]
