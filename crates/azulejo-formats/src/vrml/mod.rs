@@ -1,7 +1,7 @@
 //! VRML 1.0, VRML97 and X3D, the latter in XML or in the classic encoding.
 //!
 //! Three grammars lead into two sorts of scene: VRML 1.0 is a stream of nodes that change a state
-//! ([`v1`]); VRML97 and X3D are a tree of nodes with fields. Both put their objects on one
+//! (`v1`); VRML97 and X3D are a tree of nodes with fields. Both put their objects on one
 //! stage, because files of one version may stand inside files of another.
 //! `docs/formats/vrml.md` says how every node is understood.
 

@@ -4,6 +4,7 @@
 mod mgf;
 mod obj;
 mod openflight;
+mod table_1;
 
 /// Where the shared models and scenes are, if this machine has them.
 fn data() -> Option<std::path::PathBuf> {

@@ -30,17 +30,6 @@ fn count(loaded: &Loaded) -> [usize; 3] {
     ]
 }
 
-/// The counts that *Wannabe Amazing* (Montes, Ureña, Revelles, Lastra, 2001) prints for a model
-/// that can still be had.
-#[test]
-fn the_galleon_of_table_1() {
-    let Some(data) = data() else { return };
-    let loaded = read(&data.join("corpus/obj/java3d-examples/galleon.obj")).expect("a model");
-    assert_eq!(loaded.scene.objects.len(), 133);
-    assert_eq!(count(&loaded)[..2], [3459, 2384]);
-    assert_eq!(loaded.warnings, []);
-}
-
 #[test]
 fn cornell_boxes() {
     let Some(data) = data() else { return };

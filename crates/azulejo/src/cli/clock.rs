@@ -55,7 +55,17 @@ pub fn peak_memory() -> Option<u64> {
     } else {
         1024
     };
-    usage().map(|u| u.max_rss().max(0) as u64 * unit)
+    // A process inherits the account of the one that started it, but not its memory.
+    own_peak().or_else(|| usage().map(|u| u.max_rss().max(0) as u64 * unit))
+}
+
+/// Most bytes that the memory of this program alone has held, where Linux says.
+#[cfg(unix)]
+fn own_peak() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(kilobytes * 1024)
 }
 
 /// Most bytes of memory that the process has held at once, where the system says.
