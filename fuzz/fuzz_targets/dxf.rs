@@ -9,12 +9,7 @@ const PART: &str = "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\na\n70\n4\n1\np.dxf\n0\nE
     0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\na\n0\n3DFACE\n11\n1\n22\n1\n0\nENDSEC\n0\nEOF\n";
 
 fuzz_target!(|bytes: &[u8]| {
-    let length = bytes.len() as u64;
-    let options = ReadOptions {
-        most_elements: 64 * length / 100 + 10_000,
-        most_unpacked: 64 * length,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions::in_proportion(bytes.len());
     let files = Memory::new().with("p.dxf", PART);
     let Ok(loaded) = dxf::read(bytes, "fuzz.dxf", &files, &options) else {
         return;

@@ -7,12 +7,7 @@ use azulejo_scene::Scene;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let length = bytes.len() as u64;
-    let options = ReadOptions {
-        most_elements: 64 * length / 100 + 10_000,
-        most_unpacked: 64 * length,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions::in_proportion(bytes.len());
     let files = Memory::new().with("a.bin", bytes);
     if let Ok(loaded) = gltf::read(bytes, "fuzz.gltf", &files, &options) {
         loaded

@@ -9,12 +9,7 @@ const MATERIALS: &str = "c k =\ncct 3000\nm m =\nrd .5\nm e =\ned 9\nv v =\np 1 
 const LUMINAIRE: &str = "GEOM=b.mgf\nTILT=NONE\n1 1 1 2 1 1 2 1 1 0\n1 1 1\n0 90\n0\n9 9\n";
 
 fuzz_target!(|bytes: &[u8]| {
-    let length = bytes.len() as u64;
-    let options = ReadOptions {
-        most_elements: 64 * length / 100 + 10_000,
-        most_unpacked: 64 * length + 10_000,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions::in_proportion(bytes.len());
     let files = Memory::new()
         .with("a.mgf", MATERIALS)
         .with("b.mgf", bytes)

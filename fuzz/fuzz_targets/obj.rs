@@ -12,10 +12,7 @@ const LIBRARY: &str =
 fuzz_target!(|bytes: &[u8]| {
     let files = Memory::new().with("m.mtl", LIBRARY);
     // Free-form surfaces make much of little.
-    let options = ReadOptions {
-        most_elements: 64 * bytes.len() as u64 / 100 + 10_000,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions::in_proportion(bytes.len());
     let Ok(loaded) = obj::read_with(bytes, "fuzz.obj", &files, &options) else {
         return;
     };

@@ -6,7 +6,6 @@ use azulejo_formats::{Lod, Memory, ReadOptions, openflight};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let length = bytes.len() as u64;
     // A file begins with opcode 1; other numbers there stand for other levels of detail.
     let lod = match bytes.get(1) {
         Some(2) => Lod::Coarsest,
@@ -23,8 +22,7 @@ fuzz_target!(|bytes: &[u8]| {
         .with("c.flt", bytes.clone());
     let options = ReadOptions {
         lod,
-        most_elements: 64 * length / 100 + 10_000,
-        most_unpacked: 64 * length,
+        ..ReadOptions::in_proportion(bytes.len())
     };
     if let Ok(loaded) = openflight::read(&bytes, "fuzz.flt", &files, &options) {
         let valid = loaded.scene.validate();

@@ -7,12 +7,7 @@ use azulejo_scene::{Mesh, Scene, Shape};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let length = bytes.len() as u64;
-    let options = ReadOptions {
-        most_elements: 64 * length / 100 + 10_000,
-        most_unpacked: 64 * length,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions::in_proportion(bytes.len());
     let files = Memory::new();
     let Ok(loaded) = ply::read(bytes, "fuzz.ply", &files, &options) else {
         return;

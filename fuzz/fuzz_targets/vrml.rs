@@ -13,15 +13,13 @@ fuzz_target!(|bytes: &[u8]| {
         true => bytes.to_vec(),
         false => [b"#VRML V2.0 utf8\n", bytes].concat(),
     };
-    let length = text.len() as u64;
     let files = Memory::new()
         .with("a.wrl", PARTS)
         .with("b.wrl", PARTS.replace("b.wrl", "a.wrl#B"));
     for lod in [Lod::Finest, Lod::Coarsest, Lod::All] {
         let options = ReadOptions {
             lod,
-            most_elements: 64 * length / 100 + 10_000,
-            most_unpacked: 64 * length,
+            ..ReadOptions::in_proportion(text.len())
         };
         if let Ok(loaded) = vrml::read(&text, "fuzz.wrl", &files, &options) {
             loaded

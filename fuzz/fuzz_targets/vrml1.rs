@@ -18,14 +18,12 @@ fuzz_target!(|bytes: &[u8]| {
         _ => Lod::Distance(10.0),
     };
     let text = [header, body].concat();
-    let length = text.len() as u64;
     let files = Memory::new()
         .with("b.wrl", text.clone())
         .with("c.wrl", "#VRML V2.0 utf8\nShape { geometry Box {} }");
     let options = ReadOptions {
         lod,
-        most_elements: 64 * length / 100 + 10_000,
-        most_unpacked: 64 * length,
+        ..ReadOptions::in_proportion(text.len())
     };
     if let Ok(loaded) = vrml::read(&text, "fuzz.wrl", &files, &options) {
         let valid = loaded.scene.validate();

@@ -14,12 +14,7 @@ fuzz_target!(|bytes: &[u8]| {
         true => bytes.to_vec(),
         false => [b"<X3D><Scene>", bytes, b"</Scene></X3D>"].concat(),
     };
-    let length = text.len() as u64;
-    let options = ReadOptions {
-        most_elements: 64 * length / 100 + 10_000,
-        most_unpacked: 64 * length,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions::in_proportion(text.len());
     let files = Memory::new().with("a.x3d", PARTS);
     if let Ok(loaded) = vrml::read(&text, "fuzz.x3d", &files, &options) {
         loaded

@@ -39,6 +39,29 @@ impl Default for ReadOptions {
     }
 }
 
+impl ReadOptions {
+    /// Limits in proportion to a file of `length` bytes that nobody trusts: what it unfolds to
+    /// takes at most about 64 times its memory.
+    pub fn in_proportion(length: usize) -> ReadOptions {
+        let length = length as u64;
+        ReadOptions {
+            // An element takes up to a hundred bytes, and the smallest files may unfold too.
+            most_elements: 64 * length / 100 + 10_000,
+            most_unpacked: 64 * length + 10_000,
+            ..ReadOptions::default()
+        }
+    }
+}
+
+/// Refuses files in which corners or vertices could not be counted in 32 bits.
+pub(crate) fn check_length(bytes: &[u8], file: &str) -> Result<(), ReadError> {
+    if bytes.len() <= u32::MAX as usize {
+        return Ok(());
+    }
+    let found = format!("{} bytes", bytes.len());
+    Err(ReadError::whole(file, found, "less than 4 GiB"))
+}
+
 /// Counts what a file unfolds to, so that a small file cannot fill memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget {

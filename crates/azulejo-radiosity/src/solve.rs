@@ -33,10 +33,10 @@ pub struct FirstPass {
 }
 
 impl Default for FirstPass {
-    /// Patches of a 2,500th of the area, 3% error or 2,048 rays, bounces to convergence, 4 GiB.
+    /// Patches of a 1,500th of the area, 3% error or 2,048 rays, bounces to convergence, 4 GiB.
     fn default() -> FirstPass {
         FirstPass {
-            size: PatchSize::Squares(2_500),
+            size: PatchSize::Squares(1_500),
             error: None,
             rays: None,
             bounces: None,

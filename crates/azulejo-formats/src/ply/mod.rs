@@ -15,6 +15,7 @@ mod write;
 
 pub use write::{losses, write};
 
+use crate::options::check_length;
 use crate::warnings::Warnings;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use faces::FaceList;
@@ -22,11 +23,8 @@ use header::{Element, Encoding, Header};
 use source::{Binary, Source, Stop, Text};
 use vertices::Vertices;
 
-/// Largest file in bytes: corners and vertices are counted in 32 bits.
-const LARGEST: usize = u32::MAX as usize;
-
 /// "No such vertex": a negative index, or one that is no integer. No real index reaches it,
-/// because [`LARGEST`] bounds the file.
+/// because [`check_length`] bounds the file.
 const NONE: u32 = u32::MAX;
 
 /// Reads a model. `name` stands in messages; `files` gives the pictures that it names, relative
@@ -41,10 +39,7 @@ pub fn read(
     files: &dyn Files,
     _options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    if bytes.len() > LARGEST {
-        let found = format!("{} bytes", bytes.len());
-        return Err(ReadError::whole(name, found, "less than 4 GiB"));
-    }
+    check_length(bytes, name)?;
     let mut warnings = Warnings::default();
     let header = Header::read(bytes, name, &mut warnings)?;
     let mut reader = Reader {

@@ -8,6 +8,7 @@ mod binary;
 #[cfg(test)]
 mod tests;
 
+use crate::options::check_length;
 use crate::warnings::Warnings;
 use crate::weld::Welder;
 use crate::{Files, Loaded, ReadError, ReadOptions};
@@ -16,9 +17,6 @@ use glam::DVec3;
 
 /// Reflectance of facets without a colour.
 const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
-
-/// Largest file in bytes: corners and positions are counted in 32 bits.
-const LARGEST: usize = u32::MAX as usize;
 
 /// Reads a model. `name` stands in messages; STL names no other files and takes no options.
 ///
@@ -30,10 +28,7 @@ pub fn read(
     _files: &dyn Files,
     _options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    if bytes.len() > LARGEST {
-        let found = format!("{} bytes", bytes.len());
-        return Err(ReadError::whole(name, found, "less than 4 GiB"));
-    }
+    check_length(bytes, name)?;
     let mut warnings = Warnings::default();
     let mut scene = match is_text(bytes) {
         true => ascii::read(bytes, name, &mut warnings)?,
