@@ -11,21 +11,13 @@ pub(crate) struct Bytes<'a> {
     at: usize,
 }
 
-/// Readers of one little-endian and one big-endian number.
+/// Readers of one little-endian number.
 macro_rules! numbers {
-    ($($le:ident $be:ident $kind:ty),*) => {$(
+    ($($name:ident $kind:ty),*) => {$(
         #[doc = concat!("The next little-endian `", stringify!($kind), "`.")]
-        #[allow(dead_code, reason = "each format needs its own few")]
         #[inline]
-        pub fn $le(&mut self) -> Option<$kind> {
+        pub fn $name(&mut self) -> Option<$kind> {
             self.array().map(<$kind>::from_le_bytes)
-        }
-
-        #[doc = concat!("The next big-endian `", stringify!($kind), "`.")]
-        #[allow(dead_code, reason = "each format needs its own few")]
-        #[inline]
-        pub fn $be(&mut self) -> Option<$kind> {
-            self.array().map(<$kind>::from_be_bytes)
         }
     )*};
 }
@@ -80,8 +72,7 @@ impl<'a> Bytes<'a> {
         self.take(N)?.try_into().ok()
     }
 
-    numbers!(u8_le u8_be u8, u16_le u16_be u16, i16_le i16_be i16, u32_le u32_be u32,
-             i32_le i32_be i32, f32_le f32_be f32, f64_le f64_be f64);
+    numbers!(u8_le u8, u16_le u16, i16_le i16, u32_le u32, f32_le f32);
 }
 
 #[cfg(test)]
@@ -93,7 +84,7 @@ mod tests {
         let mut bytes = Bytes::new(&[1, 2, 3, 4, 5, 6, 7]);
         assert_eq!(bytes.u16_le(), Some(0x0201));
         let mut piece = bytes.piece(3).unwrap();
-        assert_eq!((piece.offset(), piece.u16_be()), (2, Some(0x0304)));
+        assert_eq!((piece.offset(), piece.u16_le()), (2, Some(0x0403)));
         assert_eq!((piece.u32_le(), piece.left(), piece.offset()), (None, 1, 4));
         assert_eq!((bytes.offset(), bytes.u8_le()), (5, Some(6)));
         assert!(bytes.skip(2).is_none() && bytes.take(usize::MAX).is_none());

@@ -129,6 +129,9 @@ mod tests {
         assert_eq!(budget.spend(0), Ok(()));
         let error = budget.spend(1).unwrap_err().error("a.mgf").to_string();
         assert!(error.contains("more than 10"), "{error}");
+        let mut tiny = Budget::new(&ReadOptions::in_proportion(100));
+        assert_eq!(tiny.spend(10_064), Ok(()));
+        assert!(tiny.spend(1).is_err());
         assert!(
             Budget::new(&ReadOptions::default())
                 .spend(u64::MAX)
