@@ -45,7 +45,7 @@ fn measure(name: &str, bytes: &[u8]) {
             .iter()
             .map(|o| match &o.shape {
                 azulejo_scene::Shape::Mesh(mesh) => mesh.faces.len(),
-                azulejo_scene::Shape::Primitive(_) => 0,
+                _ => 0,
             })
             .sum();
     }

@@ -1,17 +1,20 @@
 //! Objects as polygons, for formats that have nothing else.
 
-use azulejo_scene::{Mesh, Object, Primitive, Rgb, Shape, SurfaceGrid, SurfaceLight};
+use azulejo_scene::{Exact, Mesh, Object, Primitive, Rgb, Shape, SurfaceGrid, SurfaceLight};
 use std::borrow::Cow;
 
 /// Chord error of exact primitives, which become polygons, relative to their size.
 const CHORD_ERROR: f64 = 1e-3;
 
-/// The polygons of an object: its own, or those that stand for an exact primitive, whose
+/// The polygons of an object: its own, or those that stand for an exact shape, whose
 /// irradiance is left out.
 pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
     match &object.shape {
         Shape::Mesh(mesh) => Cow::Borrowed(mesh),
         Shape::Primitive(primitive) => Cow::Owned(primitive.tessellate(&grids(primitive))),
+        Shape::Exact(exact) => {
+            Cow::Owned(exact.tessellate(CHORD_ERROR * exact.bounds().diagonal()))
+        }
     }
 }
 
@@ -20,6 +23,12 @@ pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
 /// Where the light is known on a coarser grid than the shape asks for, each of its cells is
 /// divided evenly: the solved values stay at their points, bilinear ones come between.
 pub(crate) fn lit_mesh_of(object: &Object) -> Cow<'_, Mesh> {
+    if let Shape::Exact(Exact {
+        skin: Some(skin), ..
+    }) = &object.shape
+    {
+        return Cow::Borrowed(skin);
+    }
     let (Shape::Primitive(primitive), Some(light)) = (&object.shape, light_of(object)) else {
         return mesh_of(object);
     };

@@ -33,6 +33,8 @@ pub(crate) enum Spot<'a> {
     Mesh(&'a Mesh, Weights),
     /// At `(u, v)` of a part of a primitive.
     Primitive(&'a Primitive, usize, f64, f64),
+    /// On an exact shape.
+    Exact,
 }
 
 /// A mean of up to four corners of one face.
@@ -75,6 +77,7 @@ impl<'a> Interpolator<'a> {
         match &self.scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) => Spot::Mesh(mesh, Weights::on_face(item, u, v)),
             Shape::Primitive(p) => Spot::Primitive(p, item.start as usize, u, v),
+            Shape::Exact(_) => Spot::Exact,
         }
     }
 
@@ -106,6 +109,7 @@ impl ItemFace {
                     .map(|_| cell_area(p, item.face as usize).sqrt());
                 (item.face, None, size)
             }
+            Shape::Exact(_) => (item.face, None, None),
         };
         ItemFace {
             object: item.object,
@@ -150,6 +154,7 @@ impl Spot<'_> {
         match self {
             Spot::Mesh(mesh, _) if mesh.irradiance.is_empty() => Rgb::BLACK,
             Spot::Mesh(mesh, weights) => weights.of_vertices(mesh, &mesh.irradiance),
+            Spot::Exact => Rgb::BLACK,
             Spot::Primitive(p, part, u, v) => match &p.light {
                 Some(light) => light.at(*part, *u, *v),
                 None => Rgb::BLACK,

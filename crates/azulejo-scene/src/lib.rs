@@ -22,28 +22,41 @@
 //! ```
 
 mod camera;
+pub mod figure;
 pub mod fresnel;
 mod image;
 mod light;
 mod material;
 pub mod math;
 mod mesh;
+mod patch;
 mod place;
+mod prism;
 mod rgb;
+pub mod rtrace;
 mod scene;
 mod shape;
+mod skin;
+mod solid;
 mod solution;
 pub mod synthetic;
+mod text;
 mod triangulate;
 mod validate;
 
 pub use camera::Camera;
+pub use figure::{Contour, Curve, Figure, FillRule};
 pub use image::Image;
 pub use light::{Light, LightKind};
 pub use material::{Brdf, Dielectric, Material, MaterialId, Texture, TextureId};
 pub use mesh::{Attribute, Faces, Mesh};
+pub use patch::BicubicPatch;
+pub use prism::Prism;
 pub use rgb::Rgb;
+pub use rtrace::Rtrace;
 pub use scene::{Fog, Object, Scene, Units, Up};
 pub use shape::{Primitive, PrimitiveKind, Shape, SurfaceGrid, SurfaceLight, SurfacePoint};
+pub use solid::{Csg, Exact, Leaf, Operation, Solid};
 pub use solution::{Irradiance, ObjectIrradiance};
+pub use text::{Encoding, Font, Glyph, PlacedGlyph, TextError, TextFrame};
 pub use validate::Invalid;

@@ -10,13 +10,14 @@ impl Scene {
     /// `world_from_scene` must be finite and invertible. A map that mirrors also turns the
     /// corners of faces around, so that fronts stay fronts. Intensities of lights grow with the
     /// square of the mean scale and irradiance stays, so that the scene looks the same at any
-    /// size.
+    /// size. RTRACE's numbers are left behind.
     pub fn transformed(mut self, world_from_scene: &DAffine3) -> Scene {
         let map = world_from_scene;
         for object in &mut self.objects {
             match &mut object.shape {
                 Shape::Mesh(mesh) => mesh.transform(map),
                 Shape::Primitive(p) => p.world_from_object = *map * p.world_from_object,
+                Shape::Exact(exact) => exact.transform(map),
             }
         }
         let scale = map.matrix3.determinant().abs().cbrt();
@@ -25,6 +26,8 @@ impl Scene {
         if let Some(fog) = &mut self.fog {
             fog.visibility *= scale;
         }
+        // Its lights and textures have no meaning at another size.
+        self.rtrace = None;
         self
     }
 
@@ -170,7 +173,7 @@ mod tests {
     fn floor(scene: &Scene) -> &Mesh {
         match &scene.objects[0].shape {
             Shape::Mesh(mesh) => mesh,
-            Shape::Primitive(_) => unreachable!("the floor is a mesh"),
+            _ => unreachable!("the floor is a mesh"),
         }
     }
 

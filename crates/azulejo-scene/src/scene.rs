@@ -2,7 +2,7 @@
 
 use crate::math::Aabb;
 use crate::{
-    Camera, Irradiance, Light, Material, MaterialId, ObjectIrradiance, Rgb, Shape, Texture,
+    Camera, Irradiance, Light, Material, MaterialId, ObjectIrradiance, Rgb, Rtrace, Shape, Texture,
 };
 use glam::DVec3;
 
@@ -26,6 +26,8 @@ pub struct Scene {
     pub fog: Option<Fog>,
     /// What the numbers mean.
     pub units: Units,
+    /// The numbers of an SFF or SCN scene that only RTRACE's own shading reads.
+    pub rtrace: Option<Box<Rtrace>>,
 }
 
 /// Fog, as VRML has it: a colour that surfaces fade into with their distance from the viewer.
@@ -116,6 +118,7 @@ impl Object {
         match &self.shape {
             Shape::Mesh(mesh) => mesh.bounds(),
             Shape::Primitive(primitive) => primitive.bounds(),
+            Shape::Exact(exact) => exact.bounds(),
         }
     }
 }
@@ -145,6 +148,7 @@ impl Scene {
         let lamp = |o: &Object| match &o.shape {
             Shape::Mesh(mesh) => mesh.face_materials.iter().any(|&m| shines(m)),
             Shape::Primitive(p) => shines(p.material),
+            Shape::Exact(exact) => exact.leaves().iter().any(|l| shines(l.material())),
         };
         let light = |l: &Light| match l.kind {
             Point { intensity, .. } | Spot { intensity, .. } => !intensity.is_black(),
@@ -161,6 +165,7 @@ impl Scene {
                 mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len()
             }
             Shape::Primitive(p) => p.light.is_some(),
+            Shape::Exact(exact) => exact.skin.is_some(),
         };
         !self.objects.is_empty() && self.objects.iter().all(solved)
     }
@@ -188,6 +193,7 @@ impl Scene {
                     mesh.irradiance_error = error;
                 }
                 (Shape::Primitive(p), ObjectIrradiance::Surface(light)) => p.light = Some(light),
+                (Shape::Exact(exact), ObjectIrradiance::Refined(skin)) => exact.skin = Some(skin),
                 _ => panic!("irradiance of another kind of shape"),
             }
         }
@@ -196,8 +202,14 @@ impl Scene {
     /// Appends another scene's content: the paper's "add" as against "new".
     ///
     /// Nothing is converted ([`Scene::adapted`] does that before); units, background and fog
-    /// of this scene stay, and if it has no background or fog, the other's are taken.
+    /// of this scene stay, and if it has no background or fog, the other's are taken. RTRACE's
+    /// numbers are kept only where one of the two scenes is empty.
     pub fn merge(&mut self, other: Scene) {
+        if self.objects.is_empty() && self.materials.is_empty() {
+            self.rtrace = other.rtrace;
+        } else if !other.objects.is_empty() {
+            self.rtrace = None;
+        }
         let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
         self.textures.extend(other.textures);
         self.materials
@@ -209,6 +221,7 @@ impl Scene {
             match &mut o.shape {
                 Shape::Mesh(mesh) => mesh.face_materials.iter_mut().for_each(|m| *m += materials),
                 Shape::Primitive(p) => p.material += materials,
+                Shape::Exact(exact) => exact.map_materials(&mut |m| m + materials),
             }
             o
         }));

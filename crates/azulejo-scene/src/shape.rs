@@ -1,7 +1,7 @@
-//! What an object is made of: a mesh, or an exact primitive.
+//! What an object is made of: a mesh, or an exact shape.
 
 use crate::math::{Aabb, normal_matrix};
-use crate::{MaterialId, Mesh, Rgb};
+use crate::{Exact, MaterialId, Mesh, Rgb};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -12,6 +12,8 @@ pub enum Shape {
     Mesh(Mesh),
     /// A sphere, cylinder, cone, box or parallelogram, exact at any distance.
     Primitive(Primitive),
+    /// Prisms, patches, and what set operations make of solids.
+    Exact(Exact),
 }
 
 /// A unit primitive under an affine map.
@@ -28,7 +30,7 @@ pub struct Primitive {
     pub light: Option<SurfaceLight>,
 }
 
-/// The unit primitives. Their front is the outside.
+/// The unit primitives. Their front is the outside. All are closed but the tube and the square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PrimitiveKind {
     /// Radius 1 around the origin. One part: `u` is the azimuth from +x over 2π, `v` runs from
@@ -40,6 +42,12 @@ pub enum PrimitiveKind {
     /// Radius 1 at z = 0 and `top` at z = 1, closed. Parts: side, bottom, and the top if
     /// `top` > 0.
     Cone {
+        /// Radius of the upper end, 0..=1.
+        top: f64,
+    },
+    /// The side alone of a cone or cylinder, open: radius 1 at z = 0 and `top` at z = 1. One
+    /// part, as the side of a cone.
+    Tube {
         /// Radius of the upper end, 0..=1.
         top: f64,
     },
@@ -118,7 +126,7 @@ impl PrimitiveKind {
     /// Number of parts, each with its own `u`, `v`.
     pub fn parts(&self) -> usize {
         match *self {
-            PrimitiveKind::Sphere | PrimitiveKind::Square => 1,
+            PrimitiveKind::Sphere | PrimitiveKind::Square | PrimitiveKind::Tube { .. } => 1,
             PrimitiveKind::Cylinder => 3,
             PrimitiveKind::Cone { top } => 2 + usize::from(top > 0.0),
             PrimitiveKind::Cuboid => 6,
@@ -148,7 +156,7 @@ impl PrimitiveKind {
             (PrimitiveKind::Cylinder, 0) => side(1.0),
             (PrimitiveKind::Cylinder, 1) => cap(1.0, 0.0, false),
             (PrimitiveKind::Cylinder, _) => cap(1.0, 1.0, true),
-            (PrimitiveKind::Cone { top }, 0) => side(top),
+            (PrimitiveKind::Cone { top }, 0) | (PrimitiveKind::Tube { top }, _) => side(top),
             (PrimitiveKind::Cone { .. }, 1) => cap(1.0, 0.0, false),
             (PrimitiveKind::Cone { top }, _) => cap(top, 1.0, true),
             (PrimitiveKind::Cuboid, 0) => (DVec3::new(0.0, v, u), DVec3::Z, DVec3::Y),
@@ -169,7 +177,9 @@ impl PrimitiveKind {
             (PrimitiveKind::Sphere, _) => p,
             (PrimitiveKind::Cylinder, 1) | (PrimitiveKind::Cone { .. }, 1) => -DVec3::Z,
             (PrimitiveKind::Cylinder, 2) | (PrimitiveKind::Cone { .. }, 2) => DVec3::Z,
-            (PrimitiveKind::Cone { top }, 0) => DVec3::new(cos, sin, 1.0 - top),
+            (PrimitiveKind::Cone { top }, 0) | (PrimitiveKind::Tube { top }, _) => {
+                DVec3::new(cos, sin, 1.0 - top)
+            }
             _ => du.cross(dv),
         }
     }
@@ -201,6 +211,7 @@ impl PrimitiveKind {
             PrimitiveKind::Sphere => (0, azimuth(), 0.5 + p.z.atan2(radius) / PI),
             PrimitiveKind::Cylinder => turned(1.0),
             PrimitiveKind::Cone { top } => turned(top),
+            PrimitiveKind::Tube { .. } => (0, azimuth(), p.z.clamp(0.0, 1.0)),
             PrimitiveKind::Square => (0, p.x.clamp(0.0, 1.0), p.y.clamp(0.0, 1.0)),
             PrimitiveKind::Cuboid => {
                 let c = p.clamp(DVec3::ZERO, DVec3::ONE);
@@ -325,6 +336,7 @@ impl Primitive {
             PrimitiveKind::Cylinder => {
                 vec![round(count(sz, 1)), round(count(r, 1)), round(count(r, 1))]
             }
+            PrimitiveKind::Tube { top } => vec![round(count(sz.hypot(r * (1.0 - top)), 1))],
             PrimitiveKind::Cone { top } => {
                 let mut parts = vec![
                     round(count(sz.hypot(r * (1.0 - top)), 1)),
@@ -393,7 +405,9 @@ impl Primitive {
     fn collapsed_rows(&self, part: usize) -> (bool, bool) {
         match (self.kind, part) {
             (PrimitiveKind::Sphere, _) => (true, true),
-            (PrimitiveKind::Cone { top }, 0) => (false, top <= 0.0),
+            (PrimitiveKind::Cone { top }, 0) | (PrimitiveKind::Tube { top }, _) => {
+                (false, top <= 0.0)
+            }
             (PrimitiveKind::Cylinder | PrimitiveKind::Cone { .. }, 1 | 2) => (true, false),
             _ => (false, false),
         }
@@ -444,7 +458,9 @@ impl Primitive {
                 }
             }
             PrimitiveKind::Cylinder => circle(DVec3::ZERO, 1.0).union(circle(DVec3::Z, 1.0)),
-            PrimitiveKind::Cone { top } => circle(DVec3::ZERO, 1.0).union(circle(DVec3::Z, top)),
+            PrimitiveKind::Cone { top } | PrimitiveKind::Tube { top } => {
+                circle(DVec3::ZERO, 1.0).union(circle(DVec3::Z, top))
+            }
             PrimitiveKind::Cuboid => corners(&[0.0, 1.0]),
             PrimitiveKind::Square => corners(&[0.0]),
         }

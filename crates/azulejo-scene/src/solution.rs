@@ -19,7 +19,8 @@ pub enum ObjectIrradiance {
         /// Standard error, one per vertex or empty.
         error: Vec<Rgb>,
     },
-    /// The mesh divided into patches, irradiance on its vertices.
+    /// The mesh divided into patches, irradiance on its vertices; for an exact shape, the polygons
+    /// that stood for it.
     Refined(Box<Mesh>),
     /// Irradiance on the surface of an exact primitive.
     Surface(SurfaceLight),

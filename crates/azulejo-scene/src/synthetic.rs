@@ -523,7 +523,7 @@ mod tests {
     fn mesh(object: &Object) -> &Mesh {
         match &object.shape {
             Shape::Mesh(mesh) => mesh,
-            Shape::Primitive(_) => panic!("{} is a primitive", object.name),
+            _ => panic!("{} is not a mesh", object.name),
         }
     }
 

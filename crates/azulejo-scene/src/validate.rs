@@ -1,5 +1,7 @@
 //! The promises of a scene, checked.
 
+mod exact;
+
 use crate::{Attribute, LightKind, Mesh, Object, Primitive, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
 use std::fmt;
@@ -45,6 +47,9 @@ impl Scene {
     ///    emission, irradiance and intensities are not negative.
     /// 4. Normals have length 1 (to 1e-3) or are absent; so have the directions of lights.
     /// 5. Primitives' maps are invertible, cone tops in 0..=1, `ior > 0`, units > 0.
+    ///    Prisms' figures are finite and their maps invertible; both sides of a set operation hold
+    ///    something, all of it closed; meshes in it are of one material, and every edge of theirs
+    ///    has two faces; operations nest at most 256 deep.
     /// 6. A camera's eye, target and up span a plane; its field of view is in 0..π.
     /// 7. Background and fog are not negative; fog has a visibility > 0.
     ///
@@ -135,6 +140,7 @@ impl Scene {
         match &object.shape {
             Shape::Mesh(mesh) => validate_mesh(mesh, materials),
             Shape::Primitive(p) => validate_primitive(p, materials),
+            Shape::Exact(exact) => exact::validate(exact, materials),
         }
     }
 
@@ -320,7 +326,7 @@ fn validate_primitive(p: &Primitive, materials: usize) -> Check {
         place,
         || "its map is not invertible".into(),
     )?;
-    if let PrimitiveKind::Cone { top } = p.kind {
+    if let PrimitiveKind::Cone { top } | PrimitiveKind::Tube { top } = p.kind {
         ensure((0.0..=1.0).contains(&top), place, || {
             format!("the cone's top radius is {top}, expected 0..=1")
         })?;
@@ -369,7 +375,7 @@ mod tests {
     fn mesh(scene: &mut Scene) -> &mut Mesh {
         match &mut scene.objects[0].shape {
             Shape::Mesh(mesh) => mesh,
-            Shape::Primitive(_) => unreachable!("the test scene is a mesh"),
+            _ => unreachable!("the test scene is a mesh"),
         }
     }
 

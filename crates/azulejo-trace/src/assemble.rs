@@ -124,6 +124,7 @@ fn finite_bounds(shape: &Shape) -> Aabb {
             let finite = bounds.min.is_finite() && bounds.max.is_finite();
             if finite { bounds } else { Aabb::EMPTY }
         }
+        Shape::Exact(_) => Aabb::EMPTY,
     }
 }
 

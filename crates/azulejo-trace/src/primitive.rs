@@ -86,6 +86,7 @@ impl ExactPrimitive {
             PrimitiveKind::Sphere => quadric(d.dot(d), o.dot(d), sphere_constant(line), None)?,
             PrimitiveKind::Cylinder => tapered(line, 1.0)?,
             PrimitiveKind::Cone { top } => tapered(line, top)?,
+            PrimitiveKind::Tube { top } => tube(line, top)?,
             PrimitiveKind::Cuboid => slab(o.x, d.x, slab(o.y, d.y, slab(o.z, d.z, EVERYWHERE)?)?)?,
             PrimitiveKind::Square => sheet(line)?,
         };
@@ -144,6 +145,24 @@ fn tapered(line: &Line, top: f64) -> Option<Interval> {
     let b = o.x * d.x + o.y * d.y - radius * growth;
     let c = o.x * o.x + o.y * o.y - radius * radius;
     quadric(a, b, c, Some(slab(o.z, d.z, EVERYWHERE)?))
+}
+
+/// The side of such a cone alone: where the line crosses it, as an interval whose ends are the
+/// crossings; one crossing is an interval of one point.
+fn tube(line: &Line, top: f64) -> Option<Interval> {
+    let (enter, leave) = tapered(line, top)?;
+    let on_side = |t: f64| {
+        let p = line.origin + t * line.direction;
+        let radius = 1.0 + (top - 1.0) * p.z;
+        // The end of the interval is on the side unless it is on a cap, well inside.
+        (p.x.hypot(p.y) - radius).abs() <= 1e-9 * (1.0 + p.length())
+    };
+    match (on_side(enter), on_side(leave)) {
+        (true, true) => Some((enter, leave)),
+        (true, false) => Some((enter, enter)),
+        (false, true) => Some((leave, leave)),
+        (false, false) => None,
+    }
 }
 
 /// |o|² − 1, from the factors that do not cancel when the origin is on the sphere.

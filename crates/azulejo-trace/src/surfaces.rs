@@ -107,6 +107,10 @@ impl ItemSurface {
                 };
                 (normal, p.material)
             }
+            Shape::Exact(exact) => {
+                let leaf = exact.leaves()[item.face as usize];
+                (DVec3::ZERO, leaf.material())
+            }
         };
         let surface = &scene.materials[material as usize];
         ItemSurface {

@@ -113,7 +113,7 @@ fn made_up(folder: &Path) -> Vec<PathBuf> {
 fn meshes(scene: &Scene) -> impl Iterator<Item = &Mesh> {
     scene.objects.iter().filter_map(|o| match &o.shape {
         Shape::Mesh(mesh) => Some(mesh),
-        Shape::Primitive(_) => None,
+        _ => None,
     })
 }
 

@@ -11,7 +11,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = |lost: fn(&Mesh) -> bool| {
         let meshes = scene.objects.iter().filter_map(|o| match &o.shape {
             Shape::Mesh(mesh) => Some(mesh),
-            Shape::Primitive(_) => None,
+            Shape::Primitive(_) | Shape::Exact(_) => None,
         });
         meshes.filter(|m| lost(m)).count()
     };

@@ -65,6 +65,6 @@ fn read(file: &str, warnings: &[&str]) -> Scene {
 fn mesh_of(scene: &Scene, object: usize) -> &Mesh {
     match &scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => panic!("glTF has meshes only"),
+        _ => panic!("glTF has meshes only"),
     }
 }

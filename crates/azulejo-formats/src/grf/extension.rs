@@ -311,12 +311,17 @@ impl<'a> Parser<'a, '_, '_> {
             "cylinder" => PrimitiveKind::Cylinder,
             "box" => PrimitiveKind::Cuboid,
             "parallelogram" => PrimitiveKind::Square,
-            "cone" => self.cone(entries)?,
+            "cone" => PrimitiveKind::Cone {
+                top: self.top(entries, 0.0)?,
+            },
+            "tube" => PrimitiveKind::Tube {
+                top: self.top(entries, 1.0)?,
+            },
             _ => {
                 return Err(self.fail(
                     offset,
                     format!("`{word}`"),
-                    "`sphere`, `cylinder`, `cone`, `box` or `parallelogram`",
+                    "`sphere`, `cylinder`, `cone`, `tube`, `box` or `parallelogram`",
                 ));
             }
         };
@@ -330,15 +335,15 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn cone(&mut self, entries: &mut Entries<'a>) -> Parsed<PrimitiveKind> {
+    fn top(&mut self, entries: &mut Entries<'a>, default: f64) -> Parsed<f64> {
         let top = self.take_number(entries, "top")?;
-        let (top, offset) = top.unwrap_or((0.0, entries.offset));
+        let (top, offset) = top.unwrap_or((default, entries.offset));
         if (0.0..=1.0).contains(&top) {
-            return Ok(PrimitiveKind::Cone { top });
+            return Ok(top);
         }
         Err(self.fail(
             offset,
-            format!("a cone with the top radius {top}"),
+            format!("a cone or tube with the top radius {top}"),
             "a radius from 0 to 1; the base has radius 1",
         ))
     }

@@ -89,6 +89,10 @@ impl Names {
         match &object.shape {
             Shape::Mesh(mesh) => BlockKind::Mesh(Box::new(self.mesh(scene, mesh, notes))),
             Shape::Primitive(p) => self.primitive(scene, p, notes),
+            Shape::Exact(_) => {
+                let mesh = crate::tessellate::lit_mesh_of(object);
+                BlockKind::Mesh(Box::new(self.mesh(scene, &mesh, notes)))
+            }
         }
     }
 

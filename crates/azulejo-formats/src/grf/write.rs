@@ -357,11 +357,12 @@ fn primitive(out: &mut Out<'_>, primitive: &PrimitiveBlock) -> io::Result<()> {
         PrimitiveKind::Sphere => "sphere",
         PrimitiveKind::Cylinder => "cylinder",
         PrimitiveKind::Cone { .. } => "cone",
+        PrimitiveKind::Tube { .. } => "tube",
         PrimitiveKind::Cuboid => "box",
         PrimitiveKind::Square => "parallelogram",
     };
     write!(out, "ext primitive begin kind = {kind}")?;
-    if let PrimitiveKind::Cone { top } = primitive.kind {
+    if let PrimitiveKind::Cone { top } | PrimitiveKind::Tube { top } = primitive.kind {
         write!(out, " top = {}", Number(top))?;
     }
     out.write_all(b" map =")?;

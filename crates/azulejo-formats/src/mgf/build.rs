@@ -318,7 +318,7 @@ mod tests {
         scene.validate().unwrap();
         match scene.objects.remove(0).shape {
             Shape::Mesh(mesh) => mesh,
-            Shape::Primitive(_) => unreachable!("faces make meshes"),
+            _ => unreachable!("faces make meshes"),
         }
     }
 

@@ -24,14 +24,14 @@ fn warnings(loaded: &Loaded) -> Vec<String> {
 fn mesh(object: &Object) -> &Mesh {
     match &object.shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => panic!("a mesh is expected"),
+        _ => panic!("a mesh is expected"),
     }
 }
 
 fn primitive(object: &Object) -> &Primitive {
     match &object.shape {
         Shape::Primitive(primitive) => primitive,
-        Shape::Mesh(_) => panic!("a primitive is expected"),
+        _ => panic!("a primitive is expected"),
     }
 }
 
@@ -52,7 +52,7 @@ fn check_objects(loaded: &Loaded, expected: &[(&str, usize)]) {
         .iter()
         .map(|o| match &o.shape {
             Shape::Mesh(mesh) => (o.name.as_str(), mesh.faces.len()),
-            Shape::Primitive(_) => (o.name.as_str(), 0),
+            _ => (o.name.as_str(), 0),
         })
         .collect();
     assert_eq!(found, expected);
@@ -285,6 +285,7 @@ fn emission_by_sides() {
         let (id, is_mesh) = match &object.shape {
             Shape::Mesh(mesh) => (mesh.face_materials[0], true),
             Shape::Primitive(p) => (p.material, false),
+            Shape::Exact(_) => unreachable!("MGF has primitives and meshes only"),
         };
         let material = &loaded.scene.materials[id as usize];
         assert_eq!(material.emission, Rgb::grey(100.0 / PI));

@@ -20,7 +20,7 @@ fn load_with(text: impl AsRef<[u8]>, files: &Memory) -> Loaded {
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     match &loaded.scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => panic!("OBJ has meshes only"),
+        _ => panic!("OBJ has meshes only"),
     }
 }
 

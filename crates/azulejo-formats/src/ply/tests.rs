@@ -36,7 +36,7 @@ fn check_warnings(loaded: &Loaded, expected: &[&str]) {
 fn mesh(scene: &Scene, object: usize) -> &Mesh {
     match &scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => unreachable!("PLY has meshes only"),
+        _ => unreachable!("PLY has meshes only"),
     }
 }
 

@@ -48,7 +48,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = || {
         scene.objects.iter().filter_map(|o| match &o.shape {
             Shape::Mesh(mesh) => Some(mesh),
-            Shape::Primitive(_) => None,
+            Shape::Primitive(_) | Shape::Exact(_) => None,
         })
     };
     let meshes_with = |lost: fn(&Mesh) -> bool| meshes().filter(|m| lost(m)).count();

@@ -23,7 +23,7 @@ fn check_warnings(loaded: &Loaded, expected: &[&str]) {
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     match &loaded.scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => unreachable!("STL has meshes only"),
+        _ => unreachable!("STL has meshes only"),
     }
 }
 

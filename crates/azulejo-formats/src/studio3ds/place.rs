@@ -369,5 +369,6 @@ fn uses(scene: &Scene, material: MaterialId) -> bool {
     scene.objects.iter().any(|o| match &o.shape {
         Shape::Mesh(mesh) => mesh.face_materials.contains(&material),
         Shape::Primitive(p) => p.material == material,
+        Shape::Exact(_) => false,
     })
 }

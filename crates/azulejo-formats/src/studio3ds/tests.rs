@@ -60,7 +60,7 @@ fn load(bytes: &[u8]) -> Loaded {
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     match &loaded.scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => unreachable!("3DS has meshes only"),
+        _ => unreachable!("3DS has meshes only"),
     }
 }
 

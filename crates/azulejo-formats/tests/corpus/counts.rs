@@ -25,7 +25,7 @@ impl Counts {
         let meshes = || {
             scene.objects.iter().filter_map(|o| match &o.shape {
                 Shape::Mesh(mesh) => Some(mesh),
-                Shape::Primitive(_) => None,
+                _ => None,
             })
         };
         let parts: Vec<(usize, usize)> = meshes().map(parts_and_positions).collect();

@@ -31,7 +31,7 @@ fn lumens(scene: &Scene) -> f64 {
             .map(|(f, &m)| mesh.face_area_vector(f).length() * exitance(m))
             .sum(),
         Shape::Primitive(p) if shines(p.material) => p.area() * exitance(p.material),
-        Shape::Primitive(_) => 0.0,
+        _ => 0.0,
     });
     objects.sum()
 }
@@ -139,6 +139,7 @@ impl Measures {
         for object in &scene.objects {
             match &object.shape {
                 Shape::Primitive(p) => add(p.area(), p.material),
+                Shape::Exact(_) => unreachable!("MGF has primitives and meshes only"),
                 Shape::Mesh(mesh) => mesh
                     .face_materials
                     .iter()
@@ -154,6 +155,7 @@ impl Measures {
 fn is_sphere(shape: &Shape) -> bool {
     match shape {
         Shape::Primitive(p) => p.kind == PrimitiveKind::Sphere,
+        Shape::Exact(_) => false,
         Shape::Mesh(_) => false,
     }
 }

@@ -16,7 +16,7 @@ fn read(path: &Path) -> Result<Loaded, ReadError> {
 fn mesh(object: &Object) -> &Mesh {
     match &object.shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => panic!("OBJ has meshes only"),
+        _ => panic!("OBJ has meshes only"),
     }
 }
 

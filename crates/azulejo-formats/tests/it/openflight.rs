@@ -30,7 +30,7 @@ fn triangles(path: &Path, shared: &Path) -> usize {
     let loaded = openflight::read(&bytes, "a.flt", &files, &options).expect("a good file");
     let of = |shape: &Shape| match shape {
         Shape::Mesh(mesh) => mesh.faces.triangle_count(),
-        Shape::Primitive(_) => panic!("OpenFlight has meshes only"),
+        _ => panic!("OpenFlight has meshes only"),
     };
     loaded.scene.objects.iter().map(|o| of(&o.shape)).sum()
 }

@@ -80,7 +80,7 @@ fn flat(region: &Region) -> FlatRegion {
 fn primitive(object: &azulejo_scene::Object) -> Option<Primitive> {
     match &object.shape {
         Shape::Primitive(p) => Some(p.clone()),
-        Shape::Mesh(_) => None,
+        Shape::Mesh(_) | Shape::Exact(_) => None,
     }
 }
 

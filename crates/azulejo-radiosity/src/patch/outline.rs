@@ -111,6 +111,8 @@ impl<'s> Outline<'s> {
             match &o.shape {
                 Shape::Mesh(mesh) => outline.add_mesh(object as u32, mesh),
                 Shape::Primitive(primitive) => outline.add_primitive(object as u32, primitive),
+                // Divided as the polygons that stand for it: see `Scene::faceted`.
+                Shape::Exact(_) => {}
             }
             let faces = outline.face_regions.len() - 1;
             outline.face_base.push(faces as u32);
@@ -131,7 +133,7 @@ impl<'s> Outline<'s> {
     pub fn mesh(&self, region: &Region) -> Option<&'s Mesh> {
         match &self.scene.objects[region.object as usize].shape {
             Shape::Mesh(mesh) => Some(mesh),
-            Shape::Primitive(_) => None,
+            Shape::Primitive(_) | Shape::Exact(_) => None,
         }
     }
 

@@ -29,7 +29,7 @@ impl Patches {
         match scene.objects.get(object as usize).map(|o| &o.shape) {
             Some(Shape::Mesh(mesh)) => RefinedShape::Mesh(self.refined_mesh(object, mesh)),
             Some(Shape::Primitive(_)) => RefinedShape::Surface(self.part_grids(object)),
-            None => RefinedShape::Mesh(Mesh::default()),
+            Some(Shape::Exact(_)) | None => RefinedShape::Mesh(Mesh::default()),
         }
     }
 

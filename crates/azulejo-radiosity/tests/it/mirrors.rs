@@ -216,7 +216,7 @@ fn floor_points() -> Vec<PointNormal> {
 fn closed_form(scene: &Scene, point: &PointNormal) -> f64 {
     let face = |object: usize, face: usize| match &scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh.face_positions(face),
-        Shape::Primitive(_) => Vec::new(),
+        _ => Vec::new(),
     };
     let (lamp, mirror) = (face(0, 1), face(1, 0));
     let normal = (mirror[1] - mirror[0])
@@ -416,7 +416,7 @@ fn light_by_two_mirrors() {
     let point = at(0.0, 0.0, 0.0, DVec3::Z);
     let sheet = |k: usize| match &scene.objects[k].shape {
         Shape::Mesh(mesh) => mesh.face_positions(0),
-        Shape::Primitive(_) => Vec::new(),
+        _ => Vec::new(),
     };
     let [first, second, lamp] = [1, 2, 3].map(sheet);
     let normal = dvec3(1.0, 0.0, -1.0);

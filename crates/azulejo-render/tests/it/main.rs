@@ -38,7 +38,7 @@ fn primitive(scene: &mut Scene, primitive: Primitive) {
 fn mesh_of(scene: &mut Scene, object: usize) -> &mut Mesh {
     match &mut scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => panic!("object {object} is a primitive"),
+        _ => panic!("object {object} is a primitive"),
     }
 }
 

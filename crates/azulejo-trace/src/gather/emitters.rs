@@ -208,6 +208,8 @@ fn flat_faces(
                     }
                 }
             }
+            // Curved as a rule: its light is met by rays.
+            Shape::Exact(_) => {}
             Shape::Primitive(p) => {
                 let material = &materials[p.material as usize];
                 if wanted(material)

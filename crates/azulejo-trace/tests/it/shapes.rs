@@ -181,6 +181,7 @@ fn moved(mut scene: Scene, map: DAffine3) -> Scene {
                 mesh.positions.iter_mut().for_each(place);
             }
             Shape::Primitive(p) => p.world_from_object = map * p.world_from_object,
+            Shape::Exact(exact) => exact.transform(&map),
         }
     }
     scene

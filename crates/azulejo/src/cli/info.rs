@@ -110,6 +110,22 @@ fn part(scene: &Scene, object: &Object) -> Part {
                 solved: !mesh.irradiance.is_empty(),
             }
         }
+        Shape::Exact(exact) => {
+            let skin = exact.tessellate(1e-3 * exact.bounds().diagonal());
+            let mut power = Rgb::BLACK;
+            for (face, &m) in skin.face_materials.iter().enumerate() {
+                power += emission(m) * (PI * skin.face_area_vector(face).length());
+            }
+            Part {
+                kind: "exact",
+                vertices: 0,
+                faces: 0,
+                triangles: 0,
+                area: skin.area(),
+                power: (!power.is_black()).then_some(power),
+                solved: exact.skin.is_some(),
+            }
+        }
         Shape::Primitive(p) => {
             let emitted = emission(p.material);
             let area = p.area();
@@ -131,6 +147,7 @@ fn kind_name(kind: PrimitiveKind) -> &'static str {
         PrimitiveKind::Sphere => "sphere",
         PrimitiveKind::Cylinder => "cylinder",
         PrimitiveKind::Cone { .. } => "cone",
+        PrimitiveKind::Tube { .. } => "tube",
         PrimitiveKind::Cuboid => "box",
         PrimitiveKind::Square => "parallelogram",
     }

@@ -178,7 +178,7 @@ fn hit_row(scene: &Scene, tracer: &Tracer, hit: &KernelHit) -> [f64; HIT] {
     let triangle = match &scene.objects[item.object as usize].shape {
         // A polygon of n corners is n − 2 triangles, so the corners before a face count them.
         Shape::Mesh(mesh) => mesh.faces.starts[item.face as usize] - 2 * item.face + item.triangle,
-        Shape::Primitive(_) => item.face,
+        Shape::Primitive(_) | Shape::Exact(_) => item.face,
     };
     [
         f64::from(hit.t),

@@ -65,7 +65,7 @@ fn load(text: impl AsRef<[u8]>) -> Loaded {
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     match &loaded.scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => panic!("DXF has meshes only"),
+        _ => panic!("DXF has meshes only"),
     }
 }
 

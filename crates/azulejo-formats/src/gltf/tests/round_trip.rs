@@ -207,13 +207,13 @@ proptest! {
                 let used = |v: u32| mesh.faces.corners.contains(&v);
                 2 * (0..mesh.positions.len() as u32).filter(|v| used(*v)).count() >= mesh.positions.len()
             }
-            Shape::Primitive(_) => true,
+            _ => true,
         });
         // Without texture coordinates there is no picture.
         let warned = expected.objects.iter().any(|o| match &o.shape {
             Shape::Mesh(mesh) => mesh.uvs.is_none()
                 && mesh.face_materials.iter().any(|m| !expected.materials[*m as usize].textures.is_empty()),
-            Shape::Primitive(_) => false,
+            _ => false,
         });
         prop_assume!(all_used && !warned);
         assert_alike(&read_back(&scene), &expected);
@@ -332,7 +332,7 @@ fn other_units_are_turned_and_scaled() {
     let near = |a: DVec3, b: DVec3| (a - b).length() < 1e-6;
     let positions = |scene: &Scene| match &scene.objects[0].shape {
         Shape::Mesh(mesh) => mesh.positions.clone(),
-        Shape::Primitive(_) => Vec::new(),
+        _ => Vec::new(),
     };
     let pairs = positions(&back).into_iter().zip(positions(&expected));
     assert!(pairs.into_iter().all(|(a, b)| near(a, b)));

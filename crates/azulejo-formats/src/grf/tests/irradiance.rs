@@ -20,6 +20,7 @@ fn lit(mut scene: Scene) -> Scene {
                     error: Vec::new(),
                 });
             }
+            Shape::Exact(_) => unreachable!("made for primitives and meshes"),
         }
     }
     scene

@@ -94,7 +94,7 @@ fn warnings(text: &str) -> Vec<String> {
 fn mesh(scene: &Scene, object: usize) -> &Mesh {
     match &scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => panic!("object {object} is a primitive"),
+        _ => panic!("object {object} is a primitive"),
     }
 }
 

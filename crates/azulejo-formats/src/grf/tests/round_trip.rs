@@ -425,6 +425,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                 background,
                 fog,
                 units,
+                rtrace: None,
             }
         })
 }

@@ -17,7 +17,7 @@ fn meshes(loaded: &Loaded) -> Vec<&Mesh> {
     fn mesh(shape: &Shape) -> &Mesh {
         match shape {
             Shape::Mesh(mesh) => mesh,
-            Shape::Primitive(_) => panic!("OBJ has meshes only"),
+            _ => panic!("OBJ has meshes only"),
         }
     }
     loaded

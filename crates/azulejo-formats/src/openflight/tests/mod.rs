@@ -25,7 +25,7 @@ fn load_with(flt: Flt, files: &Memory, options: &ReadOptions) -> Loaded {
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     match &loaded.scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        Shape::Primitive(_) => panic!("OpenFlight has meshes only"),
+        _ => panic!("OpenFlight has meshes only"),
     }
 }
 

@@ -40,6 +40,7 @@ fn described(scene: &Scene) -> Vec<String> {
         let kind = match &o.shape {
             Shape::Mesh(m) => format!("{} vertices {} faces", m.positions.len(), m.faces.len()),
             Shape::Primitive(p) => format!("{:?}", p.kind),
+            Shape::Exact(_) => "exact".to_owned(),
         };
         let bounds = o.bounds();
         format!(
@@ -78,7 +79,7 @@ fn mesh(text: &str) -> Mesh {
     match &scene.objects[..] {
         [object] => match &object.shape {
             Shape::Mesh(mesh) => mesh.clone(),
-            Shape::Primitive(_) => panic!("an exact shape"),
+            _ => panic!("an exact shape"),
         },
         objects => panic!("{} objects", objects.len()),
     }

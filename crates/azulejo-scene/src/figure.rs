@@ -1,0 +1,506 @@
+//! Plane figures: closed contours of straight lines and cubic Bézier curves.
+
+use glam::DVec2;
+
+/// A plane figure, such as the outline of a letter. Shared between prisms by `Arc`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Figure {
+    /// Closed contours; the direction in which they run matters for [`FillRule::NonZero`] alone.
+    pub contours: Vec<Contour>,
+    /// Which points are inside.
+    pub rule: FillRule,
+}
+
+/// What lies inside of contours that overlap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FillRule {
+    /// A point from which a half-line crosses the contours an odd number of times.
+    #[default]
+    EvenOdd,
+    /// A point around which the contours wind, all counted together.
+    NonZero,
+}
+
+/// A closed chain of curves. Each begins where the one before ends, and the last ends where the
+/// first begins: an open contour cannot be written down.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contour {
+    /// The curves in their order.
+    pub curves: Vec<Curve>,
+}
+
+/// One curve of a contour, but for its end, which is where the next one starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curve {
+    /// A straight line.
+    Line {
+        /// Where it starts.
+        start: DVec2,
+    },
+    /// A cubic Bézier curve.
+    Cubic {
+        /// Where it starts, in the direction of `control1`.
+        start: DVec2,
+        /// The second control point.
+        control1: DVec2,
+        /// The third control point; the curve ends coming from there.
+        control2: DVec2,
+    },
+}
+
+/// A curve with both of its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Segment {
+    /// From the first point to the second.
+    Line([DVec2; 2]),
+    /// The four control points of a cubic Bézier curve.
+    Cubic([DVec2; 4]),
+}
+
+/// The smallest upright rectangle around something; `min` > `max` around nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rectangle {
+    /// Lowest coordinates.
+    pub min: DVec2,
+    /// Highest coordinates.
+    pub max: DVec2,
+}
+
+impl Figure {
+    /// A figure of one contour of straight lines through `corners`.
+    pub fn polygon(corners: impl IntoIterator<Item = DVec2>) -> Figure {
+        let curves = corners.into_iter().map(|start| Curve::Line { start });
+        Figure {
+            contours: vec![Contour {
+                curves: curves.collect(),
+            }],
+            rule: FillRule::EvenOdd,
+        }
+    }
+
+    /// All curves with their ends, contour after contour.
+    pub fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
+        self.contours.iter().flat_map(Contour::segments)
+    }
+
+    /// Number of curves.
+    pub fn curve_count(&self) -> usize {
+        self.contours.iter().map(|c| c.curves.len()).sum()
+    }
+
+    /// The smallest rectangle around the curves themselves, not their control points.
+    pub fn bounds(&self) -> Rectangle {
+        self.segments()
+            .fold(Rectangle::EMPTY, |b, s| b.union(s.bounds()))
+    }
+
+    /// Sum of the areas that the contours go around, counter-clockwise ones counting positive.
+    /// Exact to rounding: Green's theorem on each Bézier curve.
+    pub fn signed_area(&self) -> f64 {
+        self.segments().map(|s| s.swept_area()).sum()
+    }
+
+    /// How often the contours go around a point, counter-clockwise counting positive.
+    ///
+    /// Points on a curve belong to one side or the other, but always to the same.
+    pub fn winding(&self, point: DVec2) -> i32 {
+        self.segments().map(|s| s.winding(point)).sum()
+    }
+
+    /// Whether a point is inside, by the figure's own rule.
+    pub fn contains(&self, point: DVec2) -> bool {
+        self.rule.is_inside(self.winding(point))
+    }
+
+    /// The contours as polygons whose chords leave the curves by at most `tolerance`, > 0.
+    /// Every start of a curve is a corner of them.
+    pub fn flatten(&self, tolerance: f64) -> Vec<Vec<DVec2>> {
+        let flat = |contour: &Contour| {
+            let mut corners = Vec::new();
+            for segment in contour.segments() {
+                segment.flatten_into(tolerance, &mut corners);
+            }
+            corners
+        };
+        self.contours.iter().map(flat).collect()
+    }
+}
+
+impl FillRule {
+    /// Whether a point around which the contours go `winding` times is inside.
+    pub fn is_inside(self, winding: i32) -> bool {
+        match self {
+            FillRule::EvenOdd => winding & 1 != 0,
+            FillRule::NonZero => winding != 0,
+        }
+    }
+}
+
+impl Contour {
+    /// Its curves with their ends.
+    pub fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
+        let next = self.curves.iter().cycle().skip(1);
+        self.curves
+            .iter()
+            .zip(next)
+            .map(|(curve, next)| curve.to(next.start()))
+    }
+}
+
+impl Curve {
+    /// Where it starts.
+    pub fn start(&self) -> DVec2 {
+        match *self {
+            Curve::Line { start } | Curve::Cubic { start, .. } => start,
+        }
+    }
+
+    /// With its end.
+    pub fn to(&self, end: DVec2) -> Segment {
+        match *self {
+            Curve::Line { start } => Segment::Line([start, end]),
+            Curve::Cubic {
+                start,
+                control1,
+                control2,
+            } => Segment::Cubic([start, control1, control2, end]),
+        }
+    }
+}
+
+impl Segment {
+    /// Where it starts.
+    pub fn start(&self) -> DVec2 {
+        match *self {
+            Segment::Line([start, _]) | Segment::Cubic([start, ..]) => start,
+        }
+    }
+
+    /// Where it ends.
+    pub fn end(&self) -> DVec2 {
+        match *self {
+            Segment::Line([_, end]) | Segment::Cubic([_, _, _, end]) => end,
+        }
+    }
+
+    /// The point at `t`, 0..=1.
+    pub fn at(&self, t: f64) -> DVec2 {
+        match *self {
+            Segment::Line([a, b]) => a + t * (b - a),
+            Segment::Cubic([a, b, c, d]) => {
+                let s = 1.0 - t;
+                s * s * s * a + 3.0 * s * s * t * b + 3.0 * s * t * t * c + t * t * t * d
+            }
+        }
+    }
+
+    /// The derivative at `t`, 0..=1. Zero at an end whose control point falls on it.
+    pub fn derivative(&self, t: f64) -> DVec2 {
+        match *self {
+            Segment::Line([a, b]) => b - a,
+            Segment::Cubic([a, b, c, d]) => {
+                let s = 1.0 - t;
+                3.0 * (s * s * (b - a) + 2.0 * s * t * (c - b) + t * t * (d - c))
+            }
+        }
+    }
+
+    /// The smallest rectangle around it.
+    pub fn bounds(&self) -> Rectangle {
+        let ends = Rectangle::around([self.start(), self.end()]);
+        let Segment::Cubic([a, b, c, d]) = *self else {
+            return ends;
+        };
+        (0..2).fold(ends, |bounds, axis| {
+            let turns = turning_points([a[axis], b[axis], c[axis], d[axis]]);
+            let mut bounds = bounds;
+            for t in turns.into_iter().flatten() {
+                let p = self.at(t);
+                bounds.min[axis] = bounds.min[axis].min(p[axis]);
+                bounds.max[axis] = bounds.max[axis].max(p[axis]);
+            }
+            bounds
+        })
+    }
+
+    /// The area between the curve and the origin: its share of [`Figure::signed_area`].
+    fn swept_area(&self) -> f64 {
+        match *self {
+            Segment::Line([a, b]) => 0.5 * a.perp_dot(b),
+            Segment::Cubic([a, b, c, d]) => {
+                (6.0 * a.perp_dot(b)
+                    + 3.0 * a.perp_dot(c)
+                    + a.perp_dot(d)
+                    + 3.0 * b.perp_dot(c)
+                    + 3.0 * b.perp_dot(d)
+                    + 6.0 * c.perp_dot(d))
+                    / 20.0
+            }
+        }
+    }
+
+    /// Crossings of the half-line from `point` toward +x, upward ones counting 1, downward −1.
+    ///
+    /// A curve is above the half-line where its y is not below the point's, and signs are taken
+    /// at the same numbers by the curves on both sides of a joint: none is counted twice or lost.
+    fn winding(&self, point: DVec2) -> i32 {
+        let side = |p: DVec2| p.y >= point.y;
+        match *self {
+            Segment::Line([a, b]) => {
+                let up = i32::from(side(b)) - i32::from(side(a));
+                if up == 0 || a.x.max(b.x) < point.x {
+                    0
+                } else if a.x.min(b.x) >= point.x {
+                    up
+                } else {
+                    let x = a.x + (b.x - a.x) * ((point.y - a.y) / (b.y - a.y));
+                    if x >= point.x { up } else { 0 }
+                }
+            }
+            Segment::Cubic(p) => {
+                if p.iter().all(|q| side(*q)) || p.iter().all(|q| !side(*q)) {
+                    return 0;
+                }
+                if p.iter().all(|q| q.x < point.x) {
+                    return 0;
+                }
+                if p.iter().all(|q| q.x >= point.x) {
+                    return i32::from(side(p[3])) - i32::from(side(p[0]));
+                }
+                let height = p.map(|q| q.y - point.y);
+                let crossings = crossings(height);
+                let ahead = |&&(t, _): &&(f64, i32)| self.at(t).x >= point.x;
+                crossings
+                    .iter()
+                    .flatten()
+                    .filter(|c| ahead(c))
+                    .map(|c| c.1)
+                    .sum()
+            }
+        }
+    }
+
+    /// Appends its start and points along it, the end left out.
+    fn flatten_into(&self, tolerance: f64, corners: &mut Vec<DVec2>) {
+        let count = match *self {
+            Segment::Line(_) => 1,
+            // The chord of a piece of length h leaves a curve by at most h² max|B″| / 8.
+            Segment::Cubic([a, b, c, d]) => {
+                let bend = (a - 2.0 * b + c).length().max((b - 2.0 * c + d).length());
+                (6.0 * bend / (8.0 * tolerance))
+                    .sqrt()
+                    .ceil()
+                    .clamp(1.0, 4096.0) as u32
+            }
+        };
+        corners.extend((0..count).map(|k| self.at(f64::from(k) / f64::from(count))));
+    }
+}
+
+impl Rectangle {
+    /// Around nothing.
+    pub const EMPTY: Rectangle = Rectangle {
+        min: DVec2::INFINITY,
+        max: DVec2::NEG_INFINITY,
+    };
+
+    /// The smallest around `points`.
+    pub fn around(points: impl IntoIterator<Item = DVec2>) -> Rectangle {
+        points.into_iter().fold(Rectangle::EMPTY, |b, p| Rectangle {
+            min: b.min.min(p),
+            max: b.max.max(p),
+        })
+    }
+
+    /// The smallest around both.
+    pub fn union(self, o: Rectangle) -> Rectangle {
+        Rectangle {
+            min: self.min.min(o.min),
+            max: self.max.max(o.max),
+        }
+    }
+
+    /// Width and height; zero for the empty rectangle.
+    pub fn size(&self) -> DVec2 {
+        (self.max - self.min).max(DVec2::ZERO)
+    }
+}
+
+/// Where in 0..1 a cubic with these Bernstein coefficients turns: the roots of its derivative.
+///
+/// Rounding may move a root a little; the pieces between them are monotonic up to rounding.
+pub fn turning_points([a, b, c, d]: [f64; 4]) -> [Option<f64>; 2] {
+    let (u, v, w) = (b - a, c - b, d - c);
+    // The derivative is 3 (u s² + 2 v s t + w t²).
+    let (qa, qb, qc) = (u - 2.0 * v + w, v - u, u);
+    let discriminant = qb * qb - qa * qc;
+    if discriminant < 0.0 || discriminant.is_nan() {
+        return [None; 2];
+    }
+    // Press et al., Numerical Recipes, eq. (5.6.4): the sum that does not cancel.
+    let q = -(qb + discriminant.sqrt().copysign(qb));
+    let within = |t: f64| (t > 0.0 && t < 1.0).then_some(t);
+    let (r, s) = (within(q / qa), within(qc / q));
+    match (r, s) {
+        (Some(r), Some(s)) if r == s => [Some(r), None],
+        (Some(r), Some(s)) => [Some(r.min(s)), Some(r.max(s))],
+        (one, other) => [one.or(other), None],
+    }
+}
+
+/// Where in 0..=1 a cubic with these Bernstein coefficients changes its sign (0 counting as
+/// positive), and whether it rises (1) or falls (−1) there, in order.
+///
+/// There are as many as the signs at the turning points and ends demand, whatever rounding does:
+/// an odd number if the signs of the ends differ, an even number if not.
+pub fn crossings(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
+    let mut found = [None; 3];
+    let mut count = 0;
+    let (mut t0, mut f0) = (0.0, b[0]);
+    let turns = turning_points(b).into_iter().flatten();
+    for t1 in turns.chain([1.0]) {
+        let f1 = if t1 == 1.0 { b[3] } else { bernstein(b, t1) };
+        let sense = i32::from(f1 >= 0.0) - i32::from(f0 >= 0.0);
+        if sense != 0 {
+            found[count] = Some((monotone_root(b, (t0, f0), (t1, f1)), sense));
+            count += 1;
+        }
+        (t0, f0) = (t1, f1);
+    }
+    found
+}
+
+/// The cubic with these Bernstein coefficients at `t`.
+fn bernstein([a, b, c, d]: [f64; 4], t: f64) -> f64 {
+    let s = 1.0 - t;
+    s * s * s * a + 3.0 * s * s * t * b + 3.0 * s * t * t * c + t * t * t * d
+}
+
+/// The root of a monotonic piece whose ends differ in sign: Newton's method, kept inside of a
+/// bracket that shrinks.
+fn monotone_root(b: [f64; 4], mut low: (f64, f64), mut high: (f64, f64)) -> f64 {
+    let slope = |t: f64| {
+        let s = 1.0 - t;
+        3.0 * (s * s * (b[1] - b[0]) + 2.0 * s * t * (b[2] - b[1]) + t * t * (b[3] - b[2]))
+    };
+    let rises = high.1 >= 0.0;
+    let mut t = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1)).clamp(0.0, 1.0);
+    for _ in 0..64 {
+        let f = bernstein(b, t);
+        if (f >= 0.0) == rises {
+            high = (t, f);
+        } else {
+            low = (t, f);
+        }
+        let newton = t - f / slope(t);
+        let next = if newton > low.0 && newton < high.0 {
+            newton
+        } else {
+            0.5 * (low.0 + high.0)
+        };
+        if (next - t).abs() <= 4.0 * f64::EPSILON * t.abs() {
+            return next;
+        }
+        t = next;
+    }
+    t
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn v(x: f64, y: f64) -> DVec2 {
+        DVec2::new(x, y)
+    }
+
+    /// The letter D of Costa 1992: three lines and a Bézier curve, and a hole of one curve.
+    fn letter_d() -> Figure {
+        let line = |x, y| Curve::Line { start: v(x, y) };
+        let outer = vec![
+            line(0.0, 0.0),
+            line(0.0, 23.0),
+            Curve::Cubic {
+                start: v(8.0, 23.0),
+                control1: v(25.0, 21.0),
+                control2: v(23.0, 0.0),
+            },
+            line(8.0, 0.0),
+        ];
+        let hole = vec![Curve::Cubic {
+            start: v(6.0, 15.0),
+            control1: v(4.0, -6.0),
+            control2: v(23.0, 17.0),
+        }];
+        Figure {
+            contours: vec![Contour { curves: outer }, Contour { curves: hole }],
+            rule: FillRule::EvenOdd,
+        }
+    }
+
+    #[test]
+    fn the_letter_d_has_a_hole() {
+        let d = letter_d();
+        assert!(d.contains(v(2.0, 12.0)), "the stem");
+        assert!(!d.contains(v(8.5, 10.0)), "the hole");
+        assert!(d.contains(v(16.0, 12.0)), "the bow");
+        for outside in [v(-0.1, 12.0), v(24.0, 12.0), v(4.0, 23.1), v(4.0, -0.1)] {
+            assert!(!d.contains(outside), "{outside}");
+        }
+    }
+
+    #[test]
+    fn area_and_winding_agree_with_the_flat_figure() {
+        let d = letter_d();
+        let shoelace = |p: &[DVec2]| {
+            let next = p.iter().cycle().skip(1);
+            p.iter()
+                .zip(next)
+                .map(|(a, b)| 0.5 * a.perp_dot(*b))
+                .sum::<f64>()
+        };
+        let flat: f64 = d.flatten(1e-7).iter().map(|c| shoelace(c)).sum();
+        assert!((flat - d.signed_area()).abs() < 1e-5);
+        let polygons = Figure {
+            contours: d
+                .flatten(1e-7)
+                .into_iter()
+                .flat_map(|c| Figure::polygon(c).contours)
+                .collect(),
+            rule: FillRule::EvenOdd,
+        };
+        let mut differ = 0;
+        for k in 0..10_000 {
+            let p = v(
+                f64::from(k % 100) * 0.26 - 1.0,
+                f64::from(k / 100) * 0.25 - 1.0,
+            );
+            differ += usize::from(polygons.contains(p) != d.contains(p));
+        }
+        assert_eq!(differ, 0);
+    }
+
+    #[test]
+    fn bounds_are_those_of_the_curve() {
+        let d = letter_d();
+        let b = d.bounds();
+        assert_eq!((b.min, b.max.y), (v(0.0, 0.0), 23.0));
+        // Control points reach 25, the curve itself less than 20.
+        assert!(b.max.x > 19.0 && b.max.x < 20.5, "{b:?}");
+    }
+
+    #[test]
+    fn double_roots_do_not_break_parity() {
+        // Touches zero at t = 1/2, from above, from below, and exactly.
+        for shift in [-1e-17, 0.0, 1e-17, -1e-12, 1e-12] {
+            let b = [
+                0.25,
+                -0.083_333_333_333_333_33,
+                -0.083_333_333_333_333_33,
+                0.25,
+            ];
+            let n = crossings(b.map(|x| x + shift)).iter().flatten().count();
+            assert!(n == 0 || n == 2, "{n} crossings at shift {shift}");
+        }
+    }
+}

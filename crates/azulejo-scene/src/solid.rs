@@ -1,0 +1,207 @@
+//! Exact solids: prisms, and what set operations make of solids.
+
+use crate::math::Aabb;
+use crate::{BicubicPatch, MaterialId, Mesh, Primitive, Prism};
+use glam::DAffine3;
+
+/// Exact shapes that are one object: a line of text, a solid cut out of others.
+///
+/// Rays meet every one of the solids by itself: what lies inside of another stays there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Exact {
+    /// What it is made of.
+    pub solids: Vec<Solid>,
+    /// The polygons that stood for it in the first pass, with irradiance on their vertices;
+    /// `None` before. Pictures trace the solids and read the light here.
+    pub skin: Option<Box<Mesh>>,
+}
+
+/// One exact shape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Solid {
+    /// A sphere, cylinder, cone, box or parallelogram. Its own light is not used.
+    Primitive(Primitive),
+    /// An extruded figure.
+    Prism(Prism),
+    /// A bicubic Bézier patch; open.
+    Patch(BicubicPatch),
+    /// Polygons, all of one material.
+    Mesh(Mesh),
+    /// Open pieces that together close a volume, as a tube and two discs do.
+    Shell(Vec<Solid>),
+    /// What a set operation leaves.
+    Csg(Box<Csg>),
+}
+
+/// Constructive solid geometry: two sides, and what becomes of them. Several solids on one side
+/// count as their union. All of them must be closed.
+///
+/// Roth, *Ray Casting for Modeling Solids* (1982). Where the right side cuts the left one, the
+/// surface that shows is the right side's, turned around, with its own material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Csg {
+    /// What is done.
+    pub operation: Operation,
+    /// The left operand, not empty.
+    pub left: Vec<Solid>,
+    /// The right operand, not empty.
+    pub right: Vec<Solid>,
+}
+
+/// A set operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// Points of either side.
+    Union,
+    /// Points of the left side that are not of the right side.
+    Difference,
+    /// Points of both sides.
+    Intersection,
+}
+
+/// A solid that is not made of others.
+#[derive(Clone, Copy, Debug)]
+pub enum Leaf<'a> {
+    /// See [`Solid::Primitive`].
+    Primitive(&'a Primitive),
+    /// See [`Solid::Prism`].
+    Prism(&'a Prism),
+    /// See [`Solid::Patch`].
+    Patch(&'a BicubicPatch),
+    /// See [`Solid::Mesh`].
+    Mesh(&'a Mesh),
+}
+
+impl Exact {
+    /// Without light on it yet.
+    pub fn new(solids: Vec<Solid>) -> Exact {
+        Exact { solids, skin: None }
+    }
+
+    /// All solids that are not made of others, depth first, the left side before the right.
+    /// Their places in this order are what hits name.
+    pub fn leaves(&self) -> Vec<Leaf<'_>> {
+        let mut leaves = Vec::new();
+        self.solids.iter().for_each(|s| s.push_leaves(&mut leaves));
+        leaves
+    }
+
+    /// The smallest box around all solids; around both operands where they are joined by a set
+    /// operation, around the left one of a difference.
+    pub fn bounds(&self) -> Aabb {
+        bounds_of(&self.solids)
+    }
+
+    /// Puts the shape, and its light, under an affine map.
+    pub fn transform(&mut self, map: &DAffine3) {
+        self.solids.iter_mut().for_each(|s| s.transform(map));
+        if let Some(skin) = &mut self.skin {
+            skin.transform(map);
+        }
+    }
+
+    /// Changes every leaf's material.
+    pub fn map_materials(&mut self, change: &mut impl FnMut(MaterialId) -> MaterialId) {
+        self.solids.iter_mut().for_each(|s| s.map_materials(change));
+        if let Some(skin) = &mut self.skin {
+            skin.face_materials.iter_mut().for_each(|m| *m = change(*m));
+        }
+    }
+}
+
+fn bounds_of(solids: &[Solid]) -> Aabb {
+    let boxes = solids.iter().map(Solid::bounds);
+    boxes.fold(Aabb::EMPTY, Aabb::union)
+}
+
+impl Solid {
+    fn push_leaves<'a>(&'a self, leaves: &mut Vec<Leaf<'a>>) {
+        match self {
+            Solid::Primitive(p) => leaves.push(Leaf::Primitive(p)),
+            Solid::Prism(p) => leaves.push(Leaf::Prism(p)),
+            Solid::Patch(p) => leaves.push(Leaf::Patch(p)),
+            Solid::Mesh(m) => leaves.push(Leaf::Mesh(m)),
+            Solid::Shell(pieces) => pieces.iter().for_each(|s| s.push_leaves(leaves)),
+            Solid::Csg(csg) => {
+                let sides = csg.left.iter().chain(&csg.right);
+                sides.for_each(|s| s.push_leaves(leaves));
+            }
+        }
+    }
+
+    /// A box around it.
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Solid::Primitive(p) => p.bounds(),
+            Solid::Prism(p) => p.bounds(),
+            Solid::Patch(p) => p.bounds(),
+            Solid::Mesh(m) => m.bounds(),
+            Solid::Shell(pieces) => bounds_of(pieces),
+            Solid::Csg(csg) => csg.bounds(),
+        }
+    }
+
+    /// Puts it under an affine map.
+    pub fn transform(&mut self, map: &DAffine3) {
+        match self {
+            Solid::Primitive(p) => p.world_from_object = *map * p.world_from_object,
+            Solid::Prism(p) => p.world_from_figure = *map * p.world_from_figure,
+            Solid::Patch(p) => p.transform(map),
+            Solid::Mesh(m) => m.transform(map),
+            Solid::Shell(pieces) => pieces.iter_mut().for_each(|s| s.transform(map)),
+            Solid::Csg(csg) => {
+                let sides = csg.left.iter_mut().chain(&mut csg.right);
+                sides.for_each(|s| s.transform(map));
+            }
+        }
+    }
+
+    /// Changes every leaf's material.
+    pub fn map_materials(&mut self, change: &mut impl FnMut(MaterialId) -> MaterialId) {
+        match self {
+            Solid::Primitive(p) => p.material = change(p.material),
+            Solid::Prism(p) => p.material = change(p.material),
+            Solid::Patch(p) => p.material = change(p.material),
+            Solid::Mesh(m) => m.face_materials.iter_mut().for_each(|m| *m = change(*m)),
+            Solid::Shell(pieces) => pieces.iter_mut().for_each(|s| s.map_materials(change)),
+            Solid::Csg(csg) => {
+                let sides = csg.left.iter_mut().chain(&mut csg.right);
+                sides.for_each(|s| s.map_materials(change));
+            }
+        }
+    }
+}
+
+impl Csg {
+    fn bounds(&self) -> Aabb {
+        let left = bounds_of(&self.left);
+        match self.operation {
+            Operation::Union => left.union(bounds_of(&self.right)),
+            Operation::Difference => left,
+            Operation::Intersection => {
+                let right = bounds_of(&self.right);
+                let both = Aabb {
+                    min: left.min.max(right.min),
+                    max: left.max.min(right.max),
+                };
+                if both.min.cmple(both.max).all() {
+                    both
+                } else {
+                    Aabb::EMPTY
+                }
+            }
+        }
+    }
+}
+
+impl Leaf<'_> {
+    /// Its material; that of the first face of a mesh, 0 for one without faces.
+    pub fn material(&self) -> MaterialId {
+        match self {
+            Leaf::Primitive(p) => p.material,
+            Leaf::Prism(p) => p.material,
+            Leaf::Patch(p) => p.material,
+            Leaf::Mesh(m) => m.face_materials.first().copied().unwrap_or(0),
+        }
+    }
+}

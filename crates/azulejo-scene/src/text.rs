@@ -1,0 +1,206 @@
+//! Text as prisms: glyphs by name, encodings, and where each glyph goes.
+
+use crate::{Figure, MaterialId, Prism};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// Outlines by glyph name, as PPF files hold them. One em is about 1, y is up.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Font {
+    /// The glyphs.
+    pub glyphs: BTreeMap<String, Glyph>,
+}
+
+/// One glyph of a [`Font`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Glyph {
+    /// Its outline; all prisms of the glyph share it.
+    pub figure: Arc<Figure>,
+    /// How far the pen moves behind it, font units.
+    pub advance: f64,
+}
+
+impl Glyph {
+    /// A glyph whose advance is the largest x that its curves reach, as in PPF.
+    pub fn new(figure: Figure) -> Glyph {
+        let reach = figure.bounds().max.x;
+        Glyph {
+            figure: Arc::new(figure),
+            advance: if reach.is_finite() { reach } else { 0.0 },
+        }
+    }
+}
+
+/// Names of glyphs by character code.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Encoding {
+    /// The names.
+    pub names: BTreeMap<u32, String>,
+}
+
+/// A glyph at its place in a line or block of text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedGlyph {
+    /// The outline.
+    pub figure: Arc<Figure>,
+    /// Where its origin goes, font units.
+    pub pen: DVec2,
+}
+
+/// How text lies in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextFrame {
+    /// World position of the pen's origin, on the front plane.
+    pub origin: DVec3,
+    /// Unit direction in which the line runs.
+    pub progression: DVec3,
+    /// Unit direction of the letters' up; need not be perpendicular.
+    pub up: DVec3,
+    /// Unit direction of extrusion, from front to back; need not be perpendicular.
+    pub extrusion: DVec3,
+    /// World size of one font unit along `progression` and `up`, and the depth along
+    /// `extrusion`. Not zero.
+    pub scale: DVec3,
+}
+
+impl TextFrame {
+    /// The map of a prism whose glyph stands at `pen`.
+    pub fn world_from_glyph(&self, pen: DVec2) -> DAffine3 {
+        let (across, up) = (self.scale.x * self.progression, self.scale.y * self.up);
+        DAffine3 {
+            matrix3: DMat3::from_cols(across, up, self.scale.z * self.extrusion),
+            translation: self.origin + pen.x * across + pen.y * up,
+        }
+    }
+
+    /// The prisms of placed glyphs; those without contours, such as blanks, leave nothing.
+    pub fn prisms(&self, glyphs: &[PlacedGlyph], material: MaterialId) -> Vec<Prism> {
+        let inked = glyphs.iter().filter(|g| !g.figure.contours.is_empty());
+        let prism = |g: &PlacedGlyph| Prism {
+            figure: Arc::clone(&g.figure),
+            world_from_figure: self.world_from_glyph(g.pen),
+            material,
+        };
+        inked.map(prism).collect()
+    }
+}
+
+/// Why a string cannot be set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TextError {
+    /// The encoding names no glyph for this character.
+    NoName(char),
+    /// The font has no glyph of this name.
+    NoGlyph(String),
+    /// A `/` opens a glyph's name that no second `/` closes.
+    OpenName(String),
+}
+
+impl fmt::Display for TextError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TextError::NoName(c) => write!(
+                f,
+                "the encoding names no glyph for `{c}` (code {})",
+                u32::from(*c)
+            ),
+            TextError::NoGlyph(name) => write!(f, "the font has no glyph `{name}`"),
+            TextError::OpenName(name) => {
+                write!(f, "`/{name}` opens a glyph's name that no `/` closes")
+            }
+        }
+    }
+}
+
+impl std::error::Error for TextError {}
+
+/// Advance of a blank, which no font draws, font units.
+const BLANK: f64 = 0.5;
+
+impl Font {
+    /// Sets one line as RTRACE does: glyph after glyph, `spacing` font units more between them,
+    /// no kerning. `/name/` sets the glyph of that name; blanks need no glyph.
+    ///
+    /// # Errors
+    /// [`TextError`]: a character or a name that leads to no glyph.
+    pub fn lay_out(
+        &self,
+        text: &str,
+        encoding: &Encoding,
+        spacing: f64,
+    ) -> Result<Vec<PlacedGlyph>, TextError> {
+        let mut placed = Vec::new();
+        let mut pen = DVec2::ZERO;
+        let mut rest = text;
+        while let Some(c) = rest.chars().next() {
+            rest = &rest[c.len_utf8()..];
+            if c == ' ' {
+                pen.x += BLANK + spacing;
+                continue;
+            }
+            let name = if c == '/' {
+                let (name, behind) =
+                    (rest.split_once('/')).ok_or_else(|| TextError::OpenName(rest.to_owned()))?;
+                rest = behind;
+                name
+            } else {
+                let name = encoding.names.get(&u32::from(c));
+                name.ok_or(TextError::NoName(c))?
+            };
+            let glyph = (self.glyphs.get(name)).ok_or_else(|| TextError::NoGlyph(name.into()))?;
+            placed.push(PlacedGlyph {
+                figure: Arc::clone(&glyph.figure),
+                pen,
+            });
+            pen.x += glyph.advance + spacing;
+        }
+        Ok(placed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn font() -> (Font, Encoding) {
+        let square = |w: f64| {
+            let corners = [(0.1, 0.0), (w, 0.0), (w, 1.0), (0.1, 1.0)];
+            Glyph::new(Figure::polygon(corners.map(DVec2::from)))
+        };
+        let glyphs = [
+            ("A".to_owned(), square(0.6)),
+            ("at".to_owned(), square(1.0)),
+        ];
+        let names = [
+            (64, "at".to_owned()),
+            (65, "A".to_owned()),
+            (66, "B".to_owned()),
+        ];
+        let glyphs = glyphs.into_iter().collect();
+        let names = names.into_iter().collect();
+        (Font { glyphs }, Encoding { names })
+    }
+
+    #[test]
+    fn pens_move_by_reach_and_spacing() {
+        let (font, encoding) = font();
+        let placed = font.lay_out("A @/A/", &encoding, 0.25).unwrap();
+        let pens: Vec<f64> = placed.iter().map(|g| g.pen.x).collect();
+        assert_eq!(pens, [0.0, 1.6, 2.85]);
+        assert!(Arc::ptr_eq(&placed[0].figure, &placed[2].figure));
+    }
+
+    #[test]
+    fn what_leads_nowhere_is_named() {
+        let (font, encoding) = font();
+        let check = |text: &str, error: TextError| {
+            assert_eq!(font.lay_out(text, &encoding, 0.0), Err(error));
+        };
+        check("AC", TextError::NoName('C'));
+        check("AB", TextError::NoGlyph("B".into()));
+        check("A/at", TextError::OpenName("at".into()));
+    }
+}
