@@ -29,7 +29,9 @@ pub struct Rtrace {
     pub lights: Vec<RtraceLight>,
     /// Surfaces in the order of the file.
     pub surfaces: Vec<RtraceSurface>,
-    /// For each material of the scene: what RTRACE knows of the objects made of it.
+    /// For each material of the scene, in their order: what RTRACE knows of the objects made of
+    /// it. Materials of the scene beyond these are those of lamps, which RTRACE does not show:
+    /// bodies in the place of its extended and planar lights.
     pub materials: Vec<RtraceMaterial>,
     /// Meshes whose surface changes between corners: by object, three surfaces (indices into
     /// `surfaces`) for each face, which is a triangle.
@@ -150,6 +152,10 @@ pub struct RtraceTexture {
     /// Takes a point to the texture's own space: the inverse of the file's matrix, with its
     /// perspective row. The point that results goes on to the next texture.
     pub texture_from_point: DMat4,
+    /// The file's matrix, all zero for none, for writing it again.
+    pub matrix: DMat4,
+    /// Name of the colour map or picture as the file has it; empty for none.
+    pub file: String,
     /// What it does there.
     pub kind: RtraceTextureKind,
 }
