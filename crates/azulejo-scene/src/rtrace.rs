@@ -69,20 +69,20 @@ pub enum RtraceLightKind {
     Extended {
         /// Half the square's side.
         radius: f64,
-        /// Samples per side.
+        /// Samples per side, as the file has it: 1..=256, the corners among them left out.
         samples: u32,
     },
     /// A parallelogram, or a line if the second edge is zero.
     Planar {
         /// Its edges, centre to centre of opposite sides.
         edges: [DVec3; 2],
-        /// Samples along each.
+        /// Samples along each, as the file has it: 1..=256; 0 along the second edge of a line.
         samples: [u32; 2],
     },
 }
 
-/// A surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A surface; by default a black one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RtraceSurface {
     /// Its colour C.
     pub color: Rgb,
@@ -131,6 +131,18 @@ pub enum RtraceSource {
         /// Kt.
         transparency: Rgb,
     },
+}
+
+impl Default for RtraceSource {
+    fn default() -> RtraceSource {
+        RtraceSource::Phong {
+            diffuse: Rgb::BLACK,
+            specular: Rgb::BLACK,
+            phong: 0.0,
+            metal: 0.0,
+            transparency: Rgb::BLACK,
+        }
+    }
 }
 
 /// What RTRACE knows of a material of the scene.
@@ -243,7 +255,9 @@ pub enum RtraceTextureKind {
     ImageMap {
         turbulence: f64,
         tiles: bool,
+        /// Which coordinates run along the picture and up it: 0, 1 or 2 for x, y, z.
         axes: [u8; 2],
+        /// The file's bytes divided by 255, no gamma taken out; 2 × 2 pixels or more.
         image: Arc<crate::Image>,
     },
     Gloss {

@@ -1,6 +1,7 @@
 //! The promises of a scene, checked.
 
 mod exact;
+mod rtrace;
 
 use crate::{Attribute, LightKind, Mesh, Object, Primitive, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
@@ -52,6 +53,7 @@ impl Scene {
     ///    has two faces; operations nest at most 256 deep.
     /// 6. A camera's eye, target and up span a plane; its field of view is in 0..π.
     /// 7. Background and fog are not negative; fog has a visibility > 0.
+    /// 8. RTRACE's numbers, if there are any, name surfaces that exist and span a picture.
     ///
     /// Degenerate faces (no area) are allowed: they see nothing, and nothing sees them.
     ///
@@ -74,7 +76,11 @@ impl Scene {
         }
         self.validate_lights()?;
         self.validate_cameras()?;
-        self.validate_surroundings()
+        self.validate_surroundings()?;
+        match &self.rtrace {
+            Some(numbers) => rtrace::validate(numbers, self),
+            None => Ok(()),
+        }
     }
 
     fn validate_surroundings(&self) -> Check {
