@@ -31,6 +31,8 @@ mod phong;
 mod picture;
 pub mod ply;
 pub mod png;
+pub mod ppe;
+pub mod ppf;
 mod smooth;
 pub mod stl;
 pub mod studio3ds;

@@ -109,6 +109,12 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// The next byte, blank or not.
+    #[inline]
+    pub fn peek(&self) -> Option<u8> {
+        self.bytes.get(self.at).copied()
+    }
+
     /// Whether the line or the text ends here.
     #[inline]
     pub fn at_line_end(&self) -> bool {
