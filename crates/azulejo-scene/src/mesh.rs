@@ -3,6 +3,7 @@
 use crate::math::{Aabb, area_vector};
 use crate::{MaterialId, Rgb};
 use glam::{DVec2, DVec3};
+use std::collections::HashMap;
 
 /// Polygons over shared positions, placed in the world.
 ///
@@ -150,6 +151,27 @@ impl Mesh {
                 .iter()
                 .map(|&v| self.positions[v as usize]),
         )
+    }
+
+    /// Whether every edge, by the positions of its ends, has an even number of faces. Which way
+    /// they are turned does not matter: a ray that enters leaves again.
+    pub fn is_closed(&self) -> bool {
+        let key = |v: u32| {
+            self.positions[v as usize]
+                .to_array()
+                .map(|x| (x + 0.0).to_bits())
+        };
+        let mut uses: HashMap<_, usize> = HashMap::new();
+        for corners in self.faces.iter() {
+            let next = corners.iter().cycle().skip(1);
+            for (&a, &b) in corners.iter().zip(next) {
+                let (a, b) = (key(a), key(b));
+                if a != b {
+                    *uses.entry((a.min(b), a.max(b))).or_default() += 1;
+                }
+            }
+        }
+        uses.values().all(|n| n % 2 == 0)
     }
 
     /// Sum of the faces' areas.

@@ -1,8 +1,7 @@
 //! The promises of exact shapes.
 
 use super::{Check, Invalid, ensure, validate_mesh, validate_primitive};
-use crate::{BicubicPatch, Curve, Exact, Mesh, PrimitiveKind, Prism, Solid};
-use std::collections::HashMap;
+use crate::{BicubicPatch, Curve, Exact, PrimitiveKind, Prism, Solid};
 
 /// Set operations nest no deeper: what walks them recurses.
 pub(super) const DEEPEST: usize = 256;
@@ -116,7 +115,7 @@ fn validate_closed(solid: &Solid) -> Check {
             "a parallelogram or tube",
         ),
         Solid::Patch(_) => (false, "a patch"),
-        Solid::Mesh(m) => (is_closed(m), "a mesh with an edge that has not two faces"),
+        Solid::Mesh(m) => (m.is_closed(), "a mesh with an edge that has not two faces"),
         Solid::Prism(_) | Solid::Shell(_) | Solid::Csg(_) => (true, ""),
     };
     ensure(
@@ -124,25 +123,4 @@ fn validate_closed(solid: &Solid) -> Check {
         || "set operation".into(),
         || format!("{what} is open: it has no inside"),
     )
-}
-
-/// Whether every edge, by the positions of its ends, has an even number of faces. Which way they
-/// are turned does not matter: a ray that enters leaves again.
-fn is_closed(mesh: &Mesh) -> bool {
-    let key = |v: u32| {
-        mesh.positions[v as usize]
-            .to_array()
-            .map(|x| (x + 0.0).to_bits())
-    };
-    let mut uses: HashMap<_, usize> = HashMap::new();
-    for corners in mesh.faces.iter() {
-        let next = corners.iter().cycle().skip(1);
-        for (&a, &b) in corners.iter().zip(next) {
-            let (a, b) = (key(a), key(b));
-            if a != b {
-                *uses.entry((a.min(b), a.max(b))).or_default() += 1;
-            }
-        }
-    }
-    uses.values().all(|n| n % 2 == 0)
 }

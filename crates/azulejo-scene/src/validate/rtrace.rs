@@ -90,9 +90,9 @@ fn is_surface(s: &RtraceSurface) -> bool {
 fn validate_materials(rtrace: &Rtrace, scene: &Scene) -> Check {
     let (known, wanted) = (rtrace.materials.len(), scene.materials.len());
     ensure(
-        known == wanted,
+        known <= wanted,
         || "rtrace: materials".into(),
-        || format!("{known} for the scene's {wanted}"),
+        || format!("{known}, more than the scene's {wanted}"),
     )?;
     for (i, material) in rtrace.materials.iter().enumerate() {
         ensure(
@@ -194,12 +194,18 @@ mod tests {
             |r| r.surfaces[0].phong = f64::NAN,
             Some("rtrace: surfaces[0]"),
         );
-        check(|r| r.materials.clear(), Some("rtrace: materials"));
+        check(|r| r.materials.clear(), None);
+        check(
+            |r| r.materials.push(r.materials[0].clone()),
+            Some("rtrace: materials"),
+        );
         check(|r| r.materials[0].surface = 1, Some("rtrace: materials[0]"));
         check(
             |r| {
                 r.materials[0].inline_textures.push(RtraceTexture {
                     texture_from_point: DMat4::IDENTITY,
+                    matrix: DMat4::IDENTITY,
+                    file: String::new(),
                     kind: RtraceTextureKind::Checker { surface: 9 },
                 });
             },
