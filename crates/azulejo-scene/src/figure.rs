@@ -282,18 +282,43 @@ impl Segment {
 
     /// Appends its start and points along it, the end left out.
     fn flatten_into(&self, tolerance: f64, corners: &mut Vec<DVec2>) {
-        let count = match *self {
+        let count = self.chords(tolerance);
+        corners.extend((0..count).map(|k| self.at(f64::from(k) / f64::from(count))));
+    }
+
+    /// How many chords, over equal steps of its parameter, leave it by at most `tolerance`; no
+    /// more than 4096.
+    pub fn chords(&self, tolerance: f64) -> u32 {
+        match *self {
             Segment::Line(_) => 1,
             // The chord of a piece of length h leaves a curve by at most h² max|B″| / 8.
             Segment::Cubic([a, b, c, d]) => {
                 let bend = (a - 2.0 * b + c).length().max((b - 2.0 * c + d).length());
-                (6.0 * bend / (8.0 * tolerance))
-                    .sqrt()
-                    .ceil()
-                    .clamp(1.0, 4096.0) as u32
+                let count = (6.0 * bend / (8.0 * tolerance)).sqrt().ceil();
+                count.clamp(1.0, 4096.0) as u32
             }
+        }
+    }
+
+    /// The direction in which it leaves its start, any length; zero if it is a point.
+    pub fn departure(&self) -> DVec2 {
+        let towards = |rest: &[DVec2]| {
+            let steps = rest.iter().map(|&p| p - self.start());
+            steps.into_iter().find(|s| *s != DVec2::ZERO)
         };
-        corners.extend((0..count).map(|k| self.at(f64::from(k) / f64::from(count))));
+        match self {
+            Segment::Line([_, rest @ ..]) => towards(rest),
+            Segment::Cubic([_, rest @ ..]) => towards(rest),
+        }
+        .unwrap_or(DVec2::ZERO)
+    }
+
+    /// The same curve from its end to its start.
+    pub fn reversed(&self) -> Segment {
+        match *self {
+            Segment::Line([a, b]) => Segment::Line([b, a]),
+            Segment::Cubic([a, b, c, d]) => Segment::Cubic([d, c, b, a]),
+        }
     }
 }
 

@@ -25,6 +25,7 @@ mod camera;
 pub mod figure;
 pub mod fresnel;
 mod image;
+mod inside;
 mod light;
 mod material;
 pub mod math;
@@ -41,6 +42,7 @@ mod solid;
 mod solution;
 pub mod synthetic;
 mod text;
+mod tree;
 mod triangulate;
 mod validate;
 
@@ -59,4 +61,5 @@ pub use shape::{Primitive, PrimitiveKind, Shape, SurfaceGrid, SurfaceLight, Surf
 pub use solid::{Csg, Exact, Leaf, Operation, Solid};
 pub use solution::{Irradiance, ObjectIrradiance};
 pub use text::{Encoding, Font, Glyph, PlacedGlyph, TextError, TextFrame};
+pub use tree::{MeshTriangle, OnTriangle, TriangleTree};
 pub use validate::Invalid;

@@ -115,6 +115,13 @@ fn bounds_of(solids: &[Solid]) -> Aabb {
 }
 
 impl Solid {
+    /// As [`Exact::leaves`], of one solid.
+    pub fn leaves(&self) -> Vec<Leaf<'_>> {
+        let mut leaves = Vec::new();
+        self.push_leaves(&mut leaves);
+        leaves
+    }
+
     fn push_leaves<'a>(&'a self, leaves: &mut Vec<Leaf<'a>>) {
         match self {
             Solid::Primitive(p) => leaves.push(Leaf::Primitive(p)),

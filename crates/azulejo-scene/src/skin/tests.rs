@@ -1,0 +1,461 @@
+//! Closedness, volumes and areas against closed forms.
+
+use crate::math::area_vector;
+use crate::{
+    BicubicPatch, Contour, Csg, Curve, Exact, Figure, FillRule, Mesh, Operation, Primitive,
+    PrimitiveKind, Prism, Solid,
+};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+fn v(x: f64, y: f64) -> DVec2 {
+    DVec2::new(x, y)
+}
+
+fn p(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// Volume by the divergence theorem, front outside.
+fn volume(mesh: &Mesh) -> f64 {
+    let origin = mesh.bounds().centre();
+    let of_triangle =
+        |[a, b, c]: [DVec3; 3]| (a - origin).dot((b - origin).cross(c - origin)) / 6.0;
+    let faces = (0..mesh.faces.len()).flat_map(|face| {
+        let points = mesh.face_positions(face);
+        let triangles = mesh.triangulate(face);
+        triangles
+            .into_iter()
+            .map(move |t| t.map(|k| points[k as usize]))
+    });
+    faces.map(of_triangle).sum()
+}
+
+/// Every edge is used as often in one direction as in the other, by its vertices.
+fn assert_closed(mesh: &Mesh) {
+    let mut uses: HashMap<[u32; 2], i32> = HashMap::new();
+    for ring in mesh.faces.iter() {
+        for k in 0..ring.len() {
+            let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
+            *uses.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
+        }
+    }
+    let open = uses.values().filter(|n| **n != 0).count();
+    assert_eq!(open, 0, "open edges of {}", uses.len());
+}
+
+/// Normals are unit vectors within 60° of their face's.
+fn assert_normals(mesh: &Mesh) {
+    let normals = mesh.normals.as_ref().unwrap();
+    for face in 0..mesh.faces.len() {
+        let own = mesh.face_area_vector(face).normalize_or_zero();
+        for k in mesh.faces.corner_range(face) {
+            let n = normals.at(k, mesh.faces.corners[k]);
+            assert!((n.length() - 1.0).abs() < 1e-9);
+            assert!(own == DVec3::ZERO || n.dot(own) > 0.5, "{n} {own}");
+        }
+    }
+}
+
+fn close(value: f64, expected: f64, relative: f64) {
+    let off = (value / expected - 1.0).abs();
+    assert!(off <= relative, "{value}, not {expected}: off by {off:e}");
+}
+
+fn figure(contours: &[&[DVec2]], rule: FillRule) -> Figure {
+    let contour = |c: &&[DVec2]| Figure::polygon(c.iter().copied()).contours.remove(0);
+    Figure {
+        contours: contours.iter().map(contour).collect(),
+        rule,
+    }
+}
+
+fn square(low: f64, high: f64) -> [DVec2; 4] {
+    [v(low, low), v(high, low), v(high, high), v(low, high)]
+}
+
+/// A circle of four cubic curves, whose radius is right to 3e-4.
+fn circle(centre: DVec2, radius: f64) -> Contour {
+    const K: f64 = 0.552_284_749_830_793_6;
+    let arc = |k: u32| {
+        let turn = DVec2::from_angle(f64::from(k) * PI / 2.0);
+        let at = |x, y| centre + radius * turn.rotate(v(x, y));
+        Curve::Cubic {
+            start: at(1.0, 0.0),
+            control1: at(1.0, K),
+            control2: at(K, 1.0),
+        }
+    };
+    Contour {
+        curves: (0..4).map(arc).collect(),
+    }
+}
+
+fn prism(figure: Figure, map: DAffine3) -> Solid {
+    Solid::Prism(Prism {
+        figure: Arc::new(figure),
+        world_from_figure: map,
+        material: 0,
+    })
+}
+
+/// The prism over a figure of the given area is closed and has its volume under upright, oblique
+/// and mirroring maps.
+fn check_prism(figure: Figure, area: f64, relative: f64) -> Mesh {
+    let maps = [
+        DAffine3::IDENTITY,
+        DAffine3::from_mat3_translation(
+            DMat3::from_cols(p(2.0, 0.1, 0.0), p(0.3, 1.0, 0.2), p(1.0, 1.0, 0.5)),
+            p(100.0, -50.0, 3.0),
+        ),
+        DAffine3::from_scale(p(-1.0, 1.0, 3.0)),
+    ];
+    for map in maps {
+        let mesh = Exact::new(vec![prism(figure.clone(), map)]).tessellate(1e-4);
+        assert_closed(&mesh);
+        assert_normals(&mesh);
+        close(
+            volume(&mesh),
+            area * map.matrix3.determinant().abs(),
+            relative,
+        );
+    }
+    Exact::new(vec![prism(figure, DAffine3::IDENTITY)]).tessellate(1e-4)
+}
+
+#[test]
+fn prisms_of_polygons() {
+    use FillRule::{EvenOdd, NonZero};
+    let unit = square(0.0, 1.0);
+    let mesh = check_prism(figure(&[&unit], EvenOdd), 1.0, 1e-9);
+    assert_eq!(mesh.faces.len(), 6, "a box");
+    let hole = square(0.25, 0.75);
+    let turned: Vec<DVec2> = hole.iter().rev().copied().collect();
+    check_prism(figure(&[&unit, &hole], EvenOdd), 0.75, 1e-9);
+    check_prism(figure(&[&unit, &hole], NonZero), 1.0, 1e-9);
+    check_prism(figure(&[&unit, &turned], NonZero), 0.75, 1e-9);
+    // Overlapping: together, or without what they share.
+    let other = square(0.5, 1.5);
+    let union = check_prism(figure(&[&unit, &other], NonZero), 1.75, 1e-9);
+    assert_eq!(
+        union.faces.len() - 8,
+        2,
+        "one polygon each for front and back"
+    );
+    check_prism(figure(&[&unit, &other], EvenOdd), 1.5, 1e-9);
+    // The same contour twice.
+    check_prism(figure(&[&unit, &unit], NonZero), 1.0, 1e-9);
+    let nothing = Exact::new(vec![prism(
+        figure(&[&unit, &unit], EvenOdd),
+        DAffine3::IDENTITY,
+    )]);
+    assert!(nothing.tessellate(1e-3).faces.is_empty());
+    // Sharing a side, and a corner.
+    let beside = [v(1.0, 0.0), v(2.0, 0.0), v(2.0, 1.0), v(1.0, 1.0)];
+    check_prism(figure(&[&unit, &beside], EvenOdd), 2.0, 1e-9);
+    check_prism(figure(&[&unit, &square(1.0, 2.0)], EvenOdd), 2.0, 1e-9);
+}
+
+#[test]
+fn prisms_over_stars_and_slivers() {
+    let star: Vec<DVec2> = (0..5)
+        .map(|k| DVec2::from_angle(f64::from(2 * k) * PI * 0.4))
+        .collect();
+    let tan = (PI / 10.0).tan();
+    // Ten times the triangle from the centre to a tip and a notch; and the pentagon inside.
+    let tips = figure(&[&star], FillRule::EvenOdd);
+    let whole = figure(&[&star], FillRule::NonZero);
+    let notch = (PI / 10.0).sin() / (3.0 * PI / 10.0).sin();
+    let full = 5.0 * notch * (PI / 5.0).sin();
+    let pentagon = 2.5 * notch * notch * (2.0 * PI / 5.0).sin();
+    assert!(tan > 0.0);
+    check_prism(whole, full, 1e-8);
+    check_prism(tips, full - pentagon, 1e-8);
+    let no_area = [
+        figure(
+            &[&[v(0.0, 0.0), v(1.0, 0.0), v(2.0, 0.0)]],
+            FillRule::EvenOdd,
+        ),
+        figure(&[&[v(1.0, 1.0)]], FillRule::NonZero),
+        figure(&[&[v(0.0, 0.0), v(1.0, 2.0)], &[]], FillRule::NonZero),
+        Figure::default(),
+    ];
+    for figure in no_area {
+        let mesh = Exact::new(vec![prism(figure, DAffine3::IDENTITY)]).tessellate(1e-3);
+        assert!(mesh.faces.is_empty());
+    }
+}
+
+#[test]
+fn prisms_over_curves_have_creases_at_corners_alone() {
+    let ring = Figure {
+        contours: vec![circle(DVec2::ZERO, 1.0), circle(DVec2::ZERO, 0.5)],
+        rule: FillRule::EvenOdd,
+    };
+    let area = ring.signed_area() - 2.0 * 0.25 * ring.signed_area() / 1.25;
+    let mesh = check_prism(ring.clone(), area, 2e-4);
+    // Around a side no two normals at one vertex differ; between cap and side they do.
+    let normals = mesh.normals.as_ref().unwrap();
+    let mut seen: HashMap<u32, Vec<DVec3>> = HashMap::new();
+    for (k, &v) in mesh.faces.corners.iter().enumerate() {
+        let list = seen.entry(v).or_default();
+        let n = normals.at(k, v);
+        if !list.iter().any(|m| m.dot(n) > 0.999_998) {
+            list.push(n);
+        }
+    }
+    assert!(seen.values().all(|list| list.len() == 2));
+    let coarse = Exact::new(vec![prism(ring, DAffine3::IDENTITY)]).tessellate(1.0);
+    assert_closed(&coarse);
+    assert!(
+        (20..100).contains(&coarse.faces.len()),
+        "{}",
+        coarse.faces.len()
+    );
+}
+
+#[test]
+fn hostile_figures_stay_closed_and_small() {
+    // 300 random lines that all cross, 40 overlapping circles, and 3,000 tiny squares.
+    let mut state = 1u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24)
+    };
+    let lines: Vec<DVec2> = (0..300).map(|_| v(random(), random())).collect();
+    let circles = (0..40)
+        .map(|_| circle(v(random(), random()), random()))
+        .collect();
+    let squares: Vec<Contour> = (0..3000)
+        .map(|_| {
+            let low = v(random(), random());
+            let corners = square(0.0, 0.002).map(|c| c + low);
+            Figure::polygon(corners).contours.remove(0)
+        })
+        .collect();
+    for rule in [FillRule::EvenOdd, FillRule::NonZero] {
+        for contours in [
+            Figure::polygon(lines.clone()).contours,
+            Vec::clone(&circles),
+            squares.clone(),
+        ] {
+            let mesh = Exact::new(vec![prism(Figure { contours, rule }, DAffine3::IDENTITY)])
+                .tessellate(1e-3);
+            assert_closed(&mesh);
+            assert!(mesh.faces.len() < 200_000, "{}", mesh.faces.len());
+        }
+    }
+}
+
+fn cuboid(low: DVec3, high: DVec3) -> Solid {
+    let map = DAffine3::from_mat3_translation(DMat3::from_diagonal(high - low), low);
+    Solid::Primitive(Primitive::new(PrimitiveKind::Cuboid, map, 0))
+}
+
+fn sphere(centre: DVec3, radius: f64) -> Solid {
+    Solid::Primitive(Primitive::sphere(centre, radius, 1))
+}
+
+/// A cylinder around an axis through the origin, longer than it is wide.
+fn cylinder(axis: DVec3) -> Solid {
+    let turn = DMat3::from_quat(glam::DQuat::from_rotation_arc(DVec3::Z, axis));
+    let map =
+        DAffine3::from_mat3_translation(turn, -2.0 * axis) * DAffine3::from_scale(p(1.0, 1.0, 4.0));
+    Solid::Primitive(Primitive::new(PrimitiveKind::Cylinder, map, 1))
+}
+
+fn csg(operation: Operation, left: Vec<Solid>, right: Vec<Solid>) -> Solid {
+    Solid::Csg(Box::new(Csg {
+        operation,
+        left,
+        right,
+    }))
+}
+
+/// Volume within `relative`, and no more than that share of the area lies along slits.
+fn check_csg(solid: Solid, expected: f64, relative: f64) -> Mesh {
+    let mesh = Exact::new(vec![solid]).tessellate(1e-3);
+    close(volume(&mesh), expected, relative);
+    let faces = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f));
+    let (sum, area) = faces.fold((DVec3::ZERO, 0.0), |(s, a), n| (s + n, a + n.length()));
+    assert!(sum.length() < relative * area, "{sum} of {area}");
+    assert_normals(&mesh);
+    mesh
+}
+
+#[test]
+fn primitives_are_closed_too() {
+    let cone = Primitive::new(PrimitiveKind::Cone { top: 0.0 }, DAffine3::IDENTITY, 0);
+    for (solid, expected) in [
+        (cuboid(p(0., 0., 0.), p(1., 2., 3.)), 6.0),
+        (sphere(p(5., 0., 0.), 1.0), 4.0 / 3.0 * PI),
+        (cylinder(DVec3::X), 4.0 * PI),
+        (Solid::Primitive(cone), PI / 3.0),
+    ] {
+        let mesh = Exact::new(vec![solid]).tessellate(1e-4);
+        assert_closed(&mesh);
+        close(volume(&mesh), expected, 1e-3);
+    }
+}
+
+#[test]
+fn set_operations_have_their_volumes() {
+    use Operation::{Difference, Intersection, Union};
+    let unit = || cuboid(DVec3::ZERO, DVec3::ONE);
+    let corner = || cuboid(DVec3::splat(0.5), DVec3::splat(1.5));
+    let mesh = check_csg(csg(Difference, vec![unit()], vec![corner()]), 0.875, 1e-9);
+    assert_closed(&mesh);
+    check_csg(csg(Union, vec![unit()], vec![corner()]), 1.875, 1e-9);
+    check_csg(csg(Intersection, vec![unit()], vec![corner()]), 0.125, 1e-9);
+    // A ball at a corner, and one that stands out of a face.
+    let ball = sphere(DVec3::ONE, 0.5);
+    let eighth = PI / 6.0 * 0.125;
+    let mesh = check_csg(
+        csg(Difference, vec![unit()], vec![ball]),
+        1.0 - eighth,
+        1e-3,
+    );
+    assert!(mesh.face_materials.contains(&1), "the dent is the ball's");
+    let half = 2.0 / 3.0 * PI * 0.027;
+    let ball = || sphere(p(0.5, 0.5, 1.0), 0.3);
+    check_csg(
+        csg(Difference, vec![unit()], vec![ball()]),
+        1.0 - half,
+        1e-3,
+    );
+    check_csg(csg(Union, vec![unit()], vec![ball()]), 1.0 + half, 1e-3);
+    check_csg(csg(Intersection, vec![unit()], vec![ball()]), half, 2e-2);
+    // Steinmetz's solids.
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(cylinder);
+    let two = csg(Intersection, vec![x], vec![y]);
+    check_csg(two.clone(), 16.0 / 3.0, 3e-3);
+    let three = 8.0 * (2.0 - 2f64.sqrt());
+    check_csg(csg(Intersection, vec![two], vec![z]), three, 3e-3);
+}
+
+#[test]
+fn surfaces_in_one_place_are_kept_once() {
+    use Operation::{Difference, Intersection, Union};
+    let unit = || cuboid(DVec3::ZERO, DVec3::ONE);
+    let check = |operation, right: Solid, expected: f64| {
+        check_csg(csg(operation, vec![unit()], vec![right]), expected, 1e-9)
+    };
+    // Flush with the top, from inside; then standing on it; then beside it.
+    let flush = || cuboid(p(0.25, 0.25, 0.5), p(0.75, 0.75, 1.0));
+    check(Difference, flush(), 0.875);
+    check(Union, flush(), 1.0);
+    check(Intersection, flush(), 0.125);
+    let upon = || cuboid(p(0.25, 0.25, 1.0), p(0.75, 0.75, 1.5));
+    check(Union, upon(), 1.125);
+    check(Difference, upon(), 1.0);
+    let beside = || cuboid(p(1.0, 0.0, 0.0), p(2.0, 1.0, 1.0));
+    check(Union, beside(), 2.0);
+    check(Difference, beside(), 1.0);
+    // The same twice, flat and curved.
+    check(Union, unit(), 1.0);
+    check(Intersection, unit(), 1.0);
+    let ball = || sphere(p(0.1, 0.2, 0.3), 1.0);
+    let whole = 4.0 / 3.0 * PI;
+    check_csg(csg(Union, vec![ball()], vec![ball()]), whole, 5e-3);
+    check_csg(csg(Intersection, vec![ball()], vec![ball()]), whole, 5e-3);
+}
+
+#[test]
+fn letters_are_cut_out_of_boxes() {
+    let ring = Figure {
+        contours: vec![circle(v(0.5, 0.5), 0.4), circle(v(0.5, 0.5), 0.2)],
+        rule: FillRule::EvenOdd,
+    };
+    let area = 0.6 * ring.signed_area();
+    // The letter's back lies in the box, its front stands out.
+    let map = DAffine3::from_translation(p(0.0, 0.0, 0.5));
+    let letter = || prism(ring.clone(), map);
+    let unit = || cuboid(DVec3::ZERO, DVec3::ONE);
+    let engraved = csg(Operation::Difference, vec![unit()], vec![letter()]);
+    check_csg(engraved.clone(), 1.0 - 0.5 * area, 1e-3);
+    check_csg(
+        csg(Operation::Union, vec![unit()], vec![letter()]),
+        1.0 + 0.5 * area,
+        1e-3,
+    );
+    let through = csg(
+        Operation::Difference,
+        vec![engraved],
+        vec![sphere(DVec3::ZERO, 2.0)],
+    );
+    assert!(Exact::new(vec![through]).tessellate(1e-3).faces.is_empty());
+}
+
+#[test]
+fn shells_are_solids_in_set_operations() {
+    // A tube and two discs, as prisms can not be: squares of a box.
+    let face = |corner: DVec3, a: DVec3, b: DVec3| {
+        Solid::Primitive(Primitive::parallelogram(corner, a, b, 0))
+    };
+    let (x, y, z, o) = (DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO);
+    let shell = Solid::Shell(vec![
+        face(o, y, x),
+        face(z, x, y),
+        face(o, x, z),
+        face(y, z, x),
+        face(o, z, y),
+        face(x, y, z),
+    ]);
+    assert!(shell.contains(DVec3::splat(0.5)) && !shell.contains(DVec3::splat(1.01)));
+    let corner = cuboid(DVec3::splat(0.5), DVec3::splat(1.5));
+    check_csg(
+        csg(Operation::Difference, vec![shell], vec![corner]),
+        0.875,
+        1e-9,
+    );
+}
+
+#[test]
+fn patches_come_within_the_error() {
+    let mut points = Box::new([[DVec3::ZERO; 4]; 4]);
+    for (j, row) in points.iter_mut().enumerate() {
+        for (i, point) in row.iter_mut().enumerate() {
+            let bump = if (1..3).contains(&i) && (1..3).contains(&j) {
+                1.0
+            } else {
+                0.0
+            };
+            *point = p(i as f64 / 3.0, j as f64 / 3.0, bump);
+        }
+    }
+    let patch = BicubicPatch {
+        points,
+        material: 3,
+    };
+    let mesh = Exact::new(vec![Solid::Patch(patch.clone())]).tessellate(1e-3);
+    assert_normals(&mesh);
+    assert!(mesh.face_materials.iter().all(|&m| m == 3));
+    for face in 0..mesh.faces.len() {
+        let corners = mesh.face_positions(face);
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let off = (patch.at(middle.x, middle.y).0 - middle).length();
+        assert!(off < 1.5e-3, "{off}");
+        assert!(area_vector(&corners).z > 0.0);
+    }
+}
+
+#[test]
+fn insides_are_exact() {
+    let ball = sphere(p(1.0, 2.0, 3.0), 2.0);
+    let cone = Solid::Primitive(Primitive::new(
+        PrimitiveKind::Cone { top: 0.5 },
+        DAffine3::IDENTITY,
+        0,
+    ));
+    let check = |solid: &Solid, inside: DVec3, outside: DVec3| {
+        assert!(solid.contains(inside) && !solid.contains(outside));
+    };
+    check(&ball, p(1.0, 3.999_999, 3.0), p(1.0, 4.000_001, 3.0));
+    check(&cone, p(0.0, 0.749_999, 0.5), p(0.0, 0.750_001, 0.5));
+    let mesh = Exact::new(vec![ball.clone()]).tessellate(0.01);
+    check(&Solid::Mesh(mesh), p(1.0, 3.9, 3.0), p(1.0, 4.1, 3.0));
+    let dented = csg(Operation::Difference, vec![ball], vec![cone]);
+    check(&dented, p(1.0, 2.0, 3.0), p(0.1, 0.5, 0.9));
+}
