@@ -1,4 +1,4 @@
-//! Text formats whose words stand between blanks: STL and PLY.
+//! Text formats whose words stand between blanks: STL, PLY and SFF.
 
 use crate::number;
 use crate::text::{shortened, text};
@@ -38,6 +38,25 @@ impl<'a> Words<'a> {
         self.at
     }
 
+    /// The next byte.
+    pub fn peek(&self) -> Option<u8> {
+        self.bytes.get(self.at).copied()
+    }
+
+    /// Whether nothing but blanks stands before this place on its line.
+    pub fn starts_line(&self) -> bool {
+        let before = self.bytes[..self.at].iter().rev();
+        let mut before = before.skip_while(|&&b| is_blank(b) && !is_line_end(b));
+        before.next().is_none_or(|&b| is_line_end(b))
+    }
+
+    /// What is left of the line, which is not passed.
+    pub fn line_ahead(&self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().position(|&b| is_line_end(b));
+        &rest[..length.unwrap_or(rest.len())]
+    }
+
     /// Passes over blanks and line ends.
     #[inline]
     pub fn skip_blanks(&mut self) {
@@ -59,9 +78,7 @@ impl<'a> Words<'a> {
 
     /// What is left of the line, without the blanks around it. Its end is passed.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
-        let rest = &self.bytes[self.at..];
-        let length = rest.iter().position(|&b| is_line_end(b));
-        let line = &rest[..length.unwrap_or(rest.len())];
+        let line = self.line_ahead();
         self.at += line.len();
         if self.bytes[self.at..].starts_with(b"\r\n") {
             self.at += 2;
