@@ -2,7 +2,7 @@
 
 use crate::text::without_utf16;
 use crate::{Files, Loaded, ReadError, ReadOptions};
-use crate::{dxf, gltf, grf, gzip, mgf, obj, openflight, ply, stl, studio3ds, vrml};
+use crate::{dxf, gltf, grf, gzip, mgf, obj, openflight, ply, sff, stl, studio3ds, vrml};
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
 use std::fmt;
@@ -32,6 +32,8 @@ pub enum Format {
     Ply,
     /// Stereolithography, ASCII or binary.
     Stl,
+    /// RTRACE's scenes.
+    Sff,
 }
 
 impl Format {
@@ -48,6 +50,7 @@ impl Format {
             Format::Gltf => "glTF",
             Format::Ply => "PLY",
             Format::Stl => "STL",
+            Format::Sff => "SFF",
         }
     }
 }
@@ -69,7 +72,7 @@ impl std::error::Error for Unrecognised {}
 
 /// What every message asks for instead.
 const EXPECTED: &str =
-    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, STL, VRML or X3D";
+    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SFF, STL, VRML or X3D";
 
 /// Reads a model in whatever format it is, packed with gzip or not. `name` stands in messages;
 /// `files` gives the files that the model names, relative to the model's folder.
@@ -91,7 +94,7 @@ pub fn read_with(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     let bytes = &*gzip::unpacked(bytes, name, options)?;
-    match detect(bytes) {
+    match by_extension(name, detect(bytes)) {
         Ok(Format::Grf) => grf::read(bytes, name, files),
         Ok(Format::Obj) => obj::read_with(bytes, name, files, options),
         Ok(Format::Studio3ds) => studio3ds::read(bytes, name, files, options),
@@ -102,9 +105,27 @@ pub fn read_with(
         Ok(Format::Gltf) => gltf::read(bytes, name, files, options),
         Ok(Format::Ply) => ply::read(bytes, name, files, options),
         Ok(Format::Stl) => stl::read(bytes, name, files, options),
+        Ok(Format::Sff) => sff::read(bytes, name, files, options),
         Err(Unrecognised { looks_like }) => Err(ReadError::whole(name, looks_like, EXPECTED)),
     }
 }
+
+/// A format that has neither mark nor words is known by its name, where the content does not say
+/// something else.
+fn by_extension(
+    name: &str,
+    detected: Result<Format, Unrecognised>,
+) -> Result<Format, Unrecognised> {
+    let lower = name.to_ascii_lowercase();
+    let name = lower.strip_suffix(".gz").unwrap_or(&lower);
+    match &detected {
+        Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".sff") => Ok(Format::Sff),
+        _ => detected,
+    }
+}
+
+/// What text without a word of any format looks like.
+const PLAIN_TEXT: &str = "text of no known kind";
 
 /// How much of a file is looked at: enough to come past a long comment at its head.
 const LOOKED_AT: usize = 1 << 16;
@@ -205,6 +226,9 @@ fn by_words(head: &[u8]) -> Found {
         .split(|b| matches!(b, b'\n' | b'\r'))
         .map(|line| line.trim_ascii())
         .filter(|line| !line.is_empty());
+    if is_sff(lines.clone()) {
+        return Ok(Format::Sff);
+    }
     if is_dxf(lines.clone()) {
         return Ok(Format::Dxf);
     }
@@ -218,7 +242,7 @@ fn by_words(head: &[u8]) -> Found {
     match lines.next() {
         None => Err("nothing but blanks"),
         Some(_) if head.contains(&0) => Err("binary data of no known kind"),
-        Some(_) => Err("text of no known kind"),
+        Some(_) => Err(PLAIN_TEXT),
     }
 }
 
@@ -232,6 +256,24 @@ fn is_dxf<'a>(mut lines: impl Iterator<Item = &'a [u8]>) -> bool {
         }
     }
     false
+}
+
+/// Titles, which may be anything but numbers, and how many numbers stand at least in the lines
+/// between them: eye, look, up and angles; background and ambient light.
+fn is_sff<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
+    let is_number = |word: &[u8]| std::str::from_utf8(word).is_ok_and(|w| w.parse::<f64>().is_ok());
+    let numbers = |line: &[u8]| {
+        let words = line
+            .split(u8::is_ascii_whitespace)
+            .filter(|w| !w.is_empty());
+        words.take_while(|w| is_number(w)).count()
+    };
+    let mut lines = lines.filter(|l| !l.starts_with(b"#"));
+    let mut next = || lines.next().map(numbers);
+    [0, 3, 3, 3, 2, 0, 3, 3].map(|least| match least {
+        0 => next() == Some(0),
+        _ => next().is_some_and(|n| n >= least),
+    }) == [true; 8]
 }
 
 fn first_word(line: &[u8]) -> &[u8] {
@@ -318,6 +360,10 @@ mod tests {
         check(b"# a room\nm white =\n", Ok(Format::Mgf));
         check(b"o room\nv a =\n\tp 1 2 3\n", Ok(Format::Mgf));
         check(b"o cube\no cube\n", Ok(Format::Obj));
+        check(
+            b"view\n1 1 5 - eye\n0 0 0\n0 1 0\n30 30\nlight\n0 0 0\n1 1 1\nlights\n",
+            Ok(Format::Sff),
+        );
     }
 
     #[test]

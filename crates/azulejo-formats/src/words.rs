@@ -38,11 +38,6 @@ impl<'a> Words<'a> {
         self.at
     }
 
-    /// The next byte.
-    pub fn peek(&self) -> Option<u8> {
-        self.bytes.get(self.at).copied()
-    }
-
     /// Whether nothing but blanks stands before this place on its line.
     pub fn starts_line(&self) -> bool {
         let before = self.bytes[..self.at].iter().rev();

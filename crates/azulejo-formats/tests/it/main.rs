@@ -4,6 +4,7 @@
 mod mgf;
 mod obj;
 mod openflight;
+mod sff;
 mod table_1;
 
 /// Where the shared models and scenes are, if this machine has them.

@@ -1,0 +1,142 @@
+//! Text blocks: commands that set a string in space.
+
+use super::document::{TextCommand, TextCommandKind};
+use super::lines::{Lines, quoted};
+use crate::ReadError;
+use crate::text::text;
+use glam::DVec3;
+
+type Read<T> = Result<T, ReadError>;
+
+/// The commands, each with how many numbers follow it.
+const COMMANDS: [(&str, usize); 6] = [
+    ("SPACING", 1),
+    ("SCALE", 3),
+    ("ORIENTATION", 9),
+    ("FONT", 0),
+    ("ENCODING", 0),
+    ("AT", 3),
+];
+
+const EXPECTED: &str = "SPACING, SCALE, ORIENTATION, FONT, ENCODING or AT";
+
+/// Reads commands up to an empty line.
+pub(super) fn read(lines: &mut Lines) -> Read<Vec<TextCommand>> {
+    let mut commands = Vec::new();
+    while let Some(word) = next_word(lines) {
+        let (place, word) = word;
+        let upper = word.to_ascii_uppercase();
+        let known = COMMANDS.iter().find(|(name, _)| name.as_bytes() == upper);
+        let Some(&(name, count)) = known else {
+            return Err(unknown(lines, place, word));
+        };
+        let numbers = numbers(lines, place, name, count)?;
+        let point = |k: usize| DVec3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
+        let kind = match name {
+            "SPACING" => TextCommandKind::Spacing(numbers[0]),
+            "SCALE" => TextCommandKind::Scale(point(0)),
+            "ORIENTATION" => TextCommandKind::Orientation([point(0), point(3), point(6)]),
+            "FONT" => TextCommandKind::Font(file_name(lines, place, name)?),
+            "ENCODING" => TextCommandKind::Encoding(file_name(lines, place, name)?),
+            _ => TextCommandKind::At(point(0), string(lines, place)?),
+        };
+        commands.push(TextCommand { place, kind });
+    }
+    Ok(commands)
+}
+
+use super::document::Place;
+
+/// The next word of the block and its place; `None` at the block's end, which is passed.
+fn next_word<'a>(lines: &mut Lines<'a, '_>) -> Option<(Place, &'a [u8])> {
+    reach_word(lines).then(|| {
+        let place = lines.place();
+        (place, lines.words().word().unwrap_or_default())
+    })
+}
+
+/// Passes line ends and remarks up to the next word; `false` at an empty line, which is passed.
+fn reach_word(lines: &mut Lines) -> bool {
+    loop {
+        if !lines.rest_is_blank() {
+            if lines.words().peek() != Some(b'#') {
+                return true;
+            }
+            lines.words().rest_of_line();
+        } else if lines.words().starts_line() {
+            lines.section_ends();
+            return false;
+        } else {
+            lines.words().rest_of_line();
+        }
+    }
+}
+
+fn unknown(lines: &Lines, place: Place, word: &[u8]) -> ReadError {
+    let upper = word.to_ascii_uppercase();
+    let glued = COMMANDS.iter().find(|(name, _)| {
+        let behind = upper.strip_prefix(name.as_bytes());
+        behind.is_some_and(|rest| rest.starts_with(b"-"))
+    });
+    match glued {
+        Some((name, _)) => {
+            let rest = text(&word[name.len() + 1..]);
+            lines.error(place, quoted(word), format!("a blank: {name} {rest}"))
+        }
+        None => lines.error(place, quoted(word), EXPECTED),
+    }
+}
+
+/// The numbers of a command. The error is about the command, whose line is what must be mended.
+fn numbers(lines: &mut Lines, place: Place, name: &str, count: usize) -> Read<[f64; 9]> {
+    let mut numbers = [0.0; 9];
+    for (k, value) in numbers.iter_mut().take(count).enumerate() {
+        let is_there = reach_word_in_block(lines) && lines.number_follows();
+        if !is_there {
+            let found = format!("{name} with {k} numbers");
+            let expected = match name {
+                "ORIENTATION" => "9: progression, up and extrusion, three numbers each".to_owned(),
+                _ => format!("{count}"),
+            };
+            return Err(lines.error(place, found, expected));
+        }
+        *value = lines.number()?;
+    }
+    Ok(numbers)
+}
+
+/// As [`reach_word`], but an empty line is not passed.
+fn reach_word_in_block(lines: &mut Lines) -> bool {
+    let before = *lines.words();
+    let found = reach_word(lines);
+    if !found {
+        *lines.words() = before;
+    }
+    found
+}
+
+fn file_name(lines: &mut Lines, place: Place, name: &str) -> Read<String> {
+    if !reach_word_in_block(lines) {
+        return Err(lines.error(place, name, format!("{name} and the name of a file")));
+    }
+    let word = lines.words().word().unwrap_or_default();
+    Ok(text(word).into_owned())
+}
+
+/// What stands between two quotes on one line.
+fn string(lines: &mut Lines, place: Place) -> Read<String> {
+    let expected = "a string in quotes, \"…\", on one line";
+    if !reach_word_in_block(lines) || lines.words().peek() != Some(b'"') {
+        return Err(lines.error(place, "AT without a string", expected));
+    }
+    let words = lines.words();
+    let line = words.line_ahead();
+    let closed = line[1..].iter().position(|&b| b == b'"');
+    let Some(length) = closed else {
+        let at = lines.place();
+        return Err(lines.error(at, "a string without its second quote", expected));
+    };
+    let string = text(&line[1..=length]).into_owned();
+    *words = words.from(words.offset() + length + 2);
+    Ok(string)
+}

@@ -1,0 +1,223 @@
+//! RTRACE's lights as lights that fall with the square of the distance.
+
+use super::document::View;
+use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind};
+use azulejo_scene::{Light, LightKind, Material, Primitive, Rgb};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// A light that never fades is taken for one infinitely far away if it is farther than this many
+/// times the distance from the eye to the point looked at.
+const FAR: f64 = 100.0;
+
+/// What a light becomes.
+pub(super) enum Lamp {
+    /// Lights without area.
+    Lights(Vec<LightKind>),
+    /// A body that shines with this radiance.
+    Body(Primitive, Rgb),
+}
+
+/// A light as physics has it.
+///
+/// RTRACE's lights fade as g / (g + d/4), where g is the distance from the eye to the point looked
+/// at, or not at all. A physical one is as bright there, falls with the square of the distance
+/// before and behind, and has area if RTRACE's has. `material` is what its body is made of.
+pub(super) fn physical(light: &RtraceLight, view: &View, material: u32) -> Lamp {
+    let gaze = view.eye.distance(view.look);
+    let offset = view.look - light.position;
+    let distance = offset.length().max(1e-3 * gaze);
+    let fade = gaze / (gaze + 0.25 * distance);
+    let arriving = Rgb::from([0, 1, 2].map(|k| {
+        let share = if light.fades[k] { fade } else { 1.0 };
+        light.brightness[k] * share
+    }));
+    // RTRACE has no π in what surfaces reflect.
+    let irradiance = arriving * PI;
+    let intensity = irradiance * (distance * distance);
+    let position = light.position;
+    match light.kind {
+        RtraceLightKind::Point if light.fades == [false; 3] && distance > FAR * gaze => {
+            let direction = offset / distance;
+            Lamp::Lights(vec![LightKind::Directional {
+                direction,
+                irradiance,
+            }])
+        }
+        RtraceLightKind::Point => Lamp::Lights(vec![LightKind::Point {
+            position,
+            intensity,
+        }]),
+        RtraceLightKind::Spot {
+            direction,
+            half_angle,
+            factor,
+        } => Lamp::Lights(vec![LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner: full_angle(half_angle, factor),
+            outer: half_angle,
+        }]),
+        RtraceLightKind::Extended { radius, .. } => {
+            let body = Primitive::sphere(position, radius, material);
+            Lamp::Body(body, intensity / (PI * radius * radius))
+        }
+        RtraceLightKind::Planar { edges, samples } => {
+            let area = edges[0].cross(edges[1]).length();
+            if area > 0.0 && area.is_normal() {
+                let corner = position - 0.5 * (edges[0] + edges[1]);
+                let body = Primitive::parallelogram(corner, edges[0], edges[1], material);
+                return Lamp::Body(body, intensity / area);
+            }
+            let count = samples[0].max(1);
+            let point = |k: u32| LightKind::Point {
+                position: position + along(k, count) * edges[0],
+                intensity: intensity / f64::from(count),
+            };
+            Lamp::Lights((0..count).map(point).collect())
+        }
+    }
+}
+
+/// Where the `k`-th of `count` equal pieces has its middle, from −½ to ½.
+fn along(k: u32, count: u32) -> f64 {
+    (f64::from(k) + 0.5) / f64::from(count) - 0.5
+}
+
+/// Inside of which angle a spotlight shines in full, so that it is half as bright where RTRACE's
+/// is: where ((cos a − cos A) / (1 − cos A))^(1/factor) = ½.
+fn full_angle(half_angle: f64, factor: f64) -> f64 {
+    let edge = half_angle.cos();
+    let middle = 0.5f64.powf(factor);
+    let full = edge + 2.0 * middle * (1.0 - edge);
+    full.clamp(-1.0, 1.0).acos().min(half_angle)
+}
+
+/// A named light.
+pub(super) fn named(number: usize, kind: LightKind) -> Light {
+    Light {
+        name: format!("light {number}"),
+        kind,
+    }
+}
+
+/// What the body of a lamp is made of.
+pub(super) fn shining(number: usize, radiance: Rgb) -> Material {
+    Material {
+        emits_back: true,
+        ..Material::emitter(format!("light {number}"), radiance)
+    }
+}
+
+/// Whether a direction is not along another, and both are there.
+pub(super) fn spans(gaze: DVec3, up: DVec3) -> bool {
+    gaze.normalize_or_zero()
+        .cross(up.normalize_or_zero())
+        .length()
+        > 1e-9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view() -> View {
+        View {
+            eye: DVec3::new(0.0, 0.0, 4.0),
+            look: DVec3::ZERO,
+            ..View::default()
+        }
+    }
+
+    fn light(position: DVec3, fades: bool, kind: RtraceLightKind) -> RtraceLight {
+        RtraceLight {
+            position,
+            brightness: Rgb::grey(0.5),
+            fades: [fades; 3],
+            kind,
+        }
+    }
+
+    /// What arrives at the point looked at, by the lamp, is what RTRACE has there times π.
+    fn check(light: RtraceLight, expected: f64) {
+        let found = match physical(&light, &view(), 0) {
+            Lamp::Lights(lights) => lights.iter().map(irradiance_at_look).sum(),
+            Lamp::Body(body, radiance) => {
+                let flat = match light.kind {
+                    RtraceLightKind::Extended { radius, .. } => PI * radius * radius,
+                    _ => body.area(),
+                };
+                radiance.g * flat / light.position.length_squared()
+            }
+        };
+        let relative: f64 = found / (PI * expected) - 1.0;
+        assert!(relative.abs() < 1e-3, "{found} for {expected}");
+    }
+
+    fn irradiance_at_look(light: &LightKind) -> f64 {
+        let (LightKind::Point { position, .. } | LightKind::Spot { position, .. }) = *light else {
+            let LightKind::Directional { irradiance, .. } = *light else {
+                unreachable!("not made of these lights")
+            };
+            return irradiance.g;
+        };
+        let toward = -position.normalize();
+        light.intensity_toward(toward).g / position.length_squared()
+    }
+
+    #[test]
+    fn as_bright_where_one_looks() {
+        let near = DVec3::new(0.0, 16.0, 0.0);
+        let point = RtraceLightKind::Point;
+        check(light(near, true, point), 0.25);
+        check(light(near, false, point), 0.5);
+        check(light(1e5 * DVec3::Y, false, point), 0.5);
+        check(
+            light(
+                near,
+                true,
+                RtraceLightKind::Extended {
+                    radius: 1.0,
+                    samples: 4,
+                },
+            ),
+            0.25,
+        );
+        let edges = [DVec3::X, DVec3::Z];
+        let planar = RtraceLightKind::Planar {
+            edges,
+            samples: [4, 4],
+        };
+        check(light(near, true, planar), 0.25);
+        let edges = [0.1 * DVec3::X, DVec3::ZERO];
+        let linear = RtraceLightKind::Planar {
+            edges,
+            samples: [4, 0],
+        };
+        check(light(near, true, linear), 0.25);
+        let spot = RtraceLightKind::Spot {
+            direction: -DVec3::Y,
+            half_angle: 0.5,
+            factor: 2.0,
+        };
+        check(light(near, true, spot), 0.25);
+    }
+
+    #[test]
+    fn spotlights_are_half_as_bright_at_the_same_angle() {
+        for (half_angle, factor) in [(0.5f64, 1.0), (1.2, 3.0), (3.0, 1.0), (0.2, 5.0)] {
+            let edge = half_angle.cos();
+            let angle = (edge + 0.5f64.powf(factor) * (1.0 - edge)).acos();
+            let spot = LightKind::Spot {
+                position: DVec3::ZERO,
+                direction: DVec3::Z,
+                intensity: Rgb::WHITE,
+                inner: full_angle(half_angle, factor),
+                outer: half_angle,
+            };
+            let toward = DVec3::new(angle.sin(), 0.0, angle.cos());
+            assert!((spot.intensity_toward(toward).g - 0.5).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! SFF, the scenes of the ray tracer RTRACE, and their text blocks.
+//!
+//! What is read: all of the format, with shapes kept exact. What only RTRACE's own shading
+//! understands stays beside the physical scene, in
+//! [`Scene::rtrace`](azulejo_scene::Scene::rtrace). `docs/formats/sff.md` says how every record is
+//! understood.
+
+mod block;
+mod coons;
+mod data;
+pub(crate) mod document;
+mod lights;
+mod lines;
+mod parse;
+mod pictures;
+mod record;
+pub(crate) mod resolve;
+mod shapes;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod textures;
+mod tree;
+mod typeset;
+
+use crate::files::beside;
+use crate::options::check_length;
+use crate::text::without_utf16;
+use crate::warnings::Warnings;
+use crate::{FileError, Files, Loaded, ReadError, ReadOptions};
+use document::{Document, Sources};
+use lines::Lines;
+
+/// Reads a scene; `name` stands in messages, `files` gives fonts, encodings, data, colour maps and
+/// pictures.
+///
+/// # Errors
+/// Records that are not as the format has them, objects that cannot be, and files of data, fonts
+/// and encodings that cannot be read.
+pub fn read(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Loaded, ReadError> {
+    check_length(bytes, name)?;
+    let bytes = without_utf16(bytes);
+    let mut warnings = Warnings::default();
+    let mut sources = Sources::default();
+    let file = sources.add(name, &*bytes);
+    let document = Document::parse(&mut Lines::new(&bytes, name, file, &mut warnings))?;
+    let scene = resolve::resolve(&document, &mut sources, files, options, &mut warnings)?;
+    Ok(Loaded {
+        scene,
+        warnings: warnings.finish(name),
+    })
+}
+
+/// The bytes of a file that is named in the file `of`, and its name as the scene's folder knows it:
+/// beside `of`, beside the scene, or there without the folders of its name.
+fn open_beside(files: &dyn Files, of: &str, name: &str) -> Result<(String, Vec<u8>), FileError> {
+    let wanted = beside(of, name);
+    let plain = beside("", name);
+    let base = plain.rsplit('/').next().unwrap_or_default().to_owned();
+    let first = files.read(&wanted);
+    if let Ok(bytes) = first {
+        return Ok((wanted, bytes));
+    }
+    for other in [plain, base] {
+        if other != wanted
+            && let Ok(bytes) = files.read(&other)
+        {
+            return Ok((other, bytes));
+        }
+    }
+    first.map(|bytes| (wanted, bytes))
+}

@@ -1,0 +1,193 @@
+//! The sections of a file in their order.
+
+use super::document::*;
+use super::lines::Lines;
+use super::{data, record};
+use crate::ReadError;
+use azulejo_scene::Rgb;
+use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind, RtraceSource};
+use glam::DVec3;
+
+type Read<T> = Result<T, ReadError>;
+
+impl Document {
+    /// Reads a whole file.
+    ///
+    /// # Errors
+    /// The first record that is not as the format has it.
+    pub fn parse(lines: &mut Lines) -> Read<Document> {
+        let title = lines.title();
+        let view = view(lines)?;
+        lines.title();
+        let mut document = Document {
+            is_translated: title.starts_with("+L"),
+            view,
+            background: colors(lines)?,
+            ambient: colors(lines)?,
+            ..Document::default()
+        };
+        lines.title();
+        while !lines.section_ends() {
+            document.lights.push(light(lines)?);
+            lines.end_record();
+        }
+        lines.title();
+        while !lines.section_ends() {
+            document.surfaces.push(surface(lines)?);
+            lines.end_record();
+        }
+        lines.title();
+        while !lines.section_ends() {
+            let place = lines.place();
+            let kind = record::read(lines)?;
+            document.objects.push(Record { place, kind });
+        }
+        document.textures = textures(lines);
+        Ok(document)
+    }
+}
+
+fn view(lines: &mut Lines) -> Read<View> {
+    let place = lines.place();
+    let mut point = || {
+        let p = lines.point();
+        lines.end_record();
+        p
+    };
+    let (eye, look, up) = (point()?, point()?, point()?);
+    let mut angle = || lines.within(0.5, 89.5, "an angle of the view");
+    let angles = [angle()?, angle()?];
+    lines.end_record();
+    Ok(View {
+        eye,
+        look,
+        up,
+        angles,
+        place,
+    })
+}
+
+fn colors(lines: &mut Lines) -> Read<Rgb> {
+    let color = lines.color("background or ambient light")?;
+    lines.end_record();
+    Ok(color)
+}
+
+fn light(lines: &mut Lines) -> Read<RtraceLight> {
+    let place = lines.place();
+    let kind = lines.index()?;
+    let position = lines.point()?;
+    let signed = lines.point()?;
+    let kind = match kind {
+        1 => RtraceLightKind::Point,
+        2 => RtraceLightKind::Spot {
+            direction: lines.direction()?,
+            half_angle: (lines.within(0.0, 180.0, "the angle of a spotlight")?).to_radians(),
+            factor: lines.within(1.0, 300.0, "the factor of a spotlight")?,
+        },
+        3 => RtraceLightKind::Extended {
+            radius: lines.positive("the radius of a light")?,
+            samples: samples(lines, 1.0)?,
+        },
+        4 => RtraceLightKind::Planar {
+            edges: [lines.point()?, lines.point()?],
+            samples: [samples(lines, 1.0)?, samples(lines, 0.0)?],
+        },
+        other => {
+            let expected = "1 (point), 2 (spot), 3 (extended) or 4 (planar)";
+            return Err(lines.error(place, format!("a light of type {other}"), expected));
+        }
+    };
+    Ok(RtraceLight {
+        position,
+        brightness: Rgb::from(signed.abs().to_array()),
+        fades: signed.to_array().map(|b| b >= 0.0),
+        kind,
+    })
+}
+
+fn samples(lines: &mut Lines, least: f64) -> Read<u32> {
+    Ok(lines
+        .within(least, 256.0, "the samples of a light")?
+        .round() as u32)
+}
+
+fn surface(lines: &mut Lines) -> Read<SurfaceRecord> {
+    let place = lines.place();
+    let kind = lines.index()?;
+    let mut flagged = || lines.within(-1.0, 1.0, "a surface's number");
+    let (red, green) = (flagged()?, flagged()?);
+    let color = Rgb::new(red.abs(), green.abs(), unit(lines)?);
+    let source = match kind {
+        1 => RtraceSource::Phong {
+            diffuse: triple(lines)?,
+            specular: triple(lines)?,
+            phong: lines.within(0.0, 300.0, "the exponent of a highlight")?,
+            metal: unit(lines)?,
+            transparency: triple(lines)?,
+        },
+        2 => RtraceSource::Strauss {
+            smooth: triple(lines)?,
+            metal: triple(lines)?,
+            transparency: triple(lines)?,
+        },
+        other => {
+            let found = format!("a surface of type {other}");
+            return Err(lines.error(place, found, "1 or 2"));
+        }
+    };
+    Ok(SurfaceRecord {
+        color,
+        is_emitter: red < 0.0,
+        is_unshadowed: green < 0.0,
+        source,
+    })
+}
+
+fn unit(lines: &mut Lines) -> Read<f64> {
+    lines.within(0.0, 1.0, "a surface's number")
+}
+
+fn triple(lines: &mut Lines) -> Read<Rgb> {
+    lines.color("a surface's number")
+}
+
+/// The last section. Anything may stand behind the objects, so what is no texture ends it.
+fn textures(lines: &mut Lines) -> Vec<Record> {
+    let mut textures = Vec::new();
+    lines.title();
+    while lines.numbers_left_on_line() >= 2 {
+        let place = lines.place();
+        match record::texture(lines) {
+            Ok(texture) => {
+                let kind = RecordKind::Texture(Box::new(texture));
+                textures.push(Record { place, kind });
+            }
+            Err(e) => {
+                let (found, expected) = (e.found, e.expected);
+                let said = format!(
+                    "behind the objects: {found} where a texture has {expected}; nothing more is read"
+                );
+                lines.warn(place, said);
+                break;
+            }
+        }
+    }
+    textures
+}
+
+/// The shape's own data: where it stands in the file itself, it is read.
+pub(super) fn placed<T>(
+    lines: &mut Lines,
+    read: impl FnOnce(&mut Lines) -> Read<T>,
+) -> Read<Box<Placed<T>>> {
+    let origin = lines.point()?;
+    let mut scale = || lines.within(0.0, f64::MAX, "the scale of a shape");
+    let scale = DVec3::new(scale()?, scale()?, scale()?);
+    let data = data::here_or_file(lines, read)?;
+    Ok(Box::new(Placed {
+        origin,
+        scale,
+        data,
+    }))
+}

@@ -1,0 +1,218 @@
+//! Records of the objects' section.
+
+use super::document::*;
+use super::lines::Lines;
+use super::parse::placed;
+use super::{block, data};
+use crate::ReadError;
+use azulejo_scene::Operation;
+
+type Read<T> = Result<T, ReadError>;
+
+/// Numbers of the records.
+const EXPECTED: &str =
+    "an object: 1 to 7, 64 (texture), 65 (transform), 66 (set operation) or 67 (list)";
+
+/// Reads a record and what belongs to it: its line's end, and data below it.
+pub(super) fn read(lines: &mut Lines) -> Read<RecordKind> {
+    let place = lines.place();
+    let kind = match lines.index()? {
+        number @ 1..=7 => return object(lines, number),
+        64 => {
+            let texture = texture(lines)?;
+            return Ok(RecordKind::Texture(Box::new(texture)));
+        }
+        65 => RecordKind::Transform {
+            object: lines.index()?,
+            matrix: Box::new(lines.matrix()?),
+        },
+        66 => csg(lines)?,
+        67 => list(lines)?,
+        other => {
+            let found = format!("a record of type {other}");
+            return Err(lines.error(place, found, EXPECTED));
+        }
+    };
+    lines.end_record();
+    Ok(kind)
+}
+
+fn look(lines: &mut Lines) -> Read<Look> {
+    Ok(Look {
+        surface: lines.index()?,
+        refraction: lines.number()?,
+    })
+}
+
+fn object(lines: &mut Lines, number: u32) -> Read<RecordKind> {
+    let place = lines.place();
+    let mut look = look(lines)?;
+    if look.refraction < 1.0 {
+        lines.warn(place, "an index of refraction below 1: taken as 1".into());
+        look.refraction = 1.0;
+    }
+    let geometry = match number {
+        1 => Geometry::Sphere {
+            centre: lines.point()?,
+            radius: lines.positive("a radius of")?,
+        },
+        2 => Geometry::Cuboid {
+            centre: lines.point()?,
+            half: glam::DVec3::new(
+                lines.positive("half a size of")?,
+                lines.positive("half a size of")?,
+                lines.positive("half a size of")?,
+            ),
+        },
+        3 => Geometry::Patches(placed(lines, data::patches)?),
+        4 => Geometry::Cone(cone(lines)?),
+        5 => Geometry::Polygons(placed(lines, data::polygons)?),
+        6 => {
+            let general = look.surface == 0;
+            Geometry::Triangles(placed(lines, |lines| data::triangles(lines, general))?)
+        }
+        _ => Geometry::Text(data::here_or_file(lines, block::read)?),
+    };
+    if matches!(number, 1 | 2 | 4) {
+        lines.end_record();
+    }
+    Ok(RecordKind::Object { look, geometry })
+}
+
+fn cone(lines: &mut Lines) -> Read<Cone> {
+    let place = lines.place();
+    let cone = Cone {
+        base: lines.point()?,
+        base_radius: lines.within(0.0, f64::MAX, "a cone's radius")?,
+        apex: lines.point()?,
+        apex_radius: lines.within(0.0, f64::MAX, "a cone's radius")?,
+    };
+    if cone.base_radius.max(cone.apex_radius) == 0.0 || cone.base == cone.apex {
+        let found = "a cone without height or without radius";
+        let expected = "two different points, and a radius > 0";
+        return Err(lines.error(place, found, expected));
+    }
+    Ok(cone)
+}
+
+fn csg(lines: &mut Lines) -> Read<RecordKind> {
+    let place = lines.place();
+    match lines.index()? {
+        0 => {
+            let look = look(lines)?;
+            let place = lines.place();
+            let operation = match lines.index()? {
+                0 => Operation::Union,
+                1 => Operation::Difference,
+                2 => Operation::Intersection,
+                other => {
+                    let found = format!("set operation {other}");
+                    let expected = "0 (union), 1 (subtraction) or 2 (intersection)";
+                    return Err(lines.error(place, found, expected));
+                }
+            };
+            Ok(RecordKind::CsgBegin { look, operation })
+        }
+        1 => Ok(RecordKind::CsgNext),
+        2 => Ok(RecordKind::CsgEnd),
+        other => {
+            let expected = "66 0 (begin), 66 1 (the right side) or 66 2 (end)";
+            Err(lines.error(place, format!("66 {other}"), expected))
+        }
+    }
+}
+
+fn list(lines: &mut Lines) -> Read<RecordKind> {
+    let place = lines.place();
+    match lines.index()? {
+        0 => Ok(RecordKind::ListBegin { look: look(lines)? }),
+        1 => Ok(RecordKind::ListEnd),
+        other => {
+            let expected = "67 0 (begin) or 67 1 (end)";
+            Err(lines.error(place, format!("67 {other}"), expected))
+        }
+    }
+}
+
+/// What stands behind the matrix of each kind of texture: how many numbers, and whether a file.
+const TEXTURES: [(usize, bool); 21] = [
+    (0, false),
+    (1, false),
+    (2, false),
+    (1, false),
+    (0, true),
+    (6, true),
+    (5, false),
+    (3, false),
+    (1, false),
+    (1, true),
+    (3, false),
+    (3, false),
+    (0, true),
+    (1, false),
+    (0, true),
+    (1, false),
+    (0, true),
+    (4, true),
+    (4, true),
+    (1, false),
+    (2, false),
+];
+
+/// Reads a texture behind its 64, which the last section leaves out, and the end of its line.
+pub(super) fn texture(lines: &mut Lines) -> Read<TextureRecord> {
+    let place = lines.place();
+    let number = lines.index()?;
+    let Some(&(count, has_file)) = TEXTURES.get(number as usize) else {
+        let found = format!("a texture of type {number}");
+        return Err(lines.error(place, found, "a type of 0 to 20"));
+    };
+    let object = lines.index()?;
+    let matrix = lines.matrix()?;
+    let mut values = Vec::new();
+    match number {
+        6 => fbm_bump(lines, &mut values)?,
+        7 => wood(lines, &mut values)?,
+        _ => {
+            for _ in 0..count {
+                values.push(lines.number()?);
+            }
+        }
+    }
+    // A missing name counts as a remark's dash, which the original takes for one.
+    let file = (has_file.then(|| lines.word_on_line()).flatten()).filter(|w| *w != b"-");
+    let file = file.map(|w| crate::text::text(w).into_owned());
+    lines.end_record();
+    Ok(TextureRecord {
+        place,
+        object,
+        matrix,
+        kind: TextureKind { number, values },
+        file: file.unwrap_or_default(),
+    })
+}
+
+/// Manuals have four numbers, the program five: the third of five is omega.
+fn fbm_bump(lines: &mut Lines, values: &mut Vec<f64>) -> Read<()> {
+    let has_omega = lines.rest_is_blank() || lines.numbers_left_on_line() != 4;
+    for k in 0..5 {
+        let value = if k == 2 && !has_omega {
+            0.5
+        } else {
+            lines.number()?
+        };
+        values.push(value);
+    }
+    Ok(())
+}
+
+/// Three numbers, or −1 for the colour that it has by itself.
+fn wood(lines: &mut Lines, values: &mut Vec<f64>) -> Read<()> {
+    let red = lines.number()?;
+    if red < 0.0 {
+        values.extend([0.5, 0.5, 0.35]);
+    } else {
+        values.extend([red, lines.number()?, lines.number()?]);
+    }
+    Ok(())
+}

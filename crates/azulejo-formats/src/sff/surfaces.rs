@@ -1,0 +1,164 @@
+//! Surfaces by the format's own rules, and as materials.
+
+use super::document::SurfaceRecord;
+use azulejo_scene::rtrace::{RtraceSource, RtraceSurface};
+use azulejo_scene::{Dielectric, Material, Rgb};
+
+/// More is never mirrored or let through.
+const MOST: f64 = 0.95;
+
+/// Each channel of several colours through `f`.
+fn each<const N: usize>(colors: [Rgb; N], f: impl Fn([f64; N]) -> f64) -> Rgb {
+    Rgb::from([0, 1, 2].map(|k| f(colors.map(|c| c[k]))))
+}
+
+/// A surface with the numbers that RTRACE derives from its record.
+pub(super) fn derived(record: &SurfaceRecord) -> RtraceSurface {
+    let mut surface = RtraceSurface {
+        color: record.color,
+        is_emitter: record.is_emitter,
+        is_unshadowed: record.is_unshadowed,
+        source: record.source,
+        ..RtraceSurface::default()
+    };
+    match record.source {
+        RtraceSource::Phong {
+            diffuse,
+            specular,
+            phong,
+            metal,
+            transparency,
+        } => {
+            surface.diffuse = diffuse;
+            surface.specular = specular.map(|k| k.min(MOST));
+            surface.transparency = transparency.map(|k| k.min(MOST));
+            surface.phong = phong.max(3.0);
+            surface.metal = Rgb::grey(metal);
+            surface.diffuse_factor = Rgb::grey(1.0 - (1.0 - 3.0 / surface.phong) * metal);
+        }
+        RtraceSource::Strauss {
+            smooth,
+            metal,
+            transparency,
+        } => {
+            surface.transparency = transparency.map(|k| k.min(MOST));
+            let opaque = Rgb::WHITE - surface.transparency;
+            surface.diffuse = each([smooth, opaque], |[s, o]| (1.0 - s * s * s) * o);
+            surface.specular = opaque - surface.diffuse;
+            surface.phong = 9.0 / (0.0001 + 3.0 - (smooth.r + smooth.g + smooth.b));
+            surface.metal = metal;
+            surface.diffuse_factor = each([smooth, metal], |[s, m]| 1.0 - s * m);
+        }
+    }
+    surface
+}
+
+/// What it mirrors straight on: Ks, which metals tint by their color.
+pub(super) fn mirror(surface: &RtraceSurface) -> Rgb {
+    let colors = [surface.specular, surface.metal, surface.color];
+    each(colors, |[k, metal, c]| k * (1.0 + metal * (c - 1.0)))
+}
+
+/// Whether it lets more than half of the light through.
+fn is_clear(surface: &RtraceSurface) -> bool {
+    surface.transparency.mean() >= 0.5
+}
+
+/// Whether it lets light through that the material keeps.
+pub(super) fn is_dimmed(surface: &RtraceSurface) -> bool {
+    !surface.is_emitter && !surface.transparency.is_black() && !is_clear(surface)
+}
+
+/// A surface as a material that makes no light of nothing.
+///
+/// An emitter shines with its colour from both sides; what lets half of the light through, or
+/// more, is clear glass tinted by Kt C; anything else reflects Kd C diffusely and mirrors Ks, as
+/// Strauss' metals tint it, both scaled down where they are more than arrives.
+pub(super) fn material(surface: &RtraceSurface, ior: f64, name: String) -> Material {
+    if surface.is_emitter {
+        return Material {
+            emits_back: true,
+            ..Material::emitter(name, surface.color)
+        };
+    }
+    if is_clear(surface) {
+        let transmittance = surface.transparency * surface.color;
+        return Material {
+            dielectric: Some(Dielectric { ior, transmittance }),
+            ..Material::mirror(name, Rgb::WHITE)
+        };
+    }
+    let mut material = Material {
+        mirror: mirror(surface),
+        ..Material::diffuse(name, surface.diffuse * surface.color)
+    };
+    material.limit_reflectance();
+    material
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn phong(ks: f64, metal: f64, kt: f64) -> RtraceSurface {
+        derived(&SurfaceRecord {
+            color: Rgb::new(0.5, 0.25, 1.0),
+            is_emitter: false,
+            is_unshadowed: false,
+            source: RtraceSource::Phong {
+                diffuse: Rgb::grey(0.8),
+                specular: Rgb::grey(ks),
+                phong: 30.0,
+                metal,
+                transparency: Rgb::grey(kt),
+            },
+        })
+    }
+
+    #[test]
+    fn mirrors_are_tinted_by_metals_and_limited() {
+        let check = |ks, metal, mirror: [f64; 3], diffuse_blue: f64| {
+            let m = material(&phong(ks, metal, 0.0), 1.0, String::new());
+            let far = m.mirror - Rgb::from(mirror);
+            assert!(far.map(f64::abs).max_channel() < 1e-12, "{:?}", m.mirror);
+            assert!(
+                (m.diffuse.b - diffuse_blue).abs() < 1e-12,
+                "{:?}",
+                m.diffuse
+            );
+        };
+        check(0.1, 0.0, [0.1, 0.1, 0.1], 0.8);
+        check(0.1, 1.0, [0.05, 0.025, 0.1], 0.8);
+        // 0.4, 0.2 and 0.8 of diffuse reflectance and the mirror's 0.95 are scaled to 1.
+        let scaled = [0.95 / 1.35, 0.95 / 1.15, 0.95 / 1.75];
+        check(1.0, 0.0, scaled, 0.8 / 1.75);
+    }
+
+    #[test]
+    fn clear_surfaces_are_glass() {
+        let clear = material(&phong(0.1, 0.0, 0.8), 1.5, String::new());
+        assert_eq!(clear.dielectric.unwrap().ior, 1.5);
+        assert_eq!(clear.dielectric.unwrap().transmittance.b, 0.8);
+        assert!(clear.diffuse.is_black());
+        let dim = phong(0.1, 0.0, 0.2);
+        assert!(is_dimmed(&dim) && material(&dim, 1.5, String::new()).dielectric.is_none());
+    }
+
+    #[test]
+    fn strauss_surfaces_share_what_is_not_let_through() {
+        let surface = derived(&SurfaceRecord {
+            color: Rgb::WHITE,
+            is_emitter: false,
+            is_unshadowed: false,
+            source: RtraceSource::Strauss {
+                smooth: Rgb::grey(0.5),
+                metal: Rgb::grey(1.0),
+                transparency: Rgb::grey(0.2),
+            },
+        });
+        assert!((surface.diffuse.g - 0.7).abs() < 1e-12);
+        assert!((surface.specular.g - 0.1).abs() < 1e-12);
+        assert!((surface.phong - 9.0 / 1.5001).abs() < 1e-12);
+        assert_eq!(surface.diffuse_factor.g, 0.5);
+    }
+}

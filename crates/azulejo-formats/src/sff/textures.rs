@@ -1,0 +1,202 @@
+//! Texture records as RTRACE's textures, with their colour maps and pictures.
+
+use super::document::Sources;
+use super::document::TextureRecord;
+use super::{open_beside, pictures};
+use crate::text::shortened;
+use crate::warnings::Warnings;
+use crate::{Files, ReadError};
+use azulejo_scene::rtrace::{ColorMap, RtraceTexture, RtraceTextureKind};
+use azulejo_scene::{Image, Rgb};
+use glam::{DMat4, DVec3};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Colour maps and pictures, each read once; `None` for those that cannot be had.
+#[derive(Default)]
+pub(super) struct TextureFiles {
+    maps: HashMap<String, Option<ColorMap>>,
+    images: HashMap<String, Option<Arc<Image>>>,
+}
+
+/// What reading a texture needs besides its record.
+pub(super) struct Surroundings<'r, 's> {
+    pub files: &'r dyn Files,
+    pub sources: &'r Sources<'s>,
+    pub warnings: &'r mut Warnings,
+    pub surfaces: u32,
+}
+
+impl TextureFiles {
+    /// The texture of a record; `None`, with a warning, if its picture cannot be had.
+    ///
+    /// # Errors
+    /// A matrix that cannot be undone, a surface that is not there, axes that are none.
+    pub fn texture(
+        &mut self,
+        record: &TextureRecord,
+        around: &mut Surroundings,
+    ) -> Result<Option<RtraceTexture>, ReadError> {
+        let fail = |found: String, expected: &str| {
+            Err(around.sources.error(record.place, found, expected))
+        };
+        let Some(texture_from_point) = inverse(&record.matrix) else {
+            let expected = "one whose determinant is not zero, or all zero for none";
+            return fail("a texture's matrix that cannot be undone".into(), expected);
+        };
+        let v = &record.kind.values;
+        let number = record.kind.number;
+        if matches!(number, 1 | 2) {
+            let surface = v[v.len() - 1].round();
+            if !(1.0..=f64::from(around.surfaces)).contains(&surface) {
+                let expected = format!("one of the surfaces, 1 to {}", around.surfaces);
+                return fail(format!("surface {surface}"), &expected);
+            }
+        }
+        let axes = (number == 18).then(|| [v[2], v[3]].map(f64::round));
+        if axes.is_some_and(|[u, v]| u == v || [u, v].iter().any(|a| !(1.0..=3.0).contains(a))) {
+            let expected = "two different axes, 1 for x, 2 for y, 3 for z";
+            return fail(format!("axes {} and {}", v[2], v[3]), expected);
+        }
+        let Some(kind) = self.kind(record, around) else {
+            return Ok(None);
+        };
+        Ok(Some(RtraceTexture {
+            texture_from_point,
+            matrix: record.matrix,
+            file: record.file.clone(),
+            kind,
+        }))
+    }
+
+    fn kind(
+        &mut self,
+        record: &TextureRecord,
+        around: &mut Surroundings,
+    ) -> Option<RtraceTextureKind> {
+        use RtraceTextureKind::*;
+        let v = record.kind.values.as_slice();
+        let surface = |k: usize| v[k].round() as u32 - 1;
+        let mut map = || self.map(record, around);
+        Some(match record.kind.number {
+            0 => Null,
+            1 => Checker {
+                surface: surface(0),
+            },
+            2 => Blotch {
+                k: v[0],
+                surface: surface(1),
+            },
+            3 => Bump { k: v[0] },
+            4 => Marble { map: map() },
+            5 => Fbm {
+                offset: v[0],
+                k: v[1],
+                omega: v[2],
+                lambda: v[3],
+                threshold: v[4],
+                octaves: v[5],
+                map: map(),
+            },
+            6 => FbmBump {
+                offset: v[0],
+                k: v[1],
+                omega: v[2],
+                lambda: v[3],
+                octaves: v[4],
+            },
+            7 => Wood {
+                color: Rgb::new(v[0], v[1], v[2]),
+            },
+            8 => Round { k: v[0] },
+            9 => Bozo {
+                turbulence: v[0],
+                map: map(),
+            },
+            10 => Ripples {
+                frequency: v[0],
+                phase: v[1],
+                k: v[2],
+            },
+            11 => Waves {
+                frequency: v[0],
+                phase: v[1],
+                k: v[2],
+            },
+            12 => Spotted { map: map() },
+            13 => Dents { k: v[0] },
+            14 => Agate { map: map() },
+            15 => Wrinkles { k: v[0] },
+            16 => Granite { map: map() },
+            17 => Gradient {
+                turbulence: v[0],
+                direction: DVec3::new(v[1], v[2], v[3]),
+                map: map(),
+            },
+            18 => ImageMap {
+                turbulence: v[0],
+                tiles: v[1] == 0.0,
+                axes: [v[2], v[3]].map(|axis| axis.round() as u8 - 1),
+                image: self.image(record, around)?,
+            },
+            19 => Gloss { k: v[0] },
+            _ => Bump3 {
+                k: v[0],
+                size: v[1],
+            },
+        })
+    }
+
+    fn map(&mut self, record: &TextureRecord, around: &mut Surroundings) -> Option<ColorMap> {
+        if record.file.is_empty() {
+            return None;
+        }
+        let of = around.sources.name(record.place.file);
+        let key = crate::files::beside(of, &record.file);
+        let known = self.maps.entry(key);
+        known
+            .or_insert_with(|| read(record, around, pictures::color_map).map(Arc::new))
+            .clone()
+    }
+
+    fn image(&mut self, record: &TextureRecord, around: &mut Surroundings) -> Option<Arc<Image>> {
+        let of = around.sources.name(record.place.file);
+        let key = crate::files::beside(of, &record.file);
+        let known = self.images.entry(key);
+        known
+            .or_insert_with(|| read(record, around, pictures::decode).map(Arc::new))
+            .clone()
+    }
+}
+
+/// Reads the file of a texture; `None`, with a warning, if that cannot be.
+fn read<T>(
+    record: &TextureRecord,
+    around: &mut Surroundings,
+    decode: impl FnOnce(&[u8]) -> Result<T, String>,
+) -> Option<T> {
+    let of = around.sources.name(record.place.file);
+    let bytes = open_beside(around.files, of, &record.file).map_err(|e| e.to_string());
+    let decoded = bytes.and_then(|(_, bytes)| decode(&bytes));
+    let why = match decoded {
+        Ok(decoded) => return Some(decoded),
+        Err(why) => why,
+    };
+    let said = format!(
+        "\"{}\" of a texture is not used: {why}",
+        shortened(&record.file)
+    );
+    let position = || around.sources.position(record.place);
+    around.warnings.add(of, said, position);
+    None
+}
+
+/// The inverse of a texture's matrix; all zero is none.
+fn inverse(matrix: &DMat4) -> Option<DMat4> {
+    if *matrix == DMat4::ZERO {
+        return Some(DMat4::IDENTITY);
+    }
+    let size = matrix.determinant();
+    let inverse = matrix.inverse();
+    (size != 0.0 && inverse.is_finite()).then_some(inverse)
+}

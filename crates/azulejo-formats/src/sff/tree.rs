@@ -1,0 +1,230 @@
+//! Records as a tree: set operations and lists with their members, and what later records say of
+//! each of them.
+
+use super::document::*;
+use crate::ReadError;
+use crate::warnings::Warnings;
+use azulejo_scene::Operation;
+use glam::{DAffine3, DMat4};
+
+/// Set operations and lists nest no deeper, as in the original and in a valid scene.
+const DEEPEST: usize = 256;
+
+/// All objects, members included, in the order that numbers them.
+#[derive(Debug, Default)]
+pub(super) struct Tree<'d> {
+    pub nodes: Vec<Node<'d>>,
+    /// Those that are members of none.
+    pub roots: Vec<usize>,
+}
+
+/// One object.
+#[derive(Debug)]
+pub(super) struct Node<'d> {
+    pub place: Place,
+    pub look: Look,
+    pub kind: NodeKind<'d>,
+    /// All of its transforms, the first applied first.
+    pub map: DAffine3,
+    /// Textures that stand among the objects.
+    pub inline_textures: Vec<&'d TextureRecord>,
+    /// Textures of the section of their own.
+    pub section_textures: Vec<&'d TextureRecord>,
+}
+
+#[derive(Debug)]
+pub(super) enum NodeKind<'d> {
+    Leaf(&'d Geometry),
+    Csg(Operation, [Vec<usize>; 2]),
+    List(Vec<usize>),
+}
+
+/// A set operation or list that has not ended.
+struct Open {
+    node: usize,
+    /// Which side of a set operation.
+    side: usize,
+}
+
+impl<'d> Tree<'d> {
+    /// Builds the tree of a document.
+    ///
+    /// # Errors
+    /// Beginnings and ends that do not match, sides without members, transforms that cannot be
+    /// undone, numbers of objects that are not there.
+    pub fn new(
+        document: &'d Document,
+        sources: &Sources,
+        warnings: &mut Warnings,
+    ) -> Result<Tree<'d>, ReadError> {
+        let mut tree = Tree::default();
+        let mut open: Vec<Open> = Vec::new();
+        for record in &document.objects {
+            let place = record.place;
+            let fail = |found: String, expected: &str| Err(sources.error(place, found, expected));
+            match &record.kind {
+                RecordKind::Object { look, geometry } => {
+                    tree.add(place, *look, NodeKind::Leaf(geometry), &open);
+                }
+                RecordKind::Texture(texture) => match tree.find(texture.object) {
+                    Some(node) => node.inline_textures.push(texture),
+                    None => return fail(no_object(texture.object), AN_OBJECT),
+                },
+                RecordKind::Transform { object, matrix } => {
+                    let Some(node) = tree.find(*object) else {
+                        return fail(no_object(*object), AN_OBJECT);
+                    };
+                    let Some(map) = affine(matrix, || {
+                        let said = "a transform with perspective: only its affine part is used";
+                        let position = || sources.position(place);
+                        warnings.add(sources.name(place.file), said.into(), position);
+                    }) else {
+                        return fail("a transform that cannot be undone".into(), A_MAP);
+                    };
+                    node.map = map * node.map;
+                    if !is_invertible(&node.map) {
+                        return fail("transforms that cannot be undone".into(), A_MAP);
+                    }
+                }
+                RecordKind::CsgBegin { .. } | RecordKind::ListBegin { .. }
+                    if open.len() == DEEPEST =>
+                {
+                    let found = format!("operations nested more than {DEEPEST} deep");
+                    return fail(found, "fewer levels");
+                }
+                RecordKind::CsgBegin { look, operation } => {
+                    let kind = NodeKind::Csg(*operation, Default::default());
+                    let node = tree.add(place, *look, kind, &open);
+                    open.push(Open { node, side: 0 });
+                }
+                RecordKind::ListBegin { look } => {
+                    let node = tree.add(place, *look, NodeKind::List(Vec::new()), &open);
+                    open.push(Open { node, side: 0 });
+                }
+                RecordKind::CsgNext => match open.last_mut() {
+                    Some(open) if open.side == 0 && tree.has_members(open) && tree.is_csg(open) => {
+                        open.side = 1;
+                    }
+                    _ => return fail(tree.misplaced("66 1", open.last()), NEXT),
+                },
+                RecordKind::CsgEnd => match open.pop() {
+                    Some(open) if open.side == 1 && tree.has_members(&open) => {}
+                    last => return fail(tree.misplaced("66 2", last.as_ref()), END),
+                },
+                RecordKind::ListEnd => match open.pop() {
+                    Some(open) if !tree.is_csg(&open) && tree.has_members(&open) => {}
+                    last => return fail(tree.misplaced("67 1", last.as_ref()), LIST_END),
+                },
+            }
+        }
+        if let Some(last) = open.last() {
+            let node = &tree.nodes[last.node];
+            let end = if tree.is_csg(last) { "66 2" } else { "67 1" };
+            let found = format!("a beginning without its end, {end}");
+            return Err(sources.error(node.place, found, "both"));
+        }
+        tree.add_section(document, sources)?;
+        Ok(tree)
+    }
+
+    fn add(&mut self, place: Place, look: Look, kind: NodeKind<'d>, open: &[Open]) -> usize {
+        let index = self.nodes.len();
+        self.nodes.push(Node {
+            place,
+            look,
+            kind,
+            map: DAffine3::IDENTITY,
+            inline_textures: Vec::new(),
+            section_textures: Vec::new(),
+        });
+        match open.last() {
+            None => self.roots.push(index),
+            Some(open) => match &mut self.nodes[open.node].kind {
+                NodeKind::Csg(_, sides) => sides[open.side].push(index),
+                NodeKind::List(members) => members.push(index),
+                NodeKind::Leaf(_) => {}
+            },
+        }
+        index
+    }
+
+    /// The object of a number, the latest for 0.
+    fn find(&mut self, number: u32) -> Option<&mut Node<'d>> {
+        match number {
+            0 => self.nodes.last_mut(),
+            _ => self.nodes.get_mut(number as usize - 1),
+        }
+    }
+
+    fn is_csg(&self, open: &Open) -> bool {
+        matches!(self.nodes[open.node].kind, NodeKind::Csg(..))
+    }
+
+    fn has_members(&self, open: &Open) -> bool {
+        match &self.nodes[open.node].kind {
+            NodeKind::Csg(_, sides) => !sides[open.side].is_empty(),
+            NodeKind::List(members) => !members.is_empty(),
+            NodeKind::Leaf(_) => true,
+        }
+    }
+
+    /// What is wrong with a record that divides or ends.
+    fn misplaced(&self, record: &str, open: Option<&Open>) -> String {
+        match open {
+            None => format!("{record} outside"),
+            Some(open) if !self.has_members(open) => format!("{record} with nothing before it"),
+            Some(_) => format!("{record} out of its order"),
+        }
+    }
+
+    fn add_section(&mut self, document: &'d Document, sources: &Sources) -> Result<(), ReadError> {
+        for record in &document.textures {
+            let RecordKind::Texture(texture) = &record.kind else {
+                continue;
+            };
+            match self.find(texture.object).filter(|_| texture.object > 0) {
+                Some(node) => node.section_textures.push(texture),
+                None => {
+                    let found = no_object(texture.object);
+                    return Err(sources.error(record.place, found, AN_OBJECT));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+const AN_OBJECT: &str = "the number of an object above, from 1 on, or 0 for the latest";
+const A_MAP: &str = "a matrix whose determinant is not zero";
+const NEXT: &str = "66 0, the left side, 66 1, the right side, 66 2";
+const END: &str = NEXT;
+const LIST_END: &str = "67 0, the members, 67 1";
+
+fn no_object(number: u32) -> String {
+    match number {
+        0 => "a record about the latest object before the first".to_owned(),
+        _ => format!("object {number}, which is not there"),
+    }
+}
+
+/// The affine part of a matrix for column vectors, `None` if it cannot be undone. All zero means
+/// nothing is done.
+fn affine(matrix: &DMat4, warn: impl FnOnce()) -> Option<DAffine3> {
+    if *matrix == DMat4::ZERO {
+        return Some(DAffine3::IDENTITY);
+    }
+    let last = matrix.row(3);
+    let weight = if last.w == 0.0 { 1.0 } else { last.w };
+    if last.truncate() != glam::DVec3::ZERO || last.w == 0.0 {
+        warn();
+    }
+    // A weight of one is the rule, and a division would not change a bit.
+    let map = DAffine3::from_mat4(*matrix * (1.0 / weight));
+    is_invertible(&map).then_some(map)
+}
+
+/// Whether a map has an inverse of finite numbers.
+pub(super) fn is_invertible(map: &DAffine3) -> bool {
+    let size = map.matrix3.determinant();
+    map.is_finite() && size != 0.0 && size.is_finite() && map.inverse().is_finite()
+}

@@ -1,0 +1,154 @@
+//! Text blocks as prisms.
+
+use super::document::{Place, Sources, TextCommand, TextCommandKind};
+use super::open_beside;
+use crate::options::Budget;
+use crate::warnings::Warnings;
+use crate::{Files, ReadError, Warning, ppe, ppf};
+use azulejo_scene::{Encoding, Font, MaterialId, Prism, TextFrame};
+use glam::{DMat3, DVec3};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// What commands have set so far: it holds from one block to the next.
+#[derive(Default)]
+pub(super) struct Typesetter {
+    spacing: Option<f64>,
+    scale: Option<DVec3>,
+    orientation: Option<[DVec3; 3]>,
+    font: Option<Arc<Font>>,
+    encoding: Option<Arc<Encoding>>,
+    fonts: HashMap<String, Arc<Font>>,
+    encodings: HashMap<String, Arc<Encoding>>,
+}
+
+/// Where files come from, and where it is told what was wrong with them.
+pub(super) struct Desk<'r, 's> {
+    pub files: &'r dyn Files,
+    pub sources: &'r Sources<'s>,
+    pub warnings: &'r mut Warnings,
+    pub budget: &'r mut Budget,
+}
+
+impl Typesetter {
+    /// Carries out the commands of a block.
+    ///
+    /// # Errors
+    /// Settings that are missing before the first string or cannot be used, files that cannot be
+    /// read, and characters without a glyph.
+    pub fn run(
+        &mut self,
+        commands: &[TextCommand],
+        material: MaterialId,
+        desk: &mut Desk,
+    ) -> Result<Vec<Prism>, ReadError> {
+        let mut prisms = Vec::new();
+        for command in commands {
+            let place = command.place;
+            match &command.kind {
+                TextCommandKind::Spacing(spacing) => self.spacing = Some(*spacing),
+                TextCommandKind::Scale(scale) if scale.min_element() > 0.0 => {
+                    self.scale = Some(*scale);
+                }
+                TextCommandKind::Scale(scale) => {
+                    let found = format!("SCALE {} {} {}", scale.x, scale.y, scale.z);
+                    return Err(desk.sources.error(place, found, "three numbers > 0"));
+                }
+                TextCommandKind::Orientation(axes) => {
+                    self.orientation = Some(orientation(axes, place, desk)?);
+                }
+                TextCommandKind::Font(name) => {
+                    let font = load(&mut self.fonts, name, place, desk, ppf::read)?;
+                    self.font = Some(font);
+                }
+                TextCommandKind::Encoding(name) => {
+                    let encoding = load(&mut self.encodings, name, place, desk, ppe::read)?;
+                    self.encoding = Some(encoding);
+                }
+                TextCommandKind::At(origin, text) => {
+                    // A glyph's prism is as large as a few vertices.
+                    let count = 4 * text.len() as u64;
+                    (desk.budget.spend(count))
+                        .map_err(|e| e.error(desk.sources.name(place.file)))?;
+                    prisms.extend(self.set(*origin, text, material, place, desk.sources)?);
+                }
+            }
+        }
+        Ok(prisms)
+    }
+
+    fn set(
+        &self,
+        origin: DVec3,
+        text: &str,
+        material: MaterialId,
+        place: Place,
+        sources: &Sources,
+    ) -> Result<Vec<Prism>, ReadError> {
+        let missing = |name: &str| {
+            let found = format!("AT before any {name}");
+            let expected = "SPACING, SCALE, ORIENTATION, FONT and ENCODING before the first AT";
+            sources.error(place, found, expected)
+        };
+        let spacing = self.spacing.ok_or_else(|| missing("SPACING"))?;
+        let scale = self.scale.ok_or_else(|| missing("SCALE"))?;
+        let axes = self.orientation.ok_or_else(|| missing("ORIENTATION"))?;
+        let font = self.font.as_ref().ok_or_else(|| missing("FONT"))?;
+        let encoding = self.encoding.as_ref().ok_or_else(|| missing("ENCODING"))?;
+        let frame = TextFrame {
+            origin,
+            progression: axes[0],
+            up: axes[1],
+            extrusion: axes[2],
+            scale,
+        };
+        let placed = font.lay_out(text, encoding, spacing).map_err(|e| {
+            let expected = "characters and /names/ that ENCODING and FONT have";
+            sources.error(place, e.to_string(), expected)
+        })?;
+        Ok(frame.prisms(&placed, material))
+    }
+}
+
+/// Unit directions that span space.
+fn orientation(axes: &[DVec3; 3], place: Place, desk: &Desk) -> Result<[DVec3; 3], ReadError> {
+    let unit = axes.map(DVec3::normalize_or_zero);
+    let volume = DMat3::from_cols(unit[0], unit[1], unit[2]).determinant();
+    if volume.abs() > 1e-12 {
+        return Ok(unit);
+    }
+    let found = "ORIENTATION with directions that are zero, parallel or in one plane";
+    let expected = "progression, up and extrusion that span space";
+    Err(desk.sources.error(place, found, expected))
+}
+
+/// What reads a font or an encoding.
+type Reader<T> = fn(&[u8], &str) -> Result<(T, Vec<Warning>), ReadError>;
+
+/// The font or encoding of a file, read once.
+fn load<T>(
+    known: &mut HashMap<String, Arc<T>>,
+    name: &str,
+    place: Place,
+    desk: &mut Desk,
+    read: Reader<T>,
+) -> Result<Arc<T>, ReadError> {
+    let of = desk.sources.name(place.file);
+    let key = crate::files::beside(of, name);
+    if let Some(known) = known.get(&key) {
+        return Ok(Arc::clone(known));
+    }
+    let (path, bytes) = open_beside(desk.files, of, name).map_err(|e| {
+        let found = format!("\"{name}\", which cannot be read: {e}");
+        desk.sources.error(place, found, "a file beside the scene")
+    })?;
+    let (value, warnings) = read(&bytes, &path)?;
+    for w in warnings {
+        let position = w.position;
+        desk.warnings
+            .add_many(&w.file, w.message, w.count, || position);
+    }
+    let value = Arc::new(value);
+    known.insert(key, Arc::clone(&value));
+    Ok(value)
+}
