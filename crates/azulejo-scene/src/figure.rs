@@ -376,9 +376,26 @@ pub fn turning_points([a, b, c, d]: [f64; 4]) -> [Option<f64>; 2] {
 /// Where in 0..=1 a cubic with these Bernstein coefficients changes its sign (0 counting as
 /// positive), and whether it rises (1) or falls (−1) there, in order.
 ///
-/// There are as many as the signs at the turning points and ends demand, whatever rounding does:
-/// an odd number if the signs of the ends differ, an even number if not.
+/// There are an odd number if the signs of the first and last coefficient differ, an even number
+/// if not, whatever rounding does. Where the cubic only touches zero it may find both crossings or
+/// none.
+#[inline]
 pub fn crossings(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
+    let side = b.map(|x| i32::from(x >= 0.0));
+    let changes = (0..3).filter(|&k| side[k] != side[k + 1]).count();
+    match changes {
+        0 => [None; 3],
+        // The curve changes sides no more often than its control points do.
+        1 => {
+            let root = root_between(b, (0.0, b[0]), (1.0, b[3]));
+            [Some((root, side[3] - side[0])), None, None]
+        }
+        _ => crossings_by_pieces(b),
+    }
+}
+
+/// [`crossings`], one for each monotonic piece whose ends differ in sign.
+fn crossings_by_pieces(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
     let mut found = [None; 3];
     let mut count = 0;
     let (mut t0, mut f0) = (0.0, b[0]);
@@ -387,7 +404,7 @@ pub fn crossings(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
         let f1 = if t1 == 1.0 { b[3] } else { bernstein(b, t1) };
         let sense = i32::from(f1 >= 0.0) - i32::from(f0 >= 0.0);
         if sense != 0 {
-            found[count] = Some((monotone_root(b, (t0, f0), (t1, f1)), sense));
+            found[count] = Some((root_between(b, (t0, f0), (t1, f1)), sense));
             count += 1;
         }
         (t0, f0) = (t1, f1);
@@ -396,37 +413,48 @@ pub fn crossings(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
 }
 
 /// The cubic with these Bernstein coefficients at `t`.
-fn bernstein([a, b, c, d]: [f64; 4], t: f64) -> f64 {
+#[inline]
+pub fn bernstein([a, b, c, d]: [f64; 4], t: f64) -> f64 {
     let s = 1.0 - t;
-    s * s * s * a + 3.0 * s * s * t * b + 3.0 * s * t * t * c + t * t * t * d
+    s * s * (s * a + 3.0 * t * b) + t * t * (3.0 * s * c + t * d)
 }
 
-/// The root of a monotonic piece whose ends differ in sign: Newton's method, kept inside of a
+/// The derivative of the cubic with these Bernstein coefficients at `t`.
+#[inline]
+pub fn bernstein_slope([a, b, c, d]: [f64; 4], t: f64) -> f64 {
+    let s = 1.0 - t;
+    3.0 * (s * (s * (b - a) + 2.0 * t * (c - b)) + t * t * (d - c))
+}
+
+/// A Newton step shorter than this is the last: the next would be about its square.
+const LAST_STEP: f64 = 1e-9;
+
+/// The root between two places of a cubic whose signs differ: Newton's method, kept inside of a
 /// bracket that shrinks.
-fn monotone_root(b: [f64; 4], mut low: (f64, f64), mut high: (f64, f64)) -> f64 {
-    let slope = |t: f64| {
-        let s = 1.0 - t;
-        3.0 * (s * s * (b[1] - b[0]) + 2.0 * s * t * (b[2] - b[1]) + t * t * (b[3] - b[2]))
-    };
+#[inline]
+fn root_between(b: [f64; 4], low: (f64, f64), high: (f64, f64)) -> f64 {
     let rises = high.1 >= 0.0;
     let mut t = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1)).clamp(0.0, 1.0);
+    let (mut low, mut high) = (low.0, high.0);
     for _ in 0..64 {
         let f = bernstein(b, t);
         if (f >= 0.0) == rises {
-            high = (t, f);
+            high = t;
         } else {
-            low = (t, f);
+            low = t;
         }
-        let newton = t - f / slope(t);
-        let next = if newton > low.0 && newton < high.0 {
-            newton
+        let newton = t - f / bernstein_slope(b, t);
+        if newton >= low && newton <= high {
+            if (newton - t).abs() <= LAST_STEP {
+                return newton;
+            }
+            t = newton;
         } else {
-            0.5 * (low.0 + high.0)
-        };
-        if (next - t).abs() <= 4.0 * f64::EPSILON * t.abs() {
-            return next;
+            t = 0.5 * (low + high);
+            if high - low <= 2.0 * f64::EPSILON {
+                return t;
+            }
         }
-        t = next;
     }
     t
 }

@@ -58,7 +58,7 @@ pub use rgb::Rgb;
 pub use rtrace::Rtrace;
 pub use scene::{Fog, Object, Scene, Units, Up};
 pub use shape::{Primitive, PrimitiveKind, Shape, SurfaceGrid, SurfaceLight, SurfacePoint};
-pub use solid::{Csg, Exact, Leaf, Operation, Solid};
+pub use solid::{Csg, Exact, FigureBounds, Leaf, Operation, Solid};
 pub use solution::{Irradiance, ObjectIrradiance};
 pub use text::{Encoding, Font, Glyph, PlacedGlyph, TextError, TextFrame};
 pub use tree::{MeshTriangle, OnTriangle, TriangleTree};

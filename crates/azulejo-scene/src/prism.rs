@@ -1,5 +1,6 @@
 //! A plane figure, extruded.
 
+use crate::figure::Rectangle;
 use crate::math::Aabb;
 use crate::{Figure, MaterialId};
 use glam::{DAffine3, DVec3};
@@ -23,7 +24,11 @@ pub struct Prism {
 impl Prism {
     /// The smallest upright box around the figure's rectangle, extruded.
     pub fn bounds(&self) -> Aabb {
-        let b = self.figure.bounds();
+        self.bounds_over(self.figure.bounds())
+    }
+
+    /// [`bounds`](Prism::bounds) for who knows the rectangle around the figure already.
+    pub fn bounds_over(&self, b: Rectangle) -> Aabb {
         if b.min.x > b.max.x {
             return Aabb::EMPTY;
         }

@@ -1,8 +1,10 @@
 //! Exact solids: prisms, and what set operations make of solids.
 
+use crate::figure::Rectangle;
 use crate::math::Aabb;
-use crate::{BicubicPatch, MaterialId, Mesh, Primitive, Prism};
+use crate::{BicubicPatch, Figure, MaterialId, Mesh, Primitive, Prism};
 use glam::DAffine3;
+use std::sync::Arc;
 
 /// Exact shapes that are one object: a line of text, a solid cut out of others.
 ///
@@ -89,7 +91,7 @@ impl Exact {
     /// The smallest box around all solids; around both operands where they are joined by a set
     /// operation, around the left one of a difference.
     pub fn bounds(&self) -> Aabb {
-        bounds_of(&self.solids)
+        bounds_of(&self.solids, &mut |figure| figure.bounds())
     }
 
     /// Puts the shape, and its light, under an affine map.
@@ -109,8 +111,11 @@ impl Exact {
     }
 }
 
-fn bounds_of(solids: &[Solid]) -> Aabb {
-    let boxes = solids.iter().map(Solid::bounds);
+/// The rectangle around a figure.
+pub type FigureBounds<'a> = dyn FnMut(&Arc<Figure>) -> Rectangle + 'a;
+
+fn bounds_of(solids: &[Solid], figure: &mut FigureBounds) -> Aabb {
+    let boxes = solids.iter().map(|s| s.bounds_by(figure));
     boxes.fold(Aabb::EMPTY, Aabb::union)
 }
 
@@ -138,13 +143,19 @@ impl Solid {
 
     /// A box around it.
     pub fn bounds(&self) -> Aabb {
+        self.bounds_by(&mut |figure| figure.bounds())
+    }
+
+    /// [`bounds`](Solid::bounds) for who knows the rectangles of figures already, which many
+    /// prisms may share.
+    pub fn bounds_by(&self, figure: &mut FigureBounds) -> Aabb {
         match self {
             Solid::Primitive(p) => p.bounds(),
-            Solid::Prism(p) => p.bounds(),
+            Solid::Prism(p) => p.bounds_over(figure(&p.figure)),
             Solid::Patch(p) => p.bounds(),
             Solid::Mesh(m) => m.bounds(),
-            Solid::Shell(pieces) => bounds_of(pieces),
-            Solid::Csg(csg) => csg.bounds(),
+            Solid::Shell(pieces) => bounds_of(pieces, figure),
+            Solid::Csg(csg) => csg.bounds(figure),
         }
     }
 
@@ -180,13 +191,13 @@ impl Solid {
 }
 
 impl Csg {
-    fn bounds(&self) -> Aabb {
-        let left = bounds_of(&self.left);
+    fn bounds(&self, figure: &mut FigureBounds) -> Aabb {
+        let left = bounds_of(&self.left, figure);
         match self.operation {
-            Operation::Union => left.union(bounds_of(&self.right)),
+            Operation::Union => left.union(bounds_of(&self.right, figure)),
             Operation::Difference => left,
             Operation::Intersection => {
-                let right = bounds_of(&self.right);
+                let right = bounds_of(&self.right, figure);
                 let both = Aabb {
                     min: left.min.max(right.min),
                     max: left.max.min(right.max),

@@ -2,12 +2,13 @@
 
 use crate::build::{Reference, binary_tree};
 use crate::bvh::{Bvh, KernelTriangle};
+use crate::exact::{Outlines, Preparation};
 use crate::placed::{Placed, PlacedPrimitive, PlacedTracer};
 use crate::primitive::ExactPrimitive;
 use crate::simd::Level;
 use crate::tracer::{Instance, MeshPositions, Tracer, TriangleItem};
 use azulejo_scene::math::Aabb;
-use azulejo_scene::{Mesh, Scene, Shape};
+use azulejo_scene::{Mesh, Scene, Shape, Solid};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// World to kernel coordinates: `(p − centre) · scale`, which lie in −1..=1.
@@ -57,7 +58,7 @@ impl LocalFrame {
         }
     }
 
-    fn local_from_world(&self) -> DAffine3 {
+    pub(crate) fn local_from_world(&self) -> DAffine3 {
         DAffine3 {
             matrix3: DMat3::from_diagonal(DVec3::splat(self.scale)),
             translation: -self.centre * self.scale,
@@ -75,8 +76,8 @@ pub(crate) fn double(v: [f32; 3]) -> DVec3 {
 
 /// Builds a tracer.
 ///
-/// Items are numbered through the meshes' triangles, then the primitives' parts, then the
-/// instances' items, each in the order of the scene.
+/// Items are numbered through the meshes' triangles, then the primitives' parts, then the exact
+/// shapes' leaves, then the instances' items, each in the order of the scene.
 pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>) -> Tracer {
     let placed: Vec<(u32, Instance, DAffine3)> = (0..)
         .zip(instances)
@@ -86,10 +87,11 @@ pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>) -> Tracer {
             usable.then_some((index, i, inverse))
         })
         .collect();
+    let mut outlines = Outlines::default();
     let mut bounds = scene
         .objects
         .iter()
-        .map(|o| finite_bounds(&o.shape))
+        .map(|o| finite_bounds(&o.shape, &mut outlines))
         .fold(Aabb::EMPTY, Aabb::union);
     for (_, instance, _) in &placed {
         bounds = bounds.union(instance_bounds(instance));
@@ -105,26 +107,39 @@ pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>) -> Tracer {
             parts.add_primitive(object, primitive);
         }
     }
+    for (object, o) in (0..).zip(&scene.objects) {
+        if let Shape::Exact(exact) = &o.shape {
+            parts.add_exact(object, &exact.solids, &mut outlines);
+        }
+    }
     for (index, instance, inverse) in placed {
         parts.add_instance(index, instance, inverse);
     }
     parts.finish(bounds)
 }
 
-/// The box around the finite vertices of a mesh's faces, or around a primitive.
-fn finite_bounds(shape: &Shape) -> Aabb {
+/// The box around the finite vertices of a mesh's faces, or around another shape if it is finite.
+fn finite_bounds(shape: &Shape, outlines: &mut Outlines) -> Aabb {
     match shape {
         Shape::Mesh(mesh) => {
             let corners = mesh.faces.corners.iter();
             let positions = corners.map(|&v| mesh.positions[v as usize]);
             Aabb::around(positions.filter(|p| p.is_finite()))
         }
-        Shape::Primitive(primitive) => {
-            let bounds = primitive.bounds();
-            let finite = bounds.min.is_finite() && bounds.max.is_finite();
-            if finite { bounds } else { Aabb::EMPTY }
+        Shape::Primitive(primitive) => finite(primitive.bounds()),
+        Shape::Exact(exact) => {
+            let boxes = exact.solids.iter();
+            let boxes = boxes.map(|s| finite(s.bounds_by(&mut |figure| outlines.bounds(figure))));
+            boxes.fold(Aabb::EMPTY, Aabb::union)
         }
-        Shape::Exact(_) => Aabb::EMPTY,
+    }
+}
+
+fn finite(bounds: Aabb) -> Aabb {
+    if bounds.min.is_finite() && bounds.max.is_finite() {
+        bounds
+    } else {
+        Aabb::EMPTY
     }
 }
 
@@ -222,6 +237,30 @@ impl Parts {
                 shape,
             })));
         self.push_other_bounds(&primitive.bounds());
+    }
+
+    fn add_exact(&mut self, object: u32, solids: &[Solid], outlines: &mut Outlines) {
+        let mut prepared = Vec::with_capacity(solids.len());
+        let frame = self.frame;
+        let mut preparation = Preparation {
+            outlines,
+            frame: &frame,
+        };
+        let (first, mut leaf) = (self.items, 0);
+        for solid in solids {
+            let start = prepared.len();
+            preparation.add(
+                solid,
+                [object, first.saturating_add(leaf), leaf],
+                &mut prepared,
+            );
+            leaf += prepared[start..].iter().map(|p| p.leaves).sum::<u32>();
+        }
+        self.number_items(leaf as usize);
+        for p in prepared {
+            self.others.push(Placed::Exact(Box::new(p.placed)));
+            self.push_other_bounds(&p.bounds);
+        }
     }
 
     fn add_instance(&mut self, index: u32, instance: Instance, instance_from_world: DAffine3) {

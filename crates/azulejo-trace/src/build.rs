@@ -5,7 +5,7 @@
 //! Leaves are charged by the packet, not by the triangle.
 
 use crate::triangle::PACKET;
-use glam::{Vec3A, Vec4, Vec4Swizzles};
+use glam::{DVec3, Vec3A, Vec4, Vec4Swizzles};
 use std::ops::Range;
 
 const BINS: usize = 16;
@@ -122,6 +122,24 @@ impl BinaryNode {
         self.right == 0
     }
 
+    /// Whether a line may meet the box, widened by `margin` and by what an `f32` may be off.
+    pub(crate) fn is_met(&self, origin: DVec3, inverse: DVec3, margin: f64) -> bool {
+        let corner = |v: Vec4| v.xyz().as_dvec3() - origin;
+        let low = corner(self.bounds.min) - margin;
+        let high = corner(self.bounds.max) + margin;
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            if inverse[axis].is_finite() {
+                let (a, b) = (low[axis] * inverse[axis], high[axis] * inverse[axis]);
+                enter = enter.max(a.min(b));
+                leave = leave.min(a.max(b));
+            } else if low[axis] > 0.0 || high[axis] < 0.0 {
+                return false;
+            }
+        }
+        enter <= leave
+    }
+
     /// The references below it.
     pub(crate) fn range(&self) -> Range<usize> {
         self.first as usize..self.first as usize + self.count as usize
@@ -229,6 +247,10 @@ impl Builder {
         depth: u32,
     ) -> Option<(usize, Extent, Extent)> {
         let count = references.len();
+        let is_other = |r: &Reference| r.id() >= self.first_other;
+        if count > 1 && references.iter().all(is_other) {
+            return Some(self.divide_others(references, extent, depth));
+        }
         if count <= PACKET {
             return self.divide_kinds(references);
         }
@@ -246,6 +268,21 @@ impl Builder {
             return self.divide_kinds(references);
         }
         Some(at(count / 2, references))
+    }
+
+    /// Other shapes take far longer to meet than a box: each is a leaf of its own.
+    fn divide_others(
+        &self,
+        references: &mut [Reference],
+        extent: &Extent,
+        depth: u32,
+    ) -> (usize, Extent, Extent) {
+        if depth < HALVING_DEPTH
+            && let Some(plane) = Plane::cheapest(references, extent)
+        {
+            return plane.partition(references);
+        }
+        at(references.len() / 2, references)
     }
 
     fn divide_kinds(&self, references: &mut [Reference]) -> Option<(usize, Extent, Extent)> {

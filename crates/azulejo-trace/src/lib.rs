@@ -23,6 +23,7 @@
 mod assemble;
 mod build;
 mod bvh;
+mod exact;
 pub mod follow;
 mod gather;
 mod kernel;

@@ -1,6 +1,7 @@
-//! What a tracer holds besides triangles: exact primitives, and other tracers.
+//! What a tracer holds besides triangles: exact shapes, and other tracers.
 
-use crate::assemble::{double, single};
+use crate::assemble::{LocalFrame, double, single};
+use crate::exact::PlacedExact;
 use crate::kernel::{Others, is_better};
 use crate::primitive::ExactPrimitive;
 use crate::ray::{KernelHit, KernelRay};
@@ -13,6 +14,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub(crate) enum Placed {
     Primitive(Box<PlacedPrimitive>),
+    Exact(Box<PlacedExact>),
     Instance(Box<PlacedTracer>),
 }
 
@@ -42,6 +44,8 @@ pub(crate) struct ResolvedPoint {
     pub t: f64,
     pub u: f64,
     pub v: f64,
+    /// The part of an exact shape's leaf, the triangle of a face; 0 for a primitive.
+    pub part: u32,
     pub position: DVec3,
     /// Unit normal of the front.
     pub normal: DVec3,
@@ -51,14 +55,16 @@ impl Placed {
     pub(crate) fn first_item(&self) -> u32 {
         match self {
             Placed::Primitive(p) => p.first_item,
+            Placed::Exact(e) => e.first_item,
             Placed::Instance(i) => i.first_item,
         }
     }
 
     /// The surface point of a hit on this shape.
-    pub(crate) fn resolve(&self, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
+    pub(crate) fn resolve(&self, frame: &LocalFrame, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
         match self {
             Placed::Primitive(p) => p.resolve(ray, hit),
+            Placed::Exact(e) => e.resolve(frame, ray, hit),
             Placed::Instance(i) => i.resolve(ray, hit),
         }
     }
@@ -101,6 +107,7 @@ impl PlacedPrimitive {
             t,
             u,
             v,
+            part: 0,
             position: point.position,
             normal: point.normal,
         }
@@ -157,6 +164,7 @@ impl PlacedTracer {
             t: inner.t,
             u: inner.u,
             v: inner.v,
+            part: inner.triangle,
             position: self.world_from_instance.transform_point3(inner.position),
             normal: normal.normalize_or_zero(),
         }
@@ -167,6 +175,7 @@ impl Others for [Placed] {
     fn closest(&self, shape: u32, ray: &KernelRay, hit: &mut KernelHit) {
         match &self[shape as usize] {
             Placed::Primitive(p) => p.closest(ray, hit),
+            Placed::Exact(e) => e.closest(ray, hit),
             Placed::Instance(i) => i.closest(ray, hit),
         }
     }
@@ -174,6 +183,7 @@ impl Others for [Placed] {
     fn any(&self, shape: u32, ray: &KernelRay, t_max: f32) -> bool {
         match &self[shape as usize] {
             Placed::Primitive(p) => p.any(ray, t_max),
+            Placed::Exact(e) => e.any(ray, t_max),
             Placed::Instance(i) => i.any(ray, t_max),
         }
     }

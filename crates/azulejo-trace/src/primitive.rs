@@ -1,6 +1,7 @@
 //! Exact primitives: where a line is inside of one.
 
-use azulejo_scene::{Primitive, PrimitiveKind};
+use crate::exact::{Meeting, ResolvedLeaf, facing};
+use azulejo_scene::{Primitive, PrimitiveKind, SurfacePoint};
 use glam::{DAffine3, DVec3};
 
 /// A primitive prepared for rays.
@@ -70,6 +71,61 @@ impl ExactPrimitive {
         t.is_finite().then(|| self.hit_at(line, t))
     }
 
+    /// All meetings on the line: in and out by turns with a closed shape.
+    pub(crate) fn meetings(&self, line: &Line) -> [Option<Meeting>; 2] {
+        let own = line.mapped(&self.object_from_local);
+        let Some((enter, leave)) = self.crossings(&own) else {
+            return [None; 2];
+        };
+        let meeting = |t: f64, enters: bool| Meeting {
+            t,
+            part: 0,
+            parameter: 0.0,
+            enters,
+        };
+        match self.shape.kind {
+            PrimitiveKind::Square => {
+                let enters = own.direction.z < 0.0;
+                [Some(meeting(enter, enters)), None]
+            }
+            // Of an open side one crossing may be missing: then both are the same.
+            PrimitiveKind::Tube { .. } if enter == leave => {
+                let normal = self.at(&own, enter).normal;
+                [Some(meeting(enter, normal.dot(line.direction) < 0.0)), None]
+            }
+            _ => [Some(meeting(enter, true)), Some(meeting(leave, false))],
+        }
+    }
+
+    /// The surface point of a meeting.
+    pub(crate) fn resolve_meeting(&self, line: &Line, meeting: &Meeting) -> ResolvedLeaf {
+        let own = line.mapped(&self.object_from_local);
+        let (enter, leave) = self.crossings(&own).unwrap_or((meeting.t, meeting.t));
+        let nearest = match (enter - meeting.t).abs() <= (leave - meeting.t).abs() {
+            true => enter,
+            false => leave,
+        };
+        let t = if nearest.is_finite() {
+            nearest
+        } else {
+            meeting.t
+        };
+        let point = self.at(&own, t);
+        let hit = self.hit_at(&own, t);
+        ResolvedLeaf {
+            t,
+            u: hit.u,
+            v: hit.v,
+            position: point.position,
+            normal: facing(point.normal, line.direction, meeting.enters),
+        }
+    }
+
+    fn at(&self, own: &Line, t: f64) -> SurfacePoint {
+        let hit = self.hit_at(own, t);
+        self.shape.point(hit.part, hit.u, hit.v)
+    }
+
     fn hit_at(&self, line: &Line, t: f64) -> PrimitiveHit {
         let (part, u, v) = self.shape.kind.locate(line.origin + t * line.direction);
         PrimitiveHit { t, part, u, v }
@@ -95,6 +151,13 @@ impl ExactPrimitive {
 }
 
 impl Line {
+    /// The line under a map; `t` stays what it is.
+    #[inline(always)]
+    pub(crate) fn mapped(&self, map: &DAffine3) -> Line {
+        Line::new(map, self.origin, self.direction)
+    }
+
+    #[inline(always)]
     fn new(map: &DAffine3, origin: DVec3, direction: DVec3) -> Line {
         Line {
             origin: map.transform_point3(origin),
@@ -151,13 +214,9 @@ fn tapered(line: &Line, top: f64) -> Option<Interval> {
 /// crossings; one crossing is an interval of one point.
 fn tube(line: &Line, top: f64) -> Option<Interval> {
     let (enter, leave) = tapered(line, top)?;
-    let on_side = |t: f64| {
-        let p = line.origin + t * line.direction;
-        let radius = 1.0 + (top - 1.0) * p.z;
-        // The end of the interval is on the side unless it is on a cap, well inside.
-        (p.x.hypot(p.y) - radius).abs() <= 1e-9 * (1.0 + p.length())
-    };
-    match (on_side(enter), on_side(leave)) {
+    // An end that the planes did not cut off is on the side.
+    let planes = slab(line.origin.z, line.direction.z, EVERYWHERE)?;
+    match (enter > planes.0, leave < planes.1) {
         (true, true) => Some((enter, leave)),
         (true, false) => Some((enter, enter)),
         (false, true) => Some((leave, leave)),

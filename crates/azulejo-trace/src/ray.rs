@@ -32,9 +32,11 @@ pub struct KernelHit {
     pub t: f32,
     /// What was met ([`Tracer::item`](crate::Tracer::item) says more), or [`KernelHit::MISS`].
     pub item: u32,
-    /// Barycentric weight of the triangle's corner 1, or `u` of the primitive's part.
+    /// Barycentric weight of the triangle's corner 1, or `u` of the primitive's part; what
+    /// [`Tracer::resolve`](crate::Tracer::resolve) wants to know again of an exact shape.
     pub u: f32,
-    /// Barycentric weight of the triangle's corner 2, or `v` of the primitive's part.
+    /// Barycentric weight of the triangle's corner 2, or `v` of the primitive's part; for an exact
+    /// shape as `u`.
     pub v: f32,
 }
 
@@ -61,10 +63,11 @@ impl KernelHit {
 pub struct Item {
     /// Index of the object in its scene: the instance's scene if there is an instance.
     pub object: u32,
-    /// Face of the mesh, or part of the primitive.
+    /// Face of the mesh, part of the primitive, or place of the leaf among an exact shape's
+    /// [`leaves`](azulejo_scene::Exact::leaves).
     pub face: u32,
     /// Which of the face's triangles, in the order of
-    /// [`Mesh::triangulate`](azulejo_scene::Mesh::triangulate); 0 for a primitive.
+    /// [`Mesh::triangulate`](azulejo_scene::Mesh::triangulate); 0 for all other shapes.
     pub triangle: u32,
     /// Whether the object is an exact primitive.
     pub is_primitive: bool,
@@ -79,14 +82,20 @@ pub struct Hit {
     pub t: f64,
     /// Index of the object in its scene: the instance's scene if there is an instance.
     pub object: u32,
-    /// Face of the mesh, or part of the primitive.
+    /// Face of the mesh, part of the primitive, or place of the leaf among an exact shape's
+    /// [`leaves`](azulejo_scene::Exact::leaves).
     pub face: u32,
     /// Which of the face's triangles, in the order of
-    /// [`Mesh::triangulate`](azulejo_scene::Mesh::triangulate); 0 for a primitive.
+    /// [`Mesh::triangulate`](azulejo_scene::Mesh::triangulate). On a prism 0 is the figure's
+    /// plane, 1 the parallel one, and the figure's curves count from 2; on a mesh that is a leaf,
+    /// its triangles count over all faces. 0 for a primitive.
     pub triangle: u32,
-    /// Barycentric weight of the triangle's corner 1, or `u` of the primitive's part.
+    /// Barycentric weight of the triangle's corner 1, or `u` of the primitive's part or the
+    /// patch. On a prism's side, the parameter of the curve; on its planes, the figure's x.
     pub u: f64,
-    /// Barycentric weight of the triangle's corner 2, or `v` of the primitive's part.
+    /// Barycentric weight of the triangle's corner 2, or `v` of the primitive's part or the
+    /// patch. On a prism's side, the height over the figure's plane, 0..=1; on its planes, the
+    /// figure's y.
     pub v: f64,
     /// World position, on the surface to `f64` rounding.
     pub position: DVec3,

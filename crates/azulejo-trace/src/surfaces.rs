@@ -1,7 +1,7 @@
 //! What light transport asks of a surface at every hit, kept per traced item.
 
 use crate::{Item, KernelHit, KernelRay, Tracer};
-use azulejo_scene::{Material, MaterialId, PrimitiveKind, Scene, Shape};
+use azulejo_scene::{Leaf, Material, MaterialId, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
 
 /// A scene with its tracer, and for every item the normal and material that hits look up.
@@ -29,7 +29,15 @@ struct ItemSurface {
 impl<'a> Surfaces<'a> {
     /// Looks up every item of `tracer`, which must have been made from `scene`.
     pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> Surfaces<'a> {
-        let items = (0..tracer.item_count()).map(|i| ItemSurface::new(scene, tracer.item(i)));
+        let leaves = scene.objects.iter().map(|o| match &o.shape {
+            Shape::Exact(exact) => exact.leaves(),
+            _ => Vec::new(),
+        });
+        let leaves: Vec<Vec<Leaf>> = leaves.collect();
+        let items = (0..tracer.item_count()).map(|i| {
+            let item = tracer.item(i);
+            ItemSurface::new(scene, &leaves[item.object as usize], item)
+        });
         Surfaces {
             scene,
             tracer,
@@ -82,7 +90,7 @@ impl<'a> Surfaces<'a> {
 }
 
 impl ItemSurface {
-    fn new(scene: &Scene, item: Item) -> ItemSurface {
+    fn new(scene: &Scene, leaves: &[Leaf], item: Item) -> ItemSurface {
         let (normal, material) = match &scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) => {
                 let face = item.face as usize;
@@ -107,10 +115,7 @@ impl ItemSurface {
                 };
                 (normal, p.material)
             }
-            Shape::Exact(exact) => {
-                let leaf = exact.leaves()[item.face as usize];
-                (DVec3::ZERO, leaf.material())
-            }
+            Shape::Exact(_) => (DVec3::ZERO, leaves[item.face as usize].material()),
         };
         let surface = &scene.materials[material as usize];
         ItemSurface {

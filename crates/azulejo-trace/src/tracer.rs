@@ -165,6 +165,13 @@ impl Tracer {
                 is_primitive: true,
                 instance: None,
             },
+            Placed::Exact(e) => Item {
+                object: e.object,
+                face: item - e.first_item + e.first_leaf,
+                triangle: 0,
+                is_primitive: false,
+                instance: None,
+            },
             Placed::Instance(i) => Item {
                 instance: Some(i.index),
                 ..i.tracer.item(item - i.first_item)
@@ -187,13 +194,13 @@ impl Tracer {
                 let corners = triangle.vertices.map(|v| mesh.positions[v as usize]);
                 triangle::meet(corners, ray, f64::from(hit.t))
             }
-            None => self.other_of(hit.item).resolve(ray, hit),
+            None => self.other_of(hit.item).resolve(&self.frame, ray, hit),
         };
         Hit {
             t: point.t,
             object: item.object,
             face: item.face,
-            triangle: item.triangle,
+            triangle: item.triangle.max(point.part),
             u: point.u,
             v: point.v,
             position: point.position,

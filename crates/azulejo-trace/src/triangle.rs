@@ -148,6 +148,7 @@ pub(crate) fn meet(corners: [DVec3; 3], ray: &Ray, t_guess: f64) -> ResolvedPoin
         t,
         u,
         v,
+        part: 0,
         position,
         normal: area.normalize_or_zero(),
     }

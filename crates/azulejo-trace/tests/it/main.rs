@@ -1,6 +1,8 @@
 //! What the tracer promises, seen from outside.
 
+mod csg;
 mod precision;
+mod prisms;
 mod shapes;
 mod watertight;
 

@@ -1,0 +1,197 @@
+//! Set operations along a ray: Roth, *Ray Casting for Modeling Solids*, Computer Graphics and
+//! Image Processing 18, 1982.
+
+use super::leaf::{Boundary, ExactLeaf};
+use crate::primitive::Line;
+use azulejo_scene::Operation;
+use azulejo_scene::math::Aabb;
+use glam::DVec3;
+
+/// A solid that is made of leaves.
+#[derive(Clone, Debug)]
+pub(crate) struct Tree {
+    pub leaves: Vec<TreeLeaf>,
+    pub root: Node,
+}
+
+/// A leaf, and whether what shows of it is turned inside out.
+#[derive(Clone, Debug)]
+pub(crate) struct TreeLeaf {
+    pub shape: ExactLeaf,
+    pub is_turned: bool,
+}
+
+/// A part of the tree with a box around it, in the tracer's own coordinates.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub bounds: Aabb,
+    pub kind: NodeKind,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum NodeKind {
+    /// A closed shape, by its place among the leaves.
+    Leaf(u32),
+    /// Pieces that close a volume together.
+    Shell(Vec<Node>),
+    Csg {
+        operation: Operation,
+        left: Vec<Node>,
+        right: Vec<Node>,
+    },
+}
+
+/// Layers of matter or of nothing that are thinner than this vanish: they are the rounding of
+/// surfaces that should coincide. The scene is about 2 across.
+const SLIVER: f64 = 1e-9;
+
+/// Meetings of a shell with two of its pieces nearer together than this may be one, at a seam.
+const SEAM: f64 = 1e-6;
+
+impl Tree {
+    /// All boundaries of the solid on a line, in order, in and out by turns.
+    pub(crate) fn boundaries(&self, line: &Line) -> Vec<Boundary> {
+        let mut out = Vec::new();
+        let pass = Pass {
+            leaves: &self.leaves,
+            line,
+            inverse: line.direction.recip(),
+            sliver: SLIVER / line.direction.length(),
+        };
+        pass.node(&self.root, &mut out);
+        out
+    }
+}
+
+/// One line on its way through the tree. Every function appends boundaries to a list, in order,
+/// in and out by turns, and leaves what was there.
+struct Pass<'a> {
+    leaves: &'a [TreeLeaf],
+    line: &'a Line,
+    inverse: DVec3,
+    sliver: f64,
+}
+
+impl Pass<'_> {
+    fn node(&self, node: &Node, out: &mut Vec<Boundary>) {
+        if !is_met(&node.bounds, self.line.origin, self.inverse) {
+            return;
+        }
+        match &node.kind {
+            NodeKind::Leaf(leaf) => self.leaf(*leaf, out),
+            NodeKind::Shell(pieces) => self.shell(pieces, out),
+            NodeKind::Csg {
+                operation,
+                left,
+                right,
+            } => {
+                let first = out.len();
+                self.side(left, out);
+                let between = out.len();
+                if between == first && *operation != Operation::Union {
+                    return;
+                }
+                self.side(right, out);
+                self.combine(*operation, first, between, out);
+            }
+        }
+    }
+
+    fn leaf(&self, leaf: u32, out: &mut Vec<Boundary>) {
+        self.leaves[leaf as usize].shape.all(self.line, leaf, out);
+    }
+
+    /// The union of several solids.
+    fn side(&self, solids: &[Node], out: &mut Vec<Boundary>) {
+        let first = out.len();
+        for solid in solids {
+            let between = out.len();
+            self.node(solid, out);
+            self.combine(Operation::Union, first, between, out);
+        }
+    }
+
+    /// Pairs the meetings with all pieces.
+    fn shell(&self, pieces: &[Node], out: &mut Vec<Boundary>) {
+        let first = out.len();
+        for piece in pieces {
+            self.node(piece, out);
+        }
+        out[first..].sort_by(|a, b| a.meeting.t.total_cmp(&b.meeting.t));
+        if (out.len() - first) % 2 == 1 {
+            let extra = self.doubled(&out[first..]).unwrap_or(out.len() - first - 1);
+            out.remove(first + extra);
+        }
+        for (k, boundary) in out[first..].iter_mut().enumerate() {
+            boundary.meeting.enters = k % 2 == 0;
+        }
+    }
+
+    /// Which of a shell's meetings happened twice, in two pieces that touch.
+    fn doubled(&self, meetings: &[Boundary]) -> Option<usize> {
+        let gap = |k: &usize| meetings[*k].meeting.t - meetings[k - 1].meeting.t;
+        let seams = (1..meetings.len()).filter(|&k| meetings[k].leaf != meetings[k - 1].leaf);
+        let nearest = seams.min_by(|a, b| gap(a).total_cmp(&gap(b)))?;
+        (gap(&nearest) * self.line.direction.length() < SEAM).then_some(nearest)
+    }
+
+    /// Replaces the lists from `first` and from `between` by what the operation makes of them.
+    fn combine(&self, operation: Operation, first: usize, between: usize, out: &mut Vec<Boundary>) {
+        if operation == Operation::Union && (first == between || between == out.len()) {
+            return;
+        }
+        let right = out.split_off(between);
+        let left = out.split_off(first);
+        let (mut a, mut b) = (left.iter().peekable(), right.iter().peekable());
+        let mut inside = [false; 2];
+        let mut is_in = false;
+        loop {
+            let (ta, tb) = (a.peek().map(|m| m.meeting.t), b.peek().map(|m| m.meeting.t));
+            let side = match (ta, tb) {
+                (None, None) => break,
+                (Some(_), None) => 0,
+                (None, Some(_)) => 1,
+                (Some(ta), Some(tb)) => usize::from(tb < ta),
+            };
+            let next = if side == 0 { a.next() } else { b.next() };
+            let Some(boundary) = next else { break };
+            inside[side] = !inside[side];
+            let now = match operation {
+                Operation::Union => inside[0] || inside[1],
+                Operation::Difference => inside[0] && !inside[1],
+                Operation::Intersection => inside[0] && inside[1],
+            };
+            if now != is_in {
+                is_in = now;
+                self.push(first, boundary, out);
+            }
+        }
+    }
+
+    /// Appends a boundary, or takes the last one away where the two enclose a sliver.
+    fn push(&self, first: usize, boundary: &Boundary, out: &mut Vec<Boundary>) {
+        let last = out[first..].last();
+        if last.is_some_and(|l| boundary.meeting.t - l.meeting.t <= self.sliver) {
+            out.pop();
+        } else {
+            out.push(*boundary);
+        }
+    }
+}
+
+/// Whether a line may meet a box, widened by far more than rounding.
+fn is_met(bounds: &Aabb, origin: DVec3, inverse: DVec3) -> bool {
+    let margin = DVec3::splat(1e-9 * (1.0 + origin.abs().max_element()));
+    let (a, b) = (bounds.min - margin - origin, bounds.max + margin - origin);
+    let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        if inverse[axis].is_finite() {
+            let (p, q) = (a[axis] * inverse[axis], b[axis] * inverse[axis]);
+            enter = enter.max(p.min(q));
+            leave = leave.min(p.max(q));
+        } else if a[axis] > 0.0 || b[axis] < 0.0 {
+            return false;
+        }
+    }
+    enter <= leave && a.cmple(b).all()
+}

@@ -1,0 +1,285 @@
+//! Exact shapes: prisms, patches, meshes as solids, and what set operations make of them.
+//!
+//! Everything here works in double precision in the tracer's own coordinates, in which the scene
+//! lies in −1..=1; [`resolve`](PlacedExact::resolve) does the same again along the ray as it was
+//! before it was rounded to `f32`.
+
+mod csg;
+mod leaf;
+mod mesh;
+mod outline;
+mod patch;
+mod prism;
+
+pub(crate) use leaf::{Meeting, ResolvedLeaf, facing};
+
+use crate::assemble::{LocalFrame, double};
+use crate::kernel::is_better;
+use crate::placed::ResolvedPoint;
+use crate::primitive::{ExactPrimitive, Line};
+use crate::ray::{KernelHit, KernelRay};
+use azulejo_scene::figure::Rectangle;
+use azulejo_scene::math::{Aabb, Ray};
+use azulejo_scene::{BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
+use csg::{Node, NodeKind, Tree, TreeLeaf};
+use glam::DAffine3;
+use leaf::{Boundary, ExactLeaf, Span};
+use outline::Outline;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// One solid of an exact shape, in the tracer.
+#[derive(Clone, Debug)]
+pub(crate) struct PlacedExact {
+    pub object: u32,
+    pub first_item: u32,
+    /// The place of its first leaf among those of the object.
+    pub first_leaf: u32,
+    solid: ExactSolid,
+}
+
+#[derive(Clone, Debug)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "nearly all are leaves, and the whole stands in a box of its own"
+)]
+enum ExactSolid {
+    Leaf(ExactLeaf),
+    Tree(Tree),
+}
+
+impl PlacedExact {
+    pub(crate) fn closest(&self, ray: &KernelRay, hit: &mut KernelHit) {
+        let line = Line::of(ray);
+        let span = Span {
+            first: f64::from(ray.t_min.max(0.0)),
+            last: f64::from(hit.t),
+        };
+        let Some(Boundary { meeting, leaf }) = self.solid.first(&line, span) else {
+            return;
+        };
+        let (t, item) = (meeting.t as f32, self.first_item + leaf);
+        if is_better(t, item, hit) {
+            *hit = KernelHit {
+                t,
+                item,
+                u: f32::from_bits(meeting.part << 1 | u32::from(meeting.enters)),
+                v: meeting.parameter,
+            };
+        }
+    }
+
+    pub(crate) fn any(&self, ray: &KernelRay, t_max: f32) -> bool {
+        let span = Span {
+            first: f64::from(ray.t_min.max(0.0)),
+            last: f64::from(t_max),
+        };
+        self.solid.any(&Line::of(ray), span)
+    }
+
+    pub(crate) fn resolve(&self, frame: &LocalFrame, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
+        let line = Line {
+            origin: frame.point(ray.origin),
+            direction: frame.vector(ray.direction),
+        };
+        let packed = hit.u.to_bits();
+        let meeting = Meeting {
+            t: f64::from(hit.t),
+            part: packed >> 1,
+            parameter: hit.v,
+            enters: packed & 1 == 1,
+        };
+        let (leaf, is_turned) = self.solid.leaf(hit.item - self.first_item);
+        let at = leaf.resolve(&line, &meeting);
+        ResolvedPoint {
+            t: at.t,
+            u: at.u,
+            v: at.v,
+            part: leaf.part(&meeting),
+            position: frame.world_point(at.position),
+            normal: if is_turned { -at.normal } else { at.normal },
+        }
+    }
+}
+
+impl ExactSolid {
+    fn first(&self, line: &Line, span: Span) -> Option<Boundary> {
+        match self {
+            ExactSolid::Leaf(leaf) => {
+                let meeting = leaf.first(line, span)?;
+                Some(Boundary { meeting, leaf: 0 })
+            }
+            ExactSolid::Tree(tree) => {
+                let boundaries = tree.boundaries(line);
+                boundaries.into_iter().find(|b| span.holds(b.meeting.t))
+            }
+        }
+    }
+
+    fn any(&self, line: &Line, span: Span) -> bool {
+        match self {
+            ExactSolid::Leaf(leaf) => leaf.any(line, span),
+            ExactSolid::Tree(_) => self.first(line, span).is_some(),
+        }
+    }
+
+    /// A leaf, and whether it is turned inside out.
+    fn leaf(&self, leaf: u32) -> (&ExactLeaf, bool) {
+        match self {
+            ExactSolid::Leaf(leaf) => (leaf, false),
+            ExactSolid::Tree(tree) => {
+                let leaf = &tree.leaves[leaf as usize];
+                (&leaf.shape, leaf.is_turned)
+            }
+        }
+    }
+}
+
+impl Line {
+    fn of(ray: &KernelRay) -> Line {
+        Line {
+            origin: double(ray.origin),
+            direction: double(ray.direction),
+        }
+    }
+}
+
+/// Figures made ready for rays, each once however many prisms share it.
+#[derive(Default)]
+pub(crate) struct Outlines(HashMap<*const Figure, Arc<Outline>>);
+
+impl Outlines {
+    fn of(&mut self, figure: &Arc<Figure>) -> &Arc<Outline> {
+        let prepare = || Arc::new(Outline::new(figure));
+        self.0.entry(Arc::as_ptr(figure)).or_insert_with(prepare)
+    }
+
+    /// The rectangle around a figure.
+    pub(crate) fn bounds(&mut self, figure: &Arc<Figure>) -> Rectangle {
+        self.of(figure).bounds
+    }
+}
+
+/// Prepares solids for rays.
+pub(crate) struct Preparation<'a> {
+    pub outlines: &'a mut Outlines,
+    pub frame: &'a LocalFrame,
+}
+
+/// A solid as it goes into the tracer: its box in the world beside it.
+pub(crate) struct Prepared {
+    pub placed: PlacedExact,
+    pub bounds: Aabb,
+    pub leaves: u32,
+}
+
+impl Preparation<'_> {
+    /// Appends what is made of `solid`, whose first leaf has the given numbers: one shape, or for
+    /// open pieces outside of set operations one for each.
+    pub(crate) fn add(
+        &mut self,
+        solid: &Solid,
+        [object, item, leaf]: [u32; 3],
+        out: &mut Vec<Prepared>,
+    ) {
+        if let Solid::Shell(pieces) = solid {
+            let mut taken = 0;
+            for piece in pieces {
+                let first = out.len();
+                self.add(piece, [object, item + taken, leaf + taken], out);
+                taken += out[first..].iter().map(|p| p.leaves).sum::<u32>();
+            }
+            return;
+        }
+        let bounds = solid.bounds_by(&mut |figure| self.outlines.bounds(figure));
+        let (solid, leaves) = match self.leaf(solid) {
+            Some(leaf) => (ExactSolid::Leaf(leaf), 1),
+            None => {
+                let mut leaves = Vec::new();
+                let root = self.node(solid, false, &mut leaves);
+                let count = leaves.len() as u32;
+                (ExactSolid::Tree(Tree { leaves, root }), count)
+            }
+        };
+        out.push(Prepared {
+            placed: PlacedExact {
+                object,
+                first_item: item,
+                first_leaf: leaf,
+                solid,
+            },
+            bounds,
+            leaves,
+        });
+    }
+
+    /// `None` for a solid that is made of others.
+    fn leaf(&mut self, solid: &Solid) -> Option<ExactLeaf> {
+        match solid {
+            Solid::Primitive(p) => Some(self.primitive(p)),
+            Solid::Prism(p) => Some(self.prism(p)),
+            Solid::Patch(p) => Some(self.patch(p)),
+            Solid::Mesh(m) => Some(self.mesh(m)),
+            Solid::Shell(_) | Solid::Csg(_) => None,
+        }
+    }
+
+    fn primitive(&self, primitive: &Primitive) -> ExactLeaf {
+        let local = Primitive::new(
+            primitive.kind,
+            self.frame.local_from_world() * primitive.world_from_object,
+            primitive.material,
+        );
+        ExactPrimitive::new(&local, &DAffine3::IDENTITY)
+            .map_or(ExactLeaf::Nothing, |p| ExactLeaf::Primitive(Box::new(p)))
+    }
+
+    fn prism(&mut self, prism: &Prism) -> ExactLeaf {
+        let outline = Arc::clone(self.outlines.of(&prism.figure));
+        let local_from_figure = self.frame.local_from_world() * prism.world_from_figure;
+        prism::ExactPrism::new(outline, local_from_figure)
+            .map_or(ExactLeaf::Nothing, ExactLeaf::Prism)
+    }
+
+    fn patch(&self, patch: &BicubicPatch) -> ExactLeaf {
+        let points = patch.points.map(|row| row.map(|p| self.frame.point(p)));
+        ExactLeaf::Patch(patch::ExactPatch::new(BicubicPatch {
+            points: Box::new(points),
+            material: patch.material,
+        }))
+    }
+
+    fn mesh(&self, mesh: &Mesh) -> ExactLeaf {
+        ExactLeaf::Mesh(mesh::ExactMesh::new(mesh, |p| self.frame.point(p)))
+    }
+
+    fn node(&mut self, solid: &Solid, is_turned: bool, leaves: &mut Vec<TreeLeaf>) -> Node {
+        let world = solid.bounds_by(&mut |figure| self.outlines.bounds(figure));
+        let bounds = Aabb {
+            min: self.frame.point(world.min),
+            max: self.frame.point(world.max),
+        };
+        if let Some(shape) = self.leaf(solid) {
+            leaves.push(TreeLeaf { shape, is_turned });
+            let kind = NodeKind::Leaf(leaves.len() as u32 - 1);
+            return Node { bounds, kind };
+        }
+        let mut nodes = |solids: &[Solid], is_turned: bool| {
+            let node = |s: &Solid| self.node(s, is_turned, leaves);
+            solids.iter().map(node).collect()
+        };
+        let kind = match solid {
+            Solid::Shell(pieces) => NodeKind::Shell(nodes(pieces, is_turned)),
+            Solid::Csg(csg) => NodeKind::Csg {
+                operation: csg.operation,
+                left: nodes(&csg.left, is_turned),
+                right: nodes(
+                    &csg.right,
+                    is_turned ^ (csg.operation == Operation::Difference),
+                ),
+            },
+            _ => NodeKind::Shell(Vec::new()),
+        };
+        Node { bounds, kind }
+    }
+}

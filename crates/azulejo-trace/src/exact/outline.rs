@@ -1,0 +1,347 @@
+//! A plane figure made ready for lines: which of its curves does one cross, and how often do its
+//! contours go around a point?
+
+use azulejo_scene::figure::{Rectangle, Segment, bernstein, crossings};
+use azulejo_scene::{Contour, Figure, FillRule};
+use glam::DVec2;
+
+/// Children of one node.
+const WIDTH: usize = 4;
+
+/// Nodes that can wait: the tree's depth is at most 16 levels over the contours and 16 within
+/// one, and each level leaves [`WIDTH`] − 1 siblings.
+const STACK: usize = 2 * 16 * WIDTH;
+
+/// See [`Outline::sliver`]; relative to the figure's size.
+const SLIVER: f64 = 1e-10;
+
+/// A figure whose curves stand in a tree of runs: consecutive curves of a contour, and above them
+/// whole contours.
+///
+/// A line has two sides, and points on it belong to one of them. Whatever lies between the ends
+/// of a run, the contour crosses the line as often (counted by direction) as the sides of the
+/// run's two ends say; so a run that is wholly ahead of what matters need not be looked into.
+/// Sides are taken at the joints of curves alone, by the one expression [`Line2::side`]: both
+/// neighbours agree on it, and all crossings of a closed contour add up to nothing whatever
+/// rounding does. A line that goes in comes out.
+#[derive(Clone, Debug)]
+pub(crate) struct Outline {
+    pub rule: FillRule,
+    pub bounds: Rectangle,
+    /// Crossings nearer together than this have nothing between them: the rounding of contours
+    /// that run on top of each other.
+    pub sliver: f64,
+    /// Control points; those of a straight line divide it into thirds.
+    curves: Vec<[DVec2; 4]>,
+    nodes: Vec<Node>,
+    /// What the figure is as a whole, if it has any curve.
+    root: Option<u32>,
+}
+
+/// Four runs side by side. Those that are not there hold NaN, which no line meets.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    /// Lowest and highest x, lowest and highest y.
+    sides: [[f64; WIDTH]; 4],
+    /// x and y of the runs' starts.
+    starts: [[f64; WIDTH]; 2],
+    /// x and y of the runs' ends.
+    ends: [[f64; WIDTH]; 2],
+    /// A node, or a curve with one of the marks below.
+    children: [u32; WIDTH],
+}
+
+/// Marks a child that is a curve.
+const CUBIC: u32 = 1 << 31;
+/// Marks, together with [`CUBIC`], a curve that is a straight line.
+const STRAIGHT: u32 = 1 << 30;
+const INDEX: u32 = STRAIGHT - 1;
+
+/// One or more consecutive curves, or whole contours.
+#[derive(Clone, Copy)]
+struct Run {
+    bounds: Rectangle,
+    start: DVec2,
+    end: DVec2,
+    child: u32,
+}
+
+/// A line in the figure's plane, with a unit direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line2 {
+    direction: DVec2,
+    normal: DVec2,
+    /// Products of `normal` and `direction` with the line's origin.
+    offset: f64,
+    start: f64,
+}
+
+/// Where a line crosses a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    /// Distance along the line.
+    pub s: f64,
+    /// Whether the contour goes to the line's left (1) or from there (−1).
+    pub sense: i32,
+    /// Which curve.
+    pub curve: u32,
+    /// Where on it, 0..=1.
+    pub parameter: f64,
+}
+
+impl Line2 {
+    /// A line with a unit `direction`.
+    pub(crate) fn new(origin: DVec2, direction: DVec2) -> Line2 {
+        let normal = direction.perp();
+        Line2 {
+            direction,
+            normal,
+            offset: normal.x * origin.x + normal.y * origin.y,
+            start: direction.x * origin.x + direction.y * origin.y,
+        }
+    }
+
+    /// Signed distance of a point, left positive. Rounding keeps its order in each coordinate.
+    #[inline(always)]
+    fn distance(&self, p: DVec2) -> f64 {
+        self.normal.x * p.x + self.normal.y * p.y - self.offset
+    }
+
+    /// Which side a point is on: 1 on the left and on the line itself, 0 on the right.
+    #[inline(always)]
+    fn side(&self, p: DVec2) -> i32 {
+        i32::from(self.distance(p) >= 0.0)
+    }
+
+    /// How far along the line a point is.
+    #[inline(always)]
+    fn along(&self, p: DVec2) -> f64 {
+        self.direction.x * p.x + self.direction.y * p.y - self.start
+    }
+}
+
+/// What a line does with the four runs of a node, one bit per run.
+struct Met {
+    /// Runs to look into.
+    open: u32,
+    /// Crossings, by direction, of the runs that are wholly ahead.
+    beyond: i32,
+}
+
+impl Outline {
+    pub(crate) fn new(figure: &Figure) -> Outline {
+        let mut outline = Outline {
+            rule: figure.rule,
+            bounds: Rectangle::EMPTY,
+            sliver: 0.0,
+            curves: Vec::with_capacity(figure.curve_count()),
+            nodes: Vec::with_capacity(figure.curve_count() / 2),
+            root: None,
+        };
+        let contours = figure.contours.iter();
+        let whole = contours.filter_map(|c| outline.add_contour(c)).collect();
+        if let Some(run) = outline.pack(whole) {
+            outline.bounds = run.bounds;
+            outline.sliver = SLIVER * run.bounds.size().max_element();
+            outline.root = Some(run.child);
+        }
+        outline
+    }
+
+    /// The control points of a curve that a [`Crossing`] names.
+    pub(crate) fn curve(&self, curve: u32) -> &[DVec2; 4] {
+        &self.curves[curve as usize]
+    }
+
+    fn add_contour(&mut self, contour: &Contour) -> Option<Run> {
+        let runs = contour.segments().map(|s| self.add_curve(s)).collect();
+        self.pack(runs)
+    }
+
+    fn add_curve(&mut self, segment: Segment) -> Run {
+        let index = self.curves.len() as u32;
+        assert!(index < INDEX, "a figure has at most 2^30 curves");
+        let (points, child) = match segment {
+            Segment::Line([a, b]) => {
+                let third = (b - a) / 3.0;
+                ([a, a + third, b - third, b], CUBIC | STRAIGHT | index)
+            }
+            Segment::Cubic(points) => (points, CUBIC | index),
+        };
+        self.curves.push(points);
+        Run {
+            bounds: segment.bounds(),
+            start: points[0],
+            end: points[3],
+            child,
+        }
+    }
+
+    /// Puts consecutive runs under one; `None` if there are none.
+    fn pack(&mut self, mut runs: Vec<Run>) -> Option<Run> {
+        while runs.len() > 1 {
+            let groups = runs.len().div_ceil(WIDTH);
+            let cut = |k: usize| k * runs.len() / groups;
+            let group = |k: usize| self.add_node(&runs[cut(k)..cut(k + 1)]);
+            runs = (0..groups).map(group).collect();
+        }
+        runs.pop()
+    }
+
+    fn add_node(&mut self, runs: &[Run]) -> Run {
+        if let [alone] = runs {
+            return *alone;
+        }
+        let mut node = Node::EMPTY;
+        for (k, run) in runs.iter().enumerate() {
+            node.set(k, run);
+        }
+        self.nodes.push(node);
+        Run {
+            bounds: (runs.iter()).fold(Rectangle::EMPTY, |b, r| b.union(r.bounds)),
+            start: runs[0].start,
+            end: runs[runs.len() - 1].end,
+            child: self.nodes.len() as u32 - 1,
+        }
+    }
+
+    /// Visits the crossings between `s0` and `s1`, in any order. The visitor returns up to where
+    /// crossings still matter to it, or `None` to make an end.
+    ///
+    /// Returns how often the contours go around the point at `s0`, crossings at that very point
+    /// being ahead of it; a number without meaning if the visitor made an end.
+    pub(crate) fn cross(
+        &self,
+        line: &Line2,
+        [s0, mut s1]: [f64; 2],
+        mut visit: impl FnMut(Crossing) -> Option<f64>,
+    ) -> i32 {
+        let mut winding = 0;
+        let mut stack = [0; STACK];
+        let mut waiting = 0;
+        let Some(mut current) = self.root else {
+            return 0;
+        };
+        loop {
+            if current & CUBIC == 0 {
+                let node = &self.nodes[current as usize];
+                let met = node.meet(line, [s0, s1]);
+                winding += met.beyond;
+                let mut open = met.open;
+                while open != 0 {
+                    stack[waiting % STACK] = node.children[open.trailing_zeros() as usize % WIDTH];
+                    open &= open - 1;
+                    waiting += 1;
+                }
+            } else {
+                for crossing in self.meet(line, current, [s0, s1]).into_iter().flatten() {
+                    if crossing.s < s0 {
+                        continue;
+                    }
+                    winding += crossing.sense;
+                    if crossing.s <= s1 {
+                        let Some(last) = visit(crossing) else {
+                            return winding;
+                        };
+                        s1 = last;
+                    }
+                }
+            }
+            if waiting == 0 {
+                return winding;
+            }
+            waiting -= 1;
+            current = stack[waiting % STACK];
+        }
+    }
+
+    /// The crossings with one curve. One that is wholly ahead is given one crossing at infinity
+    /// that counts for all.
+    #[inline(always)]
+    fn meet(&self, line: &Line2, child: u32, [s0, s1]: [f64; 2]) -> [Option<Crossing>; 3] {
+        let curve = child & INDEX;
+        let points = &self.curves[curve as usize];
+        let d = points.map(|p| line.distance(p));
+        let sides = d.map(|d| d >= 0.0);
+        if sides[0] == sides[1] && sides[1] == sides[2] && sides[2] == sides[3] {
+            return [None; 3];
+        }
+        let s = points.map(|p| line.along(p));
+        if s.iter().all(|&s| s < s0) {
+            return [None; 3];
+        }
+        let crossing = |s: f64, parameter: f64, sense: i32| Crossing {
+            s,
+            sense,
+            curve,
+            parameter,
+        };
+        if s.iter().all(|&s| s > s1) {
+            let sense = i32::from(sides[3]) - i32::from(sides[0]);
+            return [Some(crossing(f64::INFINITY, 1.0, sense)), None, None];
+        }
+        if child & STRAIGHT != 0 {
+            // Its inner control points follow by rounding: the ends alone tell.
+            let sense = i32::from(sides[3]) - i32::from(sides[0]);
+            let t = (d[0] / (d[0] - d[3])).clamp(0.0, 1.0);
+            let at = crossing(s[0] + t * (s[3] - s[0]), t, sense);
+            return [(sense != 0).then_some(at), None, None];
+        }
+        let root = |(t, sense): (f64, i32)| crossing(bernstein(s, t), t, sense);
+        crossings(d).map(|r| r.map(root))
+    }
+}
+
+impl Node {
+    const EMPTY: Node = Node {
+        sides: [[f64::NAN; WIDTH]; 4],
+        starts: [[f64::NAN; WIDTH]; 2],
+        ends: [[f64::NAN; WIDTH]; 2],
+        children: [0; WIDTH],
+    };
+
+    fn set(&mut self, slot: usize, run: &Run) {
+        let (min, max) = (run.bounds.min, run.bounds.max);
+        for axis in 0..2 {
+            self.sides[2 * axis][slot] = min[axis];
+            self.sides[2 * axis + 1][slot] = max[axis];
+            self.starts[axis][slot] = run.start[axis];
+            self.ends[axis][slot] = run.end[axis];
+        }
+        self.children[slot] = run.child;
+    }
+
+    /// Tests the rectangles of all four runs.
+    ///
+    /// The extremes of distance are those at two corners of the rectangle, by the expressions
+    /// that points are measured with: no point of the run comes out beyond them.
+    #[inline(always)]
+    fn meet(&self, line: &Line2, [s0, s1]: [f64; 2]) -> Met {
+        let (n, u) = (line.normal, line.direction);
+        let (nx, ny) = (usize::from(n.x < 0.0), usize::from(n.y < 0.0));
+        let (ux, uy) = (usize::from(u.x < 0.0), usize::from(u.y < 0.0));
+        let x = |side: usize| &self.sides[side];
+        let y = |side: usize| &self.sides[2 + side];
+        let mut met = Met { open: 0, beyond: 0 };
+        let (mut open, mut ahead) = ([false; WIDTH], [false; WIDTH]);
+        for k in 0..WIDTH {
+            let low = n.x * x(nx)[k] + n.y * y(ny)[k] - line.offset;
+            let high = n.x * x(1 - nx)[k] + n.y * y(1 - ny)[k] - line.offset;
+            let first = u.x * x(ux)[k] + u.y * y(uy)[k] - line.start;
+            let last = u.x * x(1 - ux)[k] + u.y * y(1 - uy)[k] - line.start;
+            // Comparisons with NaN are false.
+            let matters = (low < 0.0) & (high >= 0.0) & (last >= s0);
+            open[k] = matters & (first <= s1);
+            ahead[k] = matters & (first > s1);
+        }
+        for k in 0..WIDTH {
+            met.open |= u32::from(open[k]) << k;
+            if ahead[k] {
+                let point = |of: &[[f64; WIDTH]; 2]| DVec2::new(of[0][k], of[1][k]);
+                met.beyond += line.side(point(&self.ends)) - line.side(point(&self.starts));
+            }
+        }
+        met
+    }
+}

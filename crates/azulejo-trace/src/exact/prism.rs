@@ -1,0 +1,320 @@
+//! Rays against extruded figures.
+//!
+//! Kajiya, *New Techniques for Ray Tracing Procedurally Defined Objects*, ACM TOG 2(3), 1983,
+//! section 3. In the figure's own space the prism stands upright between z = 0 and z = 1,
+//! whatever its extrusion: there a ray lies between the two planes for one interval, and over it
+//! the ray's shadow on the figure's plane crosses the contours.
+
+use super::leaf::{Boundary, Meeting, ResolvedLeaf, Span, outward};
+use super::outline::{Crossing, Line2, Outline};
+use crate::primitive::Line;
+use azulejo_scene::figure::{Segment, bernstein, bernstein_slope};
+use glam::{DAffine3, DVec2, DVec3};
+use std::sync::Arc;
+
+/// A prism prepared for rays.
+#[derive(Clone, Debug)]
+pub(crate) struct ExactPrism {
+    outline: Arc<Outline>,
+    figure_from_local: DAffine3,
+    local_from_figure: DAffine3,
+}
+
+/// Parts by number: the figure's plane, the parallel one, then the curves.
+const FRONT: u32 = 0;
+const BACK: u32 = 1;
+const CURVES: u32 = 2;
+
+/// A line over the figure.
+struct Passage {
+    /// Its shadow; without a direction of its own for a line along the extrusion.
+    shadow: Line2,
+    /// Length of the shadow of one unit of `t`.
+    speed: f64,
+    /// Where it is between the planes.
+    between: Span,
+    /// The parts where it comes in and goes out.
+    planes: [u32; 2],
+}
+
+/// What a line meets first of the contours.
+struct Nearest {
+    /// How often they go around the place where it starts.
+    winding: i32,
+    crossing: Option<Crossing>,
+    /// Distance of the second crossing, if it is about as near as the first; else more.
+    second: f64,
+}
+
+impl Passage {
+    /// `None` for a line beside the planes.
+    #[inline(always)]
+    fn new(line: &Line) -> Option<Passage> {
+        let (o, d) = (line.origin, line.direction);
+        let between = if d.z == 0.0 {
+            (0.0..=1.0).contains(&o.z).then_some(Span::EVERYWHERE)?
+        } else {
+            let (front, back) = (-o.z / d.z, (1.0 - o.z) / d.z);
+            Span {
+                first: front.min(back),
+                last: front.max(back),
+            }
+        };
+        let across = d.truncate();
+        let speed = across.length();
+        let is_point = !(speed > 0.0 && speed.is_finite());
+        let direction = if is_point { DVec2::X } else { across / speed };
+        Some(Passage {
+            shadow: Line2::new(o.truncate(), direction),
+            speed: if is_point { 0.0 } else { speed },
+            between,
+            planes: if d.z > 0.0 {
+                [FRONT, BACK]
+            } else {
+                [BACK, FRONT]
+            },
+        })
+    }
+
+    /// Distances along the shadow. A shadow that is a point has only one, 0.
+    #[inline(always)]
+    fn shadow_span(&self, span: Span) -> [f64; 2] {
+        if self.speed == 0.0 {
+            return [0.0; 2];
+        }
+        [span.first * self.speed, span.last * self.speed]
+    }
+
+    /// Where a crossing is on the line, kept within `span`.
+    #[inline(always)]
+    fn t(&self, crossing: &Crossing, span: Span) -> f64 {
+        if self.speed == 0.0 {
+            return span.first;
+        }
+        (crossing.s / self.speed).max(span.first).min(span.last)
+    }
+}
+
+fn at_curve(t: f64, crossing: &Crossing, enters: bool) -> Meeting {
+    Meeting {
+        t,
+        part: CURVES + crossing.curve,
+        parameter: crossing.parameter as f32,
+        enters,
+    }
+}
+
+fn at_plane(t: f64, part: u32, enters: bool) -> Meeting {
+    Meeting {
+        t,
+        part,
+        parameter: 0.0,
+        enters,
+    }
+}
+
+impl ExactPrism {
+    /// `None` for a map that cannot be inverted in double precision.
+    pub(crate) fn new(outline: Arc<Outline>, local_from_figure: DAffine3) -> Option<ExactPrism> {
+        let figure_from_local = local_from_figure.inverse();
+        let usable = local_from_figure.is_finite() && figure_from_local.is_finite();
+        usable.then_some(ExactPrism {
+            outline,
+            figure_from_local,
+            local_from_figure,
+        })
+    }
+
+    /// The first meeting within `span`.
+    pub(crate) fn first(&self, line: &Line, span: Span) -> Option<Meeting> {
+        let passage = Passage::new(&line.mapped(&self.figure_from_local))?;
+        let within = passage.between.and(span)?;
+        let nearest = self.nearest(&passage, within);
+        let starts_inside = self.outline.rule.is_inside(nearest.winding);
+        if starts_inside && span.first <= passage.between.first {
+            return Some(at_plane(within.first, passage.planes[0], true));
+        }
+        if let Some(crossing) = &nearest.crossing {
+            let is_inside = |winding| self.outline.rule.is_inside(winding);
+            let is_boundary = is_inside(nearest.winding - crossing.sense) != starts_inside;
+            if !is_boundary || nearest.second - crossing.s <= self.outline.sliver {
+                return self.first_of_all(&passage, within, span);
+            }
+            let t = passage.t(crossing, within);
+            return Some(at_curve(t, crossing, !starts_inside));
+        }
+        let leaves = starts_inside && passage.between.last <= span.last;
+        leaves.then(|| at_plane(within.last, passage.planes[1], false))
+    }
+
+    /// The crossing that comes first, and how near the second one is.
+    #[inline(always)]
+    fn nearest(&self, passage: &Passage, within: Span) -> Nearest {
+        let [s0, s1] = passage.shadow_span(within);
+        let mut nearest = Nearest {
+            winding: 0,
+            crossing: None,
+            second: f64::INFINITY,
+        };
+        let mut first = f64::INFINITY;
+        nearest.winding = self.outline.cross(&passage.shadow, [s0, s1], |crossing| {
+            if crossing.s < first {
+                (nearest.second, first) = (first, crossing.s);
+                nearest.crossing = Some(crossing);
+            } else {
+                nearest.second = nearest.second.min(crossing.s);
+            }
+            Some(s1.min(first + self.outline.sliver))
+        });
+        if passage.speed == 0.0 {
+            nearest.crossing = None;
+        }
+        nearest
+    }
+
+    /// [`first`](ExactPrism::first) where not every crossing is a boundary: contours overlap, or
+    /// run on top of each other.
+    #[cold]
+    fn first_of_all(&self, passage: &Passage, within: Span, span: Span) -> Option<Meeting> {
+        let mut first = None;
+        self.boundaries(passage, within, |meeting| {
+            // The ends of the range are meetings only where the planes are.
+            let is_plane = meeting.part < CURVES;
+            let comes_in = is_plane && meeting.enters && span.first <= passage.between.first;
+            let goes_out = is_plane && !meeting.enters && passage.between.last <= span.last;
+            if first.is_none() && (!is_plane || comes_in || goes_out) {
+                first = Some(meeting);
+            }
+        });
+        first
+    }
+
+    /// All boundaries on the line, in order; an even number.
+    pub(crate) fn all(&self, line: &Line, leaf: u32, out: &mut Vec<Boundary>) {
+        if let Some(passage) = Passage::new(&line.mapped(&self.figure_from_local)) {
+            self.boundaries(&passage, passage.between, |meeting| {
+                out.push(Boundary { meeting, leaf });
+            });
+        }
+    }
+
+    /// What the line meets within `within`, its ends being boundaries where they are inside.
+    fn boundaries(&self, passage: &Passage, within: Span, mut visit: impl FnMut(Meeting)) {
+        let range = passage.shadow_span(within);
+        let mut crossings = Vec::new();
+        let winding = self.outline.cross(&passage.shadow, range, |crossing| {
+            crossings.push(crossing);
+            Some(range[1])
+        });
+        if passage.speed == 0.0 {
+            crossings.clear();
+        }
+        crossings.sort_by(|a, b| a.s.total_cmp(&b.s));
+        let mut inside = self.outline.rule.is_inside(winding);
+        if inside {
+            visit(at_plane(within.first, passage.planes[0], true));
+        }
+        for crossing in self.changes(winding, &crossings) {
+            inside = !inside;
+            visit(at_curve(passage.t(crossing, within), crossing, inside));
+        }
+        if inside {
+            visit(at_plane(within.last, passage.planes[1], false));
+        }
+    }
+
+    /// The crossings that lead in or out, but for those with nothing between them.
+    fn changes<'a>(&self, mut winding: i32, crossings: &'a [Crossing]) -> Vec<&'a Crossing> {
+        let rule = self.outline.rule;
+        let mut changes: Vec<&Crossing> = Vec::with_capacity(crossings.len());
+        for crossing in crossings {
+            let was_inside = rule.is_inside(winding);
+            winding -= crossing.sense;
+            if rule.is_inside(winding) == was_inside {
+                continue;
+            }
+            let last = changes.last();
+            if last.is_some_and(|l| crossing.s - l.s <= self.outline.sliver) {
+                changes.pop();
+            } else {
+                changes.push(crossing);
+            }
+        }
+        changes
+    }
+
+    /// The surface point near where a meeting said, in double precision, with the parameter on
+    /// its curve and the height over the figure's plane.
+    pub(crate) fn resolve(&self, line: &Line, meeting: &Meeting) -> ResolvedLeaf {
+        let own = line.mapped(&self.figure_from_local);
+        let (o, d) = (own.origin, own.direction);
+        if meeting.part < CURVES {
+            let z = f64::from(meeting.part);
+            let t = (z - o.z) / d.z;
+            let t = if t.is_finite() { t } else { meeting.t };
+            let p = o + t * d;
+            let normal = DVec3::new(0.0, 0.0, 2.0 * z - 1.0);
+            return self.resolved(t, p.with_z(z), normal, [p.x, p.y]);
+        }
+        let points = *self.outline.curve(meeting.part - CURVES);
+        let across = d.truncate();
+        let (t, parameter) = nearest_crossing(points, &own, meeting);
+        let curve = Segment::Cubic(points);
+        let z = (o.z + t * d.z).clamp(0.0, 1.0);
+        let tangent = tangent(&curve, parameter);
+        let normal = DVec2::new(tangent.y, -tangent.x);
+        let outward = if (normal.dot(across) < 0.0) == meeting.enters {
+            normal
+        } else {
+            -normal
+        };
+        let p = curve.at(parameter).extend(z);
+        self.resolved(t, p, outward.extend(0.0), [parameter, z])
+    }
+
+    fn resolved(&self, t: f64, p: DVec3, normal: DVec3, [u, v]: [f64; 2]) -> ResolvedLeaf {
+        ResolvedLeaf {
+            t,
+            u,
+            v,
+            position: self.local_from_figure.transform_point3(p),
+            normal: outward(self.local_from_figure.matrix3, normal),
+        }
+    }
+}
+
+/// Newton's method from the meeting's own parameter: where the line crosses the curve, or the
+/// place of the curve where it stops; `t` and the parameter.
+fn nearest_crossing(points: [DVec2; 4], line: &Line, meeting: &Meeting) -> (f64, f64) {
+    let (origin, across) = (line.origin.truncate(), line.direction.truncate());
+    let normal = across.perp();
+    let height = points.map(|p| normal.dot(p - origin));
+    let start = f64::from(meeting.parameter).clamp(0.0, 1.0);
+    let mut t = start;
+    for _ in 0..8 {
+        let next = (t - bernstein(height, t) / bernstein_slope(height, t)).clamp(0.0, 1.0);
+        // Far from the start it would be another crossing, or noise at a tangency.
+        if !next.is_finite() || (next - start).abs() > 1e-2 {
+            t = start;
+            break;
+        }
+        let step = (next - t).abs();
+        t = next;
+        if step <= f64::EPSILON {
+            break;
+        }
+    }
+    let p = Segment::Cubic(points).at(t) - origin;
+    let along = p.dot(across) / across.length_squared();
+    (if along.is_finite() { along } else { meeting.t }, t)
+}
+
+/// Direction of a curve, also where two control points are one.
+fn tangent(curve: &Segment, t: f64) -> DVec2 {
+    let tangent = curve.derivative(t);
+    let size = (curve.end() - curve.start()).length();
+    if tangent.length() > 1e-12 * size {
+        return tangent;
+    }
+    curve.at((t + 1e-3).min(1.0)) - curve.at((t - 1e-3).max(0.0))
+}
