@@ -18,6 +18,7 @@ mod sides;
 
 use crate::patch::{FaceId, PatchSize, Patches};
 use crate::solve::SolveError;
+use crate::stand_in::StandIn;
 use azulejo_scene::Scene;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
@@ -159,7 +160,8 @@ impl FormFactors {
 
 /// Computes the form factors of a scene; lights play no part, but for the choice of formulas.
 ///
-/// The result is the same to the bit for any number of threads. Beside the result it takes 12
+/// Rows of exact shapes are pieces of the polygons that [`faceted`](crate::faceted) puts in their
+/// place. The result is the same to the bit for any number of threads. Beside the result it takes 12
 /// bytes for each entry that rays found.
 ///
 /// # Errors
@@ -183,6 +185,8 @@ pub fn form_factors(
     options: &FormFactorOptions,
     progress: &Progress,
 ) -> Result<FormFactors, SolveError> {
+    let stand_in = StandIn::new(scene, tracer, options.size);
+    let (scene, tracer) = (stand_in.scene.as_ref(), stand_in.tracer.as_ref());
     let patches = Patches::new(scene, options.size);
     if patches.is_empty() {
         return Err(SolveError::NoSurface);

@@ -7,7 +7,8 @@
 //!
 //! The order of reading: [`patch`] (what is divided), [`rays`] (rows of form factors),
 //! [`system`] (their solution; [`stochastic`] does without rows), [`gather`] and [`vertices`]
-//! (irradiance), [`mod@solve`] (all of it, in order). [`form_factors`](mod@form_factors)
+//! (irradiance), [`mod@solve`] (all of it, in order). Exact shapes are divided as polygons that
+//! stand for them ([`faceted`]). [`form_factors`](mod@form_factors)
 //! delivers rows for their own sake, with standard errors.
 
 pub mod analytic;
@@ -18,6 +19,7 @@ pub mod matrix;
 pub mod patch;
 pub mod rays;
 pub mod solve;
+mod stand_in;
 pub mod stochastic;
 pub mod system;
 pub mod vertices;
@@ -29,4 +31,5 @@ pub use patch::{
 pub use solve::{
     Estimate, FirstPass, Light, Method, PointNormal, Probed, Report, SolveError, probe, solve,
 };
+pub use stand_in::{CHORD_ERROR, faceted};
 pub use system::Balance;

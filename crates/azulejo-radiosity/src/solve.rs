@@ -3,6 +3,7 @@
 use crate::gather::{Effort, Gathering, MOST_RAYS, gather};
 use crate::light::{PatchLight, reflectances};
 use crate::patch::{PatchSize, Patches};
+use crate::stand_in::StandIn;
 use crate::stochastic;
 use crate::system::{Balance, Found, System};
 use crate::vertices;
@@ -162,6 +163,10 @@ pub struct Light {
 
 /// Solves the light of a scene for all viewpoints and gathers it to the vertices.
 ///
+/// In the place of [`Shape::Exact`](azulejo_scene::Shape::Exact) objects polygons are divided
+/// whose chords leave them by at most [`CHORD_ERROR`](crate::CHORD_ERROR) patch edges; they
+/// become the skins of the objects, with `keep_mesh` too.
+///
 /// # Errors
 /// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of `progress` is not
 /// an error: the answer is then as good as the time allowed, and its error says how good.
@@ -171,7 +176,8 @@ pub fn solve(
     pass: &FirstPass,
     progress: &Progress,
 ) -> Result<Light, SolveError> {
-    let solved = Solved::new(scene, tracer, pass, progress)?;
+    let stand_in = StandIn::new(scene, tracer, pass.size);
+    let solved = Solved::new(&stand_in, pass, progress)?;
     let targets = vertices::targets(
         scene,
         &solved.patches,
@@ -188,7 +194,7 @@ pub fn solve(
         seed,
         progress,
     )?;
-    let irradiance = targets.irradiance(scene, &solved.patches, &found);
+    let irradiance = targets.irradiance(&stand_in.scene, &solved.patches, &found);
     Ok(Light {
         irradiance,
         report: solved.report(&found),
@@ -224,6 +230,9 @@ pub struct Probed {
 
 /// Irradiance at given points and normals. `keep_mesh` has no meaning here.
 ///
+/// Points on hollows of exact shapes lie behind the polygons that stand for those, and are moved
+/// onto them.
+///
 /// # Errors
 /// As [`solve`].
 pub fn probe(
@@ -233,7 +242,9 @@ pub fn probe(
     pass: &FirstPass,
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
-    let solved = Solved::new(scene, tracer, pass, progress)?;
+    let stand_in = StandIn::new(scene, tracer, pass.size);
+    let solved = Solved::new(&stand_in, pass, progress)?;
+    let points = stand_in.on_polygons(points);
     let light = solved.light(pass);
     let place = |(i, p): (usize, &PointNormal)| GatherPoint {
         position: p.position,
@@ -274,11 +285,11 @@ struct Solved<'a> {
 
 impl<'a> Solved<'a> {
     fn new(
-        scene: &'a Scene,
-        tracer: &'a Tracer,
+        stand_in: &'a StandIn,
         pass: &FirstPass,
         progress: &Progress,
     ) -> Result<Solved<'a>, SolveError> {
+        let (scene, tracer) = (stand_in.scene.as_ref(), stand_in.tracer.as_ref());
         if !scene.has_light() {
             return Err(SolveError::NoLight);
         }

@@ -3,7 +3,8 @@
 //! A face may be lit from either side. Irradiance is written for the front, so a face that does
 //! not emit and is lit more on its back is turned round: models whose faces look outwards come
 //! out lit all the same. Meshes that are kept as given are not turned, but get the light of the
-//! side that is lit more.
+//! side that is lit more. Exact shapes have an outside, which is always the front; the polygons
+//! that stand for them are never turned.
 
 use crate::gather::Gathering;
 use crate::patch::{Patches, RefinedShape};
@@ -17,16 +18,18 @@ pub struct Targets {
     pub points: Vec<GatherPoint>,
     /// Whether the point stands on the back of its faces.
     is_turned: Vec<bool>,
-    keep_mesh: bool,
+    /// For each object whether it gets light on the vertices that it has.
+    is_kept: Vec<bool>,
 }
 
-/// Chooses the lit side of every display vertex; `incident` is irradiance per side of the
-/// patches.
+/// Chooses the lit side of every display vertex of the scene as given, exact shapes included;
+/// `incident` is irradiance per side of the patches.
 pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bool) -> Targets {
+    let is_mesh = |o: &azulejo_scene::Object| matches!(o.shape, Shape::Mesh(_));
     let mut targets = Targets {
         points: Vec::new(),
         is_turned: Vec::new(),
-        keep_mesh,
+        is_kept: scene.objects.iter().map(|o| keep_mesh && is_mesh(o)).collect(),
     };
     for (index, vertex) in patches.vertices().iter().enumerate() {
         let around = patches.patches_at(index);
@@ -40,7 +43,7 @@ pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bo
             let m = &scene.materials[patches.material(p as usize) as usize];
             !m.is_emitter() && m.dielectric.is_none()
         });
-        let is_mesh = matches!(scene.objects[vertex.object as usize].shape, Shape::Mesh(_));
+        let is_mesh = is_mesh(&scene.objects[vertex.object as usize]);
         let turned = may_turn && is_mesh && sum(false) > sum(true);
         let normal = if turned {
             -vertex.normal
@@ -64,7 +67,7 @@ struct Values<'a> {
 }
 
 impl Targets {
-    /// What was gathered at the points, on the objects.
+    /// What was gathered at the points, on the objects of the scene that was divided.
     pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &Gathering) -> Irradiance {
         let values: Vec<Rgb> = found
             .gathered
@@ -77,7 +80,7 @@ impl Targets {
             error: &found.standard_errors(),
         };
         let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
-            Shape::Mesh(mesh) if self.keep_mesh => given(patches, object as u32, mesh, &light),
+            Shape::Mesh(mesh) if self.is_kept[object] => given(patches, object as u32, mesh, &light),
             _ => self.refined(scene, patches, object as u32, &light),
         };
         Irradiance {

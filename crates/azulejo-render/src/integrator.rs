@@ -145,16 +145,16 @@ impl<'a> Integrator<'a> {
     }
 
     /// Diffusely reflected exitance ρE that the first pass left on the front, W/m².
-    fn radiosity(&self, hit: &KernelHit, material: &Material) -> Rgb {
-        let spot = self.interpolator.spot(hit);
-        spot.irradiance() * spot.reflectance(self.surfaces().scene, material)
+    fn radiosity(&self, at: &Arrival, material: &Material) -> Rgb {
+        let spot = self.interpolator.spot(&at.ray, &at.hit);
+        spot.irradiance() * self.interpolator.reflectance(&at.hit, material)
     }
 
     /// The normal that mirrors and glass bend a ray by: the interpolated one of a smooth mesh, on
     /// the side of the face's own, `facing`; `facing` itself where the mesh has none, or where the
     /// interpolated one would mirror the ray into the face.
     fn smooth_normal(&self, hit: &KernelHit, facing: DVec3, direction: DVec3) -> DVec3 {
-        let Some(normal) = self.interpolator.spot(hit).shading_normal() else {
+        let Some(normal) = self.interpolator.shading_normal(hit) else {
             return facing;
         };
         let n = normal * 1f64.copysign(normal.dot(facing));
@@ -246,7 +246,8 @@ impl Path<'_, '_> {
         let mut own = Rgb::BLACK;
         if material.is_emitter() || !material.diffuse.is_black() {
             let front = surfaces.is_front(&leg.ray, hit);
-            own = self.own_light(leg, &Arrival { hit: *hit, front }, material);
+            let (ray, hit) = (leg.ray, *hit);
+            own = self.own_light(leg, &Arrival { ray, hit, front }, material);
         }
         if material.is_specular() {
             self.scatter(leg, hit, material);
@@ -266,7 +267,7 @@ impl Path<'_, '_> {
     /// Diffusely reflected radiance ρE/π; black if its irradiance is still to be gathered.
     fn reflected(&mut self, leg: &Leg, at: &Arrival, material: &Material) -> Rgb {
         if self.integrator.gather.is_none() && at.front {
-            return self.integrator.radiosity(&at.hit, material) * FRAC_1_PI;
+            return self.integrator.radiosity(at, material) * FRAC_1_PI;
         }
         let tracer = self.integrator.tracer();
         let place = tracer.resolve(&tracer.world_ray(&leg.ray), &at.hit);
@@ -344,17 +345,17 @@ impl DiffuseLight for Integrator<'_> {
         if material.diffuse.is_black() {
             return Glow::default();
         }
-        let grain = self.interpolator.grain(&at.hit);
+        let spot = self.interpolator.spot(&at.ray, &at.hit);
+        let reflectance = self.interpolator.reflectance(&at.hit, material);
         Glow {
-            radiosity: self.radiosity(&at.hit, material).to_f32(),
-            grain: if at.front { grain } else { f32::INFINITY },
+            radiosity: (spot.irradiance() * reflectance).to_f32(),
+            grain: if at.front { spot.grain() } else { f32::INFINITY },
         }
     }
 
     fn reflectance(&self, at: &Arrival) -> Rgb {
         let material = self.surfaces().material(at.hit.item);
-        let spot = self.interpolator.spot(&at.hit);
-        spot.reflectance(self.surfaces().scene, material)
+        self.interpolator.reflectance(&at.hit, material)
     }
 }
 

@@ -1,13 +1,24 @@
 //! Values between vertices: irradiance, colours and texture coordinates at a hit.
 
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Material, Mesh, Primitive, Rgb, Scene, Shape};
-use azulejo_trace::{Item, KernelHit, Tracer};
+use azulejo_scene::{Material, Mesh, Primitive, Rgb, Scene, Shape, TriangleTree};
+use azulejo_trace::{Item, KernelHit, KernelRay, Tracer};
 use glam::{DVec2, DVec3};
 
 /// Looks up, for every item of a tracer, what its hits are interpolated from.
 pub(crate) struct Interpolator<'a> {
     scene: &'a Scene,
+    tracer: &'a Tracer,
+    items: Vec<ItemFace>,
+    /// For each object its polygons, if it is an exact shape that has some.
+    skins: Vec<Option<Skin<'a>>>,
+}
+
+/// The polygons on which an exact shape carries its light.
+struct Skin<'a> {
+    mesh: &'a Mesh,
+    tree: TriangleTree,
+    /// One per triangle of the tree.
     items: Vec<ItemFace>,
 }
 
@@ -26,15 +37,21 @@ struct ItemFace {
     grain: f32,
 }
 
-/// Where on an object a ray arrived.
+/// Where on an object a ray arrived, and the size of the patch there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Spot<'a> {
+pub(crate) struct Spot<'a> {
+    place: Place<'a>,
+    grain: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Place<'a> {
     /// Between the corners of a face.
     Mesh(&'a Mesh, Weights),
     /// At `(u, v)` of a part of a primitive.
     Primitive(&'a Primitive, usize, f64, f64),
-    /// On an exact shape.
-    Exact,
+    /// On an exact shape, beside a face of its skin if it has one.
+    Exact(Option<(&'a Mesh, Weights)>),
 }
 
 /// A mean of up to four corners of one face.
@@ -48,7 +65,7 @@ pub(crate) struct Weights {
 
 impl<'a> Interpolator<'a> {
     /// Looks up every item of `tracer`, which must have been made from `scene`.
-    pub fn new(scene: &'a Scene, tracer: &Tracer) -> Interpolator<'a> {
+    pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> Interpolator<'a> {
         // Items of one face follow each other, so each face is divided once.
         let mut last = (u32::MAX, u32::MAX);
         let mut triangles = Vec::new();
@@ -66,57 +83,144 @@ impl<'a> Interpolator<'a> {
         });
         Interpolator {
             items: items.collect(),
+            skins: scene.objects.iter().map(|o| Skin::of(&o.shape)).collect(),
             scene,
+            tracer,
         }
     }
 
-    /// The spot that a hit names.
-    pub fn spot(&self, hit: &KernelHit) -> Spot<'a> {
+    /// The spot at which a ray arrived.
+    pub fn spot(&self, ray: &KernelRay, hit: &KernelHit) -> Spot<'a> {
         let item = &self.items[hit.item as usize];
         let (u, v) = (f64::from(hit.u), f64::from(hit.v));
-        match &self.scene.objects[item.object as usize].shape {
-            Shape::Mesh(mesh) => Spot::Mesh(mesh, Weights::on_face(item, u, v)),
-            Shape::Primitive(p) => Spot::Primitive(p, item.start as usize, u, v),
-            Shape::Exact(_) => Spot::Exact,
+        let place = match &self.scene.objects[item.object as usize].shape {
+            Shape::Mesh(mesh) => Place::Mesh(mesh, Weights::on_face(item, u, v)),
+            Shape::Primitive(p) => Place::Primitive(p, item.start as usize, u, v),
+            Shape::Exact(_) => return self.on_skin(item.object, ray, hit),
+        };
+        Spot {
+            place,
+            grain: item.grain,
         }
     }
 
-    /// Size of the patch that a hit falls on, scene units: nearer than this its interpolated
-    /// irradiance is too coarse. Infinite where there is no irradiance.
-    pub fn grain(&self, hit: &KernelHit) -> f32 {
-        self.items[hit.item as usize].grain
+    fn on_skin(&self, object: u32, ray: &KernelRay, hit: &KernelHit) -> Spot<'a> {
+        let near = self.skins[object as usize].as_ref().and_then(|skin| {
+            let at = self.tracer.resolve(&self.tracer.world_ray(ray), hit);
+            let on = skin.tree.nearest(at.position, at.normal)?;
+            let item = &skin.items[on.index as usize];
+            Some((skin.mesh, Weights::on_face(item, on.u, on.v), item.grain))
+        });
+        Spot {
+            place: Place::Exact(near.map(|(mesh, weights, _)| (mesh, weights))),
+            grain: near.map_or(f32::INFINITY, |near| near.2),
+        }
+    }
+
+    /// Unit shading normal at a hit, interpolated; `None` where the object has none of its own:
+    /// exact shapes are smooth by themselves.
+    pub fn shading_normal(&self, hit: &KernelHit) -> Option<DVec3> {
+        let item = &self.items[hit.item as usize];
+        let Shape::Mesh(mesh) = &self.scene.objects[item.object as usize].shape else {
+            return None;
+        };
+        let normals = mesh.normals.as_ref()?;
+        let weights = Weights::on_face(item, f64::from(hit.u), f64::from(hit.v));
+        let pairs = weights.corners.iter().zip(weights.weights);
+        let sum: DVec3 = pairs
+            .map(|(&c, w)| w * normals.at(c, mesh.faces.corners[c]))
+            .sum();
+        sum.try_normalize()
+    }
+
+    /// Diffuse reflectance at a hit: the material's, times vertex colours, times textures.
+    ///
+    /// Textures that could not be loaded, and those on objects without texture coordinates,
+    /// change nothing.
+    pub fn reflectance(&self, hit: &KernelHit, material: &Material) -> Rgb {
+        let item = &self.items[hit.item as usize];
+        let mut reflectance = material.diffuse;
+        let mesh = match &self.scene.objects[item.object as usize].shape {
+            Shape::Mesh(mesh) if !(mesh.colors.is_empty() && material.textures.is_empty()) => mesh,
+            _ => return reflectance,
+        };
+        let weights = Weights::on_face(item, f64::from(hit.u), f64::from(hit.v));
+        if !mesh.colors.is_empty() {
+            reflectance *= weights.of_vertices(mesh, &mesh.colors);
+        }
+        if let (false, Some(uv)) = (material.textures.is_empty(), weights.uv(mesh)) {
+            for &id in &material.textures {
+                if let Some(image) = &self.scene.textures[id as usize].image {
+                    reflectance *= Rgb::from(image.sample(uv.x, uv.y).map(f64::from));
+                }
+            }
+        }
+        reflectance
+    }
+}
+
+impl<'a> Skin<'a> {
+    /// `None` for what has no skin with light on it.
+    fn of(shape: &'a Shape) -> Option<Skin<'a>> {
+        let Shape::Exact(exact) = shape else {
+            return None;
+        };
+        let mesh = exact.skin.as_deref().filter(|m| !m.irradiance.is_empty())?;
+        let tree = TriangleTree::new(mesh);
+        let item = |k: u32| {
+            let triangle = tree.triangle(k);
+            ItemFace::of_mesh(mesh, triangle.face as usize, triangle.corners)
+        };
+        Some(Skin {
+            mesh,
+            items: (0..tree.len() as u32).map(item).collect(),
+            tree,
+        })
     }
 }
 
 impl ItemFace {
     fn new(scene: &Scene, item: &Item, corners: [u32; 3]) -> ItemFace {
-        let (start, fourth, grain) = match &scene.objects[item.object as usize].shape {
-            Shape::Mesh(mesh) => {
-                let positions = mesh.face_positions(item.face as usize);
-                let size = area_vector(&positions).length().sqrt();
-                let start = mesh.faces.starts[item.face as usize];
-                let is_solved = !mesh.irradiance.is_empty();
-                (
-                    start,
-                    fourth_corner(&positions, corners),
-                    is_solved.then_some(size),
-                )
-            }
+        let object = item.object;
+        match &scene.objects[object as usize].shape {
+            Shape::Mesh(mesh) => ItemFace {
+                object,
+                ..ItemFace::of_mesh(mesh, item.face as usize, corners)
+            },
             Shape::Primitive(p) => {
-                let size = p
-                    .light
-                    .as_ref()
-                    .map(|_| cell_area(p, item.face as usize).sqrt());
-                (item.face, None, size)
+                let size = || cell_area(p, item.face as usize).sqrt();
+                ItemFace {
+                    object,
+                    start: item.face,
+                    corners,
+                    fourth: [f32::NAN; 2],
+                    grain: p.light.as_ref().map_or(f32::INFINITY, |_| size() as f32),
+                }
             }
-            Shape::Exact(_) => (item.face, None, None),
+            Shape::Exact(_) => ItemFace {
+                object,
+                start: item.face,
+                corners,
+                fourth: [f32::NAN; 2],
+                grain: f32::INFINITY,
+            },
+        }
+    }
+
+    /// A triangle of a face; of object 0.
+    fn of_mesh(mesh: &Mesh, face: usize, corners: [u32; 3]) -> ItemFace {
+        let positions = mesh.face_positions(face);
+        let fourth = fourth_corner(&positions, corners);
+        let size = match mesh.irradiance.is_empty() {
+            true => f32::INFINITY,
+            false => area_vector(&positions).length().sqrt() as f32,
         };
         ItemFace {
-            object: item.object,
-            start,
+            object: 0,
+            start: mesh.faces.starts[face],
             corners,
             fourth: fourth.map_or([f32::NAN; 2], |c| c.as_vec2().to_array()),
-            grain: grain.map_or(f32::INFINITY, |size| size as f32),
+            grain: size,
         }
     }
 }
@@ -151,50 +255,23 @@ fn cell_area(p: &Primitive, part: usize) -> f64 {
 impl Spot<'_> {
     /// Irradiance that the first pass left here, W/m²; black where it left none.
     pub fn irradiance(&self) -> Rgb {
-        match self {
-            Spot::Mesh(mesh, _) if mesh.irradiance.is_empty() => Rgb::BLACK,
-            Spot::Mesh(mesh, weights) => weights.of_vertices(mesh, &mesh.irradiance),
-            Spot::Exact => Rgb::BLACK,
-            Spot::Primitive(p, part, u, v) => match &p.light {
+        match &self.place {
+            Place::Mesh(mesh, _) if mesh.irradiance.is_empty() => Rgb::BLACK,
+            Place::Mesh(mesh, weights) | Place::Exact(Some((mesh, weights))) => {
+                weights.of_vertices(mesh, &mesh.irradiance)
+            }
+            Place::Exact(None) => Rgb::BLACK,
+            Place::Primitive(p, part, u, v) => match &p.light {
                 Some(light) => light.at(*part, *u, *v),
                 None => Rgb::BLACK,
             },
         }
     }
 
-    /// Unit shading normal, interpolated; `None` where the object has none of its own.
-    pub fn shading_normal(&self) -> Option<DVec3> {
-        let Spot::Mesh(mesh, weights) = self else {
-            return None;
-        };
-        let normals = mesh.normals.as_ref()?;
-        let pairs = weights.corners.iter().zip(weights.weights);
-        let sum: DVec3 = pairs
-            .map(|(&c, w)| w * normals.at(c, mesh.faces.corners[c]))
-            .sum();
-        sum.try_normalize()
-    }
-
-    /// Diffuse reflectance: the material's, times vertex colours, times textures.
-    ///
-    /// Textures that could not be loaded, and those on objects without texture coordinates,
-    /// change nothing.
-    pub fn reflectance(&self, scene: &Scene, material: &Material) -> Rgb {
-        let mut reflectance = material.diffuse;
-        let Spot::Mesh(mesh, weights) = self else {
-            return reflectance;
-        };
-        if !mesh.colors.is_empty() {
-            reflectance *= weights.of_vertices(mesh, &mesh.colors);
-        }
-        if let (false, Some(uv)) = (material.textures.is_empty(), weights.uv(mesh)) {
-            for &id in &material.textures {
-                if let Some(image) = &scene.textures[id as usize].image {
-                    reflectance *= Rgb::from(image.sample(uv.x, uv.y).map(f64::from));
-                }
-            }
-        }
-        reflectance
+    /// Size of the patch here, scene units: nearer than this its interpolated irradiance is too
+    /// coarse. Infinite where there is no irradiance.
+    pub fn grain(&self) -> f32 {
+        self.grain
     }
 }
 

@@ -12,8 +12,8 @@ mod emitters;
 use crate::follow::{Event, Path, Scratch, Via, follow};
 use crate::sampling::{cosine_hemisphere, hash, seeds, sobol, uniform};
 use crate::{KernelHit, KernelRay, Surfaces};
-use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
+use azulejo_scene::{Rgb, Shape};
 use direct::Direct;
 use emitters::Emitters;
 use glam::DVec3;
@@ -47,6 +47,8 @@ pub struct GatherPoint {
 /// A diffuse surface at the end of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
+    /// The ray.
+    pub ray: KernelRay,
     /// Where.
     pub hit: KernelHit,
     /// Which side.
@@ -156,13 +158,16 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts
-    /// already: zero for most.
+    /// already: zero for most. Exact shapes are no lamps of the direct light: all that they emit
+    /// is found here.
     pub fn stray_exitance(&self, hit: &KernelHit, front: bool, via: Via) -> Rgb {
         if !self.surfaces.is_emitter(hit.item) {
             return Rgb::BLACK;
         }
         let is_flat = self.surfaces.flat_normal(hit.item).is_some();
-        if self.counts_direct(is_flat, via) {
+        let object = self.surfaces.item(hit.item).object as usize;
+        let is_exact = matches!(self.surfaces.scene.objects[object].shape, Shape::Exact(_));
+        if !is_exact && self.counts_direct(is_flat, via) {
             Rgb::BLACK
         } else {
             self.surfaces.material(hit.item).emission_from(front) * PI
@@ -325,7 +330,6 @@ impl DirectionTables {
 struct Contact {
     id: u32,
     weight: [f32; 3],
-    ray: KernelRay,
     at: Arrival,
 }
 
@@ -350,14 +354,14 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
                 Event::Escape => ambient,
                 Event::Cut | Event::Absorbed => return,
                 Event::Surface { hit, front } => {
-                    let at = Arrival { hit, front };
+                    let ray = path.ray;
+                    let at = Arrival { ray, hit, front };
                     let glow = light.glow(&at, replicate);
                     let stray = gatherer.stray_exitance(&hit, front, path.via);
                     if allowed && path.depth == 0 && hit.t < glow.grain {
                         near.push(Contact {
                             id: path.id,
                             weight: path.weight,
-                            ray: path.ray,
                             at,
                         });
                         stray
@@ -380,7 +384,7 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
         let mut points = Vec::with_capacity(contacts.len());
         paths.clear();
         for (index, contact) in contacts.iter().enumerate() {
-            let found = tracer.resolve(&tracer.world_ray(&contact.ray), &contact.at.hit);
+            let found = tracer.resolve(&tracer.world_ray(&contact.at.ray), &contact.at.hit);
             let normal = if contact.at.front {
                 found.normal
             } else {
