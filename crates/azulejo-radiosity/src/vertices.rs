@@ -29,7 +29,11 @@ pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bo
     let mut targets = Targets {
         points: Vec::new(),
         is_turned: Vec::new(),
-        is_kept: scene.objects.iter().map(|o| keep_mesh && is_mesh(o)).collect(),
+        is_kept: scene
+            .objects
+            .iter()
+            .map(|o| keep_mesh && is_mesh(o))
+            .collect(),
     };
     for (index, vertex) in patches.vertices().iter().enumerate() {
         let around = patches.patches_at(index);
@@ -80,7 +84,9 @@ impl Targets {
             error: &found.standard_errors(),
         };
         let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
-            Shape::Mesh(mesh) if self.is_kept[object] => given(patches, object as u32, mesh, &light),
+            Shape::Mesh(mesh) if self.is_kept[object] => {
+                given(patches, object as u32, mesh, &light)
+            }
             _ => self.refined(scene, patches, object as u32, &light),
         };
         Irradiance {

@@ -349,7 +349,11 @@ impl DiffuseLight for Integrator<'_> {
         let reflectance = self.interpolator.reflectance(&at.hit, material);
         Glow {
             radiosity: (spot.irradiance() * reflectance).to_f32(),
-            grain: if at.front { spot.grain() } else { f32::INFINITY },
+            grain: if at.front {
+                spot.grain()
+            } else {
+                f32::INFINITY
+            },
         }
     }
 

@@ -6,6 +6,7 @@
 mod agreement;
 mod bad_scenes;
 mod determinism;
+mod exact;
 mod form_factor_matrix;
 mod form_factors;
 mod furnace;

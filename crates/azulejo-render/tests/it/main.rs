@@ -1,6 +1,7 @@
 //! Tests of the second pass through its public door.
 
 mod behaviour;
+mod exact;
 mod furnace;
 mod gallery;
 mod gather;

@@ -1,0 +1,221 @@
+//! Exact shapes in pictures: irradiance read from their skins, light that they give.
+
+use crate::{assert_close, camera, look, polygon};
+use azulejo_render::{SecondPass, render};
+use azulejo_scene::{
+    Contour, Csg, Curve, Exact, Figure, FillRule, Material, Mesh, Object, Operation, Primitive,
+    Prism, Rgb, Scene, Shape, Solid,
+};
+use azulejo_trace::{Progress, Tracer};
+use glam::{DAffine3, DMat3, DVec2, DVec3, dvec2, dvec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A ring with a corner at each quarter: curves, creases and a hole.
+fn ring() -> Figure {
+    let petals = |radius: f64| {
+        let arc = |k: u32| {
+            let turn = DVec2::from_angle(f64::from(k) * PI / 2.0);
+            let at = |x, y| radius * turn.rotate(dvec2(x, y));
+            Curve::Cubic {
+                start: at(1.0, 0.0),
+                control1: at(1.0, 0.8),
+                control2: at(0.8, 1.0),
+            }
+        };
+        Contour {
+            curves: (0..4).map(arc).collect(),
+        }
+    };
+    Figure {
+        contours: vec![petals(1.0), petals(0.5)],
+        rule: FillRule::EvenOdd,
+    }
+}
+
+fn prism(figure: Figure, map: DAffine3) -> Solid {
+    Solid::Prism(Prism {
+        figure: Arc::new(figure),
+        world_from_figure: map,
+        material: 0,
+    })
+}
+
+/// A cylinder-like prism with a ball bitten out of it.
+fn bitten() -> Solid {
+    let ball = Primitive::sphere(dvec3(0.8, 0.0, 1.0), 0.6, 0);
+    Solid::Csg(Box::new(Csg {
+        operation: Operation::Difference,
+        left: vec![prism(ring(), DAffine3::IDENTITY)],
+        right: vec![Solid::Primitive(ball)],
+    }))
+}
+
+/// A scene of solids whose skin carries `irradiance` of position and normal.
+fn lit(solids: Vec<Solid>, irradiance: impl Fn(DVec3) -> Rgb) -> Scene {
+    let mut scene = Scene::default();
+    scene.add_material(Material::diffuse("white", Rgb::grey(0.8)));
+    let mut exact = Exact::new(solids);
+    let mut skin = exact.tessellate(0.02);
+    skin.irradiance = skin.positions.iter().map(|&p| irradiance(p)).collect();
+    exact.skin = Some(Box::new(skin));
+    scene
+        .objects
+        .push(Object::new("exact", Shape::Exact(exact)));
+    scene
+}
+
+/// The same scene with the skin as the shape.
+fn as_mesh(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    for object in &mut scene.objects {
+        if let Shape::Exact(exact) = &object.shape {
+            object.shape = Shape::Mesh(Mesh::clone(exact.skin.as_ref().unwrap()));
+        }
+    }
+    scene
+}
+
+fn picture(scene: &Scene) -> Vec<Rgb> {
+    scene.validate().expect("the test's scene is valid");
+    let eye = camera(dvec3(2.0, 2.5, 5.0), DVec3::ZERO, 40.0);
+    let options = SecondPass {
+        size: (80, 60),
+        samples_per_pixel: 4,
+        ..SecondPass::default()
+    };
+    let tracer = Tracer::new(scene);
+    let image = render(scene, &tracer, &eye, &options, &Progress::new()).expect("not cancelled");
+    let pixels = image.pixels.iter();
+    pixels.map(|p| Rgb::from(p.map(f64::from))).collect()
+}
+
+/// Share of pixels that differ by more than `within` between a shape and its skin.
+fn differ(scene: &Scene, within: f64) -> f64 {
+    let (exact, polygons) = (picture(scene), picture(&as_mesh(scene)));
+    assert!(exact.iter().filter(|p| !p.is_black()).count() > exact.len() / 12);
+    let off = exact.iter().zip(&polygons).filter(|(a, b)| {
+        let d = **a - **b;
+        (0..3).any(|k| d[k].abs() > within)
+    });
+    off.count() as f64 / exact.len() as f64
+}
+
+#[test]
+fn pictures_of_prisms_are_those_of_their_polygons() {
+    let light = |p: DVec3| Rgb::new(2.0 + p.x, 2.0 + p.y, 2.0 + p.z);
+    let square = Figure::polygon([(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(DVec2::from));
+    let oblique = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Y, dvec3(0.3, 0.2, 1.0)));
+    // Flat shapes agree but for the rounding of hits; curved ones but for outlines and creases.
+    let flat = differ(&lit(vec![prism(square, oblique)], light), 1e-3);
+    let curved = differ(&lit(vec![prism(ring(), oblique)], light), 2e-2);
+    let cut = differ(&lit(vec![bitten()], light), 2e-2);
+    eprintln!("{flat} {curved} {cut}");
+    assert!(
+        flat < 1e-3 && curved < 2e-2 && cut < 2e-2,
+        "{flat} {curved} {cut}"
+    );
+}
+
+/// Light does not cross a crease: a cap in the light beside a side in the dark.
+#[test]
+fn creases_keep_their_light_apart() {
+    let mut scene = lit(vec![prism(ring(), DAffine3::IDENTITY)], |_| Rgb::BLACK);
+    let Shape::Exact(exact) = &mut scene.objects[0].shape else {
+        panic!("exact")
+    };
+    // A skin as the first pass leaves it: no vertex belongs to both a cap and a side.
+    let skin = exact.skin.as_mut().unwrap();
+    let (faces, materials) = (skin.faces.clone(), skin.face_materials.clone());
+    let mut split = Mesh::default();
+    for (face, ring) in faces.iter().enumerate() {
+        let normal = skin.face_area_vector(face).normalize();
+        let first = split.positions.len() as u32;
+        split.positions.extend(skin.face_positions(face));
+        let e = if normal.z > 0.9 { 1.0 } else { 0.0 };
+        split.irradiance.extend(ring.iter().map(|_| Rgb::grey(e)));
+        let corners: Vec<u32> = (first..split.positions.len() as u32).collect();
+        split.push_face(&corners, materials[face]);
+    }
+    **skin = split;
+    let edge = |inside: f64| {
+        let out = DVec2::from_angle(0.5);
+        let rim = (0..200)
+            .map(|k| 1.3 - 0.002 * f64::from(k))
+            .find(|&r| ring().contains(r * out));
+        ((rim.unwrap() - inside) * out).extend(1.0)
+    };
+    let from_above = (dvec3(0.0, 0.0, 9.0), edge(0.004));
+    let side = edge(0.0) - dvec3(0.0, 0.0, 0.01);
+    let from_beside = (side + dvec3(4.0, 2.2, 0.0), side);
+    let seen = look(&scene, &[from_above, from_beside], &SecondPass::default());
+    assert_close(seen[0], Rgb::grey(0.8 / PI), 1e-6);
+    assert_close(seen[1], Rgb::BLACK, 1e-6);
+}
+
+/// A shape without light on it is black, and shines by itself all the same.
+#[test]
+fn unsolved_shapes_are_dark() {
+    let mut scene = lit(vec![prism(ring(), DAffine3::IDENTITY)], |_| Rgb::WHITE);
+    let Shape::Exact(exact) = &mut scene.objects[0].shape else {
+        panic!("exact")
+    };
+    exact.skin = None;
+    let ray = [(dvec3(0.0, 0.8, 9.0), dvec3(0.0, 0.8, 0.0))];
+    assert_eq!(look(&scene, &ray, &SecondPass::default()), [Rgb::BLACK]);
+    scene.materials[0].emission = Rgb::grey(2.0);
+    assert_eq!(look(&scene, &ray, &SecondPass::default()), [Rgb::grey(2.0)]);
+}
+
+/// Final gathers find the light of an exact lamp once, whatever lamps there are besides.
+#[test]
+fn gathers_see_exact_lamps_once() {
+    let irradiance = |shape: fn(DAffine3) -> Shape, others: &[Shape]| {
+        let mut scene = Scene::default();
+        scene.add_material(Material {
+            emission: Rgb::grey(1.0),
+            ..Material::diffuse("lamp", Rgb::BLACK)
+        });
+        scene.add_material(Material::diffuse("floor", Rgb::WHITE));
+        let corners = [(-5., -5.), (5., -5.), (5., 5.), (-5., 5.)];
+        let floor = polygon(&mut scene, &corners.map(|(x, y)| dvec3(x, y, 0.0)), 1);
+        crate::mesh_of(&mut scene, floor).irradiance = vec![Rgb::BLACK; 4];
+        let map = DAffine3::from_scale_rotation_translation(
+            dvec3(2.0, 2.0, 0.1),
+            glam::DQuat::IDENTITY,
+            dvec3(-1.0, -1.0, 1.0),
+        );
+        let all = std::iter::once(shape(map)).chain(others.iter().cloned());
+        scene.objects.extend(all.map(|s| Object::new("lamp", s)));
+        let options = SecondPass {
+            gather: Some(4096),
+            samples_per_pixel: 4,
+            ..SecondPass::default()
+        };
+        let ray = (dvec3(3.0, 0.0, 0.5), dvec3(0.5, 0.2, 0.0));
+        look(&scene, &[ray], &options)[0].g * PI
+    };
+    let exact = |map| {
+        let square = Figure::polygon([(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(DVec2::from));
+        Shape::Exact(Exact::new(vec![prism(square, map)]))
+    };
+    let boxed = |map| {
+        let kind = azulejo_scene::PrimitiveKind::Cuboid;
+        Shape::Primitive(Primitive::new(kind, map, 0))
+    };
+    let globe = Shape::Primitive(Primitive::sphere(dvec3(-3.0, 0.0, 2.0), 0.3, 0));
+    let sheet = Primitive::parallelogram(dvec3(3.0, 3.0, 1.0), DVec3::Y, DVec3::X, 0);
+    for others in [
+        vec![],
+        vec![globe.clone()],
+        vec![Shape::Primitive(sheet), globe],
+    ] {
+        let (found, expected) = (irradiance(exact, &others), irradiance(boxed, &others));
+        let off = (found / expected - 1.0).abs();
+        assert!(
+            off < 1e-2,
+            "{found}, not {expected}, beside {} lamps",
+            others.len()
+        );
+    }
+}
