@@ -110,7 +110,6 @@ fn pictures_of_prisms_are_those_of_their_polygons() {
     let flat = differ(&lit(vec![prism(square, oblique)], light), 1e-3);
     let curved = differ(&lit(vec![prism(ring(), oblique)], light), 2e-2);
     let cut = differ(&lit(vec![bitten()], light), 2e-2);
-    eprintln!("{flat} {curved} {cut}");
     assert!(
         flat < 1e-3 && curved < 2e-2 && cut < 2e-2,
         "{flat} {curved} {cut}"
