@@ -12,6 +12,7 @@ mod film;
 mod integrator;
 mod interpolate;
 mod pass;
+pub mod rtrace;
 mod tone;
 
 pub use pass::{SecondPass, radiance, render};

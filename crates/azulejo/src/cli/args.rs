@@ -238,14 +238,71 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub view: View,
     #[command(flatten)]
+    pub look: LookArgs,
+    #[command(flatten)]
     pub first_pass: FirstPassArgs,
+}
+
+/// Whose picture it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LookName {
+    /// Light as it is
+    Physical,
+    /// An SFF or SCN scene as RTRACE drew it
+    Rtrace,
+}
+
+/// RTRACE's options; the letters in brackets are its own.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Look")]
+pub struct LookArgs {
+    /// Light as it is, or an SFF or SCN scene as RTRACE drew it, for which the rest of these are
+    #[arg(long, value_name = "LOOK", value_enum, default_value_t = LookName::Physical)]
+    pub look: LookName,
+    /// How surfaces shine (m): 0 Phong, 1 Strauss [default: 1]
+    #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
+    pub look_model: Option<u8>,
+    /// Textures (t): 0 none, 1 those among the objects, 2 those in a section of their own
+    /// [default: 0]
+    #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub look_textures: Option<u8>,
+    /// Shadows (l): 0 opaque, 1 filtered by glass, 2 and light through glass [default: 0]
+    #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub look_shadows: Option<u8>,
+    /// How often a pixel is halved, 0 to 3 (p) [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=3))]
+    pub look_levels: Option<u8>,
+    /// How much the corners of a pixel that is halved differ (A); below 0, their contrast
+    /// [default: 0.05]
+    #[arg(long, value_name = "SHARE", value_parser = values::threshold,
+          allow_hyphen_values = true)]
+    pub look_threshold: Option<f64>,
+    /// Which pixels are halved (a): 0 again and again where they differ, 1 all at once where they
+    /// differ, 2 all at once everywhere [default: 0]
+    #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub look_antialiasing: Option<u8>,
+    /// Look for objects inside a pixel that its corners do not see (i1): fine lines stay whole
+    #[arg(long)]
+    pub look_all_objects: bool,
+    /// Most surfaces along a path (s) [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub look_depth: Option<u32>,
+    /// Paths end that carry less (S) [default: 1%]
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
+    pub look_cut: Option<f64>,
+    /// So many surfaces along a path gather their ambient light with rays (d) [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=64))]
+    pub look_ambient_depth: Option<u32>,
+    /// Rays that gather ambient light (D) [default: 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
+    pub look_ambient_samples: Option<u32>,
 }
 
 /// The picture.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct Picture {
-    /// Width and height in pixels [default: the camera's, or 512x512]
+    /// Width and height in pixels [default: the camera's, or 512x512; RTRACE's is 256x256]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub size: Option<(u32, u32)>,
     /// Samples per pixel
@@ -351,7 +408,8 @@ const RENDER_EXAMPLES: &str = "\
 Examples:
   azulejo render room.grf -o room.png
   azulejo render room.grf -o room.png --from 2,1.6,5 --at 0,1,0 --fov 60 --exposure 1.5
-  azulejo render room.obj --camera room.json -o room.exr --size 1280x720 --spp 64 --gather 128";
+  azulejo render room.obj --camera room.json -o room.exr --size 1280x720 --spp 64 --gather 128
+  azulejo render demo.sff --look rtrace --look-textures 2 --look-levels 3 -o demo.png";
 
 const PROBE_EXAMPLES: &str = "\
 Examples:

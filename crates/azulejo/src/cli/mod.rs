@@ -10,6 +10,7 @@ mod generate;
 mod info;
 mod input;
 mod interrupt;
+mod look;
 mod npy;
 mod npz;
 mod output;

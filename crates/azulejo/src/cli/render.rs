@@ -1,11 +1,11 @@
 //! `render`: the second pass, from scene to picture.
 
-use super::args::{Picture, RenderArgs, ToneName};
+use super::args::{LookName, Picture, RenderArgs, ToneName};
 use super::failure::Failure;
 use super::output::Output;
 use super::report::{Report, number, short};
 use super::session::Session;
-use super::{input, pass, view};
+use super::{input, look, pass, view};
 use azulejo_formats::{exr, hdr, png};
 use azulejo_render::{SecondPass, Tone};
 use azulejo_scene::{Image, Scene};
@@ -23,25 +23,39 @@ enum Format {
 /// Runs `render`.
 pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> {
     let format = format_of(&args.output)?;
+    look::check(args)?;
     let output = Output::check(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     session.set_makes_picture();
     let mut scene = input::read_all(&args.input, session)?;
-    let (camera, size) =
-        view::choose(&args.view, args.picture.size, &scene, args.input.reading.up)?;
     let mut report = Report::default();
-    let tracer = lit(&mut scene, args, session, &mut report)?;
-    let options = options(&args.picture, args.first_pass.seed, size);
-    let image = session
-        .watched(|progress| azulejo_render::render(&scene, &tracer, &camera, &options, progress))?;
+    let image = match args.look.look {
+        LookName::Physical => physical(&mut scene, args, session, &mut report)?,
+        LookName::Rtrace => look::draw(&scene, args, session)?,
+    };
     write(&image, format, args, &output, session, &mut report)?;
-    let (width, height) = size;
+    let (width, height) = (image.width, image.height);
     report.value("width", width);
     report.value("height", height);
     let path = args.output.display().to_string();
     let words = format!("{path}, {width} x {height} pixels");
     report.fact("output", path, "wrote", words);
     Ok(report)
+}
+
+/// Solves the scene if it carries no light yet, and draws it.
+fn physical(
+    scene: &mut Scene,
+    args: &RenderArgs,
+    session: &Session,
+    report: &mut Report,
+) -> Result<Image, Failure> {
+    let (camera, size) = view::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
+    let tracer = lit(scene, args, session, report)?;
+    let options = options(&args.picture, args.first_pass.seed, size);
+    let image = session
+        .watched(|progress| azulejo_render::render(scene, &tracer, &camera, &options, progress))?;
+    Ok(image)
 }
 
 /// Makes sure that the scene carries light, and prepares it for tracing.
@@ -110,6 +124,12 @@ fn write(
     match format {
         Format::Exr => output.write(progress, |out| exr::write(image, out)),
         Format::Hdr => output.write(progress, |out| hdr::write(image, out)),
+        Format::Png if args.look.look == LookName::Rtrace => {
+            let pixels = azulejo_render::rtrace::bytes(image);
+            output.write(progress, |out| {
+                png::write(image.width, image.height, &pixels, out)
+            })
+        }
         Format::Png => {
             let factor = match args.picture.exposure {
                 Some(stops) => stops.exp2(),

@@ -41,6 +41,14 @@ pub fn fraction(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A threshold that may be negative: between −1 and 1.
+pub fn threshold(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        x if x.abs() < 1.0 => Ok(x),
+        x => Err(format!("{x} is not between -1 and 1")),
+    }
+}
+
 /// Splits `60s` into its number and its unit, which may be empty.
 fn with_unit(text: &str) -> Result<(f64, &str), String> {
     let unit = text

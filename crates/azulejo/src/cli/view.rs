@@ -41,7 +41,8 @@ pub fn choose(
     Ok((camera, size))
 }
 
-fn by_name_or_file(name: &str, scene: &Scene) -> Result<Camera, Failure> {
+/// A camera of the scene, or of a camera file.
+pub fn by_name_or_file(name: &str, scene: &Scene) -> Result<Camera, Failure> {
     if let Some(camera) = scene.cameras.iter().find(|c| c.name == name) {
         return Ok(camera.clone());
     }
@@ -94,7 +95,8 @@ fn check(camera: &Camera) -> Result<(), Failure> {
     ))
 }
 
-fn check_size((width, height): (u32, u32)) -> Result<(), Failure> {
+/// Whether a picture has pixels, and not more than anybody wants.
+pub fn check_size((width, height): (u32, u32)) -> Result<(), Failure> {
     if (1..=MAX_PIXELS).contains(&(u64::from(width) * u64::from(height))) {
         return Ok(());
     }

@@ -5,6 +5,7 @@ mod bad_input;
 mod commands;
 mod files;
 mod reading;
+mod rtrace;
 mod support;
 
 #[cfg(unix)]

@@ -1,0 +1,189 @@
+//! Old scenes as they were: RTRACE's own picture of an SFF or SCN scene.
+//!
+//! RTRACE (António Costa, INESC-Norte, 1988 to 1994) is a ray tracer after Whitted with its own
+//! ideas of light: lamps that fade with distance but not with its square, surfaces whose mirror
+//! and highlight are one number, everything fading to black with the length of its ray. [`render`]
+//! computes what that program computes, from the numbers that a reader keeps in
+//! [`Rtrace`]; docs/look-rtrace.md says what is the same and what is not.
+
+mod ambient;
+mod light;
+mod map;
+mod noise;
+mod pixels;
+mod relief;
+mod shade;
+mod strauss;
+mod texture;
+mod view;
+mod world;
+
+#[cfg(test)]
+mod tests;
+
+pub use view::View;
+
+use azulejo_scene::rtrace::Rtrace;
+use azulejo_scene::{Image, Scene};
+use azulejo_trace::{Cancelled, Progress};
+use pixels::Pixels;
+use rayon::prelude::*;
+use shade::Shader;
+use view::Lens;
+
+/// RTRACE's options that shape the picture. The letters are its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// `m`: how surfaces shine.
+    pub model: Model,
+    /// `t`: which textures count.
+    pub textures: Textures,
+    /// `l`: what stands before a light.
+    pub shadows: Shadows,
+    /// `s`: surfaces along a path, mirrored and refracted, at least 1.
+    pub depth: u32,
+    /// `S`: a path ends where the product of its mirrors and glasses is not above this.
+    pub cut: f64,
+    /// How pixels are divided.
+    pub antialiasing: Antialiasing,
+    /// `d`: so many surfaces along a path gather their ambient light with rays.
+    pub ambient_depth: u32,
+    /// `D`: rays that gather it, shared between diffuse and mirrored light.
+    pub ambient_samples: u32,
+}
+
+impl Default for Options {
+    /// RTRACE's own: Strauss's model, no textures, opaque shadows, 8 surfaces, cut at 1%, the
+    /// corners of pixels alone, even ambient light.
+    fn default() -> Options {
+        Options {
+            model: Model::Strauss,
+            textures: Textures::None,
+            shadows: Shadows::Opaque,
+            depth: 8,
+            cut: 0.01,
+            antialiasing: Antialiasing::default(),
+            ambient_depth: 0,
+            ambient_samples: 16,
+        }
+    }
+}
+
+/// How surfaces shine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// 0: Phong's.
+    Phong,
+    /// 1: Strauss's (*A realistic lighting model for computer animators*, 1990), changed.
+    Strauss,
+}
+
+/// Which textures count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Textures {
+    /// 0: none.
+    None,
+    /// 1: those among the objects.
+    Inline,
+    /// 2: those of a section of their own.
+    Section,
+}
+
+/// What stands before a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shadows {
+    /// 0: everything is opaque, glass too.
+    Opaque,
+    /// 1: each object lets through its share, once.
+    Filtered,
+    /// 2: and lights behind a glass surface light it.
+    Transmitted,
+}
+
+/// How pixels are divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Antialiasing {
+    /// `a`: which pixels.
+    pub mode: AntialiasingMode,
+    /// `p`: how often a pixel is halved, 0..=3. 0: it is the mean of its corners.
+    pub levels: u32,
+    /// `A`: corners that differ by more (root mean square of the channels) divide a pixel; if
+    /// negative, its magnitude is compared with the contrast instead.
+    pub threshold: f64,
+    /// `i`: whether the rays inside a pixel may meet objects that none of its corners saw. Not
+    /// as RTRACE has it by itself: fine lines break.
+    pub all_objects: bool,
+}
+
+impl Default for Antialiasing {
+    fn default() -> Antialiasing {
+        Antialiasing {
+            mode: AntialiasingMode::Adaptive,
+            levels: 0,
+            threshold: 0.05,
+            all_objects: false,
+        }
+    }
+}
+
+/// Which pixels are divided, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AntialiasingMode {
+    /// 0: quarters whose corners differ, again and again.
+    Adaptive,
+    /// 1: pixels whose corners differ, all at once.
+    SemiAdaptive,
+    /// 2: all pixels, all at once.
+    Fixed,
+}
+
+/// Draws what RTRACE sees: its own linear values, 1 for white, not clamped.
+///
+/// `rtrace` must be the numbers of `scene`. Counts corners and pixels on `progress`. The same bits
+/// for any number of threads.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was.
+///
+/// # Panics
+/// If the picture has 2³² corners or more.
+pub fn render(
+    scene: &Scene,
+    rtrace: &Rtrace,
+    view: &View,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Image, Cancelled> {
+    let (width, height) = view.size;
+    let mut image = Image::new(width, height);
+    if image.pixels.is_empty() {
+        return Ok(image);
+    }
+    let corners = (u64::from(width) + 1) * (u64::from(height) + 1);
+    assert!(
+        u32::try_from(corners).is_ok(),
+        "a picture of {width} × {height} pixels is too large"
+    );
+    progress.begin("render", corners + u64::from(width) * u64::from(height));
+    let lens = Lens::new(view);
+    let shader = Shader::new(scene, rtrace, &lens, options);
+    let pixels = Pixels {
+        shader: &shader,
+        lens: &lens,
+        options: options.antialiasing,
+    };
+    let corners = pixels.corners(progress)?;
+    let rows: Result<Vec<Vec<[f32; 3]>>, Cancelled> = (0..height)
+        .into_par_iter()
+        .map(|y| pixels.row(y, &corners, progress))
+        .collect();
+    image.pixels = rows?.concat();
+    Ok(image)
+}
+
+/// The bytes that RTRACE writes for its values: 256 v, rounded, within 0..=255; three per pixel.
+/// There is no gamma.
+pub fn bytes(image: &Image) -> Vec<u8> {
+    let byte = |v: &f32| (256.0 * f64::from(*v)).clamp(0.0, 255.0).round() as u8;
+    image.pixels.iter().flatten().map(byte).collect()
+}

@@ -1,0 +1,113 @@
+//! The curves of Strauss's model, as RTRACE has them.
+//!
+//! Strauss, *A Realistic Lighting Model for Computer Animators*, IEEE CG&A 10(6), 1990.
+
+use super::shade::NOTHING;
+use azulejo_scene::Rgb;
+use azulejo_scene::rtrace::RtraceSurface;
+use std::f64::consts::FRAC_2_PI;
+
+/// How much a mirror gains at most where light grazes it.
+const PEAK: f64 = 0.1;
+
+/// Light between two directions, seen by its angles with the normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Glance {
+    /// Fresnel's term for the outgoing angle, 0..=1.
+    pub fresnel: f64,
+    /// What the mirror gains, in units of itself and the peak.
+    pub gain: f64,
+}
+
+impl Glance {
+    /// `incidence` is the shadowing of the incoming ray; `cosine` is between the normal and the
+    /// outgoing direction.
+    pub fn new(cosine: f64, incidence: f64) -> Glance {
+        let flat = |fresnel| Glance { fresnel, gain: 0.0 };
+        if cosine < NOTHING {
+            return flat(1.0);
+        }
+        if cosine > 1.0 - NOTHING {
+            return flat(0.0);
+        }
+        let angle = cosine.acos() * FRAC_2_PI;
+        let fresnel = fresnel(angle);
+        Glance {
+            fresnel,
+            gain: fresnel * incidence * shadowing(angle),
+        }
+    }
+
+    /// The mirror's share: `specular`, more where light grazes.
+    pub fn mirror(self, specular: Rgb) -> Rgb {
+        specular.map(|s| (s + (s + PEAK) * self.gain).min(1.0))
+    }
+
+    /// The colour that metal gives to what it mirrors; white where light grazes.
+    pub fn tint(self, surface: &RtraceSurface) -> Rgb {
+        let towards = surface.metal * (surface.color - Rgb::WHITE);
+        Rgb::WHITE + (1.0 - self.fresnel) * towards
+    }
+}
+
+/// The shadowing of a ray that arrives with a cosine; 0 from behind.
+pub(super) fn incidence(cosine: f64) -> f64 {
+    if cosine > 1.0 - NOTHING {
+        1.0
+    } else if cosine < NOTHING {
+        0.0
+    } else {
+        shadowing(cosine.acos() * FRAC_2_PI)
+    }
+}
+
+/// A curve with its pole at `pole`.
+fn pole(x: f64, pole: f64) -> f64 {
+    (x - pole).powi(2).recip()
+}
+
+/// 0 for light along the normal, 1 for light that grazes; angles in right angles.
+fn fresnel(angle: f64) -> f64 {
+    const K: f64 = 1.12;
+    let share = (pole(angle, K) - pole(0.0, K)) / (pole(1.0, K) - pole(0.0, K));
+    share.max(0.0)
+}
+
+/// 1 for light along the normal, 0 for light that grazes.
+fn shadowing(angle: f64) -> f64 {
+    const K: f64 = 1.01;
+    let share = (pole(1.0, K) - pole(angle, K)) / (pole(1.0, K) - pole(0.0, K));
+    share.max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curves_run_from_end_to_end() {
+        let check = |found: f64, expected: f64| {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        };
+        check(fresnel(0.0), 0.0);
+        check(fresnel(1.0), 1.0);
+        check(shadowing(0.0), 1.0);
+        check(shadowing(1.0), 0.0);
+        for k in 0..100 {
+            let (a, b) = (f64::from(k) / 100.0, f64::from(k + 1) / 100.0);
+            assert!(fresnel(a) < fresnel(b) && shadowing(a) > shadowing(b));
+        }
+    }
+
+    #[test]
+    fn light_along_the_normal_and_from_behind_gains_nothing() {
+        let check = |cosine, fresnel| {
+            assert_eq!(Glance::new(cosine, 1.0), Glance { fresnel, gain: 0.0 });
+        };
+        check(1.0, 0.0);
+        check(0.0, 1.0);
+        check(-0.5, 1.0);
+        assert!(Glance::new(0.1, 1.0).gain > 0.0);
+        assert_eq!((incidence(1.0), incidence(-0.3)), (1.0, 0.0));
+    }
+}
