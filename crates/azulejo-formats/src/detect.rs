@@ -95,7 +95,7 @@ pub fn read_with(
 ) -> Result<Loaded, ReadError> {
     let bytes = &*gzip::unpacked(bytes, name, options)?;
     match by_extension(name, detect(bytes)) {
-        Ok(Format::Grf) => grf::read(bytes, name, files),
+        Ok(Format::Grf) => grf::read_with(bytes, name, files, options),
         Ok(Format::Obj) => obj::read_with(bytes, name, files, options),
         Ok(Format::Studio3ds) => studio3ds::read(bytes, name, files, options),
         Ok(Format::Dxf) => dxf::read(bytes, name, files, options),

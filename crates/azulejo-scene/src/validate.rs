@@ -50,7 +50,7 @@ impl Scene {
     /// 5. Primitives' maps are invertible, cone tops in 0..=1, `ior > 0`, units > 0.
     ///    Prisms' figures are finite and their maps invertible; both sides of a set operation hold
     ///    something, all of it closed; meshes in it are of one material, and every edge of theirs
-    ///    has two faces; operations nest at most 256 deep.
+    ///    has two faces; operations nest at most 256 deep. A skin is of its solids' materials.
     /// 6. A camera's eye, target and up span a plane; its field of view is in 0..π.
     /// 7. Background and fog are not negative; fog has a visibility > 0.
     /// 8. RTRACE's numbers, if there are any, name surfaces that exist and span a picture.
@@ -67,12 +67,14 @@ impl Scene {
             || format!("metres_per_unit is {units}, expected > 0"),
         )?;
         self.validate_materials()?;
+        let mut exact = exact::Checker::new(self.materials.len());
         for (i, object) in self.objects.iter().enumerate() {
             let place = || format!("objects[{i}] \"{}\"", object.name);
-            self.validate_object(object).map_err(|e| Invalid {
-                place: format!("{}: {}", place(), e.place),
-                ..e
-            })?;
+            self.validate_object(object, &mut exact)
+                .map_err(|e| Invalid {
+                    place: format!("{}: {}", place(), e.place),
+                    ..e
+                })?;
         }
         self.validate_lights()?;
         self.validate_cameras()?;
@@ -141,12 +143,12 @@ impl Scene {
         Ok(())
     }
 
-    fn validate_object(&self, object: &Object) -> Check {
+    fn validate_object(&self, object: &Object, exact: &mut exact::Checker) -> Check {
         let materials = self.materials.len();
         match &object.shape {
             Shape::Mesh(mesh) => validate_mesh(mesh, materials),
             Shape::Primitive(p) => validate_primitive(p, materials),
-            Shape::Exact(exact) => exact::validate(exact, materials),
+            Shape::Exact(shape) => exact.validate(shape),
         }
     }
 

@@ -1,7 +1,8 @@
 //! A GRF file as it stands: what [`Document`] is made of.
 
+use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
 use crate::{Position, ReadError};
-use azulejo_scene::{Brdf, Light, PrimitiveKind, Rgb, SurfaceLight};
+use azulejo_scene::{Attribute, Brdf, Light, PrimitiveKind, Rgb, SurfaceLight};
 use azulejo_scene::{Camera, Faces, Fog, Units};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
@@ -107,6 +108,10 @@ pub(super) enum BlockKind {
     AreaLight(Box<AreaLight>),
     /// `ext primitive`.
     Primitive(Box<PrimitiveBlock>),
+    /// `ext solids`, `ext prism` and the like.
+    Exact(Box<ExactBlock>),
+    Figure(FigureBlock),
+    Define(Box<SolidDefinition>),
     /// `include "name"` and what that file holds.
     Include {
         name: String,
@@ -172,6 +177,10 @@ pub(super) enum Kind {
     Texture,
     Color,
     Brdf,
+    /// An `ext figure`.
+    Figure,
+    /// An `ext define`.
+    Solid,
 }
 
 /// What changes the look of the faces that follow.
@@ -288,6 +297,8 @@ pub(super) struct ObjectNotes {
     pub irradiance_error: Vec<Rgb>,
     /// Irradiance on a light or primitive.
     pub light: Option<SurfaceLight>,
+    /// Normals by corners, of skins and meshes in solids.
+    pub normals: Option<Box<Attribute<DVec3>>>,
 }
 
 /// `ext material`: what a material is beyond its brdf. What is `None` stays as the brdf says.
@@ -313,6 +324,7 @@ impl BlockKind {
             BlockKind::Mesh(mesh) => Some(&mut mesh.notes),
             BlockKind::AreaLight(light) => Some(&mut light.notes),
             BlockKind::Primitive(primitive) => Some(&mut primitive.notes),
+            BlockKind::Exact(exact) => Some(&mut exact.notes),
             _ => None,
         }
     }

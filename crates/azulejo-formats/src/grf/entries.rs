@@ -5,12 +5,9 @@ use super::lexer::Lexer;
 use super::parse::Ending;
 use super::parser::{Parsed, Parser};
 use azulejo_scene::Rgb;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
-const EXTENSION: Ending = Ending {
-    words: &["ext"],
-    is_required: true,
-};
+const EXTENSION: Ending = Ending::required(&["ext"]);
 
 /// What stands behind a key.
 pub(super) enum Value<'a> {
@@ -21,6 +18,15 @@ pub(super) enum Value<'a> {
 }
 
 impl Value<'_> {
+    /// Twelve numbers: the images of the axes and of the origin.
+    pub fn map(&self) -> Option<DAffine3> {
+        let Value::Numbers(numbers) = self else {
+            return None;
+        };
+        let columns = <[f64; 12]>::try_from(&numbers[..]).ok()?;
+        Some(DAffine3::from_cols_array(&columns))
+    }
+
     fn describe(&self) -> String {
         let (count, what) = match self {
             Value::Numbers(list) => (list.len(), "number"),
@@ -40,15 +46,28 @@ pub(super) struct Entry<'a> {
     pub value: Value<'a>,
 }
 
-/// The keys and values of one extension. What is taken is gone; what is left at the end was not
-/// understood.
+/// The keys and values of one extension, or of one solid in it. What is taken is gone; what is
+/// left at the end was not understood.
 pub(super) struct Entries<'a> {
-    pub extension: &'a str,
+    /// How messages call what they belong to: `ext camera`, in quotes.
+    pub title: String,
     pub offset: usize,
     pub list: Vec<Entry<'a>>,
 }
 
 impl<'a> Entries<'a> {
+    pub fn new(title: impl Into<String>, offset: usize) -> Entries<'a> {
+        Entries {
+            title: title.into(),
+            offset,
+            list: Vec::new(),
+        }
+    }
+
+    pub fn has(&self, key: &str) -> bool {
+        self.list.iter().any(|e| e.key.eq_ignore_ascii_case(key))
+    }
+
     pub fn take(&mut self, key: &str) -> Option<Entry<'a>> {
         let at = self
             .list
@@ -60,21 +79,40 @@ impl<'a> Entries<'a> {
 
 impl<'a> Parser<'a, '_, '_> {
     /// Everything after `begin`, and `end ext`.
-    pub fn entries(&mut self, extension: &'a str, offset: usize) -> Parsed<Entries<'a>> {
-        let mut list = Vec::new();
-        while at_key(self.lexer) {
-            let key = self.lexer.word().unwrap_or("");
-            self.expect(b'=')?;
-            let offset = self.lexer.skip_blank();
-            let value = self.value()?;
-            list.push(Entry { key, offset, value });
-        }
+    pub fn entries(&mut self, extension: &str, offset: usize) -> Parsed<Entries<'a>> {
+        let mut entries = Entries::new(format!("`ext {extension}`"), offset);
+        self.entries_and(&mut entries, |_| Ok(false))?;
         self.end(offset, &EXTENSION)?;
-        Ok(Entries {
-            extension,
-            offset,
-            list,
-        })
+        Ok(entries)
+    }
+
+    /// Keys with their values, and what `other` reads in between, up to something else.
+    pub fn entries_and(
+        &mut self,
+        entries: &mut Entries<'a>,
+        mut other: impl FnMut(&mut Self) -> Parsed<bool>,
+    ) -> Parsed<()> {
+        loop {
+            if at_key(self.lexer) {
+                let key = self.lexer.word().unwrap_or("");
+                self.expect(b'=')?;
+                let offset = self.lexer.skip_blank();
+                let value = self.value()?;
+                entries.list.push(Entry { key, offset, value });
+            } else if !other(self)? {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Says which keys nobody took.
+    pub fn warn_of_rest(&mut self, entries: &Entries<'_>) {
+        for rest in &entries.list {
+            self.warn(
+                rest.offset,
+                format!("{} has no key `{}`; skipped", entries.title, rest.key),
+            );
+        }
     }
 
     fn value(&mut self) -> Parsed<Value<'a>> {
@@ -100,7 +138,7 @@ impl<'a> Parser<'a, '_, '_> {
             }
             _ => {
                 let mut words = Vec::new();
-                while !at_key(self.lexer)
+                while (words.is_empty() || !at_item(self.lexer))
                     && let Some(word) = self.lexer.peek_word()
                     && !word.eq_ignore_ascii_case("end")
                 {
@@ -129,7 +167,7 @@ impl<'a> Parser<'a, '_, '_> {
             Some(value) => Ok(value),
             None => Err(self.fail(
                 entries.offset,
-                format!("`ext {}` without `{key}`", entries.extension),
+                format!("{} without `{key}`", entries.title),
                 format!("`{key} = ...` in it"),
             )),
         }
@@ -262,6 +300,12 @@ impl<'a> Parser<'a, '_, '_> {
 /// Whether `key =` follows.
 fn at_key(mut ahead: Lexer<'_>) -> bool {
     ahead.word().is_some() && ahead.eat(b'=')
+}
+
+/// Whether `begin`, `key =`, `member begin` or `glyph (` follows: a list of words ends there.
+fn at_item(mut ahead: Lexer<'_>) -> bool {
+    ahead.eat_word("begin")
+        || ahead.word().is_some() && (ahead.eat(b'=') || ahead.eat(b'(') || ahead.eat_word("begin"))
 }
 
 /// Resolves the escapes `\n`, `\r`, `\t` and `\u{hex}`; any other character behind a backslash

@@ -2,10 +2,13 @@
 //!
 //! docs/formats/grf.md lists every extension with its keys.
 
-use super::document::{Block, BlockKind, Kind, MaterialNote, Name, ObjectNotes, PrimitiveBlock};
-use super::entries::{Entries, Value};
+use super::document::{
+    Block, BlockKind, Fail, Kind, MaterialNote, Name, ObjectNotes, PrimitiveBlock,
+};
+use super::entries::{Entries, Entry, Value};
 use super::look::MOST_TEXTURES;
 use super::parser::{Parsed, Parser};
+use super::solids::is_solid;
 use azulejo_scene::{
     Camera, Fog, Light, LightKind, PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Units, Up,
 };
@@ -34,7 +37,7 @@ impl<'a> Parser<'a, '_, '_> {
         };
         self.expect_word("begin")?;
         let lower = name.to_ascii_lowercase();
-        if !KNOWN.contains(&&*lower) {
+        if !KNOWN.contains(&&*lower) && !is_solid(&lower) {
             let text = self.unknown_text(offset)?;
             let name = name.to_owned();
             return Ok(Extension::Block(Box::new(BlockKind::Unknown {
@@ -42,15 +45,27 @@ impl<'a> Parser<'a, '_, '_> {
                 text,
             })));
         }
-        let mut entries = self.entries(name, offset)?;
-        let known = self.known(&lower, &mut entries, before)?;
-        for rest in &entries.list {
-            self.warn(
-                rest.offset,
-                format!("`ext {lower}` has no key `{}`; skipped", rest.key),
-            );
+        if let Some(block) = self.nesting(&lower, offset)? {
+            return Ok(Extension::Block(Box::new(block)));
         }
+        if lower == "skin" {
+            self.skin(offset, before)?;
+            return Ok(Extension::Noted);
+        }
+        let mut entries = self.entries(&lower, offset)?;
+        let known = self.known(&lower, &mut entries, before)?;
+        self.warn_of_rest(&entries);
         Ok(known)
+    }
+
+    /// The extensions that hold more than keys and values.
+    fn nesting(&mut self, name: &str, offset: usize) -> Parsed<Option<BlockKind>> {
+        match name {
+            "figure" => self.figure(offset).map(Some),
+            "define" => self.solid_definition(offset).map(Some),
+            _ if is_solid(name) => self.exact(name, offset).map(Some),
+            _ => Ok(None),
+        }
     }
 
     /// The text of an extension that is not known, up to `end ext`.
@@ -304,6 +319,22 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     fn primitive(&mut self, entries: &mut Entries<'a>) -> Parsed<PrimitiveBlock> {
+        let (kind, map) = self.unit_primitive(entries)?;
+        Ok(PrimitiveBlock {
+            kind,
+            map,
+            notes: ObjectNotes {
+                material: self.take_name(entries, "material", Kind::Brdf)?,
+                ..ObjectNotes::default()
+            },
+        })
+    }
+
+    /// The kind of a primitive and its map.
+    pub fn unit_primitive(
+        &mut self,
+        entries: &mut Entries<'a>,
+    ) -> Parsed<(PrimitiveKind, DAffine3)> {
         let kind = self.take_word(entries, "kind")?;
         let (word, offset) = self.required(entries, "kind", kind)?;
         let kind = match word {
@@ -325,14 +356,7 @@ impl<'a> Parser<'a, '_, '_> {
                 ));
             }
         };
-        Ok(PrimitiveBlock {
-            kind,
-            map: self.map(entries, kind)?,
-            notes: ObjectNotes {
-                material: self.take_name(entries, "material", Kind::Brdf)?,
-                ..ObjectNotes::default()
-            },
-        })
+        Ok((kind, self.map(entries, kind)?))
     }
 
     fn top(&mut self, entries: &mut Entries<'a>, default: f64) -> Parsed<f64> {
@@ -351,18 +375,19 @@ impl<'a> Parser<'a, '_, '_> {
     fn map(&mut self, entries: &mut Entries<'a>, kind: PrimitiveKind) -> Parsed<DAffine3> {
         let entry = entries.take("map");
         let entry = self.required(entries, "map", entry)?;
-        if let Value::Numbers(numbers) = &entry.value
-            && let Ok(columns) = <[f64; 12]>::try_from(&numbers[..])
-        {
-            let map = DAffine3::from_cols_array(&columns);
-            if super::is_invertible(kind, &map) {
-                return Ok(map);
-            }
+        let is_placing = |map: &DAffine3| super::is_invertible(kind, map);
+        match entry.value.map().filter(is_placing) {
+            Some(map) => Ok(map),
+            None => Err(self.not_a_map(&entry)),
         }
-        Err(self.wrong(
-            &entry,
+    }
+
+    #[cold]
+    pub fn not_a_map(&mut self, entry: &Entry<'_>) -> Fail {
+        self.wrong(
+            entry,
             "12 numbers, the images of the x, y and z axes and of the origin, that map space onto space",
-        ))
+        )
     }
 
     /// `smoothing`, `irad_error`, `surface_light`: about the object before.
@@ -375,7 +400,7 @@ impl<'a> Parser<'a, '_, '_> {
         match (name, before.map(|block| &mut block.kind)) {
             ("smoothing", Some(BlockKind::Mesh(mesh))) => {
                 let faces = mesh.faces.len();
-                mesh.notes.smoothing = self.smoothing(entries, faces)?;
+                mesh.notes.smoothing = self.counts(entries, "groups", (faces, "face"))?;
             }
             ("irad_error", Some(BlockKind::Mesh(mesh))) => {
                 let vertices = mesh.vertices.positions.len();
@@ -398,17 +423,25 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(())
     }
 
-    fn smoothing(&mut self, entries: &mut Entries<'a>, faces: usize) -> Parsed<Vec<u32>> {
-        let entry = entries.take("groups");
-        let entry = self.required(entries, "groups", entry)?;
+    /// One whole number for each of so many parts.
+    pub fn counts(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+        (count, part): (usize, &str),
+    ) -> Parsed<Vec<u32>> {
+        let entry = match entries.take(key) {
+            None if count == 0 => return Ok(Vec::new()),
+            entry => self.required(entries, key, entry)?,
+        };
         let group = |n: &f64| (*n >= 0.0 && *n <= f64::from(u32::MAX)).then_some(*n as u32);
         if let Value::Numbers(numbers) = &entry.value
-            && numbers.len() == faces
+            && numbers.len() == count
             && let Some(groups) = numbers.iter().map(group).collect()
         {
             return Ok(groups);
         }
-        Err(self.wrong(&entry, &format!("{faces} whole numbers, one per face")))
+        Err(self.wrong(&entry, &format!("{count} whole numbers, one per {part}")))
     }
 
     fn surface_light(
@@ -450,7 +483,12 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// As many triples as `count`.
-    fn rgb_list(&mut self, entries: &mut Entries<'a>, key: &str, count: usize) -> Parsed<Vec<Rgb>> {
+    pub fn rgb_list(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+        count: usize,
+    ) -> Parsed<Vec<Rgb>> {
         let entry = match entries.take(key) {
             // Nothing stands behind the key of an empty list.
             None if count == 0 => return Ok(Vec::new()),
@@ -467,7 +505,7 @@ impl<'a> Parser<'a, '_, '_> {
 }
 
 /// The extensions that are understood.
-const KNOWN: [&str; 12] = [
+const KNOWN: [&str; 15] = [
     "units",
     "camera",
     "background",
@@ -480,4 +518,7 @@ const KNOWN: [&str; 12] = [
     "smoothing",
     "irad_error",
     "surface_light",
+    "figure",
+    "define",
+    "skin",
 ];

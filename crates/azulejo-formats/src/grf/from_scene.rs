@@ -6,6 +6,7 @@ use super::document::{
     MeshBlock, Name, ObjectNotes, Place, PrimitiveBlock, Vertices,
 };
 use super::materials::surface;
+use super::solids::{Figures, exact_block};
 use azulejo_scene::{
     Attribute, Brdf, Faces, Material, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb,
     Scene, Shape, TextureId, Units,
@@ -41,6 +42,8 @@ impl Document {
             definitions.push(definition);
             inside.extend(note.map(|note| BlockKind::Material(Box::new(note))));
         }
+        let figures = names.figures.blocks.iter().cloned();
+        inside.extend(figures.map(BlockKind::Figure));
         inside.extend(scene.objects.iter().map(|o| names.object(scene, o)));
         if definitions.is_empty() {
             outside.extend(inside);
@@ -65,10 +68,11 @@ fn placed(kinds: Vec<BlockKind>) -> Vec<Block> {
         .collect()
 }
 
-/// Identifiers of a scene's materials and textures.
+/// Identifiers of a scene's materials, textures and figures.
 struct Names {
     materials: Vec<Name>,
     textures: Vec<Name>,
+    figures: Figures,
 }
 
 impl Names {
@@ -78,6 +82,7 @@ impl Names {
         Names {
             materials: identifiers(materials, "m"),
             textures: identifiers(textures, "t"),
+            figures: Figures::of(scene),
         }
     }
 
@@ -89,9 +94,9 @@ impl Names {
         match &object.shape {
             Shape::Mesh(mesh) => BlockKind::Mesh(Box::new(self.mesh(scene, mesh, notes))),
             Shape::Primitive(p) => self.primitive(scene, p, notes),
-            Shape::Exact(_) => {
-                let mesh = crate::tessellate::lit_mesh_of(object);
-                BlockKind::Mesh(Box::new(self.mesh(scene, &mesh, notes)))
+            Shape::Exact(exact) => {
+                let block = exact_block(exact, &self.figures, &self.materials, notes);
+                BlockKind::Exact(Box::new(block))
             }
         }
     }
@@ -101,8 +106,7 @@ impl Names {
     }
 
     fn mesh(&self, scene: &Scene, mesh: &Mesh, notes: ObjectNotes) -> MeshBlock {
-        let mesh = split_corners(mesh);
-        let radiance = common_radiance(scene, &mesh);
+        let radiance = common_radiance(scene, mesh);
         let mut head = Vec::new();
         let mut changes = Vec::new();
         for run in material_runs(&mesh.face_materials) {
@@ -116,26 +120,12 @@ impl Names {
         if radiance.is_none() && changes.iter().all(|(at, _)| *at == 0) {
             head = changes.drain(..).map(|(_, change)| change).collect();
         }
-        let mesh = mesh.into_owned();
         MeshBlock {
             is_light: radiance.is_some(),
             radiance,
             head,
-            vertices: Vertices {
-                positions: mesh.positions,
-                normals: column(mesh.normals),
-                irradiance: Column::full(mesh.irradiance),
-                uvs: column(mesh.uvs),
-                colors: Column::full(mesh.colors),
-                named_colors: Vec::new(),
-            },
-            faces: mesh.faces,
             changes,
-            notes: ObjectNotes {
-                smoothing: mesh.smoothing,
-                irradiance_error: mesh.irradiance_error,
-                ..notes
-            },
+            ..polygons(Cow::Borrowed(mesh), notes)
         }
     }
 
@@ -310,6 +300,28 @@ fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
     (is_common && !radiance.is_black()).then_some(radiance)
 }
 
+/// The vertices and faces of a mesh, and what is noted about them, without its looks.
+pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
+    let mesh = split_corners(mesh).into_owned();
+    MeshBlock {
+        vertices: Vertices {
+            positions: mesh.positions,
+            normals: column(mesh.normals),
+            irradiance: Column::full(mesh.irradiance),
+            uvs: column(mesh.uvs),
+            colors: Column::full(mesh.colors),
+            named_colors: Vec::new(),
+        },
+        faces: mesh.faces,
+        notes: ObjectNotes {
+            smoothing: mesh.smoothing,
+            irradiance_error: mesh.irradiance_error,
+            ..notes
+        },
+        ..MeshBlock::default()
+    }
+}
+
 /// The faces at which the material changes, the first face among them.
 fn material_runs(materials: &[MaterialId]) -> impl Iterator<Item = usize> {
     (0..materials.len()).filter(|&f| f == 0 || materials[f] != materials[f - 1])
@@ -321,14 +333,14 @@ fn column<T: Copy + Default>(attribute: Option<Attribute<T>>) -> Column<T> {
 
 /// A mesh whose normals and texture coordinates belong to vertices: a vertex whose corners
 /// disagree is split. Vertices keep their indices for their first corner; copies come last.
-fn split_corners(mesh: &Mesh) -> Cow<'_, Mesh> {
+fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
     let by_corner = |has: Option<bool>| has.unwrap_or(false);
     let normals = by_corner(mesh.normals.as_ref().map(|a| a.corners.is_some()));
     let uvs = by_corner(mesh.uvs.as_ref().map(|a| a.corners.is_some()));
     if !normals && !uvs {
-        return Cow::Borrowed(mesh);
+        return mesh;
     }
-    let mut split = Splitter::new(mesh);
+    let mut split = Splitter::new(&mesh);
     let mut faces = Faces::default();
     let mut corners = Vec::new();
     for face in 0..mesh.faces.len() {

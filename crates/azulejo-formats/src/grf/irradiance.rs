@@ -1,7 +1,10 @@
 //! Light back into the file from which the scene came.
 
 use super::document::{Block, BlockKind, Column, Document, MeshBlock};
+use super::placement::{Outer, affine};
+use super::solids::{SkinBlock, skin_block};
 use azulejo_scene::{Mesh, Object, Scene, Shape, SurfaceLight};
+use glam::DAffine3;
 
 impl Document {
     /// Takes the irradiance of a solved scene over into the document that the scene was resolved
@@ -16,7 +19,7 @@ impl Document {
         let is_same = all_match(&self.blocks, &mut objects) && objects.next().is_none();
         if is_same {
             let mut objects = scene.objects.iter();
-            self.blocks = lit(std::mem::take(&mut self.blocks), &mut objects);
+            self.blocks = lit(std::mem::take(&mut self.blocks), &mut objects, None);
         }
         is_same
     }
@@ -32,6 +35,9 @@ fn all_match(blocks: &[Block], objects: &mut Objects<'_>) -> bool {
         ),
         BlockKind::AreaLight(_) | BlockKind::Primitive(_) => {
             matches!(objects.next().map(|o| &o.shape), Some(Shape::Primitive(_)))
+        }
+        BlockKind::Exact(_) => {
+            matches!(objects.next().map(|o| &o.shape), Some(Shape::Exact(_)))
         }
         BlockKind::Include { blocks, .. }
         | BlockKind::Transform { blocks, .. }
@@ -51,21 +57,26 @@ fn is_same_mesh(block: &MeshBlock, mesh: &Mesh) -> bool {
         && (mesh.irradiance.is_empty() || mesh.irradiance.len() == vertices)
 }
 
-fn lit(blocks: Vec<Block>, objects: &mut Objects<'_>) -> Vec<Block> {
+/// The blocks inside of the transforms `outer`, with the light of the objects.
+fn lit(blocks: Vec<Block>, objects: &mut Objects<'_>, outer: Outer) -> Vec<Block> {
     let mut out = Vec::with_capacity(blocks.len());
     for mut block in blocks {
         match &mut block.kind {
             BlockKind::Mesh(mesh) => set_mesh(mesh, objects.next()),
             BlockKind::AreaLight(light) => light.notes.light = surface_light(objects.next()),
             BlockKind::Primitive(p) => p.notes.light = surface_light(objects.next()),
-            BlockKind::Transform { blocks, .. }
-            | BlockKind::Definitions {
+            BlockKind::Exact(exact) => exact.skin = skin(objects.next(), outer),
+            BlockKind::Transform { steps, blocks } => {
+                let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
+                *blocks = lit(std::mem::take(blocks), objects, Some(map));
+            }
+            BlockKind::Definitions {
                 blocks: Some(blocks),
                 ..
-            } => *blocks = lit(std::mem::take(blocks), objects),
+            } => *blocks = lit(std::mem::take(blocks), objects, outer),
             BlockKind::Include { blocks, .. } if has_objects(blocks) => {
                 // An include means what its text means in its place.
-                out.extend(lit(std::mem::take(blocks), objects));
+                out.extend(lit(std::mem::take(blocks), objects, outer));
                 continue;
             }
             _ => {}
@@ -77,7 +88,10 @@ fn lit(blocks: Vec<Block>, objects: &mut Objects<'_>) -> Vec<Block> {
 
 fn has_objects(blocks: &[Block]) -> bool {
     blocks.iter().any(|block| match &block.kind {
-        BlockKind::Mesh(_) | BlockKind::AreaLight(_) | BlockKind::Primitive(_) => true,
+        BlockKind::Mesh(_)
+        | BlockKind::AreaLight(_)
+        | BlockKind::Primitive(_)
+        | BlockKind::Exact(_) => true,
         BlockKind::Include { blocks, .. }
         | BlockKind::Transform { blocks, .. }
         | BlockKind::Definitions {
@@ -95,6 +109,13 @@ fn set_mesh(block: &mut MeshBlock, object: Option<&Object>) {
             .notes
             .irradiance_error
             .clone_from(&mesh.irradiance_error);
+    }
+}
+
+fn skin(object: Option<&Object>, outer: Outer) -> Option<Box<SkinBlock>> {
+    match object.map(|o| &o.shape) {
+        Some(Shape::Exact(exact)) => skin_block(exact, outer),
+        _ => None,
     }
 }
 

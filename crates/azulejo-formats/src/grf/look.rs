@@ -1,6 +1,6 @@
 //! Looks of faces, and the materials that they make.
 
-use super::document::{Body, Change, Kind, ObjectNotes, Place};
+use super::document::{Body, Change, Kind, Name, ObjectNotes, Place};
 use super::materials::{DEFAULT_REFLECTANCE, REFLECTS_TOO_MUCH, Surface, surface};
 use super::resolve::{Resolved, Resolver};
 use azulejo_scene::{Brdf, Material, MaterialId, Rgb, TextureId};
@@ -77,6 +77,8 @@ impl<'d> Resolver<'d> {
                 let id = self.texture_named(name, place)?;
                 look.texture(id, is_stacking);
             }
+            // The parser lets `use` have the three others alone.
+            Change::Use(Kind::Figure | Kind::Solid, _) => {}
         }
         Ok(())
     }
@@ -196,8 +198,18 @@ impl<'d> Resolver<'d> {
         emission: Option<Rgb>,
         place: Place,
     ) -> Resolved<MaterialId> {
+        self.named_material(notes.material.as_ref(), emission, place)
+    }
+
+    /// The material that a brdf's name alone makes; grey without one.
+    pub fn named_material(
+        &mut self,
+        name: Option<&'d Name>,
+        emission: Option<Rgb>,
+        place: Place,
+    ) -> Resolved<MaterialId> {
         let mut look = Look::default();
-        if let Some(name) = &notes.material {
+        if let Some(name) = name {
             let id = self.brdf_named(name, place)?;
             look.brdf = Some(Base::Named(id));
             look.textures

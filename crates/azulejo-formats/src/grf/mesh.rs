@@ -16,7 +16,7 @@ const MOST_VERTICES: usize = 1 << 31;
 const MOST_CORNERS: usize = u32::MAX as usize;
 
 /// The largest index of a mesh's faces and where it stands.
-type Largest = Option<(u32, usize)>;
+pub(super) type Largest = Option<(u32, usize)>;
 
 /// Whether a word opens or ends a vertex list.
 pub(super) fn is_vertices(word: &str) -> bool {
@@ -60,7 +60,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// At `end`, and at the end of the file, which [`end`](Parser::end) reports.
-    fn at_end(&mut self) -> bool {
+    pub fn at_end(&mut self) -> bool {
         self.lexer.peek().is_none()
             || self
                 .lexer
@@ -69,7 +69,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// `begin` was read inside a mesh.
-    fn mesh_list(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+    pub fn mesh_list(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
         let offset = self.lexer.skip_blank();
         if self.lexer.peek_word().is_some_and(is_vertices) {
             self.lexer.word();
@@ -81,7 +81,7 @@ impl Parser<'_, '_, '_> {
         Err(self.unexpected("`vertices` or `faces`"))
     }
 
-    fn check_indices(&mut self, mesh: &MeshBlock, largest: Largest) -> Parsed<()> {
+    pub fn check_indices(&mut self, mesh: &MeshBlock, largest: Largest) -> Parsed<()> {
         let count = mesh.vertices.positions.len();
         match largest {
             Some((index, at)) if index as usize >= count => Err(self.fail(

@@ -27,6 +27,7 @@ mod parse;
 mod parser;
 mod placement;
 mod resolve;
+mod solids;
 #[cfg(test)]
 mod tests;
 mod textures;
@@ -36,7 +37,7 @@ mod write;
 pub use document::Document;
 pub use textures::load_textures;
 
-use crate::{Files, Loaded, ReadError};
+use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Camera, PrimitiveKind, Scene};
 use glam::{DAffine3, DVec3};
 use std::io::{self, Write};
@@ -48,8 +49,21 @@ use std::io::{self, Write};
 /// The first thing that is not GRF: file, line, column, what was found and what expected, and
 /// the chain of includes that led there.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+    read_with(bytes, name, files, &ReadOptions::default())
+}
+
+/// As [`read`], with limits for what instances may unfold to.
+///
+/// # Errors
+/// Also instances that unfold to more.
+pub fn read_with(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Loaded, ReadError> {
     let (document, mut warnings) = Document::parse(bytes, name, files)?;
-    let mut loaded = document.resolve()?;
+    let mut loaded = document.resolve_with(options)?;
     warnings.append(&mut loaded.warnings);
     loaded.warnings = warnings;
     load_textures(&mut loaded, name, files);

@@ -72,6 +72,13 @@ impl Ending {
             is_required: false,
         }
     }
+
+    pub const fn required(words: &'static [&'static str]) -> Ending {
+        Ending {
+            words,
+            is_required: true,
+        }
+    }
 }
 
 const TRANSFORM: Ending = Ending::optional(&["transform"]);

@@ -28,6 +28,8 @@ pub(super) struct Shared<'f> {
     pub sources: Sources,
     pub warnings: Warnings,
     pub depth: usize,
+    /// Solids inside solids.
+    pub solid_depth: usize,
     pub includes: usize,
     pub included_bytes: usize,
     names: HashSet<Name>,
@@ -59,6 +61,7 @@ impl<'f> Shared<'f> {
             sources: Sources::default(),
             warnings: Warnings::default(),
             depth: 0,
+            solid_depth: 0,
             includes: 0,
             included_bytes: 0,
             names: HashSet::new(),
@@ -218,6 +221,21 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         self.numbers().map(DVec2::from_array)
     }
 
+    /// `( x , y )` or `( x , y , z )`
+    pub fn vector2_or_3(&mut self) -> Parsed<(DVec2, Option<f64>)> {
+        self.expect(b'(')?;
+        let x = self.number()?;
+        self.comma()?;
+        let pair = DVec2::new(x, self.number()?);
+        if self.lexer.eat(b')') {
+            return Ok((pair, None));
+        }
+        self.comma()?;
+        let z = self.number()?;
+        self.expect(b')')?;
+        Ok((pair, Some(z)))
+    }
+
     /// `( r , g , b )` of light or colour: what is negative becomes 0.
     pub fn rgb(&mut self) -> Parsed<Rgb> {
         let offset = self.lexer.skip_blank();
@@ -352,10 +370,10 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         let Some(((kind, name), pending)) = open else {
             return Ok(());
         };
-        let word = kind.word();
+        let (word, maker) = (kind.word(), kind.maker());
         let mut fail = self.shared.sources.fail(
             pending.place,
-            format!("`{name}`, which no `def` around it makes a {word}"),
+            format!("`{name}`, which no `{maker}` around it makes a {word}"),
             format!("a {word} that is defined in this block or around it"),
         );
         fail.source_line = if pending.place.file == self.file {
@@ -368,12 +386,23 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
 }
 
 impl Kind {
-    /// The keyword after `use`.
+    /// What defines names of this kind.
+    fn maker(self) -> &'static str {
+        match self {
+            Kind::Texture | Kind::Color | Kind::Brdf => "def",
+            Kind::Figure => "ext figure",
+            Kind::Solid => "ext define",
+        }
+    }
+
+    /// The keyword after `use`, and what messages call it.
     pub fn word(self) -> &'static str {
         match self {
             Kind::Texture => "texture",
             Kind::Color => "color",
             Kind::Brdf => "brdf",
+            Kind::Figure => "figure",
+            Kind::Solid => "solid",
         }
     }
 }

@@ -9,16 +9,19 @@ use super::materials::{REFLECTS_TOO_MUCH, Surface, surface};
 use super::placement::{
     Outer, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light, turn_round,
 };
+use super::solids::Defined;
 use super::warnings::Warnings;
 use super::{has_area, is_camera, is_invertible, unit};
-use crate::{Loaded, ReadError};
+use crate::options::Budget;
+use crate::{Loaded, ReadError, ReadOptions};
 use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{
-    Attribute, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape, Texture,
-    TextureId,
+    Attribute, Faces, Figure, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene,
+    Shape, Texture, TextureId,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Radiance of a light that says none.
 const DEFAULT_RADIANCE: Rgb = Rgb::WHITE;
@@ -36,6 +39,14 @@ impl Document {
     /// A transform that carries numbers out of range. The error names the place but doesn't draw
     /// its line.
     pub fn resolve(&self) -> Result<Loaded, ReadError> {
+        self.resolve_with(&ReadOptions::default())
+    }
+
+    /// As [`resolve`](Document::resolve), with limits for what instances may unfold to.
+    ///
+    /// # Errors
+    /// Also instances that unfold to more.
+    pub fn resolve_with(&self, options: &ReadOptions) -> Result<Loaded, ReadError> {
         let mut resolver = Resolver {
             document: self,
             scene: Scene::default(),
@@ -46,6 +57,8 @@ impl Document {
             texture_ids: HashMap::new(),
             brdf_texts: HashMap::new(),
             budget: BUDGET,
+            instances: Budget::new(options),
+            depth: 0,
         };
         resolver
             .list(&self.blocks, &[], None)
@@ -70,7 +83,7 @@ pub(super) struct Resolver<'d> {
     document: &'d Document,
     pub scene: Scene,
     warnings: Warnings,
-    scopes: Vec<Scope<'d>>,
+    pub scopes: Vec<Scope<'d>>,
     /// What stands behind the materials that a `def brdf` made.
     pub surfaces: HashMap<MaterialId, Known>,
     /// Materials made from looks, so that equal looks share one.
@@ -81,6 +94,10 @@ pub(super) struct Resolver<'d> {
     pub budget: usize,
     /// Textures named in place.
     texture_ids: HashMap<String, TextureId>,
+    /// What instances may still copy.
+    pub instances: Budget,
+    /// Solids and definitions that are being made, one inside of the other.
+    pub depth: usize,
 }
 
 /// A material of a `def brdf`.
@@ -96,6 +113,8 @@ pub(super) struct Scope<'d> {
     colors: HashMap<&'d str, Rgb>,
     brdfs: HashMap<&'d str, MaterialId>,
     textures: HashMap<&'d str, TextureId>,
+    pub figures: HashMap<&'d str, &'d Arc<Figure>>,
+    pub solids: HashMap<&'d str, Defined<'d>>,
 }
 
 impl<'d> Resolver<'d> {
@@ -104,7 +123,7 @@ impl<'d> Resolver<'d> {
             .add_many(&self.document.sources, place, message.into(), count);
     }
 
-    fn fail(&self, place: Place, found: impl Into<String>, expected: &str) -> Fail {
+    pub fn fail(&self, place: Place, found: impl Into<String>, expected: &str) -> Fail {
         self.document.sources.fail(place, found, expected)
     }
 
@@ -120,6 +139,7 @@ impl<'d> Resolver<'d> {
         self.define(definitions, place);
         self.gather_definitions(blocks);
         self.gather_notes(blocks)?;
+        self.make_definitions(blocks)?;
         self.blocks(blocks, outer)?;
         self.scopes.pop();
         Ok(())
@@ -138,6 +158,7 @@ impl<'d> Resolver<'d> {
             BlockKind::Mesh(mesh) => self.mesh(mesh, place, outer)?,
             BlockKind::AreaLight(light) => self.area_light(light, place, outer)?,
             BlockKind::Primitive(primitive) => self.primitive(primitive, place, outer)?,
+            BlockKind::Exact(exact) => self.exact(exact, place, outer)?,
             BlockKind::Include { blocks, .. } => self.blocks(blocks, outer)?,
             BlockKind::Transform { steps, blocks } => {
                 let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
@@ -167,6 +188,8 @@ impl<'d> Resolver<'d> {
                 self.scene.lights.push(light);
             }
             BlockKind::Definitions { blocks: None, .. }
+            | BlockKind::Figure(_)
+            | BlockKind::Define(_)
             | BlockKind::Material(_)
             | BlockKind::Texture { .. }
             | BlockKind::Params(_)
@@ -184,6 +207,13 @@ impl<'d> Resolver<'d> {
                     definitions,
                     blocks: None,
                 } => self.define(definitions, block.place),
+                BlockKind::Figure(block) => {
+                    self.scope().figures.insert(&block.name, &block.figure);
+                }
+                BlockKind::Define(definition) => {
+                    let open = Defined::Open(definition, block.place);
+                    self.scope().solids.insert(&definition.name, open);
+                }
                 _ => {}
             }
         }
@@ -274,14 +304,19 @@ impl<'d> Resolver<'d> {
         names: impl for<'s> Fn(&'s Scope<'d>) -> &'s HashMap<&'d str, T>,
     ) -> Resolved<T> {
         let found = self.scopes.iter().rev().find_map(|s| names(s).get(name));
-        // Only a document that was changed by hand has such a name.
-        found.copied().ok_or_else(|| {
-            self.fail(
-                place,
-                format!("`{name}`, which is not defined"),
-                &format!("a {} that is defined", kind.word()),
-            )
-        })
+        found
+            .copied()
+            .ok_or_else(|| self.undefined(kind, name, place))
+    }
+
+    /// Only a document that was changed by hand has such a name.
+    #[cold]
+    pub fn undefined(&self, kind: Kind, name: &str, place: Place) -> Fail {
+        self.fail(
+            place,
+            format!("`{name}`, which is not defined"),
+            &format!("a {} that is defined", kind.word()),
+        )
     }
 
     pub fn brdf_named(&self, name: &Name, place: Place) -> Resolved<MaterialId> {
@@ -326,6 +361,25 @@ impl<'d> Resolver<'d> {
             self.warn(place, message, 1);
         }
     }
+}
+
+/// Normals by corners under a transform; `faces` are those before it.
+fn placed_normals(normals: &Attribute<DVec3>, faces: &Faces, outer: Outer) -> Attribute<DVec3> {
+    let mut normals = normals.clone();
+    let Some(map) = outer else { return normals };
+    let matrix = normal_matrix(map.matrix3);
+    for n in &mut normals.values {
+        *n = unit(matrix * *n).unwrap_or(*n);
+    }
+    if let Some(corners) = normals.corners.as_mut().filter(|_| is_mirror(outer)) {
+        let mut turned = Faces {
+            starts: faces.starts.clone(),
+            corners: std::mem::take(corners),
+        };
+        turn_round(&mut turned);
+        *corners = turned.corners;
+    }
+    normals
 }
 
 /// Objects.
@@ -380,6 +434,23 @@ impl<'d> Resolver<'d> {
     }
 
     fn mesh(&mut self, block: &'d MeshBlock, place: Place, outer: Outer) -> Resolved<()> {
+        let materials = self.face_materials(block, place)?;
+        let mesh = self.built_mesh(block, materials, place, outer)?;
+        let shape = Shape::Mesh(mesh);
+        self.scene
+            .objects
+            .push(Object::new(&*block.notes.name, shape));
+        Ok(())
+    }
+
+    /// A mesh in the world, its faces of these materials.
+    pub fn built_mesh(
+        &mut self,
+        block: &'d MeshBlock,
+        face_materials: Vec<MaterialId>,
+        place: Place,
+        outer: Outer,
+    ) -> Resolved<Mesh> {
         let vertices = &block.vertices;
         let count = vertices.positions.len();
         let mut positions = vertices.positions.clone();
@@ -402,7 +473,7 @@ impl<'d> Resolver<'d> {
         let mut mesh = Mesh {
             positions,
             faces,
-            face_materials: self.face_materials(block, place)?,
+            face_materials,
             smoothing: block.notes.smoothing.clone(),
             colors: self.colors(block, place)?,
             irradiance: self.filled(
@@ -427,13 +498,12 @@ impl<'d> Resolver<'d> {
             let normals = self.normals(block, &mesh, outer, place);
             mesh.normals = Some(Attribute::per_vertex(normals));
         }
+        if let Some(normals) = &block.notes.normals {
+            mesh.normals = Some(placed_normals(normals, &block.faces, outer));
+        }
         let flat = degenerate_faces(&mesh);
         self.warn(place, "a face has no area; kept", flat);
-        let shape = Shape::Mesh(mesh);
-        self.scene
-            .objects
-            .push(Object::new(&*block.notes.name, shape));
-        Ok(())
+        Ok(mesh)
     }
 
     /// An attribute with `substitute` where it is missing; empty when all vertices lack it.

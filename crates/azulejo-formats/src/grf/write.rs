@@ -6,11 +6,12 @@ use super::document::{
 };
 use azulejo_scene::{Brdf, Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceLight, Units, Up};
 
-use glam::{DVec2, DVec3};
+use super::solids;
+use glam::{DAffine3, DVec2, DVec3};
 use std::fmt;
 use std::io::{self, BufWriter, Write};
 
-type Out<'w> = BufWriter<&'w mut dyn Write>;
+pub(super) type Out<'w> = BufWriter<&'w mut dyn Write>;
 
 impl Document {
     /// Writes the document, through a buffer of its own. Included files are not written.
@@ -31,7 +32,7 @@ impl Document {
 }
 
 /// A number in the shortest form that reads back to the same bits.
-struct Number(f64);
+pub(super) struct Number(pub f64);
 
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -45,7 +46,7 @@ impl fmt::Display for Number {
 }
 
 /// `(x, y, z)`
-struct Vector<const N: usize>([f64; N]);
+pub(super) struct Vector<const N: usize>([f64; N]);
 
 impl<const N: usize> fmt::Display for Vector<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -61,11 +62,11 @@ fn list(f: &mut fmt::Formatter<'_>, numbers: &[f64]) -> fmt::Result {
     f.write_str(")")
 }
 
-fn point(v: DVec3) -> Vector<3> {
+pub(super) fn point(v: DVec3) -> Vector<3> {
     Vector(v.to_array())
 }
 
-fn pair(v: DVec2) -> Vector<2> {
+pub(super) fn pair(v: DVec2) -> Vector<2> {
     Vector(v.to_array())
 }
 
@@ -86,7 +87,7 @@ impl fmt::Display for Parameter<'_> {
 }
 
 /// A text of an extension, in quotes, with escapes.
-struct Quoted<'a>(&'a str);
+pub(super) struct Quoted<'a>(pub &'a str);
 
 impl fmt::Display for Quoted<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -128,6 +129,9 @@ fn block(out: &mut Out<'_>, kind: &BlockKind) -> io::Result<()> {
         BlockKind::Mesh(block) => mesh(out, block),
         BlockKind::AreaLight(light) => area_light(out, light),
         BlockKind::Primitive(block) => primitive(out, block),
+        BlockKind::Exact(block) => solids::exact(out, block),
+        BlockKind::Figure(block) => solids::figure(out, block),
+        BlockKind::Define(block) => solids::define(out, block),
         BlockKind::Include { name, .. } => writeln!(out, "include {}", FileName(name)),
         BlockKind::Transform {
             steps,
@@ -242,7 +246,7 @@ fn mesh(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
     mesh_notes(out, &mesh.notes)
 }
 
-fn vertices(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+pub(super) fn vertices(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
     let vertices = &mesh.vertices;
     let mut named = vertices.named_colors.iter().peekable();
     out.write_all(b"begin vertices\n")?;
@@ -266,7 +270,7 @@ fn vertices(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
     out.write_all(b"end vertices\n")
 }
 
-fn faces(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+pub(super) fn faces(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
     let mut changes = mesh.changes.iter().peekable();
     out.write_all(b"begin faces\n")?;
     for (f, corners) in mesh.faces.iter().enumerate() {
@@ -282,7 +286,11 @@ fn faces(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
 }
 
 /// `ext object`, if there is something to say.
-fn object(out: &mut Out<'_>, notes: &ObjectNotes, material: Option<&str>) -> io::Result<()> {
+pub(super) fn object(
+    out: &mut Out<'_>,
+    notes: &ObjectNotes,
+    material: Option<&str>,
+) -> io::Result<()> {
     if notes.name.is_empty() && material.is_none() {
         return Ok(());
     }
@@ -312,7 +320,7 @@ fn mesh_notes(out: &mut Out<'_>, notes: &ObjectNotes) -> io::Result<()> {
     Ok(())
 }
 
-fn rgb_list(out: &mut Out<'_>, key: &str, values: &[Rgb]) -> io::Result<()> {
+pub(super) fn rgb_list(out: &mut Out<'_>, key: &str, values: &[Rgb]) -> io::Result<()> {
     writeln!(out, "{key} =")?;
     values.iter().try_for_each(|&c| writeln!(out, "{}", rgb(c)))
 }
@@ -353,22 +361,8 @@ fn area_light(out: &mut Out<'_>, light: &AreaLight) -> io::Result<()> {
 
 fn primitive(out: &mut Out<'_>, primitive: &PrimitiveBlock) -> io::Result<()> {
     object(out, &primitive.notes, None)?;
-    let kind = match primitive.kind {
-        PrimitiveKind::Sphere => "sphere",
-        PrimitiveKind::Cylinder => "cylinder",
-        PrimitiveKind::Cone { .. } => "cone",
-        PrimitiveKind::Tube { .. } => "tube",
-        PrimitiveKind::Cuboid => "box",
-        PrimitiveKind::Square => "parallelogram",
-    };
-    write!(out, "ext primitive begin kind = {kind}")?;
-    if let PrimitiveKind::Cone { top } | PrimitiveKind::Tube { top } = primitive.kind {
-        write!(out, " top = {}", Number(top))?;
-    }
-    out.write_all(b" map =")?;
-    for number in primitive.map.to_cols_array() {
-        write!(out, " {}", Number(number))?;
-    }
+    out.write_all(b"ext primitive begin")?;
+    unit_primitive(out, primitive.kind, &primitive.map)?;
     if let Some(name) = &primitive.notes.material {
         write!(out, " material = {name}")?;
     }
@@ -378,6 +372,36 @@ fn primitive(out: &mut Out<'_>, primitive: &PrimitiveBlock) -> io::Result<()> {
         .light
         .iter()
         .try_for_each(|l| surface_light(out, l))
+}
+
+/// The keys of a primitive's kind and map.
+pub(super) fn unit_primitive(
+    out: &mut Out<'_>,
+    kind: PrimitiveKind,
+    map: &DAffine3,
+) -> io::Result<()> {
+    let word = match kind {
+        PrimitiveKind::Sphere => "sphere",
+        PrimitiveKind::Cylinder => "cylinder",
+        PrimitiveKind::Cone { .. } => "cone",
+        PrimitiveKind::Tube { .. } => "tube",
+        PrimitiveKind::Cuboid => "box",
+        PrimitiveKind::Square => "parallelogram",
+    };
+    write!(out, " kind = {word}")?;
+    if let PrimitiveKind::Cone { top } | PrimitiveKind::Tube { top } = kind {
+        write!(out, " top = {}", Number(top))?;
+    }
+    affine_map(out, map)
+}
+
+/// `map = ` and its twelve numbers.
+pub(super) fn affine_map(out: &mut Out<'_>, map: &DAffine3) -> io::Result<()> {
+    out.write_all(b" map =")?;
+    let numbers = map.to_cols_array();
+    numbers
+        .iter()
+        .try_for_each(|&number| write!(out, " {}", Number(number)))
 }
 
 fn units(out: &mut Out<'_>, units: &Units) -> io::Result<()> {

@@ -1,10 +1,12 @@
 //! Tests of the format as a whole.
 
 mod errors;
+mod exact_shapes;
 mod hostile;
 mod irradiance;
 mod round_trip;
 mod rules;
+mod solids;
 
 use super::{Document, read, write};
 use crate::{Loaded, Memory};

@@ -1,5 +1,6 @@
 //! What is written is read back, to the bit.
 
+use super::exact_shapes::{exact, shared_figures};
 use super::*;
 use azulejo_scene::{
     Attribute, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object, Primitive,
@@ -131,7 +132,7 @@ fn models_from_elsewhere() {
     assert!(count > 4, "{count} models");
 }
 
-fn number() -> impl Strategy<Value = f64> {
+pub(super) fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         -100.0..100.0,
         Just(0.0),
@@ -146,15 +147,15 @@ fn point() -> impl Strategy<Value = DVec3> {
     [number(), number(), number()].prop_map(DVec3::from_array)
 }
 
-fn small_point() -> impl Strategy<Value = DVec3> {
+pub(super) fn small_point() -> impl Strategy<Value = DVec3> {
     [-9.0..9.0, -9.0..9.0, -9.0..9.0].prop_map(DVec3::from_array)
 }
 
-fn direction() -> impl Strategy<Value = DVec3> {
+pub(super) fn direction() -> impl Strategy<Value = DVec3> {
     small_point().prop_filter_map("no direction", DVec3::try_normalize)
 }
 
-fn light_rgb() -> impl Strategy<Value = Rgb> {
+pub(super) fn light_rgb() -> impl Strategy<Value = Rgb> {
     [0.0..1e3, 0.0..1e3, 0.0..1e3].prop_map(Rgb::from)
 }
 
@@ -224,7 +225,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
 }
 
 /// A list of `count` values, or none.
-fn all_or_none<T: std::fmt::Debug + Clone>(
+pub(super) fn all_or_none<T: std::fmt::Debug + Clone>(
     count: usize,
     value: impl Strategy<Value = T>,
 ) -> impl Strategy<Value = Vec<T>> {
@@ -235,7 +236,7 @@ fn attribute<T: Copy>(values: Vec<T>) -> Option<Attribute<T>> {
     (!values.is_empty()).then(|| Attribute::per_vertex(values))
 }
 
-fn a_mesh(materials: u32) -> impl Strategy<Value = Shape> {
+pub(super) fn a_mesh(materials: u32) -> impl Strategy<Value = Shape> {
     let sizes = (
         1..9usize,
         vec(vec(any::<prop::sample::Index>(), 3..6), 0..6),
@@ -271,7 +272,7 @@ fn a_mesh(materials: u32) -> impl Strategy<Value = Shape> {
     })
 }
 
-fn primitive_kind() -> impl Strategy<Value = PrimitiveKind> {
+pub(super) fn primitive_kind() -> impl Strategy<Value = PrimitiveKind> {
     prop_oneof![
         Just(PrimitiveKind::Sphere),
         Just(PrimitiveKind::Cylinder),
@@ -382,7 +383,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         .prop_flat_map(|paths| (vec(material(paths.len()), 1..6), Just(paths)))
         .prop_flat_map(|(materials, paths)| {
             let count = materials.len() as u32;
-            let shape = prop_oneof![a_mesh(count), primitive(count)];
+            let shape = prop_oneof![a_mesh(count), primitive(count), exact(count)];
             let units = (option::of(1e-6..1e6), any::<bool>(), any::<bool>()).prop_map(
                 |(metres_per_unit, is_z, photometric)| Units {
                     metres_per_unit,
@@ -442,6 +443,7 @@ proptest! {
             Err(e) => panic!("{e}\n{text}"),
         };
         prop_assert_eq!(&back, &scene, "{}", text);
+        prop_assert_eq!(shared_figures(&back), shared_figures(&scene));
         prop_assert_eq!(written(&back), text);
     }
 }

@@ -1,0 +1,107 @@
+//! `ext figure`: contours of lines and cubic curves.
+
+use super::super::document::{BlockKind, Fail, Kind};
+use super::super::entries::Entries;
+use super::super::parse::Ending;
+use super::super::parser::{Parsed, Parser};
+use super::super::write::{Out, pair};
+use super::FigureBlock;
+use azulejo_scene::{Contour, Curve, Figure, FillRule};
+use std::io::{self, Write};
+use std::sync::Arc;
+
+const CONTOUR: Ending = Ending::required(&["contour"]);
+const EXTENSION: Ending = Ending::required(&["ext"]);
+
+impl<'a> Parser<'a, '_, '_> {
+    /// `ext figure begin` was read.
+    pub fn figure(&mut self, offset: usize) -> Parsed<BlockKind> {
+        let mut entries = Entries::new("`ext figure`", offset);
+        let mut contours = Vec::new();
+        self.entries_and(&mut entries, |parser| parser.contour(&mut contours))?;
+        self.end(offset, &EXTENSION)?;
+        let name = self.defined_name(&mut entries, Kind::Figure)?;
+        let rule = match self.take_word(&mut entries, "rule")? {
+            None | Some(("even_odd", _)) => FillRule::EvenOdd,
+            Some(("non_zero", _)) => FillRule::NonZero,
+            Some((word, offset)) => {
+                return Err(self.fail(offset, format!("`{word}`"), "`even_odd` or `non_zero`"));
+            }
+        };
+        self.warn_of_rest(&entries);
+        contours.shrink_to_fit();
+        Ok(BlockKind::Figure(FigureBlock {
+            name,
+            figure: Arc::new(Figure { contours, rule }),
+        }))
+    }
+
+    /// `contour begin ... end contour`, if that comes next.
+    fn contour(&mut self, contours: &mut Vec<Contour>) -> Parsed<bool> {
+        let offset = self.lexer.skip_blank();
+        if !self.lexer.eat_word("contour") {
+            return Ok(false);
+        }
+        self.expect_word("begin")?;
+        let mut curves = Vec::new();
+        loop {
+            if self.lexer.eat_word("line") {
+                let start = self.vector2()?;
+                curves.push(Curve::Line { start });
+            } else if self.lexer.eat_word("cubic") {
+                curves.push(Curve::Cubic {
+                    start: self.vector2()?,
+                    control1: self.vector2()?,
+                    control2: self.vector2()?,
+                });
+            } else if self.at_end() {
+                break;
+            } else {
+                return Err(self.not_a_curve());
+            }
+        }
+        self.end(offset, &CONTOUR)?;
+        curves.shrink_to_fit();
+        contours.push(Contour { curves });
+        Ok(true)
+    }
+
+    #[cold]
+    fn not_a_curve(&mut self) -> Fail {
+        self.unexpected(
+            "`line (x, y)`, `cubic` with its start and two control points, or `end contour`",
+        )
+    }
+}
+
+/// Writes a figure, one curve per line.
+pub(in crate::grf) fn figure(out: &mut Out<'_>, block: &FigureBlock) -> io::Result<()> {
+    write!(out, "ext figure begin name = {}", block.name)?;
+    if block.figure.rule == FillRule::NonZero {
+        out.write_all(b" rule = non_zero")?;
+    }
+    out.write_all(b"\n")?;
+    for contour in &block.figure.contours {
+        out.write_all(b"contour begin\n")?;
+        contour.curves.iter().try_for_each(|c| curve(out, c))?;
+        out.write_all(b"end contour\n")?;
+    }
+    out.write_all(b"end ext\n")
+}
+
+fn curve(out: &mut Out<'_>, curve: &Curve) -> io::Result<()> {
+    match *curve {
+        Curve::Line { start } => writeln!(out, "line {}", pair(start)),
+        Curve::Cubic {
+            start,
+            control1,
+            control2,
+        } => writeln!(
+            out,
+            "cubic {} {} {}",
+            pair(start),
+            pair(control1),
+            pair(control2)
+        ),
+    }
+}

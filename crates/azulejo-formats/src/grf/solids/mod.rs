@@ -1,0 +1,135 @@
+//! Exact shapes: figures, and the solids that extensions nest inside each other.
+
+mod figure;
+mod from_scene;
+mod parse;
+mod resolve;
+mod skin;
+mod write;
+
+pub(super) use figure::figure;
+pub(super) use from_scene::{Figures, exact_block};
+pub(super) use parse::is_solid;
+pub(super) use resolve::Defined;
+pub(super) use skin::skin_block;
+pub(super) use write::{define, exact};
+
+use super::document::{MeshBlock, Name, ObjectNotes, Place};
+use azulejo_scene::{Figure, Operation, PrimitiveKind};
+use glam::{DAffine3, DVec2, DVec3};
+use std::sync::Arc;
+
+/// Solids inside each other, definitions that contain instances included: as many as a scene
+/// may nest.
+const DEEPEST: usize = 256;
+
+/// `ext figure`: an outline that prisms and texts name.
+#[derive(Clone, Debug)]
+pub(super) struct FigureBlock {
+    pub name: Name,
+    pub figure: Arc<Figure>,
+}
+
+/// `ext define`: solids that instances name.
+#[derive(Clone, Debug)]
+pub(super) struct SolidDefinition {
+    pub name: Name,
+    pub material: Option<Name>,
+    pub solids: Vec<SolidBlock>,
+}
+
+/// `ext solids`, or an extension that is one solid: an object of its own.
+#[derive(Clone, Debug)]
+pub(super) struct ExactBlock {
+    pub solids: Vec<SolidBlock>,
+    /// `ext skin` behind it.
+    pub skin: Option<Box<SkinBlock>>,
+    pub notes: ObjectNotes,
+}
+
+/// `ext skin`: the polygons that stood for an exact shape when it was solved.
+#[derive(Clone, Debug)]
+pub(super) struct SkinBlock {
+    /// Vertices, faces, smoothing and errors; no looks.
+    pub mesh: MeshBlock,
+    /// For each face, the solid from which it has its material: an index into
+    /// [`Exact::leaves`](azulejo_scene::Exact::leaves). Empty if it is the first for all.
+    pub leaves: Vec<u32>,
+}
+
+/// A solid and where it begins.
+#[derive(Clone, Debug)]
+pub(super) struct SolidBlock {
+    pub place: Place,
+    /// That of the block around it if there is none.
+    pub material: Option<Name>,
+    pub kind: SolidKind,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum SolidKind {
+    Primitive(PrimitiveKind, Box<DAffine3>),
+    Prism(Name, Box<DAffine3>),
+    Text(Box<TextBlock>),
+    /// Sixteen control points, row after row.
+    Patch(Box<[[DVec3; 4]; 4]>),
+    /// Without looks.
+    Mesh(Box<MeshBlock>),
+    Shell(Vec<SolidBlock>),
+    Csg(Box<CsgBlock>),
+    /// A copy of defined solids, under a map if there is one.
+    Instance(Name, Option<Box<DAffine3>>),
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct CsgBlock {
+    pub operation: Operation,
+    pub left: Vec<SolidBlock>,
+    pub right: Vec<SolidBlock>,
+}
+
+/// `text`: prisms of many figures under one map.
+#[derive(Clone, Debug)]
+pub(super) struct TextBlock {
+    /// What it says, for people.
+    pub string: Option<String>,
+    /// The images of the glyphs' x, y and z axes and of the origin of the pen.
+    pub map: DAffine3,
+    pub glyphs: Vec<GlyphBlock>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct GlyphBlock {
+    pub figure: Name,
+    pub pen: Pen,
+}
+
+/// Where a glyph's origin goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Pen {
+    /// On the line of the text, in the units of its figures.
+    Along(DVec2),
+    /// In the space around the text.
+    At(DVec3),
+}
+
+impl TextBlock {
+    /// The map of a glyph's prism.
+    pub fn map_at(&self, pen: Pen) -> DAffine3 {
+        let axes = self.map.matrix3;
+        let translation = match pen {
+            Pen::At(place) => place,
+            Pen::Along(pen) => self.map.translation + pen.x * axes.x_axis + pen.y * axes.y_axis,
+        };
+        DAffine3 {
+            matrix3: axes,
+            translation,
+        }
+    }
+}
+
+/// Whether a map takes space onto space, so that there is a way back.
+pub(super) fn has_inverse(map: &DAffine3) -> bool {
+    let size = map.matrix3.determinant();
+    map.is_finite() && size != 0.0 && size.is_finite() && map.inverse().is_finite()
+}

@@ -1,0 +1,436 @@
+//! Solids as text: extensions whose members stand inside each other.
+
+use super::super::document::{BlockKind, Fail, Kind, MeshBlock, Name, ObjectNotes};
+use super::super::entries::{Entries, Value};
+use super::super::mesh::Largest;
+use super::super::parse::Ending;
+use super::super::parser::{Parsed, Parser};
+use super::{
+    CsgBlock, DEEPEST, ExactBlock, GlyphBlock, Pen, SolidBlock, SolidDefinition, SolidKind,
+    TextBlock, has_inverse,
+};
+use azulejo_scene::{Attribute, Operation, TextFrame};
+use glam::{DAffine3, DVec2, DVec3};
+
+const EXTENSION: Ending = Ending::required(&["ext"]);
+const LEFT: Ending = Ending::required(&["left"]);
+const RIGHT: Ending = Ending::required(&["right"]);
+
+/// The kinds of solid.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Primitive,
+    Prism,
+    Text,
+    Patch,
+    Mesh,
+    Shell,
+    Csg,
+    Instance,
+}
+
+/// Their words, and how they end. The word behind `end` is needed: it may begin the next member.
+const FORMS: [(&str, Form, Ending); 8] = [
+    (
+        "primitive",
+        Form::Primitive,
+        Ending::required(&["primitive"]),
+    ),
+    ("prism", Form::Prism, Ending::required(&["prism"])),
+    ("text", Form::Text, Ending::required(&["text"])),
+    ("patch", Form::Patch, Ending::required(&["patch"])),
+    ("mesh", Form::Mesh, Ending::required(&["mesh"])),
+    ("shell", Form::Shell, Ending::required(&["shell"])),
+    ("csg", Form::Csg, Ending::required(&["csg"])),
+    ("instance", Form::Instance, Ending::required(&["instance"])),
+];
+
+/// The solids that are extensions of their own. Primitives and meshes are objects of other kinds.
+const EXTENSIONS: [&str; 6] = ["prism", "text", "patch", "shell", "csg", "instance"];
+
+/// Whether an extension of this name, in small letters, is one solid or a list of them.
+pub(in crate::grf) fn is_solid(extension: &str) -> bool {
+    extension == "solids" || EXTENSIONS.contains(&extension)
+}
+
+fn form(word: &str) -> Option<&'static (&'static str, Form, Ending)> {
+    FORMS
+        .iter()
+        .find(|(name, ..)| word.eq_ignore_ascii_case(name))
+}
+
+/// What extensions hold.
+impl<'a> Parser<'a, '_, '_> {
+    /// `ext name begin` was read, of a name that [`is_solid`].
+    pub fn exact(&mut self, name: &str, offset: usize) -> Parsed<BlockKind> {
+        let mut notes = ObjectNotes::default();
+        let solids = match form(name) {
+            Some((_, form, _)) => {
+                let entries = Entries::new(format!("`ext {name}`"), offset);
+                vec![self.solid(*form, entries, &EXTENSION)?]
+            }
+            None => {
+                let mut entries = Entries::new("`ext solids`", offset);
+                let solids = self.members(&mut entries, &EXTENSION)?;
+                notes.material = self.take_name(&mut entries, "material", Kind::Brdf)?;
+                self.warn_of_rest(&entries);
+                solids
+            }
+        };
+        Ok(BlockKind::Exact(Box::new(ExactBlock {
+            solids,
+            skin: None,
+            notes,
+        })))
+    }
+
+    /// `ext define begin` was read.
+    pub fn solid_definition(&mut self, offset: usize) -> Parsed<BlockKind> {
+        let mut entries = Entries::new("`ext define`", offset);
+        let solids = self.members(&mut entries, &EXTENSION)?;
+        let name = self.defined_name(&mut entries, Kind::Solid)?;
+        let material = self.take_name(&mut entries, "material", Kind::Brdf)?;
+        self.warn_of_rest(&entries);
+        Ok(BlockKind::Define(Box::new(SolidDefinition {
+            name,
+            material,
+            solids,
+        })))
+    }
+
+    /// Keys, solids, and the end.
+    fn members(&mut self, entries: &mut Entries<'a>, ending: &Ending) -> Parsed<Vec<SolidBlock>> {
+        let mut solids = Vec::new();
+        self.entries_and(entries, |parser| parser.member(&mut solids))?;
+        self.end(entries.offset, ending)?;
+        Ok(solids)
+    }
+
+    /// `kind begin ... end kind`, if that comes next.
+    fn member(&mut self, solids: &mut Vec<SolidBlock>) -> Parsed<bool> {
+        let offset = self.lexer.skip_blank();
+        let Some((name, form, ending)) = self.lexer.peek_word().and_then(form) else {
+            return Ok(false);
+        };
+        self.lexer.word();
+        self.expect_word("begin")?;
+        self.shared.solid_depth += 1;
+        if self.shared.solid_depth > DEEPEST {
+            return Err(self.fail(
+                offset,
+                "one more solid inside a solid",
+                format!("at most {DEEPEST} inside each other"),
+            ));
+        }
+        let entries = Entries::new(format!("`{name}`"), offset);
+        solids.push(self.solid(*form, entries, ending)?);
+        self.shared.solid_depth -= 1;
+        Ok(true)
+    }
+
+    /// The inside of a solid and its end.
+    fn solid(
+        &mut self,
+        form: Form,
+        mut entries: Entries<'a>,
+        ending: &Ending,
+    ) -> Parsed<SolidBlock> {
+        let place = self.place(entries.offset);
+        let kind = match form {
+            Form::Shell => SolidKind::Shell(self.members(&mut entries, ending)?),
+            Form::Csg => self.csg(&mut entries, ending)?,
+            Form::Text => self.text(&mut entries, ending)?,
+            Form::Mesh => SolidKind::Mesh(self.polygons(&mut entries, ending)?),
+            Form::Primitive | Form::Prism | Form::Patch | Form::Instance => {
+                self.entries_and(&mut entries, |_| Ok(false))?;
+                self.end(entries.offset, ending)?;
+                self.simple(form, &mut entries)?
+            }
+        };
+        let material = self.take_name(&mut entries, "material", Kind::Brdf)?;
+        self.warn_of_rest(&entries);
+        Ok(SolidBlock {
+            place,
+            material,
+            kind,
+        })
+    }
+}
+
+/// Solids that are keys and values alone.
+impl<'a> Parser<'a, '_, '_> {
+    fn simple(&mut self, form: Form, entries: &mut Entries<'a>) -> Parsed<SolidKind> {
+        match form {
+            Form::Prism => {
+                let figure = self.take_name(entries, "figure", Kind::Figure)?;
+                let figure = self.required(entries, "figure", figure)?;
+                let map = self.take_map(entries)?;
+                let map = self.required(entries, "map", map)?;
+                Ok(SolidKind::Prism(figure, Box::new(map)))
+            }
+            Form::Patch => self.patch(entries),
+            Form::Instance => {
+                let of = self.take_name(entries, "of", Kind::Solid)?;
+                let of = self.required(entries, "of", of)?;
+                let map = self.take_map(entries)?;
+                Ok(SolidKind::Instance(of, map.map(Box::new)))
+            }
+            _ => {
+                let (kind, map) = self.unit_primitive(entries)?;
+                Ok(SolidKind::Primitive(kind, Box::new(map)))
+            }
+        }
+    }
+
+    fn patch(&mut self, entries: &mut Entries<'a>) -> Parsed<SolidKind> {
+        let entry = entries.take("points");
+        let entry = self.required(entries, "points", entry)?;
+        match &entry.value {
+            Value::Vectors(list) if list.len() == 16 => {
+                let point = |k: usize| DVec3::from_array(list[k]);
+                let row = |r: usize| std::array::from_fn(|c| point(4 * r + c));
+                Ok(SolidKind::Patch(Box::new(std::array::from_fn(row))))
+            }
+            _ => Err(self.wrong(&entry, "16 control points (x, y, z), row after row")),
+        }
+    }
+
+    /// `map = ...`, which must have an inverse.
+    fn take_map(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<DAffine3>> {
+        let Some(entry) = entries.take("map") else {
+            return Ok(None);
+        };
+        match entry.value.map().filter(has_inverse) {
+            Some(map) => Ok(Some(map)),
+            None => Err(self.not_a_map(&entry)),
+        }
+    }
+}
+
+/// Set operations.
+impl<'a> Parser<'a, '_, '_> {
+    fn csg(&mut self, entries: &mut Entries<'a>, ending: &Ending) -> Parsed<SolidKind> {
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        self.entries_and(entries, |parser| {
+            Ok(parser.side(&LEFT, &mut left)? || parser.side(&RIGHT, &mut right)?)
+        })?;
+        self.end(entries.offset, ending)?;
+        for (side, solids) in [("left", &left), ("right", &right)] {
+            if solids.is_empty() {
+                return Err(self.without_side(entries, side));
+            }
+        }
+        let operation = self.operation(entries)?;
+        Ok(SolidKind::Csg(Box::new(CsgBlock {
+            operation,
+            left,
+            right,
+        })))
+    }
+
+    fn operation(&mut self, entries: &mut Entries<'a>) -> Parsed<Operation> {
+        let word = self.take_word(entries, "operation")?;
+        let (word, offset) = self.required(entries, "operation", word)?;
+        match word {
+            "union" => Ok(Operation::Union),
+            "difference" => Ok(Operation::Difference),
+            "intersection" => Ok(Operation::Intersection),
+            _ => Err(self.fail(
+                offset,
+                format!("`{word}`"),
+                "`union`, `difference` or `intersection`",
+            )),
+        }
+    }
+
+    #[cold]
+    fn without_side(&mut self, entries: &Entries<'_>, side: &str) -> Fail {
+        self.fail(
+            entries.offset,
+            format!("{} without a solid on its {side} side", entries.title),
+            format!("`{side} begin`, solids and `end {side}` in it"),
+        )
+    }
+
+    /// `left begin ... end left`, if that comes next.
+    fn side(&mut self, ending: &Ending, solids: &mut Vec<SolidBlock>) -> Parsed<bool> {
+        let offset = self.lexer.skip_blank();
+        if !self.lexer.eat_word(ending.words[0]) {
+            return Ok(false);
+        }
+        self.expect_word("begin")?;
+        while self.member(solids)? {}
+        self.end(offset, ending)?;
+        Ok(true)
+    }
+}
+
+/// Text.
+impl<'a> Parser<'a, '_, '_> {
+    fn text(&mut self, entries: &mut Entries<'a>, ending: &Ending) -> Parsed<SolidKind> {
+        let mut glyphs = Vec::new();
+        self.entries_and(entries, |parser| parser.glyph(&mut glyphs))?;
+        self.end(entries.offset, ending)?;
+        glyphs.shrink_to_fit();
+        let map = match self.take_map(entries)? {
+            Some(map) => map,
+            None => self.frame(entries)?,
+        };
+        Ok(SolidKind::Text(Box::new(TextBlock {
+            string: self.take_text(entries, "string")?,
+            map,
+            glyphs,
+        })))
+    }
+
+    /// `figure (x, y)` or `figure (x, y, z)`, if a name and a bracket come next.
+    fn glyph(&mut self, glyphs: &mut Vec<GlyphBlock>) -> Parsed<bool> {
+        let mut ahead = self.lexer;
+        if ahead.word().is_none() || !ahead.eat(b'(') {
+            return Ok(false);
+        }
+        let figure = self.used(Kind::Figure)?;
+        let pen = match self.vector2_or_3()? {
+            (pen, None) => Pen::Along(pen),
+            (pen, Some(z)) => Pen::At(pen.extend(z)),
+        };
+        glyphs.push(GlyphBlock { figure, pen });
+        Ok(true)
+    }
+
+    /// The map that the keys of a [`TextFrame`] say.
+    fn frame(&mut self, entries: &mut Entries<'a>) -> Parsed<DAffine3> {
+        let origin = self.take_point(entries, "origin")?;
+        let frame = TextFrame {
+            origin: origin.unwrap_or_default(),
+            progression: self.take_direction(entries, "progression", DVec3::X)?,
+            up: self.take_direction(entries, "up", DVec3::Y)?,
+            extrusion: self.take_direction(entries, "extrusion", DVec3::NEG_Z)?,
+            scale: self.take_scale(entries)?,
+        };
+        let map = frame.world_from_glyph(DVec2::ZERO);
+        if has_inverse(&map) {
+            return Ok(map);
+        }
+        Err(self.fail(
+            entries.offset,
+            "a text whose letters have no room",
+            "`progression`, `up` and `extrusion` in three directions, and a `scale` without 0",
+        ))
+    }
+
+    fn take_direction(
+        &mut self,
+        entries: &mut Entries<'a>,
+        key: &str,
+        default: DVec3,
+    ) -> Parsed<DVec3> {
+        let direction = self.take_point(entries, key)?.unwrap_or(default);
+        match super::super::unit(direction) {
+            Some(unit) => Ok(unit),
+            None => Err(self.fail(
+                entries.offset,
+                format!("`{key}` without length"),
+                "a vector that is not 0",
+            )),
+        }
+    }
+
+    /// One size for all directions, or one for each.
+    fn take_scale(&mut self, entries: &mut Entries<'a>) -> Parsed<DVec3> {
+        let Some(entry) = entries.take("scale") else {
+            return Ok(DVec3::ONE);
+        };
+        match &entry.value {
+            Value::Numbers(n) if n.len() == 1 => Ok(DVec3::splat(n[0])),
+            Value::Vectors(v) if v.len() == 1 => Ok(DVec3::from_array(v[0])),
+            _ => Err(self.wrong(&entry, "one number or (x, y, z)")),
+        }
+    }
+}
+
+/// Polygons.
+impl<'a> Parser<'a, '_, '_> {
+    /// Vertices and faces without looks, and the keys that say more about them.
+    pub fn polygons(
+        &mut self,
+        entries: &mut Entries<'a>,
+        ending: &Ending,
+    ) -> Parsed<Box<MeshBlock>> {
+        let mut mesh = Box::<MeshBlock>::default();
+        let mut largest = None;
+        self.entries_and(entries, |parser| parser.list(&mut mesh, &mut largest))?;
+        self.check_indices(&mesh, largest)?;
+        self.end(entries.offset, ending)?;
+        if !mesh.changes.is_empty() {
+            return Err(self.fail(
+                entries.offset,
+                format!("{} with looks before its faces", entries.title),
+                "vertices and faces alone: its material stands outside of them",
+            ));
+        }
+        let (vertices, faces) = (mesh.vertices.positions.len(), mesh.faces.len());
+        if entries.has("irad_error") {
+            mesh.notes.irradiance_error = self.rgb_list(entries, "irad_error", vertices)?;
+        }
+        if entries.has("smoothing") {
+            mesh.notes.smoothing = self.counts(entries, "smoothing", (faces, "face"))?;
+        }
+        if entries.has("normals") {
+            let corners = mesh.faces.corners.len();
+            mesh.notes.normals = Some(Box::new(self.corner_normals(entries, corners)?));
+        }
+        Ok(mesh)
+    }
+
+    /// `normals`, a list, and `corners`, which of them each corner has.
+    fn corner_normals(
+        &mut self,
+        entries: &mut Entries<'a>,
+        corners: usize,
+    ) -> Parsed<Attribute<DVec3>> {
+        let entry = entries.take("normals");
+        let entry = self.required(entries, "normals", entry)?;
+        let Value::Vectors(list) = &entry.value else {
+            return Err(self.wrong(&entry, "vectors (x, y, z)"));
+        };
+        let unit = |v: &[f64; 3]| super::super::unit(DVec3::from_array(*v));
+        let Some(values) = list.iter().map(unit).collect::<Option<Vec<_>>>() else {
+            return Err(self.fail(
+                entry.offset,
+                "a normal without length",
+                "vectors that are not 0",
+            ));
+        };
+        let at = entry.offset;
+        let indices = self.counts(entries, "corners", (corners, "corner"))?;
+        if let Some(index) = indices.iter().find(|&&i| i as usize >= values.len()) {
+            return Err(self.fail(
+                at,
+                format!("normal {index} of {}", values.len()),
+                "as many normals as `corners` counts",
+            ));
+        }
+        Ok(Attribute {
+            values,
+            corners: Some(indices),
+        })
+    }
+
+    fn list(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<bool> {
+        if !self.lexer.eat_word("begin") {
+            return Ok(false);
+        }
+        self.mesh_list(mesh, largest)?;
+        Ok(true)
+    }
+
+    /// The name that an extension gives to what it defines.
+    pub fn defined_name(&mut self, entries: &mut Entries<'a>, kind: Kind) -> Parsed<Name> {
+        let word = self.take_word(entries, "name")?;
+        let (word, offset) = self.required(entries, "name", word)?;
+        let name = self.shared.intern(word);
+        self.define(offset, kind, &name);
+        Ok(name)
+    }
+}

@@ -1,0 +1,366 @@
+//! From blocks to solids: figures and definitions by their names, instances as copies.
+
+use super::super::document::{Block, BlockKind, Kind, MeshBlock, Name, Place};
+use super::super::placement::Outer;
+use super::super::resolve::{Resolved, Resolver};
+use super::{
+    CsgBlock, DEEPEST, ExactBlock, SolidBlock, SolidDefinition, SolidKind, TextBlock, has_inverse,
+};
+use azulejo_scene::{
+    BicubicPatch, Csg, Exact, Figure, MaterialId, Mesh, Object, Primitive, Prism, Shape, Solid,
+};
+use glam::DAffine3;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Solids, and how deep they nest.
+#[derive(Debug, Default)]
+pub(in crate::grf) struct Made {
+    solids: Vec<Solid>,
+    depth: usize,
+}
+
+/// What an `ext define` stands for.
+#[derive(Debug)]
+pub(in crate::grf) enum Defined<'d> {
+    /// Not looked at yet.
+    Open(&'d SolidDefinition, Place),
+    /// Being made: who needs it now is inside of it.
+    Busy,
+    Done(Rc<Made>),
+}
+
+/// Definitions.
+impl<'d> Resolver<'d> {
+    /// Makes the solids of all definitions of a list of blocks, before any block can name one:
+    /// the names in them mean what they mean where they are defined.
+    pub fn make_definitions(&mut self, blocks: &'d [Block]) -> Resolved<()> {
+        for block in blocks {
+            match &block.kind {
+                BlockKind::Include { blocks, .. } => self.make_definitions(blocks)?,
+                BlockKind::Define(definition) => {
+                    self.defined(&definition.name, block.place)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn defined(&mut self, name: &'d Name, place: Place) -> Resolved<Rc<Made>> {
+        let name: &'d str = name;
+        let mut scopes = self.scopes.iter_mut().enumerate().rev();
+        let found = scopes.find_map(|(level, s)| Some((level, s.solids.get_mut(name)?)));
+        let Some((level, slot)) = found else {
+            return Err(self.undefined(Kind::Solid, name, place));
+        };
+        let (definition, at) = match slot {
+            Defined::Done(made) => return Ok(Rc::clone(made)),
+            Defined::Open(definition, at) => (*definition, *at),
+            Defined::Busy => {
+                return Err(self.fail(
+                    place,
+                    format!("an instance of `{name}` inside of `{name}`"),
+                    "instances that do not go round in a circle",
+                ));
+            }
+        };
+        *slot = Defined::Busy;
+        let mut made = Made::default();
+        self.deeper(at)?;
+        self.solids(&definition.solids, definition.material.as_ref(), &mut made)?;
+        self.depth -= 1;
+        let made = Rc::new(made);
+        self.scopes[level]
+            .solids
+            .insert(name, Defined::Done(Rc::clone(&made)));
+        Ok(made)
+    }
+
+    fn deeper(&mut self, place: Place) -> Resolved<()> {
+        self.depth += 1;
+        self.check_depth(self.depth - 1, place)
+    }
+
+    /// Refuses one more solid around solids that nest so deep.
+    fn check_depth(&self, depth: usize, place: Place) -> Resolved<()> {
+        if depth <= DEEPEST {
+            return Ok(());
+        }
+        Err(self.fail(
+            place,
+            "one more solid or definition around others",
+            &format!("at most {DEEPEST} inside each other, instances included"),
+        ))
+    }
+
+    fn figure_named(&self, name: &Name, place: Place) -> Resolved<Arc<Figure>> {
+        let scopes = self.scopes.iter().rev();
+        let found = scopes.filter_map(|s| s.figures.get(&**name)).next();
+        let found = found.map(|&figure| Arc::clone(figure));
+        found.ok_or_else(|| self.undefined(Kind::Figure, name, place))
+    }
+}
+
+/// Objects.
+impl<'d> Resolver<'d> {
+    pub fn exact(&mut self, block: &'d ExactBlock, place: Place, outer: Outer) -> Resolved<()> {
+        let mut made = Made::default();
+        self.solids(&block.solids, block.notes.material.as_ref(), &mut made)?;
+        let mut exact = Exact::new(made.solids);
+        if let Some(map) = outer {
+            exact.transform(&map);
+        }
+        if !exact.solids.iter().all(is_placed) {
+            return Err(self.fail(
+                place,
+                "a shape that transforms flatten or carry out of range",
+                "transforms that keep it",
+            ));
+        }
+        if let Some(skin) = &block.skin {
+            let materials = self.skin_materials(skin, &exact, place)?;
+            let mesh = self.built_mesh(&skin.mesh, materials, place, outer)?;
+            exact.skin = Some(Box::new(mesh));
+        }
+        let shape = Shape::Exact(exact);
+        self.scene
+            .objects
+            .push(Object::new(&*block.notes.name, shape));
+        Ok(())
+    }
+
+    /// Adds what blocks describe; `around` is the brdf of what stands around them.
+    fn solids(
+        &mut self,
+        blocks: &'d [SolidBlock],
+        around: Option<&'d Name>,
+        made: &mut Made,
+    ) -> Resolved<()> {
+        // Blocks that make one solid are most, and a definition keeps its list.
+        made.solids.reserve_exact(blocks.len());
+        for block in blocks {
+            let brdf = block.material.as_ref().or(around);
+            self.solid(block, brdf, made)?;
+        }
+        Ok(())
+    }
+
+    fn solid(
+        &mut self,
+        block: &'d SolidBlock,
+        brdf: Option<&'d Name>,
+        made: &mut Made,
+    ) -> Resolved<()> {
+        let place = block.place;
+        match &block.kind {
+            SolidKind::Text(text) => self.text(text, brdf, place, made),
+            SolidKind::Instance(of, map) => self.instance(of, map.as_deref(), place, made),
+            SolidKind::Shell(pieces) => {
+                let pieces = self.operand(pieces, brdf, place, &mut made.depth)?;
+                made.solids.push(Solid::Shell(pieces));
+                Ok(())
+            }
+            SolidKind::Csg(csg) => self.csg(csg, brdf, place, made),
+            _ => self.leaf(block, brdf, made),
+        }
+    }
+
+    /// A solid that is not made of others.
+    fn leaf(
+        &mut self,
+        block: &'d SolidBlock,
+        brdf: Option<&'d Name>,
+        made: &mut Made,
+    ) -> Resolved<()> {
+        let place = block.place;
+        let solid = match &block.kind {
+            SolidKind::Primitive(kind, map) => {
+                let material = self.named_material(brdf, None, place)?;
+                Solid::Primitive(Primitive::new(*kind, **map, material))
+            }
+            SolidKind::Prism(figure, map) => Solid::Prism(Prism {
+                figure: self.figure_named(figure, place)?,
+                world_from_figure: **map,
+                material: self.named_material(brdf, None, place)?,
+            }),
+            SolidKind::Patch(points) => Solid::Patch(BicubicPatch {
+                points: points.clone(),
+                material: self.named_material(brdf, None, place)?,
+            }),
+            SolidKind::Mesh(mesh) => Solid::Mesh(self.solid_mesh(mesh, brdf, place)?),
+            _ => return Ok(()),
+        };
+        made.solids.push(solid);
+        Ok(())
+    }
+
+    /// Solids one level deeper; `depth` is that of the whole they are put into.
+    fn operand(
+        &mut self,
+        blocks: &'d [SolidBlock],
+        brdf: Option<&'d Name>,
+        place: Place,
+        depth: &mut usize,
+    ) -> Resolved<Vec<Solid>> {
+        let mut made = Made::default();
+        self.deeper(place)?;
+        self.solids(blocks, brdf, &mut made)?;
+        self.depth -= 1;
+        *depth = (*depth).max(made.depth + 1);
+        self.check_depth(*depth, place)?;
+        Ok(made.solids)
+    }
+
+    fn csg(
+        &mut self,
+        block: &'d CsgBlock,
+        brdf: Option<&'d Name>,
+        place: Place,
+        made: &mut Made,
+    ) -> Resolved<()> {
+        let left = self.operand(&block.left, brdf, place, &mut made.depth)?;
+        let right = self.operand(&block.right, brdf, place, &mut made.depth)?;
+        self.check_operand(&left, &block.left)?;
+        self.check_operand(&right, &block.right)?;
+        made.solids.push(Solid::Csg(Box::new(Csg {
+            operation: block.operation,
+            left,
+            right,
+        })));
+        Ok(())
+    }
+
+    /// Refuses sides of a set operation that hold nothing, or something without an inside.
+    fn check_operand(&self, solids: &[Solid], blocks: &[SolidBlock]) -> Resolved<()> {
+        let place = blocks.first().map_or(Place::default(), |b| b.place);
+        if solids.is_empty() {
+            let found = "nothing on one side of a set operation: texts or instances without solids";
+            return Err(self.fail(place, found, "solids on both sides"));
+        }
+        let Some(problem) = solids.iter().find_map(Solid::open_part) else {
+            return Ok(());
+        };
+        // Texts and instances make several solids of one block: then it is the first one's place.
+        let found = format!("{problem} in a set operation, which is open: it has no inside");
+        let is_one_each = solids.len() == blocks.len();
+        let open = solids.iter().position(|s| s.open_part().is_some());
+        let block = open.filter(|_| is_one_each).and_then(|i| blocks.get(i));
+        let place = block.map_or(place, |b| b.place);
+        Err(self.fail(
+            place,
+            found,
+            "closed solids; open pieces that close together are a `shell`",
+        ))
+    }
+
+    fn text(
+        &mut self,
+        text: &'d TextBlock,
+        brdf: Option<&'d Name>,
+        place: Place,
+        made: &mut Made,
+    ) -> Resolved<()> {
+        made.solids.reserve_exact(text.glyphs.len());
+        let material = self.named_material(brdf, None, place)?;
+        for glyph in &text.glyphs {
+            let prism = Prism {
+                figure: self.figure_named(&glyph.figure, place)?,
+                world_from_figure: text.map_at(glyph.pen),
+                material,
+            };
+            made.solids.push(Solid::Prism(prism));
+        }
+        Ok(())
+    }
+
+    /// A mesh of one material, which its faces do not say.
+    fn solid_mesh(
+        &mut self,
+        mesh: &'d MeshBlock,
+        brdf: Option<&'d Name>,
+        place: Place,
+    ) -> Resolved<Mesh> {
+        let faces = mesh.faces.len();
+        let materials = match faces {
+            0 => Vec::new(),
+            _ => vec![self.named_material(brdf, None, place)?; faces],
+        };
+        self.built_mesh(mesh, materials, place, None)
+    }
+
+    fn instance(
+        &mut self,
+        of: &'d Name,
+        map: Option<&DAffine3>,
+        place: Place,
+        made: &mut Made,
+    ) -> Resolved<()> {
+        let defined = self.defined(of, place)?;
+        let elements = defined.solids.iter().map(elements).sum();
+        if let Err(exhausted) = self.instances.spend(elements) {
+            let error = exhausted.error("");
+            return Err(self.fail(place, error.found, &error.expected));
+        }
+        made.depth = made.depth.max(defined.depth);
+        made.solids.reserve_exact(defined.solids.len());
+        for solid in &defined.solids {
+            let mut copy = solid.clone();
+            if let Some(map) = map {
+                copy.transform(map);
+            }
+            made.solids.push(copy);
+        }
+        Ok(())
+    }
+
+    /// The materials of a skin's faces.
+    fn skin_materials(
+        &self,
+        skin: &super::SkinBlock,
+        exact: &Exact,
+        place: Place,
+    ) -> Resolved<Vec<MaterialId>> {
+        let leaves = exact.leaves();
+        let material = |leaf: u32| match leaves.get(leaf as usize) {
+            Some(leaf) => Ok(leaf.material()),
+            None => Err(self.fail(
+                place,
+                format!(
+                    "a skin of solid {leaf} on a shape of {} solids",
+                    leaves.len()
+                ),
+                "a solid that is there",
+            )),
+        };
+        match skin.leaves.is_empty() {
+            true => (0..skin.mesh.faces.len()).map(|_| material(0)).collect(),
+            false => skin.leaves.iter().map(|&leaf| material(leaf)).collect(),
+        }
+    }
+}
+
+/// What a copy of a solid costs, in vertices and corners.
+fn elements(solid: &Solid) -> u64 {
+    let all = |solids: &[Solid]| solids.iter().map(elements).sum::<u64>();
+    // A solid takes as much memory as three vertices, a patch as much as seven.
+    3 + match solid {
+        Solid::Primitive(_) | Solid::Prism(_) => 0,
+        Solid::Patch(_) => 4,
+        Solid::Mesh(mesh) => (mesh.positions.len() + mesh.faces.corners.len()) as u64,
+        Solid::Shell(pieces) => all(pieces),
+        Solid::Csg(csg) => all(&csg.left) + all(&csg.right),
+    }
+}
+
+/// Whether a solid can be met where transforms put it.
+fn is_placed(solid: &Solid) -> bool {
+    match solid {
+        Solid::Primitive(p) => super::super::is_invertible(p.kind, &p.world_from_object),
+        Solid::Prism(p) => has_inverse(&p.world_from_figure),
+        Solid::Patch(p) => p.points.iter().flatten().all(|p| p.is_finite()),
+        Solid::Mesh(m) => m.positions.iter().all(|p| p.is_finite()),
+        Solid::Shell(pieces) => pieces.iter().all(is_placed),
+        Solid::Csg(csg) => csg.left.iter().chain(&csg.right).all(is_placed),
+    }
+}

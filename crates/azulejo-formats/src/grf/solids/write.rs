@@ -1,0 +1,145 @@
+//! From solids to text.
+
+use super::super::document::Name;
+use super::super::write::{Out, Quoted, affine_map, object, pair, point, unit_primitive};
+use super::skin::{polygons_without_looks, skin};
+use super::{
+    CsgBlock, ExactBlock, GlyphBlock, Pen, SolidBlock, SolidDefinition, SolidKind, TextBlock,
+};
+use azulejo_scene::Operation;
+use std::io::{self, Write};
+
+/// Writes an object: a solid that is alone as an extension of its own, if there is one for it.
+pub(in crate::grf) fn exact(out: &mut Out<'_>, block: &ExactBlock) -> io::Result<()> {
+    object(out, &block.notes, None)?;
+    let around = block.notes.material.as_ref();
+    match &block.solids[..] {
+        [alone] if !matches!(alone.kind, SolidKind::Primitive(..) | SolidKind::Mesh(_)) => {
+            write!(out, "ext {} begin", word(&alone.kind))?;
+            inside(out, alone, alone.material.as_ref().or(around))?;
+        }
+        solids => {
+            out.write_all(b"ext solids begin")?;
+            material(out, around)?;
+            out.write_all(b"\n")?;
+            members(out, solids)?;
+        }
+    }
+    out.write_all(b"end ext\n")?;
+    block.skin.iter().try_for_each(|s| skin(out, s))
+}
+
+/// Writes a definition.
+pub(in crate::grf) fn define(out: &mut Out<'_>, block: &SolidDefinition) -> io::Result<()> {
+    write!(out, "ext define begin name = {}", block.name)?;
+    material(out, block.material.as_ref())?;
+    out.write_all(b"\n")?;
+    members(out, &block.solids)?;
+    out.write_all(b"end ext\n")
+}
+
+fn members(out: &mut Out<'_>, solids: &[SolidBlock]) -> io::Result<()> {
+    solids.iter().try_for_each(|solid| {
+        let word = word(&solid.kind);
+        write!(out, "{word} begin")?;
+        inside(out, solid, solid.material.as_ref())?;
+        writeln!(out, "end {word}")
+    })
+}
+
+fn word(kind: &SolidKind) -> &'static str {
+    match kind {
+        SolidKind::Primitive(..) => "primitive",
+        SolidKind::Prism(..) => "prism",
+        SolidKind::Text(_) => "text",
+        SolidKind::Patch(_) => "patch",
+        SolidKind::Mesh(_) => "mesh",
+        SolidKind::Shell(_) => "shell",
+        SolidKind::Csg(_) => "csg",
+        SolidKind::Instance(..) => "instance",
+    }
+}
+
+fn material(out: &mut Out<'_>, name: Option<&Name>) -> io::Result<()> {
+    match name {
+        Some(name) => write!(out, " material = {name}"),
+        None => Ok(()),
+    }
+}
+
+/// What stands between `begin` and `end`; short solids stay on one line.
+fn inside(out: &mut Out<'_>, solid: &SolidBlock, brdf: Option<&Name>) -> io::Result<()> {
+    match &solid.kind {
+        SolidKind::Primitive(kind, map) => unit_primitive(out, *kind, map)?,
+        SolidKind::Prism(figure, map) => {
+            write!(out, " figure = {figure}")?;
+            affine_map(out, map)?;
+        }
+        SolidKind::Instance(of, map) => {
+            write!(out, " of = {of}")?;
+            map.iter().try_for_each(|map| affine_map(out, map))?;
+        }
+        SolidKind::Csg(csg) => write!(out, " operation = {}", operation(csg.operation))?,
+        SolidKind::Text(text) => text_keys(out, text)?,
+        SolidKind::Patch(_) | SolidKind::Mesh(_) | SolidKind::Shell(_) => {}
+    }
+    material(out, brdf)?;
+    match &solid.kind {
+        SolidKind::Primitive(..) | SolidKind::Prism(..) | SolidKind::Instance(..) => {
+            return out.write_all(b" ");
+        }
+        _ => out.write_all(b"\n")?,
+    }
+    match &solid.kind {
+        SolidKind::Csg(csg) => sides(out, csg),
+        SolidKind::Text(text) => text.glyphs.iter().try_for_each(|g| glyph(out, g)),
+        SolidKind::Shell(pieces) => members(out, pieces),
+        SolidKind::Mesh(mesh) => polygons_without_looks(out, mesh),
+        SolidKind::Patch(points) => {
+            out.write_all(b"points =\n")?;
+            for [a, b, c, d] in points.iter() {
+                writeln!(
+                    out,
+                    "{} {} {} {}",
+                    point(*a),
+                    point(*b),
+                    point(*c),
+                    point(*d)
+                )?;
+            }
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn operation(operation: Operation) -> &'static str {
+    match operation {
+        Operation::Union => "union",
+        Operation::Difference => "difference",
+        Operation::Intersection => "intersection",
+    }
+}
+
+fn sides(out: &mut Out<'_>, csg: &CsgBlock) -> io::Result<()> {
+    for (side, solids) in [("left", &csg.left), ("right", &csg.right)] {
+        writeln!(out, "{side} begin")?;
+        members(out, solids)?;
+        writeln!(out, "end {side}")?;
+    }
+    Ok(())
+}
+
+fn text_keys(out: &mut Out<'_>, text: &TextBlock) -> io::Result<()> {
+    if let Some(string) = &text.string {
+        write!(out, " string = {}", Quoted(string))?;
+    }
+    affine_map(out, &text.map)
+}
+
+fn glyph(out: &mut Out<'_>, glyph: &GlyphBlock) -> io::Result<()> {
+    match glyph.pen {
+        Pen::Along(pen) => writeln!(out, "{} {}", glyph.figure, pair(pen)),
+        Pen::At(place) => writeln!(out, "{} {}", glyph.figure, point(place)),
+    }
+}
