@@ -98,7 +98,7 @@ impl Writer<'_> {
     /// Blocks inside of one whose material is `around`. Prisms that follow each other and differ
     /// only in their place are a text.
     fn blocks(&self, solids: &[Solid], around: Option<MaterialId>) -> Vec<SolidBlock> {
-        let runs = solids.chunk_by(|a, b| are_glyphs(a, b));
+        let runs = solids.chunk_by(are_glyphs);
         let block = |run: &[Solid]| {
             let own = material(&run[0]);
             SolidBlock {
