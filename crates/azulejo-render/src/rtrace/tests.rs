@@ -3,7 +3,8 @@
 use super::*;
 use azulejo_scene::rtrace::*;
 use azulejo_scene::{
-    Attribute, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape,
+    Attribute, Csg, Exact, Material, Mesh, Object, Operation, Primitive, PrimitiveKind, Rgb, Scene,
+    Shape, Solid,
 };
 use glam::{DAffine3, DVec3};
 
@@ -292,6 +293,44 @@ fn normals_and_surfaces_run_between_corners() {
     numbers(&mut scene).lights = vec![lamp(DVec3::new(6e4, 0.0, 8e4), 1.0)];
     let red = 0.24 * 0.8 * 8.0 / (8.0 + 2.5e4);
     check(&scene, &Options::default(), [red, red, 0.24 * 0.8]);
+}
+
+/// A box with rounded normals that all point to one side and up.
+fn soft_box(tilt: DVec3) -> Mesh {
+    let map = DAffine3::from_translation(DVec3::splat(-0.5));
+    let cuboid = Primitive::new(PrimitiveKind::Cuboid, map, 1);
+    let mut mesh = cuboid.tessellate(&cuboid.grids(1.0, f64::INFINITY));
+    let normals = &mut mesh.normals.as_mut().unwrap().values;
+    normals
+        .iter_mut()
+        .for_each(|n| *n = (*n + tilt).normalize());
+    mesh
+}
+
+#[test]
+fn what_is_cut_away_leaves_its_surface_and_its_normals() {
+    let mut paint = matte(Rgb::new(1.0, 0.5, 0.0));
+    paint.is_emitter = true;
+    let cut = |hole: Solid| {
+        let block = Primitive::sphere(DVec3::ZERO, 1.0, 0);
+        let csg = Csg {
+            operation: Operation::Difference,
+            left: vec![Solid::Primitive(block)],
+            right: vec![hole],
+        };
+        Shape::Exact(Exact::new(vec![Solid::Csg(Box::new(csg))]))
+    };
+    let looks = |hole, expected: f64| {
+        let shape = cut(hole);
+        let scene = scene(vec![matte(Rgb::WHITE), paint], vec![shape]);
+        check(&scene, &Options::default(), [expected, 0.5 * expected, 0.0]);
+    };
+    let lens = Solid::Primitive(Primitive::sphere(DVec3::Z, 1.0, 1));
+    looks(lens, 8.0 / (8.0 + 0.25 * 8.0));
+    // The floor of a square hole, where normals are tilted as if it were smooth.
+    let mut soft = soft_box(0.75 * DVec3::X);
+    soft.transform(&DAffine3::from_translation(DVec3::new(0.1, 0.2, 0.6)));
+    looks(Solid::Mesh(soft), 0.8 * 8.0 / (8.0 + 0.25 * 7.9));
 }
 
 #[test]

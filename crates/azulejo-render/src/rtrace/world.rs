@@ -190,13 +190,13 @@ impl<'a> World<'a> {
         let (part, class, material, normal) = match &scene.objects[hit.object as usize].shape {
             Shape::Mesh(mesh) => {
                 let material = mesh.face_materials[hit.face as usize];
-                let normal = interpolated(mesh, hit.face as usize, hit);
+                let normal = interpolated(mesh, hit.face as usize, hit.triangle, hit);
                 (hit.face, Class::Flat, material, normal)
             }
             Shape::Primitive(p) => (0, class_of(p.kind), p.material, None),
             Shape::Exact(_) => {
                 let of = &self.leaves[hit.object as usize][hit.face as usize];
-                (of.part, of.class, of.leaf.material(), None)
+                (of.part, of.class, of.leaf.material(), of.leaf_normal(hit))
             }
         };
         let material = &self.rtrace.materials[material as usize];
@@ -270,7 +270,6 @@ fn leaves_of(exact: &Exact) -> Vec<LeafOf<'_>> {
     let of = |(part, solid): (usize, &Solid)| {
         let class = match solid {
             Solid::Primitive(p) => class_of(p.kind),
-            Solid::Mesh(_) => Class::Flat,
             _ => Class::Any,
         };
         let count = leaf_count(solid);
@@ -289,10 +288,34 @@ fn leaf_count(solid: &Solid) -> usize {
     }
 }
 
+impl LeafOf<'_> {
+    /// The interpolated normal of a mesh that has normals; turned around with the surface where
+    /// it was taken away from another.
+    fn leaf_normal(&self, hit: &Hit) -> Option<DVec3> {
+        let Leaf::Mesh(mesh) = self.leaf else {
+            return None;
+        };
+        // The triangles of all faces are counted as one: each face of n corners has n − 2.
+        let before = |face: usize| mesh.faces.starts[face] - 2 * face as u32;
+        let (mut face, mut end) = (0, mesh.faces.len());
+        while face + 1 < end {
+            let middle = (face + end) / 2;
+            if before(middle) <= hit.triangle {
+                face = middle;
+            } else {
+                end = middle;
+            }
+        }
+        let normal = interpolated(mesh, face, hit.triangle - before(face), hit)?;
+        let is_turned = mesh.face_area_vector(face).dot(hit.normal) < 0.0;
+        Some(if is_turned { -normal } else { normal })
+    }
+}
+
 /// The normal between those of a triangle's corners, if the mesh has normals.
-fn interpolated(mesh: &Mesh, face: usize, hit: &Hit) -> Option<DVec3> {
+fn interpolated(mesh: &Mesh, face: usize, triangle: u32, hit: &Hit) -> Option<DVec3> {
     let normals = mesh.normals.as_ref()?;
-    let corners = mesh.triangulate(face).get(hit.triangle as usize).copied()?;
+    let corners = mesh.triangulate(face).get(triangle as usize).copied()?;
     let first = mesh.faces.corner_range(face).start;
     let [a, b, c] = corners.map(|k| {
         let corner = first + k as usize;

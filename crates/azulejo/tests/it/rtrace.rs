@@ -4,6 +4,8 @@
 //! than 2%. Values are bytes. Where the original's 3 × 3 pixels around one differ by more than
 //! [`EDGE`], the pixel counts as an edge and is left out of the second mean.
 
+#![allow(clippy::print_stdout, reason = "the differences are what it is for")]
+
 use crate::support::Folder;
 use azulejo::formats::{self, Files, Memory, png};
 use azulejo::render::rtrace::{self, Antialiasing, Model, Options, Textures, View};
