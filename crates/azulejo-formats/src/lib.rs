@@ -33,6 +33,7 @@ pub mod ply;
 pub mod png;
 pub mod ppe;
 pub mod ppf;
+pub mod scn;
 pub mod sff;
 mod smooth;
 pub mod stl;

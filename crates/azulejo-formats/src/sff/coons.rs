@@ -42,7 +42,6 @@ fn bezier([before, start, end, behind]: [DVec3; 4]) -> [DVec3; 4] {
     ]
 }
 
-#[cfg(test)]
 /// The twelve points of a patch that [`patch`] would make but for rounding; `None` if there are
 /// none.
 pub(super) fn points(patch: &BicubicPatch) -> Option<[DVec3; 12]> {

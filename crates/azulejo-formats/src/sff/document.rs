@@ -216,6 +216,11 @@ impl<'a> Sources<'a> {
         self.list.get(file as usize).map_or("", |(name, _)| name)
     }
 
+    /// The bytes of a text.
+    pub fn bytes(&self, file: u32) -> &[u8] {
+        &self.list[file as usize].1
+    }
+
     fn words(&self, file: u32) -> Words<'_> {
         let (name, bytes) = &self.list[file as usize];
         Words::new(bytes, name)

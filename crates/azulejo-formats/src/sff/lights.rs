@@ -94,6 +94,71 @@ fn full_angle(half_angle: f64, factor: f64) -> f64 {
     full.clamp(-1.0, 1.0).acos().min(half_angle)
 }
 
+/// A light as RTRACE has it, which does not fade and is as bright where one looks; `None` for
+/// light from everywhere.
+pub(super) fn of_rtrace(light: &LightKind, view: &View) -> Option<RtraceLight> {
+    let as_bright = |position: DVec3, intensity: Rgb| {
+        let distance = position.distance(view.look);
+        let distance = distance.max(1e-3 * view.eye.distance(view.look));
+        intensity / (PI * distance * distance)
+    };
+    let (position, brightness, kind) = match *light {
+        LightKind::Point {
+            position,
+            intensity,
+        } => {
+            let brightness = as_bright(position, intensity);
+            (position, brightness, RtraceLightKind::Point)
+        }
+        LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner,
+            outer,
+        } => {
+            let kind = RtraceLightKind::Spot {
+                direction,
+                half_angle: outer,
+                factor: factor(inner, outer),
+            };
+            (position, as_bright(position, intensity), kind)
+        }
+        LightKind::Directional {
+            direction,
+            irradiance,
+        } => {
+            let position = view.look - DISTANT * direction;
+            (position, irradiance / PI, RtraceLightKind::Point)
+        }
+        LightKind::Ambient { .. } => return None,
+    };
+    Some(RtraceLight {
+        position,
+        brightness: brightness.map(|b| b.min(BRIGHTEST)),
+        fades: [false; 3],
+        kind,
+    })
+}
+
+/// As far as coordinates go in SFF.
+const DISTANT: f64 = 90_000.0;
+
+/// The largest brightness in SFF.
+const BRIGHTEST: f64 = 300.0;
+
+/// The factor of a spotlight of RTRACE's that is half as bright where this one is.
+fn factor(inner: f64, outer: f64) -> f64 {
+    let edge = outer.cos();
+    let middle = 0.5 * (inner.cos() - edge) / (1.0 - edge);
+    let factor = -middle.log2();
+    if factor.is_finite() {
+        factor.clamp(1.0, 300.0)
+    } else {
+        1.0
+    }
+}
+
 /// A named light.
 pub(super) fn named(number: usize, kind: LightKind) -> Light {
     Light {

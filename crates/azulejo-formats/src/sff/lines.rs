@@ -163,6 +163,10 @@ impl<'a, 'w> Lines<'a, 'w> {
         let place = self.place();
         let v = self.point()?;
         let expected = "a direction, not all zero";
+        // A length of one is left to the bit, so that what is written is read again.
+        if (v.length_squared() - 1.0).abs() <= 4.0 * f64::EPSILON {
+            return Ok(v);
+        }
         v.try_normalize()
             .ok_or_else(|| self.error(place, "a direction of no length", expected))
     }

@@ -9,10 +9,12 @@ mod block;
 mod coons;
 mod data;
 pub(crate) mod document;
+mod from_scene;
 mod lights;
 mod lines;
 mod parse;
 mod pictures;
+pub(crate) mod print;
 mod record;
 pub(crate) mod resolve;
 mod shapes;
@@ -22,6 +24,7 @@ mod tests;
 mod textures;
 mod tree;
 mod typeset;
+mod write;
 
 use crate::files::beside;
 use crate::options::check_length;
@@ -30,6 +33,8 @@ use crate::warnings::Warnings;
 use crate::{FileError, Files, Loaded, ReadError, ReadOptions};
 use document::{Document, Sources};
 use lines::Lines;
+
+pub use write::{losses, write};
 
 /// Reads a scene; `name` stands in messages, `files` gives fonts, encodings, data, colour maps and
 /// pictures.
@@ -58,7 +63,11 @@ pub fn read(
 
 /// The bytes of a file that is named in the file `of`, and its name as the scene's folder knows it:
 /// beside `of`, beside the scene, or there without the folders of its name.
-fn open_beside(files: &dyn Files, of: &str, name: &str) -> Result<(String, Vec<u8>), FileError> {
+pub(crate) fn open_beside(
+    files: &dyn Files,
+    of: &str,
+    name: &str,
+) -> Result<(String, Vec<u8>), FileError> {
     let wanted = beside(of, name);
     let plain = beside("", name);
     let base = plain.rsplit('/').next().unwrap_or_default().to_owned();

@@ -159,6 +159,11 @@ const TEXTURES: [(usize, bool); 21] = [
     (2, false),
 ];
 
+/// Whether a kind of texture may name a colour map or picture.
+pub(super) fn has_file(number: u32) -> bool {
+    TEXTURES.get(number as usize).is_some_and(|t| t.1)
+}
+
 /// Reads a texture behind its 64, which the last section leaves out, and the end of its line.
 pub(super) fn texture(lines: &mut Lines) -> Read<TextureRecord> {
     let place = lines.place();

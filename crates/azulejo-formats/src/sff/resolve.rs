@@ -211,10 +211,10 @@ impl Resolver<'_, '_> {
         let map = map * node.map;
         match &node.kind {
             NodeKind::Leaf(geometry) => {
-                let mut solids = self.leaf(tree, node, geometry, given)?;
-                if map != DAffine3::IDENTITY {
+                let mut solids = self.leaf(tree, node, geometry, &map, given)?;
+                let is_placed = matches!(geometry, Geometry::Triangles(_));
+                if map != DAffine3::IDENTITY && !is_placed {
                     solids.iter_mut().for_each(|s| s.transform(&map));
-                    self.turn_corner_surfaces(&map);
                 }
                 Ok(solids)
             }
@@ -319,18 +319,20 @@ impl Resolver<'_, '_> {
         Ok(material.map(|material| (cone, material)))
     }
 
+    /// The solids of one record. Triangles are placed by `map`, everything else is not yet.
     fn leaf(
         &mut self,
         tree: &Tree,
         node: &Node,
         geometry: &Geometry,
+        map: &DAffine3,
         given: Given,
     ) -> Read<Vec<Solid>> {
         let place = node.place;
         if let Geometry::Triangles(placed) = geometry
             && given.surface.is_none()
         {
-            return self.mixed(tree, placed, given, place);
+            return self.mixed(tree, placed, map, given, place);
         }
         let material = self.material(tree, given, place)?;
         let primitive = |p: Primitive| vec![Solid::Primitive(p)];
@@ -358,7 +360,7 @@ impl Resolver<'_, '_> {
                 let read = |lines: &mut Lines| data::triangles(lines, node.look.surface == 0);
                 let data = self.data(&placed.data, place, read)?;
                 self.spend(6 * data.corners.len(), place)?;
-                some_faces(shapes::triangles(&data, under(placed), material).0)
+                some_faces(shapes::triangles(&data, under(placed), map, material).0)
             }
             Geometry::Text(data) => {
                 let commands = self.commands(data, place)?;
@@ -380,6 +382,7 @@ impl Resolver<'_, '_> {
         &mut self,
         tree: &Tree,
         placed: &Placed<TriangleData>,
+        map: &DAffine3,
         given: Given,
         place: Place,
     ) -> Read<Vec<Solid>> {
@@ -406,7 +409,7 @@ impl Resolver<'_, '_> {
         (material.dielectric, material.emission) = (None, Rgb::BLACK);
         let of_rtrace = self.rtrace_material(tree, given, place)?;
         let material = self.push_material(material, of_rtrace);
-        let (mut mesh, corners) = shapes::triangles(&data, under(placed), material);
+        let (mut mesh, corners) = shapes::triangles(&data, under(placed), map, material);
         mesh.colors = vec![Rgb::BLACK; mesh.positions.len()];
         for (face, surfaces) in mesh.faces.iter().zip(&corners) {
             for (&vertex, &s) in face.iter().zip(surfaces) {
@@ -416,14 +419,6 @@ impl Resolver<'_, '_> {
         }
         self.corner_surfaces = Some(corners);
         Ok(vec![Solid::Mesh(mesh)])
-    }
-
-    /// Keeps the corners' surfaces in the order of the corners, which a map that mirrors turns.
-    fn turn_corner_surfaces(&mut self, map: &DAffine3) {
-        if map.matrix3.determinant() < 0.0 {
-            let faces = self.corner_surfaces.iter_mut().flatten();
-            faces.for_each(|corners| corners.swap(1, 2));
-        }
     }
 
     /// The data of a record, which may stand in a file of their own.

@@ -2,7 +2,7 @@
 
 use super::coons;
 use super::document::{Cone, PatchData, PolygonData, TriangleData};
-use azulejo_scene::math::Frame;
+use azulejo_scene::math::{Frame, normal_matrix};
 use azulejo_scene::{Attribute, BicubicPatch, MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
@@ -129,21 +129,31 @@ pub(super) fn polygons(data: &PolygonData, under: Under, material: MaterialId) -
     }
 }
 
-/// Triangles over vertices that they share where position, normal and surface are equal. Corners
+/// Placed triangles over vertices that they share where position, normal and surface are equal. Corners
 /// run so that the normals are in front. Also returns the surfaces of the corners, from 0, for
 /// triangles that have them.
 pub(super) fn triangles(
     data: &TriangleData,
     under: Under,
+    map: &DAffine3,
     material: MaterialId,
 ) -> (Mesh, Vec<[u32; 3]>) {
+    let turned = normal_matrix(map.matrix3);
+    let placed = |(position, normal): (DVec3, DVec3)| {
+        let position = under.point(position);
+        if *map == DAffine3::IDENTITY {
+            return (position, normal);
+        }
+        let normal = (turned * normal).try_normalize().unwrap_or(normal);
+        (map.transform_point3(position), normal)
+    };
     let mut mesh = Mesh::default();
     let mut normals = Vec::new();
     let mut corner_surfaces = Vec::new();
     let mut known = HashMap::new();
     let bits = |v: DVec3| (v + DVec3::ZERO).to_array().map(f64::to_bits);
     for (k, corners) in data.corners.iter().enumerate() {
-        let mut points = corners.map(|(position, normal)| (under.point(position), normal));
+        let mut points = corners.map(placed);
         let mut surfaces = data.surfaces.get(k).copied();
         let [a, b, c] = points.map(|p| p.0);
         let facing: DVec3 = points.iter().map(|p| p.1).sum();

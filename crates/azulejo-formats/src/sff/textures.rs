@@ -200,3 +200,66 @@ fn inverse(matrix: &DMat4) -> Option<DMat4> {
     let inverse = matrix.inverse();
     (size != 0.0 && inverse.is_finite()).then_some(inverse)
 }
+/// The number, the numbers behind the matrix and whether there may be a file, of a texture.
+pub(super) fn numbers(kind: &RtraceTextureKind) -> (u32, Vec<f64>) {
+    use RtraceTextureKind::*;
+    let surface = |s: &u32| f64::from(*s + 1);
+    match kind {
+        Null => (0, vec![]),
+        Checker { surface: s } => (1, vec![surface(s)]),
+        Blotch { k, surface: s } => (2, vec![*k, surface(s)]),
+        Bump { k } => (3, vec![*k]),
+        Marble { .. } => (4, vec![]),
+        Fbm {
+            offset,
+            k,
+            omega,
+            lambda,
+            threshold,
+            octaves,
+            ..
+        } => (5, vec![*offset, *k, *omega, *lambda, *threshold, *octaves]),
+        FbmBump {
+            offset,
+            k,
+            omega,
+            lambda,
+            octaves,
+        } => (6, vec![*offset, *k, *omega, *lambda, *octaves]),
+        Wood { color } => (7, color.to_array().to_vec()),
+        Round { k } => (8, vec![*k]),
+        Bozo { turbulence, .. } => (9, vec![*turbulence]),
+        Ripples {
+            frequency,
+            phase,
+            k,
+        } => (10, vec![*frequency, *phase, *k]),
+        Waves {
+            frequency,
+            phase,
+            k,
+        } => (11, vec![*frequency, *phase, *k]),
+        Spotted { .. } => (12, vec![]),
+        Dents { k } => (13, vec![*k]),
+        Agate { .. } => (14, vec![]),
+        Wrinkles { k } => (15, vec![*k]),
+        Granite { .. } => (16, vec![]),
+        Gradient {
+            turbulence,
+            direction,
+            ..
+        } => (17, vec![*turbulence, direction.x, direction.y, direction.z]),
+        ImageMap {
+            turbulence,
+            tiles,
+            axes,
+            ..
+        } => {
+            let mode = if *tiles { 0.0 } else { 1.0 };
+            let [u, v] = axes.map(|a| f64::from(a) + 1.0);
+            (18, vec![*turbulence, mode, u, v])
+        }
+        Gloss { k } => (19, vec![*k]),
+        Bump3 { k, size } => (20, vec![*k, *size]),
+    }
+}

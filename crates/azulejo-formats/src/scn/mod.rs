@@ -1,0 +1,60 @@
+//! SCN, the language that scn2sff translated to SFF.
+//!
+//! A scene becomes the records of SFF and then a scene by the rules of [`sff`](crate::sff).
+//! `docs/formats/scn.md` says how every command is understood.
+
+mod colors;
+mod look;
+mod objects;
+mod scope;
+mod solids;
+#[cfg(test)]
+mod tests;
+mod tokens;
+mod translate;
+mod values;
+
+use crate::options::{Budget, check_length};
+use crate::sff::document::{Document, Sources};
+use crate::sff::resolve::resolve;
+use crate::text::without_utf16;
+use crate::warnings::Warnings;
+use crate::{Files, Loaded, ReadError, ReadOptions};
+use values::Stream;
+
+/// Reads a scene; `name` stands in messages, `files` gives what it includes, fonts, encodings, data,
+/// colour maps and pictures.
+///
+/// # Errors
+/// Commands that are not as the language has them, and whatever [`sff::read`](crate::sff::read)
+/// refuses.
+pub fn read(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Loaded, ReadError> {
+    check_length(bytes, name)?;
+    let bytes = without_utf16(bytes);
+    let mut warnings = Warnings::default();
+    let mut sources = Sources::default();
+    sources.add(name, &*bytes);
+    let document = document(&mut sources, files, options, &mut warnings)?;
+    let scene = resolve(&document, &mut sources, files, options, &mut warnings)?;
+    Ok(Loaded {
+        scene,
+        warnings: warnings.finish(name),
+    })
+}
+
+/// The records that a scene translates to.
+fn document(
+    sources: &mut Sources,
+    files: &dyn Files,
+    options: &ReadOptions,
+    warnings: &mut Warnings,
+) -> Result<Document, ReadError> {
+    let mut budget = Budget::new(options);
+    let tokens = tokens::read(sources, files, &mut budget, warnings)?;
+    translate::translate(Stream::new(&tokens, sources, warnings), &mut budget)
+}

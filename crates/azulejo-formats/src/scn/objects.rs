@@ -1,0 +1,356 @@
+//! Objects as records.
+
+use super::solids::{self, Torus};
+use super::translate::Translator;
+use crate::ReadError;
+use crate::sff::document::*;
+use glam::DVec3;
+
+type Read<T> = Result<T, ReadError>;
+
+/// Names of objects.
+const OBJECTS: [&str; 18] = [
+    "sphere",
+    "box",
+    "cube",
+    "cone",
+    "cylinder",
+    "disc",
+    "ring",
+    "wedge",
+    "tetra",
+    "prism",
+    "pyramid",
+    "patch",
+    "polygon",
+    "triangle",
+    "quadrangle",
+    "torus",
+    "text3d",
+    "disk",
+];
+
+/// Whether a word is the name of an object.
+pub(super) fn is_object(word: &str) -> bool {
+    OBJECTS.contains(&word)
+}
+
+/// Words between an object's name and its data.
+#[derive(Default)]
+struct Modifiers {
+    open: bool,
+    truncated: bool,
+    file: bool,
+    normal: bool,
+    general: bool,
+}
+
+/// What becomes of an object.
+struct Made {
+    pieces: Vec<Geometry>,
+    /// Whether the pieces close a volume together.
+    compound: bool,
+    /// Whether the surfaces stand at the corners.
+    general: bool,
+}
+
+impl From<Geometry> for Made {
+    fn from(geometry: Geometry) -> Made {
+        Made {
+            pieces: vec![geometry],
+            compound: false,
+            general: false,
+        }
+    }
+}
+
+impl Made {
+    fn compound(pieces: Vec<Geometry>, open: bool) -> Made {
+        Made {
+            pieces,
+            compound: !open,
+            general: false,
+        }
+    }
+}
+
+impl Translator<'_> {
+    /// An object behind its name.
+    pub fn object(&mut self, name: &str, place: Place) -> Read<()> {
+        let mut modifiers = Modifiers::default();
+        self.modifiers(&mut modifiers);
+        self.local_attributes()?;
+        self.modifiers(&mut modifiers);
+        let mut look = self.look()?;
+        let made = self.shape(name, &modifiers, place)?;
+        if made.general {
+            look.surface = 0;
+        }
+        let is_list = made.compound && self.is_in_operation();
+        if is_list {
+            let look = Look::default();
+            self.push(RecordKind::ListBegin { look }, place)?;
+            self.push_attributes(place)?;
+        }
+        for geometry in made.pieces {
+            self.push(RecordKind::Object { look, geometry }, place)?;
+            if !is_list {
+                self.push_attributes(place)?;
+            }
+        }
+        if is_list {
+            self.push(RecordKind::ListEnd, place)?;
+        }
+        self.scopes.leave();
+        Ok(())
+    }
+
+    fn modifiers(&mut self, modifiers: &mut Modifiers) {
+        loop {
+            let which = match self.stream.peek_word() {
+                Some("open") => &mut modifiers.open,
+                Some("truncated" | "trunc") => &mut modifiers.truncated,
+                Some("file") => &mut modifiers.file,
+                Some("normal") => &mut modifiers.normal,
+                Some("general") => &mut modifiers.general,
+                _ => return,
+            };
+            *which = true;
+            self.stream.word();
+        }
+    }
+
+    fn shape(&mut self, name: &str, modifiers: &Modifiers, place: Place) -> Read<Made> {
+        let open = modifiers.open;
+        let stream = &mut self.stream;
+        Ok(match name {
+            "sphere" => Geometry::Sphere {
+                centre: stream.point()?,
+                radius: stream.positive("a radius")?,
+            }
+            .into(),
+            "box" | "cube" => {
+                let centre = stream.point()?;
+                let x = stream.positive("half a size")?;
+                let half = match name == "box" && stream.real_follows() {
+                    true => DVec3::new(
+                        x,
+                        stream.positive("half a size")?,
+                        stream.positive("half a size")?,
+                    ),
+                    false => DVec3::splat(x),
+                };
+                Geometry::Cuboid { centre, half }.into()
+            }
+            "cone" | "cylinder" => self.turned(name, modifiers, place)?,
+            "disc" | "disk" => {
+                let (centre, normal) = (stream.point()?, stream.vector()?.normalize());
+                solids::disc(centre, normal, stream.positive("a radius")?).into()
+            }
+            "ring" => {
+                let (centre, normal) = (stream.point()?, stream.vector()?.normalize());
+                let outer = stream.positive("a radius")?;
+                let inner = stream.positive("a radius")?;
+                solids::ring(centre, normal, outer, inner).into()
+            }
+            "wedge" => {
+                let base = [stream.point()?, stream.point()?, stream.point()?];
+                let depth = stream.positive("a depth")?;
+                let normal = self.normal(&base, place)?;
+                Made::compound(vec![solids::prism(&base, normal, depth, false)], false)
+            }
+            "tetra" => {
+                let p = [
+                    stream.point()?,
+                    stream.point()?,
+                    stream.point()?,
+                    stream.point()?,
+                ];
+                Made::compound(vec![solids::tetrahedron(p)], false)
+            }
+            "prism" => {
+                let height = stream.positive("a height")?;
+                let base = self.points(place)?;
+                let normal = self.normal(&base, place)?;
+                Made::compound(vec![solids::prism(&base, normal, height, open)], open)
+            }
+            "pyramid" => {
+                let height = stream.positive("a height")?;
+                let top = match modifiers.truncated {
+                    true => Some(stream.positive("the top's share")?),
+                    false => None,
+                };
+                let base = self.points(place)?;
+                let normal = self.normal(&base, place)?;
+                let pyramid = solids::pyramid(&base, normal, height, top, open);
+                Made::compound(vec![pyramid], open)
+            }
+            "torus" => self.torus(open, place)?,
+            "text3d" => Geometry::Text(Data::File(stream.file_name()?)).into(),
+            _ if modifiers.file => self.file(name, modifiers)?,
+            "patch" => {
+                let mut points = [DVec3::ZERO; 12];
+                for point in &mut points {
+                    *point = stream.point()?;
+                }
+                solids::patch(points).into()
+            }
+            "polygon" => {
+                let points = self.points(place)?;
+                one_polygon(points).into()
+            }
+            "quadrangle" => {
+                let p = [
+                    stream.point()?,
+                    stream.point()?,
+                    stream.point()?,
+                    stream.point()?,
+                ];
+                one_polygon(p.to_vec()).into()
+            }
+            _ if modifiers.normal || modifiers.general => self.triangle(modifiers.general)?,
+            _ => {
+                let p = [stream.point()?, stream.point()?, stream.point()?];
+                one_polygon(p.to_vec()).into()
+            }
+        })
+    }
+
+    fn turned(&mut self, name: &str, modifiers: &Modifiers, place: Place) -> Read<Made> {
+        let stream = &mut self.stream;
+        let apex = stream.point()?;
+        let pieces = if modifiers.truncated {
+            let apex_radius = stream.positive("a radius")?;
+            let base = stream.point()?;
+            let base_radius = stream.positive("a radius")?;
+            ((apex, apex_radius), (base, base_radius))
+        } else {
+            let base = stream.point()?;
+            let radius = stream.positive("a radius")?;
+            let apex_radius = if name == "cone" { 0.0 } else { radius };
+            ((apex, apex_radius), (base, radius))
+        };
+        if pieces.0.0 == pieces.1.0 {
+            let found = format!("a {name} without height");
+            return Err(stream.error(place, found, "two different ends"));
+        }
+        let made = solids::cone(pieces.0, pieces.1, modifiers.open);
+        Ok(Made::compound(made, modifiers.open))
+    }
+
+    fn torus(&mut self, open: bool, place: Place) -> Read<Made> {
+        let stream = &mut self.stream;
+        let radius = stream.positive("a radius")?;
+        let tube = stream.positive("a radius")?;
+        let (mut from, mut to, mut pieces) = (0.0, 360.0, [16, 8]);
+        if stream.real_follows() {
+            (from, to) = (stream.real()?, stream.real()?);
+            if stream.real_follows() {
+                let mut count = || stream.within(3.0, 4096.0, "the pieces of a torus");
+                pieces = [count()?.round() as u32, count()?.round() as u32];
+            }
+        }
+        if from == to || (to - from).abs() > 1e6 {
+            let found = format!("a torus from {from} to {to} degrees");
+            return Err(stream.error(place, found, "two different angles"));
+        }
+        // A triangle is three corners with normals.
+        self.spend(6 * (pieces[0] + 1) as usize * pieces[1] as usize, place)?;
+        let torus = Torus {
+            radius,
+            tube,
+            from,
+            to,
+            pieces,
+            open,
+        };
+        let full = (to - from).abs() >= 360.0;
+        Ok(Made::compound(vec![torus.triangles()], open && !full))
+    }
+
+    /// A triangle with normals, and with surfaces if it is `general`.
+    fn triangle(&mut self, general: bool) -> Read<Made> {
+        let mut corners = [(DVec3::ZERO, DVec3::ZERO); 3];
+        for corner in &mut corners {
+            *corner = (self.stream.point()?, self.stream.vector()?.normalize());
+        }
+        let mut surfaces = Vec::new();
+        if general {
+            let mut three = [0; 3];
+            for surface in &mut three {
+                if !self.stream.take(&["surface"]) {
+                    return Err(self.stream.unexpected("surface, one for each corner"));
+                }
+                *surface = self.surface()?;
+            }
+            surfaces.push(three);
+        }
+        let data = TriangleData {
+            corners: vec![corners],
+            surfaces,
+        };
+        Ok(Made {
+            general,
+            ..Geometry::Triangles(solids::here(data)).into()
+        })
+    }
+
+    /// Patches, polygons or triangles of another file, shifted and scaled.
+    fn file(&mut self, name: &str, modifiers: &Modifiers) -> Read<Made> {
+        let stream = &mut self.stream;
+        let (mut origin, mut scale) = (DVec3::ZERO, DVec3::ONE);
+        if stream.point_follows() {
+            origin = stream.point()?;
+            if stream.real_follows() {
+                let x = stream.real()?;
+                scale = match stream.real_follows() {
+                    true => DVec3::new(x, stream.real()?, stream.real()?),
+                    false => DVec3::splat(x),
+                };
+            }
+        }
+        let file = stream.file_name()?;
+        fn placed<T>(origin: DVec3, scale: DVec3, file: String) -> Box<Placed<T>> {
+            Box::new(Placed {
+                origin,
+                scale,
+                data: Data::File(file),
+            })
+        }
+        let geometry = match name {
+            "patch" => Geometry::Patches(placed(origin, scale, file)),
+            "triangle" => Geometry::Triangles(placed(origin, scale, file)),
+            _ => Geometry::Polygons(placed(origin, scale, file)),
+        };
+        Ok(Made {
+            general: name == "triangle" && modifiers.general,
+            ..geometry.into()
+        })
+    }
+
+    /// A count and as many points.
+    fn points(&mut self, place: Place) -> Read<Vec<DVec3>> {
+        let count = self.stream.real()?.round();
+        // Every point takes a token, at least.
+        if !(3.0..=self.stream.left() as f64).contains(&count) {
+            let found = format!("{count} points");
+            return Err(self
+                .stream
+                .error(place, found, "3 or more, all of them behind the count"));
+        }
+        (0..count as usize).map(|_| self.stream.point()).collect()
+    }
+
+    fn normal(&self, base: &[DVec3], place: Place) -> Read<DVec3> {
+        solids::normal(base).ok_or_else(|| {
+            let found = "a base without area";
+            self.stream
+                .error(place, found, "corners of a plane polygon")
+        })
+    }
+}
+
+fn one_polygon(points: Vec<DVec3>) -> Geometry {
+    let face = (0..points.len() as u32).collect();
+    solids::polygons(points, &[face])
+}

@@ -1,0 +1,286 @@
+//! Shapes of SCN that SFF has no record for, made of those that it has.
+
+use crate::sff::document::{Cone, Data, Geometry, PatchData, Placed, PolygonData, TriangleData};
+use azulejo_scene::Faces;
+use azulejo_scene::math::area_vector;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Radius of what ends in a point, as a share of the other end's: SFF has no radius 0.
+const POINT: f64 = 1e-6;
+
+/// Height of discs and rings, which are flat cones.
+const FLAT: f64 = 0.001;
+
+/// Data where it stands.
+pub(super) fn here<T>(data: T) -> Box<Placed<T>> {
+    Box::new(Placed {
+        origin: DVec3::ZERO,
+        scale: DVec3::ONE,
+        data: Data::Here(data),
+    })
+}
+
+/// A disc that faces along the unit vector `normal`.
+pub(super) fn disc(centre: DVec3, normal: DVec3, radius: f64) -> Geometry {
+    Geometry::Cone(Cone {
+        base: centre,
+        base_radius: radius,
+        apex: centre + FLAT * normal,
+        apex_radius: POINT * radius,
+    })
+}
+
+/// A disc with a hole.
+pub(super) fn ring(centre: DVec3, normal: DVec3, outer: f64, inner: f64) -> Geometry {
+    Geometry::Cone(Cone {
+        base: centre,
+        base_radius: outer,
+        apex: centre + FLAT * normal,
+        apex_radius: inner,
+    })
+}
+
+/// A cone or cylinder and, unless it is open, discs over its ends. An end of radius 0 is a point.
+pub(super) fn cone(apex: (DVec3, f64), base: (DVec3, f64), open: bool) -> Vec<Geometry> {
+    let ((apex, narrow), (base, wide)) = if apex.1 > base.1 {
+        (base, apex)
+    } else {
+        (apex, base)
+    };
+    let side = Geometry::Cone(Cone {
+        base,
+        base_radius: wide,
+        apex,
+        apex_radius: narrow.max(POINT * wide),
+    });
+    let mut pieces = vec![side];
+    if !open {
+        let axis = (apex - base).normalize_or_zero();
+        pieces.push(disc(base, -axis, wide));
+        if narrow > 0.0 {
+            pieces.push(disc(apex, axis, narrow));
+        }
+    }
+    pieces
+}
+
+/// Polygons over vertices.
+pub(super) fn polygons(vertices: Vec<DVec3>, polygons: &[Vec<u32>]) -> Geometry {
+    let mut faces = Faces::default();
+    polygons.iter().for_each(|p| faces.push(p));
+    Geometry::Polygons(here(PolygonData { faces, vertices }))
+}
+
+/// A base and a top of as many corners, the sides between them and, unless it is open, both; the
+/// top lies behind the base's front.
+fn between(base: &[DVec3], top: Vec<DVec3>, open: bool) -> Geometry {
+    let n = base.len() as u32;
+    let vertices = [base, &top].concat();
+    let side = |k: u32| {
+        let next = (k + 1) % n;
+        vec![next, k, n + k, n + next]
+    };
+    let mut faces: Vec<Vec<u32>> = (0..n).map(side).collect();
+    if !open {
+        faces.push((0..n).collect());
+        faces.push((n..2 * n).rev().collect());
+    }
+    polygons(vertices, &faces)
+}
+
+/// The unit normal of a polygon's front; `None` for one without area.
+pub(super) fn normal(polygon: &[DVec3]) -> Option<DVec3> {
+    area_vector(polygon).try_normalize()
+}
+
+/// A prism behind its base.
+pub(super) fn prism(base: &[DVec3], normal: DVec3, height: f64, open: bool) -> Geometry {
+    let top = base.iter().map(|p| *p - height * normal);
+    between(base, top.collect(), open)
+}
+
+/// A pyramid behind its base, with its apex over the mean of the corners, or cut off where its
+/// width is `top` of the base's.
+pub(super) fn pyramid(
+    base: &[DVec3],
+    normal: DVec3,
+    height: f64,
+    top: Option<f64>,
+    open: bool,
+) -> Geometry {
+    let n = base.len() as u32;
+    let mean = base.iter().sum::<DVec3>() / f64::from(n);
+    let apex = mean - height * normal;
+    if let Some(share) = top {
+        let top = base.iter().map(|p| apex + share * (*p - mean));
+        return between(base, top.collect(), open);
+    }
+    let side = |k: u32| vec![(k + 1) % n, k, n];
+    let mut faces: Vec<Vec<u32>> = (0..n).map(side).collect();
+    if !open {
+        faces.push((0..n).collect());
+    }
+    polygons([base, &[apex]].concat(), &faces)
+}
+
+/// A tetrahedron.
+pub(super) fn tetrahedron(p: [DVec3; 4]) -> Geometry {
+    let turned = (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) > 0.0;
+    let faces = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]].map(|mut face| {
+        if turned {
+            face.reverse();
+        }
+        face.to_vec()
+    });
+    polygons(p.to_vec(), &faces)
+}
+
+/// One triangle over each corner of which a patch is named once.
+pub(super) fn patch(points: [DVec3; 12]) -> Geometry {
+    Geometry::Patches(here(PatchData {
+        patches: vec![std::array::from_fn(|k| k as u32)],
+        vertices: points.to_vec(),
+    }))
+}
+
+/// A torus around the y axis, or a piece of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Torus {
+    /// From the axis to the middle of the tube.
+    pub radius: f64,
+    /// Of the tube.
+    pub tube: f64,
+    /// Where it begins and ends, degrees from +x toward +z.
+    pub from: f64,
+    pub to: f64,
+    /// Pieces along the ring and around the tube.
+    pub pieces: [u32; 2],
+    /// Whether the ends of less than a full turn stay open.
+    pub open: bool,
+}
+
+impl Torus {
+    /// Its triangles. The ends are closed by triangles too, which meet the tube's edges: the
+    /// original's discs do not.
+    pub fn triangles(&self) -> Geometry {
+        let mut corners = Vec::new();
+        let [along, around] = self.pieces;
+        let full = (self.to - self.from).abs() >= 360.0;
+        for i in 0..along {
+            for j in 0..around {
+                // A full turn ends where it begins, to the bit.
+                let next = if full { (i + 1) % along } else { i + 1 };
+                let [a, b, c, d] = [(i, j), (next, j), (next, j + 1), (i, j + 1)]
+                    .map(|(i, j)| self.point(i, j % around));
+                corners.push([a, c, b]);
+                corners.push([a, d, c]);
+            }
+        }
+        if !self.open && !full {
+            self.end(0, -1.0, &mut corners);
+            self.end(along, 1.0, &mut corners);
+        }
+        Geometry::Triangles(here(TriangleData {
+            corners,
+            surfaces: Vec::new(),
+        }))
+    }
+
+    fn direction(&self, i: u32) -> (DVec3, DVec3) {
+        let share = f64::from(i) / f64::from(self.pieces[0]);
+        let angle = (self.from + (self.to - self.from) * share).to_radians();
+        let (sin, cos) = angle.sin_cos();
+        (DVec3::new(cos, 0.0, sin), DVec3::new(-sin, 0.0, cos))
+    }
+
+    fn point(&self, i: u32, j: u32) -> (DVec3, DVec3) {
+        let (out, _) = self.direction(i);
+        let (sin, cos) = (TAU * f64::from(j) / f64::from(self.pieces[1])).sin_cos();
+        let normal = cos * out + sin * DVec3::Y;
+        (self.radius * out + self.tube * normal, normal)
+    }
+
+    fn end(&self, i: u32, side: f64, corners: &mut Vec<[(DVec3, DVec3); 3]>) {
+        let (out, onward) = self.direction(i);
+        let normal = side * (self.to - self.from).signum() * onward;
+        let around = self.pieces[1];
+        for j in 0..around {
+            let rim = [j, (j + 1) % around].map(|j| (self.point(i, j).0, normal));
+            corners.push([(self.radius * out, normal), rim[0], rim[1]]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks that polygons close a volume, and that their fronts are outside of it.
+    fn check(geometry: &Geometry, volume: f64) {
+        let (vertices, faces) = match geometry {
+            Geometry::Polygons(placed) => match &placed.data {
+                Data::Here(data) => (data.vertices.clone(), data.faces.clone()),
+                Data::File(_) => unreachable!("made here"),
+            },
+            _ => unreachable!("polygons"),
+        };
+        let mut mesh = azulejo_scene::Mesh {
+            positions: vertices,
+            ..Default::default()
+        };
+        faces.iter().for_each(|f| mesh.push_face(f, 0));
+        assert!(mesh.is_closed());
+        let cone = |f: usize| mesh.face_area_vector(f).dot(mesh.face_positions(f)[0]) / 3.0;
+        let found: f64 = (0..mesh.faces.len()).map(cone).sum();
+        assert!((found - volume).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn solids_are_closed_and_turned_outside() {
+        let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)];
+        let base = square.map(|(x, y)| DVec3::new(x, y, 1.0));
+        let up = normal(&base).unwrap();
+        assert_eq!(up, DVec3::Z);
+        check(&prism(&base, up, 3.0, false), 12.0);
+        check(&pyramid(&base, up, 3.0, None, false), 4.0);
+        check(&pyramid(&base, up, 3.0, Some(0.5), false), 7.0);
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        check(&tetrahedron(corners), 1.0 / 6.0);
+        let [a, b, c, d] = corners;
+        check(&tetrahedron([a, c, b, d]), 1.0 / 6.0);
+    }
+
+    #[test]
+    fn a_piece_of_a_torus_is_closed() {
+        for (to, open, closed, count) in [
+            (360.0, false, true, 2 * 6 * 5),
+            (90.0, false, true, 2 * 6 * 5 + 10),
+            (-90.0, false, true, 2 * 6 * 5 + 10),
+            (90.0, true, false, 2 * 6 * 5),
+        ] {
+            let torus = Torus {
+                radius: 2.0,
+                tube: 0.5,
+                from: 0.0,
+                to,
+                pieces: [6, 5],
+                open,
+            };
+            let Geometry::Triangles(placed) = torus.triangles() else {
+                unreachable!("triangles")
+            };
+            let Data::Here(data) = &placed.data else {
+                unreachable!("made here")
+            };
+            assert_eq!(data.corners.len(), count);
+            let mut mesh = azulejo_scene::Mesh::default();
+            for corners in &data.corners {
+                let start = mesh.positions.len() as u32;
+                mesh.positions.extend(corners.map(|c| c.0));
+                mesh.push_face(&[start, start + 1, start + 2], 0);
+            }
+            assert_eq!(mesh.is_closed(), closed);
+        }
+    }
+}

@@ -1,0 +1,417 @@
+//! SCN's words, numbers and signs, with `#define` and `#include` carried out.
+
+use crate::options::Budget;
+use crate::sff::document::{Place, Sources};
+use crate::sff::open_beside;
+use crate::text::{shortened, text};
+use crate::warnings::Warnings;
+use crate::{Files, ReadError, number};
+use std::collections::HashMap;
+
+/// Files include no deeper, and definitions name each other no deeper.
+const DEEPEST: usize = 32;
+
+/// A word, a number or a sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Token {
+    pub kind: TokenKind,
+    /// Where it stands, or where the name stands that it is defined by.
+    pub place: Place,
+}
+
+/// What a token is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum TokenKind {
+    Number(f64),
+    Word(Span),
+    Sign(u8),
+}
+
+/// Bytes of a source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    file: u32,
+    start: u32,
+    length: u32,
+}
+
+impl Span {
+    /// What stands there.
+    pub fn of<'s>(&self, sources: &'s Sources) -> &'s str {
+        let start = self.start as usize;
+        let bytes = &sources.bytes(self.file)[start..start + self.length as usize];
+        std::str::from_utf8(bytes).unwrap_or("?")
+    }
+}
+
+/// Reads a file's tokens, and those of the files that it includes.
+///
+/// # Errors
+/// Characters that begin nothing, definitions and inclusions that cannot be carried out.
+pub(super) fn read(
+    sources: &mut Sources,
+    files: &dyn Files,
+    budget: &mut Budget,
+    warnings: &mut Warnings,
+) -> Result<Vec<Token>, ReadError> {
+    let mut reader = Reader {
+        sources,
+        files,
+        budget,
+        warnings,
+        definitions: HashMap::new(),
+        tokens: Vec::new(),
+    };
+    reader.file(0, 0)?;
+    Ok(reader.tokens)
+}
+
+struct Reader<'r, 's> {
+    sources: &'r mut Sources<'s>,
+    files: &'r dyn Files,
+    budget: &'r mut Budget,
+    warnings: &'r mut Warnings,
+    definitions: HashMap<String, Vec<Token>>,
+    tokens: Vec<Token>,
+}
+
+/// A line that is more than a remark.
+enum Directive {
+    Define {
+        name: Span,
+        body: usize,
+    },
+    Undefine(Span),
+    Include(Span),
+    /// One that is not carried out.
+    Other,
+}
+
+impl Reader<'_, '_> {
+    fn file(&mut self, file: u32, depth: usize) -> Result<(), ReadError> {
+        let mut at = if self.sources.bytes(file).starts_with(b"\xef\xbb\xbf") {
+            3
+        } else {
+            0
+        };
+        // Operators are signs inside of parentheses only.
+        let mut parentheses = 0;
+        loop {
+            let bytes = self.sources.bytes(file);
+            let place = Place {
+                file,
+                offset: at as u32,
+            };
+            match bytes.get(at) {
+                None => return Ok(()),
+                Some(b) if *b <= b' ' => at += 1,
+                Some(b'#') if starts_line(bytes, at) => {
+                    let end = at + directive_length(&bytes[at..]);
+                    match directive(bytes, file, at, end) {
+                        None => {}
+                        Some(directive) => self.obey(directive, place, end, depth)?,
+                    }
+                    at = end;
+                }
+                Some(b'%' | b';' | b'#') => at += line_length(&bytes[at..]),
+                Some(_) => {
+                    let (kind, length) = self.token(place, parentheses)?;
+                    match kind {
+                        TokenKind::Sign(b'(') => parentheses += 1,
+                        TokenKind::Sign(b')') => parentheses -= 1,
+                        _ => {}
+                    }
+                    self.push(Token { kind, place }, place, 0)?;
+                    at += length;
+                }
+            }
+        }
+    }
+
+    /// Adds a token, or what it is defined as.
+    fn push(&mut self, token: Token, place: Place, depth: usize) -> Result<(), ReadError> {
+        let name = self.sources.name(place.file);
+        self.budget.spend(1).map_err(|e| e.error(name))?;
+        let body = match token.kind {
+            TokenKind::Word(span) => self.definitions.get(span.of(self.sources)).cloned(),
+            _ => None,
+        };
+        let Some(body) = body else {
+            self.tokens.push(Token { place, ..token });
+            return Ok(());
+        };
+        if depth == DEEPEST {
+            let found = "a definition that leads back to itself, or through too many others";
+            let expected = format!("at most {DEEPEST} levels");
+            return Err(self.sources.error(place, found, expected));
+        }
+        for token in body {
+            self.push(token, place, depth + 1)?;
+        }
+        Ok(())
+    }
+
+    fn token(&self, place: Place, parentheses: i32) -> Result<(TokenKind, usize), ReadError> {
+        let rest = &self.sources.bytes(place.file)[place.offset as usize..];
+        let signed = matches!(rest, [b'+' | b'-', b'.' | b'0'..=b'9', ..]);
+        let begins = matches!(rest[0], b'0'..=b'9') || matches!(rest, [b'.', b'0'..=b'9', ..]);
+        if (begins || signed && parentheses == 0)
+            && let Some(found) = number::parse(rest)
+        {
+            return Ok((TokenKind::Number(found.value), found.length));
+        }
+        let word = rest
+            .iter()
+            .take_while(|b| is_word(**b, parentheses > 0))
+            .count();
+        if word > 0 && !rest[0].is_ascii_digit() {
+            let span = Span {
+                file: place.file,
+                start: place.offset,
+                length: word as u32,
+            };
+            return Ok((TokenKind::Word(span), word));
+        }
+        match rest[0] {
+            sign @ (b'(' | b')' | b',' | b'+' | b'-' | b'*' | b'/' | b'^' | b'|') => {
+                Ok((TokenKind::Sign(sign), 1))
+            }
+            _ => {
+                let line = text(&rest[..line_length(rest)]).into_owned();
+                let found = format!("\"{}\"", shortened(&line));
+                Err(self
+                    .sources
+                    .error(place, found, "a word, a number or a remark"))
+            }
+        }
+    }
+
+    fn obey(
+        &mut self,
+        directive: Directive,
+        place: Place,
+        end: usize,
+        depth: usize,
+    ) -> Result<(), ReadError> {
+        match directive {
+            Directive::Define { name, body } => {
+                let body = self.body(place, body, end)?;
+                let name = name.of(self.sources).to_owned();
+                self.definitions.insert(name, body);
+                Ok(())
+            }
+            Directive::Undefine(name) => {
+                self.definitions.remove(name.of(self.sources));
+                Ok(())
+            }
+            Directive::Include(name) => self.include(name, place, depth),
+            Directive::Other => {
+                let said = "a directive other than #define, #undef and #include: passed over";
+                let position = || self.sources.position(place);
+                let name = self.sources.name(place.file);
+                self.warnings.add(name, said.into(), position);
+                Ok(())
+            }
+        }
+    }
+
+    /// What a name is defined as.
+    fn body(&mut self, place: Place, mut at: usize, end: usize) -> Result<Vec<Token>, ReadError> {
+        let bytes = self.sources.bytes(place.file);
+        if bytes.get(at) == Some(&b'(') {
+            let found = "a definition with parameters";
+            let expected = "a name and what it stands for; let a C preprocessor do the rest";
+            return Err(self.sources.error(place, found, expected));
+        }
+        let mut body = Vec::new();
+        let mut parentheses = 0;
+        while at < end {
+            let bytes = self.sources.bytes(place.file);
+            match bytes[at] {
+                b if b <= b' ' || b == b'\\' => at += 1,
+                b'%' | b';' | b'#' => break,
+                _ => {
+                    let here = Place {
+                        offset: at as u32,
+                        ..place
+                    };
+                    let (kind, length) = self.token(here, parentheses)?;
+                    match kind {
+                        TokenKind::Sign(b'(') => parentheses += 1,
+                        TokenKind::Sign(b')') => parentheses -= 1,
+                        _ => {}
+                    }
+                    let name = self.sources.name(place.file);
+                    self.budget.spend(1).map_err(|e| e.error(name))?;
+                    body.push(Token { kind, place: here });
+                    at += length;
+                }
+            }
+        }
+        Ok(body)
+    }
+
+    fn include(&mut self, name: Span, place: Place, depth: usize) -> Result<(), ReadError> {
+        let name = name.of(self.sources).to_owned();
+        let of = self.sources.name(place.file);
+        let fail = |found: String, expected: &str| Err(self.sources.error(place, found, expected));
+        if depth == DEEPEST {
+            return fail("files that include each other".into(), "at most 32 levels");
+        }
+        let (path, bytes) = match open_beside(self.files, of, &name) {
+            Ok(opened) => opened,
+            Err(e) => {
+                let found = format!("\"{}\", which cannot be read: {e}", shortened(&name));
+                return fail(found, "a file beside the scene");
+            }
+        };
+        // A small file may be included often.
+        (self.budget.spend(bytes.len() as u64 / 8)).map_err(|e| e.error(of))?;
+        let file = self.sources.add(&path, bytes);
+        self.file(file, depth + 1)
+    }
+}
+
+/// Names of files have dots, slashes and minus signs, which are operators inside of parentheses.
+fn is_word(byte: u8, in_parentheses: bool) -> bool {
+    let in_names = matches!(byte, b'.' | b'/' | b'\\' | b'-' | b'~' | b':');
+    byte.is_ascii_alphanumeric() || byte == b'_' || in_names && !in_parentheses
+}
+
+fn line_length(bytes: &[u8]) -> usize {
+    let end = bytes.iter().position(|b| matches!(b, b'\n' | b'\r'));
+    end.unwrap_or(bytes.len())
+}
+
+/// A directive's line, with those behind it that a backslash joins to it.
+fn directive_length(bytes: &[u8]) -> usize {
+    let mut length = line_length(bytes);
+    while length > 0 && bytes[length - 1] == b'\\' && length < bytes.len() {
+        let behind = if bytes[length..].starts_with(b"\r\n") {
+            2
+        } else {
+            1
+        };
+        length += behind + line_length(&bytes[length + behind..]);
+    }
+    length
+}
+
+fn starts_line(bytes: &[u8], at: usize) -> bool {
+    let before = bytes[..at].iter().rev();
+    let mut before = before.skip_while(|b| matches!(b, b' ' | b'\t'));
+    before.next().is_none_or(|b| matches!(b, b'\n' | b'\r'))
+}
+
+/// The directive of a line that begins with `#`; `None` for a remark.
+fn directive(bytes: &[u8], file: u32, start: usize, end: usize) -> Option<Directive> {
+    let line = &bytes[start..end];
+    let word_at = |from: usize| {
+        let blanks = line[from..]
+            .iter()
+            .take_while(|b| matches!(b, b' ' | b'\t'))
+            .count();
+        let begin = from + blanks;
+        let word = |b: &&u8| b.is_ascii_alphanumeric() || **b == b'_';
+        begin..begin + line[begin..].iter().take_while(word).count()
+    };
+    let span = |range: std::ops::Range<usize>| Span {
+        file,
+        start: (start + range.start) as u32,
+        length: range.len() as u32,
+    };
+    let keyword = 1 + line[1..]
+        .iter()
+        .take_while(|b| b.is_ascii_lowercase())
+        .count();
+    let name = word_at(keyword);
+    match &line[1..keyword] {
+        b"define" if !name.is_empty() => Some(Directive::Define {
+            body: start + name.end,
+            name: span(name),
+        }),
+        b"undef" if !name.is_empty() => Some(Directive::Undefine(span(name))),
+        b"include" => {
+            let open = name.start;
+            let closing = match line.get(open)? {
+                b'"' => b'"',
+                b'<' => b'>',
+                _ => return None,
+            };
+            let length = line[open + 1..].iter().position(|b| *b == closing)?;
+            Some(Directive::Include(span(open + 1..open + 1 + length)))
+        }
+        b"if" | b"ifdef" | b"ifndef" | b"else" | b"elif" | b"endif" => Some(Directive::Other),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Memory, ReadOptions};
+
+    /// The tokens with blanks between them, or the error.
+    fn tokens(text: &str, files: &Memory) -> Result<String, String> {
+        let mut sources = Sources::default();
+        sources.add("a.scn", text.as_bytes());
+        let mut budget = Budget::new(&ReadOptions::in_proportion(text.len()));
+        let tokens = read(&mut sources, files, &mut budget, &mut Warnings::default());
+        let shown = |token: &Token| match token.kind {
+            TokenKind::Number(v) => v.to_string(),
+            TokenKind::Word(span) => span.of(&sources).to_owned(),
+            TokenKind::Sign(sign) => char::from(sign).to_string(),
+        };
+        let tokens = tokens.map_err(|e| e.to_string())?;
+        Ok(tokens.iter().map(shown).collect::<Vec<_>>().join(" "))
+    }
+
+    #[test]
+    fn words_numbers_and_definitions() {
+        let files = Memory::new().with("b.scn", "#define B 7\nB C ; end");
+        let check = |text: &str, expected: &str| {
+            assert_eq!(tokens(text, &files).as_deref(), Ok(expected), "{text}");
+        };
+        check("a 3 -0.4 .5 % b\nc;d\n e#f", "a 3 -0.4 0.5 c e");
+        check("(3 -0.4*-2^x)", "( 3 - 0.4 * - 2 ^ x )");
+        check("text a-b.t3d ../c.d (a/b)", "text a-b.t3d ../c.d ( a / b )");
+        check("# a remark\n#define A 1 (2-B) % c\nA", "1 ( 2 - B )");
+        check("#define A 1 \\\n 2\nA #define", "1 2");
+        check("#define C 5\n#include \"b.scn\"\nB\n#undef B\nB", "7 5 7 B");
+    }
+
+    #[test]
+    fn what_cannot_be_carried_out() {
+        let files = Memory::new().with("a.scn", "#include <a.scn>");
+        let check = |text: &str, expected: &str| {
+            let error = tokens(text, &files).unwrap_err();
+            assert!(error.starts_with(expected), "{error}");
+        };
+        check("a\n @b", "a.scn:2:2: found \"@b\"");
+        check(
+            "#define A A\nA",
+            "a.scn:2:1: found a definition that leads back",
+        );
+        check(
+            "#define A(x) x\nA",
+            "a.scn:1:1: found a definition with parameters",
+        );
+        check(
+            "#include \"a.scn\"",
+            "a.scn:1:1: found files that include each other",
+        );
+        check(
+            "#include \"c.scn\"",
+            "a.scn:1:1: found \"c.scn\", which cannot be read",
+        );
+        let mut bomb = String::from("#define A0 1 1 1 1\n");
+        for k in 0..20 {
+            bomb += &format!("#define A{} A{k} A{k} A{k} A{k}\n", k + 1);
+        }
+        bomb += "A20";
+        check(
+            &bomb,
+            "a.scn: found instances, arrays or curves that unfold to more than",
+        );
+    }
+}

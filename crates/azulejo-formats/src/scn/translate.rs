@@ -1,0 +1,370 @@
+//! Commands in their order, as records of SFF.
+
+use super::look::is_attribute;
+use super::scope::Scopes;
+use super::values::Stream;
+use crate::ReadError;
+use crate::options::Budget;
+use crate::sff::document::*;
+use azulejo_scene::Operation;
+use azulejo_scene::Rgb;
+use std::collections::HashMap;
+
+type Read<T> = Result<T, ReadError>;
+
+/// Groups nest no deeper, and so do set operations with them.
+const DEEPEST: usize = 256;
+
+/// A scene under translation.
+pub(super) struct Translator<'t> {
+    pub stream: Stream<'t>,
+    pub document: Document,
+    pub scopes: Scopes,
+    pub budget: &'t mut Budget,
+    surfaces: HashMap<Vec<u64>, u32>,
+    /// What waits for its end, the outermost first.
+    open: Vec<Opened>,
+    /// View commands that were given.
+    given: Vec<&'static str>,
+}
+
+/// What has begun.
+struct Opened {
+    kind: OpenedKind,
+    place: Place,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum OpenedKind {
+    Group,
+    Left,
+    Right,
+    List,
+}
+
+/// Translates a whole scene.
+pub(super) fn translate(stream: Stream, budget: &mut Budget) -> Read<Document> {
+    let mut translator = Translator {
+        stream,
+        document: Document {
+            background: Rgb::new(0.2, 0.5, 0.7),
+            ambient: Rgb::grey(0.1),
+            ..Document::default()
+        },
+        scopes: Scopes::new(),
+        budget,
+        surfaces: HashMap::new(),
+        open: Vec::new(),
+        given: Vec::new(),
+    };
+    translator.document.view.place = translator.stream.place();
+    while translator.stream.left() > 0 {
+        translator.command()?;
+    }
+    if let Some(open) = translator.open.last() {
+        let found = "a beginning without its end";
+        return Err(translator.stream.error(open.place, found, "both"));
+    }
+    Ok(translator.document)
+}
+
+impl Translator<'_> {
+    fn command(&mut self) -> Read<()> {
+        let place = self.stream.place();
+        if let Some(texture) = self.named_texture()? {
+            self.scopes.texture(Some(texture));
+            return Ok(());
+        }
+        let expected = "a command of SCN";
+        let Some(word) = self.stream.peek_word() else {
+            return Err(self.stream.unexpected(expected));
+        };
+        if is_attribute(word) {
+            return self.attribute();
+        }
+        if self.view(word, place)? {
+            return Ok(());
+        }
+        if !super::objects::is_object(word) && !COMMANDS.contains(&word) {
+            return Err(self.stream.unexpected(expected));
+        }
+        self.stream.word();
+        match word {
+            "light" => {
+                let light = self.light()?;
+                self.document.lights.push(light);
+            }
+            "group" | "begin" => {
+                self.open(OpenedKind::Group, place)?;
+                self.scopes.enter(false);
+            }
+            "ungroup" | "end" => self.close(&[OpenedKind::Group], place)?,
+            "csg" => self.csg(place)?,
+            "list" => self.list(place)?,
+            name => self.object(name, place)?,
+        }
+        Ok(())
+    }
+
+    /// A command about the view, of which each may be given once.
+    fn view(&mut self, word: &str, place: Place) -> Read<bool> {
+        let name = match word {
+            "eye" | "from" => "eye",
+            "look" | "at" | "to" => "look",
+            "up" => "up",
+            "angle" | "fov" => "angle",
+            "background" | "back" => "background",
+            "ambient" => "ambient",
+            _ => return Ok(false),
+        };
+        self.stream.word();
+        if self.given.contains(&name) {
+            let said = format!("{name} is given more than once: the last one counts");
+            self.stream.warn(place, said);
+        }
+        self.given.push(name);
+        let (stream, view) = (&mut self.stream, &mut self.document.view);
+        match name {
+            "eye" => view.eye = stream.point()?,
+            "look" => view.look = stream.point()?,
+            "up" => view.up = stream.vector()?,
+            "angle" => {
+                let mut angle = || stream.within(0.5, 89.5, "an angle of the view");
+                let horizontal = angle()?;
+                let vertical = match stream.real_follows() {
+                    true => stream.within(0.5, 89.5, "an angle of the view")?,
+                    false => horizontal,
+                };
+                view.angles = [horizontal, vertical];
+            }
+            "background" => self.document.background = stream.color()?,
+            _ => self.document.ambient = stream.color()?,
+        }
+        Ok(true)
+    }
+
+    /// Something that holds for the objects that follow.
+    fn attribute(&mut self) -> Read<()> {
+        match self.stream.word().unwrap_or_default() {
+            "surface" => {
+                let surface = self.surface()?;
+                self.scopes.set_surface(surface);
+            }
+            "transform" => {
+                let transform = self.transform()?;
+                self.scopes.transform(transform);
+            }
+            "texture" => {
+                let texture = self.texture()?;
+                self.scopes.texture(texture);
+            }
+            // refraction or ior
+            _ => {
+                let what = "an index of refraction";
+                let refraction = self.stream.within(1.0, 300.0, what)?;
+                self.scopes.set_refraction(refraction);
+            }
+        }
+        Ok(())
+    }
+
+    /// Attributes of one object, which end with `data`, in a scope that is entered in any case.
+    pub fn local_attributes(&mut self) -> Read<()> {
+        self.scopes.enter(false);
+        let mut any = false;
+        while self.stream.peek_word().is_some_and(is_attribute) {
+            any = true;
+            match self.named_texture()? {
+                Some(texture) => self.scopes.texture(Some(texture)),
+                None => self.attribute()?,
+            }
+        }
+        if self.stream.take(&["data"]) || !any {
+            return Ok(());
+        }
+        Err(self
+            .stream
+            .unexpected("data, which ends the attributes of an object"))
+    }
+
+    fn open(&mut self, kind: OpenedKind, place: Place) -> Read<()> {
+        if self.scopes.depth() >= DEEPEST || self.open.len() >= DEEPEST {
+            let found = format!("groups and operations more than {DEEPEST} deep");
+            return Err(self.stream.error(place, found, "fewer levels"));
+        }
+        self.open.push(Opened { kind, place });
+        Ok(())
+    }
+
+    fn close(&mut self, kinds: &[OpenedKind], place: Place) -> Read<()> {
+        match self.open.last() {
+            Some(open) if kinds.contains(&open.kind) => {
+                self.open.pop();
+                self.scopes.leave();
+                Ok(())
+            }
+            _ => {
+                let found = "an end without its beginning";
+                Err(self
+                    .stream
+                    .error(place, found, "what began last to end first"))
+            }
+        }
+    }
+
+    fn csg(&mut self, place: Place) -> Read<()> {
+        let word = self.stream.word().unwrap_or_default();
+        let operation = match word {
+            "union" => Operation::Union,
+            "subtraction" | "difference" => Operation::Difference,
+            "intersection" => Operation::Intersection,
+            "next" => {
+                self.push(RecordKind::CsgNext, place)?;
+                return match self.open.last_mut() {
+                    Some(open) if open.kind == OpenedKind::Left => {
+                        open.kind = OpenedKind::Right;
+                        Ok(())
+                    }
+                    _ => {
+                        let found = "csg next outside of the left side of a set operation";
+                        Err(self
+                            .stream
+                            .error(place, found, "csg union begin and solids before"))
+                    }
+                };
+            }
+            "end" => {
+                self.close(&[OpenedKind::Right], place)?;
+                // Two scopes are left: the inside, and that of its attributes.
+                self.scopes.leave();
+                return self.push(RecordKind::CsgEnd, place);
+            }
+            other => {
+                let expected = "union, subtraction, difference, intersection, next or end";
+                return Err(self.stream.error(place, format!("csg {other}"), expected));
+            }
+        };
+        self.open(OpenedKind::Left, place)?;
+        let look = self.begin()?;
+        self.push(RecordKind::CsgBegin { look, operation }, place)?;
+        self.push_attributes(place)?;
+        self.scopes.enter(true);
+        Ok(())
+    }
+
+    fn list(&mut self, place: Place) -> Read<()> {
+        if self.stream.take(&["end"]) {
+            self.close(&[OpenedKind::List], place)?;
+            self.scopes.leave();
+            return self.push(RecordKind::ListEnd, place);
+        }
+        self.open(OpenedKind::List, place)?;
+        let look = self.begin()?;
+        self.push(RecordKind::ListBegin { look }, place)?;
+        self.push_attributes(place)?;
+        self.scopes.enter(true);
+        Ok(())
+    }
+
+    /// Attributes up to `begin`, and those of them that override the members' own.
+    fn begin(&mut self) -> Read<Look> {
+        self.local_attributes()?;
+        if !self.stream.take(&["begin"]) {
+            return Err(self.stream.unexpected("begin"));
+        }
+        let scope = self.scopes.innermost();
+        Ok(Look {
+            surface: if scope.sets_surface { scope.surface } else { 0 },
+            refraction: match scope.sets_refraction {
+                true => scope.refraction,
+                false => 0.0,
+            },
+        })
+    }
+
+    /// Whether the inside of a set operation, but of no list in it, is the place.
+    pub fn is_in_operation(&self) -> bool {
+        let kinds = self.open.iter().rev().map(|o| o.kind);
+        let mut kinds = kinds.filter(|k| *k != OpenedKind::Group);
+        matches!(kinds.next(), Some(OpenedKind::Left | OpenedKind::Right))
+    }
+
+    /// Adds a record.
+    pub fn push(&mut self, kind: RecordKind, place: Place) -> Read<()> {
+        self.spend(1, place)?;
+        self.document.objects.push(Record { place, kind });
+        Ok(())
+    }
+
+    pub fn spend(&mut self, elements: usize, place: Place) -> Read<()> {
+        let name = self.stream.sources.name(place.file);
+        (self.budget.spend(elements as u64)).map_err(|e| e.error(name))
+    }
+
+    /// Adds the transforms and textures of the latest object.
+    pub fn push_attributes(&mut self, place: Place) -> Read<()> {
+        self.spend(3 * self.scopes.record_count(), place)?;
+        let records = self.scopes.records(place);
+        self.document.objects.extend(records);
+        Ok(())
+    }
+
+    /// The look of an object here.
+    pub fn look(&mut self) -> Read<Look> {
+        if self.scopes.innermost().surface == 0 {
+            let surface = self.default_surface()?;
+            self.scopes.set_default(surface);
+        }
+        let scope = self.scopes.innermost();
+        Ok(Look {
+            surface: scope.surface,
+            refraction: scope.refraction,
+        })
+    }
+
+    /// The number of a surface, which equal ones share.
+    pub fn number_of(&mut self, surface: SurfaceRecord) -> Read<u32> {
+        let key = bits(&surface);
+        if let Some(&known) = self.surfaces.get(&key) {
+            return Ok(known);
+        }
+        self.document.surfaces.push(surface);
+        let number = self.document.surfaces.len() as u32;
+        self.surfaces.insert(key, number);
+        Ok(number)
+    }
+}
+
+const COMMANDS: [&str; 7] = ["light", "group", "begin", "ungroup", "end", "csg", "list"];
+
+/// All numbers of a surface.
+fn bits(surface: &SurfaceRecord) -> Vec<u64> {
+    use azulejo_scene::rtrace::RtraceSource::*;
+    let flags = [surface.is_emitter, surface.is_unshadowed].map(|f| f64::from(u8::from(f)));
+    let mut numbers = vec![flags[0], flags[1]];
+    let mut colors = vec![surface.color];
+    match surface.source {
+        Phong {
+            diffuse,
+            specular,
+            phong,
+            metal,
+            transparency,
+        } => {
+            numbers.extend([1.0, phong, metal]);
+            colors.extend([diffuse, specular, transparency]);
+        }
+        Strauss {
+            smooth,
+            metal,
+            transparency,
+        } => {
+            numbers.push(2.0);
+            colors.extend([smooth, metal, transparency]);
+        }
+    }
+    let all = numbers
+        .into_iter()
+        .chain(colors.into_iter().flat_map(|c| c.to_array()));
+    all.map(f64::to_bits).collect()
+}
