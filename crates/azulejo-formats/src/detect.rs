@@ -2,7 +2,7 @@
 
 use crate::text::without_utf16;
 use crate::{Files, Loaded, ReadError, ReadOptions};
-use crate::{dxf, gltf, grf, gzip, mgf, obj, openflight, ply, sff, stl, studio3ds, vrml};
+use crate::{dxf, gltf, grf, gzip, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, vrml};
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
 use std::fmt;
@@ -34,6 +34,8 @@ pub enum Format {
     Stl,
     /// RTRACE's scenes.
     Sff,
+    /// The language that was translated to SFF.
+    Scn,
 }
 
 impl Format {
@@ -51,6 +53,7 @@ impl Format {
             Format::Ply => "PLY",
             Format::Stl => "STL",
             Format::Sff => "SFF",
+            Format::Scn => "SCN",
         }
     }
 }
@@ -72,7 +75,7 @@ impl std::error::Error for Unrecognised {}
 
 /// What every message asks for instead.
 const EXPECTED: &str =
-    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SFF, STL, VRML or X3D";
+    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, VRML or X3D";
 
 /// Reads a model in whatever format it is, packed with gzip or not. `name` stands in messages;
 /// `files` gives the files that the model names, relative to the model's folder.
@@ -106,6 +109,7 @@ pub fn read_with(
         Ok(Format::Ply) => ply::read(bytes, name, files, options),
         Ok(Format::Stl) => stl::read(bytes, name, files, options),
         Ok(Format::Sff) => sff::read(bytes, name, files, options),
+        Ok(Format::Scn) => scn::read(bytes, name, files, options),
         Err(Unrecognised { looks_like }) => Err(ReadError::whole(name, looks_like, EXPECTED)),
     }
 }
@@ -120,6 +124,9 @@ fn by_extension(
     let name = lower.strip_suffix(".gz").unwrap_or(&lower);
     match &detected {
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".sff") => Ok(Format::Sff),
+        Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".scn") => Ok(Format::Scn),
+        // Words that several languages have, and remarks behind a semicolon.
+        Ok(Format::Grf | Format::Mgf | Format::Obj) if name.ends_with(".scn") => Ok(Format::Scn),
         _ => detected,
     }
 }
@@ -276,6 +283,54 @@ fn is_sff<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
     }) == [true; 8]
 }
 
+/// A command of SCN: its keyword, which other languages may have too, and what stands behind it.
+fn is_scn(word: &[u8], line: &[u8]) -> bool {
+    let behind = first_word(line[word.len()..].trim_ascii_start());
+    let names_one = || {
+        let rest = line[word.len()..].trim_ascii_start()[behind.len()..].trim_ascii();
+        !behind.is_empty() && matches!(rest.first(), None | Some(b'%' | b';' | b'#'))
+    };
+    let is_number = matches!(behind, [b'+' | b'-' | b'.' | b'0'..=b'9', ..]);
+    match word {
+        b"eye" | b"from" | b"look" | b"at" | b"fov" => is_number,
+        b"background" | b"ambient" => is_number || behind == b"mono" || names_one(),
+        b"light" => {
+            let kinds = [
+                "point",
+                "directional",
+                "dir",
+                "spot",
+                "extended",
+                "ext",
+                "linear",
+                "planar",
+            ];
+            kinds.iter().any(|k| k.as_bytes() == behind)
+        }
+        b"csg" => matches!(
+            behind,
+            b"union" | b"subtraction" | b"difference" | b"intersection"
+        ),
+        b"sphere" | b"box" | b"cube" | b"cylinder" | b"disc" | b"wedge" | b"tetra" => {
+            is_number || matches!(behind, b"surface" | b"transform" | b"open")
+        }
+        b"surface" => {
+            let forms = [
+                "matte",
+                "plastic",
+                "metal",
+                "metallic",
+                "strauss",
+                "glass",
+                "dielectric",
+            ];
+            forms.iter().any(|form| form.as_bytes() == behind)
+        }
+        b"text3d" => behind == b"file",
+        _ => false,
+    }
+}
+
 fn first_word(line: &[u8]) -> &[u8] {
     let end = |b: &u8| b.is_ascii_whitespace() || matches!(b, b'(' | b'=' | b'"' | 0);
     line.split(end).next().unwrap_or_default()
@@ -288,6 +343,9 @@ fn by_line(line: &[u8], head: &[u8]) -> Option<Found> {
     let zeros = line.iter().take_while(|b| **b == 0).count();
     let line = &line[zeros..];
     let word = first_word(line);
+    if is_scn(word, line) {
+        return Some(Ok(Format::Scn));
+    }
     match word.to_ascii_lowercase().as_slice() {
         // A vertex of OBJ begins with a number, in MGF it has a name.
         b"v" | b"f" => Some(Ok(match line[1..].trim_ascii_start() {
@@ -364,6 +422,13 @@ mod tests {
             b"view\n1 1 5 - eye\n0 0 0\n0 1 0\n30 30\nlight\n0 0 0\n1 1 1\nlights\n",
             Ok(Format::Sff),
         );
+        check(
+            b"% a scene\nlight point 4 3 1\nsphere 0 0 0 1",
+            Ok(Format::Scn),
+        );
+        check(b"eye 5 2 2\n", Ok(Format::Scn));
+        check(b"background light_sky_blue\n", Ok(Format::Scn));
+        check(b"csg subtraction begin\n", Ok(Format::Scn));
     }
 
     #[test]

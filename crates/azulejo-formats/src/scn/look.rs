@@ -326,7 +326,7 @@ impl Translator<'_> {
                     color = stream.color()?;
                 }
                 // Its distance is not to be seen.
-                color = color * -1.0;
+                color *= -1.0;
                 RtraceLightKind::Point
             }
             "spot" => {

@@ -154,7 +154,7 @@ impl Reader<'_, '_> {
     fn token(&self, place: Place, parentheses: i32) -> Result<(TokenKind, usize), ReadError> {
         let rest = &self.sources.bytes(place.file)[place.offset as usize..];
         let signed = matches!(rest, [b'+' | b'-', b'.' | b'0'..=b'9', ..]);
-        let begins = matches!(rest[0], b'0'..=b'9') || matches!(rest, [b'.', b'0'..=b'9', ..]);
+        let begins = rest[0].is_ascii_digit() || matches!(rest, [b'.', b'0'..=b'9', ..]);
         if (begins || signed && parentheses == 0)
             && let Some(found) = number::parse(rest)
         {

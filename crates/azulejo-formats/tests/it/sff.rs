@@ -1,7 +1,7 @@
 //! RTRACE's own scenes, with the files that they name.
 
 use crate::data;
-use azulejo_formats::{Loaded, Memory, read};
+use azulejo_formats::{Loaded, Memory, read, sff};
 use azulejo_scene::{Operation, PrimitiveKind, Scene, Shape, Solid};
 use std::path::Path;
 
@@ -78,4 +78,68 @@ fn set_operations_of_the_manual() {
         text.solids.len(),
         "AntonioCosta".len() + "c1992".len() + "INESCn".len()
     );
+}
+
+/// SCN says the same as what the original translated it to.
+#[test]
+fn both_languages_mean_the_same() {
+    let Some(data) = data() else { return };
+    let folder = data.join("corpus/sff");
+    for name in ["example1", "csgdemo"] {
+        let scn = load(&folder, &format!("scenes/{name}.scn")).scene;
+        let sff = load(&folder, &format!("expected_sff/{name}.sff")).scene;
+        assert_eq!(names(&scn), names(&sff), "{name}");
+        assert_eq!(
+            (scn.materials.len(), scn.lights.len()),
+            (sff.materials.len(), 2)
+        );
+        let (a, b) = (scn.bounds(), sff.bounds());
+        assert!(
+            a.min.distance(b.min) + a.max.distance(b.max) < 1e-5,
+            "{name}"
+        );
+        let surfaces = |scene: Scene| scene.rtrace.expect("RTRACE's numbers").surfaces;
+        let flags = |s: Vec<azulejo_scene::rtrace::RtraceSurface>| {
+            s.iter()
+                .map(|s| (s.is_emitter, s.is_unshadowed))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(flags(surfaces(scn)), flags(surfaces(sff)), "{name}");
+    }
+}
+
+/// Stock scenes come back as they were written, prisms but for rounding.
+#[test]
+fn stock_scenes_are_written_and_read_again() {
+    let Some(data) = data() else { return };
+    let folder = data.join("corpus/sff");
+    for path in [
+        "scenes/demo.sff",
+        "scenes/exemplo1.sff",
+        "scenes/example1.scn",
+        "scenes/csgdemo.scn",
+    ] {
+        let scene = load(&folder, path).scene;
+        assert_eq!(sff::losses(&scene), Vec::<String>::new(), "{path}");
+        let mut text = Vec::new();
+        let beside = sff::write(&scene, "again", &mut text).expect("memory takes everything");
+        let files = beside
+            .into_iter()
+            .fold(Memory::new(), |f, (n, b)| f.with(n, b));
+        let again = read(&text, "again.sff", &files).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(again.scene.rtrace, scene.rtrace, "{path}");
+        assert_eq!(again.scene.lights, scene.lights, "{path}");
+        assert_eq!(again.scene.materials, scene.materials, "{path}");
+        assert_eq!(names(&again.scene), names(&scene), "{path}");
+        for (a, b) in again.scene.objects.iter().zip(&scene.objects) {
+            match (&a.shape, &b.shape) {
+                (Shape::Exact(a), Shape::Exact(b)) if matches!(b.solids[0], Solid::Prism(_)) => {
+                    assert_eq!(a.solids.len(), b.solids.len());
+                    let (a, b) = (a.bounds(), b.bounds());
+                    assert!(a.min.distance(b.min) + a.max.distance(b.max) < 1e-12);
+                }
+                (a, b) => assert_eq!(a, b, "{path}"),
+            }
+        }
+    }
 }

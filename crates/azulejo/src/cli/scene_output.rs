@@ -3,8 +3,9 @@
 use super::failure::Failure;
 use super::output::{self, Output};
 use super::session::Session;
-use azulejo_formats::{gltf, grf, obj, ply};
+use azulejo_formats::{gltf, grf, obj, ply, sff};
 use azulejo_scene::Scene;
+use azulejo_trace::Progress;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -38,10 +39,15 @@ enum Writer {
         &'static str,
         fn(&Scene, &str, &mut dyn Write, &mut dyn Write) -> io::Result<()>,
     ),
+    /// A file and those that it turns out to name, which begin with its own name.
+    Several(fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>),
 }
 
+/// Files by name.
+type NamedFiles = Vec<(String, Vec<u8>)>;
+
 /// All of them; the first is what goes to standard output.
-static FORMATS: [WrittenFormat; 5] = [
+static FORMATS: [WrittenFormat; 6] = [
     WrittenFormat {
         name: "GRF",
         extension: "grf",
@@ -77,6 +83,13 @@ static FORMATS: [WrittenFormat; 5] = [
         keeps_light: true,
         losses: ply::losses,
     },
+    WrittenFormat {
+        name: "SFF",
+        extension: "sff",
+        write: Writer::Several(sff::write),
+        keeps_light: false,
+        losses: sff::losses,
+    },
 ];
 
 /// The extensions of some formats, for a message.
@@ -105,7 +118,7 @@ impl SceneOutput {
                 ))
             })?;
         let companion = match format.write {
-            Writer::One(_) => None,
+            Writer::One(_) | Writer::Several(_) => None,
             Writer::Two(extension, _) => Some(Output::check(&path.with_extension(extension))?),
         };
         Ok(SceneOutput {
@@ -144,6 +157,7 @@ impl SceneOutput {
         let progress = session.progress();
         match (&self.format.write, &self.companion) {
             (Writer::One(write), _) => self.model.write(progress, |out| write(scene, out)),
+            (Writer::Several(write), _) => self.write_several(*write, scene, progress),
             (Writer::Two(..), None) => unreachable!("a format of two files has both"),
             (Writer::Two(_, write), Some(companion)) => {
                 let name = companion.path().file_name().unwrap_or_default();
@@ -153,5 +167,26 @@ impl SceneOutput {
                 output::commit(vec![second, first], progress)
             }
         }
+    }
+
+    /// Writes a model and the files that it names, all of them or none.
+    fn write_several(
+        &self,
+        write: fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>,
+        scene: &Scene,
+        progress: &Progress,
+    ) -> Result<(), Failure> {
+        let path = self.model.path();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let mut model = self.model.draft()?;
+        let named = write(scene, &stem, &mut model).map_err(|e| model.failure(&e))?;
+        let mut drafts = Vec::new();
+        for (name, bytes) in named {
+            let mut draft = Output::check(&path.with_file_name(name))?.draft()?;
+            draft.write_all(&bytes).map_err(|e| draft.failure(&e))?;
+            drafts.push(draft);
+        }
+        drafts.push(model);
+        output::commit(drafts, progress)
     }
 }
