@@ -87,6 +87,7 @@ impl ExactMesh {
                 let (min, max) = (a.min(b).min(c), a.max(b).max(c));
                 Reference::new(min.to_array(), max.to_array(), id)
             })
+            .filter(Reference::is_finite)
             .collect();
         let tree = binary_tree(&mut references, triangles.len() as u32);
         ExactMesh {

@@ -201,7 +201,11 @@ impl Outline {
         Run {
             bounds: (runs.iter()).fold(Rectangle::EMPTY, |b, r| b.union(r.bounds)),
             start: runs[0].start,
-            end: runs[runs.len() - 1].end,
+            // Several whole contours have no ends: what goes around comes back.
+            end: match runs.iter().all(|r| r.start == r.end) {
+                true => runs[0].start,
+                false => runs[runs.len() - 1].end,
+            },
             child: self.nodes.len() as u32 - 1,
         }
     }
@@ -343,5 +347,108 @@ impl Node {
             }
         }
         met
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::Curve;
+
+    /// `count` rings of `curves` waves each, side by side, every other one turned around.
+    fn rings(count: usize, curves: usize) -> Figure {
+        let ring = |k: usize| {
+            let centre = DVec2::new((k % 7) as f64, (k / 7) as f64);
+            let at = |j: usize| {
+                let angle = std::f64::consts::TAU * j as f64 / (3 * curves) as f64;
+                let angle = if k.is_multiple_of(2) { angle } else { -angle };
+                centre + (0.6 + 0.1 * (5.0 * angle).sin()) * DVec2::from_angle(angle)
+            };
+            let curve = |j: usize| match (k + j) % 3 {
+                0 => Curve::Line { start: at(3 * j) },
+                _ => Curve::Cubic {
+                    start: at(3 * j),
+                    control1: at(3 * j + 1),
+                    control2: at(3 * j + 2),
+                },
+            };
+            Contour {
+                curves: (0..curves).map(curve).collect(),
+            }
+        };
+        Figure {
+            contours: (0..count).map(ring).collect(),
+            rule: FillRule::NonZero,
+        }
+    }
+
+    fn ray(from: DVec2, angle: f64) -> Line2 {
+        Line2::new(from, DVec2::from_angle(angle))
+    }
+
+    #[test]
+    fn windings_are_those_of_the_figure_in_every_direction() {
+        for (count, curves) in [(1, 1), (1, 3), (2, 5), (5, 2), (23, 9), (60, 40)] {
+            let figure = rings(count, curves);
+            let outline = Outline::new(&figure);
+            let (low, size) = (outline.bounds.min, outline.bounds.size());
+            for k in 0..2000 {
+                let at = DVec2::new(f64::from(k % 47) / 46.0, f64::from(k / 47) / 42.0);
+                let point = low + at * size;
+                let line = ray(point, f64::from(k));
+                let none = |crossing: Crossing| Some(crossing.s.min(0.0));
+                // With the crossings counted one by one, and with all of them far ahead.
+                let winding = outline.cross(&line, [0.0, f64::INFINITY], none);
+                assert_eq!(winding, figure.winding(point), "{count} {curves} {point}");
+                assert_eq!(winding, outline.cross(&line, [0.0, 0.0], none));
+            }
+        }
+    }
+
+    #[test]
+    fn crossings_of_a_whole_line_cancel_also_through_joints() {
+        let figure = rings(9, 6);
+        let outline = Outline::new(&figure);
+        let joints: Vec<DVec2> = figure.segments().map(|s| s.start()).collect();
+        for a in &joints {
+            for b in joints.iter().filter(|b| *b != a) {
+                let line = Line2::new(*a, (*b - *a).normalize());
+                let everything = [f64::NEG_INFINITY, f64::INFINITY];
+                let mut sum = 0;
+                let winding = outline.cross(&line, everything, |crossing| {
+                    sum += crossing.sense;
+                    Some(f64::INFINITY)
+                });
+                assert_eq!((winding, sum), (0, 0), "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_tangent_crosses_twice_or_not_at_all() {
+        let arch = Figure {
+            contours: vec![Contour {
+                curves: vec![
+                    Curve::Cubic {
+                        start: DVec2::ZERO,
+                        control1: DVec2::Y,
+                        control2: DVec2::ONE,
+                    },
+                    Curve::Line { start: DVec2::X },
+                ],
+            }],
+            rule: FillRule::EvenOdd,
+        };
+        let outline = Outline::new(&arch);
+        // The arch is 3/4 high.
+        for shift in [-1e-9, -1e-15, 0.0, 1e-15, 1e-9] {
+            let line = ray(DVec2::new(-1.0, 0.75 + shift), 0.0);
+            let mut met = 0;
+            outline.cross(&line, [0.0, 10.0], |_| {
+                met += 1;
+                Some(10.0)
+            });
+            assert!(met == 0 || met == 2, "{met} at {shift}");
+        }
     }
 }

@@ -60,7 +60,7 @@ fn surfaces(tracer: &Tracer, ray: &Ray) -> Vec<Hit> {
         };
         from.origin = tracer.leaving(hit.position, forward);
         found.push(hit);
-        assert!(found.len() < 200, "{ray:?}");
+        assert!(found.len() < 1000, "{ray:?}");
     }
     found
 }
@@ -229,6 +229,47 @@ fn a_shell_of_open_pieces_is_a_solid() {
         vec![ball(DVec3::ZERO, 1.2)],
     );
     check("shell", cut, |p| in_cube(p).max(-in_ball(p)));
+}
+
+#[test]
+fn the_deepest_nesting_that_is_allowed_works() {
+    // Balls of falling size, each cut out of the one before: rings of matter and nothing.
+    let mut solid = ball(DVec3::ZERO, 0.01);
+    for k in 1..=255 {
+        let shell = ball(DVec3::ZERO, 0.01 * f64::from(k + 1));
+        solid = csg(Operation::Difference, vec![shell], vec![solid]);
+    }
+    let tracer = tracer(vec![solid]);
+    assert_eq!(tracer.item_count(), 256);
+    let ray = Ray::new(DVec3::new(-3.0, 0.001, 0.0), DVec3::X);
+    let found = surfaces(&tracer, &ray);
+    assert_eq!(found.len(), 512);
+    assert!(
+        found
+            .iter()
+            .enumerate()
+            .all(|(k, hit)| hit.entering == (k % 2 == 0))
+    );
+}
+
+#[test]
+fn a_tube_with_lids_is_a_can() {
+    // The lids are squares that reach over the rim: what sticks out has no thickness.
+    let lid = |z: f64| {
+        let map = DAffine3::from_translation(DVec3::new(-1.5, -1.5, z));
+        primitive(
+            PrimitiveKind::Square,
+            map * DAffine3::from_scale(DVec3::new(3.0, 3.0, 1.0)),
+        )
+    };
+    let tube = primitive(PrimitiveKind::Tube { top: 1.0 }, DAffine3::IDENTITY);
+    let can = Solid::Shell(vec![tube, lid(0.0), lid(1.0)]);
+    let cut = csg(
+        Operation::Intersection,
+        vec![can],
+        vec![ball(DVec3::ZERO, 0.9)],
+    );
+    check("can", cut, |p| (p.length() - 0.9).max(-p.z).max(p.z - 1.0));
 }
 
 #[test]

@@ -348,6 +348,48 @@ fn rays_that_leave_a_surface_do_not_meet_it_again() {
 }
 
 #[test]
+fn many_contours_make_one_figure() {
+    // A page as one figure: letters with holes, side by side.
+    let mut page = Figure::default();
+    for k in 0..40 {
+        let pen = DVec2::new(f64::from(k % 8), f64::from(k / 8)) * 1.2;
+        for mut contour in letter_d().contours {
+            for curve in &mut contour.curves {
+                match curve {
+                    Curve::Line { start } => *start += pen,
+                    Curve::Cubic {
+                        start,
+                        control1,
+                        control2,
+                    } => {
+                        for p in [start, control1, control2] {
+                            *p += pen;
+                        }
+                    }
+                }
+            }
+            page.contours.push(contour);
+        }
+    }
+    let tracer = tracer(vec![prism(page.clone(), DAffine3::IDENTITY)]);
+    let mut random = Random(31);
+    let mut inside = 0;
+    for ray in rays(&tracer, 20_000) {
+        let from = tracer.world_ray(&tracer.kernel_ray(&ray)).origin;
+        let starts_inside = (0.0..=1.0).contains(&from.z) && page.contains(from.truncate());
+        let direction = random.unit();
+        let hit = tracer.hit(&Ray::new(from, direction));
+        inside += usize::from(starts_inside);
+        assert!(hit.is_some() || !starts_inside, "{from}");
+        assert!(
+            hit.is_none_or(|h| h.entering != starts_inside),
+            "{from} {hit:?}"
+        );
+    }
+    assert!(inside > 1000);
+}
+
+#[test]
 fn figures_of_nothing_are_not_met() {
     let point = Figure::polygon([DVec2::ONE; 3]);
     let stroke = Figure::polygon([DVec2::ZERO, DVec2::ONE, DVec2::ZERO]);

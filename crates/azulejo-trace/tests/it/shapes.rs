@@ -7,11 +7,13 @@ use azulejo_trace::{Hit, Instance, Tracer};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::sync::Arc;
 
-const KINDS: [PrimitiveKind; 6] = [
+const KINDS: [PrimitiveKind; 8] = [
     PrimitiveKind::Sphere,
     PrimitiveKind::Cylinder,
     PrimitiveKind::Cone { top: 0.0 },
     PrimitiveKind::Cone { top: 0.4 },
+    PrimitiveKind::Tube { top: 1.0 },
+    PrimitiveKind::Tube { top: 0.4 },
     PrimitiveKind::Cuboid,
     PrimitiveKind::Square,
 ];
