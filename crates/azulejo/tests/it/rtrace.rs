@@ -10,7 +10,8 @@ use crate::support::Folder;
 use azulejo::formats::{self, Files, Memory, png};
 use azulejo::render::rtrace::{self, Antialiasing, Model, Options, Textures, View};
 use azulejo::render::srgb_from_linear;
-use azulejo::scene::Scene;
+use azulejo::scene::rtrace::RtraceSurface;
+use azulejo::scene::{Rgb, Scene};
 use azulejo::trace::Progress;
 use std::fs;
 use std::ops::Range;
@@ -169,15 +170,16 @@ fn letters_look_as_they_did() {
 }
 
 /// Three defects of the originals are in this picture. scn2sff gave the surface of the checkers
-/// random signs, so that RTRACE drew them as emitters; what is read leaves those signs out, and
-/// they are put back here. RTRACE lost the texture where it looked for a nested set operation a
+/// random signs, so that RTRACE drew them as emitters; they are given them here. RTRACE lost the texture where it looked for a nested set operation a
 /// second time along a ray: in the lower half of the drilled hole. And it cut off the foot of the
 /// C, whose box it took for too small. These two places do not count.
 #[test]
 fn set_operations_and_checkers_look_as_they_did() {
     let Some(corpus) = corpus() else { return };
-    let mut scene = read(&corpus, "expected_sff/csgdemo.sff", &files(&corpus));
-    let checkers = &mut scene.rtrace.as_mut().unwrap().surfaces[2];
+    let mut scene = read(&corpus, "scenes/csgdemo.scn", &files(&corpus));
+    let surfaces = &mut scene.rtrace.as_mut().unwrap().surfaces;
+    let is_checkers = |s: &&mut RtraceSurface| s.color == Rgb::grey(0.3);
+    let checkers = surfaces.iter_mut().find(is_checkers).unwrap();
     (checkers.is_emitter, checkers.is_unshadowed) = (true, true);
     let (hole, foot) = ((150..198, 179..213), (214..239, 49..56));
     let counts = |pixel: usize| {
@@ -198,7 +200,7 @@ fn set_operations_and_checkers_look_as_they_did() {
 #[test]
 fn balls_in_one_place_look_as_one_of_them() {
     let Some(corpus) = corpus() else { return };
-    let scene = read(&corpus, "expected_sff/example1.sff", &files(&corpus));
+    let scene = read(&corpus, "scenes/example1.scn", &files(&corpus));
     let without = |object: usize, model| {
         let mut scene = scene.clone();
         scene.objects.remove(object);
