@@ -3,7 +3,8 @@
 //! [`Tracer`] answers for one ray or for batches of them: the first surface met, or whether any
 //! is. It is made from a scene once, holds a copy of what it needs and never changes; the kernel
 //! below it works eight boxes and four triangles at a time, in `f32` around the scene's centre,
-//! and [`Tracer::resolve`] gives a hit its digits back in `f64`.
+//! and [`Tracer::resolve`] gives a hit its digits back in `f64`. Exact shapes (prisms, patches and
+//! what set operations make of solids) are met in `f64` throughout.
 //!
 //! On it stand, each on the one before: [`sampling`] (scrambled Sobol points and where they
 //! lead), [`lambert`] (what a point receives from a polygon, exactly), [`follow`] (rays through

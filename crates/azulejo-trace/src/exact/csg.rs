@@ -36,9 +36,34 @@ pub(crate) enum NodeKind {
     Shell(Vec<Node>),
     Csg {
         operation: Operation,
-        left: Vec<Node>,
-        right: Vec<Node>,
+        left: Box<Node>,
+        right: Box<Node>,
     },
+}
+
+impl Node {
+    /// The union of several parts, halved again and again where they are far apart: a ray at a
+    /// page of letters looks at a few of them.
+    pub(crate) fn union(mut parts: Vec<Node>) -> Node {
+        let boxes = parts.iter().map(|n| n.bounds);
+        let bounds = boxes.fold(Aabb::EMPTY, Aabb::union);
+        if parts.len() < 2 {
+            let nothing = NodeKind::Shell(Vec::new());
+            let kind = parts.pop().map_or(nothing, |alone| alone.kind);
+            return Node { bounds, kind };
+        }
+        let size = bounds.size();
+        let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
+        let place = |n: &Node| n.bounds.centre()[axis];
+        parts.sort_by(|a, b| place(a).total_cmp(&place(b)));
+        let right = parts.split_off(parts.len() / 2);
+        let kind = NodeKind::Csg {
+            operation: Operation::Union,
+            left: Box::new(Node::union(parts)),
+            right: Box::new(Node::union(right)),
+        };
+        Node { bounds, kind }
+    }
 }
 
 /// Layers of matter or of nothing that are thinner than this vanish: they are the rounding of
@@ -86,12 +111,12 @@ impl Pass<'_> {
                 right,
             } => {
                 let first = out.len();
-                self.side(left, out);
+                self.node(left, out);
                 let between = out.len();
                 if between == first && *operation != Operation::Union {
                     return;
                 }
-                self.side(right, out);
+                self.node(right, out);
                 self.combine(*operation, first, between, out);
             }
         }
@@ -99,16 +124,6 @@ impl Pass<'_> {
 
     fn leaf(&self, leaf: u32, out: &mut Vec<Boundary>) {
         self.leaves[leaf as usize].shape.all(self.line, leaf, out);
-    }
-
-    /// The union of several solids.
-    fn side(&self, solids: &[Node], out: &mut Vec<Boundary>) {
-        let first = out.len();
-        for solid in solids {
-            let between = out.len();
-            self.node(solid, out);
-            self.combine(Operation::Union, first, between, out);
-        }
     }
 
     /// Pairs the meetings with all pieces.

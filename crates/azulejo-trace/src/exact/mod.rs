@@ -264,7 +264,7 @@ impl Preparation<'_> {
             let kind = NodeKind::Leaf(leaves.len() as u32 - 1);
             return Node { bounds, kind };
         }
-        let mut nodes = |solids: &[Solid], is_turned: bool| {
+        let mut nodes = |solids: &[Solid], is_turned: bool| -> Vec<Node> {
             let node = |s: &Solid| self.node(s, is_turned, leaves);
             solids.iter().map(node).collect()
         };
@@ -272,11 +272,11 @@ impl Preparation<'_> {
             Solid::Shell(pieces) => NodeKind::Shell(nodes(pieces, is_turned)),
             Solid::Csg(csg) => NodeKind::Csg {
                 operation: csg.operation,
-                left: nodes(&csg.left, is_turned),
-                right: nodes(
+                left: Box::new(Node::union(nodes(&csg.left, is_turned))),
+                right: Box::new(Node::union(nodes(
                     &csg.right,
                     is_turned ^ (csg.operation == Operation::Difference),
-                ),
+                ))),
             },
             _ => NodeKind::Shell(Vec::new()),
         };

@@ -4,11 +4,13 @@ use crate::Random;
 use crate::prisms::{exact, letter_d, prism, tracer};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{
-    BicubicPatch, Csg, Mesh, Operation, Primitive, PrimitiveKind, Scene, Shape, Solid, synthetic,
+    BicubicPatch, Csg, Mesh, Operation, Primitive, PrimitiveKind, Prism, Scene, Shape, Solid,
+    synthetic,
 };
 use azulejo_trace::{Hit, Tracer};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
 fn csg(operation: Operation, left: Vec<Solid>, right: Vec<Solid>) -> Solid {
     Solid::Csg(Box::new(Csg {
@@ -175,6 +177,37 @@ fn a_letter_cut_out_of_a_block() {
             hit.entering && (hit.normal - DVec3::Z).length() < 1e-9,
             "{hit:?}"
         );
+    }
+}
+
+#[test]
+fn a_page_of_letters_cut_out_of_a_slab() {
+    let pen = |k: usize| DVec2::new((k % 20) as f64, (k / 20) as f64) * 1.1;
+    let figure = Arc::new(letter_d());
+    let letter = |k: usize| {
+        Solid::Prism(Prism {
+            figure: Arc::clone(&figure),
+            world_from_figure: DAffine3::from_translation(pen(k).extend(0.5)),
+            material: 0,
+        })
+    };
+    let slab = DAffine3::from_translation(DVec3::new(-1.0, -1.0, 0.0))
+        * DAffine3::from_scale(DVec3::new(24.0, 18.0, 1.0));
+    let cut = csg(
+        Operation::Difference,
+        vec![primitive(PrimitiveKind::Cuboid, slab)],
+        (0..300).map(letter).collect(),
+    );
+    let tracer = tracer(vec![cut]);
+    let mut random = Random(8);
+    for _ in 0..5000 {
+        let k = (150.0 * (random.next() + 1.0)) as usize % 300;
+        let p = DVec2::new(0.5 + 0.45 * random.next(), 0.5 + 0.5 * random.next());
+        let from = (pen(k) + p).extend(3.0);
+        let hit = tracer.hit(&Ray::new(from, -DVec3::Z)).expect("the slab");
+        let expected = if figure.contains(p) { k as u32 + 1 } else { 0 };
+        assert_eq!(hit.face, expected, "{p}");
+        assert!(hit.entering && (hit.normal - DVec3::Z).length() < 1e-9);
     }
 }
 
