@@ -21,7 +21,7 @@ mod world;
 #[cfg(test)]
 mod tests;
 
-pub use view::View;
+pub use view::{Side, View};
 
 use azulejo_scene::rtrace::Rtrace;
 use azulejo_scene::{Image, Scene};

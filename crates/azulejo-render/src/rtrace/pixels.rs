@@ -133,8 +133,8 @@ impl Pixels<'_> {
     /// A ray through a point in half steps from the picture's upper left corner.
     fn sample(&self, x: u32, y: u32, counts: impl Fn(Owner) -> bool) -> Sample {
         let place = |x: u32| f64::from(x) / f64::from(2 * STEPS);
-        let ray = self.lens.ray(place(x), place(y));
         let mut draws = Draws::new(x, y);
+        let ray = self.lens.ray(place(x), place(y), &mut draws);
         match self.shader.seen(&ray, counts, &mut draws) {
             Some((color, owner)) => Sample {
                 color,

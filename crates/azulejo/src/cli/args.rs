@@ -3,6 +3,7 @@
 use super::placement::{self, Placement};
 use super::values::{self, UpArg};
 use azulejo_formats::{Lod, ReadOptions};
+use azulejo_render::rtrace::Side;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
 use std::path::PathBuf;
@@ -296,6 +297,16 @@ pub struct LookArgs {
     /// Rays that gather ambient light (D) [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
     pub look_ambient_samples: Option<u32>,
+    /// Radius of the lens, in sizes of what the picture shows where it is sharp (P)
+    /// [default: 0, a pinhole]
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
+    pub look_aperture: Option<f64>,
+    /// Distance at which the picture is sharp (F) [default: that of the point looked at]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
+    pub look_focus: Option<f64>,
+    /// The picture of one of two eyes so far apart (v1 or v2, E): left=0.5, right=0.5
+    #[arg(long, value_name = "SIDE=LENGTH", value_parser = values::eye)]
+    pub look_eye: Option<(Side, f64)>,
 }
 
 /// The picture.

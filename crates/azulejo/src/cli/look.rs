@@ -78,8 +78,12 @@ fn view(scene: &Scene, numbers: &Rtrace, args: &RenderArgs) -> Result<View, Fail
         let aspect = f64::from(size.0) / f64::from(size.1);
         view.half_angles = [((0.5 * field).tan() * aspect).atan(), 0.5 * field];
     }
+    (view.aperture, view.focus) = (args.look.look_aperture.unwrap_or(0.0), args.look.look_focus);
     if (view.look - view.eye).cross(view.up).length() > 0.0 {
-        return Ok(view);
+        return Ok(match args.look.look_eye {
+            Some((side, apart)) => view.of_eye(side, apart),
+            None => view,
+        });
     }
     Err(Failure::misuse(
         "the view has no direction: --from and --at coincide, or --up points along the view",
@@ -138,6 +142,9 @@ impl LookArgs {
             ("look-cut", self.look_cut.is_some()),
             ("look-ambient-depth", self.look_ambient_depth.is_some()),
             ("look-ambient-samples", self.look_ambient_samples.is_some()),
+            ("look-aperture", self.look_aperture.is_some()),
+            ("look-focus", self.look_focus.is_some()),
+            ("look-eye", self.look_eye.is_some()),
         ];
         given.into_iter().find(|(_, is)| *is).map(|(name, _)| name)
     }

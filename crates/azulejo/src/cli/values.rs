@@ -1,6 +1,7 @@
 //! Values as people type them: `1%`, `60s`, `4G`, `640x480`, `1,2,3`.
 
 use azulejo_formats::Lod;
+use azulejo_render::rtrace::Side;
 use azulejo_scene::Up;
 use glam::DVec3;
 use std::time::Duration;
@@ -38,6 +39,23 @@ pub fn fraction(text: &str) -> Result<f64, String> {
         Ok(share)
     } else {
         Err("expected more than 0 and at most 100%, as in 1% or 0.01".into())
+    }
+}
+
+/// A number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        x if x > 0.0 => Ok(x),
+        x => Err(format!("{x} is not above 0")),
+    }
+}
+
+/// One of two eyes and how far they are apart: `left=0.5`.
+pub fn eye(text: &str) -> Result<(Side, f64), String> {
+    match text.split_once('=') {
+        Some(("left", apart)) => Ok((Side::Left, positive(apart)?)),
+        Some(("right", apart)) => Ok((Side::Right, positive(apart)?)),
+        _ => Err("expected left or right and a length, as in left=0.5".into()),
     }
 }
 

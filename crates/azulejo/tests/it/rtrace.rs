@@ -279,6 +279,10 @@ fn the_command_draws_old_scenes() {
     folder.ok("render ball.sff --look rtrace -o c.exr --size 20x30 --look-levels 2");
     folder.ok("render ball.sff --look rtrace -o d.png --from 3,0,8 --at 0,0,1 --fov 30");
     assert_ne!(folder.read("a.png"), folder.read("d.png"));
+    folder.ok("render ball.sff --look rtrace -o e.png --look-eye left=2 --size 40x40");
+    folder.ok("render ball.sff --look rtrace -o f.png --look-eye right=2 --size 40x40");
+    assert_ne!(folder.read("e.png"), folder.read("f.png"));
+    folder.ok("render ball.sff --look rtrace -o g.png --look-aperture 0.1 --look-focus 6");
 }
 
 #[test]
