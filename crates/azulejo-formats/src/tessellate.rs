@@ -1,9 +1,9 @@
 //! Objects as polygons, for formats that have nothing else.
 
-use azulejo_scene::{Exact, Mesh, Object, Primitive, Rgb, Shape, SurfaceGrid, SurfaceLight};
+use azulejo_scene::{Exact, Mesh, Object, Primitive, Rgb, Scene, Shape, SurfaceGrid, SurfaceLight};
 use std::borrow::Cow;
 
-/// Chord error of exact primitives, which become polygons, relative to their size.
+/// Chord error of exact shapes, which become polygons, relative to the size of a solid.
 const CHORD_ERROR: f64 = 1e-3;
 
 /// The polygons of an object: its own, or those that stand for an exact shape, whose
@@ -13,7 +13,10 @@ pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
         Shape::Mesh(mesh) => Cow::Borrowed(mesh),
         Shape::Primitive(primitive) => Cow::Owned(primitive.tessellate(&grids(primitive))),
         Shape::Exact(exact) => {
-            Cow::Owned(exact.tessellate(CHORD_ERROR * exact.bounds().diagonal()))
+            let sizes = exact.solids.iter().map(|s| s.bounds().diagonal());
+            // Of a letter, not of the line that it is in.
+            let largest = sizes.fold(0.0, f64::max);
+            Cow::Owned(exact.tessellate(CHORD_ERROR * largest))
         }
     }
 }
@@ -49,6 +52,16 @@ pub(crate) fn lit_mesh_of(object: &Object) -> Cow<'_, Mesh> {
         mesh.irradiance_error = sampled(&error, &grids);
     }
     Cow::Owned(mesh)
+}
+
+/// How many objects are exact primitives, and how many are other exact shapes: prisms, patches,
+/// and what set operations make of solids.
+pub(crate) fn exact_counts(scene: &Scene) -> [usize; 2] {
+    let count = |is: fn(&Shape) -> bool| scene.objects.iter().filter(|o| is(&o.shape)).count();
+    [
+        count(|s| matches!(s, Shape::Primitive(_))),
+        count(|s| matches!(s, Shape::Exact(_))),
+    ]
 }
 
 fn grids(primitive: &Primitive) -> Vec<SurfaceGrid> {

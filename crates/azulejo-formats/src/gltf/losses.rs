@@ -2,6 +2,7 @@
 
 use super::material::gltf_mr;
 use super::write_material::is_one_colour;
+use crate::tessellate::exact_counts;
 use azulejo_scene::{LightKind, Material, Mesh, Rgb, Scene, Shape};
 
 /// What [`write()`](super::write()) would leave out of a scene, or change, in words: "2 lights".
@@ -19,16 +20,15 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
     let lights =
         |lost: fn(&LightKind) -> bool| scene.lights.iter().filter(|l| lost(&l.kind)).count();
+    let [primitives, solids] = exact_counts(scene);
     let watts = !scene.units.photometric && scene.has_light();
     let counts = [
         (
             meshes(|m| m.faces.triangle_count() > m.faces.len()),
             "meshes whose polygons become triangles",
         ),
-        (
-            scene.objects.len() - meshes(|_| true),
-            "exact primitives that become polygons",
-        ),
+        (primitives, "exact primitives that become polygons"),
+        (solids, "exact shapes that become polygons"),
         (meshes(|m| m.faces.is_empty()), "objects without faces"),
         (
             meshes(|m| !m.smoothing.is_empty()),

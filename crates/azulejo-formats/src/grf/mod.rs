@@ -80,6 +80,14 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     Document::from_scene(scene).write(out)
 }
 
+/// What [`write()`] would leave out of a scene, in words.
+pub fn losses(scene: &Scene) -> Vec<String> {
+    let numbers = scene.rtrace.iter();
+    numbers
+        .map(|_| "the numbers of RTRACE's own shading".to_owned())
+        .collect()
+}
+
 /// Whether two edges span a parallelogram.
 fn has_area(a: DVec3, b: DVec3) -> bool {
     let area = a.cross(b).length();

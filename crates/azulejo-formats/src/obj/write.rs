@@ -1,7 +1,7 @@
 //! Scenes to OBJ and MTL.
 
 use crate::phong;
-use crate::tessellate::mesh_of;
+use crate::tessellate::{self, mesh_of};
 use azulejo_scene::{Attribute, Material, Mesh, Object, Rgb, Scene, Shape};
 use std::collections::HashSet;
 use std::fmt;
@@ -53,13 +53,14 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     };
     let materials =
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
-    let primitives = scene.objects.len() - meshes().count();
+    let [primitives, solids] = tessellate::exact_counts(scene);
     let lit = meshes().filter(|m| !m.irradiance.is_empty()).count();
     let counts = [
         (scene.lights.len(), "lights without area"),
         (scene.cameras.len(), "cameras"),
         (lit, "meshes whose irradiance is left out"),
         (primitives, "exact primitives that become polygons"),
+        (solids, "exact shapes that become polygons"),
         (
             materials(|m| m.textures.len() > 1),
             "materials of which only the first picture is kept",

@@ -1,7 +1,7 @@
 //! Scenes to PLY, binary little-endian.
 
 use super::assemble::DEFAULT_REFLECTANCE;
-use crate::tessellate::lit_mesh_of;
+use crate::tessellate::{self, lit_mesh_of};
 use azulejo_scene::{Attribute, Material, Mesh, Rgb, Scene, Shape, Up};
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -54,13 +54,14 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes_with = |lost: fn(&Mesh) -> bool| meshes().filter(|m| lost(m)).count();
     let materials =
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
-    let primitives = scene.objects.len() - meshes().count();
+    let [primitives, solids] = tessellate::exact_counts(scene);
     let counts = [
         (scene.lights.len(), "lights without area"),
         (scene.cameras.len(), "cameras"),
         (usize::from(scene.background.is_some()), "background"),
         (usize::from(scene.fog.is_some()), "fog"),
         (primitives, "exact primitives that become polygons"),
+        (solids, "exact shapes that become polygons"),
         (
             materials(|m| m.is_specular() || m.is_emitter() || m.brdf.is_some()),
             "materials of which only the diffuse reflectance is kept",

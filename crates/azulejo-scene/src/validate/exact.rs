@@ -45,11 +45,13 @@ impl Checker {
         validate_mesh(skin, self.materials)?;
         let solids: HashSet<MaterialId> = exact.leaves().iter().map(|l| l.material()).collect();
         let strange = skin.face_materials.iter().find(|m| !solids.contains(m));
-        ensure(
-            strange.is_none(),
-            || "mesh".into(),
-            || format!("material {strange:?} is that of none of the solids"),
-        )
+        match strange {
+            None => Ok(()),
+            Some(m) => Err(Invalid {
+                place: "mesh".into(),
+                problem: format!("material {m} is that of none of the solids"),
+            }),
+        }
     }
 
     fn validate_all(&mut self, solids: &[Solid], depth: usize) -> Check {
@@ -172,5 +174,161 @@ impl Solid {
             Solid::Mesh(m) if !m.is_closed() => Some("a mesh with an edge that has not two faces"),
             Solid::Mesh(_) | Solid::Prism(_) | Solid::Shell(_) | Solid::Csg(_) => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        Contour, Csg, Curve, Exact, Figure, Material, Mesh, Object, Operation, Primitive,
+        PrimitiveKind, Prism, Rgb, Scene, Shape, Solid,
+    };
+    use glam::{DAffine3, DVec2, DVec3};
+    use std::sync::Arc;
+
+    fn prism() -> Prism {
+        let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
+        Prism {
+            figure: Arc::new(Figure::polygon(corners)),
+            world_from_figure: DAffine3::IDENTITY,
+            material: 0,
+        }
+    }
+
+    fn primitive(kind: PrimitiveKind) -> Solid {
+        Solid::Primitive(Primitive::new(kind, DAffine3::IDENTITY, 0))
+    }
+
+    fn triangle(material: u32) -> Mesh {
+        let mut mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2], material);
+        mesh
+    }
+
+    fn csg(left: Vec<Solid>, right: Vec<Solid>) -> Solid {
+        Solid::Csg(Box::new(Csg {
+            operation: Operation::Union,
+            left,
+            right,
+        }))
+    }
+
+    fn validate(exact: Exact) -> Result<(), String> {
+        let mut scene = Scene::default();
+        for name in ["a", "b"] {
+            scene.add_material(Material::diffuse(name, Rgb::grey(0.5)));
+        }
+        scene.objects.push(Object::new("o", Shape::Exact(exact)));
+        scene.validate().map_err(|invalid| invalid.to_string())
+    }
+
+    /// Which promise one solid breaks.
+    fn check(solid: Solid, expected: &str) {
+        let place = "objects[0] \"o\": solids[0]";
+        let said = validate(Exact::new(vec![solid])).unwrap_err();
+        assert_eq!(said, format!("{place}: {expected}"));
+    }
+
+    #[test]
+    fn good_shapes_are_good() {
+        let open = vec![
+            primitive(PrimitiveKind::Tube { top: 1.0 }),
+            Solid::Mesh(triangle(1)),
+        ];
+        let sides = [Solid::Prism(prism()), Solid::Shell(open)];
+        let [left, right] = sides.map(|s| vec![s]);
+        let mut exact = Exact::new(vec![csg(left, right)]);
+        exact.skin = Some(Box::new(triangle(1)));
+        assert_eq!(validate(exact), Ok(()));
+        assert_eq!(validate(Exact::default()), Ok(()));
+    }
+
+    #[test]
+    fn prisms() {
+        let material = Prism {
+            material: 2,
+            ..prism()
+        };
+        check(Solid::Prism(material), "prism: material 2 of 2");
+        let flat = Prism {
+            world_from_figure: DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0)),
+            ..prism()
+        };
+        check(Solid::Prism(flat), "prism: its map is not invertible");
+        let start = DVec2::new(f64::NAN, 0.0);
+        let contour = Contour {
+            curves: vec![Curve::Line { start }],
+        };
+        let figure = Figure {
+            contours: vec![contour],
+            ..Figure::default()
+        };
+        let endless = Prism {
+            figure: Arc::new(figure),
+            ..prism()
+        };
+        check(Solid::Prism(endless), "prism: its figure is not finite");
+    }
+
+    #[test]
+    fn a_figure_that_is_shared_is_refused_too() {
+        let start = DVec2::new(f64::INFINITY, 0.0);
+        let mut shared = prism();
+        shared.figure = Arc::new(Figure::polygon([start]));
+        let solids = vec![Solid::Prism(prism()), Solid::Prism(shared.clone())];
+        let said = validate(Exact::new(solids)).unwrap_err();
+        assert!(said.contains("solids[1]: prism: its figure"), "{said}");
+    }
+
+    #[test]
+    fn set_operations() {
+        let ball = || vec![primitive(PrimitiveKind::Sphere)];
+        check(
+            csg(Vec::new(), ball()),
+            "left: nothing on this side of a set operation",
+        );
+        let open = |solid: Solid, what: &str| {
+            let expected = format!("right[0]: set operation: {what} is open: it has no inside");
+            check(csg(ball(), vec![solid]), &expected);
+        };
+        open(primitive(PrimitiveKind::Square), "a parallelogram");
+        open(primitive(PrimitiveKind::Tube { top: 0.5 }), "a tube");
+        open(
+            Solid::Mesh(triangle(0)),
+            "a mesh with an edge that has not two faces",
+        );
+        let nested = |depth: usize| {
+            let shell = |inner, _| Solid::Shell(vec![inner]);
+            (0..depth).fold(primitive(PrimitiveKind::Sphere), shell)
+        };
+        assert_eq!(validate(Exact::new(vec![nested(256)])), Ok(()));
+        let said = validate(Exact::new(vec![nested(257)])).unwrap_err();
+        assert!(said.ends_with("solid: nested more than 256 deep"), "{said}");
+    }
+
+    #[test]
+    fn meshes_and_skins() {
+        let mut two = triangle(0);
+        two.push_face(&[0, 2, 1], 1);
+        check(
+            Solid::Mesh(two),
+            "mesh: several materials in a mesh that is a solid",
+        );
+        let skinned = |skin: Mesh| {
+            let mut exact = Exact::new(vec![Solid::Prism(prism())]);
+            exact.skin = Some(Box::new(skin));
+            validate(exact).unwrap_err()
+        };
+        assert_eq!(
+            skinned(triangle(1)),
+            "objects[0] \"o\": skin: mesh: material 1 is that of none of the solids"
+        );
+        let mut dark = triangle(0);
+        dark.irradiance = vec![Rgb::WHITE];
+        let said = skinned(dark);
+        assert!(said.starts_with("objects[0] \"o\": skin: mesh: "), "{said}");
     }
 }

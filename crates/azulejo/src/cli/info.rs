@@ -3,20 +3,26 @@
 use super::args::{InfoArgs, Input};
 use super::failure::Failure;
 use super::input;
+use super::inventory::Inventory;
 use super::pass::power_unit;
 use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{LightKind, MaterialId, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 use std::f64::consts::PI;
 
 /// Objects that are listed for people; machines get all of them.
 const LISTED: usize = 20;
 
 /// What one object adds to the scene.
-struct Part {
+struct Part<'s> {
     kind: &'static str,
+    /// What an exact shape that is more than a primitive is made of.
+    inventory: Option<Inventory<'s>>,
+    /// Different materials.
+    materials: usize,
     vertices: usize,
     faces: usize,
     triangles: usize,
@@ -30,7 +36,7 @@ struct Part {
 pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     session.list_warnings();
     let scene = input::read_all(&args.input, session)?;
-    let parts: Vec<Part> = scene.objects.iter().map(|o| part(&scene, o)).collect();
+    let parts: Vec<Part<'_>> = scene.objects.iter().map(|o| part(&scene, o)).collect();
     let mut report = Report::default();
     source(&args.input, session, &mut report);
     contents(&scene, &parts, &mut report);
@@ -84,7 +90,7 @@ fn skipped(session: &Session, report: &mut Report) {
         .for_each(|w| report.plain(w.clone()));
 }
 
-fn part(scene: &Scene, object: &Object) -> Part {
+fn part<'s>(scene: &'s Scene, object: &'s Object) -> Part<'s> {
     // Of both sides together.
     let emission = |m: MaterialId| {
         let material = &scene.materials[m as usize];
@@ -102,6 +108,8 @@ fn part(scene: &Scene, object: &Object) -> Part {
             let shines = mesh.face_materials.iter().any(|&m| !emission(m).is_black());
             Part {
                 kind: "mesh",
+                inventory: None,
+                materials: different(&mesh.face_materials),
                 vertices: mesh.positions.len(),
                 faces: mesh.faces.len(),
                 triangles: mesh.faces.triangle_count(),
@@ -116,8 +124,12 @@ fn part(scene: &Scene, object: &Object) -> Part {
             for (face, &m) in skin.face_materials.iter().enumerate() {
                 power += emission(m) * (PI * skin.face_area_vector(face).length());
             }
+            let inventory = Inventory::of(exact);
+            let materials: Vec<MaterialId> = exact.leaves().iter().map(|l| l.material()).collect();
             Part {
-                kind: "exact",
+                kind: inventory.kind(exact),
+                inventory: Some(inventory),
+                materials: different(&materials),
                 vertices: 0,
                 faces: 0,
                 triangles: 0,
@@ -131,6 +143,8 @@ fn part(scene: &Scene, object: &Object) -> Part {
             let area = p.area();
             Part {
                 kind: kind_name(p.kind),
+                inventory: None,
+                materials: 1,
                 vertices: 0,
                 faces: 0,
                 triangles: 0,
@@ -140,6 +154,10 @@ fn part(scene: &Scene, object: &Object) -> Part {
             }
         }
     }
+}
+
+fn different(materials: &[MaterialId]) -> usize {
+    materials.iter().collect::<HashSet<_>>().len()
 }
 
 fn kind_name(kind: PrimitiveKind) -> &'static str {
@@ -153,8 +171,8 @@ fn kind_name(kind: PrimitiveKind) -> &'static str {
     }
 }
 
-fn contents(scene: &Scene, parts: &[Part], report: &mut Report) {
-    let sum = |f: fn(&Part) -> usize| parts.iter().map(f).sum::<usize>();
+fn contents(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
+    let sum = |f: fn(&Part<'_>) -> usize| parts.iter().map(f).sum::<usize>();
     let exact = parts.iter().filter(|p| p.kind != "mesh").count();
     let words = match exact {
         0 => count(parts.len()),
@@ -162,6 +180,7 @@ fn contents(scene: &Scene, parts: &[Part], report: &mut Report) {
     };
     report.fact("objects", parts.len(), "objects", words);
     report.value("exact_shapes", exact);
+    figures(scene, parts, report);
     for (key, n) in [
         ("materials", scene.materials.len()),
         ("textures", scene.textures.len()),
@@ -173,7 +192,26 @@ fn contents(scene: &Scene, parts: &[Part], report: &mut Report) {
     }
 }
 
-fn extent(scene: &Scene, parts: &[Part], report: &mut Report) {
+/// The solids of exact shapes and the figures that they share.
+fn figures(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
+    let mut all = Inventory::default();
+    for (object, part) in scene.objects.iter().zip(parts) {
+        if let (Shape::Exact(exact), Some(inventory)) = (&object.shape, &part.inventory) {
+            all.add(inventory, exact);
+        }
+    }
+    if all.prisms > 0 {
+        let [prisms, figures, curves] = [all.prisms, all.figures(), all.curves].map(count);
+        let words = format!("{prisms} of {figures} different figures, {curves} curves");
+        report.line("prisms", words);
+    }
+    report.value("solids", all.solids);
+    report.value("prisms", all.prisms);
+    report.value("figures", all.figures());
+    report.value("curves", all.curves);
+}
+
+fn extent(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
     let Aabb { min, max } = scene.bounds();
     let light = if scene.units.photometric {
         "cd/m² and lux"
@@ -210,8 +248,8 @@ fn extent(scene: &Scene, parts: &[Part], report: &mut Report) {
     );
 }
 
-fn lights(scene: &Scene, parts: &[Part], report: &mut Report) {
-    let lamps: Vec<&Part> = parts.iter().filter(|p| p.power.is_some()).collect();
+fn lights(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
+    let lamps: Vec<&Part<'_>> = parts.iter().filter(|p| p.power.is_some()).collect();
     let power: Rgb = lamps.iter().filter_map(|p| p.power).sum();
     let mut kinds = [
         ("point", 0),
@@ -274,18 +312,28 @@ fn quoted(names: &[&str]) -> String {
     words.join(", ")
 }
 
-fn objects(scene: &Scene, parts: &[Part], report: &mut Report) {
+fn objects(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
     let list = scene.objects.iter().zip(parts).map(|(object, part)| {
-        json!({
+        let mut value = json!({
             "name": object.name,
             "kind": part.kind,
+            "materials": part.materials,
             "vertices": part.vertices,
             "faces": part.faces,
             "triangles": part.triangles,
             "area": number(part.area),
             "emits": part.power.is_some(),
             "solved": part.solved,
-        })
+        });
+        if let Some(inventory) = &part.inventory {
+            value["content"] = json!(inventory.words());
+            value["solids"] = json!(inventory.solids);
+            value["operations"] = json!(inventory.operations);
+            value["prisms"] = json!(inventory.prisms);
+            value["figures"] = json!(inventory.figures());
+            value["curves"] = json!(inventory.curves);
+        }
+        value
     });
     report.value("object_list", list.collect::<Vec<_>>());
     for row in table(scene, parts) {
@@ -294,7 +342,7 @@ fn objects(scene: &Scene, parts: &[Part], report: &mut Report) {
 }
 
 /// The first objects as rows of aligned columns under a heading.
-fn table(scene: &Scene, parts: &[Part]) -> Vec<String> {
+fn table(scene: &Scene, parts: &[Part<'_>]) -> Vec<String> {
     if parts.is_empty() {
         return Vec::new();
     }
@@ -316,7 +364,9 @@ fn table(scene: &Scene, parts: &[Part]) -> Vec<String> {
         let counts = [p.vertices, p.faces, p.triangles].map(count);
         let [v, f, t] = &counts;
         let mark = if p.power.is_some() { " lamp" } else { "" };
-        row(name, p.kind, [v, f, t, &short(p.area)]) + mark
+        let content = p.inventory.as_ref().map(Inventory::words);
+        let content = content.map_or_else(String::new, |words| format!("  {words}"));
+        row(name, p.kind, [v, f, t, &short(p.area)]) + mark + &content
     }));
     if parts.len() > LISTED {
         rows.push(format!("… and {} more", count(parts.len() - LISTED)));

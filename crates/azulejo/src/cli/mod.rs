@@ -10,6 +10,7 @@ mod generate;
 mod info;
 mod input;
 mod interrupt;
+mod inventory;
 mod look;
 mod npy;
 mod npz;

@@ -53,7 +53,7 @@ static FORMATS: [WrittenFormat; 6] = [
         extension: "grf",
         write: Writer::One(grf::write),
         keeps_light: true,
-        losses: |_| Vec::new(),
+        losses: grf::losses,
     },
     WrittenFormat {
         name: "OBJ",

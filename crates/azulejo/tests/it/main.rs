@@ -3,6 +3,7 @@
 mod arrows;
 mod bad_input;
 mod commands;
+mod exact;
 mod files;
 mod reading;
 mod rtrace;

@@ -1,5 +1,6 @@
 //! Files that mean harm: none may panic, hang or eat memory.
 
+use super::solids::{FIGURES, SOLIDS};
 use super::*;
 use proptest::prelude::*;
 
@@ -114,7 +115,7 @@ fn a_transform_that_overflows() {
 
 #[test]
 fn truncation_at_every_byte() {
-    for sample in [CUBE, EVERYTHING] {
+    for sample in [CUBE, EVERYTHING, SOLIDS] {
         for end in 0..=sample.len() {
             let _ = read(&sample.as_bytes()[..end], "test.grf", &Memory::new());
         }
@@ -126,10 +127,16 @@ proptest! {
 
     #[test]
     fn random_bytes_changed(
-        edits in prop::collection::vec((0..EVERYTHING.len(), any::<u8>()), 1..8)
+        edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        solids in any::<bool>()
     ) {
-        let mut bytes = EVERYTHING.as_bytes().to_vec();
+        let text = match solids {
+            true => format!("{FIGURES}{SOLIDS}end def"),
+            false => EVERYTHING.to_owned(),
+        };
+        let mut bytes = text.into_bytes();
         for (at, byte) in edits {
+            let at = at.index(bytes.len());
             bytes[at] = byte;
         }
         if let Ok(loaded) = read(&bytes, "test.grf", &Memory::new()) {

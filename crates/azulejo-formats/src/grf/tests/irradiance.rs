@@ -1,7 +1,9 @@
 //! Light put back into a document.
 
+use super::solids::{FIGURES, SOLIDS};
 use super::*;
 use azulejo_scene::{Rgb, SurfaceGrid, SurfaceLight};
+use glam::DVec3;
 
 /// Gives every object of a scene some light.
 fn lit(mut scene: Scene) -> Scene {
@@ -20,7 +22,18 @@ fn lit(mut scene: Scene) -> Scene {
                     error: Vec::new(),
                 });
             }
-            Shape::Exact(_) => unreachable!("made for primitives and meshes"),
+            Shape::Exact(exact) => {
+                let materials: Vec<_> = exact.leaves().iter().map(|l| l.material()).collect();
+                let mut skin = Mesh {
+                    positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+                    irradiance: vec![Rgb::new(1.0, 2.0, 3.0); 3],
+                    ..Mesh::default()
+                };
+                for material in materials {
+                    skin.push_face(&[0, 1, 2], material);
+                }
+                exact.skin = Some(Box::new(skin));
+            }
         }
     }
     scene
@@ -35,6 +48,37 @@ fn a_solved_scene_goes_back_into_its_document() {
     assert!(text.starts_with("// A head.\n"));
     assert!(text.contains("rotation (0, 0, 90)"));
     assert_eq!(scene(&text), solved);
+}
+
+fn skin(scene: &Scene, object: usize) -> &Mesh {
+    match &scene.objects[object].shape {
+        Shape::Exact(exact) => exact.skin.as_ref().unwrap(),
+        _ => panic!("object {object} is not exact"),
+    }
+}
+
+#[test]
+fn exact_shapes_take_their_skins_along() {
+    let text = format!("// Letters.\n{FIGURES}{SOLIDS}end def\n");
+    let mut document = document(&text);
+    let solved = lit(scene(&text));
+    assert!(document.set_irradiance(&solved));
+    let saved = document_text(&document);
+    assert!(saved.starts_with("// Letters.\n") && saved.contains("end instance\nend ext"));
+    let again = scene(&saved);
+    assert!(solved.is_solved() && again.is_solved());
+    for object in 0..solved.objects.len() {
+        let (before, after) = (skin(&solved, object), skin(&again, object));
+        // Transforms around a shape are undone and done again, which may round.
+        let near = |(a, b): (&DVec3, &DVec3)| (*a - *b).length() < 1e-14;
+        assert!(before.positions.iter().zip(&after.positions).all(near));
+        assert_eq!(before.irradiance, after.irradiance);
+        assert_eq!(before.face_materials, after.face_materials);
+        assert_eq!(before.faces, after.faces);
+    }
+    // Where nothing stands around, every bit is kept.
+    assert_eq!(again.objects[0], solved.objects[0]);
+    assert_eq!(scene(&written(&solved)), solved);
 }
 
 #[test]

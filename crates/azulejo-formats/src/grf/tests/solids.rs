@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// A square of side 1 and a lens of two curves.
-const FIGURES: &str = "\
+pub(super) const FIGURES: &str = "\
 ext figure begin name = square
 contour begin line (0, 0) line (1, 0) line (1, 1) line (0, 1) end contour
 end ext

@@ -1,7 +1,10 @@
 //! Makes the scenes in `examples/`: `cargo run --example make_examples [FOLDER]`.
 //!
-//! Nothing there is written by hand: the Cornell box comes from its published measures, the room
-//! of exact shapes from this page.
+//! Nothing there is written by hand: the Cornell box comes from its published measures, all else
+//! from these pages.
+
+mod exact;
+mod letters;
 
 use azulejo::formats::grf;
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
@@ -21,6 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("cornell-mirror", cornell_box(CornellVariant::MirrorBlock)),
         ("shapes", shapes()),
         ("studio", studio()),
+        ("title", exact::title()?),
+        ("csg", exact::csg()?),
     ] {
         scene.validate()?;
         let mut text = Vec::new();
