@@ -73,16 +73,16 @@ pub fn csg() -> Result<Scene, TextError> {
     let stone = diffuse("stone", 0.7, 0.68, 0.62);
     let gilt = diffuse("gilt", 0.75, 0.5, 0.15);
     let clay = diffuse("clay", 0.65, 0.3, 0.2);
-    let lamp = scene.add_material(Material::emitter("lamp", Rgb::grey(22.0)));
+    let lamp = scene.add_material(Material::emitter("lamp", Rgb::grey(18.0)));
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
     let sheet = Primitive::parallelogram(-6.0 * x - 4.0 * z, 10.0 * z, 12.0 * x, ground);
     add(&mut scene, "ground", sheet);
-    let sheet = Primitive::parallelogram(DVec3::new(-3.0, 4.0, 2.0), 2.0 * x, z + 0.5 * y, lamp);
+    let sheet = Primitive::parallelogram(DVec3::new(-2.5, 4.5, 3.0), 3.0 * x, z + 0.7 * y, lamp);
     add(&mut scene, "lamp", sheet);
     add_solids(&mut scene, "tablet", vec![tablet(stone, gilt)?]);
     let die = die(DVec3::new(2.6, 0.5, 1.0), clay, gilt);
     add_solids(&mut scene, "die", vec![die]);
-    let view = camera(DVec3::new(0.6, 2.6, 6.8), DVec3::new(0.35, 0.6, 0.0));
+    let view = camera(DVec3::new(0.6, 2.6, 7.4), DVec3::new(0.5, 0.6, 0.0));
     scene.cameras.push(view);
     Ok(scene)
 }
