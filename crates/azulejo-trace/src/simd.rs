@@ -8,6 +8,7 @@
 )]
 
 use crate::bvh::{Node, WIDTH};
+use crate::exact::{Crossing, Line2, Outline};
 use crate::kernel::{self, Instructions, Others, Surroundings};
 use crate::portable::Portable;
 use crate::prepared::PreparedRay;
@@ -111,6 +112,34 @@ fn any_avx2<O: Others + ?Sized>(
     blocked: &mut [bool],
 ) {
     any(isa, around, rays, blocked);
+}
+
+/// [`Outline::cross`], the same to the last bit, with the four runs of a node side by side where
+/// the machine has AVX2.
+#[inline(always)]
+pub(crate) fn cross(
+    outline: &Outline,
+    line: &Line2,
+    range: [f64; 2],
+    visit: impl FnMut(Crossing) -> Option<f64>,
+) -> i32 {
+    #[cfg(target_arch = "x86_64")]
+    if Avx2::detect().is_some() {
+        // SAFETY: AVX2 has just been found.
+        return unsafe { cross_avx2(outline, line, range, visit) };
+    }
+    outline.cross_here(line, range, visit)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn cross_avx2(
+    outline: &Outline,
+    line: &Line2,
+    range: [f64; 2],
+    visit: impl FnMut(Crossing) -> Option<f64>,
+) -> i32 {
+    outline.cross_here(line, range, visit)
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -12,6 +12,7 @@ mod patch;
 mod prism;
 
 pub(crate) use leaf::{Meeting, ResolvedLeaf, facing};
+pub(crate) use outline::{Crossing, Line2, Outline};
 
 use crate::assemble::{LocalFrame, double};
 use crate::kernel::is_better;
@@ -24,7 +25,6 @@ use azulejo_scene::{BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Sol
 use csg::{Node, NodeKind, Tree, TreeLeaf};
 use glam::DAffine3;
 use leaf::{Boundary, ExactLeaf, Span};
-use outline::Outline;
 use std::collections::HashMap;
 use std::sync::Arc;
 

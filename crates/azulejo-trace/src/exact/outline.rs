@@ -1,6 +1,7 @@
 //! A plane figure made ready for lines: which of its curves does one cross, and how often do its
 //! contours go around a point?
 
+use crate::simd;
 use azulejo_scene::figure::{Rectangle, Segment, bernstein, crossings};
 use azulejo_scene::{Contour, Figure, FillRule};
 use glam::DVec2;
@@ -218,6 +219,17 @@ impl Outline {
     pub(crate) fn cross(
         &self,
         line: &Line2,
+        range: [f64; 2],
+        visit: impl FnMut(Crossing) -> Option<f64>,
+    ) -> i32 {
+        simd::cross(self, line, range, visit)
+    }
+
+    /// [`cross`](Outline::cross), for whichever instructions it is compiled with.
+    #[inline(always)]
+    pub(crate) fn cross_here(
+        &self,
+        line: &Line2,
         [s0, mut s1]: [f64; 2],
         mut visit: impl FnMut(Crossing) -> Option<f64>,
     ) -> i32 {
@@ -386,6 +398,21 @@ mod tests {
         Line2::new(from, DVec2::from_angle(angle))
     }
 
+    /// All crossings, by the instructions of this machine or by plain ones.
+    fn listed(outline: &Outline, line: &Line2, plain: bool) -> Vec<Crossing> {
+        let mut found = Vec::new();
+        let list = |crossing: Crossing| {
+            found.push(crossing);
+            Some(f64::INFINITY)
+        };
+        let half = [0.0, f64::INFINITY];
+        match plain {
+            true => outline.cross_here(line, half, list),
+            false => outline.cross(line, half, list),
+        };
+        found
+    }
+
     #[test]
     fn windings_are_those_of_the_figure_in_every_direction() {
         for (count, curves) in [(1, 1), (1, 3), (2, 5), (5, 2), (23, 9), (60, 40)] {
@@ -401,6 +428,10 @@ mod tests {
                 let winding = outline.cross(&line, [0.0, f64::INFINITY], none);
                 assert_eq!(winding, figure.winding(point), "{count} {curves} {point}");
                 assert_eq!(winding, outline.cross(&line, [0.0, 0.0], none));
+                assert_eq!(
+                    listed(&outline, &line, true),
+                    listed(&outline, &line, false)
+                );
             }
         }
     }
