@@ -150,6 +150,9 @@ impl Irregular {
 /// piece counts of its sides: squares inside, triangles in a ring as wide as one and a bit.
 pub(super) fn expected_patches(area: f64, sides: &[(f64, u32)], size: f64) -> f64 {
     let border: f64 = sides.iter().map(|s| f64::from(s.1)).sum();
+    if size == f64::INFINITY {
+        return border - 2.0;
+    }
     let perimeter: f64 = sides.iter().map(|s| s.0).sum();
     let square = size * size;
     let inside = (area - 1.1 * size * perimeter + 4.0 * square).clamp(0.0, area);

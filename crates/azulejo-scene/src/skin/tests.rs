@@ -35,15 +35,7 @@ fn volume(mesh: &Mesh) -> f64 {
 
 /// Every edge is used as often in one direction as in the other, by its vertices.
 fn assert_closed(mesh: &Mesh) {
-    let mut uses: HashMap<[u32; 2], i32> = HashMap::new();
-    for ring in mesh.faces.iter() {
-        for k in 0..ring.len() {
-            let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
-            *uses.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
-        }
-    }
-    let open = uses.values().filter(|n| **n != 0).count();
-    assert_eq!(open, 0, "open edges of {}", uses.len());
+    assert_eq!(open_length(mesh), 0.0, "open edges");
 }
 
 /// Normals are unit vectors within 60° of their face's.
@@ -216,14 +208,18 @@ fn prisms_over_curves_have_creases_at_corners_alone() {
     );
 }
 
+/// Random numbers in 0..1, the same in every run.
+fn dice(mut state: u32) -> impl FnMut() -> f64 {
+    move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24)
+    }
+}
+
 #[test]
 fn hostile_figures_stay_closed_and_small() {
     // 300 random lines that all cross, 40 overlapping circles, and 3,000 tiny squares.
-    let mut state = 1u32;
-    let mut random = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1 << 24)
-    };
+    let mut random = dice(1);
     let lines: Vec<DVec2> = (0..300).map(|_| v(random(), random())).collect();
     let circles = (0..40)
         .map(|_| circle(v(random(), random()), random()))
@@ -274,14 +270,30 @@ fn csg(operation: Operation, left: Vec<Solid>, right: Vec<Solid>) -> Solid {
     }))
 }
 
-/// Volume within `relative`, and no more than that share of the area lies along slits.
+/// Total length of edges that are not used equally in both directions.
+fn open_length(mesh: &Mesh) -> f64 {
+    let mut uses: HashMap<[u32; 2], i32> = HashMap::new();
+    for ring in mesh.faces.iter() {
+        for k in 0..ring.len() {
+            let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
+            *uses.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
+        }
+    }
+    let open = uses.iter().filter(|(_, n)| **n != 0);
+    let length = |[a, b]: [u32; 2]| mesh.positions[a as usize].distance(mesh.positions[b as usize]);
+    open.map(|(&edge, _)| length(edge)).sum()
+}
+
+/// Volume within `relative`, closed.
 fn check_csg(solid: Solid, expected: f64, relative: f64) -> Mesh {
     let mesh = Exact::new(vec![solid]).tessellate(1e-3);
     close(volume(&mesh), expected, relative);
     let faces = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f));
     let (sum, area) = faces.fold((DVec3::ZERO, 0.0), |(s, a), n| (s + n, a + n.length()));
-    assert!(sum.length() < relative * area, "{sum} of {area}");
+    assert!(sum.length() < 1e-6 * area, "{sum} of {area}");
     assert_normals(&mesh);
+    let slits = open_length(&mesh);
+    assert!(slits < 1e-3 * area.sqrt(), "slits of {slits} over {area}");
     mesh
 }
 
@@ -458,4 +470,68 @@ fn insides_are_exact() {
     check(&Solid::Mesh(mesh), p(1.0, 3.9, 3.0), p(1.0, 4.1, 3.0));
     let dented = csg(Operation::Difference, vec![ball], vec![cone]);
     check(&dented, p(1.0, 2.0, 3.0), p(0.1, 0.5, 0.9));
+}
+
+/// A random solid of nested set operations, about 1 across.
+fn random_solid(random: &mut impl FnMut() -> f64, depth: u32) -> Solid {
+    if depth == 0 {
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, random(), 3.0 * random(), random());
+        let size = p(0.3 + random(), 0.3 + random(), 0.3 + random());
+        let at = p(random(), random(), random());
+        let map = DAffine3::from_scale_rotation_translation(0.6 * size, turn, at);
+        let kind = match (random() * 5.0) as u32 {
+            0 => PrimitiveKind::Sphere,
+            1 => PrimitiveKind::Cylinder,
+            2 => PrimitiveKind::Cone { top: 0.3 },
+            3 => PrimitiveKind::Cuboid,
+            _ => {
+                let ring = vec![circle(v(0.5, 0.5), 0.5), circle(v(0.6, 0.5), 0.2)];
+                let rule = FillRule::EvenOdd;
+                return prism(
+                    Figure {
+                        contours: ring,
+                        rule,
+                    },
+                    map,
+                );
+            }
+        };
+        return Solid::Primitive(Primitive::new(kind, map, 0));
+    }
+    let operation = match (random() * 3.0) as u32 {
+        0 => Operation::Union,
+        1 => Operation::Difference,
+        _ => Operation::Intersection,
+    };
+    let [left, right] = [0, 1].map(|_| vec![random_solid(random, depth - 1)]);
+    csg(operation, left, right)
+}
+
+#[test]
+fn random_set_operations_agree_with_membership() {
+    let mut random = dice(7);
+    for case in 0..40 {
+        let solid = random_solid(&mut random, 1 + case % 3);
+        let mesh = Exact::new(vec![solid.clone()]).tessellate(2e-3);
+        let (low, size) = (p(-1.5, -1.5, -1.5), 4.0);
+        let inside = (0..20_000).filter(|_| {
+            let point = low + size * p(random(), random(), random());
+            solid.contains(point)
+        });
+        let share = inside.count() as f64 / 20_000.0;
+        let (expected, found) = (share * size.powi(3), volume(&mesh));
+        let noise = 4.0 * (share / 20_000.0).sqrt() * size.powi(3);
+        let off = (found - expected).abs();
+        assert!(
+            off < noise + 0.01,
+            "case {case}: {found}, not {expected} ± {noise}"
+        );
+        let slits = open_length(&mesh);
+        // Slivers within rounding are left out: what opens there has a length, but no width.
+        assert!(slits < 5e-2, "case {case}: slits of {slits}");
+        let sum: DVec3 = (0..mesh.faces.len())
+            .map(|f| mesh.face_area_vector(f))
+            .sum();
+        assert!(sum.length() < 1e-6, "case {case}: {sum}");
+    }
 }
