@@ -12,6 +12,7 @@
 mod bytes;
 pub mod camera_json;
 mod detect;
+pub mod drawing;
 pub mod dxf;
 mod error;
 pub mod exr;
@@ -27,6 +28,7 @@ mod number;
 pub mod obj;
 pub mod openflight;
 mod options;
+mod pen;
 mod phong;
 mod picture;
 pub mod ply;
@@ -38,9 +40,12 @@ pub mod sff;
 mod smooth;
 pub mod stl;
 pub mod studio3ds;
+pub mod svg;
 mod tessellate;
 mod text;
 mod textures;
+#[cfg(feature = "fonts")]
+pub mod typeface;
 pub mod vrml;
 mod warnings;
 mod weld;

@@ -60,6 +60,6 @@ pub use scene::{Fog, Object, Scene, Units, Up};
 pub use shape::{Primitive, PrimitiveKind, Shape, SurfaceGrid, SurfaceLight, SurfacePoint};
 pub use solid::{Csg, Exact, FigureBounds, Leaf, Operation, Solid};
 pub use solution::{Irradiance, ObjectIrradiance};
-pub use text::{Encoding, Font, Glyph, PlacedGlyph, TextError, TextFrame};
+pub use text::{Align, Encoding, Font, Glyph, Line, PlacedGlyph, TextError, TextFrame};
 pub use tree::{MeshTriangle, OnTriangle, TriangleTree};
 pub use validate::Invalid;

@@ -49,6 +49,47 @@ pub struct PlacedGlyph {
     pub pen: DVec2,
 }
 
+/// One line of text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Line {
+    /// Its glyphs; the line's pen starts at the origin and runs toward +x.
+    pub glyphs: Vec<PlacedGlyph>,
+    /// Where the pen stops, without the spacing behind the last glyph, font units.
+    pub advance: f64,
+}
+
+/// On which side the lines of a text are flush, and which of their points is over the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Align {
+    /// Lines begin over the origin.
+    #[default]
+    Left,
+    /// The lines' middles are over the origin.
+    Center,
+    /// Lines end over the origin.
+    Right,
+}
+
+impl Align {
+    /// Puts lines under each other, each `leading` font units below the one before; the pen of
+    /// the first is on y = 0.
+    pub fn stack(self, lines: impl IntoIterator<Item = Line>, leading: f64) -> Vec<PlacedGlyph> {
+        let before = match self {
+            Align::Left => 0.0,
+            Align::Center => 0.5,
+            Align::Right => 1.0,
+        };
+        let place = |(k, line): (usize, Line)| {
+            let shift = DVec2::new(-before * line.advance, -leading * k as f64);
+            line.glyphs.into_iter().map(move |glyph| PlacedGlyph {
+                pen: glyph.pen + shift,
+                ..glyph
+            })
+        };
+        lines.into_iter().enumerate().flat_map(place).collect()
+    }
+}
+
 /// How text lies in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextFrame {
@@ -132,13 +173,27 @@ impl Font {
         encoding: &Encoding,
         spacing: f64,
     ) -> Result<Vec<PlacedGlyph>, TextError> {
-        let mut placed = Vec::new();
+        Ok(self.set_line(text, encoding, spacing)?.glyphs)
+    }
+
+    /// As [`lay_out`](Font::lay_out), with the length of the line.
+    ///
+    /// # Errors
+    /// As [`lay_out`](Font::lay_out).
+    pub fn set_line(
+        &self,
+        text: &str,
+        encoding: &Encoding,
+        spacing: f64,
+    ) -> Result<Line, TextError> {
+        let mut line = Line::default();
         let mut pen = DVec2::ZERO;
         let mut rest = text;
         while let Some(c) = rest.chars().next() {
             rest = &rest[c.len_utf8()..];
             if c == ' ' {
-                pen.x += BLANK + spacing;
+                line.advance = pen.x + BLANK;
+                pen.x = line.advance + spacing;
                 continue;
             }
             let name = if c == '/' {
@@ -151,13 +206,14 @@ impl Font {
                 name.ok_or(TextError::NoName(c))?
             };
             let glyph = (self.glyphs.get(name)).ok_or_else(|| TextError::NoGlyph(name.into()))?;
-            placed.push(PlacedGlyph {
+            line.glyphs.push(PlacedGlyph {
                 figure: Arc::clone(&glyph.figure),
                 pen,
             });
-            pen.x += glyph.advance + spacing;
+            line.advance = pen.x + glyph.advance;
+            pen.x = line.advance + spacing;
         }
-        Ok(placed)
+        Ok(line)
     }
 }
 
@@ -191,6 +247,20 @@ mod tests {
         let pens: Vec<f64> = placed.iter().map(|g| g.pen.x).collect();
         assert_eq!(pens, [0.0, 1.6, 2.85]);
         assert!(Arc::ptr_eq(&placed[0].figure, &placed[2].figure));
+    }
+
+    #[test]
+    fn lines_are_flush_where_they_should_be() {
+        let (font, encoding) = font();
+        let check = |align: Align, pens: [(f64, f64); 3]| {
+            let lines = ["@A", "", "A"].map(|t| font.set_line(t, &encoding, 0.25).unwrap());
+            let placed = align.stack(lines, 1.5);
+            let found: Vec<(f64, f64)> = placed.iter().map(|g| g.pen.into()).collect();
+            assert_eq!(found, pens, "{align:?}");
+        };
+        check(Align::Left, [(0.0, 0.0), (1.25, 0.0), (0.0, -3.0)]);
+        check(Align::Center, [(-0.925, 0.0), (0.325, 0.0), (-0.3, -3.0)]);
+        check(Align::Right, [(-1.85, 0.0), (-0.6, 0.0), (-0.6, -3.0)]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod color;
 mod curve;
 mod drawing;
 mod entities;
+mod figures;
 mod finish;
 mod light;
 mod mesh_entity;
@@ -21,6 +22,7 @@ mod place;
 mod polyline;
 mod project;
 mod record;
+mod spline;
 mod surfaces;
 #[cfg(test)]
 mod tests;
@@ -32,6 +34,8 @@ use crate::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Units, Up};
 use project::Project;
+
+pub use figures::read_figures;
 
 /// Reads a drawing. External references come through `files`; `name` stands in messages.
 ///

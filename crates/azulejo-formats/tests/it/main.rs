@@ -6,6 +6,10 @@ mod obj;
 mod openflight;
 mod sff;
 mod table_1;
+#[cfg(feature = "fonts")]
+mod tiny_font;
+#[cfg(feature = "fonts")]
+mod typeface;
 
 /// Where the shared models and scenes are, if this machine has them.
 fn data() -> Option<std::path::PathBuf> {

@@ -1,5 +1,8 @@
 //! What can be typed. Values are typed here; what they mean is for the commands to say.
 
+use super::lettering::{
+    EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
+};
 use super::placement::{self, Placement};
 use super::values::{self, UpArg};
 use azulejo_formats::{Lod, ReadOptions};
@@ -60,6 +63,19 @@ pub enum Command {
     /// Write the matrix of form factors between patches
     #[command(after_help = FORM_FACTORS_EXAMPLES)]
     FormFactors(FormFactorArgs),
+    /// Make solid letters of a text
+    #[command(after_help = TEXT_EXAMPLES)]
+    Text(TextArgs),
+    /// Convert typefaces, and look at them
+    #[command(after_help = FONT_EXAMPLES)]
+    Font {
+        /// What to do with them
+        #[command(subcommand)]
+        command: FontCommand,
+    },
+    /// Make a solid of a flat drawing, SVG or DXF
+    #[command(after_help = EXTRUDE_EXAMPLES)]
+    Extrude(ExtrudeArgs),
     /// Print a completion script for a shell
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {

@@ -20,11 +20,14 @@ pub fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
 pub fn manual(folder: &Path) -> Result<(), Failure> {
     let mut cli = Cli::command().disable_help_subcommand(true);
     cli.build();
-    let commands: Vec<clap::Command> = cli.get_subcommands().cloned().collect();
-    [cli]
-        .into_iter()
-        .chain(commands)
-        .try_for_each(|c| page(c, folder))
+    pages(cli, folder)
+}
+
+/// The page of a command, and those of the commands in it.
+fn pages(command: clap::Command, folder: &Path) -> Result<(), Failure> {
+    let inner = command.get_subcommands().filter(|c| c.get_name() != "help");
+    inner.cloned().try_for_each(|c| pages(c, folder))?;
+    page(command, folder)
 }
 
 fn page(command: clap::Command, folder: &Path) -> Result<(), Failure> {

@@ -11,6 +11,7 @@ mod info;
 mod input;
 mod interrupt;
 mod inventory;
+mod lettering;
 mod look;
 mod npy;
 mod npz;
@@ -70,6 +71,9 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Render(args) => render::run(args, &mut session)?,
         Command::Probe(args) => probe::run(args, &mut session)?,
         Command::FormFactors(args) => form_factors::run(args, &mut session)?,
+        Command::Text(args) => lettering::run_text(args, &mut session)?,
+        Command::Font { command } => lettering::run_font(command, &mut session)?,
+        Command::Extrude(args) => lettering::run_extrude(args, &mut session)?,
     };
     session.finish(report)
 }

@@ -5,9 +5,12 @@ mod bad_input;
 mod commands;
 mod exact;
 mod files;
+mod lettering;
 mod reading;
 mod rtrace;
 mod support;
+#[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
+mod tiny_font;
 
 #[cfg(unix)]
 mod interrupt;

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod entities;
+mod figures;
 mod files;
 
 use super::read;

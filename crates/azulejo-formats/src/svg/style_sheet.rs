@@ -1,0 +1,98 @@
+//! The simple rules of style sheets: by class, by id, by element.
+
+use roxmltree::{Document, Node};
+use std::collections::HashMap;
+
+/// Rules of all `style` elements.
+#[derive(Debug, Default)]
+pub(super) struct StyleSheet {
+    /// Declarations by selector: `.class`, `#id`, `element` or `*`, each with its place in order.
+    rules: HashMap<String, Vec<(String, String)>>,
+    /// Rules whose selectors say more than that: they are not applied.
+    pub not_applied: usize,
+}
+
+impl StyleSheet {
+    /// Reads the rules of a document.
+    pub fn new(xml: &Document) -> StyleSheet {
+        let mut sheet = StyleSheet::default();
+        let styles = xml.descendants().filter(|n| n.tag_name().name() == "style");
+        for style in styles {
+            let texts = style.children().filter_map(|n| n.text());
+            let text: String = texts.collect();
+            sheet.add(&without_remarks(&text));
+        }
+        sheet
+    }
+
+    fn add(&mut self, text: &str) {
+        for rule in text.split('}') {
+            let Some((selectors, body)) = rule.split_once('{') else {
+                continue;
+            };
+            let declarations: Vec<(String, String)> = (body.split(';'))
+                .filter_map(|d| d.split_once(':'))
+                .map(|(name, value)| (name.trim().to_owned(), value.trim().to_owned()))
+                .filter(|(name, _)| matters(name))
+                .collect();
+            if declarations.is_empty() {
+                continue;
+            }
+            for selector in selectors.split(',').map(str::trim) {
+                match is_simple(selector) {
+                    true => {
+                        let rules = self.rules.entry(selector.to_owned()).or_default();
+                        rules.extend(declarations.iter().cloned());
+                    }
+                    false => self.not_applied += 1,
+                }
+            }
+        }
+    }
+
+    /// What the rules say of an element, the weakest first: by element, by class, by id.
+    pub fn declarations<'s>(
+        &'s self,
+        element: Node<'s, '_>,
+    ) -> impl Iterator<Item = (&'s str, &'s str)> {
+        let classes = element.attribute("class").unwrap_or("").split_whitespace();
+        let classes = classes.map(|class| format!(".{class}"));
+        let id = element.attribute("id").map(|id| format!("#{id}"));
+        let tag = ["*".to_owned(), element.tag_name().name().to_owned()];
+        let selectors = tag.into_iter().chain(classes).chain(id);
+        let found = selectors.filter_map(|selector| self.rules.get(&selector));
+        found.flatten().map(|(name, value)| (&**name, &**value))
+    }
+}
+
+fn matters(name: &str) -> bool {
+    const NAMES: [&str; 8] = [
+        "fill",
+        "fill-rule",
+        "fill-opacity",
+        "opacity",
+        "stroke",
+        "display",
+        "visibility",
+        "color",
+    ];
+    NAMES.contains(&name)
+}
+
+/// Whether a selector is one name alone.
+fn is_simple(selector: &str) -> bool {
+    let name = selector.strip_prefix(['.', '#']).unwrap_or(selector);
+    let is_name = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_');
+    selector == "*" || (!name.is_empty() && name.chars().all(is_name))
+}
+
+fn without_remarks(text: &str) -> String {
+    let mut result = String::new();
+    let mut rest = text;
+    while let Some((before, behind)) = rest.split_once("/*") {
+        result.push_str(before);
+        rest = behind.split_once("*/").map_or("", |(_, behind)| behind);
+    }
+    result.push_str(rest);
+    result
+}
