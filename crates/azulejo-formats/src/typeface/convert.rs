@@ -1,6 +1,6 @@
 //! Typefaces as PPF fonts.
 
-use super::overlap::{fill_the_same, union};
+use super::overlap::{difference, union};
 use super::{SettingError, Typeface};
 use azulejo_scene::{Curve, Encoding, Figure, FillRule, Font, Glyph};
 use glam::DVec2;
@@ -126,7 +126,7 @@ fn disentangled(figure: Figure) -> (Figure, bool) {
         rule: FillRule::EvenOdd,
         contours: figure.contours.clone(),
     };
-    if fill_the_same(&figure, &even_odd) {
+    if difference(&figure, &even_odd) < 1e-9 {
         return (even_odd, true);
     }
     match union(&figure) {

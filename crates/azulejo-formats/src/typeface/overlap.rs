@@ -17,6 +17,9 @@ const NEAR: f64 = 1e-11;
 /// Parameters so near to an end are at the end.
 const AT_END: f64 = 1e-7;
 
+/// Differences that are none: see [`difference`].
+const UNSEEN: f64 = 1e-4;
+
 /// What a figure fills, in contours that do not cross, for which both fill rules are the same.
 /// `None` where curves lie on each other, or touch without crossing.
 ///
@@ -38,7 +41,7 @@ pub(super) fn union(figure: &Figure) -> Option<Figure> {
         contours: chained(edges)?,
         rule: FillRule::EvenOdd,
     };
-    fill_the_same(figure, &united).then_some(united)
+    (difference(figure, &united) < UNSEEN).then_some(united)
 }
 
 /// A point where a curve is cut: the parameter there, and the point, which is the same to the bit
@@ -225,17 +228,21 @@ fn curve(edge: &Segment) -> Curve {
     }
 }
 
-/// Whether two figures have the same inside, each by its own rule, to the width of a scan line.
-pub(super) fn fill_the_same(a: &Figure, b: &Figure) -> bool {
+/// By how much the insides of two figures differ, each by its own rule: the mean difference of
+/// their widths along scan lines.
+///
+/// For figures of the same contours it is exact. For others it has the errors of chords, which are
+/// largest where a curve runs along a scan line: about 1e-5 in all.
+pub(super) fn difference(a: &Figure, b: &Figure) -> f64 {
     const LINES: u32 = 400;
-    const NARROW: f64 = 2e-4;
     let bounds = a.bounds().union(b.bounds());
     let polygons = [a, b].map(|figure| figure.flatten(1e-5));
-    (0..LINES).all(|k| {
+    let at = |k: u32| {
         let y = bounds.min.y + bounds.size().y * (f64::from(k) + 0.5) / f64::from(LINES);
         let of_a = width_inside(&polygons[0], a.rule, y);
-        (of_a - width_inside(&polygons[1], b.rule, y)).abs() < NARROW
-    })
+        (of_a - width_inside(&polygons[1], b.rule, y)).abs()
+    };
+    (0..LINES).map(at).sum::<f64>() / f64::from(LINES)
 }
 
 /// How much of the horizontal line at `y` is inside.
@@ -299,7 +306,7 @@ mod tests {
             "{}",
             united.signed_area()
         );
-        assert!(fill_the_same(&figure, &united));
+        assert!(difference(&figure, &united) < 2e-5);
     }
 
     #[test]

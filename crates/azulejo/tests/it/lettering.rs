@@ -175,7 +175,7 @@ fn lettering_that_has_no_meaning_is_refused() {
         (
             "text A --font a.ppf -o a.grf",
             1,
-            "a.ppf:1:13: found the end of the file",
+            "a.ppf:2:1: found the end of the file",
         ),
         (
             "text A --font a.svg -o a.grf",
