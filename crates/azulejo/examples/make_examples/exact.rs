@@ -1,17 +1,41 @@
 //! Scenes of exact shapes: letters in space, and what set operations make.
 
 use super::add;
-use super::letters;
+use azulejo::formats::{ReadError, ppe, ppf};
 use azulejo::scene::{
-    Camera, Csg, Exact, Material, MaterialId, Object, Operation, Primitive, PrimitiveKind, Rgb,
-    Scene, Shape, Solid, TextError, TextFrame,
+    Camera, Csg, Encoding, Exact, Font, Material, MaterialId, Object, Operation, Primitive,
+    PrimitiveKind, Rgb, Scene, Shape, Solid, TextFrame,
 };
 use glam::{DAffine3, DMat3, DVec3};
+use std::error::Error;
 
-/// The prisms of a word; `frame` stands it in space.
-fn word(frame: &TextFrame, material: MaterialId) -> Result<Vec<Solid>, TextError> {
-    let (font, encoding) = letters::font();
-    let glyphs = font.lay_out("azulejo", &encoding, 0.12)?;
+/// The typeface that comes with the examples, and its encoding.
+fn typeface() -> Result<(Font, Encoding), ReadError> {
+    let font = include_bytes!("../../../../examples/fonts/dejavu-serif.ppf");
+    let encoding = include_bytes!("../../../../examples/fonts/latin.ppe");
+    let (font, _) = ppf::read(font, "dejavu-serif.ppf")?;
+    let (encoding, _) = ppe::read(encoding, "latin.ppe")?;
+    Ok((font, encoding))
+}
+
+/// The prisms of a line, `depth` deep and turned toward +z, the middle of its foot at `middle`.
+fn line(
+    text: &str,
+    middle: DVec3,
+    depth: f64,
+    material: MaterialId,
+) -> Result<Vec<Solid>, Box<dyn Error>> {
+    let (font, encoding) = typeface()?;
+    let glyphs = font.lay_out(text, &encoding, 0.06)?;
+    let ends = glyphs.iter().map(|g| g.pen.x + g.figure.bounds().max.x);
+    let width = ends.fold(0.0, f64::max);
+    let frame = TextFrame {
+        origin: middle - 0.5 * width * DVec3::X,
+        progression: DVec3::X,
+        up: DVec3::Y,
+        extrusion: DVec3::NEG_Z,
+        scale: DVec3::new(1.0, 1.0, depth),
+    };
     let prisms = frame.prisms(&glyphs, material);
     Ok(prisms.into_iter().map(Solid::Prism).collect())
 }
@@ -33,7 +57,7 @@ fn camera(eye: DVec3, target: DVec3) -> Camera {
 }
 
 /// A word of solid letters over a polished floor, under a lamp with area.
-pub fn title() -> Result<Scene, TextError> {
+pub fn title() -> Result<Scene, Box<dyn Error>> {
     let mut scene = Scene::default();
     let wall = scene.add_material(Material::diffuse("wall", Rgb::new(0.6, 0.62, 0.66)));
     let blue = scene.add_material(Material::diffuse("blue glaze", Rgb::new(0.1, 0.25, 0.6)));
@@ -51,21 +75,15 @@ pub fn title() -> Result<Scene, TextError> {
         let sheet = Primitive::parallelogram(corner, edge1, edge2, material);
         add(&mut scene, name, sheet);
     }
-    let frame = TextFrame {
-        origin: DVec3::new(-1.93, 0.4, 0.0),
-        progression: x,
-        up: y,
-        extrusion: -z,
-        scale: DVec3::new(1.0, 1.0, 0.35),
-    };
-    add_solids(&mut scene, "title", word(&frame, blue)?);
-    let view = camera(DVec3::new(0.8, 1.3, 5.4), DVec3::new(0.0, 0.6, 0.0));
+    let letters = line("azulejo", DVec3::new(0.0, 0.4, 0.0), 0.35, blue)?;
+    add_solids(&mut scene, "title", letters);
+    let view = camera(DVec3::new(0.7, 1.2, 4.9), DVec3::new(0.0, 0.55, 0.0));
     scene.cameras.push(view);
     Ok(scene)
 }
 
 /// A block into which the word is cut, and a die that is less than a box and more than a ball.
-pub fn csg() -> Result<Scene, TextError> {
+pub fn csg() -> Result<Scene, Box<dyn Error>> {
     let mut scene = Scene::default();
     let mut diffuse =
         |name, r, g, b| scene.add_material(Material::diffuse(name, Rgb::new(r, g, b)));
@@ -93,20 +111,14 @@ fn block(centre: DVec3, size: DVec3, material: MaterialId) -> Solid {
 }
 
 /// A block less the word, a quarter of a unit deep.
-fn tablet(stone: MaterialId, gilt: MaterialId) -> Result<Solid, TextError> {
-    let frame = TextFrame {
-        // A hair in front of the block, so that the cut has no skin over it.
-        origin: DVec3::new(-1.93, 0.5, 0.301),
-        progression: DVec3::X,
-        up: DVec3::Y,
-        extrusion: DVec3::NEG_Z,
-        scale: DVec3::new(1.0, 1.0, 0.25),
-    };
+fn tablet(stone: MaterialId, gilt: MaterialId) -> Result<Solid, Box<dyn Error>> {
+    // A hair in front of the block, so that the cut has no skin over it.
+    let letters = line("azulejo", DVec3::new(0.0, 0.6, 0.301), 0.25, gilt)?;
     let size = DVec3::new(5.0, 1.8, 0.6);
     Ok(Solid::Csg(Box::new(Csg {
         operation: Operation::Difference,
         left: vec![block(DVec3::new(0.0, 0.9001, 0.0), size, stone)],
-        right: word(&frame, gilt)?,
+        right: letters,
     })))
 }
 

@@ -1,10 +1,9 @@
 //! Makes the scenes in `examples/`: `cargo run --example make_examples [FOLDER]`.
 //!
-//! Nothing there is written by hand: the Cornell box comes from its published measures, all else
-//! from these pages.
+//! Nothing there is written by hand but the typeface: the Cornell box comes from its published
+//! measures, all else from these pages.
 
 mod exact;
-mod letters;
 
 use azulejo::formats::grf;
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
