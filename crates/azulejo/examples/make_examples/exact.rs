@@ -26,7 +26,7 @@ fn line(
     material: MaterialId,
 ) -> Result<Vec<Solid>, Box<dyn Error>> {
     let (font, encoding) = typeface()?;
-    let glyphs = font.lay_out(text, &encoding, 0.06)?;
+    let glyphs = font.lay_out(text, &encoding, 0.02)?;
     let ends = glyphs.iter().map(|g| g.pen.x + g.figure.bounds().max.x);
     let width = ends.fold(0.0, f64::max);
     let frame = TextFrame {
@@ -59,8 +59,8 @@ fn camera(eye: DVec3, target: DVec3) -> Camera {
 /// A word of solid letters over a polished floor, under a lamp with area.
 pub fn title() -> Result<Scene, Box<dyn Error>> {
     let mut scene = Scene::default();
-    let wall = scene.add_material(Material::diffuse("wall", Rgb::new(0.6, 0.62, 0.66)));
-    let blue = scene.add_material(Material::diffuse("blue glaze", Rgb::new(0.1, 0.25, 0.6)));
+    let wall = scene.add_material(Material::diffuse("wall", Rgb::new(0.84, 0.82, 0.78)));
+    let blue = scene.add_material(Material::diffuse("blue glaze", Rgb::new(0.05, 0.17, 0.6)));
     let floor = scene.add_material(Material {
         mirror: Rgb::grey(0.55),
         ..Material::diffuse("polished floor", Rgb::new(0.2, 0.19, 0.18))
@@ -70,14 +70,20 @@ pub fn title() -> Result<Scene, Box<dyn Error>> {
     for (name, corner, edge1, edge2, material) in [
         ("floor", -5.0 * x - 2.0 * z, 9.0 * z, 10.0 * x, floor),
         ("wall", -5.0 * x - 2.0 * z, 10.0 * x, 5.0 * y, wall),
-        ("lamp", -1.5 * x + 4.0 * y + z, 3.0 * x, 1.2 * z, lamp),
+        (
+            "lamp",
+            -2.2 * x + 3.2 * y + 1.4 * z,
+            1.8 * x,
+            z - 0.6 * y,
+            lamp,
+        ),
     ] {
         let sheet = Primitive::parallelogram(corner, edge1, edge2, material);
         add(&mut scene, name, sheet);
     }
     let letters = line("azulejo", DVec3::new(0.0, 0.4, 0.0), 0.35, blue)?;
     add_solids(&mut scene, "title", letters);
-    let view = camera(DVec3::new(0.7, 1.2, 4.9), DVec3::new(0.0, 0.55, 0.0));
+    let view = camera(DVec3::new(0.7, 1.2, 4.6), DVec3::new(0.0, 0.5, 0.0));
     scene.cameras.push(view);
     Ok(scene)
 }
@@ -95,7 +101,9 @@ pub fn csg() -> Result<Scene, Box<dyn Error>> {
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
     let sheet = Primitive::parallelogram(-6.0 * x - 4.0 * z, 10.0 * z, 12.0 * x, ground);
     add(&mut scene, "ground", sheet);
-    let sheet = Primitive::parallelogram(DVec3::new(-2.5, 4.5, 3.0), 3.0 * x, z + 0.7 * y, lamp);
+    let sheet = Primitive::parallelogram(-6.0 * x - 2.0 * z, 12.0 * x, 6.0 * y, ground);
+    add(&mut scene, "wall", sheet);
+    let sheet = Primitive::parallelogram(DVec3::new(-2.5, 5.0, 3.0), 3.0 * x, z - 0.5 * y, lamp);
     add(&mut scene, "lamp", sheet);
     add_solids(&mut scene, "tablet", vec![tablet(stone, gilt)?]);
     let die = die(DVec3::new(2.6, 0.5, 1.0), clay, gilt);
