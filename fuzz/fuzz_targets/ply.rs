@@ -35,6 +35,6 @@ fuzz_target!(|bytes: &[u8]| {
 fn meshes(scene: &Scene) -> impl Iterator<Item = &Mesh> {
     scene.objects.iter().filter_map(|o| match &o.shape {
         Shape::Mesh(mesh) => Some(mesh),
-        Shape::Primitive(_) => None,
+        _ => None,
     })
 }
