@@ -63,7 +63,7 @@ fn reach_word(lines: &mut Lines) -> bool {
                 return true;
             }
             lines.words().rest_of_line();
-        } else if lines.words().starts_line() {
+        } else if lines.at_end() || lines.words().starts_line() {
             lines.section_ends();
             return false;
         } else {

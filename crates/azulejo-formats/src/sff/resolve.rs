@@ -41,6 +41,7 @@ pub(crate) fn resolve(
         warnings,
         surfaces: document.surfaces.iter().map(surfaces::derived).collect(),
         looks: HashMap::new(),
+        chains: Chains::default(),
         typesetter: Typesetter::default(),
         texture_files: TextureFiles::default(),
         names: HashMap::new(),
@@ -49,6 +50,7 @@ pub(crate) fn resolve(
         corner_surfaces: None,
     };
     resolver.view(document)?;
+    resolver.scene.objects.reserve(tree.roots.len());
     for &root in &tree.roots {
         let node = &tree.nodes[root];
         resolver.object(
@@ -94,8 +96,17 @@ impl Given {
     }
 }
 
-/// Everything that tells two materials apart, as bits.
-type LookKey = Vec<u64>;
+/// Everything that tells two materials apart: the surface, the bits of the index of refraction and
+/// the number of the textures.
+type LookKey = (u32, u64, Option<usize>);
+
+/// A set operation or list whose members are being made.
+struct Frame {
+    node: usize,
+    map: DAffine3,
+    given: Given,
+    sides: [Vec<Solid>; 2],
+}
 
 struct Resolver<'r, 's> {
     files: &'r dyn Files,
@@ -103,7 +114,8 @@ struct Resolver<'r, 's> {
     sources: &'r mut Sources<'s>,
     warnings: &'r mut Warnings,
     surfaces: Vec<RtraceSurface>,
-    looks: HashMap<(LookKey, Vec<String>), MaterialId>,
+    looks: HashMap<LookKey, MaterialId>,
+    chains: Chains,
     typesetter: Typesetter,
     texture_files: TextureFiles,
     /// How many objects of each kind have a name.
@@ -169,7 +181,6 @@ impl Resolver<'_, '_> {
             }
             return Ok(());
         }
-        self.spend(8, node.place)?;
         let mut solids = self.solids(tree, index, map, given)?;
         let is_exact = match &node.kind {
             NodeKind::Leaf(Geometry::Text(_) | Geometry::Patches(_)) | NodeKind::Csg(..) => true,
@@ -200,94 +211,132 @@ impl Resolver<'_, '_> {
     }
 
     /// The solids of an object, placed.
+    ///
+    /// Members follow their operation, so that one pass over them is enough; what nests deeply
+    /// waits in a list of its own, not on the stack.
     fn solids(
         &mut self,
         tree: &Tree,
-        index: usize,
+        root: usize,
         map: DAffine3,
         given: Given,
     ) -> Read<Vec<Solid>> {
-        let node = &tree.nodes[index];
-        let map = map * node.map;
+        let mut open: Vec<Frame> = Vec::new();
+        let mut done = Vec::new();
+        let mut index = root;
+        loop {
+            while let Some(frame) = open.pop_if(|frame| tree.nodes[frame.node].end == index) {
+                let node = frame.node;
+                let solids = self.closed(tree, frame)?;
+                match open.last_mut() {
+                    Some(around) => self.join(tree, around, node, solids)?,
+                    None => done = solids,
+                }
+            }
+            if index == tree.nodes[root].end {
+                return Ok(done);
+            }
+            let node = &tree.nodes[index];
+            self.spend(8, node.place)?;
+            let (map, given) = match open.last() {
+                Some(around) => (around.map, around.given.with(index, node)),
+                None => (map, given),
+            };
+            let map = map * node.map;
+            match self.whole(tree, node, &map, given)? {
+                Some(solids) => {
+                    match open.last_mut() {
+                        Some(around) => self.join(tree, around, index, solids)?,
+                        None => done = solids,
+                    }
+                    index = node.end;
+                }
+                None => {
+                    open.push(Frame {
+                        node: index,
+                        map,
+                        given,
+                        sides: Default::default(),
+                    });
+                    index += 1;
+                }
+            }
+        }
+    }
+
+    /// The solids of an object that can be made without its members.
+    fn whole(
+        &mut self,
+        tree: &Tree,
+        node: &Node,
+        map: &DAffine3,
+        given: Given,
+    ) -> Read<Option<Vec<Solid>>> {
         match &node.kind {
             NodeKind::Leaf(geometry) => {
-                let mut solids = self.leaf(tree, node, geometry, &map, given)?;
+                let mut solids = self.leaf(tree, node, geometry, map, given)?;
                 let is_placed = matches!(geometry, Geometry::Triangles(_));
-                if map != DAffine3::IDENTITY && !is_placed {
-                    solids.iter_mut().for_each(|s| s.transform(&map));
+                if *map != DAffine3::IDENTITY && !is_placed {
+                    solids.iter_mut().for_each(|s| s.transform(map));
                 }
-                Ok(solids)
+                Ok(Some(solids))
             }
             NodeKind::List(members) => {
-                if let Some((cone, material)) = self.closed_cone(tree, members, given)? {
+                let cone = self.closed_cone(tree, members, given)?;
+                Ok(cone.map(|(cone, material)| {
                     let mut cone = shapes::cone(&cone, true, material);
-                    cone.world_from_object = map * cone.world_from_object;
-                    return Ok(vec![Solid::Primitive(cone)]);
-                }
-                let mut pieces = self.members(tree, members, map, given)?;
-                Ok(match pieces.len() {
-                    0 => Vec::new(),
-                    1 if is_closed(&pieces[0]) => vec![pieces.remove(0)],
-                    _ => vec![Solid::Shell(pieces)],
-                })
+                    cone.world_from_object = *map * cone.world_from_object;
+                    vec![Solid::Primitive(cone)]
+                }))
             }
-            NodeKind::Csg(operation, sides) => {
-                let [left, right] = [0, 1].map(|k| self.side(tree, node, &sides[k], map, given));
-                Ok(vec![Solid::Csg(Box::new(Csg {
-                    operation: *operation,
-                    left: left?,
-                    right: right?,
-                }))])
-            }
+            NodeKind::Csg(..) => Ok(None),
         }
     }
 
-    fn members(
+    /// Adds the solids of a member to what is around it.
+    fn join(
         &mut self,
         tree: &Tree,
-        members: &[usize],
-        map: DAffine3,
-        given: Given,
-    ) -> Read<Vec<Solid>> {
-        let mut solids = Vec::new();
-        for &member in members {
-            let node = &tree.nodes[member];
-            self.spend(8, node.place)?;
-            let given = given.with(member, node);
-            solids.extend(self.solids(tree, member, map, given)?);
-            if self.corner_surfaces.take().is_some() {
-                let said = "a mesh of several surfaces inside of another object: one is used";
-                self.warn(node.place, said);
-            }
+        around: &mut Frame,
+        member: usize,
+        solids: Vec<Solid>,
+    ) -> Read<()> {
+        let node = &tree.nodes[member];
+        if self.corner_surfaces.take().is_some() {
+            let said = "a mesh of several surfaces inside of another object: one is used";
+            self.warn(node.place, said);
         }
-        Ok(solids)
+        let is_csg = matches!(tree.nodes[around.node].kind, NodeKind::Csg(..));
+        if is_csg && !solids.iter().all(is_closed) {
+            let found = "an open shape in a set operation: it has no inside";
+            let expected = "closed ones, or a list (67) of pieces that close it together";
+            return Err(self.sources.error(node.place, found, expected));
+        }
+        around.sides[node.side].extend(solids);
+        Ok(())
     }
 
-    /// One side of a set operation: closed solids.
-    fn side(
-        &mut self,
-        tree: &Tree,
-        csg: &Node,
-        members: &[usize],
-        map: DAffine3,
-        given: Given,
-    ) -> Read<Vec<Solid>> {
-        let mut solids = Vec::new();
-        for &member in members {
-            let node = &tree.nodes[member];
-            let of_member = self.members(tree, &[member], map, given)?;
-            if !of_member.iter().all(is_closed) {
-                let found = "an open shape in a set operation: it has no inside";
-                let expected = "closed ones, or a list (67) of pieces that close it together";
-                return Err(self.sources.error(node.place, found, expected));
-            }
-            solids.extend(of_member);
-        }
-        if solids.is_empty() {
+    /// What a set operation or list becomes when it has all of its members.
+    fn closed(&mut self, tree: &Tree, frame: Frame) -> Read<Vec<Solid>> {
+        let node = &tree.nodes[frame.node];
+        let [left, right] = frame.sides;
+        let NodeKind::Csg(operation, _) = node.kind else {
+            let is_one = left.len() == 1 && is_closed(&left[0]);
+            return Ok(match left.is_empty() || is_one {
+                true => left,
+                false => vec![Solid::Shell(left)],
+            });
+        };
+        if left.is_empty() || right.is_empty() {
             let found = "a set operation with nothing on one side";
-            return Err(self.sources.error(csg.place, found, "solids on both"));
+            return Err(self.sources.error(node.place, found, "solids on both"));
         }
-        Ok(solids)
+        let csg = Csg {
+            operation,
+            left,
+            right,
+        };
+        Ok(vec![Solid::Csg(Box::new(csg))])
     }
 
     /// The one cone or cylinder that the members of a list are together, and its material.
@@ -485,7 +534,8 @@ impl Resolver<'_, '_> {
         let Some(numbers) = self.surfaces.get(numbers).copied() else {
             return Err(self.no_surface(surface, place));
         };
-        let key = look_key(tree, given, surface, ior);
+        let chain = given.textured.map(|node| self.chains.number(tree, node));
+        let key = (surface, ior.to_bits(), chain);
         if let Some(&known) = self.looks.get(&key) {
             return Ok(known);
         }
@@ -519,6 +569,9 @@ impl Resolver<'_, '_> {
         let Some(node) = given.textured.map(|k| &tree.nodes[k]) else {
             return Ok(material);
         };
+        // Each is as large as a few vertices.
+        let count = node.inline_textures.len() + node.section_textures.len();
+        self.spend(4 * count, place)?;
         let mut around = Surroundings {
             files: self.files,
             sources: self.sources,
@@ -657,21 +710,42 @@ fn kind_of(node: &Node, solids: &[Solid]) -> &'static str {
     }
 }
 
-fn look_key(tree: &Tree, given: Given, surface: u32, ior: f64) -> (LookKey, Vec<String>) {
-    let mut key = vec![u64::from(surface), ior.to_bits()];
-    let mut files = Vec::new();
-    let Some(node) = given.textured.map(|k| &tree.nodes[k]) else {
-        return (key, files);
-    };
+/// Everything that tells two lists of textures apart.
+type ChainKey = (Vec<u64>, Vec<String>);
+
+/// The textures of objects, equal lists with one number.
+#[derive(Default)]
+struct Chains {
+    /// By the object that has them.
+    of_nodes: HashMap<usize, usize>,
+    known: HashMap<ChainKey, usize>,
+}
+
+impl Chains {
+    /// The number of an object's textures.
+    fn number(&mut self, tree: &Tree, node: usize) -> usize {
+        if let Some(&known) = self.of_nodes.get(&node) {
+            return known;
+        }
+        let next = self.known.len();
+        let key = chain_key(&tree.nodes[node]);
+        let number = *self.known.entry(key).or_insert(next);
+        self.of_nodes.insert(node, number);
+        number
+    }
+}
+
+fn chain_key(node: &Node) -> ChainKey {
+    let (mut numbers, mut files) = (Vec::new(), Vec::new());
     for records in [&node.inline_textures, &node.section_textures] {
-        key.push(records.len() as u64);
+        numbers.push(records.len() as u64);
         for record in records {
-            key.push(u64::from(record.kind.number));
+            numbers.push(u64::from(record.kind.number));
             let matrix = record.matrix.to_cols_array();
-            let numbers = record.kind.values.iter().chain(&matrix);
-            key.extend(numbers.map(|v| v.to_bits()));
+            let values = record.kind.values.iter().chain(&matrix);
+            numbers.extend(values.map(|v| v.to_bits()));
             files.push(record.file.clone());
         }
     }
-    (key, files)
+    (numbers, files)
 }

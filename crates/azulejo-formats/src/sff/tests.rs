@@ -456,3 +456,42 @@ fn any_scene_is_written_as_far_as_it_goes() {
     assert_eq!(read.objects.len(), scene.objects.len());
     assert!(!sff::losses(&scene).is_empty());
 }
+
+/// As deep as operations may nest, on the stack of a test.
+#[test]
+fn deep_nests_are_read_and_written() {
+    let mut objects = "66 0 0 0 1\n".repeat(255);
+    objects += "1 1 1 0 0 0 1\n";
+    objects += &"66 1\n2 1 1 0 0 0 .5 .5 .5\n66 2\n".repeat(255);
+    round_trip(&objects);
+}
+
+/// Whatever is changed in a file, it is read or refused, and what is read is valid.
+#[test]
+fn damaged_files() {
+    let set = "7 1 1 -\nSPACING .1 SCALE 2 3 .5 ORIENTATION 1 1 0 0 0 1 -1 1 .2\nFONT f.ppf ENCODING f.ppe\nAT 1 2 3 \"AB\"\n\n";
+    let text = format!("{HEAD}{set}{PATCH}{CSG}{TEXTURES}");
+    let options = ReadOptions::in_proportion(text.len());
+    let files = files();
+    let check = |bytes: &[u8]| {
+        if let Ok(loaded) = sff::read(bytes, "a.sff", &files, &options) {
+            loaded
+                .scene
+                .validate()
+                .expect("a reader gives valid scenes");
+            let mut text = Vec::new();
+            sff::write(&loaded.scene, "a", &mut text).expect("memory takes everything");
+        }
+    };
+    let mut bytes = text.into_bytes();
+    // Steps that have no common factor with the lengths of lines meet every kind of field.
+    for at in (0..bytes.len()).step_by(13) {
+        check(&bytes[..at]);
+        let byte = bytes[at];
+        for other in [b'0', b'9', b'-', b'\n', b'e', 0xff] {
+            bytes[at] = other;
+            check(&bytes);
+        }
+        bytes[at] = byte;
+    }
+}

@@ -24,6 +24,10 @@ pub(super) struct Node<'d> {
     pub place: Place,
     pub look: Look,
     pub kind: NodeKind<'d>,
+    /// Behind the last of its members, theirs included; the next one for what has none.
+    pub end: usize,
+    /// On which side of the set operation around it.
+    pub side: usize,
     /// All of its transforms, the first applied first.
     pub map: DAffine3,
     /// Textures that stand among the objects.
@@ -58,6 +62,7 @@ impl<'d> Tree<'d> {
         warnings: &mut Warnings,
     ) -> Result<Tree<'d>, ReadError> {
         let mut tree = Tree::default();
+        tree.nodes.reserve(document.objects.len());
         let mut open: Vec<Open> = Vec::new();
         for record in &document.objects {
             let place = record.place;
@@ -108,11 +113,13 @@ impl<'d> Tree<'d> {
                     _ => return fail(tree.misplaced("66 1", open.last()), NEXT),
                 },
                 RecordKind::CsgEnd => match open.pop() {
-                    Some(open) if open.side == 1 && tree.has_members(&open) => {}
+                    Some(open) if open.side == 1 && tree.has_members(&open) => tree.close(&open),
                     last => return fail(tree.misplaced("66 2", last.as_ref()), END),
                 },
                 RecordKind::ListEnd => match open.pop() {
-                    Some(open) if !tree.is_csg(&open) && tree.has_members(&open) => {}
+                    Some(open) if !tree.is_csg(&open) && tree.has_members(&open) => {
+                        tree.close(&open);
+                    }
                     last => return fail(tree.misplaced("67 1", last.as_ref()), LIST_END),
                 },
             }
@@ -133,6 +140,8 @@ impl<'d> Tree<'d> {
             place,
             look,
             kind,
+            end: index + 1,
+            side: open.last().map_or(0, |o| o.side),
             map: DAffine3::IDENTITY,
             inline_textures: Vec::new(),
             section_textures: Vec::new(),
@@ -146,6 +155,11 @@ impl<'d> Tree<'d> {
             },
         }
         index
+    }
+
+    /// Ends an operation or list behind the latest object.
+    fn close(&mut self, open: &Open) {
+        self.nodes[open.node].end = self.nodes.len();
     }
 
     /// The object of a number, the latest for 0.
