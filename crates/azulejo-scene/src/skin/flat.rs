@@ -13,6 +13,8 @@ const GRID: f64 = 1.0 / (1u64 << 32) as f64;
 const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
 /// Crossings of outlines beyond this many, and as many as there are corners, are left alone.
 const MOST_CROSSINGS: usize = 1 << 14;
+/// Contours of more corners lose those that the tolerance does not ask for.
+const MANY_CORNERS: usize = 1 << 12;
 
 type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
@@ -38,7 +40,8 @@ pub(super) struct Tile {
 }
 
 impl Flat {
-    /// Flattens a figure; chords leave the curves by at most `tolerance`, > 0.
+    /// Flattens a figure; chords leave the curves by at most `tolerance`, > 0, by twice that
+    /// where a contour has thousands of curves.
     ///
     /// Contours may cross, overlap and repeat each other: what is inside by the figure's rule,
     /// on the polygons, is triangulated, and the border runs where that ends. Where thousands of
@@ -49,7 +52,8 @@ impl Flat {
             return Flat::default();
         }
         let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
-        let outline = Outline::new(figure, tolerance, round);
+        let mut outline = Outline::new(figure, tolerance, round);
+        outline.simplify(tolerance / size);
         let mesh = outline.triangulated();
         let inside = outline.inside(&mesh, figure.rule);
         let mut flat = Flat::default();
@@ -132,6 +136,14 @@ impl Outline {
         outline
     }
 
+    /// Leaves corners out where there are many and the rest stays within `tolerance` of them.
+    fn simplify(&mut self, tolerance: f64) {
+        let long = |c: &&mut Vec<DVec2>| c.len() > MANY_CORNERS;
+        for contour in self.contours.iter_mut().filter(long) {
+            *contour = simplified(contour, tolerance);
+        }
+    }
+
     /// Points that are not on the curves come from crossings.
     fn is_smooth(&self, p: DVec2) -> bool {
         self.smooth.get(&key(p)) == Some(&true)
@@ -149,14 +161,18 @@ impl Outline {
     /// The Delaunay triangulation of all corners that has all contours as edges, split where
     /// they cross.
     fn triangulated(&self) -> Delaunay {
-        let mut mesh = Delaunay::new();
-        let mut contours: Vec<Vec<FixedVertexHandle>> = Vec::new();
-        for contour in &self.contours {
-            let corner = |p: &DVec2| mesh.insert(Point2::new(p.x, p.y)).ok();
-            contours.push(contour.iter().filter_map(corner).collect());
-        }
+        // Corner after corner along an outline is the worst of orders to insert them in.
+        let all = self.contours.iter().flatten();
+        let all = all.map(|p| Point2::new(p.x, p.y)).collect();
+        let mut mesh = Delaunay::bulk_load(all).unwrap_or_default();
+        let corners: HashMap<_, FixedVertexHandle> = mesh
+            .vertices()
+            .map(|v| (key(point(v.position())), v.fix()))
+            .collect();
         let most = 2 * mesh.num_vertices() + MOST_CROSSINGS;
-        for contour in &contours {
+        for contour in &self.contours {
+            let corner = |p: &DVec2| corners.get(&key(*p)).copied();
+            let contour: Vec<FixedVertexHandle> = contour.iter().filter_map(corner).collect();
             for (k, &a) in contour.iter().enumerate() {
                 let b = contour[(k + 1) % contour.len()];
                 if a != b && mesh.num_vertices() < most {
@@ -204,6 +220,46 @@ impl Outline {
         }
         inside
     }
+}
+
+/// A polygon through some of the corners of another, which leaves none of them by more than
+/// `tolerance`.
+///
+/// Sklansky and Gonzalez, *Fast polygonal approximation of digitized curves*, Pattern Recognition
+/// 12, 1980: from each corner that is kept, the wedge of directions that pass all since.
+fn simplified(corners: &[DVec2], tolerance: f64) -> Vec<DVec2> {
+    let mut kept = vec![corners[0]];
+    let mut wedge: Option<[DVec2; 2]> = None;
+    let (mut last, mut reach) = (corners[0], 0.0_f64);
+    for &p in &corners[1..] {
+        let goes_on = |[right, left]: [DVec2; 2], way: DVec2| {
+            right.perp_dot(way) >= 0.0 && left.perp_dot(way) <= 0.0
+        };
+        let way = p - kept[kept.len() - 1];
+        let turns_back = way.length() < reach - tolerance;
+        if turns_back || wedge.is_some_and(|w| !goes_on(w, way)) {
+            kept.push(last);
+            (wedge, reach) = (None, 0.0);
+        }
+        let way = p - kept[kept.len() - 1];
+        let length = way.length();
+        reach = reach.max(length);
+        if length > tolerance {
+            let sine = tolerance / length;
+            let turn = DVec2::new((1.0 - sine * sine).sqrt(), sine);
+            let (right, left) = (DVec2::new(turn.x, -turn.y).rotate(way), turn.rotate(way));
+            wedge = Some(match wedge {
+                Some([r, l]) => [
+                    if r.perp_dot(right) > 0.0 { right } else { r },
+                    if l.perp_dot(left) < 0.0 { left } else { l },
+                ],
+                None => [right, left],
+            });
+        }
+        last = p;
+    }
+    kept.push(last);
+    kept
 }
 
 /// Whether the border runs on from one curve to the next without a corner.

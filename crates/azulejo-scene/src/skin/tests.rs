@@ -245,6 +245,18 @@ fn hostile_figures_stay_closed_and_small() {
     }
 }
 
+#[test]
+fn outlines_of_very_many_lines_are_simplified() {
+    let count = 200_000;
+    let corner =
+        |k: u32| DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / f64::from(count));
+    let disc = Figure::polygon((0..count).map(corner));
+    let mesh = Exact::new(vec![prism(disc, DAffine3::IDENTITY)]).tessellate(1e-3);
+    assert_closed(&mesh);
+    assert!(mesh.faces.len() < 500, "{} faces", mesh.faces.len());
+    close(volume(&mesh), PI, 2e-3);
+}
+
 fn cuboid(low: DVec3, high: DVec3) -> Solid {
     let map = DAffine3::from_mat3_translation(DMat3::from_diagonal(high - low), low);
     Solid::Primitive(Primitive::new(PrimitiveKind::Cuboid, map, 0))
