@@ -161,10 +161,20 @@ impl Outline {
     /// The Delaunay triangulation of all corners that has all contours as edges, split where
     /// they cross.
     fn triangulated(&self) -> Delaunay {
-        // Corner after corner along an outline is the worst of orders to insert them in.
-        let all = self.contours.iter().flatten();
-        let all = all.map(|p| Point2::new(p.x, p.y)).collect();
-        let mut mesh = Delaunay::bulk_load(all).unwrap_or_default();
+        let all = || {
+            self.contours
+                .iter()
+                .flatten()
+                .map(|p| Point2::new(p.x, p.y))
+        };
+        let mut mesh = if all().count() > MANY_CORNERS {
+            // Corner after corner along an outline is the worst of orders to insert many in.
+            Delaunay::bulk_load(all().collect()).unwrap_or_default()
+        } else {
+            let mut mesh = Delaunay::new();
+            all().for_each(|p| drop(mesh.insert(p)));
+            mesh
+        };
         let corners: HashMap<_, FixedVertexHandle> = mesh
             .vertices()
             .map(|v| (key(point(v.position())), v.fix()))
