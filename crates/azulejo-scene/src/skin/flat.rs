@@ -161,20 +161,7 @@ impl Outline {
     /// The Delaunay triangulation of all corners that has all contours as edges, split where
     /// they cross.
     fn triangulated(&self) -> Delaunay {
-        let all = || {
-            self.contours
-                .iter()
-                .flatten()
-                .map(|p| Point2::new(p.x, p.y))
-        };
-        let mut mesh = if all().count() > MANY_CORNERS {
-            // Corner after corner along an outline is the worst of orders to insert many in.
-            Delaunay::bulk_load(all().collect()).unwrap_or_default()
-        } else {
-            let mut mesh = Delaunay::new();
-            all().for_each(|p| drop(mesh.insert(p)));
-            mesh
-        };
+        let mut mesh = self.delaunay();
         let corners: HashMap<_, FixedVertexHandle> = mesh
             .vertices()
             .map(|v| (key(point(v.position())), v.fix()))
@@ -189,6 +176,22 @@ impl Outline {
                     mesh.add_constraint_and_split(a, b, |p| p);
                 }
             }
+        }
+        mesh
+    }
+
+    /// The Delaunay triangulation of all corners.
+    fn delaunay(&self) -> Delaunay {
+        let all = self.contours.iter().flatten();
+        let corners: Vec<_> = all.map(|p| Point2::new(p.x, p.y)).collect();
+        if corners.len() > MANY_CORNERS {
+            // Corner after corner along an outline is the worst of orders to insert many in.
+            return Delaunay::bulk_load(corners).unwrap_or_default();
+        }
+        let mut mesh = Delaunay::new();
+        for corner in corners {
+            // What is not finite, and nothing here is, would be left out.
+            let _ = mesh.insert(corner);
         }
         mesh
     }
