@@ -22,8 +22,8 @@ pub struct TextArgs {
     pub file: Option<PathBuf>,
     #[command(flatten)]
     pub typeface: TypefaceArgs,
-    /// Where to write, by extension: .grf keeps exact letters, .obj, .glb, .gltf and .ply get
-    /// polygons; `-` writes GRF to standard output
+    /// Where to write, by extension: .grf and .sff keep exact letters, .obj, .glb, .gltf and .ply
+    /// get polygons; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     #[command(flatten)]
@@ -216,8 +216,8 @@ pub struct ExtrudeArgs {
     /// Filled shapes of an SVG, or closed outlines of a DXF drawing
     #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
     pub drawing: PathBuf,
-    /// Where to write, by extension: .grf keeps exact outlines, .obj, .glb, .gltf and .ply get
-    /// polygons; `-` writes GRF to standard output
+    /// Where to write, by extension: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply
+    /// get polygons; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// How deep the solid is, in units of the scene
