@@ -1,7 +1,10 @@
 //! Moving a whole scene, and bringing it to another scene's units.
 
 use crate::math::normal_matrix;
-use crate::{Attribute, Camera, Faces, Light, LightKind, Mesh, Scene, Shape, Units, Up};
+use crate::{
+    Attribute, Camera, Faces, Light, LightKind, Mesh, Primitive, PrimitiveKind, Scene, Shape,
+    SurfaceLight, Units, Up,
+};
 use glam::{DAffine3, DMat3, DVec3};
 
 impl Scene {
@@ -16,7 +19,7 @@ impl Scene {
         for object in &mut self.objects {
             match &mut object.shape {
                 Shape::Mesh(mesh) => mesh.transform(map),
-                Shape::Primitive(p) => p.world_from_object = *map * p.world_from_object,
+                Shape::Primitive(p) => p.transform(map),
                 Shape::Exact(exact) => exact.transform(map),
             }
         }
@@ -58,6 +61,38 @@ fn turn(from: Up, to: Up) -> DMat3 {
         (Up::Z, Up::Y) => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
         (Up::Y, Up::Z) => DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y),
         _ => DMat3::IDENTITY,
+    }
+}
+
+impl Primitive {
+    /// Puts it, and its light, under an affine map. A map that mirrors exchanges the edges of a
+    /// sheet, whose front follows them, so that the front stays the front.
+    pub fn transform(&mut self, map: &DAffine3) {
+        self.world_from_object = *map * self.world_from_object;
+        if self.kind == PrimitiveKind::Square && map.matrix3.determinant() < 0.0 {
+            let axes = &mut self.world_from_object.matrix3;
+            (axes.x_axis, axes.y_axis) = (axes.y_axis, axes.x_axis);
+            if let Some(light) = &mut self.light {
+                light.transpose();
+            }
+        }
+    }
+}
+
+impl SurfaceLight {
+    /// Exchanges `u` and `v` of its first grid, the only one of a sheet.
+    fn transpose(&mut self) {
+        let Some(grid) = self.grids.first_mut() else {
+            return;
+        };
+        let (columns, rows) = (grid.nu as usize + 1, grid.nv as usize + 1);
+        (grid.nu, grid.nv) = (grid.nv, grid.nu);
+        for values in [&mut self.irradiance, &mut self.error] {
+            if values.len() == columns * rows {
+                let turned = (0..columns).flat_map(|u| (0..rows).map(move |v| v * columns + u));
+                *values = turned.map(|k| values[k]).collect();
+            }
+        }
     }
 }
 
@@ -218,6 +253,25 @@ mod tests {
         let before = scene(Up::Z, None);
         let there = before.clone().adapted(Units::default());
         assert_eq!(there.adapted(before.units), before);
+    }
+
+    #[test]
+    fn a_mirrored_sheet_keeps_its_front_and_its_light() {
+        let mut sheet = Primitive::parallelogram(DVec3::ZERO, 2.0 * DVec3::X, DVec3::Y, 0);
+        sheet.light = Some(SurfaceLight {
+            grids: vec![crate::SurfaceGrid { nu: 2, nv: 1 }],
+            irradiance: (0..6).map(|k| Rgb::grey(f64::from(k))).collect(),
+            error: Vec::new(),
+        });
+        let before = sheet.clone();
+        sheet.transform(&DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0)));
+        assert_eq!(sheet.point(0, 0.5, 0.5).normal, DVec3::Z);
+        let light = |p: &Primitive, u, v| p.light.as_ref().unwrap().at(0, u, v);
+        for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.25, 0.75), (0.5, 1.0)] {
+            let (p, q) = (before.point(0, u, v), sheet.point(0, v, u));
+            assert_eq!(q.position, p.position * DVec3::new(-1.0, 1.0, 1.0));
+            assert!((light(&sheet, v, u).r - light(&before, u, v).r).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::figure::Rectangle;
 use crate::math::Aabb;
-use crate::{BicubicPatch, Figure, MaterialId, Mesh, Primitive, PrimitiveKind, Prism};
+use crate::{BicubicPatch, Figure, MaterialId, Mesh, Primitive, Prism};
 use glam::DAffine3;
 use std::sync::Arc;
 
@@ -162,14 +162,7 @@ impl Solid {
     /// Puts it under an affine map.
     pub fn transform(&mut self, map: &DAffine3) {
         match self {
-            Solid::Primitive(p) => {
-                p.world_from_object = *map * p.world_from_object;
-                if p.kind == PrimitiveKind::Square && map.matrix3.determinant() < 0.0 {
-                    // The front of an open sheet follows its edges, and it should stay the front.
-                    let axes = &mut p.world_from_object.matrix3;
-                    (axes.x_axis, axes.y_axis) = (axes.y_axis, axes.x_axis);
-                }
-            }
+            Solid::Primitive(p) => p.transform(map),
             Solid::Prism(p) => p.world_from_figure = *map * p.world_from_figure,
             Solid::Patch(p) => p.transform(map),
             Solid::Mesh(m) => m.transform(map),
