@@ -14,10 +14,9 @@ mod tokens;
 mod translate;
 mod values;
 
-use crate::options::{Budget, check_length};
+use crate::options::Budget;
 use crate::sff::document::{Document, Sources};
-use crate::sff::resolve::resolve;
-use crate::text::without_utf16;
+use crate::sff::read_by;
 use crate::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use values::Stream;
@@ -34,16 +33,9 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    check_length(bytes, name)?;
-    let bytes = without_utf16(bytes);
-    let mut warnings = Warnings::default();
-    let mut sources = Sources::default();
-    sources.add(name, &*bytes);
-    let document = document(&mut sources, files, options, &mut warnings)?;
-    let scene = resolve(&document, &mut sources, files, options, &mut warnings)?;
-    Ok(Loaded {
-        scene,
-        warnings: warnings.finish(name),
+    read_by(bytes, name, files, options, |text, sources, warnings| {
+        sources.add(name, text);
+        document(sources, files, options, warnings)
     })
 }
 

@@ -48,12 +48,25 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
+    read_by(bytes, name, files, options, |text, sources, warnings| {
+        let file = sources.add(name, text);
+        Document::parse(&mut Lines::new(text, name, file, warnings))
+    })
+}
+
+/// Reads a scene whose text `parse` turns into records; the text is its first source.
+pub(crate) fn read_by(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+    parse: impl for<'t> FnOnce(&'t [u8], &mut Sources<'t>, &mut Warnings) -> Result<Document, ReadError>,
+) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
     let bytes = without_utf16(bytes);
     let mut warnings = Warnings::default();
     let mut sources = Sources::default();
-    let file = sources.add(name, &*bytes);
-    let document = Document::parse(&mut Lines::new(&bytes, name, file, &mut warnings))?;
+    let document = parse(&bytes, &mut sources, &mut warnings)?;
     let scene = resolve::resolve(&document, &mut sources, files, options, &mut warnings)?;
     Ok(Loaded {
         scene,

@@ -14,8 +14,6 @@ use std::path::Path;
 pub struct SceneOutput {
     format: &'static WrittenFormat,
     model: Output,
-    /// The second file beside it, for formats that have two.
-    companion: Option<Output>,
 }
 
 /// A format that scenes are written in.
@@ -117,14 +115,13 @@ impl SceneOutput {
                     extensions(|_| true)
                 ))
             })?;
-        let companion = match format.write {
-            Writer::One(_) | Writer::Several(_) => None,
-            Writer::Two(extension, _) => Some(Output::check(&path.with_extension(extension))?),
-        };
+        if let Writer::Two(extension, _) = format.write {
+            // Before the work begins; what is beside the model is written with it.
+            Output::check(&path.with_extension(extension))?;
+        }
         Ok(SceneOutput {
             format,
             model: Output::check(path)?,
-            companion,
         })
     }
 
@@ -155,11 +152,11 @@ impl SceneOutput {
             session.note(&format!("{name} does not keep all: {losses}"));
         }
         let progress = session.progress();
-        match (&self.format.write, &self.companion) {
-            (Writer::One(write), _) => self.model.write(progress, |out| write(scene, out)),
-            (Writer::Several(write), _) => self.write_several(*write, scene, progress),
-            (Writer::Two(..), None) => unreachable!("a format of two files has both"),
-            (Writer::Two(_, write), Some(companion)) => {
+        match &self.format.write {
+            Writer::One(write) => self.model.write(progress, |out| write(scene, out)),
+            Writer::Several(write) => self.write_several(*write, scene, progress),
+            Writer::Two(extension, write) => {
+                let companion = Output::check(&self.model.path().with_extension(extension))?;
                 let name = companion.path().file_name().unwrap_or_default();
                 let (mut first, mut second) = (self.model.draft()?, companion.draft()?);
                 write(scene, &name.to_string_lossy(), &mut first, &mut second)

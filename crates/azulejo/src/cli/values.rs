@@ -209,15 +209,19 @@ pub fn lod(text: &str) -> Result<Lod, String> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use std::fmt::Debug;
 
-    fn check<T: PartialEq + Debug>(parse: fn(&str) -> Result<T, String>, input: &str, want: T) {
+    pub(crate) fn check<T: PartialEq + Debug>(
+        parse: fn(&str) -> Result<T, String>,
+        input: &str,
+        want: T,
+    ) {
         assert_eq!(parse(input), Ok(want), "{input}");
     }
 
-    fn refuse<T: Debug>(parse: fn(&str) -> Result<T, String>, inputs: &[&str]) {
+    pub(crate) fn refuse<T: Debug>(parse: fn(&str) -> Result<T, String>, inputs: &[&str]) {
         for input in inputs {
             assert!(parse(input).is_err(), "{input:?} -> {:?}", parse(input));
         }

@@ -135,17 +135,7 @@ pub enum Characters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fmt::Debug;
-
-    fn check<T: PartialEq + Debug>(parse: fn(&str) -> Result<T, String>, input: &str, want: T) {
-        assert_eq!(parse(input), Ok(want), "{input}");
-    }
-
-    fn refuse<T: Debug>(parse: fn(&str) -> Result<T, String>, inputs: &[&str]) {
-        for input in inputs {
-            assert!(parse(input).is_err(), "{input:?} -> {:?}", parse(input));
-        }
-    }
+    use crate::cli::values::tests::{check, refuse};
 
     #[test]
     fn colors_are_linear_or_of_the_screen() {
