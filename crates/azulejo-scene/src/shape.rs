@@ -287,12 +287,6 @@ impl Primitive {
         }
     }
 
-    /// World normal at an object-space surface point.
-    pub fn normal_at(&self, object_point: DVec3) -> DVec3 {
-        let (part, u, v) = self.kind.locate(object_point);
-        self.world_normal(self.kind.normal(part, u, v))
-    }
-
     fn world_normal(&self, object_normal: DVec3) -> DVec3 {
         let m = self.world_from_object.matrix3;
         match self.kind {

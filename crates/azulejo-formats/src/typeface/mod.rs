@@ -107,11 +107,6 @@ impl Typeface {
         glyph.is_some_and(|g| g != GlyphId::NOTDEF)
     }
 
-    /// Number of glyphs.
-    pub fn glyph_count(&self) -> u32 {
-        self.file.num_glyphs()
-    }
-
     /// Ems in a unit of the file.
     fn em(&self) -> f64 {
         1.0 / f64::from(self.file.units_per_em())
