@@ -6,9 +6,11 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
+use azulejo_radiosity::engine::Estimator;
 use azulejo_radiosity::light::reflectances;
+use azulejo_radiosity::row::Columns;
 use azulejo_radiosity::system::System;
-use azulejo_radiosity::{PatchSize, Patches};
+use azulejo_radiosity::{Engine, PatchSize, Patches};
 use azulejo_scene::Rgb;
 use azulejo_scene::synthetic::cube_room;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
@@ -35,7 +37,15 @@ fn worst_error(diffuse: f64, mirror: f64, rays: u32) -> f64 {
     let reflectance = reflectances(&scene, &patches);
     let gatherer = Gatherer::new(Surfaces::new(&scene, &tracer));
     let progress = Progress::new();
-    let system = System::trace(&gatherer, &patches, &reflectance, rays, 1, &progress)
+    let (estimator, _) = Estimator::new(
+        &Engine::Rays,
+        &gatherer,
+        &patches,
+        rays,
+        1,
+        Columns::Diffuse,
+    );
+    let system = System::trace(&gatherer, &patches, &reflectance, &estimator, 1, &progress)
         .expect("nobody cancels");
     let found = system.solve_all(None, &progress).expect("nobody cancels");
     let expected = 1.0 + diffuse / (1.0 - diffuse - mirror);

@@ -5,9 +5,11 @@
 
 mod usage;
 
+use azulejo_radiosity::engine::Estimator;
 use azulejo_radiosity::light::reflectances;
+use azulejo_radiosity::row::Columns;
 use azulejo_radiosity::system::System;
-use azulejo_radiosity::{PatchSize, Patches};
+use azulejo_radiosity::{Engine, PatchSize, Patches};
 use azulejo_scene::synthetic::furnished_room;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
 use std::time::Instant;
@@ -30,7 +32,15 @@ fn main() {
     let gatherer = Gatherer::new(Surfaces::new(&scene, &tracer));
     let prepared = wall.elapsed().as_secs_f64();
     let progress = Progress::new();
-    let system = System::trace(&gatherer, &patches, &reflectance, rays, 1, &progress)
+    let (estimator, _) = Estimator::new(
+        &Engine::Rays,
+        &gatherer,
+        &patches,
+        rays,
+        1,
+        Columns::Diffuse,
+    );
+    let system = System::trace(&gatherer, &patches, &reflectance, &estimator, 1, &progress)
         .expect("nobody cancels");
     let traced = wall.elapsed().as_secs_f64();
     let found = system.solve_all(None, &progress).expect("nobody cancels");

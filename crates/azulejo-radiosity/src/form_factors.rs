@@ -9,6 +9,7 @@
 //! [`form_factors`] does all four, in this order.
 
 mod boxes;
+mod exchange;
 mod merge;
 mod near;
 mod restore;
@@ -16,18 +17,23 @@ mod rows;
 mod shaft;
 mod sides;
 
+use crate::engine::{Engine, Estimator, Ran};
 use crate::patch::{FaceId, PatchSize, Patches};
+use crate::row::Columns;
 use crate::solve::SolveError;
 use crate::stand_in::StandIn;
 use azulejo_scene::Scene;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+pub use exchange::{Exchange, ExchangeAreas};
 use sides::Sides;
 use std::ops::Range;
 
 /// What [`form_factors`] should do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormFactorOptions {
+    /// Who computes them.
+    pub engine: Engine,
     /// How finely faces are divided; `PatchSize::Edge(0.0)` leaves them whole, but cuts concave
     /// ones into convex pieces.
     pub size: PatchSize,
@@ -50,6 +56,7 @@ impl Default for FormFactorOptions {
     /// About 2,500 patches seen from their fronts, 4,096 rays each, formulas where they pay.
     fn default() -> FormFactorOptions {
         FormFactorOptions {
+            engine: Engine::Auto,
             size: PatchSize::Count(2_500),
             rays: 4_096,
             two_sided: false,
@@ -105,6 +112,8 @@ pub struct FormFactors {
     pub is_closed: bool,
     /// Rays traced from patches, without those that mirrors and visibility tests added.
     pub rays: u64,
+    /// Which engine ran.
+    pub ran: Ran,
 }
 
 impl FormFactors {
@@ -199,8 +208,17 @@ pub fn form_factors(
         false => vec![Vec::new(); sides.len()],
     };
     let rays = options.rays.min(MOST_RAYS);
-    let traced = rows::trace(&sides, &gatherer, &exact, rays, hash(&[seed, 1]), progress)?;
+    let (estimator, ran) = Estimator::new(
+        &options.engine,
+        &gatherer,
+        &patches,
+        rays,
+        hash(&[seed, 1]),
+        Columns::All,
+    );
+    let traced = rows::trace(&sides, &gatherer, &exact, &estimator, progress)?;
     let mut factors = merge::merge(&sides, &traced, &exact, progress)?;
+    factors.ran = ran;
     factors.is_closed = restore::is_closed(&factors);
     let is_specular = scene.materials.iter().any(|m| m.is_specular());
     if factors.is_closed && !is_specular {

@@ -12,18 +12,22 @@
 //! delivers rows for their own sake, with standard errors.
 
 pub mod analytic;
+pub mod direct;
+pub mod engine;
 pub mod form_factors;
 pub mod gather;
 pub mod light;
 pub mod matrix;
 pub mod patch;
 pub mod rays;
+pub mod row;
 pub mod solve;
 mod stand_in;
 pub mod stochastic;
 pub mod system;
 pub mod vertices;
 
+pub use engine::{DrawnBy, Engine, Hemicube, Ran};
 pub use form_factors::{FormFactorOptions, FormFactors, form_factors};
 pub use patch::{
     DisplayVertex, FaceId, GivenVertex, PatchPoint, PatchSize, Patches, Polygon, RefinedShape,

@@ -1,7 +1,7 @@
 //! The solved light of the patches, as gathers read it.
 
 use crate::patch::{Patches, RefinedShape};
-use crate::rays::side;
+use crate::row::side;
 use azulejo_scene::{Material, Mesh, Rgb, Scene};
 use azulejo_trace::{Arrival, DiffuseLight, Glow, KernelHit, REPLICATES, Surfaces};
 use glam::DVec2;

@@ -1,5 +1,6 @@
 //! Sparse matrices of form factors.
 
+use crate::row::Entry;
 use azulejo_scene::Rgb;
 use rayon::prelude::*;
 
@@ -30,11 +31,12 @@ impl Matrix {
         }
     }
 
-    /// Appends a row; `entries` sorted by column.
-    pub fn push_row(&mut self, entries: &[(u32, [f32; 3])]) {
-        for (column, weight) in entries {
-            self.columns.push(*column);
-            self.weights.extend_from_slice(&weight[..self.channels]);
+    /// Appends a row; `entries` sorted by side. Ways to the same side are added up.
+    pub fn push_row(&mut self, entries: &[Entry]) {
+        for ways in entries.chunk_by(|a, b| a.side == b.side) {
+            self.columns.push(ways[0].side);
+            let sum = |k: usize| ways.iter().map(|e| e.weight[k]).sum::<f32>();
+            self.weights.extend((0..self.channels).map(sum));
         }
         self.starts.push(self.columns.len() as u64);
     }

@@ -7,52 +7,13 @@
 //! scramblings give four estimates of every row; their spread is its standard error.
 
 use crate::patch::Patches;
+use crate::row::{Columns, Entries, Entry, Row, Side, merged, order, side};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
-use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds, sobol};
-use azulejo_trace::{DirectLight, GatherPoint, Gatherer, REPLICATES};
+use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
+use azulejo_trace::{Gatherer, REPLICATES};
 use std::f64::consts::PI;
-
-/// One side of a patch: twice the patch for the front, one more for the back.
-pub type Side = u32;
-
-/// The side of `patch` that is seen from its front, or from its back.
-pub fn side(patch: u32, front: bool) -> Side {
-    2 * patch + u32::from(!front)
-}
-
-/// Entries of one replicate of a row, sorted by side.
-pub type Entries = Vec<(Side, [f32; 3])>;
-
-/// What the rays of one side of a patch found.
-#[derive(Clone, Debug, Default)]
-pub struct Row {
-    /// Per replicate, the extended form factor to each side that was reached.
-    pub entries: [Entries; REPLICATES],
-    /// Per replicate, irradiance from emission and surroundings that the rays met and that
-    /// [`RayEstimator::direct`] does not count, W/m².
-    pub stray: [Rgb; REPLICATES],
-    /// The part of `stray` that came from the surroundings.
-    pub foreign: Rgb,
-    /// Share of the rays' weight that surfaces absorbed.
-    pub absorbed: Rgb,
-    /// Share that left the scene.
-    pub escaped: Rgb,
-    /// Share that was cut off because it was too weak, or reflected too often.
-    pub cut: Rgb,
-    /// Rays traced from the patch, without those that mirrors added.
-    pub rays: u32,
-}
-
-/// Which sides of patches a row keeps as columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Columns {
-    /// All that rays reach, mirrors too: whole rows, whose shares add up.
-    All,
-    /// Only sides that reflect diffusely: what a solver needs.
-    Diffuse,
-}
 
 /// Computes rows. Immutable; shared by all threads.
 pub struct RayEstimator<'a> {
@@ -62,9 +23,6 @@ pub struct RayEstimator<'a> {
     seed: u32,
     columns: Columns,
 }
-
-/// Positions per replicate at which a patch's direct light is computed.
-const DIRECT_POSITIONS: u32 = 4;
 
 impl<'a> RayEstimator<'a> {
     /// An estimator that spends `rays` per row, rounded up to a multiple of [`REPLICATES`].
@@ -106,16 +64,12 @@ impl<'a> RayEstimator<'a> {
             &mut row,
             &mut found,
         );
-        for (sorted, mut raw) in row.entries.iter_mut().zip(found) {
-            // A stable sort keeps the order of the rays, so sums don't depend on anything else.
-            raw.sort_by_key(|&(j, _)| j);
-            *sorted = merged(&raw);
-        }
+        row.entries = found.map(merged);
         row
     }
 
     /// Rays over the patch and its hemisphere, each carrying its share of a replicate.
-    pub(crate) fn start(&self, side: Side) -> Vec<Path> {
+    fn start(&self, side: Side) -> Vec<Path> {
         let (patch, flip) = (
             (side / 2) as usize,
             if side.is_multiple_of(2) { 1.0 } else { -1.0 },
@@ -161,12 +115,14 @@ impl<'a> RayEstimator<'a> {
         let surfaces = self.gatherer.surfaces();
         let share = 1.0 / REPLICATES as f64;
         let ambient = self.gatherer.ambient() * PI;
+        let up = surfaces.scene.units.up.axis();
         follow(surfaces, paths, scratch, seed, |path, event| {
             let weight = Rgb::from(path.weight.map(f64::from));
             let replicate = path.id as usize;
             match event {
                 Event::Escape => {
-                    row.escaped += weight * share;
+                    let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
+                    row.escaped[usize::from(!is_up)] += weight * share;
                     row.stray[replicate] += weight * ambient;
                     row.foreign += weight * ambient * share;
                 }
@@ -182,55 +138,14 @@ impl<'a> RayEstimator<'a> {
                         weight * self.gatherer.stray_exitance(&hit, front, path.via);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.patches.locate_hit(surfaces, &hit);
-                        found[replicate].push((side_of(patch, front), path.weight));
+                        found[replicate].push(Entry {
+                            side: side(patch, front),
+                            order: order(path.via),
+                            weight: path.weight,
+                        });
                     }
                 }
             }
         });
     }
-
-    /// The light that formulas count on one side of a patch, area-averaged.
-    pub fn direct(&self, side: Side) -> DirectLight {
-        let (patch, flip) = (
-            (side / 2) as usize,
-            if side.is_multiple_of(2) { 1.0 } else { -1.0 },
-        );
-        let mut points = Vec::with_capacity(REPLICATES * DIRECT_POSITIONS as usize);
-        for r in 0..REPLICATES as u32 {
-            let [s1, s2, ..] = seeds(&[self.seed, side, r, 0xd1]);
-            for k in 0..DIRECT_POSITIONS {
-                let at = self
-                    .patches
-                    .sample(patch, sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
-                let key = hash(&[side, r, k]);
-                points.push(GatherPoint {
-                    position: at.position,
-                    normal: flip * at.normal,
-                    key,
-                });
-            }
-        }
-        let found = self.gatherer.direct(&points, 1, self.seed);
-        let mut light = DirectLight::default();
-        let share = 1.0 / f64::from(DIRECT_POSITIONS);
-        for (k, at) in found.iter().enumerate() {
-            light.lamps.replicates[k / DIRECT_POSITIONS as usize] += at.lamps.mean() * share;
-            light.lights += at.lights * (share / REPLICATES as f64);
-        }
-        light
-    }
-}
-
-use side as side_of;
-
-/// Entries of equal side added up.
-fn merged(sorted: &[(Side, [f32; 3])]) -> Entries {
-    let mut out: Entries = Vec::with_capacity(sorted.len());
-    for &(j, w) in sorted {
-        match out.last_mut() {
-            Some((last, sum)) if *last == j => (0..3).for_each(|k| sum[k] += w[k]),
-            _ => out.push((j, w)),
-        }
-    }
-    out
 }

@@ -1,8 +1,10 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
+use crate::engine::{Engine, Estimator, Ran};
 use crate::gather::{Effort, Gathering, MOST_RAYS, gather};
 use crate::light::{PatchLight, reflectances};
 use crate::patch::{PatchSize, Patches};
+use crate::row::Columns;
 use crate::stand_in::StandIn;
 use crate::stochastic;
 use crate::system::{Balance, Found, System};
@@ -15,6 +17,8 @@ use std::fmt;
 /// What the first pass should do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirstPass {
+    /// Who computes the form factors between patches.
+    pub engine: Engine,
     /// How finely faces are divided.
     pub size: PatchSize,
     /// Stop when the estimated relative RMS error of irradiance is below this; `None` leaves it
@@ -37,6 +41,7 @@ impl Default for FirstPass {
     /// Patches of a 1,500th of the area, 3% error or 2,048 rays, bounces to convergence, 4 GiB.
     fn default() -> FirstPass {
         FirstPass {
+            engine: Engine::Auto,
             size: PatchSize::Squares(1_500),
             error: None,
             rays: None,
@@ -132,6 +137,8 @@ pub enum Method {
 pub struct Report {
     /// How.
     pub method: Method,
+    /// Which engine found the form factors; nothing, where there are none.
+    pub ran: Ran,
     /// Number of patches.
     pub patches: usize,
     /// Vertices or points at which irradiance was gathered.
@@ -281,6 +288,7 @@ struct Solved<'a> {
     reflectance: Vec<Rgb>,
     found: Found,
     method: Method,
+    ran: Ran,
 }
 
 impl<'a> Solved<'a> {
@@ -302,9 +310,25 @@ impl<'a> Solved<'a> {
         let (seed, rays) = (hash(&[pass.key(), 0]), pass.patch_rays());
         // Entries of eight bytes, hardly more of them than rays.
         let expected = patches.len() as u64 * u64::from(rays) * 8;
-        let (found, method) = if expected <= pass.memory {
-            let system = System::trace(&gatherer, &patches, &reflectance, rays, seed, progress)?;
-            (system.solve_all(pass.bounces, progress)?, Method::Matrix)
+        let (found, method, ran) = if expected <= pass.memory {
+            let (estimator, ran) = Estimator::new(
+                &pass.engine,
+                &gatherer,
+                &patches,
+                rays,
+                seed,
+                Columns::Diffuse,
+            );
+            let system = System::trace(
+                &gatherer,
+                &patches,
+                &reflectance,
+                &estimator,
+                seed,
+                progress,
+            )?;
+            let found = system.solve_all(pass.bounces, progress)?;
+            (found, Method::Matrix, ran)
         } else {
             let found = stochastic::solve(
                 &gatherer,
@@ -315,7 +339,7 @@ impl<'a> Solved<'a> {
                 seed,
                 progress,
             )?;
-            (found, Method::Stochastic)
+            (found, Method::Stochastic, Ran::default())
         };
         Ok(Solved {
             gatherer,
@@ -323,6 +347,7 @@ impl<'a> Solved<'a> {
             reflectance,
             found,
             method,
+            ran,
         })
     }
 
@@ -345,6 +370,7 @@ impl<'a> Solved<'a> {
         let square_metres = scene.units.metres().powi(2);
         Report {
             method: self.method,
+            ran: self.ran.clone(),
             patches: self.patches.len(),
             points: gathering.gathered.len(),
             patch_rays: self.found.rays,

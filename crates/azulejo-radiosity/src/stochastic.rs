@@ -6,7 +6,7 @@
 //! stochastic algorithms for radiosity*, 1999, section 6.
 
 use crate::patch::Patches;
-use crate::rays::{Side, side};
+use crate::row::{Side, side};
 use crate::system::{Balance, Convergence, Found};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};

@@ -5,11 +5,12 @@
 //! diffuse reflection. Four replicates of every row make four independent systems; the spread of
 //! their solutions carries the noise of the rows through to the answer.
 
+use crate::direct::direct;
+use crate::engine::Estimator;
 use crate::matrix::Matrix;
 use crate::patch::Patches;
-use crate::rays::{Columns, RayEstimator, Row, Side, side};
+use crate::row::{Entry, Row, Side, side};
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::follow::Scratch;
 use azulejo_trace::{Cancelled, DirectLight, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -72,11 +73,10 @@ impl System {
         gatherer: &Gatherer,
         patches: &Patches,
         reflectance: &[Rgb],
-        rays: u32,
+        estimator: &Estimator,
         seed: u32,
         progress: &Progress,
     ) -> Result<System, Cancelled> {
-        let estimator = RayEstimator::new(gatherer, patches, rays, seed, Columns::Diffuse);
         let materials = &gatherer.surfaces().scene.materials;
         let reflects = |p: usize| {
             let m = &materials[patches.material(p) as usize];
@@ -99,7 +99,7 @@ impl System {
         wave.extend(backs.map(|p| side(p as u32, false)));
         let begins = |&s: &Side| {
             let material = &materials[patches.material((s / 2) as usize) as usize];
-            material.is_emitter() || !estimator.direct(s).lights.is_black()
+            material.is_emitter() || !direct(gatherer, patches, seed, s).lights.is_black()
         };
         if gatherer.ambient().is_black() && !wave.iter().any(begins) {
             wave.extend(
@@ -119,7 +119,7 @@ impl System {
                     patches,
                     reflectance,
                     material,
-                    &estimator.direct(s),
+                    &direct(gatherer, patches, seed, s),
                 ))
             };
             let mut unknowns: Vec<Unknown> = wave
@@ -137,22 +137,16 @@ impl System {
                 if progress.out_of_time() {
                     break;
                 }
-                let row = |scratch: &mut Scratch, u: &Unknown| {
-                    progress.advance(1)?;
-                    Ok(estimator.row(u.side, scratch))
-                };
-                let rows: Vec<Row> = block
-                    .par_iter()
-                    .map_init(Scratch::default, row)
-                    .collect::<Result<_, Cancelled>>()?;
+                let sides: Vec<Side> = block.iter().map(|u| u.side).collect();
+                let rows = estimator.rows(&sides, progress)?;
                 for (u, row) in block.iter_mut().zip(&rows) {
                     u.add_row(row, |j| {
                         materials[patches.material(j) as usize].diffuse - reflectance[j]
                     });
                     system.push(row);
-                    for (j, _) in row.entries.iter().flatten() {
-                        if !std::mem::replace(&mut is_planned[*j as usize], true) {
-                            wave.push(*j);
+                    for entry in row.entries.iter().flatten() {
+                        if !std::mem::replace(&mut is_planned[entry.side as usize], true) {
+                            wave.push(entry.side);
                         }
                     }
                 }
@@ -316,11 +310,10 @@ impl Unknown {
             .for_each(|(h, s)| *h += *s);
         self.foreign += row.foreign;
         let share = 1.0 / REPLICATES as f64;
-        let pattern = |(j, w): &(Side, [f32; 3])| {
-            lost((*j / 2) as usize) * Rgb::from(w.map(f64::from)) * share
-        };
+        let pattern =
+            |e: &Entry| lost((e.side / 2) as usize) * Rgb::from(e.weight.map(f64::from)) * share;
         let patterns: Rgb = row.entries.iter().flatten().map(pattern).sum();
-        self.fates = [row.absorbed + patterns, row.escaped, row.cut];
+        self.fates = [row.absorbed + patterns, row.all_escaped(), row.cut];
     }
 }
 
@@ -479,7 +472,11 @@ mod tests {
     #[test]
     fn reciprocity_makes_no_light() {
         let mut matrix = Matrix::new(1);
-        matrix.push_row(&[(2, [1.0 / 16.0; 3])]);
+        matrix.push_row(&[Entry {
+            side: 2,
+            order: 0,
+            weight: [1.0 / 16.0; 3],
+        }]);
         let system = System {
             unknowns: vec![unknown(0, 1.0), unknown(2, 1e-6)],
             matrices: vec![matrix; REPLICATES],

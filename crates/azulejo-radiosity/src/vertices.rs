@@ -8,7 +8,7 @@
 
 use crate::gather::Gathering;
 use crate::patch::{Patches, RefinedShape};
-use crate::rays::side;
+use crate::row::side;
 use azulejo_scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Scene, Shape, SurfaceLight};
 use azulejo_trace::{GatherPoint, Gathered};
 

@@ -9,6 +9,7 @@
 //! On it stand, each on the one before: [`sampling`] (scrambled Sobol points and where they
 //! lead), [`lambert`] (what a point receives from a polygon, exactly), [`follow`] (rays through
 //! mirrors and glass to all they see), and [`Gatherer`] (irradiance at points, for both passes).
+//! [`item_buffer`] asks the same of a raster: what a patch sees through the pixels of a hemicube.
 //! [`Progress`] counts long work and stops it.
 //!
 //! ```
@@ -27,6 +28,7 @@ mod bvh;
 mod exact;
 pub mod follow;
 mod gather;
+pub mod item_buffer;
 mod kernel;
 pub mod lambert;
 mod placed;

@@ -2,10 +2,10 @@
 
 use super::near::ExactRow;
 use super::sides::Sides;
-use crate::rays::{Columns, RayEstimator};
-use azulejo_scene::Rgb;
-use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
-use azulejo_trace::{Cancelled, Gatherer, KernelHit, Progress, REPLICATES};
+use crate::engine::Estimator;
+use crate::row::{Row, Side};
+use azulejo_scene::{Material, Rgb};
+use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
 
 /// A form factor as one row's rays see it.
@@ -40,81 +40,63 @@ pub(super) struct Traced {
     pub rays: u32,
 }
 
+/// Rows asked of the estimator at a time, per thread.
+const BLOCK: usize = 64;
+
 /// Traces all rows.
 pub(super) fn trace(
     sides: &Sides,
     gatherer: &Gatherer,
     exact: &[ExactRow],
-    rays: u32,
-    seed: u32,
+    estimator: &Estimator,
     progress: &Progress,
 ) -> Result<Traced, Cancelled> {
-    let estimator = RayEstimator::new(gatherer, sides.patches, rays, seed, Columns::All);
     progress.begin("form factors", sides.len() as u64);
-    let row = |(scratch, bins): &mut (Scratch, Bins), i: usize| {
-        progress.advance(1)?;
-        exact[i]
-            .iter()
-            .for_each(|e| bins.is_near[e.column as usize] = true);
-        let mut row = RayRow::default();
-        let mut paths = estimator.start(sides.side(i));
-        let key = azulejo_trace::sampling::hash(&[seed, i as u32]);
-        follow(
-            gatherer.surfaces(),
-            &mut paths,
-            scratch,
-            key,
-            |path, event| {
-                account(sides, gatherer, &mut row, bins, path, event);
-            },
-        );
-        exact[i]
-            .iter()
-            .for_each(|e| bins.is_near[e.column as usize] = false);
-        (row.near, row.far) = (bins.near.drain(), bins.far.drain());
-        Ok(row)
-    };
-    let working = || (Scratch::default(), Bins::new(sides.len()));
-    let rows = (0..sides.len())
-        .into_par_iter()
-        .map_init(working, row)
-        .collect::<Result<_, _>>()?;
+    let mut rows = Vec::with_capacity(sides.len());
+    let numbers: Vec<usize> = (0..sides.len()).collect();
+    for block in numbers.chunks(BLOCK * rayon::current_num_threads().max(1)) {
+        let wanted: Vec<Side> = block.iter().map(|&i| sides.side(i)).collect();
+        let found = estimator.rows(&wanted, progress)?;
+        let row = |(&i, row): (&usize, &Row)| ray_row(sides, gatherer, &exact[i], row);
+        rows.par_extend(block.par_iter().zip(&found).map(row));
+    }
     Ok(Traced {
         rows,
         rays: estimator.rays(),
     })
 }
 
-/// Enters one event of one path.
-fn account(
-    sides: &Sides,
-    gatherer: &Gatherer,
-    row: &mut RayRow,
-    bins: &mut Bins,
-    path: &Path,
-    event: Event,
-) {
-    let weight = Rgb::from(path.weight.map(f64::from));
-    let share = 1.0 / REPLICATES as f64;
-    match event {
-        Event::Escape => row.escaped += weight.mean() * share,
-        Event::Cut => row.cut += weight.mean() * share,
-        // What a surface keeps has no column: the row sums say it.
-        Event::Absorbed => {}
-        Event::Surface { hit, front } => {
-            let patch = sides.patches.locate_hit(gatherer.surfaces(), &hit);
-            match sides.column(patch, front) {
-                Some(column) => bins.add(column, path, weight.mean()),
-                None => row.hidden += (weight * ending(gatherer, &hit)).mean() * share,
-            }
+/// Sorts what was found of one row by what there is a formula for.
+fn ray_row(sides: &Sides, gatherer: &Gatherer, exact: &ExactRow, found: &Row) -> RayRow {
+    let mut row = RayRow {
+        escaped: found.all_escaped().mean(),
+        cut: found.cut.mean(),
+        ..RayRow::default()
+    };
+    let materials = &gatherer.surfaces().scene.materials;
+    let (mut near, mut far) = (Vec::new(), Vec::new());
+    for (replicate, entries) in found.entries.iter().enumerate() {
+        for entry in entries {
+            let weight = Rgb::from(entry.weight.map(f64::from));
+            let patch = entry.side / 2;
+            let Some(column) = sides.column(patch, entry.side.is_multiple_of(2)) else {
+                let material = &materials[sides.patches.material(patch as usize) as usize];
+                row.hidden += (weight * ending(material)).mean() / REPLICATES as f64;
+                continue;
+            };
+            let is_near =
+                entry.order == 0 && exact.binary_search_by_key(&column, |e| e.column).is_ok();
+            let list = if is_near { &mut near } else { &mut far };
+            list.push((column, replicate, weight.mean()));
         }
     }
+    (row.near, row.far) = (entries(near), entries(far));
+    row
 }
 
-/// Share of the light at a hit that does not go on. Glass keeps nothing but what its colour
+/// Share of the light on a surface that does not go on. Glass keeps nothing but what its colour
 /// takes, which counts as nobody's.
-fn ending(gatherer: &Gatherer, hit: &KernelHit) -> Rgb {
-    let material = gatherer.surfaces().material(hit.item);
+fn ending(material: &Material) -> Rgb {
     if material.dielectric.is_some() {
         Rgb::BLACK
     } else {
@@ -122,65 +104,18 @@ fn ending(gatherer: &Gatherer, hit: &KernelHit) -> Rgb {
     }
 }
 
-/// Sums of one row, kept between rows to save allocations.
-struct Bins {
-    near: Sums,
-    far: Sums,
-    /// Whether a column of this row has an exact estimate.
-    is_near: Vec<bool>,
-}
-
-impl Bins {
-    fn new(columns: usize) -> Bins {
-        let sums = || Sums {
-            sums: vec![[0.0; REPLICATES]; columns],
-            touched: Vec::new(),
-        };
-        Bins {
-            near: sums(),
-            far: sums(),
-            is_near: vec![false; columns],
-        }
-    }
-
-    fn add(&mut self, column: u32, path: &Path, weight: f64) {
-        let is_near = path.via == Via::Direct && self.is_near[column as usize];
-        let sums = if is_near {
-            &mut self.near
-        } else {
-            &mut self.far
-        };
-        sums.add(column, path.id as usize, weight);
-    }
-}
-
-/// Sums per column and replicate.
-struct Sums {
-    sums: Vec<[f64; REPLICATES]>,
-    touched: Vec<u32>,
-}
-
-impl Sums {
-    fn add(&mut self, column: u32, replicate: usize, weight: f64) {
-        let sums = &mut self.sums[column as usize];
-        // Weights of 0 occur at the poles of curved patches.
-        if weight > 0.0 && *sums == [0.0; REPLICATES] {
-            self.touched.push(column);
-        }
-        sums[replicate] += weight;
-    }
-
-    /// The entries, and empty sums for the next row.
-    fn drain(&mut self) -> Entries {
-        self.touched.sort_unstable();
-        let entries = self.touched.iter().map(|&column| {
-            let values = std::mem::replace(&mut self.sums[column as usize], [0.0; REPLICATES]);
-            entry(column, values)
-        });
-        let entries = entries.collect();
-        self.touched.clear();
-        entries
-    }
+/// Means and variances by column of values in replicates.
+fn entries(mut found: Vec<(u32, usize, f64)>) -> Entries {
+    found.sort_by_key(|&(column, ..)| column);
+    let mean_and_variance = |group: &[(u32, usize, f64)]| {
+        let mut values = [0.0; REPLICATES];
+        group.iter().for_each(|&(_, r, w)| values[r] += w);
+        entry(group[0].0, values)
+    };
+    found
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(mean_and_variance)
+        .collect()
 }
 
 fn entry(column: u32, values: [f64; REPLICATES]) -> Entry {

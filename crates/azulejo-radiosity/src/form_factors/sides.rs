@@ -2,7 +2,7 @@
 
 use super::boxes::{BoxTree, distance};
 use crate::patch::Patches;
-use crate::rays::{Side, side};
+use crate::row::{Side, side};
 use azulejo_scene::math::Aabb;
 use rayon::prelude::*;
 

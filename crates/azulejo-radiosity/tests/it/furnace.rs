@@ -3,7 +3,8 @@
 
 use crate::rooms::*;
 use azulejo_radiosity::patch::Patches;
-use azulejo_radiosity::rays::{Columns, RayEstimator, Row, side};
+use azulejo_radiosity::rays::RayEstimator;
+use azulejo_radiosity::row::{Columns, Row, side};
 use azulejo_radiosity::{FirstPass, PatchSize, solve};
 use azulejo_scene::synthetic::displaced_sphere;
 use azulejo_scene::{
@@ -151,10 +152,10 @@ fn rows_telescope() {
                 .entries
                 .iter()
                 .flatten()
-                .map(|e| f64::from(e.1[0]))
+                .map(|e| f64::from(e.weight[0]))
                 .sum::<f64>()
                 / row.entries.len() as f64;
-            let all = (row.absorbed + row.escaped + row.cut).mean() + sum * diffuse;
+            let all = (row.absorbed + row.all_escaped() + row.cut).mean() + sum * diffuse;
             assert!(
                 (all - 1.0).abs() < 2e-5,
                 "ρ_d {diffuse}, ρ_s {mirror}: {all} of 1"
@@ -189,7 +190,7 @@ fn inside_of_a_sphere_sees_by_area() {
         row.entries
             .iter()
             .flatten()
-            .for_each(|e| factors[e.0 as usize] += f64::from(e.1[0]) / 4.0);
+            .for_each(|e| factors[e.side as usize] += f64::from(e.weight[0]) / 4.0);
         assert!(
             (factors.iter().sum::<f64>() - 1.0).abs() < 1e-3,
             "row {i} sums to {}",

@@ -1,7 +1,8 @@
 //! Light by way of mirrors, plane and curved, one and many, against closed forms.
 
 use crate::rooms::*;
-use azulejo_radiosity::rays::{Columns, RayEstimator, side};
+use azulejo_radiosity::rays::RayEstimator;
+use azulejo_radiosity::row::{Columns, Entries, side};
 use azulejo_radiosity::{FirstPass, PatchSize, Patches, PointNormal};
 use azulejo_scene::{Material, Object, Primitive, Scene, Shape};
 use azulejo_trace::follow::Scratch;
@@ -79,9 +80,9 @@ fn factor(scene: &Scene, from: usize, to: usize, rays: u32) -> (f64, f64) {
     let gatherer = Gatherer::new(Surfaces::new(scene, &tracer));
     let estimator = RayEstimator::new(&gatherer, &patches, rays, 3, Columns::All);
     let row = estimator.row(side(from as u32, true), &mut Scratch::default());
-    let of = |entries: &Vec<(u32, [f32; 3])>| {
-        let hits = entries.iter().filter(|e| e.0 == side(to as u32, true));
-        hits.map(|e| f64::from(e.1[0])).sum::<f64>()
+    let of = |entries: &Entries| {
+        let hits = entries.iter().filter(|e| e.side == side(to as u32, true));
+        hits.map(|e| f64::from(e.weight[0])).sum::<f64>()
     };
     spread(&row.entries.iter().map(of).collect::<Vec<f64>>())
 }

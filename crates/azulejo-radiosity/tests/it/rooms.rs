@@ -1,6 +1,8 @@
 //! Scenes with known answers, and the first pass run on them in parts.
 
+use azulejo_radiosity::engine::Estimator;
 use azulejo_radiosity::light::reflectances;
+use azulejo_radiosity::row::Columns;
 use azulejo_radiosity::system::{Found, System};
 use azulejo_radiosity::{Estimate, FirstPass, PatchSize, Patches, PointNormal, probe};
 use azulejo_scene::synthetic::cube_room;
@@ -109,8 +111,18 @@ impl Matrix {
         let reflectance = reflectances(scene, &patches);
         let (rays, seed) = (pass.rays.unwrap_or(256), pass.seed as u32);
         let progress = Progress::new();
-        let system =
-            System::trace(&gatherer, &patches, &reflectance, rays, seed, &progress).unwrap();
+        let engine = &pass.engine;
+        let (estimator, _) =
+            Estimator::new(engine, &gatherer, &patches, rays, seed, Columns::Diffuse);
+        let system = System::trace(
+            &gatherer,
+            &patches,
+            &reflectance,
+            &estimator,
+            seed,
+            &progress,
+        )
+        .unwrap();
         let found = system.solve_all(pass.bounces, &progress).unwrap();
         let exitance = |p: usize| {
             scene.materials[patches.material(p) as usize]

@@ -5,7 +5,7 @@ use super::clock;
 use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
 use super::session::Session;
-use azulejo_radiosity::{Balance, FirstPass, Light, Method, PatchSize, SolveError};
+use azulejo_radiosity::{Balance, Engine, FirstPass, Light, Method, PatchSize, SolveError};
 
 use azulejo_scene::{Rgb, Scene, Units};
 use azulejo_trace::Tracer;
@@ -26,6 +26,7 @@ pub fn options(args: &FirstPassArgs) -> FirstPass {
         seed: args.seed,
         memory: args.memory.unwrap_or_else(memory_budget),
         keep_mesh: args.keep_mesh,
+        engine: Engine::Auto,
     }
 }
 

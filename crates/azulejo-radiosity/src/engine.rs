@@ -1,0 +1,132 @@
+//! Who computes form factors: the engines, and what is said about which of them ran.
+
+use crate::patch::Patches;
+use crate::rays::RayEstimator;
+use crate::row::{Columns, Row, Side};
+use azulejo_trace::follow::Scratch;
+use azulejo_trace::item_buffer::Device;
+use azulejo_trace::{Cancelled, Gatherer, Progress};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// A way to compute form factors. All estimate the same quantity; each says its error.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Engine {
+    /// Whichever of the others promises the smallest error for its cost; the report says which
+    /// and why.
+    #[default]
+    Auto,
+    /// Rays from all over each patch, through mirrors and glass (Malley's method, Sobol points).
+    Rays,
+    /// Item buffers on hemicubes; flat mirrors are windows to reflected worlds.
+    Hemicube(Hemicube),
+    /// Item buffers for what is seen straight, rays from the pixels of whatever is specular.
+    Hybrid(Hemicube),
+    /// Closed forms for pairs of polygons, with exact shadows; rays for what has no formula.
+    Analytic,
+}
+
+/// How hemicubes are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hemicube {
+    /// Pixels along the side of the top face, even.
+    pub resolution: u32,
+    /// Points of each patch from which one is drawn, rounded up to a multiple of four.
+    pub points: u32,
+    /// Who draws.
+    pub device: DrawnBy,
+}
+
+impl Default for Hemicube {
+    /// 128 pixels, from 16 points, on the processor.
+    fn default() -> Hemicube {
+        Hemicube {
+            resolution: 128,
+            points: 16,
+            device: DrawnBy::Processor,
+        }
+    }
+}
+
+/// Who draws item buffers.
+#[derive(Clone, Debug, Default)]
+pub enum DrawnBy {
+    /// The processor, in software.
+    #[default]
+    Processor,
+    /// Another device; the processor takes over if it fails, and the report says so.
+    Device(Arc<dyn Device>),
+}
+
+impl PartialEq for DrawnBy {
+    /// Devices are equal if they are one.
+    fn eq(&self, other: &DrawnBy) -> bool {
+        match (self, other) {
+            (DrawnBy::Processor, DrawnBy::Processor) => true,
+            (DrawnBy::Device(a), DrawnBy::Device(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+/// Which engine really ran, and why.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ran {
+    /// The engine's name as it is typed: `rays`, `hemicube`, `hybrid` or `analytic`.
+    pub engine: String,
+    /// The kernel or device that did the work.
+    pub device: String,
+    /// Why this one, and what was not done as asked; sentences without full stops.
+    pub notes: Vec<String>,
+}
+
+/// Computes rows of form factors by one of the engines. Immutable; shared by all threads.
+pub enum Estimator<'a> {
+    /// By rays.
+    Rays(RayEstimator<'a>),
+}
+
+impl<'a> Estimator<'a> {
+    /// The estimator of an engine, with `rays` per row where it is rays that it takes.
+    pub fn new(
+        _engine: &Engine,
+        gatherer: &'a Gatherer<'a>,
+        patches: &'a Patches,
+        rays: u32,
+        seed: u32,
+        columns: Columns,
+    ) -> (Estimator<'a>, Ran) {
+        let rays = RayEstimator::new(gatherer, patches, rays, seed, columns);
+        let ran = Ran {
+            engine: "rays".to_owned(),
+            device: "own kernel".to_owned(),
+            notes: Vec::new(),
+        };
+        (Estimator::Rays(rays), ran)
+    }
+
+    /// Rays or pixels per row.
+    pub fn rays(&self) -> u32 {
+        match self {
+            Estimator::Rays(estimator) => estimator.rays(),
+        }
+    }
+
+    /// The rows of some sides, in their order; each depends on its side alone. Advances
+    /// `progress` by one for each.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
+        match self {
+            Estimator::Rays(estimator) => {
+                let row = |scratch: &mut Scratch, &side: &Side| {
+                    progress.advance(1)?;
+                    Ok(estimator.row(side, scratch))
+                };
+                let rows = sides.par_iter().map_init(Scratch::default, row);
+                rows.collect()
+            }
+        }
+    }
+}

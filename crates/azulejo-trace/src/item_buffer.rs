@@ -1,0 +1,293 @@
+//! Item buffers: which patch does each pixel of a hemicube show?
+//!
+//! A [`World`] is what is drawn: triangles that know the patch they are of, and flat mirrors. A
+//! [`Device`] keeps a world in its memory and draws hemicubes of it ([`ItemBuffers::draw`]), many
+//! at a time, each reduced to shares of form factor per patch. There are two kinds of devices: the
+//! processor, which is always there, and graphics cards, which
+//! programs bring along.
+
+use azulejo_scene::Rgb;
+use glam::DVec3;
+use std::fmt;
+
+/// What item buffers show.
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    /// Everything that can be seen or stand in the way.
+    pub triangles: Vec<Facet>,
+    /// Number of patches; patch numbers are below.
+    pub patches: u32,
+    /// For each patch the mirror that it is a part of, or [`NO_MIRROR`]. Empty: none is.
+    pub mirror_of: Vec<u32>,
+    /// Flat mirrors. All patches in one plane with one reflectance are one mirror.
+    pub mirrors: Vec<Mirror>,
+    /// For each patch whether light goes on there in a way that item buffers cannot draw: by a
+    /// curved mirror or by glass. Empty: nowhere.
+    pub is_bent: Vec<bool>,
+    /// The direction that is up, for light that leaves the world: unit length.
+    pub up: DVec3,
+}
+
+/// No mirror, in [`World::mirror_of`].
+pub const NO_MIRROR: u32 = u32::MAX;
+
+/// A triangle of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facet {
+    /// Corners in scene units, counter-clockwise from the front.
+    pub corners: [DVec3; 3],
+    /// The patch it is a part of.
+    pub patch: u32,
+}
+
+/// The plane of a mirror. It mirrors on both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirror {
+    /// A point of the plane.
+    pub point: DVec3,
+    /// Unit normal.
+    pub normal: DVec3,
+    /// Reflectance ρ_s, 0..=1 per channel.
+    pub reflectance: Rgb,
+}
+
+/// A place from which a hemicube is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// The eye, in scene units.
+    pub eye: DVec3,
+    /// Unit normal of the side that looks.
+    pub normal: DVec3,
+    /// Turn of the hemicube about the normal, radians: different turns make noise of aliasing.
+    pub turn: f64,
+}
+
+impl View {
+    /// Axes of the hemicube in the world: x, y, and z along the normal.
+    pub fn axes(&self) -> [DVec3; 3] {
+        let frame = azulejo_scene::math::Frame::from_normal(self.normal);
+        let (sin, cos) = self.turn.sin_cos();
+        [
+            cos * frame.x + sin * frame.y,
+            cos * frame.y - sin * frame.x,
+            frame.z,
+        ]
+    }
+}
+
+/// How hemicubes are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Pixels along the side of the top face: even, 2..=[`MOST_RESOLUTION`].
+    pub resolution: u32,
+    /// What becomes of light at mirrors.
+    pub mirrors: Beyond,
+}
+
+/// Finest hemicube: 12 million pixels.
+pub const MOST_RESOLUTION: u32 = 2048;
+
+/// What a device does with pixels that show a specular patch, beside depositing their share in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Beyond {
+    /// Flat mirrors are windows to the reflected world, drawn in the window's pixels, whose shares
+    /// go on with the mirror's reflectance; and so on until what a pixel still carries is below
+    /// `cut` times its own share, or after `depth` mirrors. What was cut is in [`Seen::cut`]. Pixels of bent
+    /// patches are listed as in [`Beyond::List`], in whatever window they are.
+    Windows {
+        /// Weight below which a chain ends.
+        cut: f32,
+        /// Most mirrors in a chain.
+        depth: u32,
+    },
+    /// Pixels of mirrors and of bent patches are listed in [`Seen::specular`], for rays to go on.
+    List,
+}
+
+/// What one hemicube saw. All shares together make 1 at order 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Shares of form factor by side and order, sorted by both; each pair once.
+    pub shares: Vec<Share>,
+    /// Share that meets nothing, upwards and downwards.
+    pub escaped: [Rgb; 2],
+    /// Share that was cut off between mirrors.
+    pub cut: Rgb,
+    /// Pixels at which rays have to go on.
+    pub specular: Vec<SpecularPixel>,
+}
+
+/// The light of a hemicube that reaches one side of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Twice the patch, one more for its back.
+    pub side: u32,
+    /// Mirrors on the way; 2 stands for more too.
+    pub order: u8,
+    /// Form factor, per channel.
+    pub weight: [f32; 3],
+}
+
+/// A pixel that shows a mirror or a bent patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpecularPixel {
+    /// Where the sight begins: the eye, or its image behind the mirrors on the way.
+    pub eye: DVec3,
+    /// Direction of the pixel's centre in the world, after the mirrors on the way; unit length.
+    pub direction: DVec3,
+    /// Distance from `eye` to what it shows, in scene units, to about 1e-4 of itself.
+    pub distance: f64,
+    /// Twice the patch that it shows, one more for its back.
+    pub side: u32,
+    /// Mirrors on the way.
+    pub order: u8,
+    /// The pixel's share, after those mirrors.
+    pub weight: [f32; 3],
+}
+
+/// Why nothing was drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DrawError {
+    /// There is no such device, or its driver refuses. Says what was looked for and what to do.
+    Missing(String),
+    /// The world or the hemicubes exceed what the device can hold: what, its size, the limit.
+    TooLarge(String),
+    /// The device was lost midway: reset, unplugged, or out of memory.
+    Lost(String),
+}
+
+impl fmt::Display for DrawError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            DrawError::Missing(what) => f.write_str(what),
+            DrawError::TooLarge(what) => write!(f, "too large for the device: {what}"),
+            DrawError::Lost(what) => write!(f, "the device was lost: {what}"),
+        }
+    }
+}
+
+impl std::error::Error for DrawError {}
+
+/// Something that can draw item buffers.
+pub trait Device: Send + Sync + fmt::Debug {
+    /// What it is, for reports: the processor, or a card with its driver.
+    fn name(&self) -> String;
+
+    /// Copies a world to the device.
+    ///
+    /// # Errors
+    /// [`DrawError`].
+    fn load(&self, world: &World, settings: &Settings) -> Result<Box<dyn ItemBuffers>, DrawError>;
+}
+
+/// A world on a device.
+pub trait ItemBuffers: Send + Sync {
+    /// How many views a call should bring, so that the device is busy.
+    fn batch(&self) -> usize;
+
+    /// Draws hemicubes: one [`Seen`] per view, in their order. The answer depends on each view,
+    /// the world and the settings alone, not on threads or on what else is drawn.
+    ///
+    /// # Errors
+    /// [`DrawError::Lost`], [`DrawError::TooLarge`].
+    fn draw(&self, views: &[View]) -> Result<Vec<Seen>, DrawError>;
+}
+
+/// The pixels of a hemicube, and what share of the hemisphere's form factor each has.
+///
+/// Pixel numbers: the top face row by row (y up, then x), then the upper halves of the faces
+/// towards +x, −x, +y, −y, each row by row from the horizon up. On a side face the columns run
+/// along +y, −y, −x, +x, so that each is seen from the eye with z up and the columns to the left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hemicube {
+    resolution: u32,
+    weights: Vec<f32>,
+}
+
+impl Hemicube {
+    /// A hemicube of `resolution` pixels along the top's side; rounded up to an even number.
+    pub fn new(resolution: u32) -> Hemicube {
+        let resolution = resolution.clamp(2, MOST_RESOLUTION).next_multiple_of(2);
+        let mut cube = Hemicube {
+            resolution,
+            weights: Vec::new(),
+        };
+        // The midpoint rule: top 1 / π (x² + y² + 1)², side z / π (y² + z² + 1)², both times the
+        // pixel's area (Cohen and Greenberg 1985, eq. 10 and 11); as direction · normal over the
+        // fourth power of its length they are one. Their sum is 1 up to O(1/n²): divided by it.
+        let raw = |p: u32| {
+            let d = cube.unnormalised(p);
+            d.z / d.length_squared().powi(2)
+        };
+        let raw: Vec<f64> = (0..cube.pixels()).map(raw).collect();
+        let sum: f64 = raw.iter().sum();
+        cube.weights = raw.iter().map(|w| (w / sum) as f32).collect();
+        cube
+    }
+
+    /// Pixels along the side of the top face.
+    pub fn resolution(&self) -> u32 {
+        self.resolution
+    }
+
+    /// Number of pixels: three squares of the resolution.
+    pub fn pixels(&self) -> u32 {
+        3 * self.resolution * self.resolution
+    }
+
+    /// Delta form factors of all pixels, which sum to 1.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
+    /// Direction of a pixel's centre in the hemicube's axes, unit length.
+    pub fn direction(&self, pixel: u32) -> DVec3 {
+        self.unnormalised(pixel).normalize()
+    }
+
+    /// The point where the direction meets the cube of side 2.
+    fn unnormalised(&self, pixel: u32) -> DVec3 {
+        let n = self.resolution;
+        let at = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(n) - 1.0;
+        if pixel < n * n {
+            return DVec3::new(at(pixel % n), at(pixel / n), 1.0);
+        }
+        let half = n * n / 2;
+        let (face, rest) = ((pixel - n * n) / half, (pixel - n * n) % half);
+        let along = at(rest % n);
+        let up = (2.0 * f64::from(rest / n) + 1.0) / f64::from(n);
+        match face {
+            0 => DVec3::new(1.0, along, up),
+            1 => DVec3::new(-1.0, -along, up),
+            2 => DVec3::new(-along, 1.0, up),
+            _ => DVec3::new(along, -1.0, up),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_shares_and_directions_lie_above_the_horizon() {
+        for n in [2, 8, 64] {
+            let cube = Hemicube::new(n);
+            let sum: f64 = cube.weights().iter().map(|&w| f64::from(w)).sum();
+            assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+            assert!((0..cube.pixels()).all(|p| cube.direction(p).z > 0.0));
+        }
+        assert_eq!(Hemicube::new(7).resolution(), 8);
+    }
+
+    #[test]
+    fn the_mean_direction_is_the_cosine_s() {
+        // ∫ d cosθ/π dω = 2/3 z.
+        let cube = Hemicube::new(64);
+        let mean: DVec3 = (0..cube.pixels())
+            .map(|p| f64::from(cube.weights()[p as usize]) * cube.direction(p))
+            .sum();
+        assert!((mean - DVec3::Z * 2.0 / 3.0).length() < 1e-3, "{mean}");
+    }
+}
