@@ -3,7 +3,6 @@
 use crate::patch::Patches;
 use crate::rays::RayEstimator;
 use crate::row::{Columns, Row, Side};
-use azulejo_trace::follow::Scratch;
 use azulejo_trace::item_buffer::Device;
 use azulejo_trace::{Cancelled, Gatherer, Progress};
 use rayon::prelude::*;
@@ -120,12 +119,11 @@ impl<'a> Estimator<'a> {
     pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
         match self {
             Estimator::Rays(estimator) => {
-                let row = |scratch: &mut Scratch, &side: &Side| {
+                let row = |&side: &Side| {
                     progress.advance(1)?;
-                    Ok(estimator.row(side, scratch))
+                    Ok(estimator.row(side))
                 };
-                let rows = sides.par_iter().map_init(Scratch::default, row);
-                rows.collect()
+                sides.par_iter().map(row).collect()
             }
         }
     }

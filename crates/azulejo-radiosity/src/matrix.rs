@@ -35,8 +35,8 @@ impl Matrix {
     pub fn push_row(&mut self, entries: &[Entry]) {
         for ways in entries.chunk_by(|a, b| a.side == b.side) {
             self.columns.push(ways[0].side);
-            let sum = |k: usize| ways.iter().map(|e| e.weight[k]).sum::<f32>();
-            self.weights.extend((0..self.channels).map(sum));
+            let sum: Rgb = ways.iter().map(|e| e.weight).sum();
+            self.weights.extend(&sum.to_f32()[..self.channels]);
         }
         self.starts.push(self.columns.len() as u64);
     }

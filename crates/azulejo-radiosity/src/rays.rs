@@ -7,21 +7,94 @@
 //! scramblings give four estimates of every row; their spread is its standard error.
 
 use crate::patch::Patches;
-use crate::row::{Columns, Entries, Entry, Row, Side, merged, order, side};
+use crate::row::{Columns, Row, Side, Tally, order, side};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
-use azulejo_trace::{Gatherer, REPLICATES};
+use azulejo_trace::{Gatherer, REPLICATES, Tracer};
 use std::f64::consts::PI;
+use std::ops::Range;
+use std::sync::Mutex;
+
+/// Rays followed at a time: enough to keep the tracer busy, few enough to stay in the cache.
+pub(crate) const BATCH: usize = 1024;
+
+/// Where the rays of rows start and where they go.
+pub(crate) struct Starts<'a> {
+    tracer: &'a Tracer,
+    patches: &'a Patches,
+    table: SobolTable,
+    seed: u32,
+}
+
+impl<'a> Starts<'a> {
+    /// At most `count` rays per side and replicate.
+    pub fn new(tracer: &'a Tracer, patches: &'a Patches, count: usize, seed: u32) -> Starts<'a> {
+        Starts {
+            tracer,
+            patches,
+            table: SobolTable::new(count),
+            seed,
+        }
+    }
+
+    /// Rays over a side and its hemisphere, a stretch of a replicate's sequence; each carries the
+    /// `share`.
+    pub fn fill(
+        &self,
+        side: Side,
+        replicate: usize,
+        stretch: Range<usize>,
+        share: f64,
+        paths: &mut Vec<Path>,
+    ) {
+        let (patch, flip) = (
+            (side / 2) as usize,
+            if side.is_multiple_of(2) { 1.0 } else { -1.0 },
+        );
+        let flat_frame = Frame::from_normal(flip * self.patches.normal(patch));
+        let scrambling = seeds(&[self.seed, side, replicate as u32]);
+        paths.extend(stretch.map(|k| {
+            let [u1, u2, u3, u4] = self.table.point(k, scrambling).map(f64::from);
+            let at = self.patches.sample(patch, u1, u2);
+            let normal = flip * at.normal;
+            let frame = if normal == flat_frame.z {
+                flat_frame
+            } else {
+                Frame::from_normal(normal)
+            };
+            let origin = self.tracer.leaving(at.position, normal);
+            Path {
+                ray: self
+                    .tracer
+                    .kernel_ray(&Ray::new(origin, cosine_about(&frame, u3, u4))),
+                id: replicate as u32,
+                weight: Rgb::grey(share * at.weight),
+                via: Via::Direct,
+                depth: 0,
+            }
+        }));
+    }
+}
 
 /// Computes rows. Immutable; shared by all threads.
 pub struct RayEstimator<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
-    table: SobolTable,
+    starts: Starts<'a>,
+    per_replicate: usize,
     seed: u32,
     columns: Columns,
+    /// Working memory that no thread uses at the moment.
+    spare: Mutex<Vec<Work>>,
+}
+
+/// What it takes to compute a row.
+struct Work {
+    paths: Vec<Path>,
+    scratch: Scratch,
+    tally: Tally,
 }
 
 impl<'a> RayEstimator<'a> {
@@ -33,92 +106,69 @@ impl<'a> RayEstimator<'a> {
         seed: u32,
         columns: Columns,
     ) -> RayEstimator<'a> {
-        let table = SobolTable::new(rays.div_ceil(REPLICATES as u32).max(1) as usize);
+        let per_replicate = rays.div_ceil(REPLICATES as u32).max(1) as usize;
         RayEstimator {
             gatherer,
             patches,
-            table,
+            starts: Starts::new(gatherer.surfaces().tracer, patches, per_replicate, seed),
+            per_replicate,
             seed,
             columns,
+            spare: Mutex::new(Vec::new()),
         }
     }
 
     /// Rays per row.
     pub fn rays(&self) -> u32 {
-        (self.table.len() * REPLICATES) as u32
+        (self.per_replicate * REPLICATES) as u32
     }
 
     /// The row of one side of a patch. Depends on nothing but the arguments of
     /// [`new`](RayEstimator::new) and `side`.
-    pub fn row(&self, side: Side, scratch: &mut Scratch) -> Row {
+    pub fn row(&self, side: Side) -> Row {
         let mut row = Row {
             rays: self.rays(),
             ..Row::default()
         };
-        let mut paths = self.start(side);
-        let mut found: [Entries; REPLICATES] = Default::default();
-        self.follow(
-            &mut paths,
-            scratch,
-            hash(&[self.seed, side]),
-            &mut row,
-            &mut found,
-        );
-        row.entries = found.map(merged);
+        let mut work = self.work();
+        let (all, share) = (self.per_replicate, 1.0 / self.per_replicate as f64);
+        for replicate in 0..REPLICATES {
+            for first in (0..all).step_by(BATCH) {
+                let stretch = first..(first + BATCH).min(all);
+                self.starts
+                    .fill(side, replicate, stretch, share, &mut work.paths);
+                let chances = hash(&[self.seed, side, replicate as u32, first as u32]);
+                self.follow(&mut work, chances, replicate, &mut row);
+            }
+            row.entries[replicate] = work.tally.take();
+        }
+        if let Ok(mut spare) = self.spare.lock() {
+            spare.push(work);
+        }
         row
     }
 
-    /// Rays over the patch and its hemisphere, each carrying its share of a replicate.
-    fn start(&self, side: Side) -> Vec<Path> {
-        let (patch, flip) = (
-            (side / 2) as usize,
-            if side.is_multiple_of(2) { 1.0 } else { -1.0 },
-        );
-        let tracer = self.gatherer.surfaces().tracer;
-        let share = 1.0 / self.table.len() as f64;
-        let mut paths = Vec::with_capacity(self.table.len() * REPLICATES);
-        let flat_frame = Frame::from_normal(flip * self.patches.normal(patch));
-        for r in 0..REPLICATES as u32 {
-            let scrambling = seeds(&[self.seed, side, r]);
-            for k in 0..self.table.len() {
-                let [u1, u2, u3, u4] = self.table.point(k, scrambling).map(f64::from);
-                let at = self.patches.sample(patch, u1, u2);
-                let normal = flip * at.normal;
-                let frame = if normal == flat_frame.z {
-                    flat_frame
-                } else {
-                    Frame::from_normal(normal)
-                };
-                let origin = tracer.leaving(at.position, normal);
-                let ray = tracer.kernel_ray(&Ray::new(origin, cosine_about(&frame, u3, u4)));
-                let weight = [(share * at.weight) as f32; 3];
-                paths.push(Path {
-                    ray,
-                    id: r,
-                    weight,
-                    via: Via::Direct,
-                    depth: 0,
-                });
-            }
-        }
-        paths
+    fn work(&self) -> Work {
+        let spare = self.spare.lock().ok().and_then(|mut spare| spare.pop());
+        spare.unwrap_or_else(|| Work {
+            paths: Vec::new(),
+            scratch: Scratch::default(),
+            tally: Tally::new(2 * self.patches.len()),
+        })
     }
 
-    fn follow(
-        &self,
-        paths: &mut Vec<Path>,
-        scratch: &mut Scratch,
-        seed: u32,
-        row: &mut Row,
-        found: &mut [Entries; REPLICATES],
-    ) {
+    fn follow(&self, work: &mut Work, chances: u32, replicate: usize, row: &mut Row) {
         let surfaces = self.gatherer.surfaces();
         let share = 1.0 / REPLICATES as f64;
         let ambient = self.gatherer.ambient() * PI;
         let up = surfaces.scene.units.up.axis();
-        follow(surfaces, paths, scratch, seed, |path, event| {
-            let weight = Rgb::from(path.weight.map(f64::from));
-            let replicate = path.id as usize;
+        let Work {
+            paths,
+            scratch,
+            tally,
+        } = work;
+        follow(surfaces, paths, scratch, chances, |path, event| {
+            let weight = path.weight;
             match event {
                 Event::Escape => {
                     let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
@@ -138,11 +188,7 @@ impl<'a> RayEstimator<'a> {
                         weight * self.gatherer.stray_exitance(&hit, front, path.via);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.patches.locate_hit(surfaces, &hit);
-                        found[replicate].push(Entry {
-                            side: side(patch, front),
-                            order: order(path.via),
-                            weight: path.weight,
-                        });
+                        tally.add(side(patch, front), order(path.via), weight);
                     }
                 }
             }

@@ -45,7 +45,7 @@ enum Shot {
 #[derive(Default)]
 struct Arrivals {
     /// Power that reached diffuse sides, W.
-    deposits: Vec<(Side, [f32; 3])>,
+    deposits: Vec<(Side, Rgb)>,
     balance: Balance,
 }
 
@@ -220,7 +220,7 @@ impl Shooter<'_> {
             hash(&[self.seed, s]),
             |path, event| {
                 if let Event::Escape = event {
-                    sums[path.id as usize] += radiance * PI * Rgb::from(path.weight.map(f64::from));
+                    sums[path.id as usize] += radiance * PI * path.weight;
                 }
             },
         );
@@ -239,7 +239,7 @@ impl Shooter<'_> {
         Path {
             ray,
             id,
-            weight: (weight * at.weight).to_f32(),
+            weight: weight * at.weight,
             via: Via::Direct,
             depth: 0,
         }
@@ -280,7 +280,7 @@ impl Shooter<'_> {
             for a in arrivals {
                 found.balance.add(&a.balance, 1.0 / REPLICATES as f64);
                 for (s, w) in a.deposits {
-                    power[s as usize] += Rgb::from(w.map(f64::from));
+                    power[s as usize] += w;
                 }
             }
         }
@@ -333,7 +333,7 @@ impl Shooter<'_> {
             scratch,
             hash(&[key, first]),
             |path, event| {
-                let weight = Rgb::from(path.weight.map(f64::from));
+                let weight = path.weight;
                 match event {
                     Event::Escape => a.balance.escaped += weight,
                     Event::Cut => a.balance.cut += weight,

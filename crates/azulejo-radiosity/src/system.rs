@@ -310,8 +310,7 @@ impl Unknown {
             .for_each(|(h, s)| *h += *s);
         self.foreign += row.foreign;
         let share = 1.0 / REPLICATES as f64;
-        let pattern =
-            |e: &Entry| lost((e.side / 2) as usize) * Rgb::from(e.weight.map(f64::from)) * share;
+        let pattern = |e: &Entry| lost((e.side / 2) as usize) * e.weight * share;
         let patterns: Rgb = row.entries.iter().flatten().map(pattern).sum();
         self.fates = [row.absorbed + patterns, row.all_escaped(), row.cut];
     }
@@ -475,7 +474,7 @@ mod tests {
         matrix.push_row(&[Entry {
             side: 2,
             order: 0,
-            weight: [1.0 / 16.0; 3],
+            weight: Rgb::grey(1.0 / 16.0),
         }]);
         let system = System {
             unknowns: vec![unknown(0, 1.0), unknown(2, 1e-6)],

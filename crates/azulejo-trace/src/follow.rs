@@ -15,7 +15,7 @@ pub struct Path {
     /// Whatever the caller wants to know when the path arrives.
     pub id: u32,
     /// Share of the light that this path carries, per channel.
-    pub weight: [f32; 3],
+    pub weight: Rgb,
     /// What it met so far.
     pub via: Via,
     /// Interfaces met so far.
@@ -54,7 +54,7 @@ pub enum Event {
 }
 
 /// A path is dropped, and its weight reported as [`Event::Cut`], below this weight.
-pub const WEIGHT_CUT: f32 = 1e-7;
+pub const WEIGHT_CUT: f64 = 1e-7;
 
 /// A path is dropped after this many interfaces: facing perfect mirrors would hold it forever.
 pub const DEPTH_CUT: u16 = 1000;
@@ -138,8 +138,7 @@ fn go_on(
     let facing = if at.entering { at.normal } else { -at.normal };
     let material = surfaces.material(hit.item);
     let mut send = |direction: DVec3, share: Rgb, via: Via| {
-        let s = share.to_f32();
-        let weight = [0, 1, 2].map(|k| path.weight[k] * s[k]);
+        let weight = path.weight * share;
         let side = if direction.dot(facing) >= 0.0 {
             facing
         } else {
@@ -153,7 +152,7 @@ fn go_on(
             depth: path.depth + 1,
             ..*path
         };
-        let alive = weight.iter().any(|&w| w > WEIGHT_CUT) && next.depth < DEPTH_CUT;
+        let alive = weight.max_channel() > WEIGHT_CUT && next.depth < DEPTH_CUT;
         push(if alive {
             Next::Path(next)
         } else {
@@ -187,8 +186,7 @@ fn go_on(
                 }
             }
             if kept.max_channel() > f64::EPSILON {
-                let kept = kept.to_f32();
-                let weight = [0, 1, 2].map(|k| path.weight[k] * kept[k]);
+                let weight = path.weight * kept;
                 push(Next::Kept(Path { weight, ..*path }));
             }
         }
@@ -223,7 +221,7 @@ mod tests {
     use azulejo_scene::{Material, Object, Primitive, Scene, Shape};
 
     /// What becomes of one path straight through two sheets of a material, by kind of event.
-    fn fates(material: Material) -> [f32; 3] {
+    fn fates(material: Material) -> [f64; 3] {
         let mut scene = Scene::default();
         let glass = scene.add_material(material);
         for (z, edge1, edge2) in [(0.0, DVec3::X, DVec3::Y), (1.0, DVec3::Y, DVec3::X)] {
@@ -239,7 +237,7 @@ mod tests {
         let start = Path {
             ray,
             id: 0,
-            weight: [1.0; 3],
+            weight: Rgb::WHITE,
             via: Via::Direct,
             depth: 0,
         };
@@ -250,9 +248,9 @@ mod tests {
             &mut Scratch::default(),
             1,
             |path, event| match event {
-                Event::Escape => fates[0] += path.weight[0],
-                Event::Absorbed => fates[1] += path.weight[0],
-                Event::Cut => fates[2] += path.weight[0],
+                Event::Escape => fates[0] += path.weight.r,
+                Event::Absorbed => fates[1] += path.weight.r,
+                Event::Cut => fates[2] += path.weight.r,
                 Event::Surface { .. } => {}
             },
         );

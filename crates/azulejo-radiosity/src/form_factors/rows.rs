@@ -77,7 +77,7 @@ fn ray_row(sides: &Sides, gatherer: &Gatherer, exact: &ExactRow, found: &Row) ->
     let (mut near, mut far) = (Vec::new(), Vec::new());
     for (replicate, entries) in found.entries.iter().enumerate() {
         for entry in entries {
-            let weight = Rgb::from(entry.weight.map(f64::from));
+            let weight = entry.weight;
             let patch = entry.side / 2;
             let Some(column) = sides.column(patch, entry.side.is_multiple_of(2)) else {
                 let material = &materials[sides.patches.material(patch as usize) as usize];

@@ -10,7 +10,6 @@ use azulejo_scene::synthetic::displaced_sphere;
 use azulejo_scene::{
     Light, LightKind, Material, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape,
 };
-use azulejo_trace::follow::Scratch;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
@@ -137,7 +136,7 @@ fn rows(scene: &Scene, size: PatchSize, rays: u32) -> (Patches, Vec<Row>) {
     let gatherer = Gatherer::new(Surfaces::new(scene, &tracer));
     let estimator = RayEstimator::new(&gatherer, &patches, rays, 1, Columns::All);
     let rows = (0..patches.len() as u32)
-        .map(|p| estimator.row(side(p, true), &mut Scratch::default()))
+        .map(|p| estimator.row(side(p, true)))
         .collect();
     (patches, rows)
 }
@@ -152,17 +151,17 @@ fn rows_telescope() {
                 .entries
                 .iter()
                 .flatten()
-                .map(|e| f64::from(e.weight[0]))
+                .map(|e| e.weight.r)
                 .sum::<f64>()
                 / row.entries.len() as f64;
             let all = (row.absorbed + row.all_escaped() + row.cut).mean() + sum * diffuse;
             assert!(
-                (all - 1.0).abs() < 2e-5,
+                (all - 1.0).abs() < 1e-11,
                 "ρ_d {diffuse}, ρ_s {mirror}: {all} of 1"
             );
             let identity = sum * (1.0 - mirror) + row.cut.mean();
             assert!(
-                (identity - 1.0).abs() < 2e-5,
+                (identity - 1.0).abs() < 1e-11,
                 "ρ_s {mirror}: Σ X (1 − ρ_s) + cut = {identity}"
             );
         }
@@ -185,12 +184,12 @@ fn inside_of_a_sphere_sees_by_area() {
     let estimator = RayEstimator::new(&gatherer, &patches, rays, 1, Columns::All);
     let mut worst = 0f64;
     for i in 0..patches.len() as u32 {
-        let row = estimator.row(side(i, false), &mut Scratch::default());
+        let row = estimator.row(side(i, false));
         let mut factors = vec![0.0; 2 * patches.len()];
         row.entries
             .iter()
             .flatten()
-            .for_each(|e| factors[e.side as usize] += f64::from(e.weight[0]) / 4.0);
+            .for_each(|e| factors[e.side as usize] += e.weight.r / 4.0);
         assert!(
             (factors.iter().sum::<f64>() - 1.0).abs() < 1e-3,
             "row {i} sums to {}",

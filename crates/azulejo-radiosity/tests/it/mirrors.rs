@@ -5,7 +5,6 @@ use azulejo_radiosity::rays::RayEstimator;
 use azulejo_radiosity::row::{Columns, Entries, side};
 use azulejo_radiosity::{FirstPass, PatchSize, Patches, PointNormal};
 use azulejo_scene::{Material, Object, Primitive, Scene, Shape};
-use azulejo_trace::follow::Scratch;
 use azulejo_trace::lambert::{clip_to_window, mirror_polygon, point_to_polygon};
 use azulejo_trace::{Gatherer, Surfaces, Tracer};
 use glam::{DVec3, dvec3};
@@ -79,10 +78,10 @@ fn factor(scene: &Scene, from: usize, to: usize, rays: u32) -> (f64, f64) {
     let patches = Patches::new(scene, PatchSize::Edge(0.0));
     let gatherer = Gatherer::new(Surfaces::new(scene, &tracer));
     let estimator = RayEstimator::new(&gatherer, &patches, rays, 3, Columns::All);
-    let row = estimator.row(side(from as u32, true), &mut Scratch::default());
+    let row = estimator.row(side(from as u32, true));
     let of = |entries: &Entries| {
         let hits = entries.iter().filter(|e| e.side == side(to as u32, true));
-        hits.map(|e| f64::from(e.weight[0])).sum::<f64>()
+        hits.map(|e| e.weight.r).sum::<f64>()
     };
     spread(&row.entries.iter().map(of).collect::<Vec<f64>>())
 }

@@ -277,7 +277,7 @@ impl<'a> Gatherer<'a> {
                 paths.push(Path {
                     ray,
                     id,
-                    weight: [1.0; 3],
+                    weight: Rgb::WHITE,
                     via: Via::Direct,
                     depth: 0,
                 });
@@ -329,7 +329,7 @@ impl DirectionTables {
 /// A hit too near to be read from its patch.
 struct Contact {
     id: u32,
-    weight: [f32; 3],
+    weight: Rgb,
     at: Arrival,
 }
 
@@ -371,7 +371,7 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
                 }
             };
             let sum = &mut sums[point][replicate];
-            (0..3).for_each(|k| sum[k] += f64::from(path.weight[k]) * found[k]);
+            (0..3).for_each(|k| sum[k] += path.weight[k] * found[k]);
         });
     }
 
@@ -390,8 +390,7 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
             } else {
                 -found.normal
             };
-            let rho = self.light.reflectance(&contact.at).to_f32();
-            let weight = [0, 1, 2].map(|k| contact.weight[k] * rho[k]);
+            let weight = contact.weight * self.light.reflectance(&contact.at);
             let key = hash(&[places[contact.id as usize / REPLICATES].key, index as u32]);
             points.push((
                 GatherPoint {
@@ -405,7 +404,7 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
             let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(u1, u2));
             let ray =
                 tracer.kernel_ray(&Ray::new(tracer.leaving(found.position, normal), direction));
-            if weight.iter().any(|&w| w > 0.0) {
+            if weight.max_channel() > 0.0 {
                 paths.push(Path {
                     ray,
                     id: contact.id,
@@ -421,7 +420,7 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
         for ((contact, (_, weight)), e) in contacts.iter().zip(&points).zip(glimpses) {
             let sum =
                 &mut self.sums[contact.id as usize / REPLICATES][contact.id as usize % REPLICATES];
-            (0..3).for_each(|k| sum[k] += f64::from(weight[k]) * e[k]);
+            (0..3).for_each(|k| sum[k] += weight[k] * e[k]);
         }
     }
 }
