@@ -75,7 +75,7 @@ fn room(rays: u32) {
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let found = compute(&scene, &options(rays, analytic));
         let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
-        let (n, entries) = (found.len() as f64, found.values.len() as f64);
+        let (n, entries) = (found.len() as f64, found.exchange.entries() as f64);
         let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
         println!(
             "\nroom, {n} patches, {rays} rays each, formulas {analytic}\n\
@@ -85,7 +85,7 @@ fn room(rays: u32) {
             n / wall,
             found.rays as f64 / wall,
             entries / n,
-            entries * 16.0 / n,
+            found.exchange.bytes() as f64 / n,
             peak_mebibytes(),
             mean(&found.row_errors),
             found.correction,

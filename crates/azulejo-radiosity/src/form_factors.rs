@@ -52,6 +52,9 @@ pub struct FormFactorOptions {
 /// More rays per row than this are not traced: a thread keeps 64 bytes for each.
 pub const MOST_RAYS: u32 = 1 << 20;
 
+/// Entries that are looked at together where whole rows are wanted: 64 MiB of them.
+const BLOCK: usize = 1 << 22;
+
 impl Default for FormFactorOptions {
     /// About 2,500 patches seen from their fronts, 4,096 rays each, formulas where they pay.
     fn default() -> FormFactorOptions {
@@ -73,23 +76,18 @@ impl Default for FormFactorOptions {
 /// Rows and columns are the same list. Without `two_sided` it is the fronts of the patches, in
 /// the order of [`Patches`]: light that meets a back ends there, unless it is covered by a front
 /// (two patches in one place, back to back). With it, front and back of
-/// patch p are entries 2p and 2p + 1. Rows are stored sparsely, columns ascending; an absent
-/// entry is an estimate of 0. Where mirrors are coloured X is the mean of the three channels.
+/// patch p are entries 2p and 2p + 1. Where mirrors are coloured X is the mean of the three
+/// channels.
 ///
 /// Reciprocity is exact: one number S_ij is kept per pair, and X_ij is S_ij / A_i, rounded. It
 /// holds for mirrors and for glass between equal media, so X is not defined where a patch lies
-/// inside glass.
+/// inside glass. Pairs are stored sparsely; one that is absent is an estimate of 0. X is not
+/// negative, and at most 1 for patches that no mirror shows twice.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FormFactors {
-    /// Where each row starts in `columns`, `values` and `errors`, and after the last where it
-    /// ends: one more entry than there are rows.
-    pub starts: Vec<u64>,
-    /// The column of each entry.
-    pub columns: Vec<u32>,
-    /// X of each entry, ≥ 0; at most 1 for patches that no mirror shows twice.
-    pub values: Vec<f64>,
-    /// Standard error of each entry: two to either side hold the truth 95 times in 100.
-    pub errors: Vec<f32>,
+    /// S_ij = A_i X_ij of every pair, with its standard error: two to either side hold the truth
+    /// 95 times in 100.
+    pub exchange: ExchangeAreas,
     /// Area of each row, in square scene units.
     pub areas: Vec<f64>,
     /// The face that each row is a piece of.
@@ -127,43 +125,64 @@ impl FormFactors {
         self.areas.is_empty()
     }
 
-    /// Where row `i` stands in `columns`, `values` and `errors`.
-    ///
-    /// # Panics
-    /// Without such a row.
-    pub fn range(&self, i: usize) -> Range<usize> {
-        self.starts[i] as usize..self.starts[i + 1] as usize
-    }
-
-    /// Column, X and standard error of each entry of row `i`.
+    /// Column, X and standard error of each entry of row `i`, columns ascending. Searches all
+    /// rows above: [`rows`](FormFactors::rows) finds many at once.
     ///
     /// # Panics
     /// Without such a row.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (u32, f64, f32)> {
-        self.range(i)
-            .map(|k| (self.columns[k], self.values[k], self.errors[k]))
+        self.rows(i..i + 1).into_iter().flatten()
     }
 
-    /// X_ij and its standard error; zeros if the entry is absent.
+    /// Column, X and standard error of the entries of some rows, columns ascending.
     ///
     /// # Panics
-    /// Without row `i`.
-    pub fn get(&self, i: usize, j: u32) -> (f64, f32) {
-        let range = self.range(i);
-        match self.columns[range.clone()].binary_search(&j) {
-            Ok(k) => (self.values[range.start + k], self.errors[range.start + k]),
-            Err(_) => (0.0, 0.0),
+    /// If the range goes beyond the last row.
+    pub fn rows(&self, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
+        let rows = self.exchange.rows(range.clone());
+        let factors = |(i, row): (usize, Vec<Exchange>)| {
+            let factor = |e: Exchange| {
+                let (value, error) = self.factor(i, e);
+                (e.column, value, error)
+            };
+            row.into_iter().map(factor).collect()
+        };
+        range.zip(rows).map(factors).collect()
+    }
+
+    /// Ranges of rows, in order, each of a few million entries: as much as
+    /// [`rows`](FormFactors::rows) should be asked for at a time.
+    pub fn blocks(&self) -> Vec<Range<usize>> {
+        let (mut blocks, mut start, mut entries) = (Vec::new(), 0, 0);
+        for (i, length) in self.exchange.row_lengths().iter().enumerate() {
+            entries += length;
+            if entries >= BLOCK || i + 1 == self.len() {
+                blocks.push(start..i + 1);
+                (start, entries) = (i + 1, 0);
+            }
         }
+        blocks
     }
 
-    /// Σ_j X_ij. Without mirrors it is 1 less what escapes or is hidden, but for noise, which
-    /// restoration takes away in closed scenes. With mirrors that is Σ_j X_ij (1 − ρ_s,j), so that
-    /// the plain sum exceeds 1.
+    /// X_ij and its standard error; zeros if the pair is absent.
     ///
     /// # Panics
-    /// Without such a row.
-    pub fn row_sum(&self, i: usize) -> f64 {
-        self.values[self.range(i)].iter().sum()
+    /// Without a row of the smaller number.
+    pub fn get(&self, i: usize, j: u32) -> (f64, f32) {
+        self.factor(i, self.exchange.get(i, j as usize))
+    }
+
+    /// Σ_j X_ij of every row. Without mirrors it is 1 less what escapes or is hidden, but for
+    /// noise, which restoration takes away in closed scenes. With mirrors that is
+    /// Σ_j X_ij (1 − ρ_s,j), so that the plain sum exceeds 1.
+    pub fn row_sums(&self) -> Vec<f64> {
+        let sums = self.exchange.row_sums();
+        sums.iter().zip(&self.areas).map(|(s, a)| s / a).collect()
+    }
+
+    fn factor(&self, i: usize, e: Exchange) -> (f64, f32) {
+        let area = self.areas[i];
+        (e.value / area, (f64::from(e.error) / area) as f32)
     }
 }
 
@@ -224,24 +243,14 @@ pub fn form_factors(
     if factors.is_closed && !is_specular {
         factors.correction = restore::restore(&mut factors, progress)?;
     }
-    finish(&mut factors);
+    factors.row_errors = row_errors(&factors);
     Ok(factors)
 }
 
-/// From exchange areas, which the entries are so far, to form factors.
-fn finish(factors: &mut FormFactors) {
-    for i in 0..factors.len() {
-        let (range, area) = (factors.range(i), factors.areas[i]);
-        factors.values[range.clone()]
-            .iter_mut()
-            .for_each(|s| *s /= area);
-        let errors = &mut factors.errors[range];
-        errors
-            .iter_mut()
-            .for_each(|e| *e = (f64::from(*e) / area) as f32);
-        let sum: f64 = errors.iter().map(|&e| f64::from(e)).sum();
-        factors
-            .row_errors
-            .push(sum * std::f64::consts::FRAC_2_PI.sqrt());
-    }
+/// What is known of a row once its entries are.
+fn row_errors(factors: &FormFactors) -> Vec<f64> {
+    let sums = factors.exchange.sums(|_, e| f64::from(e.error));
+    let expected = std::f64::consts::FRAC_2_PI.sqrt();
+    let rows = sums.iter().zip(&factors.areas);
+    rows.map(|(sum, area)| expected * sum / area).collect()
 }

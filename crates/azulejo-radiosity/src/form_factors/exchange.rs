@@ -1,5 +1,6 @@
 //! Exchange areas S_ij = A_i X_ij, each pair kept once.
 
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// The exchange area of a pair.
@@ -13,141 +14,182 @@ pub struct Exchange {
     pub error: f32,
 }
 
+/// Sums over rows are added up in this many parts, whatever the number of threads.
+const PARTS: usize = 16;
+
 /// A sparse symmetric matrix of exchange areas: the upper triangle, row by row.
 ///
-/// 16 bytes per pair, so that 20,000 patches that nearly all see each other fit in 3 GB, and
+/// 16 bytes per pair, so that 20,000 patches that nearly all see each other fit in 3.2 GB, and
 /// reciprocity holds to the last bit because there is nothing to disagree.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExchangeAreas {
-    /// Where each row starts, and after the last where it ends.
-    starts: Vec<u64>,
-    columns: Vec<u32>,
-    values: Vec<f64>,
-    errors: Vec<f32>,
+    /// Per row the entries from the diagonal on, columns ascending. A row has an allocation of
+    /// its own, so that nothing is moved when the matrix grows.
+    rows: Vec<Box<[Exchange]>>,
 }
 
 impl ExchangeAreas {
     /// No rows yet.
     pub fn new() -> ExchangeAreas {
-        ExchangeAreas {
-            starts: vec![0],
-            ..ExchangeAreas::default()
-        }
+        ExchangeAreas::default()
     }
 
     /// Appends the next row i: entries with columns ≥ i, ascending.
     pub fn push_row(&mut self, entries: impl IntoIterator<Item = Exchange>) {
+        let entries: Box<[Exchange]> = entries.into_iter().collect();
         let row = self.len() as u32;
-        for e in entries {
-            debug_assert!(e.column >= row, "{} is below row {row}", e.column);
-            self.columns.push(e.column);
-            self.values.push(e.value);
-            self.errors.push(e.error);
-        }
-        self.starts.push(self.columns.len() as u64);
+        debug_assert!(
+            entries.iter().all(|e| e.column >= row),
+            "row {row} is not upper"
+        );
+        debug_assert!(
+            entries.is_sorted_by(|a, b| a.column < b.column),
+            "row {row} ascends"
+        );
+        self.rows.push(entries);
     }
 
     /// Number of rows.
     pub fn len(&self) -> usize {
-        self.starts.len().saturating_sub(1)
+        self.rows.len()
     }
 
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.rows.is_empty()
     }
 
     /// Number of pairs kept, those of a row with itself included.
     pub fn pairs(&self) -> usize {
-        self.columns.len()
+        self.rows.iter().map(|r| r.len()).sum()
+    }
+
+    /// Number of entries of the whole matrix.
+    pub fn entries(&self) -> usize {
+        self.row_lengths().iter().sum()
     }
 
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
-        8 * self.starts.len() + 16 * self.columns.len()
+        size_of::<Box<[Exchange]>>() * self.len() + size_of::<Exchange>() * self.pairs()
     }
 
     /// The part of row `i` from the diagonal on.
-    pub fn upper(&self, i: usize) -> impl Iterator<Item = Exchange> {
-        self.range(i).map(|k| self.at(k))
+    ///
+    /// # Panics
+    /// Without such a row.
+    pub fn upper(&self, i: usize) -> &[Exchange] {
+        &self.rows[i]
     }
 
     /// S_ij; zero if the pair is absent.
+    ///
+    /// # Panics
+    /// Without a row of the smaller number.
     pub fn get(&self, i: usize, j: usize) -> Exchange {
         let (low, high) = (i.min(j), i.max(j) as u32);
-        let range = self.range(low);
-        match self.columns[range.clone()].binary_search(&high) {
-            Ok(k) => Exchange {
-                column: j as u32,
-                ..self.at(range.start + k)
-            },
-            Err(_) => Exchange {
-                column: j as u32,
-                ..Exchange::default()
-            },
+        let row = &self.rows[low];
+        let found = row.binary_search_by_key(&high, |e| e.column);
+        Exchange {
+            column: j as u32,
+            ..found.map_or(Exchange::default(), |k| row[k])
         }
     }
 
     /// The whole rows of a range, columns ascending. Looks once at every row before the range's
     /// end: ask for many rows at a time.
+    ///
+    /// # Panics
+    /// If the range goes beyond the last row.
     pub fn rows(&self, range: Range<usize>) -> Vec<Vec<Exchange>> {
         let mut rows = vec![Vec::new(); range.len()];
-        for i in 0..range.end.min(self.len()) {
-            let entries = self.range(i);
-            let columns = &self.columns[entries.clone()];
-            let first = columns.partition_point(|&j| (j as usize) < range.start);
-            for k in entries.start + first..entries.end {
-                let e = self.at(k);
-                if e.column as usize >= range.end {
-                    break;
-                }
-                if e.column as usize != i {
-                    rows[e.column as usize - range.start].push(Exchange {
-                        column: i as u32,
-                        ..e
-                    });
-                }
-            }
-            if i >= range.start {
-                rows[i - range.start].extend(self.upper(i));
+        for (i, upper) in self.rows[..range.end].iter().enumerate() {
+            // The entries below the diagonal come from the rows above.
+            let first = upper.partition_point(|e| (e.column as usize) < range.start.max(i + 1));
+            for e in upper[first..]
+                .iter()
+                .take_while(|e| (e.column as usize) < range.end)
+            {
+                let mirrored = Exchange {
+                    column: i as u32,
+                    ..*e
+                };
+                rows[e.column as usize - range.start].push(mirrored);
             }
         }
+        let uppers = &self.rows[range];
+        rows.iter_mut()
+            .zip(uppers)
+            .for_each(|(row, upper)| row.extend_from_slice(upper));
         rows
+    }
+
+    /// How many entries each whole row has.
+    pub fn row_lengths(&self) -> Vec<usize> {
+        let mut lengths = vec![0; self.len()];
+        for (i, upper) in self.rows.iter().enumerate() {
+            lengths[i] += upper.len();
+            let below = upper.iter().filter(|e| e.column as usize != i);
+            below.for_each(|e| lengths[e.column as usize] += 1);
+        }
+        lengths
     }
 
     /// Σ_j S_ij of every row.
     pub fn row_sums(&self) -> Vec<f64> {
-        let mut sums = vec![0.0; self.len()];
-        for i in 0..self.len() {
-            for e in self.upper(i) {
-                sums[i] += e.value;
-                if e.column as usize != i {
-                    sums[e.column as usize] += e.value;
+        self.sums(|_, e| e.value)
+    }
+
+    /// Σ_j f(i, j) of every row, for a symmetric f of the pairs that are kept.
+    pub fn sums(&self, f: impl Fn(usize, &Exchange) -> f64 + Sync) -> Vec<f64> {
+        let part_sums = |part: &Range<usize>| {
+            let mut sums = vec![0.0; self.len()];
+            for i in part.clone() {
+                for e in self.upper(i) {
+                    let value = f(i, e);
+                    sums[i] += value;
+                    if e.column as usize != i {
+                        sums[e.column as usize] += value;
+                    }
                 }
             }
-        }
-        sums
+            sums
+        };
+        let parts = self.parts();
+        let sums: Vec<Vec<f64>> = parts.par_iter().map(part_sums).collect();
+        let total = |i: usize| sums.iter().map(|s| s[i]).sum();
+        (0..self.len()).into_par_iter().map(total).collect()
     }
 
     /// Changes all pairs: `change(i, S_ij)` gives the new value and error.
-    pub fn map(&mut self, mut change: impl FnMut(usize, Exchange) -> (f64, f32)) {
-        for i in 0..self.len() {
-            for k in self.range(i) {
-                (self.values[k], self.errors[k]) = change(i, self.at(k));
+    pub fn map(&mut self, change: impl Fn(usize, &Exchange) -> (f64, f32) + Sync) {
+        self.rows.par_iter_mut().enumerate().for_each(|(i, row)| {
+            row.iter_mut()
+                .for_each(|e| (e.value, e.error) = change(i, e));
+        });
+    }
+
+    /// Ranges of rows of about equal numbers of pairs, which depend on the matrix alone.
+    fn parts(&self) -> Vec<Range<usize>> {
+        let share = self.pairs() / PARTS + 1;
+        let (mut parts, mut start, mut pairs) = (Vec::new(), 0, 0);
+        for (i, row) in self.rows.iter().enumerate() {
+            pairs += row.len();
+            if pairs >= share || i + 1 == self.len() {
+                parts.push(start..i + 1);
+                (start, pairs) = (i + 1, 0);
             }
         }
+        parts
     }
+}
 
-    fn range(&self, i: usize) -> Range<usize> {
-        self.starts[i] as usize..self.starts[i + 1] as usize
-    }
-
-    fn at(&self, k: usize) -> Exchange {
-        Exchange {
-            column: self.columns[k],
-            value: self.values[k],
-            error: self.errors[k],
-        }
+impl FromIterator<Vec<Exchange>> for ExchangeAreas {
+    /// The matrix of these upper rows.
+    fn from_iter<T: IntoIterator<Item = Vec<Exchange>>>(rows: T) -> ExchangeAreas {
+        let mut areas = ExchangeAreas::new();
+        rows.into_iter().for_each(|row| areas.push_row(row));
+        areas
     }
 }
 
@@ -164,11 +206,17 @@ mod tests {
     }
 
     #[test]
+    fn a_pair_takes_sixteen_bytes() {
+        assert_eq!(size_of::<Exchange>(), 16);
+    }
+
+    #[test]
     fn rows_are_whole_from_half_of_the_matrix() {
-        let mut areas = ExchangeAreas::new();
-        areas.push_row([exchange(0, 1.0), exchange(2, 2.0)]);
-        areas.push_row([exchange(2, 3.0)]);
-        areas.push_row([]);
+        let areas = ExchangeAreas::from_iter([
+            vec![exchange(0, 1.0), exchange(2, 2.0)],
+            vec![exchange(2, 3.0)],
+            vec![],
+        ]);
         let columns = |row: &Vec<Exchange>| row.iter().map(|e| e.column).collect::<Vec<_>>();
         let rows = areas.rows(0..3);
         assert_eq!(
@@ -177,8 +225,9 @@ mod tests {
         );
         assert_eq!(areas.rows(1..3), rows[1..]);
         assert_eq!(areas.row_sums(), [3.0, 3.0, 5.0]);
+        assert_eq!(areas.row_lengths(), [2, 1, 2]);
         assert_eq!((areas.get(2, 1).value, areas.get(1, 2).value), (3.0, 3.0));
         assert_eq!(areas.get(1, 1).value, 0.0);
-        assert_eq!(areas.pairs(), 3);
+        assert_eq!((areas.pairs(), areas.entries()), (3, 5));
     }
 }

@@ -1,9 +1,9 @@
 //! One exchange area per pair from what the rays of both sides and the formula say.
 
-use super::FormFactors;
 use super::near::{Exact, ExactRow};
 use super::rows::{Entries, Entry, RayRow, Traced};
 use super::sides::Sides;
+use super::{Exchange, ExchangeAreas, FormFactors};
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -21,7 +21,7 @@ const STUDENT: f64 = 2.284 / 2.0;
 /// costs little, and as few as that fit in memory beside the rest.
 const BLOCKS: usize = 128;
 
-/// Merges all pairs. The values and errors of the result are still exchange areas.
+/// Merges all pairs.
 pub(super) fn merge(
     sides: &Sides,
     traced: &Traced,
@@ -37,23 +37,25 @@ pub(super) fn merge(
     };
     let size = n.div_ceil(BLOCKS).max(16);
     let blocks: Vec<Range<usize>> = (0..n).step_by(size).map(|i| i..(i + size).min(n)).collect();
-    let mut factors = described(sides, traced);
-    let most = traced
-        .rows
-        .iter()
-        .map(|r| 2 * (r.far.len() + r.near.len()))
-        .sum::<usize>();
-    factors.reserve(most);
+    let mut exchange = ExchangeAreas::new();
     progress.begin("merging", n as u64);
     for wave in blocks.chunks(2 * rayon::current_num_threads().max(1)) {
         progress.advance((wave.len() * size) as u64)?;
         let merged: Vec<Vec<Vec<Exact>>> =
             wave.par_iter().map(|b| merger.block(b.clone())).collect();
-        merged.iter().flatten().for_each(|row| factors.push(row));
+        for row in merged.iter().flatten() {
+            exchange.push_row(row.iter().map(|e| Exchange {
+                column: e.column,
+                value: e.value,
+                error: e.error as f32,
+            }));
+        }
     }
-    factors.shrink();
-    factors.areas = areas;
-    Ok(factors)
+    Ok(FormFactors {
+        exchange,
+        areas,
+        ..described(sides, traced)
+    })
 }
 
 /// Everything but the entries.
@@ -61,7 +63,6 @@ fn described(sides: &Sides, traced: &Traced) -> FormFactors {
     let rows = 0..sides.len();
     let of = |f: fn(&RayRow) -> f64| traced.rows.iter().map(f).collect();
     FormFactors {
-        starts: vec![0],
         faces: rows
             .clone()
             .map(|i| sides.patches.face(sides.patch(i)))
@@ -75,27 +76,6 @@ fn described(sides: &Sides, traced: &Traced) -> FormFactors {
     }
 }
 
-impl FormFactors {
-    fn reserve(&mut self, entries: usize) {
-        self.columns.reserve_exact(entries);
-        self.values.reserve_exact(entries);
-        self.errors.reserve_exact(entries);
-    }
-
-    fn push(&mut self, row: &[Exact]) {
-        self.columns.extend(row.iter().map(|e| e.column));
-        self.values.extend(row.iter().map(|e| e.value));
-        self.errors.extend(row.iter().map(|e| e.error as f32));
-        self.starts.push(self.columns.len() as u64);
-    }
-
-    fn shrink(&mut self) {
-        self.columns.shrink_to_fit();
-        self.values.shrink_to_fit();
-        self.errors.shrink_to_fit();
-    }
-}
-
 struct Merger<'a> {
     traced: &'a Traced,
     exact: &'a [ExactRow],
@@ -103,23 +83,24 @@ struct Merger<'a> {
 }
 
 impl Merger<'_> {
-    /// The merged rows of a block.
+    /// The merged rows of a block, from the diagonal on.
     fn block(&self, rows: Range<usize>) -> Vec<Vec<Exact>> {
         let far = transposed(&self.traced.rows, |r| &r.far, rows.clone());
         let near = transposed(&self.traced.rows, |r| &r.near, rows.clone());
         let merged = rows.zip(far.iter().zip(&near)).map(|(i, (far, near))| {
             let own = &self.traced.rows[i];
-            let direct = better(&self.exact[i], &self.rays(i, &own.near, near));
+            let known = upper(i, &self.exact[i], |e| e.column);
+            let direct = better(known, &self.rays(i, &own.near, near));
             sum(&self.rays(i, &own.far, far), &direct)
         });
         merged.collect()
     }
 
-    /// Row `i` from its own rays and, transposed, those of the others.
+    /// Row `i` from the diagonal on, from its own rays and, transposed, those of the others.
     fn rays(&self, i: usize, own: &[Entry], others: &[Entry]) -> Vec<Exact> {
         let mut merged = Vec::with_capacity(own.len().max(others.len()));
         union(
-            own,
+            upper(i, own, |e| e.column),
             others,
             |e| e.column,
             |e| e.column,
@@ -180,19 +161,24 @@ fn variance(value: f64, spread: f64, one_ray: f64) -> f64 {
         / (SPREAD_FREEDOM + MODEL_FREEDOM)
 }
 
-/// The entries that all rows have in the columns `block`, by column.
+/// The entries of row `i` from the diagonal on.
+fn upper<E>(i: usize, row: &[E], column: impl Fn(&E) -> u32) -> &[E] {
+    &row[row.partition_point(|e| (column(e) as usize) < i)..]
+}
+
+/// The entries that all rows have in the columns `block` on or below the diagonal, by column.
 fn transposed(
     rows: &[RayRow],
     part: impl Fn(&RayRow) -> &Entries,
     block: Range<usize>,
 ) -> Vec<Entries> {
     let mut columns = vec![Entries::new(); block.len()];
-    for (j, row) in rows.iter().enumerate() {
+    for (j, row) in rows.iter().enumerate().skip(block.start) {
         let entries = part(row);
         let first = entries.partition_point(|e| (e.column as usize) < block.start);
         for e in entries[first..]
             .iter()
-            .take_while(|e| (e.column as usize) < block.end)
+            .take_while(|e| (e.column as usize) < block.end.min(j + 1))
         {
             columns[e.column as usize - block.start].push(Entry {
                 column: j as u32,

@@ -1,8 +1,7 @@
 //! Rows that sum to what they should.
 
-use super::FormFactors;
+use super::{Exchange, FormFactors};
 use azulejo_trace::{Cancelled, Progress};
-use rayon::prelude::*;
 
 /// Deviation of row sums, relative to the area, at which the iteration ends.
 const TOLERANCE: f64 = 1e-8;
@@ -20,7 +19,8 @@ const LEAST: f64 = 0.1;
 /// a closed room.
 pub(super) fn is_closed(factors: &FormFactors) -> bool {
     let keeps = |i: usize| factors.escaped[i] <= LOSS;
-    let sees = |i: usize| !factors.range(i).is_empty();
+    let lengths = factors.exchange.row_lengths();
+    let sees = |i: usize| lengths[i] > 0;
     (0..factors.len()).any(sees) && (0..factors.len()).all(|i| keeps(i) || !sees(i))
 }
 
@@ -53,13 +53,12 @@ struct System<'a> {
 impl System<'_> {
     fn new(factors: &FormFactors) -> System<'_> {
         let kept = |i: usize| 1.0 - factors.hidden[i] - factors.cut[i];
-        let lack = |i: usize| {
-            kept(i) * factors.areas[i] - factors.values[factors.range(i)].iter().sum::<f64>()
-        };
+        let sums = factors.exchange.row_sums();
+        let diagonal = factors.exchange.sums(|_, e| variance(e));
+        let lack = |i: usize| kept(i) * factors.areas[i] - sums[i];
         let inverse = |i: usize| {
-            let diagonal: f64 = factors.range(i).map(|k| variance(factors, k)).sum();
-            if diagonal > 0.0 && kept(i) > LOSS {
-                diagonal.recip()
+            if diagonal[i] > 0.0 && kept(i) > LOSS {
+                diagonal[i].recip()
             } else {
                 0.0
             }
@@ -67,8 +66,8 @@ impl System<'_> {
         let rows = 0..factors.len();
         System {
             factors,
-            lacks: rows.clone().into_par_iter().map(lack).collect(),
-            inverse: rows.into_par_iter().map(inverse).collect(),
+            lacks: rows.clone().map(lack).collect(),
+            inverse: rows.map(inverse).collect(),
         }
     }
 
@@ -118,20 +117,16 @@ impl System<'_> {
     }
 
     fn times(&self, x: &[f64]) -> Vec<f64> {
-        let row = |i: usize| {
-            if self.inverse[i] == 0.0 {
-                return 0.0;
-            }
-            let term =
-                |k: usize| variance(self.factors, k) * (x[i] + x[self.factors.columns[k] as usize]);
-            self.factors.range(i).map(term).sum()
-        };
-        (0..x.len()).into_par_iter().map(row).collect()
+        let term = |i: usize, e: &Exchange| variance(e) * (x[i] + x[e.column as usize]);
+        let mut product = self.factors.exchange.sums(term);
+        let stay = product.iter_mut().zip(&self.inverse);
+        stay.filter(|(_, m)| **m == 0.0).for_each(|(p, _)| *p = 0.0);
+        product
     }
 }
 
-fn variance(factors: &FormFactors, k: usize) -> f64 {
-    f64::from(factors.errors[k]).powi(2)
+fn variance(e: &Exchange) -> f64 {
+    f64::from(e.error).powi(2)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -143,17 +138,13 @@ fn add(to: &mut [f64], share: f64, x: &[f64]) {
 }
 
 fn apply(factors: &mut FormFactors, multipliers: &[f64]) -> f64 {
-    let (mut changed, mut whole) = (0.0, 0.0);
-    for i in 0..factors.len() {
-        for k in factors.range(i) {
-            let value = factors.values[k];
-            let change =
-                variance(factors, k) * (multipliers[i] + multipliers[factors.columns[k] as usize]);
-            let change = change.max((LEAST - 1.0) * value);
-            whole += value;
-            changed += change.abs();
-            factors.values[k] = value + change;
-        }
-    }
+    let change = |i: usize, e: &Exchange| {
+        let change = variance(e) * (multipliers[i] + multipliers[e.column as usize]);
+        change.max((LEAST - 1.0) * e.value)
+    };
+    let exchange = &mut factors.exchange;
+    let whole: f64 = exchange.row_sums().iter().sum();
+    let changed: f64 = exchange.sums(|i, e| change(i, e).abs()).iter().sum();
+    exchange.map(|i, e| (e.value + change(i, e), e.error));
     if whole > 0.0 { changed / whole } else { 0.0 }
 }

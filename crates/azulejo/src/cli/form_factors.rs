@@ -51,7 +51,7 @@ fn options(args: &FormFactorArgs) -> FormFactorOptions {
 }
 
 fn describe(factors: &FormFactors, report: &mut Report) {
-    let (n, entries) = (factors.len(), factors.values.len());
+    let (n, entries) = (factors.len(), factors.exchange.entries());
     report.fact("patches", n, "patches", count(n));
     let share = entries as f64 / (n as f64 * n as f64);
     let words = format!("{}, {} of the matrix", count(entries), percent(share));
@@ -66,7 +66,7 @@ fn describe(factors: &FormFactors, report: &mut Report) {
     };
     report.fact("closed", factors.is_closed, "scene", words);
     // An empty row sums to −0, which is true but looks wrong.
-    let sums: Vec<f64> = (0..n).map(|i| factors.row_sum(i) + 0.0).collect();
+    let sums: Vec<f64> = factors.row_sums().iter().map(|s| s + 0.0).collect();
     let low = sums.iter().copied().fold(f64::INFINITY, f64::min);
     let high = sums.iter().copied().fold(0.0, f64::max);
     let middle = mean(factors, &sums);
