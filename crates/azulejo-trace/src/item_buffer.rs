@@ -6,6 +6,16 @@
 //! processor, which is always there, and graphics cards, which
 //! programs bring along.
 
+#[cfg(test)]
+mod drawn_tests;
+mod processor;
+mod raster;
+mod sight;
+mod tally;
+mod world;
+
+pub use processor::Processor;
+
 use azulejo_scene::Rgb;
 use glam::DVec3;
 use std::fmt;
@@ -92,8 +102,9 @@ pub const MOST_RESOLUTION: u32 = 2048;
 pub enum Beyond {
     /// Flat mirrors are windows to the reflected world, drawn in the window's pixels, whose shares
     /// go on with the mirror's reflectance; and so on until what a pixel still carries is below
-    /// `cut` times its own share, or after `depth` mirrors. What was cut is in [`Seen::cut`]. Pixels of bent
-    /// patches are listed as in [`Beyond::List`], in whatever window they are.
+    /// `cut` times its own share in all channels, or after `depth` mirrors. What was cut is in
+    /// [`Seen::cut`]. Pixels of bent patches are listed as in [`Beyond::List`], in whatever window
+    /// they are; a patch that is both bent and of a mirror is bent.
     Windows {
         /// Weight below which a chain ends.
         cut: f32,
@@ -113,7 +124,8 @@ pub struct Seen {
     pub escaped: [Rgb; 2],
     /// Share that was cut off between mirrors.
     pub cut: Rgb,
-    /// Pixels at which rays have to go on.
+    /// Pixels at which rays have to go on, by the number of mirrors on the way; their shares are in
+    /// `shares` too, and no share is of a patch both listed and not.
     pub specular: Vec<SpecularPixel>,
 }
 
@@ -131,11 +143,13 @@ pub struct Share {
 /// A pixel that shows a mirror or a bent patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpecularPixel {
-    /// Where the sight begins: the eye, or its image behind the mirrors on the way.
-    pub eye: DVec3,
+    /// Where the last leg of the sight begins: the eye, or the place at the last mirror on the
+    /// way (off its plane by rounding, towards the leg).
+    pub origin: DVec3,
     /// Direction of the pixel's centre in the world, after the mirrors on the way; unit length.
     pub direction: DVec3,
-    /// Distance from `eye` to what it shows, in scene units, to about 1e-4 of itself.
+    /// Distance from `origin` to what it shows, in scene units, to about 1e-4 of itself and of the
+    /// distance from the eye to `origin`.
     pub distance: f64,
     /// Twice the patch that it shows, one more for its back.
     pub side: u32,

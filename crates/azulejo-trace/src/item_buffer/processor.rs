@@ -1,0 +1,301 @@
+//! Item buffers drawn by the processor, in software: always there.
+
+use super::raster::{Canvas, NOTHING, Region, draw};
+use super::sight::{FACES, Face, Sight};
+use super::tally::Tally;
+use super::world::{Kind, LocalWorld};
+use super::{
+    Beyond, Device, DrawError, Hemicube, ItemBuffers, Seen, Settings, SpecularPixel, View, World,
+};
+use azulejo_scene::Rgb;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Mutex;
+
+/// The processor as a [`Device`]: draws views side by side on all threads of the current rayon
+/// pool, each alone on its thread. Never fails.
+///
+/// Works in `f32` about the world's centre, planes in `f64`. Facets thinner than 1e-9 of their
+/// length, with corners that are not finite, or of patches that there are not are left out. Of
+/// facets in one plane (to 1e-8 of the world's size) the lowest patch is seen. What lies in the
+/// eye's own plane is not seen, and neither is, in a mirror, what is nearer to its plane than
+/// 1e-6 of the world's size. The memory of a thread is 16 bytes a pixel and 24 a patch, however
+/// many mirrors face each other.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Processor;
+
+/// Views per thread in a call.
+const BATCH: usize = 16;
+
+impl Device for Processor {
+    fn name(&self) -> String {
+        "processor".to_owned()
+    }
+
+    fn load(&self, world: &World, settings: &Settings) -> Result<Box<dyn ItemBuffers>, DrawError> {
+        Ok(Box::new(Drawing::new(world, settings)))
+    }
+}
+
+/// A world ready to be drawn by the processor.
+struct Drawing {
+    world: LocalWorld,
+    cube: Hemicube,
+    beyond: Beyond,
+    /// Centres of columns and rows, −1..1.
+    centres: Vec<f32>,
+    /// Working memory that no thread uses now.
+    idle: Mutex<Vec<Scratch>>,
+}
+
+impl ItemBuffers for Drawing {
+    fn batch(&self) -> usize {
+        BATCH * rayon::current_num_threads().max(1)
+    }
+
+    fn draw(&self, views: &[View]) -> Result<Vec<Seen>, DrawError> {
+        Ok(views.par_iter().map(|view| self.see(view)).collect())
+    }
+}
+
+/// Pixels and sums of one view at a time.
+struct Scratch {
+    /// Nearness of what each pixel shows; infinite between draws.
+    nearness: Vec<f32>,
+    sides: Vec<u32>,
+    tally: Tally,
+}
+
+/// Pixels that show one reflected world.
+struct Window {
+    sight: Sight,
+    /// Its pixels, among those of the level.
+    pixels: Range<usize>,
+}
+
+/// All windows behind the same number of mirrors.
+#[derive(Default)]
+struct Level {
+    windows: Vec<Window>,
+    pixels: Vec<u32>,
+}
+
+impl Drawing {
+    fn new(world: &World, settings: &Settings) -> Drawing {
+        let cube = Hemicube::new(settings.resolution);
+        let n = cube.resolution();
+        let centre = |k: u32| ((2.0 * f64::from(k) + 1.0) / f64::from(n) - 1.0) as f32;
+        Drawing {
+            world: LocalWorld::new(world),
+            beyond: settings.mirrors,
+            centres: (0..n).map(centre).collect(),
+            cube,
+            idle: Mutex::default(),
+        }
+    }
+
+    fn see(&self, view: &View) -> Seen {
+        let idle = self.idle.lock().ok().and_then(|mut idle| idle.pop());
+        let mut scratch = idle.unwrap_or_else(|| self.scratch());
+        let seen = self.see_with(view, &mut scratch);
+        if let Ok(mut idle) = self.idle.lock() {
+            idle.push(scratch);
+        }
+        seen
+    }
+
+    fn scratch(&self) -> Scratch {
+        let pixels = self.cube.pixels() as usize;
+        Scratch {
+            nearness: vec![f32::INFINITY; pixels],
+            sides: vec![NOTHING; pixels],
+            tally: Tally::new(self.world.patches),
+        }
+    }
+
+    /// Level by level: what is seen behind k mirrors is drawn once all that is behind fewer is
+    /// known, into the pixels that show the last of them. Windows of one level never overlap.
+    fn see_with(&self, view: &View, scratch: &mut Scratch) -> Seen {
+        let mut seen = Seen::default();
+        let all: Vec<u32> = (0..self.cube.pixels()).collect();
+        let whole = Window {
+            sight: Sight::new(view, &self.world.local),
+            pixels: 0..all.len(),
+        };
+        let mut level = Level {
+            windows: vec![whole],
+            pixels: all,
+        };
+        let mut depth = 0;
+        while !level.windows.is_empty() {
+            let mut next = Level::default();
+            for window in &level.windows {
+                let pixels = &level.pixels[window.pixels.clone()];
+                let faces: [Face; FACES] = std::array::from_fn(|face| window.sight.face(face));
+                self.draw(&faces, pixels, scratch);
+                let found = Found {
+                    drawing: self,
+                    sight: &window.sight,
+                    faces: &faces,
+                    depth,
+                };
+                found.read(pixels, scratch, &mut seen, &mut next);
+            }
+            level = next;
+            depth += 1;
+        }
+        seen.shares = scratch.tally.take();
+        seen
+    }
+
+    /// Draws the world into some pixels, sorted.
+    fn draw(&self, faces: &[Face; FACES], pixels: &[u32], scratch: &mut Scratch) {
+        for &p in pixels {
+            scratch.nearness[p as usize] = 0.0;
+            scratch.sides[p as usize] = NOTHING;
+        }
+        for (number, face) in faces.iter().enumerate() {
+            let range = self.pixels_of(number);
+            let first = pixels.partition_point(|&p| (p as usize) < range.start);
+            let end = pixels.partition_point(|&p| (p as usize) < range.end);
+            let mut region = Region::EMPTY;
+            for &p in &pixels[first..end] {
+                let (_, column, row) = self.place(p);
+                region.add(column, row);
+            }
+            let mut canvas = Canvas {
+                nearness: &mut scratch.nearness[range.clone()],
+                sides: &mut scratch.sides[range],
+                centres: &self.centres,
+                first_row: if number == 0 { 0 } else { self.side() / 2 },
+            };
+            draw(&self.world, face, &region, &mut canvas);
+        }
+    }
+
+    /// Pixels along a face.
+    fn side(&self) -> usize {
+        self.centres.len()
+    }
+
+    /// The pixels of a face.
+    fn pixels_of(&self, face: usize) -> Range<usize> {
+        let (n, half) = (self.side(), self.side() * self.side() / 2);
+        match face {
+            0 => 0..n * n,
+            _ => n * n + (face - 1) * half..n * n + face * half,
+        }
+    }
+
+    /// Face, column and row of a pixel; rows of side faces begin at the horizon, in the middle.
+    fn place(&self, pixel: u32) -> (usize, usize, usize) {
+        let (p, n) = (pixel as usize, self.side());
+        if p < n * n {
+            return (0, p % n, p / n);
+        }
+        let (face, rest) = ((p - n * n) / (n * n / 2), (p - n * n) % (n * n / 2));
+        (face + 1, rest % n, rest / n + n / 2)
+    }
+}
+
+/// What is in the pixels of a window once it is drawn.
+struct Found<'a> {
+    drawing: &'a Drawing,
+    sight: &'a Sight,
+    faces: &'a [Face; FACES],
+    /// Mirrors on the way.
+    depth: u32,
+}
+
+impl Found<'_> {
+    /// Adds up the pixels, hands mirrors on to the next level, and closes the window.
+    fn read(&self, pixels: &[u32], scratch: &mut Scratch, seen: &mut Seen, next: &mut Level) {
+        let mut mirrored: Vec<(u32, u32)> = Vec::new();
+        let order = self.depth.min(2) as u8;
+        for &p in pixels {
+            let side = scratch.sides[p as usize];
+            let nearness = std::mem::replace(&mut scratch.nearness[p as usize], f32::INFINITY);
+            let share = self.share(p);
+            if side == NOTHING {
+                seen.escaped[usize::from(!self.looks_up(p))] += share;
+                continue;
+            }
+            scratch.tally.add(side, order, share);
+            match (self.drawing.world.kind(side / 2), self.drawing.beyond) {
+                (Kind::Matt, _) => {}
+                (Kind::Mirror(mirror), Beyond::Windows { .. }) => mirrored.push((mirror, p)),
+                _ => seen.specular.push(self.specular(p, side, nearness)),
+            }
+        }
+        mirrored.sort_unstable();
+        for group in mirrored.chunk_by(|a, b| a.0 == b.0) {
+            self.open(group, seen, next);
+        }
+    }
+
+    /// Opens a window for the pixels of one mirror, or counts them as cut.
+    fn open(&self, group: &[(u32, u32)], seen: &mut Seen, next: &mut Level) {
+        let sight = self
+            .sight
+            .behind(&self.drawing.world.mirrors[group[0].0 as usize]);
+        let goes_on = match self.drawing.beyond {
+            Beyond::Windows { cut, depth } => {
+                sight.tint.max_channel() >= f64::from(cut) && self.depth < depth
+            }
+            Beyond::List => false,
+        };
+        let is_dark = sight.tint.max_channel() <= 0.0;
+        if is_dark || !goes_on {
+            let weights = self.drawing.cube.weights();
+            let share: f64 = group
+                .iter()
+                .map(|&(_, p)| f64::from(weights[p as usize]))
+                .sum();
+            seen.cut += sight.tint * share;
+            return;
+        }
+        let first = next.pixels.len();
+        next.pixels.extend(group.iter().map(|&(_, p)| p));
+        next.windows.push(Window {
+            sight,
+            pixels: first..next.pixels.len(),
+        });
+    }
+
+    /// What a pixel carries.
+    fn share(&self, pixel: u32) -> Rgb {
+        self.sight.tint * f64::from(self.drawing.cube.weights()[pixel as usize])
+    }
+
+    fn looks_up(&self, pixel: u32) -> bool {
+        let (face, x, y) = self.picture(pixel);
+        face.direction(x, y).dot(self.drawing.world.up) >= 0.0
+    }
+
+    /// The face of a pixel and the point of its picture.
+    fn picture(&self, pixel: u32) -> (&Face, f64, f64) {
+        let (face, column, row) = self.drawing.place(pixel);
+        let centre = |k: usize| f64::from(self.drawing.centres[k]);
+        (&self.faces[face], centre(column), centre(row))
+    }
+
+    fn specular(&self, pixel: u32, side: u32, nearness: f32) -> SpecularPixel {
+        let (face, x, y) = self.picture(pixel);
+        let local = &self.drawing.world.local;
+        let direction = face.direction(x, y);
+        let along = 1.0 / f64::from(nearness);
+        // The leg begins where the sight leaves the last mirror.
+        let start = face.begin.as_ref().map_or(0.0, |begin| {
+            let [a, b, c] = begin.nearness;
+            (1.0 / (a * x + b * y + c)).min(along)
+        });
+        SpecularPixel {
+            origin: local.world_point(self.sight.eye + start * direction),
+            direction: direction.normalize(),
+            distance: (along - start) * direction.length() * local.reach,
+            side,
+            order: self.depth.min(2) as u8,
+            weight: self.share(pixel).to_f32(),
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Adds up the shares of pixels by what they show.
+
+use super::Share;
+use azulejo_scene::Rgb;
+
+/// Orders told apart: straight, by one mirror, by more.
+const ORDERS: usize = 3;
+const FREE: u32 = u32::MAX;
+
+/// Sums by side and order, in `f64`, in the order in which they are added.
+pub(super) struct Tally {
+    /// For each side and order, where its sum stands.
+    places: Vec<u32>,
+    keys: Vec<u32>,
+    sums: Vec<Rgb>,
+}
+
+impl Tally {
+    pub fn new(patches: u32) -> Tally {
+        Tally {
+            places: vec![FREE; 2 * patches as usize * ORDERS],
+            keys: Vec::new(),
+            sums: Vec::new(),
+        }
+    }
+
+    pub fn add(&mut self, side: u32, order: u8, share: Rgb) {
+        let key = side * ORDERS as u32 + u32::from(order);
+        let place = &mut self.places[key as usize];
+        if *place == FREE {
+            *place = self.sums.len() as u32;
+            self.keys.push(key);
+            self.sums.push(Rgb::BLACK);
+        }
+        self.sums[*place as usize] += share;
+    }
+
+    /// The sums, sorted by side and order; nothing is left.
+    pub fn take(&mut self) -> Vec<Share> {
+        self.keys.sort_unstable();
+        let share = |&key: &u32| {
+            let place = std::mem::replace(&mut self.places[key as usize], FREE);
+            Share {
+                side: key / ORDERS as u32,
+                order: (key % ORDERS as u32) as u8,
+                weight: self.sums[place as usize].to_f32(),
+            }
+        };
+        let shares = self.keys.iter().map(share).collect();
+        self.keys.clear();
+        self.sums.clear();
+        shares
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_are_sorted_and_start_anew() {
+        let mut tally = Tally::new(3);
+        for _round in 0..2 {
+            tally.add(5, 0, Rgb::grey(0.25));
+            tally.add(2, 1, Rgb::new(1.0, 0.0, 0.0));
+            tally.add(5, 0, Rgb::grey(0.5));
+            tally.add(2, 0, Rgb::WHITE);
+            let found: Vec<_> = tally
+                .take()
+                .iter()
+                .map(|s| (s.side, s.order, s.weight))
+                .collect();
+            let expected = [(2, 0, [1.0; 3]), (2, 1, [1.0, 0.0, 0.0]), (5, 0, [0.75; 3])];
+            assert_eq!(found, expected);
+        }
+        assert!(tally.take().is_empty());
+    }
+}
