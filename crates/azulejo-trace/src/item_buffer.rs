@@ -14,7 +14,7 @@ mod sight;
 mod tally;
 mod world;
 
-pub use processor::Processor;
+pub use processor::{Processor, ProcessorBuffers};
 
 use azulejo_scene::Rgb;
 use glam::DVec3;
@@ -115,7 +115,11 @@ pub enum Beyond {
     List,
 }
 
-/// What one hemicube saw. All shares together make 1 at order 0.
+/// What one hemicube saw.
+///
+/// At order 0 the shares and what escapes make 1; what is seen behind each mirror, escapes there
+/// or is cut there makes the mirror's share times its reflectance. Devices that add in single
+/// precision keep that to about 1e-6, the processor to 1e-12.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seen {
     /// Shares of form factor by side and order, sorted by both; each pair once.
@@ -137,7 +141,7 @@ pub struct Share {
     /// Mirrors on the way; 2 stands for more too.
     pub order: u8,
     /// Form factor, per channel.
-    pub weight: [f32; 3],
+    pub weight: Rgb,
 }
 
 /// A pixel that shows a mirror or a bent patch.
@@ -156,7 +160,7 @@ pub struct SpecularPixel {
     /// Mirrors on the way.
     pub order: u8,
     /// The pixel's share, after those mirrors.
-    pub weight: [f32; 3],
+    pub weight: Rgb,
 }
 
 /// Why nothing was drawn.
@@ -250,7 +254,7 @@ impl Hemicube {
         3 * self.resolution * self.resolution
     }
 
-    /// Delta form factors of all pixels, which sum to 1.
+    /// Delta form factors of all pixels, which sum to 1 up to their rounding.
     pub fn weights(&self) -> &[f32] {
         &self.weights
     }

@@ -26,6 +26,8 @@ pub struct Processor;
 
 /// Views per thread in a call.
 const BATCH: usize = 16;
+/// Pixels per thread in a call, as long as that leaves one view: all may be listed.
+const MOST_PIXELS: usize = 1 << 20;
 
 impl Device for Processor {
     fn name(&self) -> String {
@@ -33,14 +35,16 @@ impl Device for Processor {
     }
 
     fn load(&self, world: &World, settings: &Settings) -> Result<Box<dyn ItemBuffers>, DrawError> {
-        Ok(Box::new(Drawing::new(world, settings)))
+        Ok(Box::new(ProcessorBuffers::new(world, settings)))
     }
 }
 
 /// A world ready to be drawn by the processor.
-struct Drawing {
+pub struct ProcessorBuffers {
     world: LocalWorld,
     cube: Hemicube,
+    /// What pixels carry, in `f64`: sums to 1 to the last digits.
+    weights: Vec<f64>,
     beyond: Beyond,
     /// Centres of columns and rows, −1..1.
     centres: Vec<f32>,
@@ -48,13 +52,14 @@ struct Drawing {
     idle: Mutex<Vec<Scratch>>,
 }
 
-impl ItemBuffers for Drawing {
+impl ItemBuffers for ProcessorBuffers {
     fn batch(&self) -> usize {
-        BATCH * rayon::current_num_threads().max(1)
+        let most = MOST_PIXELS / self.weights.len();
+        rayon::current_num_threads().max(1) * most.clamp(1, BATCH)
     }
 
     fn draw(&self, views: &[View]) -> Result<Vec<Seen>, DrawError> {
-        Ok(views.par_iter().map(|view| self.see(view)).collect())
+        Ok(self.see(views))
     }
 }
 
@@ -80,21 +85,30 @@ struct Level {
     pixels: Vec<u32>,
 }
 
-impl Drawing {
-    fn new(world: &World, settings: &Settings) -> Drawing {
+impl ProcessorBuffers {
+    /// Copies a world.
+    pub fn new(world: &World, settings: &Settings) -> ProcessorBuffers {
         let cube = Hemicube::new(settings.resolution);
         let n = cube.resolution();
         let centre = |k: u32| ((2.0 * f64::from(k) + 1.0) / f64::from(n) - 1.0) as f32;
-        Drawing {
+        let sum: f64 = cube.weights().iter().map(|&w| f64::from(w)).sum();
+        let weights = cube.weights().iter().map(|&w| f64::from(w) / sum);
+        ProcessorBuffers {
             world: LocalWorld::new(world),
             beyond: settings.mirrors,
             centres: (0..n).map(centre).collect(),
+            weights: weights.collect(),
             cube,
             idle: Mutex::default(),
         }
     }
 
-    fn see(&self, view: &View) -> Seen {
+    /// Draws hemicubes as [`ItemBuffers::draw`] does, without ever failing.
+    pub fn see(&self, views: &[View]) -> Vec<Seen> {
+        views.par_iter().map(|view| self.see_one(view)).collect()
+    }
+
+    fn see_one(&self, view: &View) -> Seen {
         let idle = self.idle.lock().ok().and_then(|mut idle| idle.pop());
         let mut scratch = idle.unwrap_or_else(|| self.scratch());
         let seen = self.see_with(view, &mut scratch);
@@ -132,7 +146,7 @@ impl Drawing {
             for window in &level.windows {
                 let pixels = &level.pixels[window.pixels.clone()];
                 let faces: [Face; FACES] = std::array::from_fn(|face| window.sight.face(face));
-                self.draw(&faces, pixels, scratch);
+                self.draw_into(&faces, pixels, scratch);
                 let found = Found {
                     drawing: self,
                     sight: &window.sight,
@@ -149,7 +163,7 @@ impl Drawing {
     }
 
     /// Draws the world into some pixels, sorted.
-    fn draw(&self, faces: &[Face; FACES], pixels: &[u32], scratch: &mut Scratch) {
+    fn draw_into(&self, faces: &[Face; FACES], pixels: &[u32], scratch: &mut Scratch) {
         for &p in pixels {
             scratch.nearness[p as usize] = 0.0;
             scratch.sides[p as usize] = NOTHING;
@@ -200,7 +214,7 @@ impl Drawing {
 
 /// What is in the pixels of a window once it is drawn.
 struct Found<'a> {
-    drawing: &'a Drawing,
+    drawing: &'a ProcessorBuffers,
     sight: &'a Sight,
     faces: &'a [Face; FACES],
     /// Mirrors on the way.
@@ -246,11 +260,8 @@ impl Found<'_> {
         };
         let is_dark = sight.tint.max_channel() <= 0.0;
         if is_dark || !goes_on {
-            let weights = self.drawing.cube.weights();
-            let share: f64 = group
-                .iter()
-                .map(|&(_, p)| f64::from(weights[p as usize]))
-                .sum();
+            let weight = |&(_, p): &(u32, u32)| self.drawing.weights[p as usize];
+            let share: f64 = group.iter().map(weight).sum();
             seen.cut += sight.tint * share;
             return;
         }
@@ -264,7 +275,7 @@ impl Found<'_> {
 
     /// What a pixel carries.
     fn share(&self, pixel: u32) -> Rgb {
-        self.sight.tint * f64::from(self.drawing.cube.weights()[pixel as usize])
+        self.sight.tint * self.drawing.weights[pixel as usize]
     }
 
     fn looks_up(&self, pixel: u32) -> bool {
@@ -295,7 +306,7 @@ impl Found<'_> {
             distance: (along - start) * direction.length() * local.reach,
             side,
             order: self.depth.min(2) as u8,
-            weight: self.share(pixel).to_f32(),
+            weight: self.share(pixel),
         }
     }
 }

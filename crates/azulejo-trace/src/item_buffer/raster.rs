@@ -47,7 +47,7 @@ impl Region {
     /// Grows until it holds a pixel.
     pub fn add(&mut self, column: usize, row: usize) {
         let grow = |range: &mut Range<usize>, k: usize| {
-            *range = if range.is_empty() {
+            *range = if range.start >= range.end {
                 k..k + 1
             } else {
                 range.start.min(k)..range.end.max(k + 1)

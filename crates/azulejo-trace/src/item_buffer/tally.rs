@@ -43,7 +43,7 @@ impl Tally {
             Share {
                 side: key / ORDERS as u32,
                 order: (key % ORDERS as u32) as u8,
-                weight: self.sums[place as usize].to_f32(),
+                weight: self.sums[place as usize],
             }
         };
         let shares = self.keys.iter().map(share).collect();
@@ -70,7 +70,11 @@ mod tests {
                 .iter()
                 .map(|s| (s.side, s.order, s.weight))
                 .collect();
-            let expected = [(2, 0, [1.0; 3]), (2, 1, [1.0, 0.0, 0.0]), (5, 0, [0.75; 3])];
+            let expected = [
+                (2, 0, Rgb::WHITE),
+                (2, 1, Rgb::new(1.0, 0.0, 0.0)),
+                (5, 0, Rgb::grey(0.75)),
+            ];
             assert_eq!(found, expected);
         }
         assert!(tally.take().is_empty());
