@@ -1,18 +1,27 @@
-//! Exact form factors between polygons that nothing hides from each other.
+//! Exact form factors between polygons.
 //!
 //! [`form_factor`] integrates round both contours and is good to about 1e-13;
-//! [`form_factor_fast`] takes the cheapest formula that is good enough. Both cut either polygon at
-//! the plane of the other, take concave polygons, and take polygons that touch or cross.
+//! [`form_factor_fast`] takes the cheapest formula that is good enough; [`visible_form_factor`]
+//! knows what stands between, and [`mirrored_form_factor`] follows planar mirrors. All cut either polygon at the plane of the other, take concave
+//! polygons, and take polygons that touch or cross.
 //!
 //! A polygon is a slice of corners in one plane, counter-clockwise seen from its front, which is
 //! the side that emits and receives. It must not cross itself.
 
+mod blocker;
+mod cells;
 mod contour;
+mod kinks;
+mod mirrored;
+mod occluded;
 mod quadrature;
+mod shadow;
 
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, clip, polygon_vector};
 use glam::DVec3;
+pub use mirrored::mirrored_form_factor;
+pub use occluded::visible_form_factor;
 use quadrature::gauss;
 use std::f64::consts::PI;
 
@@ -31,6 +40,15 @@ const FAST_SAFETY: f64 = 0.5;
 const FAST_MOST_POINTS: f64 = 4.0;
 /// Share of the accuracy left to each edge pair of the contours.
 const FAST_EXACT: f64 = 0.1;
+
+/// A number with an estimate of its error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Approximate {
+    /// The number.
+    pub value: f64,
+    /// How far it may be off.
+    pub error: f64,
+}
 
 /// Form factor F₁₂ from polygon `p1` to polygon `p2`: the share of the power that leaves the
 /// front of p1 diffusely and reaches the front of p2, when nothing stands between.
@@ -107,6 +125,12 @@ fn point_to_point(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> Option<f64> {
 struct Pair {
     p1: Side,
     p2: Side,
+    plane1: Plane,
+    plane2: Plane,
+    /// Error of the coordinates.
+    rounding: f64,
+    /// The caller's place of the origin here.
+    origin: DVec3,
     /// Area of the first polygon before it was cut, in square units of `scale`.
     whole_area: f64,
     /// The caller's length of one unit here.
@@ -148,6 +172,10 @@ impl Pair {
             p1: Side::new(plane2.cut(p1)?, plane1.normal)?,
             p2: Side::new(plane1.cut(p2)?, plane2.normal)?,
             whole_area: plane1.area,
+            plane1,
+            plane2,
+            rounding,
+            origin,
             scale,
         })
     }
@@ -159,6 +187,14 @@ impl Pair {
             (exchange / self.whole_area).min(1.0)
         } else {
             0.0
+        }
+    }
+
+    fn small_and_large(&self) -> (&Side, &Side) {
+        if self.p1.radius <= self.p2.radius {
+            (&self.p1, &self.p2)
+        } else {
+            (&self.p2, &self.p1)
         }
     }
 
@@ -196,11 +232,7 @@ impl Pair {
     }
 
     fn fast(&self, accuracy: f64) -> f64 {
-        let (small, large) = if self.p1.radius <= self.p2.radius {
-            (&self.p1, &self.p2)
-        } else {
-            (&self.p2, &self.p1)
-        };
+        let (small, large) = self.small_and_large();
         let ratio = small.radius / large.distance_to_contour(small.centre);
         let points = (FAST_SAFETY * accuracy).ln() / (2.0 * ratio.ln());
         if ratio < 1.0 && points <= FAST_MOST_POINTS {

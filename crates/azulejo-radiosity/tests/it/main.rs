@@ -4,6 +4,7 @@
 #![allow(clippy::print_stderr)]
 
 mod agreement;
+mod analytic_pairs;
 mod bad_scenes;
 mod determinism;
 mod exact;

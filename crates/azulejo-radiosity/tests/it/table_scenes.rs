@@ -22,14 +22,20 @@ pub fn add(scene: &mut Scene, polygon: &[DVec3], rho_s: f64) {
     scene.objects.push(Object::new("", Shape::Mesh(mesh)));
 }
 
-/// The scene of a row: object 0 sends, object 1 receives. `None` for rows of another kind.
-pub fn scene(row: &Row) -> Option<Scene> {
+/// A row whose mirrors, told of in words, are polygons too; others as they are.
+pub fn in_polygons(row: &Row) -> Row {
     let mut row = row.clone();
     if let Some(walls) = mirror_walls(&row.id) {
         row.p1 = unit_square(0.0);
         row.p2 = unit_square(1.0).into_iter().rev().collect();
         row.mirrors = walls;
     }
+    row
+}
+
+/// The scene of a row: object 0 sends, object 1 receives. `None` for rows of another kind.
+pub fn scene(row: &Row) -> Option<Scene> {
+    let mut row = in_polygons(row);
     if let Some((position, normal)) = row.point_normal {
         row.p1 = element(position, normal);
     }
