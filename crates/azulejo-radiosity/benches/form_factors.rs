@@ -1,21 +1,13 @@
-//! Form factors against the reference table, and what a room of 10,000 patches costs.
+//! Form factors against known truths, and what a room of 10,000 patches costs.
 //!
-//! `cargo bench -p azulejo-radiosity --bench form_factors [-- rays]`. The table is read from the
-//! folder that `AZULEJO_DATA` names.
+//! `cargo bench -p azulejo-radiosity --bench form_factors [-- rays]`.
 
 // Printing is what a bench is for.
-#![allow(clippy::print_stdout, clippy::print_stderr)]
-
-// The tests use more of it.
-#[allow(dead_code)]
-#[path = "../tests/it/table.rs"]
-mod table;
-#[allow(dead_code)]
-#[path = "../tests/it/table_scenes.rs"]
-mod table_scenes;
+#![allow(clippy::print_stdout)]
 
 mod usage;
 
+use azulejo_radiosity::truth::{Kind, cases};
 use azulejo_radiosity::{FormFactorOptions, FormFactors, PatchSize, form_factors};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::furnished_room;
@@ -28,29 +20,24 @@ fn main() {
         .skip(1)
         .find_map(|a| a.parse().ok())
         .unwrap_or(4_096);
-    reference_table();
+    truths();
     room(rays);
 }
 
-/// Every row of polygons: by rays alone, and with formulas.
-fn reference_table() {
-    let Some(rows) = table::rows() else { return };
+/// Every pair of polygons: by rays alone, and with formulas.
+fn truths() {
     println!(
         "{:15} {:>14}   by 65,536 rays{:21} with formulas",
-        "row", "value", ""
+        "case", "truth", ""
     );
-    for row in &rows {
-        let Some(scene) = table_scenes::scene(row) else {
-            continue;
-        };
-        print!("{:15} {:14.11}", row.id, row.value);
+    for case in cases().iter().filter(|c| c.kind != Kind::Curved) {
+        print!("{:15} {:14.11}", case.id, case.truth.value);
         for analytic in [false, true] {
             let options = options(1 << 16, analytic);
-            let (f, error) = table_scenes::between(&compute(&scene, &options));
-            print!(
-                "   {f:.9} ± {error:.1e} {:+6.2} SE",
-                (f - row.value) / error
-            );
+            let (found, _) = case.ask(&options, &Progress::new()).expect("a scene");
+            let (f, error) = (found.value, found.error);
+            let off = (f - case.truth.value) / error;
+            print!("   {f:.9} ± {error:.1e} {off:+6.2} SE");
         }
         println!();
     }

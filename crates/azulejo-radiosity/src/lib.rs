@@ -9,7 +9,8 @@
 //! [`system`] (their solution; [`stochastic`] does without rows), [`gather`] and [`vertices`]
 //! (irradiance), [`mod@solve`] (all of it, in order). Exact shapes are divided as polygons that
 //! stand for them ([`faceted`]). [`form_factors`](mod@form_factors)
-//! delivers rows for their own sake, with standard errors.
+//! delivers rows for their own sake, with standard errors. [`truth`] holds scenes with known
+//! answers, to judge all of it by.
 
 pub mod analytic;
 pub mod direct;
@@ -25,6 +26,7 @@ pub mod solve;
 mod stand_in;
 pub mod stochastic;
 pub mod system;
+pub mod truth;
 pub mod vertices;
 
 pub use engine::{DrawnBy, Engine, Hemicube, Ran};

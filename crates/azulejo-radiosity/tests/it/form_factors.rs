@@ -1,8 +1,10 @@
 //! Exact form factors against closed forms, symmetry and the reference table.
 
-use crate::table::{self, Row};
+use crate::polygons::polygon;
 use azulejo_radiosity::analytic::{exchange_area, form_factor, form_factor_fast};
-use azulejo_trace::lambert::{mirror_polygon, point_to_polygon};
+use azulejo_radiosity::truth::formulas::{on_common_edge, opposed};
+use azulejo_radiosity::truth::{Kind, Question, cases};
+use azulejo_trace::lambert::mirror_polygon;
 use glam::{DQuat, DVec3, dvec3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -31,21 +33,12 @@ fn ceiling(polygon: &[DVec3], z: f64) -> Vec<DVec3> {
     polygon.iter().rev().map(|&p| p + z * DVec3::Z).collect()
 }
 
-/// Howell C-11: equal opposed rectangles of sides `x` and `y` at distance 1.
 fn c11(x: f64, y: f64) -> f64 {
-    let (x2, y2) = (1.0 + x * x, 1.0 + y * y);
-    let log = 0.5 * (x2 * y2 / (1.0 + x * x + y * y)).ln();
-    let arcs = x * y2.sqrt() * (x / y2.sqrt()).atan() + y * x2.sqrt() * (y / x2.sqrt()).atan();
-    2.0 / (PI * x * y) * (log + arcs - x * x.atan() - y * y.atan())
+    opposed(x, y, 1.0)
 }
 
-/// Howell C-14: rectangles of depth `w` and height `h` that stand square on an edge of length 1.
 fn c14(w: f64, h: f64) -> f64 {
-    let (w2, h2) = (w * w, h * h);
-    let (a, b, c, d) = (1.0 + w2, 1.0 + h2, 1.0 + w2 + h2, w2 + h2);
-    let log = (a * b / c).ln() + w2 * (w2 * c / (a * d)).ln() + h2 * (h2 * c / (b * d)).ln();
-    let arcs = w * (1.0 / w).atan() + h * (1.0 / h).atan() - d.sqrt() * (1.0 / d.sqrt()).atan();
-    (arcs + 0.25 * log) / (PI * w)
+    on_common_edge(1.0, w, h)
 }
 
 #[test]
@@ -283,48 +276,33 @@ fn almost_touching_is_almost_touching() {
     }
 }
 
-fn analytic(row: &Row) -> f64 {
-    match row.point_normal {
-        Some((point, normal)) => point_to_polygon(point, normal, &row.p2),
-        None => form_factor(&row.p1, &row.p2),
-    }
-}
-
 #[test]
-fn the_reference_table() {
-    let Some(rows) = table::rows() else { return };
-    let bare: Vec<&Row> = rows.iter().filter(|row| row.is_bare()).collect();
-    assert_eq!(bare.len(), 24, "rows with polygons and nothing about them");
-    for row in bare {
-        let error = (analytic(row) / row.value - 1.0).abs();
-        eprintln!("{:14} {:17} relative error {error:.1e}", row.id, row.value);
-        // Corners with roots in them are printed to ten digits.
-        let printed = row
-            .p1
-            .iter()
-            .chain(&row.p2)
-            .any(|c| (c * 1e4).fract() != DVec3::ZERO);
-        let tolerance = row.tolerance().max(if printed { 2e-10 } else { 2e-13 });
-        assert!(
-            error <= tolerance,
-            "{}: {error:e} over {tolerance:e}",
-            row.id
-        );
+fn truths_of_polygons() {
+    let mut checked = 0;
+    for case in cases().iter().filter(|c| c.kind == Kind::Polygons) {
+        let Question::Factor { from, to } = &case.question else {
+            continue;
+        };
+        let [p1, p2] = [from, to].map(|g| polygon(&case.scene, g.object));
+        let off = (form_factor(&p1, &p2) - case.truth.value).abs();
+        eprintln!("{:14} {:17} off {off:.1e}", case.id, case.truth.value);
+        let most = case.truth.error + 2e-13 * case.truth.value;
+        assert!(off <= most, "{}: {off:e} over {most:e}", case.id);
+        checked += 1;
     }
+    assert_eq!(checked, 24, "cases of two polygons and nothing about them");
 }
 
 #[test]
 fn a_mirror_wall_by_its_image() {
-    let Some(rows) = table::rows() else { return };
-    let row = rows
-        .iter()
-        .find(|row| row.id == "mir_cube")
-        .expect("row mir_cube");
     // The mirror covers all lines of sight, so that the image needs no window.
-    let mirror = &row.mirrors[0];
-    let image = mirror_polygon(&row.p2, mirror.polygon[0], DVec3::X);
-    let f = form_factor(&row.p1, &row.p2) + mirror.rho_s * form_factor(&row.p1, &image);
-    assert!((f / row.value - 1.0).abs() <= row.tolerance(), "{f}");
+    let ceiling = ceiling(&FLOOR, 1.0);
+    let image = mirror_polygon(&ceiling, DVec3::ZERO, DVec3::X);
+    check(
+        &FLOOR,
+        &image,
+        opposed(2.0, 1.0, 1.0) - opposed(1.0, 1.0, 1.0),
+    );
 }
 
 fn corner() -> impl Strategy<Value = DVec3> {

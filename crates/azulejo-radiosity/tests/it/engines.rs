@@ -1,0 +1,149 @@
+//! One body of tests for all engines: the truths, and what must hold whoever computed.
+
+use azulejo_radiosity::truth::{Answer, Case, Kind, Question, cases};
+use azulejo_radiosity::{Engine, FormFactorOptions, Patches};
+use azulejo_trace::Progress;
+use std::collections::HashSet;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Values of the reference table by id, with half a unit of their last digit.
+fn table() -> Option<Vec<(String, f64, f64)>> {
+    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
+        eprintln!("skipped: AZULEJO_DATA is not set");
+        return None;
+    };
+    let path = PathBuf::from(data).join("reference/view_factors.tsv");
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let row = |line: &str| {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let value: f64 = fields[3].parse().expect("a value");
+        let digits: i32 = fields[4].parse().expect("a number of digits");
+        let last = value.log10().floor() as i32 + 1 - digits;
+        (fields[0].to_string(), value, 0.5 * 10f64.powi(last))
+    };
+    Some(text.lines().skip(1).map(row).collect())
+}
+
+#[test]
+fn truths_agree_with_the_reference_table() {
+    let Some(table) = table() else { return };
+    let cases = cases();
+    assert_eq!((table.len(), cases.len()), (68, 68));
+    let mut wrong = String::new();
+    for (id, value, half) in table {
+        let Some(case) = cases.iter().find(|c| c.id == id) else {
+            panic!("no case {id}")
+        };
+        // Elements are small squares here: that difference is the scene's, not the formula's.
+        let off = (case.truth.value - value).abs();
+        if off > 1.01 * half + 1e-13 {
+            let _ = writeln!(
+                wrong,
+                "{id}: {} is not {value}: {off:.1e}, more than {half:.1e}",
+                case.truth.value
+            );
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn cases_are_complete_and_named_once() {
+    let cases = cases();
+    let ids: HashSet<&str> = cases.iter().map(|c| c.id).collect();
+    assert_eq!(ids.len(), cases.len());
+    for case in cases.iter().filter(|c| c.id != "pane_1.5") {
+        case.scene
+            .validate()
+            .unwrap_or_else(|e| panic!("{}: {e:?}", case.id));
+        assert!(
+            case.truth.error < 1e-6 * case.truth.value,
+            "{}: {:?}",
+            case.id,
+            case.truth
+        );
+        assert!(!case.words.is_empty() && !case.source.is_empty());
+    }
+}
+
+/// Rays of all rows of a case together, at least; a row has at most 65,536 of them.
+const RAYS: usize = 1 << 18;
+
+fn options(engine: Engine, case: &Case) -> FormFactorOptions {
+    let patches = Patches::new(&case.scene, case.size).len();
+    FormFactorOptions {
+        analytic: engine == Engine::Analytic,
+        engine,
+        rays: (RAYS / patches).clamp(1 << 11, 1 << 16) as u32,
+        ..FormFactorOptions::default()
+    }
+}
+
+/// A case with an engine's answer and the name of what really ran.
+struct Answered {
+    case: Case,
+    answer: Answer,
+    ran: String,
+}
+
+fn ask(case: Case, options: &FormFactorOptions) -> Answered {
+    let found = case.ask(options, &Progress::new());
+    let (answer, factors) = found.unwrap_or_else(|e| panic!("{}: {e}", case.id));
+    let (id, truth, ran) = (case.id, case.truth.value, factors.ran.engine);
+    let (value, off, error) = (answer.value, answer.off(&case), answer.error);
+    eprintln!("{ran:9} {id:16} {value:.10} truth {truth:.10} off {off:.1e} ± {error:.1e}");
+    assert!(value.is_finite() && error.is_finite(), "{id}: {answer:?}");
+    Answered { case, answer, ran }
+}
+
+/// The answers of one engine to all cases.
+fn answers(engine: Engine) -> Vec<Answered> {
+    let answered = |case: Case| {
+        let options = options(engine.clone(), &case);
+        ask(case, &options)
+    };
+    cases().into_iter().map(answered).collect()
+}
+
+/// At least 99 of 100 answers lie within four of their standard errors.
+fn check_honesty(answers: &[Answered]) {
+    let is_far = |a: &&Answered| a.answer.standard_errors(&a.case) > 4.0;
+    let far: Vec<&Answered> = answers.iter().filter(is_far).collect();
+    let word = |a: &&Answered| {
+        let (id, truth) = (a.case.id, a.case.truth.value);
+        format!("{} {id}: {:?}, truth {truth}", a.ran, a.answer)
+    };
+    let words: Vec<String> = far.iter().map(word).collect();
+    assert!(far.len() * 100 <= answers.len(), "far off: {words:#?}");
+}
+
+#[test]
+fn rays() {
+    check_honesty(&answers(Engine::Rays));
+}
+
+/// Formulas for near pairs never make rays worse.
+#[test]
+fn rays_with_formulas() {
+    let with = |analytic: bool, case: &Case| {
+        let options = FormFactorOptions {
+            analytic,
+            ..options(Engine::Rays, case)
+        };
+        ask(case.clone(), &options)
+    };
+    let pairs = cases().into_iter().filter(|c| {
+        let is_flat = matches!(c.kind, Kind::Polygons | Kind::Shadow | Kind::Mirrors);
+        is_flat && matches!(c.question, Question::Factor { .. })
+    });
+    let mut answers = Vec::new();
+    for case in pairs {
+        let (rays, formulas) = (with(false, &case), with(true, &case));
+        // Four replicates know their spread to a third.
+        let most = 1.5 * rays.answer.error;
+        assert!(formulas.answer.error <= most, "{}", case.id);
+        answers.push(formulas);
+    }
+    check_honesty(&answers);
+}
