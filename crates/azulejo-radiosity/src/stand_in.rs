@@ -62,7 +62,7 @@ impl<'a> StandIn<'a> {
         let scene = faceted(given, size);
         let tracer = match &scene {
             Cow::Borrowed(_) => Cow::Borrowed(tracer),
-            Cow::Owned(scene) => Cow::Owned(Tracer::new(scene)),
+            Cow::Owned(scene) => Cow::Owned(Tracer::with_kernel(scene, &tracer.kernel())),
         };
         StandIn {
             given,

@@ -1,19 +1,16 @@
 //! Speed of building and tracing, beside Embree's where that is installed.
 //!
-//! `cargo bench -p azulejo-trace --bench rays -- [room|model|cornell] [quick]`. Everything runs on one
+//! `cargo bench -p azulejo-trace --bench rays --features embree -- [room|model|cornell] [quick]`. Everything runs on one
 //! thread and is measured in CPU time where the system tells it (Linux), so that other work on
 //! the machine matters less; each figure is the median of several repetitions that alternate
 //! between the two. Ratios above 1 are in azulejo's favour.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 
-#[path = "rays/embree.rs"]
-mod embree;
-
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_scene::synthetic::{self, CornellVariant};
 use azulejo_scene::{Scene, Shape};
+use azulejo_trace::embree::{Embree, EmbreeScene};
 use azulejo_trace::{KernelHit, KernelRay, Tracer};
-use embree::Embree;
 use glam::DVec3;
 use std::time::Instant;
 
@@ -21,9 +18,13 @@ fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let quick = words.iter().any(|w| w == "quick");
     let repetitions = if quick { 3 } else { 9 };
-    match Embree::version() {
-        Some(major) => println!("Embree {major} found: ratios are azulejo / Embree."),
-        None => println!("No Embree on this machine: absolute figures only."),
+    let embree = Embree::load(None);
+    match &embree {
+        Ok(embree) => println!(
+            "Embree {} found: ratios are azulejo / Embree.",
+            embree.version()
+        ),
+        Err(error) => println!("Absolute figures only: {error}."),
     }
     println!("build: M triangles/s; trace: M rays/s; one thread, CPU time\n");
     let mut wanted = words
@@ -32,7 +33,7 @@ fn main() {
     let wanted: Option<&String> = wanted.next();
     let run = |name: &str, make: &dyn Fn() -> Scene, kind: Kind| {
         if wanted.is_none_or(|w| name.contains(w.as_str())) {
-            measure(name, &make(), kind, repetitions);
+            measure(name, &make(), kind, repetitions, embree.as_ref().ok());
         }
     };
     let room = || synthetic::furnished_room(250_000);
@@ -69,7 +70,7 @@ struct Runs {
     any: Vec<f64>,
 }
 
-fn measure(name: &str, scene: &Scene, kind: Kind, repetitions: usize) {
+fn measure(name: &str, scene: &Scene, kind: Kind, repetitions: usize, embree: Option<&Embree>) {
     let (tracer, seconds) = on_one_thread(|| {
         let mut tracer = None;
         let seconds = cpu_seconds(|| tracer = Some(Tracer::new(scene)));
@@ -81,24 +82,39 @@ fn measure(name: &str, scene: &Scene, kind: Kind, repetitions: usize) {
     println!("  build azulejo        {:7.2}", millions / seconds);
     let rays = rays(&tracer, &soup, kind);
     let mut ours = Runs::default();
-    let mut rivals: Vec<(&str, Embree, Runs)> = Vec::new();
+    let mut rivals: Vec<(&str, EmbreeScene, Runs)> = Vec::new();
     for (label, robust) in [("Embree", false), ("Embree robust", true)] {
-        let time = |commit: &mut dyn FnMut()| cpu_seconds(commit);
-        let built = Embree::new(&soup.vertices, &soup.triangles, robust, time);
-        if let Some((embree, seconds)) = built {
+        let Some(embree) = embree else { break };
+        let triangle = |k: usize| {
+            (
+                soup.triangles[k].map(|v| soup.vertices[v as usize]),
+                k as u32,
+            )
+        };
+        let mut built = None;
+        let seconds = cpu_seconds(|| {
+            built = EmbreeScene::new(embree, soup.triangles.len(), triangle, robust).ok();
+        });
+        if let Some(scene) = built {
             println!("  build {label:14} {:7.2}", millions / seconds);
-            rivals.push((label, embree, Runs::default()));
+            rivals.push((label, scene, Runs::default()));
         }
     }
     // All take turns, so that the machine's other work hits them alike.
     for _ in 0..repetitions {
         ours.closest(&rays, |rays, hits| tracer.closest(rays, hits));
         for (_, embree, runs) in &mut rivals {
-            runs.closest(&rays, |rays, hits| embree.closest(rays, hits));
+            runs.closest(&rays, |rays, hits| {
+                hits.resize(rays.len(), KernelHit::NOTHING);
+                embree.closest(rays, hits);
+            });
         }
         ours.any(&rays, |rays, blocked| tracer.any(rays, blocked));
         for (_, embree, runs) in &mut rivals {
-            runs.any(&rays, |rays, blocked| embree.any(rays, blocked));
+            runs.any(&rays, |rays, blocked| {
+                blocked.resize(rays.len(), false);
+                embree.any(rays, blocked);
+            });
         }
     }
     ours.report(&rays);

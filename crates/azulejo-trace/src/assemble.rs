@@ -3,6 +3,7 @@
 use crate::build::{Reference, binary_tree};
 use crate::bvh::{Bvh, KernelTriangle};
 use crate::exact::{Outlines, Preparation};
+use crate::kernels::{Foreign, Kernel};
 use crate::placed::{Placed, PlacedPrimitive, PlacedTracer};
 use crate::primitive::ExactPrimitive;
 use crate::simd::Level;
@@ -78,7 +79,7 @@ pub(crate) fn double(v: [f32; 3]) -> DVec3 {
 ///
 /// Items are numbered through the meshes' triangles, then the primitives' parts, then the exact
 /// shapes' leaves, then the instances' items, each in the order of the scene.
-pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>) -> Tracer {
+pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>, kernel: &Kernel) -> Tracer {
     let placed: Vec<(u32, Instance, DAffine3)> = (0..)
         .zip(instances)
         .filter_map(|(index, i)| {
@@ -115,7 +116,7 @@ pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>) -> Tracer {
     for (index, instance, inverse) in placed {
         parts.add_instance(index, instance, inverse);
     }
-    parts.finish(bounds)
+    parts.finish(bounds, kernel)
 }
 
 /// The box around the finite vertices of a mesh's faces, or around another shape if it is finite.
@@ -315,13 +316,18 @@ impl Parts {
         references
     }
 
-    fn finish(self, bounds: Aabb) -> Tracer {
+    fn finish(mut self, bounds: Aabb, kernel: &Kernel) -> Tracer {
+        let foreign = Foreign::new(kernel, &self.kernel_triangles);
+        if foreign.is_some() {
+            self.kernel_triangles.clear();
+        }
         let mut references = self.references();
         let first_other = self.kernel_triangles.len() as u32;
         let binary = binary_tree(&mut references, first_other);
         let bvh = Bvh::collapse(&binary, &references, &self.kernel_triangles);
         Tracer {
             bvh,
+            foreign,
             level: Level::detect(),
             frame: self.frame,
             bounds,

@@ -9,6 +9,7 @@
 //! On it stand, each on the one before: [`sampling`] (scrambled Sobol points and where they
 //! lead), [`lambert`] (what a point receives from a polygon, exactly), [`follow`] (rays through
 //! mirrors and glass to all they see), and [`Gatherer`] (irradiance at points, for both passes).
+//! Triangles may be left to Embree instead ([`Kernel`]; feature `embree`).
 //! [`item_buffer`] asks the same of a raster: what a patch sees through the pixels of a hemicube.
 //! [`Progress`] counts long work and stops it.
 //!
@@ -25,11 +26,14 @@
 mod assemble;
 mod build;
 mod bvh;
+#[cfg(feature = "embree")]
+pub mod embree;
 mod exact;
 pub mod follow;
 mod gather;
 pub mod item_buffer;
 mod kernel;
+mod kernels;
 pub mod lambert;
 mod placed;
 mod portable;
@@ -49,6 +53,7 @@ pub use gather::{
     Arrival, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
     Gatherer, Glow, REPLICATES,
 };
+pub use kernels::Kernel;
 pub use progress::{Cancelled, Progress};
 pub use ray::{Hit, Item, KernelHit, KernelRay};
 pub use surfaces::Surfaces;

@@ -32,6 +32,13 @@ pub(crate) struct PreparedRay {
     pub reach: f32,
 }
 
+/// Whether a ray can hit anything: its numbers are finite, it has a direction, and its range is
+/// not empty.
+#[cfg(feature = "embree")]
+pub(crate) fn can_hit(ray: &KernelRay) -> bool {
+    PreparedRay::new(ray).is_some()
+}
+
 impl PreparedRay {
     /// A place for a ray.
     pub(crate) const NONE: PreparedRay = PreparedRay {

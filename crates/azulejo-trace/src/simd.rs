@@ -35,6 +35,15 @@ impl Level {
         Level::Portable
     }
 
+    /// For people.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Level::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => "AVX2",
+        }
+    }
+
     /// Nearest meeting of each ray.
     pub(crate) fn closest<O: Others + ?Sized>(
         self,

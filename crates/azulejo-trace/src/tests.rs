@@ -279,3 +279,123 @@ fn any_hit_of_other_shapes_respects_the_range() {
     let ray = tracer.kernel_ray(&Ray::new(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z));
     assert!(tracer.others.any(0, &ray, 2.0) && !tracer.others.any(0, &ray, 1.9));
 }
+
+/// Embree's triangles beside ours, and our own shapes among them.
+#[cfg(feature = "embree")]
+mod embree {
+    use super::*;
+    use crate::Kernel;
+    use crate::embree::Embree;
+    use azulejo_scene::Primitive;
+
+    #[allow(clippy::print_stderr, reason = "a test says what it skips")]
+    fn loaded() -> Option<Kernel> {
+        match Embree::load(None) {
+            Ok(embree) => Some(Kernel::Embree(embree)),
+            Err(error) => {
+                eprintln!("skipped: {error}");
+                None
+            }
+        }
+    }
+
+    /// The same hits to rounding. Two triangles that are met at the same distance are both right;
+    /// so is either answer where a ray passes within rounding of an edge, of which few may be.
+    fn check_alike(scene: &Scene, kernel: &Kernel, rays: impl Fn(&Tracer) -> Vec<KernelRay>) {
+        let (ours, theirs) = (Tracer::new(scene), Tracer::with_kernel(scene, kernel));
+        assert_eq!((ours.kernel(), &theirs.kernel()), (Kernel::Own, kernel));
+        let rays = rays(&ours);
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        ours.closest(&rays, &mut a);
+        theirs.closest(&rays, &mut b);
+        let (mut blocked, mut other) = (Vec::new(), Vec::new());
+        ours.any(&rays, &mut blocked);
+        theirs.any(&rays, &mut other);
+        let near = |x: f32, y: f32| (x - y).abs() <= 2e-4 * x.abs().max(1e-2);
+        let differ = |k: &usize| {
+            let (a, b) = (&a[*k], &b[*k]);
+            let alike = match (a.is_hit(), b.is_hit()) {
+                (true, true) => near(a.t, b.t),
+                (hit, other) => hit == other,
+            };
+            !alike || blocked[*k] != other[*k] || other[*k] != b.is_hit()
+        };
+        let apart: Vec<usize> = (0..rays.len()).filter(differ).collect();
+        assert!(
+            apart.len() * 400 <= rays.len(),
+            "{} of {} differ, as {:?}: {:?} and {:?}",
+            apart.len(),
+            rays.len(),
+            rays[apart[0]],
+            a[apart[0]],
+            b[apart[0]]
+        );
+    }
+
+    #[test]
+    fn it_hits_what_we_hit() {
+        let Some(kernel) = loaded() else { return };
+        for (seed, kind) in [(1, Kind::Soup), (2, Kind::Soup), (3, Kind::Coplanar)] {
+            let mut random = Random(seed);
+            let soup = triangles(kind, 2000, &mut random);
+            let mut scene = mesh_scene(&soup);
+            for radius in [0.2, 0.4] {
+                let ball = Primitive::sphere(random.point(), radius, 0);
+                scene
+                    .objects
+                    .push(Object::new("ball", Shape::Primitive(ball)));
+            }
+            // Those that aim at corners and edges of the soup are left out: there either is right.
+            let inside = |k: &usize| ![1, 2].contains(&(k % 5));
+            check_alike(&scene, &kernel, |tracer| {
+                let all = (0..10).map(|part| rays(tracer, &soup, &mut Random(seed + part)));
+                let all: Vec<KernelRay> = all.flatten().collect();
+                (0..all.len()).filter(inside).map(|k| all[k]).collect()
+            });
+        }
+    }
+
+    #[test]
+    fn rays_that_hit_nothing_hit_nothing() {
+        let Some(kernel) = loaded() else { return };
+        let tracer = Tracer::with_kernel(&synthetic::cube_room(), &kernel);
+        let good = tracer.kernel_ray(&Ray::new(DVec3::splat(0.5), DVec3::X));
+        assert!(tracer.kernel_name().starts_with("Embree "));
+        let nan = f32::NAN;
+        let bad = [
+            KernelRay {
+                t_max: 0.5,
+                t_min: 0.5,
+                ..good
+            },
+            KernelRay {
+                origin: [nan, 0.0, 0.0],
+                ..good
+            },
+            KernelRay {
+                direction: [0.0; 3],
+                ..good
+            },
+            KernelRay {
+                direction: [f32::INFINITY, 0.0, 0.0],
+                ..good
+            },
+            KernelRay { t_min: nan, ..good },
+        ];
+        let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+        tracer.closest(&bad, &mut hits);
+        tracer.any(&bad, &mut blocked);
+        assert!(hits.iter().all(|h| *h == KernelHit::NOTHING), "{hits:?}");
+        assert!(blocked.iter().all(|b| !b), "{blocked:?}");
+        let empty = Tracer::with_kernel(&Scene::default(), &kernel);
+        assert!(!empty.occluded(&Ray::new(DVec3::ZERO, DVec3::X)));
+        let (hit, short) = (tracer.hit(&Ray::new(DVec3::splat(0.5), DVec3::X)), good);
+        assert!((hit.expect("a wall").t - 0.5).abs() < 1e-6);
+        let short = KernelRay {
+            t_max: 0.49,
+            ..short
+        };
+        tracer.closest(&[short], &mut hits);
+        assert!(!hits[0].is_hit());
+    }
+}

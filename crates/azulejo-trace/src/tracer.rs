@@ -2,7 +2,8 @@
 
 use crate::assemble::{LocalFrame, assemble, double, single};
 use crate::bvh::Bvh;
-use crate::kernel::Surroundings;
+use crate::kernel::{Surroundings, is_better};
+use crate::kernels::{Foreign, Kernel};
 use crate::placed::Placed;
 use crate::ray::{Hit, Item, KernelHit, KernelRay};
 use crate::simd::Level;
@@ -14,6 +15,17 @@ use std::sync::Arc;
 
 /// How far [`Tracer::leaving`] moves, in units of the local coordinates' rounding.
 const LEAVING_ULPS: f64 = 16.0;
+
+/// Rays that ask our own kernel at a time what is nearer than another kernel's triangles.
+const PIECE: usize = 64;
+
+/// A ray that hits nothing.
+const NO_RAY: KernelRay = KernelRay {
+    origin: [0.0; 3],
+    t_min: 0.0,
+    direction: [0.0; 3],
+    t_max: 0.0,
+};
 
 /// A scene made ready for rays: which surface does a ray meet first, and is it blocked?
 ///
@@ -28,6 +40,8 @@ const LEAVING_ULPS: f64 = 16.0;
 #[derive(Clone, Debug)]
 pub struct Tracer {
     pub(crate) bvh: Bvh,
+    /// Who traces the triangles, if they are not in `bvh`.
+    pub(crate) foreign: Option<Foreign>,
     pub(crate) level: Level,
     pub(crate) frame: LocalFrame,
     pub(crate) bounds: Aabb,
@@ -72,13 +86,35 @@ impl Tracer {
         Tracer::with_instances(scene, Vec::new())
     }
 
+    /// Prepares a scene for another kernel. Where that cannot take it, for lack of memory, our own
+    /// does; [`kernel`](Tracer::kernel) tells.
+    ///
+    /// # Panics
+    /// As [`new`](Tracer::new).
+    pub fn with_kernel(scene: &Scene, kernel: &Kernel) -> Tracer {
+        assemble(scene, Vec::new(), kernel)
+    }
+
     /// Prepares a scene with other tracers placed in it; their triangles are not copied.
     ///
     /// # Panics
     /// If the scene and all its instances have more than 2^32 − 1 items together, or the scene
     /// itself more than 2^26 packets of up to four triangles.
     pub fn with_instances(scene: &Scene, instances: Vec<Instance>) -> Tracer {
-        assemble(scene, instances)
+        assemble(scene, instances, &Kernel::Own)
+    }
+
+    /// Who traces triangles here.
+    pub fn kernel(&self) -> Kernel {
+        self.foreign.as_ref().map_or(Kernel::Own, Foreign::kernel)
+    }
+
+    /// Its name, for people: `own kernel, AVX2` or `Embree 3.13.5`.
+    pub fn kernel_name(&self) -> String {
+        match &self.foreign {
+            None => format!("own kernel, {}", self.level.name()),
+            Some(foreign) => foreign.name(),
+        }
     }
 
     /// The first surface that the ray meets.
@@ -224,11 +260,49 @@ impl Tracer {
     }
 
     pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
-        self.level.closest(&self.surroundings(), rays, hits);
+        let Some(foreign) = &self.foreign else {
+            return self.level.closest(&self.surroundings(), rays, hits);
+        };
+        foreign.closest(rays, hits);
+        if self.others.is_empty() {
+            return;
+        }
+        // What is nearer than the triangles, in pieces that need no memory of their own.
+        for (rays, hits) in rays.chunks(PIECE).zip(hits.chunks_mut(PIECE)) {
+            let mut nearer = [NO_RAY; PIECE];
+            for ((to, ray), hit) in nearer.iter_mut().zip(rays).zip(&*hits) {
+                let t_max = if hit.is_hit() {
+                    hit.t.next_up()
+                } else {
+                    ray.t_max
+                };
+                *to = KernelRay { t_max, ..*ray };
+            }
+            let mut found = [KernelHit::NOTHING; PIECE];
+            let (nearer, found) = (&nearer[..rays.len()], &mut found[..rays.len()]);
+            self.level.closest(&self.surroundings(), nearer, found);
+            for (hit, other) in hits.iter_mut().zip(&*found) {
+                if other.is_hit() && is_better(other.t, other.item, hit) {
+                    *hit = *other;
+                }
+            }
+        }
     }
 
     pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
-        self.level.any(&self.surroundings(), rays, blocked);
+        let Some(foreign) = &self.foreign else {
+            return self.level.any(&self.surroundings(), rays, blocked);
+        };
+        foreign.any(rays, blocked);
+        if self.others.is_empty() {
+            return;
+        }
+        for (rays, blocked) in rays.chunks(PIECE).zip(blocked.chunks_mut(PIECE)) {
+            let mut found = [false; PIECE];
+            let found = &mut found[..rays.len()];
+            self.level.any(&self.surroundings(), rays, found);
+            blocked.iter_mut().zip(&*found).for_each(|(b, f)| *b |= f);
+        }
     }
 
     pub(crate) fn surroundings(&self) -> Surroundings<'_, [Placed]> {
