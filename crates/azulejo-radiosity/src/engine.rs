@@ -95,10 +95,11 @@ impl<'a> Estimator<'a> {
         seed: u32,
         columns: Columns,
     ) -> (Estimator<'a>, Ran) {
+        let device = gatherer.surfaces().tracer.kernel_name();
         let rays = RayEstimator::new(gatherer, patches, rays, seed, columns);
         let ran = Ran {
             engine: "rays".to_owned(),
-            device: "own kernel".to_owned(),
+            device,
             notes: Vec::new(),
         };
         (Estimator::Rays(rays), ran)

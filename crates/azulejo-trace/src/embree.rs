@@ -117,6 +117,14 @@ impl fmt::Display for EmbreeError {
 
 impl error::Error for EmbreeError {}
 
+/// An error and what caused it.
+fn reason(error: &dyn error::Error) -> String {
+    match error.source() {
+        Some(source) => format!("{error}: {}", reason(source)),
+        None => error.to_string(),
+    }
+}
+
 /// 31305 as 3.13.5.
 fn dotted(version: isize) -> String {
     format!(
@@ -216,7 +224,7 @@ impl Embree {
             // SAFETY: that the library's initialisers do no harm is the caller's trust in it.
             match unsafe { Library::new(name.as_os_str()) } {
                 Ok(library) => return Embree::of(library, Path::new(name)),
-                Err(error) => said = error.to_string(),
+                Err(error) => said = reason(&error),
             }
         }
         Err(EmbreeError::Missing {

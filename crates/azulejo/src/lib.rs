@@ -14,6 +14,8 @@
 //! The two passes do not know each other: they meet in data, the irradiance on the vertices.
 //! `examples/journey.rs` follows one vertex through all of it in seven lines.
 //!
+//! The feature `embree` adds Embree as another kernel for rays, loaded at run time.
+//!
 //! The feature `cli`, on by default, builds the command line and what it needs; a program that
 //! wants the libraries alone sets `default-features = false`.
 

@@ -1,5 +1,6 @@
 //! What can be typed. Values are typed here; what they mean is for the commands to say.
 
+use super::engine::EngineArgs;
 use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
 };
@@ -168,7 +169,7 @@ pub struct Division {
 }
 
 /// The first pass.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "First pass")]
 pub struct FirstPassArgs {
     #[command(flatten)]
@@ -196,6 +197,8 @@ pub struct FirstPassArgs {
     /// Write irradiance on the vertices as they are, without dividing faces
     #[arg(long)]
     pub keep_mesh: bool,
+    #[command(flatten)]
+    pub engine: EngineArgs,
 }
 
 /// `solve`
@@ -402,6 +405,8 @@ pub struct FormFactorArgs {
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
+    #[command(flatten)]
+    pub engine: EngineArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -429,7 +434,8 @@ Examples:
   azulejo solve room.obj -o room.grf
   azulejo solve room.obj -o room.grf --patches 20000 --error 1%
   azulejo solve level.glb -o level-lit.glb --keep-mesh
-  azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json";
+  azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json
+  azulejo solve room.obj -o room.grf --engine embree";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
@@ -490,6 +496,8 @@ mod tests {
         assert!(parse("azulejo probe a.grf --points p --hits r").is_err());
         assert!(parse("azulejo probe a.grf").is_err());
         assert!(parse("azulejo render -o x.png").is_err());
+        assert!(parse("azulejo solve a.grf -o b.grf --resolution 7").is_err());
+        assert!(parse("azulejo solve a.grf -o b.grf --engine radiance").is_err());
         assert!(parse("azulejo render a.grf -o x.png --from -1,2,-3 --exposure -1.5").is_ok());
     }
 }

@@ -7,7 +7,6 @@ use super::report::{Report, count, number, percent};
 use super::session::Session;
 use super::{input, pass, sparse};
 use azulejo_radiosity::{FormFactorOptions, FormFactors};
-use azulejo_trace::Tracer;
 
 /// Runs `form-factors`.
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
@@ -22,9 +21,13 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
         )));
     }
     session.claim_stdout(output.is_stdout())?;
+    let chosen = args.engine.choose()?;
     let scene = input::read_all(&args.input, session)?;
-    let tracer = Tracer::new(&scene);
-    let options = options(args);
+    let tracer = chosen.tracer(&scene)?;
+    let options = FormFactorOptions {
+        engine: chosen.engine.clone(),
+        ..options(args)
+    };
     let factors = session
         .watched(|p| azulejo_radiosity::form_factors(&scene, &tracer, &options, p))
         .map_err(pass::failure)?;
@@ -33,6 +36,7 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
         false => sparse::write_csv(&factors, out),
     })?;
     let mut report = Report::default();
+    chosen.describe(&factors.ran, &mut report);
     describe(&factors, &mut report);
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);

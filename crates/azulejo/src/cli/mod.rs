@@ -4,6 +4,7 @@
 mod args;
 mod clock;
 mod convert;
+mod engine;
 mod failure;
 mod form_factors;
 mod generate;

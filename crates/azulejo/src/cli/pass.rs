@@ -2,11 +2,11 @@
 
 use super::args::{Division, FirstPassArgs};
 use super::clock;
+use super::engine::Chosen;
 use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
 use super::session::Session;
-use azulejo_radiosity::{Balance, Engine, FirstPass, Light, Method, PatchSize, SolveError};
-
+use azulejo_radiosity::{Balance, FirstPass, Light, Method, PatchSize, SolveError};
 use azulejo_scene::{Rgb, Scene, Units};
 use azulejo_trace::Tracer;
 
@@ -17,7 +17,7 @@ pub fn patch_size(division: &Division) -> Option<PatchSize> {
 }
 
 /// The library's options from the command line's.
-pub fn options(args: &FirstPassArgs) -> FirstPass {
+pub fn options(args: &FirstPassArgs, chosen: &Chosen) -> FirstPass {
     FirstPass {
         size: patch_size(&args.division).unwrap_or(FirstPass::default().size),
         error: args.error,
@@ -26,7 +26,7 @@ pub fn options(args: &FirstPassArgs) -> FirstPass {
         seed: args.seed,
         memory: args.memory.unwrap_or_else(memory_budget),
         keep_mesh: args.keep_mesh,
-        engine: Engine::Auto,
+        engine: chosen.engine.clone(),
     }
 }
 
@@ -40,10 +40,11 @@ pub fn solve(
     scene: &Scene,
     tracer: &Tracer,
     args: &FirstPassArgs,
+    chosen: &Chosen,
     session: &Session,
 ) -> Result<Light, Failure> {
     session.limit_time(args.time);
-    let options = options(args);
+    let options = options(args, chosen);
     session
         .watched(|progress| azulejo_radiosity::solve(scene, tracer, &options, progress))
         .map_err(failure)
@@ -63,7 +64,13 @@ pub fn power_unit(units: Units) -> &'static str {
 }
 
 /// What the first pass did and how good its answer is.
-pub fn describe(pass: &azulejo_radiosity::Report, units: Units, report: &mut Report) {
+pub fn describe(
+    pass: &azulejo_radiosity::Report,
+    chosen: &Chosen,
+    units: Units,
+    report: &mut Report,
+) {
+    chosen.describe(&pass.ran, report);
     let method = match pass.method {
         Method::Matrix => "matrix",
         Method::Stochastic => "stochastic",

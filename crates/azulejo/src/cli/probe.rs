@@ -2,6 +2,7 @@
 
 use super::args::ProbeArgs;
 use super::clock::Clock;
+use super::engine::Chosen;
 use super::failure::Failure;
 use super::output::Output;
 use super::report::{Report, count, number, seconds, short};
@@ -35,13 +36,14 @@ pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = args.output.as_deref().or(default);
     let output = output.map(Output::check).transpose()?;
     session.claim_stdout(output.as_ref().is_some_and(Output::is_stdout))?;
+    let chosen = args.first_pass.engine.choose()?;
     let mut scene = input::read_all(&args.input, session)?;
     let mut report = Report::default();
     let probes = &args.probes;
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {
-        (Some(path), _, _) => irradiance(&scene, path, args, session, &mut report)?,
-        (_, Some(path), _) => radiance(&mut scene, path, args, session, &mut report)?,
-        (_, _, Some(path)) => hits(&scene, path, session, &mut report)?,
+        (Some(path), _, _) => irradiance(&scene, path, args, &chosen, session, &mut report)?,
+        (_, Some(path), _) => radiance(&mut scene, path, args, &chosen, session, &mut report)?,
+        (_, _, Some(path)) => hits(&scene, path, &chosen, session, &mut report)?,
         _ => return Err(Failure::misuse("nothing to probe")),
     };
     if let Some(output) = output {
@@ -52,11 +54,11 @@ pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
 }
 
 /// Prepares the scene for tracing and reports how long that took.
-fn build(scene: &Scene, report: &mut Report) -> Tracer {
+fn build(scene: &Scene, chosen: &Chosen, report: &mut Report) -> Result<Tracer, Failure> {
     let clock = Clock::start();
-    let tracer = Tracer::new(scene);
+    let tracer = chosen.tracer(scene)?;
     spent("building", "build", clock, report);
-    tracer
+    Ok(tracer)
 }
 
 /// Reports one part of the work: seconds on the wall and of the processor.
@@ -72,19 +74,20 @@ fn irradiance(
     scene: &Scene,
     path: &Path,
     args: &ProbeArgs,
+    chosen: &Chosen,
     session: &Session,
     report: &mut Report,
 ) -> Result<Rows, Failure> {
     let points = points::read_points(path, args.normals.as_deref())?;
-    let tracer = build(scene, report);
-    let options = pass::options(&args.first_pass);
+    let tracer = build(scene, chosen, report)?;
+    let options = pass::options(&args.first_pass, chosen);
     session.limit_time(args.first_pass.time);
     let clock = Clock::start();
     let probed = session
         .watched(|p| azulejo_radiosity::probe(scene, &tracer, &points, &options, p))
         .map_err(pass::failure)?;
     spent("tracing", "trace", clock, report);
-    pass::describe(&probed.report, scene.units, report);
+    pass::describe(&probed.report, chosen, scene.units, report);
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
     Ok(Rows {
         columns: IRRADIANCE,
@@ -96,17 +99,18 @@ fn radiance(
     scene: &mut Scene,
     path: &Path,
     args: &ProbeArgs,
+    chosen: &Chosen,
     session: &Session,
     report: &mut Report,
 ) -> Result<Rows, Failure> {
     let rays = points::read_rays(path)?;
     if !scene.is_solved() {
-        let tracer = Tracer::new(scene);
-        let light = pass::solve(scene, &tracer, &args.first_pass, session)?;
-        pass::describe(&light.report, scene.units, report);
+        let tracer = chosen.tracer(scene)?;
+        let light = pass::solve(scene, &tracer, &args.first_pass, chosen, session)?;
+        pass::describe(&light.report, chosen, scene.units, report);
         scene.set_irradiance(light.irradiance);
     }
-    let tracer = build(scene, report);
+    let tracer = build(scene, chosen, report)?;
     let options = SecondPass {
         seed: args.first_pass.seed,
         ..SecondPass::default()
@@ -125,11 +129,12 @@ fn radiance(
 fn hits(
     scene: &Scene,
     path: &Path,
+    chosen: &Chosen,
     session: &Session,
     report: &mut Report,
 ) -> Result<Rows, Failure> {
     let rays = points::read_rays(path)?;
-    let tracer = build(scene, report);
+    let tracer = build(scene, chosen, report)?;
     let clock = Clock::start();
     let found = session.watched(|p| trace(&tracer, &rays, p))?;
     let wall = clock.wall();

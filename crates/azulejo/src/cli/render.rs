@@ -65,17 +65,18 @@ fn lit(
     session: &Session,
     report: &mut Report,
 ) -> Result<Tracer, Failure> {
+    let chosen = args.first_pass.engine.choose()?;
     let solved = scene.is_solved();
     report.value("solved_before", solved);
     if solved {
-        return Ok(Tracer::new(scene));
+        return chosen.tracer(scene);
     }
-    let tracer = Tracer::new(scene);
-    let light = pass::solve(scene, &tracer, &args.first_pass, session)?;
-    pass::describe(&light.report, scene.units, report);
+    let tracer = chosen.tracer(scene)?;
+    let light = pass::solve(scene, &tracer, &args.first_pass, &chosen, session)?;
+    pass::describe(&light.report, &chosen, scene.units, report);
     scene.set_irradiance(light.irradiance);
     // The refined mesh has other faces than the one that was traced so far.
-    Ok(Tracer::new(scene))
+    chosen.tracer(scene)
 }
 
 fn format_of(path: &Path) -> Result<Format, Failure> {

@@ -6,17 +6,17 @@ use super::report::Report;
 use super::scene_output::SceneOutput;
 use super::session::Session;
 use super::{input, pass};
-use azulejo_trace::Tracer;
 
 /// Runs `solve`.
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = SceneOutput::check_lit(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
+    let chosen = args.first_pass.engine.choose()?;
     let mut scene = input::read_all(&args.input, session)?;
-    let tracer = Tracer::new(&scene);
-    let light = pass::solve(&scene, &tracer, &args.first_pass, session)?;
+    let tracer = chosen.tracer(&scene)?;
+    let light = pass::solve(&scene, &tracer, &args.first_pass, &chosen, session)?;
     let mut report = Report::default();
-    pass::describe(&light.report, scene.units, &mut report);
+    pass::describe(&light.report, &chosen, scene.units, &mut report);
     scene.set_irradiance(light.irradiance);
     output.write(&scene, session)?;
     let path = args.output.display().to_string();

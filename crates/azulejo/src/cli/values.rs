@@ -42,6 +42,14 @@ pub fn fraction(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Pixels along a hemicube: even, 2 to 4096.
+pub fn resolution(text: &str) -> Result<u32, String> {
+    match text.trim().parse::<u32>() {
+        Ok(n) if n % 2 == 0 && (2..=4096).contains(&n) => Ok(n),
+        _ => Err("expected an even number from 2 to 4096".into()),
+    }
+}
+
 /// A number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {
     match number(text)? {

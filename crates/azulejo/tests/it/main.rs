@@ -3,6 +3,7 @@
 mod arrows;
 mod bad_input;
 mod commands;
+mod engines;
 mod exact;
 mod files;
 mod lettering;
