@@ -57,7 +57,7 @@ pub struct EngineArgs {
     pub resolution: Option<u32>,
     /// Points of each patch from which a hemicube is drawn, made a multiple of four [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub points: Option<u32>,
+    pub patch_points: Option<u32>,
     /// Embree's library, for --engine embree and auto [default: AZULEJO_EMBREE, or where the system
     /// finds it]
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
@@ -108,8 +108,9 @@ impl EngineArgs {
                 ..
             } if !draws => misuse("--resolution", "hemicube and hybrid"),
             EngineArgs {
-                points: Some(_), ..
-            } if !draws => misuse("--points", "hemicube and hybrid"),
+                patch_points: Some(_),
+                ..
+            } if !draws => misuse("--patch-points", "hemicube and hybrid"),
             EngineArgs { gpu: Some(_), .. } if !draws => misuse("--gpu", "hemicube and hybrid"),
             EngineArgs {
                 embree: Some(_), ..
@@ -146,7 +147,7 @@ impl EngineArgs {
         }
         Ok(Hemicube {
             resolution: self.resolution.unwrap_or(default.resolution),
-            points: self.points.unwrap_or(default.points),
+            points: self.patch_points.unwrap_or(default.points),
             ..default
         })
     }

@@ -51,7 +51,7 @@ fn options_that_an_engine_does_not_have_are_refused() {
     let folder = Folder::with_room();
     for options in [
         "--engine rays --resolution 64",
-        "--points 4",
+        "--patch-points 4",
         "--engine analytic --gpu off",
         "--engine hemicube --embree libembree3.so",
         "--engine hemicube --resolution 63",
