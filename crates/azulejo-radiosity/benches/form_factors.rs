@@ -75,9 +75,9 @@ fn room(rays: u32) {
             found.exchange.bytes() as f64 / n,
             peak_mebibytes(),
             mean(&found.row_errors),
-            found.correction,
+            found.closed.map_or(0.0, |m| m.total),
             found.is_closed,
-            mean(&found.escaped),
+            found.rest.iter().map(|r| r.escaped()).sum::<f64>() / n,
         );
     }
 }

@@ -1,190 +1,48 @@
 //! Form factors as a product: the whole matrix, with a standard error for every entry.
 //!
-//! 1. `near` finds the pairs for which a formula pays: close ones, and those with lamps. Their
+//! 1. [`Plan`] divides the scene and says how much memory the matrix will take.
+//! 2. `near` finds the pairs for which a formula pays: close ones, and those with lamps. Their
 //!    direct part is the exact form factor times the visible fraction.
-//! 2. `rows` traces rays from every side of every patch.
-//! 3. `merge` makes one exchange area of the two estimates that the sides of a pair give.
-//! 4. `restore` changes closed scenes within their errors so that rows sum to 1.
+//! 3. `rows` asks the engine for the rows of all sides. What is done is kept in a [`Journal`].
+//! 4. `merge` makes one exchange area of the two estimates that the sides of a pair give.
+//! 5. [`FormFactors::close`] changes scenes within their errors so that no light is missing.
 //!
-//! [`form_factors`] does all four, in this order.
+//! [`form_factors`] does all of it, in this order. [`FormFactors::grouped`] and
+//! [`FormFactors::truncate`] make smaller matrices of the result.
 
+mod balance;
 mod boxes;
+mod close;
 mod exchange;
+mod forecast;
+mod group;
+mod journal;
+mod matrix;
 mod merge;
 mod near;
-mod restore;
+mod options;
 mod rows;
 mod shaft;
 mod sides;
+mod spread;
+mod truncate;
 
-use crate::engine::{Engine, Estimator, Ran};
-use crate::patch::{FaceId, PatchSize, Patches};
+use crate::engine::{Estimator, Ran};
+use crate::patch::{PatchSize, Patches};
 use crate::row::Columns;
 use crate::solve::SolveError;
 use crate::stand_in::StandIn;
-use azulejo_scene::Scene;
+use azulejo_scene::{Material, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+use azulejo_trace::{Cancelled, Gatherer, Progress, Surfaces, Tracer};
 pub use exchange::{Exchange, ExchangeAreas};
+use forecast::Costs;
+pub use forecast::Forecast;
+pub use journal::{Journal, NoJournal, Stage};
+pub use matrix::{FormFactors, Moved, Rest, Truncated};
+pub use options::{Closure, FormFactorOptions, MOST_RAYS};
+use rows::Tracing;
 use sides::Sides;
-use std::ops::Range;
-
-/// What [`form_factors`] should do.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FormFactorOptions {
-    /// Who computes them.
-    pub engine: Engine,
-    /// How finely faces are divided; `PatchSize::Edge(0.0)` leaves them whole, but cuts concave
-    /// ones into convex pieces.
-    pub size: PatchSize,
-    /// Rays per row, rounded up to a multiple of four, at most [`MOST_RAYS`]. The error of a row
-    /// falls as rays^−0.6.
-    pub rays: u32,
-    /// Whether the backs of patches are rows and columns of their own.
-    pub two_sided: bool,
-    /// Another seed gives other noise.
-    pub seed: u64,
-    /// Whether close pairs, and pairs with patches that emit, are computed by formula where that
-    /// has the smaller standard error.
-    pub analytic: bool,
-}
-
-/// More rays per row than this are not traced: a thread keeps 64 bytes for each.
-pub const MOST_RAYS: u32 = 1 << 20;
-
-/// Entries that are looked at together where whole rows are wanted: 64 MiB of them.
-const BLOCK: usize = 1 << 22;
-
-impl Default for FormFactorOptions {
-    /// About 2,500 patches seen from their fronts, 4,096 rays each, formulas where they pay.
-    fn default() -> FormFactorOptions {
-        FormFactorOptions {
-            engine: Engine::Auto,
-            size: PatchSize::Count(2_500),
-            rays: 4_096,
-            two_sided: false,
-            seed: 0,
-            analytic: true,
-        }
-    }
-}
-
-/// The extended form factors X of a scene: X_ij is the share of the light leaving row i
-/// diffusely that arrives at column j, directly or after any chain of mirrors and glass, with
-/// its whole weight (additive model, Sillion and Puech 1989).
-///
-/// Rows and columns are the same list. Without `two_sided` it is the fronts of the patches, in
-/// the order of [`Patches`]: light that meets a back ends there, unless it is covered by a front
-/// (two patches in one place, back to back). With it, front and back of
-/// patch p are entries 2p and 2p + 1. Where mirrors are coloured X is the mean of the three
-/// channels.
-///
-/// Reciprocity is exact: one number S_ij is kept per pair, and X_ij is S_ij / A_i, rounded. It
-/// holds for mirrors and for glass between equal media, so X is not defined where a patch lies
-/// inside glass. Pairs are stored sparsely; one that is absent is an estimate of 0. X is not
-/// negative, and at most 1 for patches that no mirror shows twice.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FormFactors {
-    /// S_ij = A_i X_ij of every pair, with its standard error: two to either side hold the truth
-    /// 95 times in 100.
-    pub exchange: ExchangeAreas,
-    /// Area of each row, in square scene units.
-    pub areas: Vec<f64>,
-    /// The face that each row is a piece of.
-    pub faces: Vec<FaceId>,
-    /// Whether each row is the back of its patch.
-    pub is_back: Vec<bool>,
-    /// Error to be expected of each row, Σ_j E|error of X_ij|: for normal errors √(2/π) times the
-    /// sum of the standard errors. In rooms with known entries 1.2 to 1.3 times the true one.
-    pub row_errors: Vec<f64>,
-    /// Share of each row's light that leaves the scene, as its own rays found it.
-    pub escaped: Vec<f64>,
-    /// Share that was not followed to its end between mirrors: what was too weak.
-    pub cut: Vec<f64>,
-    /// Share that ends on sides which have no column: backs, without `two_sided`.
-    pub hidden: Vec<f64>,
-    /// What the restoration of rows changed: Σ|ΔS_ij| / ΣS_ij; 0 without one.
-    pub correction: f64,
-    /// Whether no row that sees anything loses light to the outside, but for 1e-6 of it. Closed
-    /// scenes without mirrors and glass are restored: rows sum to 1 − `hidden` − `cut`.
-    pub is_closed: bool,
-    /// Rays traced from patches, without those that mirrors and visibility tests added.
-    pub rays: u64,
-    /// Which engine ran.
-    pub ran: Ran,
-}
-
-impl FormFactors {
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.areas.len()
-    }
-
-    /// Whether there are no rows.
-    pub fn is_empty(&self) -> bool {
-        self.areas.is_empty()
-    }
-
-    /// Column, X and standard error of each entry of row `i`, columns ascending. Searches all
-    /// rows above: [`rows`](FormFactors::rows) finds many at once.
-    ///
-    /// # Panics
-    /// Without such a row.
-    pub fn row(&self, i: usize) -> impl Iterator<Item = (u32, f64, f32)> {
-        self.rows(i..i + 1).into_iter().flatten()
-    }
-
-    /// Column, X and standard error of the entries of some rows, columns ascending.
-    ///
-    /// # Panics
-    /// If the range goes beyond the last row.
-    pub fn rows(&self, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
-        let rows = self.exchange.rows(range.clone());
-        let factors = |(i, row): (usize, Vec<Exchange>)| {
-            let factor = |e: Exchange| {
-                let (value, error) = self.factor(i, e);
-                (e.column, value, error)
-            };
-            row.into_iter().map(factor).collect()
-        };
-        range.zip(rows).map(factors).collect()
-    }
-
-    /// Ranges of rows, in order, each of a few million entries: as much as
-    /// [`rows`](FormFactors::rows) should be asked for at a time.
-    pub fn blocks(&self) -> Vec<Range<usize>> {
-        let (mut blocks, mut start, mut entries) = (Vec::new(), 0, 0);
-        for (i, length) in self.exchange.row_lengths().iter().enumerate() {
-            entries += length;
-            if entries >= BLOCK || i + 1 == self.len() {
-                blocks.push(start..i + 1);
-                (start, entries) = (i + 1, 0);
-            }
-        }
-        blocks
-    }
-
-    /// X_ij and its standard error; zeros if the pair is absent.
-    ///
-    /// # Panics
-    /// Without a row of the smaller number.
-    pub fn get(&self, i: usize, j: u32) -> (f64, f32) {
-        self.factor(i, self.exchange.get(i, j as usize))
-    }
-
-    /// Σ_j X_ij of every row. Without mirrors it is 1 less what escapes or is hidden, but for
-    /// noise, which restoration takes away in closed scenes. With mirrors that is
-    /// Σ_j X_ij (1 − ρ_s,j), so that the plain sum exceeds 1.
-    pub fn row_sums(&self) -> Vec<f64> {
-        let sums = self.exchange.row_sums();
-        sums.iter().zip(&self.areas).map(|(s, a)| s / a).collect()
-    }
-
-    fn factor(&self, i: usize, e: Exchange) -> (f64, f32) {
-        let area = self.areas[i];
-        (e.value / area, (f64::from(e.error) / area) as f32)
-    }
-}
 
 /// Computes the form factors of a scene; lights play no part, but for the choice of formulas.
 ///
@@ -193,7 +51,7 @@ impl FormFactors {
 /// bytes for each entry that rays found.
 ///
 /// # Errors
-/// [`SolveError::NoSurface`], [`SolveError::Cancelled`].
+/// [`SolveError::NoSurface`], [`SolveError::TooLarge`], [`SolveError::Cancelled`].
 ///
 /// ```
 /// use azulejo_radiosity::{FormFactorOptions, PatchSize, form_factors};
@@ -213,44 +71,182 @@ pub fn form_factors(
     options: &FormFactorOptions,
     progress: &Progress,
 ) -> Result<FormFactors, SolveError> {
-    let stand_in = StandIn::new(scene, tracer, options.size);
-    let (scene, tracer) = (stand_in.scene.as_ref(), stand_in.tracer.as_ref());
-    let patches = Patches::new(scene, options.size);
-    if patches.is_empty() {
-        return Err(SolveError::NoSurface);
-    }
-    let sides = Sides::new(&patches, options.two_sided);
-    let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
-    let seed = hash(&[options.seed as u32, (options.seed >> 32) as u32]);
-    let exact = match options.analytic {
-        true => near::exact(&sides, gatherer.surfaces(), hash(&[seed, 0]), progress)?,
-        false => vec![Vec::new(); sides.len()],
-    };
-    let rays = options.rays.min(MOST_RAYS);
-    let (estimator, ran) = Estimator::new(
-        &options.engine,
-        &gatherer,
-        &patches,
-        rays,
-        hash(&[seed, 1]),
-        Columns::All,
-    );
-    let traced = rows::trace(&sides, &gatherer, &exact, &estimator, progress)?;
-    let mut factors = merge::merge(&sides, &traced, &exact, progress)?;
-    factors.ran = ran;
-    factors.is_closed = restore::is_closed(&factors);
-    let is_specular = scene.materials.iter().any(|m| m.is_specular());
-    if factors.is_closed && !is_specular {
-        factors.correction = restore::restore(&mut factors, progress)?;
-    }
-    factors.row_errors = row_errors(&factors);
-    Ok(factors)
+    Plan::new(scene, tracer, options)?.compute(&NoJournal, progress)
 }
 
-/// What is known of a row once its entries are.
-fn row_errors(factors: &FormFactors) -> Vec<f64> {
-    let sums = factors.exchange.sums(|_, e| f64::from(e.error));
-    let expected = std::f64::consts::FRAC_2_PI.sqrt();
-    let rows = sums.iter().zip(&factors.areas);
-    rows.map(|(sum, area)| expected * sum / area).collect()
+/// A scene divided into the patches whose form factors are wanted.
+pub struct Plan<'a> {
+    options: &'a FormFactorOptions,
+    stand_in: StandIn<'a>,
+    patches: Patches,
+}
+
+impl<'a> Plan<'a> {
+    /// Divides the scene.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSurface`]; [`SolveError::TooLarge`] if not even the patches fit in the
+    /// memory.
+    pub fn new(
+        scene: &'a Scene,
+        tracer: &'a Tracer,
+        options: &'a FormFactorOptions,
+    ) -> Result<Plan<'a>, SolveError> {
+        if let PatchSize::Count(rows) | PatchSize::Squares(rows) = options.size {
+            refuse(options, rows, rows as f64 * forecast::PATCH_BYTES)?;
+        }
+        let stand_in = StandIn::new(scene, tracer, options.size);
+        let patches = Patches::new(&stand_in.scene, options.size);
+        if patches.is_empty() {
+            return Err(SolveError::NoSurface);
+        }
+        Ok(Plan {
+            options,
+            stand_in,
+            patches,
+        })
+    }
+
+    /// The patches.
+    pub fn patches(&self) -> &Patches {
+        &self.patches
+    }
+
+    /// Looks at a few rows to see how much memory the matrix will take. The same plan has the
+    /// same forecast.
+    ///
+    /// # Errors
+    /// [`SolveError::Cancelled`].
+    pub fn forecast(&self, progress: &Progress) -> Result<Forecast, SolveError> {
+        let engine = Prepared::new(self);
+        let estimator = engine.estimator().0;
+        Ok(engine.forecast(&estimator, progress)?)
+    }
+
+    /// Computes the matrix, going on from what the journal has.
+    ///
+    /// # Errors
+    /// [`SolveError::TooLarge`] if the forecast exceeds the memory, [`SolveError::Cancelled`].
+    pub fn compute(
+        &self,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<FormFactors, SolveError> {
+        let prepared = Prepared::new(self);
+        let mut factors = prepared.estimate(journal, progress)?;
+        factors.ends = rows::ends(&prepared.sides, prepared.materials());
+        factors.is_closed = factors.keeps_its_light();
+        if self.is_to_close(&mut factors, prepared.materials()) {
+            factors.close(progress)?;
+        }
+        factors.find_row_errors();
+        Ok(factors)
+    }
+
+    fn is_to_close(&self, factors: &mut FormFactors, materials: &[Material]) -> bool {
+        let is_coloured = materials.iter().any(|m| !m.mirror.is_grey());
+        match self.options.closure {
+            Closure::Never => false,
+            Closure::Closed => factors.is_closed && !materials.iter().any(Material::is_specular),
+            Closure::Always if is_coloured => {
+                let note = "rows were not closed, because mirrors are coloured";
+                factors.ran.notes.push(note.to_owned());
+                false
+            }
+            Closure::Always => true,
+        }
+    }
+}
+
+/// What all engines work with.
+struct Prepared<'a> {
+    plan: &'a Plan<'a>,
+    sides: Sides<'a>,
+    gatherer: Gatherer<'a>,
+    seed: u32,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(plan: &'a Plan<'a>) -> Prepared<'a> {
+        let (scene, tracer) = (&plan.stand_in.scene, &plan.stand_in.tracer);
+        let seed = plan.options.seed;
+        Prepared {
+            plan,
+            sides: Sides::new(&plan.patches, plan.options.two_sided),
+            gatherer: Gatherer::new(Surfaces::new(scene, tracer)),
+            seed: hash(&[seed as u32, (seed >> 32) as u32]),
+        }
+    }
+
+    fn materials(&self) -> &[Material] {
+        &self.plan.stand_in.scene.materials
+    }
+
+    fn estimator(&self) -> (Estimator<'_>, Ran) {
+        let options = self.plan.options;
+        Estimator::new(
+            &options.engine,
+            &self.gatherer,
+            &self.plan.patches,
+            options.rays.min(MOST_RAYS),
+            hash(&[self.seed, 1]),
+            Columns::All,
+        )
+    }
+
+    fn forecast(&self, estimator: &Estimator, progress: &Progress) -> Result<Forecast, Cancelled> {
+        let costs = Costs {
+            sides: &self.sides,
+            tracer: self.gatherer.surfaces().tracer,
+            estimator,
+            by_rows: true,
+            // Beside the parts there is their sum.
+            matrices: if self.plan.options.separate { 2 } else { 1 },
+            seed: self.seed,
+        };
+        costs.forecast(progress)
+    }
+
+    /// All rows as they are found, before anything is made to add up.
+    fn estimate(
+        &self,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<FormFactors, SolveError> {
+        let options = self.plan.options;
+        let (estimator, ran) = self.estimator();
+        let forecast = self.forecast(&estimator, progress)?;
+        refuse(options, forecast.rows, forecast.bytes as f64)?;
+        let exact = match options.analytic {
+            true => near::exact(
+                &self.sides,
+                self.gatherer.surfaces(),
+                hash(&[self.seed, 0]),
+                progress,
+            )?,
+            false => vec![Vec::new(); self.sides.len()],
+        };
+        let tracing = Tracing {
+            sides: &self.sides,
+            gatherer: &self.gatherer,
+            exact: &exact,
+            estimator: &estimator,
+            separate: options.separate,
+        };
+        let traced = tracing.trace(journal, progress)?;
+        let factors = merge::merge(&self.sides, traced, &exact, progress)?;
+        Ok(FormFactors { ran, ..factors })
+    }
+}
+
+/// Refuses what needs more memory than there may be.
+fn refuse(options: &FormFactorOptions, rows: usize, bytes: f64) -> Result<(), SolveError> {
+    match bytes <= options.memory as f64 {
+        true => Ok(()),
+        false => Err(SolveError::TooLarge {
+            rows,
+            bytes: bytes as u64,
+            memory: options.memory,
+        }),
+    }
 }

@@ -30,7 +30,7 @@ pub mod truth;
 pub mod vertices;
 
 pub use engine::{DrawnBy, Engine, Hemicube, Ran};
-pub use form_factors::{FormFactorOptions, FormFactors, form_factors};
+pub use form_factors::{Closure, FormFactorOptions, FormFactors, form_factors};
 pub use patch::{
     DisplayVertex, FaceId, GivenVertex, PatchPoint, PatchSize, Patches, Polygon, RefinedShape,
 };

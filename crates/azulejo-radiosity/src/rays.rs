@@ -172,7 +172,7 @@ impl<'a> RayEstimator<'a> {
             match event {
                 Event::Escape => {
                     let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
-                    row.escaped[usize::from(!is_up)] += weight * share;
+                    row.escaped[replicate][usize::from(!is_up)] += weight;
                     row.stray[replicate] += weight * ambient;
                     row.foreign += weight * ambient * share;
                 }

@@ -53,8 +53,8 @@ pub struct Row {
     pub foreign: Rgb,
     /// Share of the weight that surfaces absorbed.
     pub absorbed: Rgb,
-    /// Share that left the scene, upwards and downwards.
-    pub escaped: [Rgb; 2],
+    /// Per replicate, the share that left the scene, upwards and downwards.
+    pub escaped: [[Rgb; 2]; REPLICATES],
     /// Share that was cut off because it was too weak, or reflected too often.
     pub cut: Rgb,
     /// Rays traced, or pixels drawn, from the patch, without those that mirrors added.
@@ -64,7 +64,8 @@ pub struct Row {
 impl Row {
     /// Share that left the scene, either way.
     pub fn all_escaped(&self) -> Rgb {
-        self.escaped[0] + self.escaped[1]
+        let ways = self.escaped.iter().flatten();
+        ways.fold(Rgb::BLACK, |sum, &way| sum + way) * (1.0 / REPLICATES as f64)
     }
 }
 

@@ -101,6 +101,15 @@ pub enum SolveError {
     NoSurface,
     /// The caller cancelled.
     Cancelled,
+    /// The matrix of so many rows needs more memory than may be used, by a forecast; in bytes.
+    TooLarge {
+        /// Rows of the matrix.
+        rows: usize,
+        /// What it needs.
+        bytes: u64,
+        /// What there is.
+        memory: u64,
+    },
 }
 
 impl From<Cancelled> for SolveError {
@@ -111,13 +120,29 @@ impl From<Cancelled> for SolveError {
 
 impl fmt::Display for SolveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+        let text = match self {
             SolveError::NoLight => {
                 "nothing in the scene shines: add a light, or a material that emits"
             }
             SolveError::NoSurface => "the scene has no surface for light to fall on",
             SolveError::Cancelled => "cancelled",
-        })
+            SolveError::TooLarge {
+                rows,
+                bytes,
+                memory,
+            } => {
+                let gibibytes = |bytes: &u64| *bytes as f64 / f64::from(1 << 30);
+                return write!(
+                    f,
+                    "form factors between {rows} patches need about {:.1} GiB of memory, and \
+                     {:.1} GiB may be used: divide into fewer patches, trace fewer rays from \
+                     each, or allow more memory",
+                    gibibytes(bytes),
+                    gibibytes(memory)
+                );
+            }
+        };
+        f.write_str(text)
     }
 }
 

@@ -137,19 +137,20 @@ impl ExchangeAreas {
 
     /// Σ_j S_ij of every row.
     pub fn row_sums(&self) -> Vec<f64> {
-        self.sums(|_, e| e.value)
+        self.sums(|_, e| [e.value; 2])
     }
 
-    /// Σ_j f(i, j) of every row, for a symmetric f of the pairs that are kept.
-    pub fn sums(&self, f: impl Fn(usize, &Exchange) -> f64 + Sync) -> Vec<f64> {
+    /// Sums over the whole rows: `f(i, S_ij)` says what a pair adds to row i and to row j. A pair
+    /// of a row with itself adds the first alone.
+    pub fn sums(&self, f: impl Fn(usize, &Exchange) -> [f64; 2] + Sync) -> Vec<f64> {
         let part_sums = |part: &Range<usize>| {
             let mut sums = vec![0.0; self.len()];
             for i in part.clone() {
                 for e in self.upper(i) {
-                    let value = f(i, e);
-                    sums[i] += value;
+                    let [to_row, to_column] = f(i, e);
+                    sums[i] += to_row;
                     if e.column as usize != i {
-                        sums[e.column as usize] += value;
+                        sums[e.column as usize] += to_column;
                     }
                 }
             }
@@ -161,12 +162,23 @@ impl ExchangeAreas {
         (0..self.len()).into_par_iter().map(total).collect()
     }
 
-    /// Changes all pairs: `change(i, S_ij)` gives the new value and error.
-    pub fn map(&mut self, change: impl Fn(usize, &Exchange) -> (f64, f32) + Sync) {
-        self.rows.par_iter_mut().enumerate().for_each(|(i, row)| {
-            row.iter_mut()
-                .for_each(|e| (e.value, e.error) = change(i, e));
-        });
+    /// Replaces each upper row i by `change(i, row)`, columns as before or fewer.
+    pub fn map_rows(&mut self, change: impl Fn(usize, &[Exchange]) -> Box<[Exchange]> + Sync) {
+        let rows = self.rows.par_iter_mut().enumerate();
+        rows.for_each(|(i, row)| *row = change(i, row));
+    }
+
+    /// The sum of matrices of as many rows each, pair by pair in their order; errors as of
+    /// independent estimates.
+    pub fn sum_of(parts: &[ExchangeAreas]) -> ExchangeAreas {
+        let row = |i: usize| {
+            let rows = parts.iter().map(|p| p.upper(i));
+            rows.fold(Vec::new(), |sum, row| added(&sum, row)).into()
+        };
+        let rows = 0..parts.first().map_or(0, ExchangeAreas::len);
+        ExchangeAreas {
+            rows: rows.into_par_iter().map(row).collect(),
+        }
     }
 
     /// Ranges of rows of about equal numbers of pairs, which depend on the matrix alone.
@@ -181,6 +193,42 @@ impl ExchangeAreas {
             }
         }
         parts
+    }
+}
+
+/// The sum of two rows.
+fn added(a: &[Exchange], b: &[Exchange]) -> Vec<Exchange> {
+    let mut sum = Vec::with_capacity(a.len().max(b.len()));
+    let column = |e: &Exchange| e.column;
+    union(a, b, column, column, |column, a, b| {
+        let [a, b] = [a, b].map(|e| e.copied().unwrap_or_default());
+        sum.push(Exchange {
+            column,
+            value: a.value + b.value,
+            error: a.error.hypot(b.error),
+        });
+    });
+    sum
+}
+
+/// Visits the union of two lists sorted by key, in order, with what either has for the key.
+pub(super) fn union<A, B>(
+    a: &[A],
+    b: &[B],
+    key_a: impl Fn(&A) -> u32,
+    key_b: impl Fn(&B) -> u32,
+    mut visit: impl FnMut(u32, Option<&A>, Option<&B>),
+) {
+    let (mut i, mut j) = (0, 0);
+    loop {
+        let (x, y) = (a.get(i), b.get(j));
+        let Some(key) = x.map(&key_a).into_iter().chain(y.map(&key_b)).min() else {
+            return;
+        };
+        let (x, y) = (x.filter(|x| key_a(x) == key), y.filter(|y| key_b(y) == key));
+        visit(key, x, y);
+        i += usize::from(x.is_some());
+        j += usize::from(y.is_some());
     }
 }
 

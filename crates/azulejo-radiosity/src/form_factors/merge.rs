@@ -1,21 +1,17 @@
 //! One exchange area per pair from what the rays of both sides and the formula say.
 
+use super::exchange::{Exchange, ExchangeAreas, union};
+use super::matrix::FormFactors;
 use super::near::{Exact, ExactRow};
 use super::rows::{Entries, Entry, RayRow, Traced};
 use super::sides::Sides;
-use super::{Exchange, ExchangeAreas, FormFactors};
+use super::spread::believed;
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Degrees of freedom that the model of the noise counts for beside those of the replicates.
-const MODEL_FREEDOM: f64 = 4.0;
-
 /// Degrees of freedom of the spread of two times four replicates.
 const SPREAD_FREEDOM: f64 = 6.0;
-
-/// Student's t with ten degrees of freedom over the normal law's at 95.4%.
-const STUDENT: f64 = 2.284 / 2.0;
 
 /// Rows are merged in this many blocks, so that looking up where a block starts in each row
 /// costs little, and as few as that fit in memory beside the rest.
@@ -24,55 +20,64 @@ const BLOCKS: usize = 128;
 /// Merges all pairs.
 pub(super) fn merge(
     sides: &Sides,
-    traced: &Traced,
+    mut traced: Traced,
     exact: &[ExactRow],
     progress: &Progress,
 ) -> Result<FormFactors, Cancelled> {
     let n = sides.len();
-    let areas: Vec<f64> = (0..n).map(|i| sides.area(i)).collect();
-    let merger = Merger {
-        traced,
-        exact,
-        areas: &areas,
-    };
+    let mut factors = described(sides, &traced);
     let size = n.div_ceil(BLOCKS).max(16);
     let blocks: Vec<Range<usize>> = (0..n).step_by(size).map(|i| i..(i + size).min(n)).collect();
-    let mut exchange = ExchangeAreas::new();
+    let mut orders = vec![ExchangeAreas::new(); traced.orders];
     progress.begin("merging", n as u64);
     for wave in blocks.chunks(2 * rayon::current_num_threads().max(1)) {
         progress.advance((wave.len() * size) as u64)?;
-        let merged: Vec<Vec<Vec<Exact>>> =
+        let merger = Merger {
+            traced: &traced,
+            exact,
+            areas: &factors.areas,
+        };
+        let merged: Vec<Vec<Vec<Vec<Exact>>>> =
             wave.par_iter().map(|b| merger.block(b.clone())).collect();
         for row in merged.iter().flatten() {
-            exchange.push_row(row.iter().map(|e| Exchange {
-                column: e.column,
-                value: e.value,
-                error: e.error as f32,
-            }));
+            let orders = orders.iter_mut().zip(row);
+            orders.for_each(|(areas, row)| areas.push_row(row.iter().map(Exchange::from)));
+        }
+        // Nobody asks for these rows again, and the matrix needs the memory.
+        for rows in wave {
+            traced.rows[rows.clone()].fill_with(RayRow::default);
         }
     }
-    Ok(FormFactors {
-        exchange,
-        areas,
-        ..described(sides, traced)
-    })
+    if orders.len() == 1 {
+        factors.exchange = orders.remove(0);
+    } else {
+        factors.exchange = ExchangeAreas::sum_of(&orders);
+        factors.orders = orders;
+    }
+    Ok(factors)
 }
 
 /// Everything but the entries.
 fn described(sides: &Sides, traced: &Traced) -> FormFactors {
     let rows = 0..sides.len();
-    let of = |f: fn(&RayRow) -> f64| traced.rows.iter().map(f).collect();
+    let face = |i: usize| sides.patches.face(sides.patch(i));
     FormFactors {
-        faces: rows
-            .clone()
-            .map(|i| sides.patches.face(sides.patch(i)))
-            .collect(),
+        areas: rows.clone().map(|i| sides.area(i)).collect(),
+        faces: rows.clone().map(face).collect(),
         is_back: rows.map(|i| sides.is_back(i)).collect(),
-        escaped: of(|r| r.escaped),
-        cut: of(|r| r.cut),
-        hidden: of(|r| r.hidden),
+        rest: traced.rows.iter().map(|r| r.rest).collect(),
         rays: traced.rows.len() as u64 * u64::from(traced.rays),
         ..FormFactors::default()
+    }
+}
+
+impl From<&Exact> for Exchange {
+    fn from(e: &Exact) -> Exchange {
+        Exchange {
+            column: e.column,
+            value: e.value,
+            error: e.error as f32,
+        }
     }
 }
 
@@ -83,17 +88,24 @@ struct Merger<'a> {
 }
 
 impl Merger<'_> {
-    /// The merged rows of a block, from the diagonal on.
-    fn block(&self, rows: Range<usize>) -> Vec<Vec<Exact>> {
-        let far = transposed(&self.traced.rows, |r| &r.far, rows.clone());
+    /// The merged rows of a block, from the diagonal on, order by order.
+    fn block(&self, rows: Range<usize>) -> Vec<Vec<Vec<Exact>>> {
         let near = transposed(&self.traced.rows, |r| &r.near, rows.clone());
-        let merged = rows.zip(far.iter().zip(&near)).map(|(i, (far, near))| {
+        let far: Vec<Vec<Entries>> = (0..self.traced.orders)
+            .map(|order| transposed(&self.traced.rows, |r| &r.far[order], rows.clone()))
+            .collect();
+        let row = |(k, i): (usize, usize)| {
             let own = &self.traced.rows[i];
             let known = upper(i, &self.exact[i], |e| e.column);
-            let direct = better(known, &self.rays(i, &own.near, near));
-            sum(&self.rays(i, &own.far, far), &direct)
-        });
-        merged.collect()
+            let direct = better(known, &self.rays(i, &own.near, &near[k]));
+            let orders = own.far.iter().zip(&far).enumerate();
+            let order = |(order, (own, others)): (usize, (&Entries, &Vec<Entries>))| {
+                let direct = if order == 0 { &direct[..] } else { &[] };
+                sum(&self.rays(i, own, &others[k]), direct)
+            };
+            orders.map(order).collect()
+        };
+        rows.enumerate().map(row).collect()
     }
 
     /// Row `i` from the diagonal on, from its own rays and, transposed, those of the others.
@@ -137,28 +149,15 @@ impl Merger<'_> {
         let twins = if i == j { 2.0 } else { 1.0 };
         (
             value,
-            variance(
+            believed(
                 value,
                 factor * factor * (v_ij + v_ji) * twins,
+                SPREAD_FREEDOM,
                 one_ray * twins,
+                1.0,
             ),
         )
     }
-}
-
-/// The variance of an estimate to be believed, from the spread of its replicates and from what
-/// is known of such rays anyhow; `one_ray` is the value that a single hit makes.
-///
-/// A handful of hits spreads as they do by chance: in eight replicates one hit each have no
-/// spread at all. So the spread is joined, by degrees of freedom, by a model: hits vary as a
-/// binomial count, less as strata get to be smaller than the patch. Their number is M then, and
-/// by the measured decline of the error, rays^−0.63, the variance of a count M falls from M to
-/// about M^¾.
-fn variance(value: f64, spread: f64, one_ray: f64) -> f64 {
-    let hits = value / one_ray;
-    let model = value * one_ray * (hits / 8.0).max(1.0).powf(-0.25);
-    STUDENT * STUDENT * (SPREAD_FREEDOM * spread + MODEL_FREEDOM * model)
-        / (SPREAD_FREEDOM + MODEL_FREEDOM)
 }
 
 /// The entries of row `i` from the diagonal on.
@@ -229,25 +228,4 @@ fn sum(a: &[Exact], b: &[Exact]) -> Vec<Exact> {
         },
     );
     row
-}
-
-/// Visits the union of two lists sorted by key, in order, with what either has for the key.
-fn union<A, B>(
-    a: &[A],
-    b: &[B],
-    key_a: impl Fn(&A) -> u32,
-    key_b: impl Fn(&B) -> u32,
-    mut visit: impl FnMut(u32, Option<&A>, Option<&B>),
-) {
-    let (mut i, mut j) = (0, 0);
-    loop {
-        let (x, y) = (a.get(i), b.get(j));
-        let Some(key) = x.map(&key_a).into_iter().chain(y.map(&key_b)).min() else {
-            return;
-        };
-        let (x, y) = (x.filter(|x| key_a(x) == key), y.filter(|y| key_b(y) == key));
-        visit(key, x, y);
-        i += usize::from(x.is_some());
-        j += usize::from(y.is_some());
-    }
 }

@@ -1,12 +1,16 @@
 //! What the rays of every row find.
 
+use super::journal::{Journal, Reader, Record, Stage, resumed, write_list};
+use super::matrix::Rest;
 use super::near::ExactRow;
 use super::sides::Sides;
+use super::spread::{believed, mean_and_variance};
 use crate::engine::Estimator;
-use crate::row::{Row, Side};
+use crate::row::{ORDERS, Row, Side};
 use azulejo_scene::{Material, Rgb};
 use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A form factor as one row's rays see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,76 +26,140 @@ pub(super) struct Entry {
 pub(super) type Entries = Vec<Entry>;
 
 /// What the rays of one row found.
-#[derive(Default)]
+#[derive(Debug, Default, PartialEq)]
 pub(super) struct RayRow {
     /// Light that came straight to columns for which there is an exact estimate too.
     pub near: Entries,
-    /// All other.
-    pub far: Entries,
-    pub escaped: f64,
-    pub cut: f64,
-    pub hidden: f64,
+    /// All other: altogether, or one list for each order.
+    pub far: Vec<Entries>,
+    /// What met no column.
+    pub rest: Rest,
 }
 
 /// The rows of all sides.
 pub(super) struct Traced {
     pub rows: Vec<RayRow>,
+    /// Number of lists in which each row keeps what came from afar.
+    pub orders: usize,
     /// Rays per row.
     pub rays: u32,
 }
 
-/// Rows asked of the estimator at a time, per thread.
-const BLOCK: usize = 64;
+/// Most rows of a block: what is kept in the journal at a time.
+const BLOCK: usize = 256;
 
-/// Traces all rows.
-pub(super) fn trace(
-    sides: &Sides,
-    gatherer: &Gatherer,
-    exact: &[ExactRow],
-    estimator: &Estimator,
-    progress: &Progress,
-) -> Result<Traced, Cancelled> {
-    progress.begin("form factors", sides.len() as u64);
-    let mut rows = Vec::with_capacity(sides.len());
-    let numbers: Vec<usize> = (0..sides.len()).collect();
-    for block in numbers.chunks(BLOCK * rayon::current_num_threads().max(1)) {
-        let wanted: Vec<Side> = block.iter().map(|&i| sides.side(i)).collect();
-        let found = estimator.rows(&wanted, progress)?;
-        let row = |(&i, row): (&usize, &Row)| ray_row(sides, gatherer, &exact[i], row);
-        rows.par_extend(block.par_iter().zip(&found).map(row));
-    }
-    Ok(Traced {
-        rows,
-        rays: estimator.rays(),
-    })
+/// Rays of a block, where that makes fewer rows.
+const BLOCK_RAYS: usize = 1 << 23;
+
+/// Degrees of freedom of the spread of four replicates.
+const SPREAD_FREEDOM: f64 = 3.0;
+
+/// How rows are found.
+pub(super) struct Tracing<'a> {
+    pub sides: &'a Sides<'a>,
+    pub gatherer: &'a Gatherer<'a>,
+    /// The columns of each row for which there is a formula too.
+    pub exact: &'a [ExactRow],
+    pub estimator: &'a Estimator<'a>,
+    /// Whether orders are kept apart.
+    pub separate: bool,
 }
 
-/// Sorts what was found of one row by what there is a formula for.
-fn ray_row(sides: &Sides, gatherer: &Gatherer, exact: &ExactRow, found: &Row) -> RayRow {
-    let mut row = RayRow {
-        escaped: found.all_escaped().mean(),
-        cut: found.cut.mean(),
-        ..RayRow::default()
-    };
-    let materials = &gatherer.surfaces().scene.materials;
-    let (mut near, mut far) = (Vec::new(), Vec::new());
-    for (replicate, entries) in found.entries.iter().enumerate() {
-        for entry in entries {
-            let weight = entry.weight;
-            let patch = entry.side / 2;
-            let Some(column) = sides.column(patch, entry.side.is_multiple_of(2)) else {
-                let material = &materials[sides.patches.material(patch as usize) as usize];
-                row.hidden += (weight * ending(material)).mean() / REPLICATES as f64;
-                continue;
-            };
-            let is_near =
-                entry.order == 0 && exact.binary_search_by_key(&column, |e| e.column).is_ok();
-            let list = if is_near { &mut near } else { &mut far };
-            list.push((column, replicate, weight.mean()));
+impl Tracing<'_> {
+    /// Traces all rows, but for those that the journal has.
+    pub fn trace(&self, journal: &dyn Journal, progress: &Progress) -> Result<Traced, Cancelled> {
+        let (n, rays) = (self.sides.len(), self.estimator.rays());
+        progress.begin("form factors", n as u64);
+        // Blocks must not depend on the machine that goes on with them.
+        let size = (BLOCK_RAYS / rays.max(1) as usize).clamp(16, BLOCK);
+        let rows = resumed(journal, Stage::Rows, (n, size), progress, |rows| {
+            self.block(rows, progress)
+        })?;
+        Ok(Traced {
+            rows,
+            orders: self.orders(),
+            rays,
+        })
+    }
+
+    /// Some rows.
+    pub fn block(&self, rows: Range<usize>, progress: &Progress) -> Result<Vec<RayRow>, Cancelled> {
+        let wanted: Vec<Side> = rows.clone().map(|i| self.sides.side(i)).collect();
+        let found = self.estimator.rows(&wanted, progress)?;
+        let rows = rows.into_par_iter().zip(&found);
+        Ok(rows.map(|(i, row)| self.ray_row(i, row)).collect())
+    }
+
+    fn orders(&self) -> usize {
+        if self.separate { ORDERS } else { 1 }
+    }
+
+    /// Sorts what was found of row `i` by what there is a formula for.
+    fn ray_row(&self, i: usize, found: &Row) -> RayRow {
+        let materials = &self.gatherer.surfaces().scene.materials;
+        let exact = &self.exact[i];
+        let mut near = Vec::new();
+        let mut far = vec![Vec::new(); self.orders()];
+        let (mut hidden, mut ended) = (0.0, 0.0);
+        for (replicate, entries) in found.entries.iter().enumerate() {
+            for entry in entries {
+                let patch = entry.side / 2;
+                let material = &materials[self.sides.patches.material(patch as usize) as usize];
+                let ends = (entry.weight * ending(material)).mean() / REPLICATES as f64;
+                let Some(column) = self.sides.column(patch, entry.side.is_multiple_of(2)) else {
+                    hidden += ends;
+                    continue;
+                };
+                ended += ends;
+                let is_known =
+                    |order| order == 0 && exact.binary_search_by_key(&column, |e| e.column).is_ok();
+                let list = match entry.order {
+                    order if is_known(order) => &mut near,
+                    order if self.separate => &mut far[usize::from(order)],
+                    _ => &mut far[0],
+                };
+                list.push((column, replicate, entry.weight.mean()));
+            }
+        }
+        RayRow {
+            near: entries(near),
+            far: far.into_iter().map(entries).collect(),
+            rest: rest(found, hidden, ended),
         }
     }
-    (row.near, row.far) = (entries(near), entries(far));
-    row
+}
+
+/// Where the light of a row goes that meets no column. What its colours take of light in glass is
+/// what is missing from the rest.
+fn rest(found: &Row, hidden: f64, ended: f64) -> Rest {
+    let one_ray = 1.0 / f64::from(found.rays.max(1));
+    let [(sky, sky_error), (ground, ground_error)] = [0, 1].map(|way| {
+        let (share, spread) = mean_and_variance(found.escaped.map(|e| e[way].mean()));
+        let missing = (1.0 - share).max(0.0);
+        let variance = believed(share, spread, SPREAD_FREEDOM, one_ray, missing);
+        (share, variance.sqrt())
+    });
+    let cut = found.cut.mean();
+    let lost = 1.0 - ended - hidden - cut - sky - ground;
+    Rest {
+        sky,
+        sky_error,
+        ground,
+        ground_error,
+        hidden,
+        cut,
+        lost: if lost > ROUNDING { lost } else { 0.0 },
+    }
+}
+
+/// Less of a row than this is missing only because numbers are rounded.
+const ROUNDING: f64 = 1e-9;
+
+/// Share of the light arriving at each column that ends there.
+pub(super) fn ends(sides: &Sides, materials: &[Material]) -> Vec<f64> {
+    let material = |i: usize| &materials[sides.patches.material(sides.patch(i)) as usize];
+    let rows = 0..sides.len();
+    rows.map(|i| ending(material(i)).mean()).collect()
 }
 
 /// Share of the light on a surface that does not go on. Glass keeps nothing but what its colour
@@ -119,12 +187,56 @@ fn entries(mut found: Vec<(u32, usize, f64)>) -> Entries {
 }
 
 fn entry(column: u32, values: [f64; REPLICATES]) -> Entry {
-    let n = REPLICATES as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let spread: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+    let (mean, variance) = mean_and_variance(values);
     Entry {
         column,
         mean: mean as f32,
-        variance: (spread / (n * (n - 1.0))) as f32,
+        variance: variance as f32,
+    }
+}
+
+impl Record for RayRow {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        let entry = |e: &Entry, bytes: &mut Vec<u8>| {
+            bytes.extend(e.column.to_le_bytes());
+            bytes.extend(e.mean.to_le_bytes());
+            bytes.extend(e.variance.to_le_bytes());
+        };
+        write_list(&self.near, bytes, entry);
+        write_list(&self.far, bytes, |way, bytes| write_list(way, bytes, entry));
+        let Rest {
+            sky,
+            sky_error,
+            ground,
+            ground_error,
+            hidden,
+            cut,
+            lost,
+        } = self.rest;
+        let shares = [sky, sky_error, ground, ground_error, hidden, cut, lost];
+        bytes.extend(shares.into_iter().flat_map(f64::to_le_bytes));
+    }
+
+    fn read(bytes: &mut Reader) -> Option<RayRow> {
+        let entry = |b: &mut Reader| {
+            Some(Entry {
+                column: b.u32()?,
+                mean: b.f32()?,
+                variance: b.f32()?,
+            })
+        };
+        Some(RayRow {
+            near: bytes.list(entry)?,
+            far: bytes.list(|b| b.list(entry))?,
+            rest: Rest {
+                sky: bytes.f64()?,
+                sky_error: bytes.f64()?,
+                ground: bytes.f64()?,
+                ground_error: bytes.f64()?,
+                hidden: bytes.f64()?,
+                cut: bytes.f64()?,
+                lost: bytes.f64()?,
+            },
+        })
     }
 }

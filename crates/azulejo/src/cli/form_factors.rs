@@ -65,7 +65,10 @@ fn describe(factors: &FormFactors, report: &mut Report) {
         true => "closed".to_owned(),
         false => format!(
             "open, {} of the light leaves it",
-            percent(mean(factors, &factors.escaped))
+            percent(mean(
+                factors,
+                &factors.rest.iter().map(|r| r.escaped()).collect::<Vec<_>>()
+            ))
         ),
     };
     report.fact("closed", factors.is_closed, "scene", words);
@@ -83,7 +86,8 @@ fn describe(factors: &FormFactors, report: &mut Report) {
     report.value("row_sum_mean", number(middle));
     let error = mean(factors, &factors.row_errors);
     report.fact("row_error", number(error), "error of a row", percent(error));
-    report.value("correction", number(factors.correction));
+    let moved = factors.closed.map_or(0.0, |m| m.total);
+    report.value("correction", number(moved));
 }
 
 /// The mean of one number per row, weighted by area.

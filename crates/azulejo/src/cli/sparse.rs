@@ -36,7 +36,7 @@ pub fn write_npz(factors: &FormFactors, out: &mut dyn Write) -> io::Result<()> {
     archive.add("patch_back.npy", |w| {
         list(&factors.is_back, |&b| i32::from(b), w)
     })?;
-    archive.add("escaped.npy", |w| list(&factors.escaped, |&x| x, w))?;
+    archive.add("escaped.npy", |w| list(&factors.rest, |r| r.escaped(), w))?;
     archive.add("row_error.npy", |w| list(&factors.row_errors, |&x| x, w))?;
     archive.finish()?;
     Ok(())
@@ -113,7 +113,7 @@ fn list<T, E: Element>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo_radiosity::form_factors::{Exchange, ExchangeAreas};
+    use azulejo_radiosity::form_factors::{Exchange, ExchangeAreas, Rest};
 
     fn two_squares() -> FormFactors {
         let face = |object, face| FaceId { object, face };
@@ -127,7 +127,12 @@ mod tests {
             areas: vec![2.0, 1.0],
             faces: vec![face(0, 3), face(7, 0)],
             is_back: vec![false, true],
-            escaped: vec![0.75, 0.5],
+            rest: [0.75, 0.5]
+                .map(|sky| Rest {
+                    sky,
+                    ..Rest::default()
+                })
+                .to_vec(),
             row_errors: vec![0.1, 0.2],
             ..FormFactors::default()
         }

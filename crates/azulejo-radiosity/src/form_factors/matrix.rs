@@ -1,0 +1,258 @@
+//! The matrix, and what else is known of its rows.
+
+use super::{Exchange, ExchangeAreas};
+use crate::engine::Ran;
+use crate::patch::FaceId;
+use std::f64::consts::FRAC_2_PI;
+use std::ops::Range;
+
+/// The extended form factors X of a scene: X_ij is the share of the light leaving row i
+/// diffusely that arrives at column j, directly or after any chain of mirrors and glass, with
+/// its whole weight (additive model, Sillion and Puech 1989).
+///
+/// Rows and columns are the same list. Without `two_sided` it is the fronts of the patches, in
+/// the order of [`Patches`](crate::Patches): light that meets a back ends there, unless it is
+/// covered by a front (two patches in one place, back to back). With it, front and back of
+/// patch p are entries 2p and 2p + 1. Where mirrors are coloured X is the mean of the three
+/// channels.
+///
+/// Reciprocity is exact: one number S_ij is kept per pair, and X_ij is S_ij / A_i, rounded. It
+/// holds for mirrors and for glass between equal media, so X is not defined where a patch lies
+/// inside glass. Pairs are stored sparsely; one that is absent is an estimate of 0. X is not
+/// negative, and at most 1 for patches that no mirror shows twice.
+///
+/// Nothing of a row's light is missing: Σ_j X_ij `ends`_j and the shares of `rest` sum to 1, but
+/// for noise, which closure takes away.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FormFactors {
+    /// S_ij = A_i X_ij of every pair, with its standard error: two to either side hold the truth
+    /// 95 times in 100.
+    pub exchange: ExchangeAreas,
+    /// S of light that came straight, by one mirror, and by more mirrors or through glass, if
+    /// that was asked for; else empty. Their sum, in this order, is `exchange` to the bit.
+    pub orders: Vec<ExchangeAreas>,
+    /// Area of each row, in square scene units.
+    pub areas: Vec<f64>,
+    /// The face that each row is a piece of; of a group, the face of its first row.
+    pub faces: Vec<FaceId>,
+    /// Whether each row is the back of its patch.
+    pub is_back: Vec<bool>,
+    /// Where the light of each row goes that meets no column.
+    pub rest: Vec<Rest>,
+    /// Share of the light arriving at each column that ends there: 1 − ρ_s, 0 for glass.
+    pub ends: Vec<f64>,
+    /// Error to be expected of each row, Σ_j E|error of X_ij|: for normal errors √(2/π) times the
+    /// sum of the standard errors. In rooms with known entries 1.2 to 1.3 times the true one.
+    pub row_errors: Vec<f64>,
+    /// Whether no row that sees anything loses light to the outside, but for 1e-6 of it.
+    pub is_closed: bool,
+    /// What closure moved, if there was one.
+    pub closed: Option<Moved>,
+    /// What truncation dropped and moved, if there was one.
+    pub truncated: Option<Truncated>,
+    /// Rays traced from patches, without those that mirrors and visibility tests added.
+    pub rays: u64,
+    /// Which engine ran.
+    pub ran: Ran,
+}
+
+/// Where the light of a row goes that meets no column: shares of 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rest {
+    /// Leaves the scene upwards: the view factor of the sky.
+    pub sky: f64,
+    /// Standard error of `sky`.
+    pub sky_error: f64,
+    /// Leaves the scene downwards: the view factor of ground that is not modelled.
+    pub ground: f64,
+    /// Standard error of `ground`.
+    pub ground_error: f64,
+    /// Ends on sides which have no column: backs, without `two_sided`.
+    pub hidden: f64,
+    /// Was not followed to its end between mirrors: what was too weak.
+    pub cut: f64,
+    /// Is absorbed where there is no column: in coloured glass.
+    pub lost: f64,
+}
+
+impl Rest {
+    /// Share that leaves the scene, upwards or downwards.
+    pub fn escaped(&self) -> f64 {
+        self.sky + self.ground
+    }
+
+    /// All of it.
+    pub fn sum(&self) -> f64 {
+        self.escaped() + self.hidden + self.cut + self.lost
+    }
+}
+
+/// How much of the light was moved between the entries of a matrix to make its rows add up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moved {
+    /// Σ|ΔS_ij| / ΣS_ij over the whole matrix.
+    pub total: f64,
+    /// Mean over the rows of Σ_j |ΔX_ij|, what moved to or from sky and ground included.
+    pub mean: f64,
+    /// The same of the row with the most.
+    pub most: f64,
+    /// What the sum of the worst row still lacks.
+    pub lacks: f64,
+}
+
+/// What truncation did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Truncated {
+    /// Entries of the whole matrix before.
+    pub before: usize,
+    /// Entries of the whole matrix now.
+    pub after: usize,
+    /// Share of the matrix' sum that the dropped entries had.
+    pub dropped: f64,
+    /// How the kept entries changed for it.
+    pub moved: Moved,
+}
+
+/// Entries that are looked at together where whole rows are wanted: 64 MiB of them.
+const BLOCK: usize = 1 << 22;
+
+impl FormFactors {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.areas.is_empty()
+    }
+
+    /// Column, X and standard error of each entry of row `i`, columns ascending. Searches all
+    /// rows above: [`rows`](FormFactors::rows) finds many at once.
+    ///
+    /// # Panics
+    /// Without such a row.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (u32, f64, f32)> {
+        self.rows(i..i + 1).into_iter().flatten()
+    }
+
+    /// Column, X and standard error of the entries of some rows, columns ascending.
+    ///
+    /// # Panics
+    /// If the range goes beyond the last row.
+    pub fn rows(&self, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
+        self.factors(&self.exchange, range)
+    }
+
+    /// The same of one of the [`orders`](FormFactors::orders).
+    ///
+    /// # Panics
+    /// If the orders were not kept apart, or the range goes beyond the last row.
+    pub fn rows_of_order(&self, order: usize, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
+        self.factors(&self.orders[order], range)
+    }
+
+    fn factors(&self, areas: &ExchangeAreas, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
+        let rows = areas.rows(range.clone());
+        let factors = |(i, row): (usize, Vec<Exchange>)| {
+            let factor = |e: Exchange| {
+                let (value, error) = self.factor(i, e);
+                (e.column, value, error)
+            };
+            row.into_iter().map(factor).collect()
+        };
+        range.zip(rows).map(factors).collect()
+    }
+
+    /// Ranges of rows, in order, each of a few million entries: as much as
+    /// [`rows`](FormFactors::rows) should be asked for at a time.
+    pub fn blocks(&self) -> Vec<Range<usize>> {
+        let (mut blocks, mut start, mut entries) = (Vec::new(), 0, 0);
+        for (i, length) in self.exchange.row_lengths().iter().enumerate() {
+            entries += length;
+            if entries >= BLOCK || i + 1 == self.len() {
+                blocks.push(start..i + 1);
+                (start, entries) = (i + 1, 0);
+            }
+        }
+        blocks
+    }
+
+    /// X_ij and its standard error; zeros if the pair is absent.
+    ///
+    /// # Panics
+    /// Without a row of the smaller number.
+    pub fn get(&self, i: usize, j: u32) -> (f64, f32) {
+        self.factor(i, self.exchange.get(i, j as usize))
+    }
+
+    /// Σ_j X_ij of every row. Without mirrors it is 1 less what goes elsewhere, but for noise,
+    /// which closure takes away. With mirrors that is Σ_j X_ij `ends`_j
+    /// ([`ended`](FormFactors::ended)), so that the plain sum exceeds 1.
+    pub fn row_sums(&self) -> Vec<f64> {
+        let sums = self.exchange.row_sums();
+        sums.iter().zip(&self.areas).map(|(s, a)| s / a).collect()
+    }
+
+    /// Σ_j X_ij `ends`_j of every row: the share of its light that ends on columns. With
+    /// [`Rest::sum`] it makes 1.
+    pub fn ended(&self) -> Vec<f64> {
+        let ends = &self.ends;
+        let weigh = |i: usize, e: &Exchange| [e.value * ends[e.column as usize], e.value * ends[i]];
+        let sums = self.exchange.sums(weigh);
+        sums.iter().zip(&self.areas).map(|(s, a)| s / a).collect()
+    }
+
+    /// Multiplies S of each pair by `ratio`, drops it where that is `None`, and does the same to
+    /// the orders. With `widen`, what changed is added to the errors.
+    pub(super) fn scale(
+        &mut self,
+        widen: bool,
+        ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync,
+    ) {
+        let changed = |e: &Exchange, ratio: f64| {
+            let value = e.value * ratio;
+            let change = if widen { (value - e.value) as f32 } else { 0.0 };
+            Exchange {
+                value,
+                error: e.error.hypot(change),
+                ..*e
+            }
+        };
+        if self.orders.is_empty() {
+            let row = |i: usize, row: &[Exchange]| {
+                row.iter()
+                    .filter_map(|e| Some(changed(e, ratio(i, e)?)))
+                    .collect()
+            };
+            self.exchange.map_rows(row);
+            return;
+        }
+        for order in &mut self.orders {
+            let row = |i: usize, row: &[Exchange]| {
+                let whole = self.exchange.upper(i);
+                let of = |e: &Exchange| {
+                    let k = whole.binary_search_by_key(&e.column, |w| w.column).ok()?;
+                    Some(changed(e, ratio(i, &whole[k])?))
+                };
+                row.iter().filter_map(of).collect()
+            };
+            order.map_rows(row);
+        }
+        self.exchange = ExchangeAreas::sum_of(&self.orders);
+    }
+
+    /// Works out what depends on the entries' errors alone.
+    pub(super) fn find_row_errors(&mut self) {
+        let sums = self.exchange.sums(|_, e| [f64::from(e.error); 2]);
+        let rows = sums.iter().zip(&self.areas);
+        self.row_errors = rows
+            .map(|(sum, area)| FRAC_2_PI.sqrt() * sum / area)
+            .collect();
+    }
+
+    fn factor(&self, i: usize, e: Exchange) -> (f64, f32) {
+        let area = self.areas[i];
+        (e.value / area, (f64::from(e.error) / area) as f32)
+    }
+}
