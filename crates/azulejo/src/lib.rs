@@ -17,9 +17,12 @@
 //! The feature `embree` adds Embree as another kernel for rays, loaded at run time.
 //!
 //! The feature `cli`, on by default, builds the command line and what it needs; a program that
-//! wants the libraries alone sets `default-features = false`.
+//! wants the libraries alone sets `default-features = false`. The feature `gpu` adds the module
+//! `gpu`: item buffers on graphics cards.
 
 pub use azulejo_formats as formats;
+#[cfg(feature = "gpu")]
+pub use azulejo_gpu as gpu;
 pub use azulejo_radiosity as radiosity;
 pub use azulejo_render as render;
 pub use azulejo_scene as scene;

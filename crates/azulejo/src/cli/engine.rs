@@ -3,11 +3,13 @@
 use super::failure::Failure;
 use super::report::Report;
 use super::values;
-use azulejo_radiosity::{Engine, Hemicube, Ran};
+use azulejo_radiosity::{DrawnBy, Engine, Hemicube, Ran};
 use azulejo_scene::Scene;
+use azulejo_trace::item_buffer::Device;
 use azulejo_trace::{Kernel, Tracer};
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Where Embree's library is, if `--embree` does not say.
 const EMBREE_VARIABLE: &str = "AZULEJO_EMBREE";
@@ -140,21 +142,52 @@ impl EngineArgs {
 
     fn hemicube(&self, notes: &mut Vec<String>) -> Result<Hemicube, Failure> {
         let default = Hemicube::default();
-        match self.gpu.unwrap_or(GpuName::Auto) {
-            GpuName::Off => {}
-            GpuName::Auto => notes.push(NO_GPU.to_owned()),
-            GpuName::Vulkan | GpuName::Gl => return Err(Failure::failed(NO_GPU)),
-        }
+        let device = match self.gpu.unwrap_or(GpuName::Auto) {
+            GpuName::Off => DrawnBy::Processor,
+            GpuName::Auto => fastest_device(notes),
+            name => DrawnBy::Device(open_card(name).map_err(Failure::failed)?.0),
+        };
         Ok(Hemicube {
             resolution: self.resolution.unwrap_or(default.resolution),
             points: self.patch_points.unwrap_or(default.points),
-            ..default
+            device,
         })
     }
 }
 
-const NO_GPU: &str = "this azulejo was built without graphics cards: build it with \
-                      \"cargo build --release --features gpu\" for --gpu vulkan and gl";
+/// A real card if there is one; software drivers are slower than the processor by itself.
+fn fastest_device(notes: &mut Vec<String>) -> DrawnBy {
+    match open_card(GpuName::Auto) {
+        Ok((card, false)) => return DrawnBy::Device(card),
+        Ok((card, true)) => notes.push(format!(
+            "the processor draws, since {} is software too (--gpu vulkan or gl takes it)",
+            card.name()
+        )),
+        Err(why) => notes.push(format!("the processor draws: {why}")),
+    }
+    DrawnBy::Processor
+}
+
+/// A card, and whether it is software.
+#[cfg(feature = "gpu")]
+fn open_card(name: GpuName) -> Result<(Arc<dyn Device>, bool), String> {
+    let backend = match name {
+        GpuName::Vulkan => azulejo_gpu::Backend::Vulkan,
+        GpuName::Gl => azulejo_gpu::Backend::Gl,
+        GpuName::Auto | GpuName::Off => azulejo_gpu::Backend::Auto,
+    };
+    let card = azulejo_gpu::Card::open(backend).map_err(|e| e.to_string())?;
+    let is_software = card.is_software();
+    Ok((Arc::new(card), is_software))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn open_card(_: GpuName) -> Result<(Arc<dyn Device>, bool), String> {
+    let how = "cargo build --release --features gpu";
+    Err(format!(
+        "this azulejo was built without graphics cards: build it with \"{how}\""
+    ))
+}
 
 #[cfg(feature = "embree")]
 fn load_embree(path: Option<PathBuf>) -> Result<Kernel, String> {

@@ -6,10 +6,11 @@ use std::path::Path;
 
 /// Each crate and the crates of ours that it may use. What is not here is forbidden; above all,
 /// radiosity and render do not know each other: they meet in data, irradiance on vertices.
-const ARROWS: [(&str, &[&str]); 6] = [
+const ARROWS: [(&str, &[&str]); 7] = [
     ("azulejo-scene", &[]),
     ("azulejo-formats", &["azulejo-scene"]),
     ("azulejo-trace", &["azulejo-scene"]),
+    ("azulejo-gpu", &["azulejo-scene", "azulejo-trace"]),
     ("azulejo-radiosity", &["azulejo-scene", "azulejo-trace"]),
     ("azulejo-render", &["azulejo-scene", "azulejo-trace"]),
     (
@@ -18,6 +19,7 @@ const ARROWS: [(&str, &[&str]); 6] = [
             "azulejo-scene",
             "azulejo-formats",
             "azulejo-trace",
+            "azulejo-gpu",
             "azulejo-radiosity",
             "azulejo-render",
         ],

@@ -1,0 +1,359 @@
+//! A world on a card, ready to be drawn.
+
+use crate::atlas::Atlas;
+use crate::card::{Reduction, Shared};
+use crate::gaze::{Gaze, Ground, Pixels, Request};
+use crate::mesh::Mesh;
+use crate::sight::Sight;
+use crate::tally::{Tally, exact_weights, whole_weights};
+use crate::target::{Mapping, Place, Target, Wanted, sum_bytes};
+use azulejo_trace::item_buffer::{
+    Beyond, DrawError, Hemicube, ItemBuffers, Seen, Settings, View, World,
+};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Pixels in an atlas, at most: of real cards 20 bytes each and twice, for the next atlas is
+/// drawn while the last is read. Software drivers fare better with what the caches hold.
+const MOST_PIXELS: u64 = 1 << 24;
+const MOST_PIXELS_SOFTWARE: u64 = 1 << 20;
+/// Views in an atlas, at most: more do not make the card busier.
+const MOST_TILES: u32 = 256;
+/// Bytes of sums per atlas, at most.
+const MOST_SUMS: u64 = 128 << 20;
+/// Facets in a cluster. Real cards draw a facet sooner than the processor decides to leave it out.
+const CLUSTER: u32 = 1024;
+const CLUSTER_SOFTWARE: u32 = 64;
+
+/// A world on a card.
+pub struct Buffers {
+    shared: Arc<Shared>,
+    mesh: Mesh,
+    /// Shares of the pixels of a hemicube.
+    weights: Vec<f64>,
+    beyond: Beyond,
+    atlas: Atlas,
+    /// How many units of the card's whole numbers make the share 1.
+    scale: f64,
+    /// One is drawn while the other is read.
+    targets: Mutex<[Target; 2]>,
+}
+
+/// Views that the card is drawing.
+struct Drawn {
+    gazes: Vec<Gaze>,
+    submission: wgpu::SubmissionIndex,
+    answer: Answer,
+}
+
+/// What will come back of them.
+enum Answer {
+    Pixels(Vec<Mapping>),
+    Sums(Mapping),
+}
+
+impl Buffers {
+    pub fn new(
+        shared: Arc<Shared>,
+        world: &World,
+        settings: &Settings,
+        reduction: Option<Reduction>,
+    ) -> Result<Buffers, DrawError> {
+        shared.check()?;
+        let cluster = if shared.is_software {
+            CLUSTER_SOFTWARE
+        } else {
+            CLUSTER
+        };
+        let mesh = Mesh::new(&shared, world, cluster)?;
+        let cube = Hemicube::new(settings.resolution);
+        let [has_mirrors, has_bent] = mesh.kinds_there();
+        let is_windowed = matches!(settings.mirrors, Beyond::Windows { depth: 1.., .. });
+        let most = if shared.is_software {
+            MOST_PIXELS_SOFTWARE
+        } else {
+            MOST_PIXELS
+        };
+        let mut atlas = Atlas::new(cube.resolution(), most, &shared.limits)?.with_tiles(MOST_TILES);
+        let reduction = choose(&shared, &cube, mesh.patches, reduction);
+        if reduction == Reduction::Compute {
+            let tiles = most_sums(&shared) / sum_bytes(mesh.patches);
+            atlas = atlas.with_tiles(tiles.min(u64::from(u32::MAX)) as u32);
+        }
+        let weights = exact_weights(&cube);
+        let (whole, scale) = whole_weights(&weights);
+        let mut wanted = Wanted {
+            atlas,
+            nearness: has_bent || (has_mirrors && settings.mirrors == Beyond::List),
+            windows: has_mirrors && is_windowed,
+            reduction,
+            weights: &whole,
+            patches: mesh.patches,
+        };
+        let targets = targets(&shared, &mut wanted)?;
+        let atlas = wanted.atlas;
+        shared.check()?;
+        Ok(Buffers {
+            shared,
+            mesh,
+            weights,
+            beyond: settings.mirrors,
+            atlas,
+            scale,
+            targets: Mutex::new(targets),
+        })
+    }
+
+    fn ground(&self) -> Ground<'_> {
+        Ground {
+            mesh: &self.mesh,
+            weights: &self.weights,
+            atlas: &self.atlas,
+            beyond: self.beyond,
+        }
+    }
+
+    /// Sends views to the card.
+    fn begin(&self, target: &mut Target, views: &[View]) -> Drawn {
+        let ground = self.ground();
+        let gaze = |(tile, view)| Gaze::new(tile, Sight::new(view, &self.mesh.local));
+        let mut gazes: Vec<Gaze> = (0..).zip(views).map(gaze).collect();
+        let pictures = side_by_side(&mut gazes, || (), |(), gaze| gaze.straight(&ground));
+        let pictures: Vec<_> = pictures.into_iter().flatten().collect();
+        target.draw(&self.shared, &self.mesh, &pictures, Place::Faces);
+        let ups: Vec<[f32; 4]> = gazes.iter().map(|g| g.up(&ground)).collect();
+        let (submission, answer) = match target.add_up(&self.shared, &ups) {
+            Some((submission, sums)) => (submission, Answer::Sums(sums)),
+            None => {
+                let tiles: Vec<u32> = gazes.iter().map(|g| g.tile).collect();
+                let (submission, pixels) = target.read_back(&self.shared, &tiles);
+                (submission, Answer::Pixels(pixels))
+            }
+        };
+        Drawn {
+            gazes,
+            submission,
+            answer,
+        }
+    }
+
+    /// Reads what was drawn, and draws on behind mirrors until nothing is left.
+    fn finish(&self, target: &mut Target, drawn: Drawn) -> Result<Vec<Seen>, DrawError> {
+        let Drawn {
+            mut gazes,
+            submission,
+            answer,
+        } = drawn;
+        self.shared.wait(submission)?;
+        let ground = self.ground();
+        match answer {
+            Answer::Pixels(pixels) => {
+                self.read(pixels, &mut gazes.iter_mut(), |tally, gaze, pixels| {
+                    gaze.read_all(&ground, pixels, Some(tally));
+                })?
+            }
+            Answer::Sums(sums) => self.read_sums(target, sums, &mut gazes)?,
+        }
+        while gazes.iter().any(Gaze::has_windows) {
+            self.next_level(target, &mut gazes)?;
+        }
+        Ok(gazes.into_iter().map(Gaze::finished).collect())
+    }
+
+    /// Takes the card's sums, and the pixels of those tiles in which some go on.
+    fn read_sums(
+        &self,
+        target: &Target,
+        sums: Mapping,
+        gazes: &mut [Gaze],
+    ) -> Result<(), DrawError> {
+        let ground = self.ground();
+        let goes_on = sums.read(&self.shared, |words| {
+            let slots = 2 * (2 * self.mesh.patches as usize + 2);
+            let mut pairs: Vec<_> = gazes.iter_mut().zip(words.chunks_exact(slots)).collect();
+            side_by_side(
+                &mut pairs,
+                || (),
+                |(), (gaze, sums)| gaze.add_sums(&ground, sums, self.scale),
+            )
+        })?;
+        let on = gazes
+            .iter_mut()
+            .zip(goes_on)
+            .filter_map(|(gaze, on)| on.then_some(gaze));
+        let mut on: Vec<&mut Gaze> = on.collect();
+        let tiles: Vec<u32> = on.iter().map(|g| g.tile).collect();
+        if tiles.is_empty() {
+            return Ok(());
+        }
+        let (submission, pixels) = target.read_back(&self.shared, &tiles);
+        self.shared.wait(submission)?;
+        self.read(
+            pixels,
+            &mut on.iter_mut().map(|g| &mut **g),
+            |_, gaze, pixels| {
+                gaze.read_all(&ground, pixels, None);
+            },
+        )
+    }
+
+    /// Draws and reads what is behind one more mirror.
+    fn next_level(&self, target: &mut Target, gazes: &mut [Gaze]) -> Result<(), DrawError> {
+        let ground = self.ground();
+        let mut open: Vec<&mut Gaze> = gazes.iter_mut().filter(|g| g.has_windows()).collect();
+        let requests = side_by_side(&mut open, || (), |(), gaze| gaze.request(&ground));
+        let tiles: Vec<u32> = open.iter().map(|g| g.tile).collect();
+        let mut pictures = Vec::new();
+        for (request, &tile) in requests.into_iter().zip(&tiles) {
+            let Request {
+                pictures: more,
+                first_row,
+                numbers,
+            } = request;
+            target.set_windows(&self.shared, tile, first_row, &numbers);
+            pictures.extend(more);
+        }
+        target.draw(&self.shared, &self.mesh, &pictures, Place::Windows);
+        let (submission, pixels) = target.read_back(&self.shared, &tiles);
+        self.shared.wait(submission)?;
+        self.read(
+            pixels,
+            &mut open.iter_mut().map(|g| &mut **g),
+            |tally, gaze, pixels| {
+                gaze.read_windows(&ground, pixels, tally);
+            },
+        )
+    }
+
+    /// Shows each gaze the pixels of its tile, which were read back in the same order.
+    fn read(
+        &self,
+        mappings: Vec<Mapping>,
+        gazes: &mut dyn Iterator<Item = &mut Gaze>,
+        work: impl Fn(&mut Tally, &mut Gaze, Pixels) + Sync,
+    ) -> Result<(), DrawError> {
+        let words = (self.atlas.tile_bytes() / 4) as usize;
+        let stride = (self.atlas.row_bytes() / 4) as usize;
+        let mut gazes: Vec<(usize, &mut Gaze)> = gazes.enumerate().collect();
+        let tally = || Tally::new(self.mesh.patches);
+        let mut all = |sides: &[u32], nearness: Option<&[u32]>| {
+            let tile = |k: usize| k * words..(k + 1) * words;
+            side_by_side(&mut gazes, tally, |tally, (k, gaze)| {
+                let pixels = Pixels {
+                    sides: &sides[tile(*k)],
+                    nearness: nearness.map(|n| &n[tile(*k)]),
+                    stride,
+                };
+                work(tally, gaze, pixels);
+            });
+        };
+        let mut mappings = mappings.into_iter();
+        let (sides, nearness) = (mappings.next(), mappings.next());
+        match (sides, nearness) {
+            (Some(sides), None) => sides.read(&self.shared, |sides| all(sides, None)),
+            (Some(sides), Some(nearness)) => sides.read(&self.shared, |sides| {
+                nearness.read(&self.shared, |nearness| all(sides, Some(nearness)))
+            })?,
+            _ => Ok(()),
+        }
+    }
+}
+
+impl ItemBuffers for Buffers {
+    fn batch(&self) -> usize {
+        // One atlas to draw, one to read, and again.
+        4 * self.atlas.tiles as usize
+    }
+
+    fn draw(&self, views: &[View]) -> Result<Vec<Seen>, DrawError> {
+        let _gate = self.shared.gate();
+        self.shared.check()?;
+        let mut targets = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
+        let [one, other] = &mut *targets;
+        let (mut now, mut last) = (one, other);
+        let mut all = Vec::with_capacity(views.len());
+        let mut drawing: Option<Drawn> = None;
+        for part in views.chunks(self.atlas.tiles as usize) {
+            let next = self.begin(now, part);
+            if let Some(drawn) = drawing.replace(next) {
+                all.extend(self.finish(last, drawn)?);
+            }
+            std::mem::swap(&mut now, &mut last);
+        }
+        if let Some(drawn) = drawing {
+            all.extend(self.finish(last, drawn)?);
+        }
+        self.shared.check()?;
+        Ok(all)
+    }
+}
+
+/// Who adds up, unless it was said: the card if it is a real one and its sums are less to read
+/// back than the pixels.
+fn choose(shared: &Shared, cube: &Hemicube, patches: u32, asked: Option<Reduction>) -> Reduction {
+    let is_possible = shared.can_compute && sum_bytes(patches) <= most_sums(shared);
+    let is_less = sum_bytes(patches) < 4 * u64::from(cube.pixels());
+    let wanted = asked.unwrap_or(match !shared.is_software && is_less {
+        true => Reduction::Compute,
+        false => Reduction::ReadBack,
+    });
+    if is_possible {
+        wanted
+    } else {
+        Reduction::ReadBack
+    }
+}
+
+/// Bytes of sums that an atlas may have.
+fn most_sums(shared: &Shared) -> u64 {
+    let limits = &shared.limits;
+    let binding = limits.max_storage_buffer_binding_size;
+    MOST_SUMS.min(limits.max_buffer_size).min(binding)
+}
+
+/// Two targets, with fewer tiles than wanted if the card's memory is short.
+fn targets(shared: &Shared, wanted: &mut Wanted) -> Result<[Target; 2], DrawError> {
+    loop {
+        let pair = [Target::new(shared, wanted), Target::new(shared, wanted)];
+        if let [Some(one), Some(other)] = pair {
+            return Ok([one, other]);
+        }
+        shared.check()?;
+        if wanted.atlas.tiles == 1 {
+            let n = wanted.atlas.resolution;
+            return Err(DrawError::TooLarge(format!(
+                "a hemicube of {n} pixels ({} bytes, several times) does not fit into what the \
+                 world leaves of its memory; ask for fewer pixels",
+                wanted.atlas.tile_bytes()
+            )));
+        }
+        wanted.atlas = wanted.atlas.with_tiles(wanted.atlas.tiles / 2);
+    }
+}
+
+/// Does something with each item, on as many threads as rayon has. Not on rayon's own: one of
+/// those, waiting here, might take up another drawing and wait for the card that it holds itself.
+fn side_by_side<T: Send, S, R: Send>(
+    items: &mut [T],
+    start: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, &mut T) -> R + Sync,
+) -> Vec<R> {
+    let each = items.len().div_ceil(rayon::current_num_threads()).max(1);
+    let run = |part: &mut [T]| -> Vec<R> {
+        let mut state = start();
+        part.iter_mut().map(|item| work(&mut state, item)).collect()
+    };
+    if items.len() <= each {
+        return run(items);
+    }
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = items
+            .chunks_mut(each)
+            .map(|part| scope.spawn(|| run(part)))
+            .collect();
+        let results = threads.into_iter().flat_map(|t| match t.join() {
+            Ok(results) => results,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        results.collect()
+    })
+}

@@ -1,0 +1,331 @@
+//! Graphics cards: finding one, opening it, and hearing of its end.
+
+use crate::buffers::Buffers;
+use crate::pipelines::Pipelines;
+use azulejo_trace::item_buffer::{Device, DrawError, ItemBuffers, Settings, World};
+use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// The interface through which a card is looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    /// The best card by either: a real one before a software driver, Vulkan before OpenGL. The
+    /// environment variable `WGPU_BACKEND` (`vulkan`, `gl` or both with a comma) narrows it.
+    #[default]
+    Auto,
+    /// Vulkan.
+    Vulkan,
+    /// OpenGL, through EGL.
+    Gl,
+}
+
+/// Who adds up what the pixels show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reduction {
+    /// Pixels are read back and the processor adds them up: best where the card is the
+    /// processor, and where pixels are fewer than patches.
+    ReadBack,
+    /// The card adds up, in integers, so that no order of additions changes a bit.
+    Compute,
+}
+
+/// A graphics card, or a software driver that acts as one.
+#[derive(Clone)]
+pub struct Card {
+    shared: Arc<Shared>,
+    reduction: Option<Reduction>,
+}
+
+/// What all that is done with a card needs.
+pub(crate) struct Shared {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub limits: wgpu::Limits,
+    pub is_software: bool,
+    pub can_compute: bool,
+    pub pipelines: Pipelines,
+    info: wgpu::AdapterInfo,
+    /// Why the card is lost, once it is.
+    lost: Arc<Mutex<Option<String>>>,
+    /// Held by whoever works with the card: wgpu's OpenGL panics if a thread waits for another's
+    /// context too long.
+    gate: Mutex<()>,
+}
+
+/// A card that has not answered for so long is taken for lost.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+impl Card {
+    /// Looks for a card and opens it. Software drivers count; see [`Card::is_software`].
+    ///
+    /// # Errors
+    /// [`DrawError::Missing`]: no adapter, or none that can do this; says which there are and
+    /// what to install.
+    pub fn open(backend: Backend) -> Result<Card, DrawError> {
+        Card::open_within(backend, |limits| limits)
+    }
+
+    /// As [`open`](Card::open), with the adapter's limits changed: for tests of small ones.
+    pub(crate) fn open_within(
+        backend: Backend,
+        narrow: impl Fn(wgpu::Limits) -> wgpu::Limits,
+    ) -> Result<Card, DrawError> {
+        let wanted = wanted(backend)?;
+        let adapter = best_adapter(wanted)?;
+        let info = adapter.get_info();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("azulejo"),
+            required_limits: narrow(adapter.limits()),
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let opened = pollster::block_on(adapter.request_device(&descriptor));
+        let (device, queue) = opened.map_err(|e| {
+            let name = described(&info);
+            DrawError::Missing(format!("the driver of {name} refuses to open it: {e}"))
+        })?;
+        let lost = listen(&device);
+        let flags = adapter.get_downlevel_capabilities().flags;
+        let limits = device.limits();
+        let can_compute = flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
+            && limits.max_storage_buffers_per_shader_stage >= 3;
+        let pipelines = Pipelines::new(&device, can_compute);
+        let shared = Shared {
+            is_software: is_software(&info),
+            device,
+            queue,
+            limits,
+            can_compute,
+            pipelines,
+            info,
+            lost,
+            gate: Mutex::new(()),
+        };
+        shared.check().map_err(|e| {
+            let name = described(&shared.info);
+            DrawError::Missing(format!("{name} does not take azulejo's shaders: {e}"))
+        })?;
+        Ok(Card {
+            shared: Arc::new(shared),
+            reduction: None,
+        })
+    }
+
+    /// The same card, with a fixed way of adding up instead of the one that promises to be
+    /// faster. Both give the same shares to 1e-6. A card without compute shaders reads back.
+    pub fn reducing(mut self, reduction: Reduction) -> Card {
+        self.reduction = Some(reduction);
+        self
+    }
+
+    /// Whether this is the processor under a graphics interface (Mesa's llvmpipe and lavapipe,
+    /// SwiftShader): right answers, but no faster than the processor.
+    pub fn is_software(&self) -> bool {
+        self.shared.is_software
+    }
+
+    /// Ends the card as if it were unplugged.
+    #[cfg(test)]
+    pub(crate) fn destroy(&self) {
+        self.shared.device.destroy();
+    }
+}
+
+impl Device for Card {
+    fn name(&self) -> String {
+        described(&self.shared.info)
+    }
+
+    fn load(&self, world: &World, settings: &Settings) -> Result<Box<dyn ItemBuffers>, DrawError> {
+        let _gate = self.shared.gate();
+        let buffers = Buffers::new(self.shared.clone(), world, settings, self.reduction)?;
+        Ok(Box::new(buffers))
+    }
+}
+
+impl fmt::Debug for Card {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Card").field(&self.name()).finish()
+    }
+}
+
+impl Shared {
+    /// Waits until nobody else works with the card.
+    pub fn gate(&self) -> MutexGuard<'_, ()> {
+        self.gate.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// An error if the card was lost meanwhile.
+    pub fn check(&self) -> Result<(), DrawError> {
+        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
+        lost.as_ref()
+            .map_or(Ok(()), |why| Err(DrawError::Lost(why.clone())))
+    }
+
+    /// Waits until a submission is done and its callbacks have run.
+    pub fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), DrawError> {
+        let poll = wgpu::PollType::Wait {
+            submission_index: Some(submission),
+            timeout: Some(PATIENCE),
+        };
+        let polled = self.device.poll(poll);
+        self.check()?;
+        match polled {
+            Ok(_) => Ok(()),
+            Err(wgpu::PollError::Timeout) => {
+                let seconds = PATIENCE.as_secs();
+                let why = format!("{} did not answer for {seconds} s", self.info.name);
+                Err(self.lose(why))
+            }
+            Err(other) => Err(self.lose(other.to_string())),
+        }
+    }
+
+    /// Notes that the card is lost, and why.
+    pub fn lose(&self, why: String) -> DrawError {
+        note(&self.lost, why.clone());
+        DrawError::Lost(why)
+    }
+
+    /// Makes something in the card's memory; `None` if that does not suffice.
+    pub fn allocate<T>(&self, make: impl FnOnce(&wgpu::Device) -> T) -> Option<T> {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let made = make(&self.device);
+        match pollster::block_on(scope.pop()) {
+            None => Some(made),
+            Some(_) => None,
+        }
+    }
+}
+
+/// Keeps the first reason: what follows it are its consequences.
+fn note(lost: &Mutex<Option<String>>, why: String) {
+    let mut lost = lost.lock().unwrap_or_else(PoisonError::into_inner);
+    lost.get_or_insert(why);
+}
+
+/// A place where the device's end, and errors that nobody expected, are noted; without listeners
+/// wgpu would panic.
+fn listen(device: &wgpu::Device) -> Arc<Mutex<Option<String>>> {
+    let lost = Arc::new(Mutex::new(None));
+    let place = lost.clone();
+    device.set_device_lost_callback(move |reason, message| {
+        note(&place, format!("{message} ({reason:?})"));
+    });
+    let place = lost.clone();
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        note(&place, error.to_string());
+    }));
+    lost
+}
+
+/// The interfaces to look through.
+fn wanted(backend: Backend) -> Result<wgpu::Backends, DrawError> {
+    let ours = wgpu::Backends::VULKAN | wgpu::Backends::GL;
+    match backend {
+        Backend::Vulkan => Ok(wgpu::Backends::VULKAN),
+        Backend::Gl => Ok(wgpu::Backends::GL),
+        Backend::Auto => {
+            let Some(asked) = std::env::var("WGPU_BACKEND").ok().filter(|v| !v.is_empty()) else {
+                return Ok(ours);
+            };
+            let named = wgpu::Backends::from_comma_list(&asked) & ours;
+            if named.is_empty() {
+                return Err(DrawError::Missing(format!(
+                    "WGPU_BACKEND is \"{asked}\", which names no graphics driver interface that \
+                     azulejo uses: set it to vulkan, gl or vulkan,gl, or unset it"
+                )));
+            }
+            Ok(named)
+        }
+    }
+}
+
+fn adapters(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        // Without validation: the layers are for developers, and slow.
+        flags: wgpu::InstanceFlags::empty(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    pollster::block_on(instance.enumerate_adapters(backends))
+}
+
+/// The adapter that promises most.
+fn best_adapter(wanted: wgpu::Backends) -> Result<wgpu::Adapter, DrawError> {
+    let rank = |adapter: &wgpu::Adapter| {
+        let info = adapter.get_info();
+        let kind = match info.device_type {
+            _ if is_software(&info) => 4,
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu => 2,
+            _ => 3,
+        };
+        (kind, info.backend != wgpu::Backend::Vulkan)
+    };
+    let found = adapters(wanted).into_iter().filter(can_draw);
+    found
+        .min_by_key(rank)
+        .ok_or_else(|| DrawError::Missing(missing(wanted)))
+}
+
+/// Whether an adapter can draw patch numbers at all.
+fn can_draw(adapter: &wgpu::Adapter) -> bool {
+    let usages = |format| adapter.get_texture_format_features(format).allowed_usages;
+    [
+        wgpu::TextureFormat::R32Uint,
+        wgpu::TextureFormat::Depth32Float,
+    ]
+    .into_iter()
+    .all(|format| usages(format).contains(wgpu::TextureUsages::RENDER_ATTACHMENT))
+}
+
+/// What is said if there is no adapter: what was looked for, what is there, what to do.
+fn missing(wanted: wgpu::Backends) -> String {
+    let looked_for = match wanted {
+        w if w == wgpu::Backends::VULKAN => "Vulkan",
+        w if w == wgpu::Backends::GL => "OpenGL",
+        _ => "Vulkan or OpenGL",
+    };
+    let all = adapters(wgpu::Backends::VULKAN | wgpu::Backends::GL);
+    let names: Vec<String> = all.iter().map(|a| described(&a.get_info())).collect();
+    let found = if names.is_empty() {
+        "none at all".to_owned()
+    } else {
+        names.join(", ")
+    };
+    format!(
+        "no graphics card or driver through {looked_for}; adapters found: {found}. Install a \
+         driver: the card's own, or Mesa's for machines without one (Debian and Ubuntu: apt \
+         install mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri); or let the processor \
+         draw"
+    )
+}
+
+/// An adapter in words.
+fn described(info: &wgpu::AdapterInfo) -> String {
+    let interface = match info.backend {
+        wgpu::Backend::Vulkan => "Vulkan",
+        wgpu::Backend::Gl => "OpenGL",
+        _ => "another interface",
+    };
+    let mut text = format!("{} ({interface}", info.name);
+    for part in [&info.driver, &info.driver_info] {
+        if !part.is_empty() && *part != info.name {
+            text += ", ";
+            text += part;
+        }
+    }
+    if is_software(info) {
+        text += ", software";
+    }
+    text + ")"
+}
+
+/// Drivers that are the processor. OpenGL has no question for it, so names decide there.
+fn is_software(info: &wgpu::AdapterInfo) -> bool {
+    let name = info.name.to_lowercase();
+    let known = ["llvmpipe", "softpipe", "swiftshader", "swrast", "software"];
+    info.device_type == wgpu::DeviceType::Cpu || known.iter().any(|k| name.contains(k))
+}

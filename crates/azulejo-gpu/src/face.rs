@@ -1,0 +1,127 @@
+//! One face of a hemicube, or the part of it that is a window: what the card is told, and which
+//! facets it is to draw.
+
+use crate::atlas::{Atlas, Rectangle};
+use crate::mesh::{Cone, Mesh};
+use crate::sight::Sight;
+use std::ops::Range;
+
+/// Words of `Face` in draw.wgsl.
+pub const WORDS: usize = 36;
+
+/// Facets nearer to the eye than this along a face's axis are clipped; in local coordinates,
+/// below the rounding of single precision.
+const NEAREST: f32 = 1e-8;
+
+/// A picture to be drawn.
+pub struct Picture {
+    /// `Face` in draw.wgsl.
+    pub words: [u32; WORDS],
+    pub viewport: Rectangle,
+    pub scissor: Rectangle,
+    /// Facets that may be in it.
+    pub facets: Vec<Range<u32>>,
+}
+
+/// Columns and rows of a face.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Region {
+    pub columns: Range<u32>,
+    pub rows: Range<u32>,
+}
+
+impl Region {
+    /// No pixel yet.
+    pub const EMPTY: Region = Region {
+        columns: Range {
+            start: u32::MAX,
+            end: 0,
+        },
+        rows: Range {
+            start: u32::MAX,
+            end: 0,
+        },
+    };
+
+    /// All of a face.
+    pub fn whole(resolution: u32, face: usize) -> Region {
+        Region {
+            columns: 0..resolution,
+            rows: 0..if face == 0 {
+                resolution
+            } else {
+                resolution / 2
+            },
+        }
+    }
+
+    /// Grows until it holds a pixel.
+    pub fn add(&mut self, column: u32, row: u32) {
+        let grow = |range: &mut Range<u32>, k: u32| {
+            *range = range.start.min(k)..range.end.max(k + 1);
+        };
+        grow(&mut self.columns, column);
+        grow(&mut self.rows, row);
+    }
+}
+
+/// The part of a face that shows what `sight` sees. `window` is its number in the atlas.
+pub fn picture(
+    mesh: &Mesh,
+    atlas: &Atlas,
+    sight: &Sight,
+    (tile, face): (u32, usize),
+    region: &Region,
+    window: u32,
+) -> Picture {
+    let axes = sight.face(face);
+    let is_top = face == 0;
+    let viewport = atlas.face(tile, face);
+    let [left, top, ..] = viewport;
+    // Edges of pixels, as u and v.
+    let scale = 2.0 / f64::from(atlas.resolution);
+    let low = if is_top { -1.0 } else { 0.0 };
+    let u = |column: u32| scale * f64::from(column) - 1.0;
+    let v = |row: u32| scale * f64::from(row) + low;
+    let borders = [
+        u(region.columns.start),
+        u(region.columns.end),
+        v(region.rows.start),
+        v(region.rows.end),
+    ];
+    let cone = Cone::new(sight.eye, &axes, borders, sight.begin.as_ref());
+    let eye = sight.eye.as_vec3();
+    let rest = (sight.eye - eye.as_dvec3()).as_vec3();
+    let begin = sight.begin_in(&axes);
+    let [x, y, w] = axes.map(|a| a.as_vec3());
+    // Without a mirror the world begins at once.
+    let [a, b, c] = begin.map_or([0.0, 0.0, f32::MAX], |b| b.map(|x| x as f32));
+    // Rows run down in the texture and up in clip space.
+    let rows = if is_top { [0.0, -1.0] } else { [1.0, -2.0] };
+    let numbers = [
+        [eye.x, eye.y, eye.z, 0.0],
+        [rest.x, rest.y, rest.z, 0.0],
+        [x.x, x.y, x.z, 0.0],
+        [y.x, y.y, y.z, 0.0],
+        [w.x, w.y, w.z, 0.0],
+        [a, b, c, 0.0],
+        [left as f32, top as f32, scale as f32, low as f32],
+        [rows[0], rows[1], NEAREST, NEAREST],
+    ];
+    let mut words = [0; WORDS];
+    for (word, number) in words.iter_mut().zip(numbers.as_flattened()) {
+        *word = number.to_bits();
+    }
+    words[32..34].copy_from_slice(&[window, sight.mirror]);
+    Picture {
+        words,
+        viewport,
+        scissor: [
+            left + region.columns.start,
+            top + region.rows.start,
+            region.columns.len() as u32,
+            region.rows.len() as u32,
+        ],
+        facets: mesh.in_cone(&cone),
+    }
+}

@@ -1,0 +1,467 @@
+//! A world in the card's memory: facets in clusters of those that are near each other, under a
+//! tree of boxes that tells which clusters a face may show.
+
+use crate::card::Shared;
+use azulejo_scene::Rgb;
+use azulejo_trace::item_buffer::{DrawError, Facet, NO_MIRROR, World};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// Facets thinner than this, as a part of their longest edge, are left out: no pixel shows them,
+/// and their planes are rounding.
+const THINNEST: f64 = 1e-9;
+/// Planes closer than this in normal and offset are one, so that what lies in one plane has one
+/// depth. Relative to half the world's size.
+const SAME_PLANE: f64 = 1.0 / (1u64 << 27) as f64;
+/// Boxes are taken this much larger than they are, for rounding on the way to the screen.
+const BOX_SLACK: f64 = 4e-6;
+/// Words of a corner: position, plane, side, mirror.
+const CORNER_WORDS: usize = 9;
+/// Bytes of a facet.
+const FACET_BYTES: u64 = 3 * 4 * CORNER_WORDS as u64;
+/// Most bytes in a buffer, unless the card wants fewer.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// Where world coordinates go: into −1..=1 about the centre.
+#[derive(Clone, Copy, Debug)]
+pub struct Local {
+    pub centre: DVec3,
+    /// Half the world's largest extent, scene units.
+    pub reach: f64,
+}
+
+impl Local {
+    fn new(low: DVec3, high: DVec3) -> Local {
+        let reach = 0.5 * (high - low).max_element();
+        if reach > 0.0 && reach.is_finite() {
+            let centre = 0.5 * (low + high);
+            return Local { centre, reach };
+        }
+        let centre = if low.is_finite() { low } else { DVec3::ZERO };
+        Local { centre, reach: 1.0 }
+    }
+
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) / self.reach
+    }
+
+    pub fn world_point(&self, p: DVec3) -> DVec3 {
+        p * self.reach + self.centre
+    }
+}
+
+/// The points p with `normal` · p = `offset`; unit normal.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    pub normal: DVec3,
+    pub offset: f64,
+}
+
+/// What becomes of light at a patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Matt,
+    /// A part of this mirror.
+    Mirror(u32),
+    Bent,
+}
+
+/// A mirror with its plane in local coordinates.
+pub struct LocalMirror {
+    pub plane: Plane,
+    pub reflectance: Rgb,
+}
+
+/// A world on the card. Immutable.
+pub struct Mesh {
+    pub local: Local,
+    pub patches: u32,
+    pub up: DVec3,
+    pub mirrors: Vec<LocalMirror>,
+    kinds: Vec<Kind>,
+    /// Vertices, in so many buffers as the card's limits want.
+    buffers: Vec<wgpu::Buffer>,
+    clusters: Clusters,
+    facets: u32,
+    /// Facets in every buffer but the last.
+    facets_per_buffer: u32,
+}
+
+impl Mesh {
+    /// Leaves out facets with a corner that is not finite, without area, or of patches that there
+    /// are not.
+    ///
+    /// # Errors
+    /// [`DrawError::TooLarge`].
+    pub fn new(shared: &Shared, world: &World, cluster: u32) -> Result<Mesh, DrawError> {
+        let sound: Vec<&Facet> = world
+            .triangles
+            .iter()
+            .filter(|t| t.patch < world.patches && t.corners.iter().all(|c| c.is_finite()))
+            .collect();
+        let corners = || sound.iter().flat_map(|t| t.corners);
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let local = Local::new(low, high);
+        let kinds: Vec<Kind> = (0..world.patches).map(|p| kind(world, p)).collect();
+        let facets = prepared(&sound, &local, &kinds);
+        let clusters = Clusters::new(&facets, cluster);
+        let per_buffer = shared.limits.max_buffer_size.min(MOST_BYTES) / FACET_BYTES;
+        let per_buffer = per_buffer as u32 / cluster * cluster;
+        if per_buffer == 0 {
+            let most = shared.limits.max_buffer_size;
+            let error = format!("{cluster} facets, and its buffers end at {most} bytes");
+            return Err(DrawError::TooLarge(error));
+        }
+        let mirror = |m: &azulejo_trace::item_buffer::Mirror| LocalMirror {
+            plane: Plane {
+                normal: m.normal,
+                offset: m.normal.dot(local.point(m.point)),
+            },
+            reflectance: m.reflectance,
+        };
+        Ok(Mesh {
+            local,
+            patches: world.patches,
+            up: world.up,
+            mirrors: world.mirrors.iter().map(mirror).collect(),
+            kinds,
+            buffers: upload(shared, &facets, per_buffer)?,
+            clusters,
+            facets: facets.len() as u32,
+            facets_per_buffer: per_buffer,
+        })
+    }
+
+    pub fn kind(&self, patch: u32) -> Kind {
+        self.kinds[patch as usize]
+    }
+
+    /// Whether light goes on anywhere by a mirror that can be drawn, and whether anywhere else.
+    pub fn kinds_there(&self) -> [bool; 2] {
+        let is_mirror = |k: &Kind| matches!(k, Kind::Mirror(_));
+        [
+            self.kinds.iter().any(is_mirror),
+            self.kinds.contains(&Kind::Bent),
+        ]
+    }
+
+    /// Ranges of facets that a cone may show.
+    pub fn in_cone(&self, cone: &Cone) -> Vec<Range<u32>> {
+        let size = self.clusters.size;
+        let facets = |c: Range<u32>| size * c.start..(size * c.end).min(self.facets);
+        self.clusters
+            .in_cone(cone)
+            .into_iter()
+            .map(facets)
+            .collect()
+    }
+
+    /// Draws a range of facets.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass, bound: &mut Option<u32>, range: &Range<u32>) {
+        let mut first = range.start;
+        while first < range.end {
+            let number = first / self.facets_per_buffer;
+            let begin = number * self.facets_per_buffer;
+            let end = range.end.min(begin + self.facets_per_buffer);
+            if *bound != Some(number) {
+                pass.set_vertex_buffer(0, self.buffers[number as usize].slice(..));
+                *bound = Some(number);
+            }
+            pass.draw(3 * (first - begin)..3 * (end - begin), 0..1);
+            first = end;
+        }
+    }
+}
+
+/// How a corner lies in its buffer.
+pub fn layout() -> wgpu::VertexBufferLayout<'static> {
+    const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x4, 2 => Uint32x2];
+    wgpu::VertexBufferLayout {
+        array_stride: 4 * CORNER_WORDS as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &ATTRIBUTES,
+    }
+}
+
+fn kind(world: &World, patch: u32) -> Kind {
+    if world.is_bent.get(patch as usize) == Some(&true) {
+        return Kind::Bent;
+    }
+    match world.mirror_of.get(patch as usize) {
+        Some(&m) if m != NO_MIRROR && (m as usize) < world.mirrors.len() => Kind::Mirror(m),
+        _ => Kind::Matt,
+    }
+}
+
+/// A facet as it goes to the card.
+struct Prepared {
+    corners: [[f32; 3]; 3],
+    /// Normal and offset of its plane.
+    plane: [f32; 4],
+    /// Twice the patch, one more if the front is not where the plane's normal points.
+    side: u32,
+    mirror: u32,
+    /// Place on a curve that fills space (Morton 1966).
+    place: u64,
+}
+
+/// Facets in the order in which they are drawn: near ones together, and of those in one place the
+/// lowest patch first, which wins where they are equally deep.
+fn prepared(sound: &[&Facet], local: &Local, kinds: &[Kind]) -> Vec<Prepared> {
+    let mut planes = Planes::default();
+    let mut facets = Vec::with_capacity(sound.len());
+    for t in sound {
+        let corners = t.corners.map(|c| local.point(c));
+        let Some((plane, is_upright)) = planes.of(corners) else {
+            continue;
+        };
+        facets.push(Prepared {
+            corners: corners.map(|c| c.as_vec3().to_array()),
+            plane,
+            side: 2 * t.patch + u32::from(!is_upright),
+            mirror: match kinds[t.patch as usize] {
+                Kind::Mirror(m) => m,
+                _ => NO_MIRROR,
+            },
+            place: place(corners.iter().sum::<DVec3>() / 3.0),
+        });
+    }
+    facets.sort_by_key(|f| (f.place, f.side));
+    facets
+}
+
+/// Planes of facets, each once.
+#[derive(Default)]
+struct Planes {
+    known: HashMap<[i64; 4], [f32; 4]>,
+}
+
+impl Planes {
+    /// The plane through three corners, and whether they turn counter-clockwise about its
+    /// normal; `None` if they span none.
+    fn of(&mut self, [a, b, c]: [DVec3; 3]) -> Option<([f32; 4], bool)> {
+        let across = (b - a).cross(c - a);
+        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
+        let longest = edges.into_iter().fold(0.0, f64::max);
+        // Twice the area is height times longest edge. Written so that NaN fails.
+        let is_wide = across.length() > THINNEST * longest;
+        if !is_wide {
+            return None;
+        }
+        let normal = across.normalize();
+        // One of the two signs, whatever the facet's front: by the first component that counts.
+        let first = normal.to_array().into_iter().find(|x| x.abs() > 1e-4)?;
+        let is_upright = first > 0.0;
+        let normal = if is_upright { normal } else { -normal };
+        let middle = (a + b + c) / 3.0;
+        let step = |x: f64| (x / SAME_PLANE).round() as i64;
+        let key = [normal.x, normal.y, normal.z, normal.dot(middle)].map(step);
+        let plane = self.known.entry(key).or_insert_with(|| {
+            // The offset belongs to the normal as the card knows it.
+            let rounded = normal.as_vec3();
+            let offset = rounded.as_dvec3().dot(middle) as f32;
+            [rounded.x, rounded.y, rounded.z, offset]
+        });
+        Some((*plane, is_upright))
+    }
+}
+
+/// Bits of the three coordinates by turns.
+fn place(p: DVec3) -> u64 {
+    const BITS: u32 = 20;
+    let cells = f64::from(1u32 << BITS);
+    let coordinate = |x: f64| (0.5 * (x + 1.0) * cells).clamp(0.0, cells - 1.0) as u64;
+    let p = [p.x, p.y, p.z].map(coordinate);
+    let mut place = 0;
+    for bit in (0..BITS).rev() {
+        for x in p {
+            place = place << 1 | (x >> bit & 1);
+        }
+    }
+    place
+}
+
+/// Copies facets to the card, `per_buffer` to each buffer.
+fn upload(
+    shared: &Shared,
+    facets: &[Prepared],
+    per_buffer: u32,
+) -> Result<Vec<wgpu::Buffer>, DrawError> {
+    let mut buffers = Vec::new();
+    for part in facets.chunks(per_buffer as usize) {
+        let descriptor = wgpu::BufferDescriptor {
+            label: Some("facets"),
+            size: part.len() as u64 * FACET_BYTES,
+            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        };
+        let buffer = shared.allocate(|device| device.create_buffer(&descriptor));
+        let buffer = buffer.ok_or_else(|| {
+            let (count, bytes) = (facets.len(), facets.len() as u64 * FACET_BYTES);
+            DrawError::TooLarge(format!(
+                "{count} facets take {bytes} bytes, which its memory has not; its buffers end at \
+                 {} bytes",
+                shared.limits.max_buffer_size
+            ))
+        })?;
+        // In pieces, so that the copies on the way stay small.
+        const PIECE: usize = 1 << 16;
+        for (number, piece) in part.chunks(PIECE).enumerate() {
+            let words: Vec<u32> = piece.iter().flat_map(corner_words).collect();
+            let offset = (number * PIECE) as u64 * FACET_BYTES;
+            shared
+                .queue
+                .write_buffer(&buffer, offset, bytemuck::cast_slice(&words));
+        }
+        buffers.push(buffer);
+    }
+    shared.check()?;
+    Ok(buffers)
+}
+
+fn corner_words(facet: &Prepared) -> impl Iterator<Item = u32> + '_ {
+    facet.corners.iter().flat_map(|corner| {
+        let numbers = corner.iter().chain(&facet.plane).map(|x| x.to_bits());
+        numbers.chain([facet.side, facet.mirror])
+    })
+}
+
+/// Runs of facets and the boxes around them.
+struct Clusters {
+    /// Facets in a cluster.
+    size: u32,
+    count: u32,
+    /// Node k has the children 2k + 1 and 2k + 2, which share its clusters by halves.
+    nodes: Vec<Bounds>,
+}
+
+#[derive(Clone, Copy)]
+struct Bounds {
+    centre: DVec3,
+    half: DVec3,
+}
+
+impl Clusters {
+    fn new(facets: &[Prepared], size: u32) -> Clusters {
+        let count = facets.len().div_ceil(size as usize);
+        let nothing = Bounds {
+            centre: DVec3::ZERO,
+            half: DVec3::ZERO,
+        };
+        let mut clusters = Clusters {
+            size,
+            count: count as u32,
+            nodes: vec![nothing; 2 * count.next_power_of_two()],
+        };
+        if count > 0 {
+            clusters.enclose(facets, 0, 0..count as u32);
+        }
+        clusters
+    }
+
+    /// Sets the boxes of a node and of all below it; returns low and high corner.
+    fn enclose(&mut self, facets: &[Prepared], node: usize, range: Range<u32>) -> [DVec3; 2] {
+        let [low, high] = if range.len() == 1 {
+            let first = (range.start * self.size) as usize;
+            let end = (first + self.size as usize).min(facets.len());
+            let corners = facets[first..end].iter().flat_map(|f| f.corners);
+            let corners = corners.map(|c| DVec3::from(c.map(f64::from)));
+            corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], c| {
+                [low.min(c), high.max(c)]
+            })
+        } else {
+            let [left, right] = halves(&range);
+            let a = self.enclose(facets, 2 * node + 1, left);
+            let b = self.enclose(facets, 2 * node + 2, right);
+            [a[0].min(b[0]), a[1].max(b[1])]
+        };
+        self.nodes[node] = Bounds {
+            centre: 0.5 * (low + high),
+            half: 0.5 * (high - low) + BOX_SLACK,
+        };
+        [low, high]
+    }
+
+    /// Ranges of clusters that may lie in a cone, in order, joined where they touch.
+    fn in_cone(&self, cone: &Cone) -> Vec<Range<u32>> {
+        let mut found: Vec<Range<u32>> = Vec::new();
+        if self.count > 0 {
+            self.search(cone, 0, 0..self.count, &mut found);
+        }
+        found
+    }
+
+    fn search(&self, cone: &Cone, node: usize, range: Range<u32>, found: &mut Vec<Range<u32>>) {
+        let place = cone.place(&self.nodes[node]);
+        if place == Place::Outside {
+            return;
+        }
+        if place == Place::Across && range.len() > 1 {
+            let [left, right] = halves(&range);
+            self.search(cone, 2 * node + 1, left, found);
+            self.search(cone, 2 * node + 2, right, found);
+            return;
+        }
+        match found.last_mut() {
+            Some(last) if last.end == range.start => last.end = range.end,
+            _ => found.push(range),
+        }
+    }
+}
+
+/// The two halves of a node's clusters; the tree is as deep as the logarithm of their number.
+fn halves(range: &Range<u32>) -> [Range<u32>; 2] {
+    let middle = range.start + (range.len() as u32).div_ceil(2);
+    [range.start..middle, middle..range.end]
+}
+
+/// Where a box lies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Outside,
+    Inside,
+    Across,
+}
+
+/// Half-spaces that hold all that a part of a picture shows: its four borders, what lies before
+/// the eye, and what lies behind the mirror.
+pub struct Cone {
+    planes: Vec<Plane>,
+}
+
+impl Cone {
+    /// `axes` of the picture; `borders`: left, right, low and high end in u and v.
+    pub fn new(eye: DVec3, axes: &[DVec3; 3], borders: [f64; 4], begin: Option<&Plane>) -> Cone {
+        let [x, y, w] = *axes;
+        let [left, right, low, high] = borders;
+        let normals = [x - left * w, right * w - x, y - low * w, high * w - y, w];
+        let mut planes: Vec<Plane> = normals
+            .into_iter()
+            .map(|n| {
+                let normal = n.normalize();
+                let offset = normal.dot(eye);
+                Plane { normal, offset }
+            })
+            .collect();
+        planes.extend(begin);
+        Cone { planes }
+    }
+
+    fn place(&self, bounds: &Bounds) -> Place {
+        let mut place = Place::Inside;
+        for plane in &self.planes {
+            let middle = plane.normal.dot(bounds.centre) - plane.offset;
+            let reach = plane.normal.abs().dot(bounds.half) + 1e-6 * plane.offset.abs();
+            if middle + reach < 0.0 {
+                return Place::Outside;
+            }
+            if middle < reach {
+                place = Place::Across;
+            }
+        }
+        place
+    }
+}

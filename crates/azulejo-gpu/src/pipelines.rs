@@ -1,0 +1,124 @@
+//! What the card runs: pipelines of draw.wgsl and sum.wgsl.
+
+use crate::mesh;
+
+/// Patch numbers, and whatever else is a whole number per pixel.
+pub const NUMBERS: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+pub struct Pipelines {
+    /// The face that is drawn, at an offset.
+    pub face: wgpu::BindGroupLayout,
+    /// Which window each pixel belongs to.
+    pub windows: wgpu::BindGroupLayout,
+    /// By whether they are drawn in windows, and whether the nearness is kept too.
+    draw: [[wgpu::RenderPipeline; 2]; 2],
+    /// Unless the card has no compute shaders.
+    pub sum: Option<wgpu::ComputePipeline>,
+}
+
+impl Pipelines {
+    pub fn new(device: &wgpu::Device, can_compute: bool) -> Pipelines {
+        let layout = |binding: wgpu::BindingType, stages: wgpu::ShaderStages| {
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: None,
+                entries: &[wgpu::BindGroupLayoutEntry {
+                    binding: 0,
+                    visibility: stages,
+                    ty: binding,
+                    count: None,
+                }],
+            })
+        };
+        let uniform = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: true,
+            min_binding_size: None,
+        };
+        let texture = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Uint,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let face = layout(uniform, wgpu::ShaderStages::VERTEX_FRAGMENT);
+        let windows = layout(texture, wgpu::ShaderStages::FRAGMENT);
+        let shader = device.create_shader_module(wgpu::include_wgsl!("draw.wgsl"));
+        let draw = |is_window: bool, entry: &str, is_far: bool| {
+            let groups = [Some(&face), is_window.then_some(&windows)];
+            let groups = &groups[..1 + usize::from(is_window)];
+            draw_pipeline(device, &shader, groups, entry, is_far)
+        };
+        let draw = [
+            [
+                draw(false, "straight", false),
+                draw(false, "straight_far", true),
+            ],
+            [draw(true, "window", false), draw(true, "window_far", true)],
+        ];
+        Pipelines {
+            face,
+            windows,
+            draw,
+            sum: can_compute.then(|| sum_pipeline(device)),
+        }
+    }
+
+    pub fn draw(&self, in_windows: bool, with_nearness: bool) -> &wgpu::RenderPipeline {
+        &self.draw[usize::from(in_windows)][usize::from(with_nearness)]
+    }
+}
+
+fn draw_pipeline(
+    device: &wgpu::Device,
+    shader: &wgpu::ShaderModule,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+    entry: &str,
+    is_far: bool,
+) -> wgpu::RenderPipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        bind_group_layouts: groups,
+        ..wgpu::PipelineLayoutDescriptor::default()
+    });
+    let targets = [Some(NUMBERS.into()), Some(NUMBERS.into())];
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(entry),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some("corner"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[Some(mesh::layout())],
+        },
+        // Both sides are seen; which one, the shader finds from the plane.
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(true),
+            // The depth is a nearness: more is nearer, 0 is nowhere.
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &targets[..1 + usize::from(is_far)],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn sum_pipeline(device: &wgpu::Device) -> wgpu::ComputePipeline {
+    let shader = device.create_shader_module(wgpu::include_wgsl!("sum.wgsl"));
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("sum"),
+        layout: None,
+        module: &shader,
+        entry_point: Some("sum"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
