@@ -34,7 +34,9 @@ fn truths() {
         print!("{:15} {:14.11}", case.id, case.truth.value);
         for analytic in [false, true] {
             let options = options(1 << 16, analytic);
-            let (found, _) = case.ask(&options, &Progress::new()).expect("a scene");
+            let tracer = Tracer::new(&case.scene);
+            let found = case.ask(&tracer, &options, &Progress::new());
+            let (found, _) = found.expect("there are surfaces");
             let (f, error) = (found.value, found.error);
             let off = (f - case.truth.value) / error;
             print!("   {f:.9} ± {error:.1e} {off:+6.2} SE");

@@ -37,12 +37,13 @@ impl Case {
     }
 
     /// Has the form factors computed as `options` say, but for the division and the sides, which
-    /// the case decides, and answers from them.
+    /// the case decides, and answers from them. `tracer` is one of the case's scene.
     ///
     /// # Errors
     /// As [`form_factors`].
     pub fn ask(
         &self,
+        tracer: &Tracer,
         options: &FormFactorOptions,
         progress: &Progress,
     ) -> Result<(Answer, FormFactors), SolveError> {
@@ -51,7 +52,7 @@ impl Case {
             two_sided: self.is_two_sided(),
             ..options.clone()
         };
-        let factors = form_factors(&self.scene, &Tracer::new(&self.scene), &options, progress)?;
+        let factors = form_factors(&self.scene, tracer, &options, progress)?;
         Ok((self.answer(&factors), factors))
     }
 

@@ -2,7 +2,7 @@
 
 use azulejo_radiosity::truth::{Answer, Case, Kind, Question, cases};
 use azulejo_radiosity::{Engine, FormFactorOptions, Patches};
-use azulejo_trace::Progress;
+use azulejo_trace::{Progress, Tracer};
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -88,7 +88,7 @@ struct Answered {
 }
 
 fn ask(case: Case, options: &FormFactorOptions) -> Answered {
-    let found = case.ask(options, &Progress::new());
+    let found = case.ask(&Tracer::new(&case.scene), options, &Progress::new());
     let (answer, factors) = found.unwrap_or_else(|e| panic!("{}: {e}", case.id));
     let (id, truth, ran) = (case.id, case.truth.value, factors.ran.engine);
     let (value, off, error) = (answer.value, answer.off(&case), answer.error);

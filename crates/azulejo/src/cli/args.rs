@@ -64,6 +64,9 @@ pub enum Command {
     /// Write the matrix of form factors between patches
     #[command(after_help = FORM_FACTORS_EXAMPLES)]
     FormFactors(FormFactorArgs),
+    /// Compare engines: run a suite of scenes and settings, and report times and errors
+    #[command(after_help = EXPERIMENT_EXAMPLES)]
+    Experiment(ExperimentArgs),
     /// Make solid letters of a text
     #[command(after_help = TEXT_EXAMPLES)]
     Text(TextArgs),
@@ -409,6 +412,30 @@ pub struct FormFactorArgs {
     pub engine: EngineArgs,
 }
 
+/// `experiment`
+#[derive(Debug, Args)]
+pub struct ExperimentArgs {
+    /// The suite: scenes, engines, how often, compared with what (.toml)
+    #[arg(value_name = "SUITE", value_hint = ValueHint::FilePath)]
+    pub suite: PathBuf,
+    /// Folder for the report; what was already done there is not done again
+    #[arg(long, short, value_name = "FOLDER", value_hint = ValueHint::DirPath,
+          required_unless_present = "list")]
+    pub output: Option<PathBuf>,
+    /// Only say what there is to do
+    #[arg(long)]
+    pub list: bool,
+    /// Only what has this in its name, as --list says it
+    #[arg(long, value_name = "NAME")]
+    pub only: Option<String>,
+    /// Of each engine on each scene only the first setting, once
+    #[arg(long)]
+    pub quick: bool,
+    /// Do one task and print what it found: what the command starts for each
+    #[arg(long, value_name = "KEY", hide = true)]
+    pub task: Option<String>,
+}
+
 const EXAMPLES: &str = "\
 Examples:
   azulejo render examples/cornell.grf -o cornell.png
@@ -460,6 +487,12 @@ Examples:
 
 Beside the matrix the .npz holds areas, patch_face (object and face of each patch), patch_back,
 std_error (one per stored entry), row_error and escaped (one per row). A patch counts by its front and blocks light from both sides.";
+
+const EXPERIMENT_EXAMPLES: &str = "\
+Examples:
+  azulejo experiment examples/experiments/truths.toml -o report
+  azulejo experiment examples/experiments/diffuse.toml --list
+  azulejo experiment examples/experiments/mirrors.toml -o report --only hybrid";
 
 const COMPLETIONS_EXAMPLES: &str = "\
 Examples:

@@ -98,7 +98,7 @@ impl EngineArgs {
     }
 
     /// Refuses options that mean nothing to the engine.
-    fn check(&self) -> Result<(), Failure> {
+    pub fn check(&self) -> Result<(), Failure> {
         let misuse = |option: &str, engines: &str| {
             let message = format_args!("{option} has a meaning for --engine {engines} only");
             Err(Failure::misuse(message))
@@ -204,7 +204,26 @@ fn load_embree(_: Option<PathBuf>) -> Result<Kernel, String> {
     ))
 }
 
+/// The version of the Embree that would be loaded without `--embree`.
+#[cfg(feature = "embree")]
+pub fn embree_version() -> Result<String, String> {
+    let path = std::env::var_os(EMBREE_VARIABLE).map(PathBuf::from);
+    let loaded = azulejo_trace::embree::Embree::load(path.as_deref());
+    loaded.map(|e| e.version()).map_err(|e| e.to_string())
+}
+
+/// Why there is no Embree.
+#[cfg(not(feature = "embree"))]
+pub fn embree_version() -> Result<String, String> {
+    load_embree(None).map(|_| String::new())
+}
+
 impl Chosen {
+    /// What was not done as asked.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// The scene made ready for rays.
     pub fn tracer(&self, scene: &Scene) -> Result<Tracer, Failure> {
         let tracer = Tracer::with_kernel(scene, &self.kernel);

@@ -5,6 +5,7 @@ mod args;
 mod clock;
 mod convert;
 mod engine;
+mod experiment;
 mod failure;
 mod form_factors;
 mod generate;
@@ -72,6 +73,11 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Render(args) => render::run(args, &mut session)?,
         Command::Probe(args) => probe::run(args, &mut session)?,
         Command::FormFactors(args) => form_factors::run(args, &mut session)?,
+        Command::Experiment(args) => match experiment::run(args, &mut session)? {
+            Some(report) if args.list => return session.print(report),
+            Some(report) => report,
+            None => return Ok(()),
+        },
         Command::Text(args) => lettering::run_text(args, &mut session)?,
         Command::Font { command } => lettering::run_font(command, &mut session)?,
         Command::Extrude(args) => lettering::run_extrude(args, &mut session)?,

@@ -31,7 +31,7 @@ pub fn options(args: &FirstPassArgs, chosen: &Chosen) -> FirstPass {
 }
 
 /// Half of what the machine has; 2 GiB where it does not say.
-fn memory_budget() -> u64 {
+pub fn memory_budget() -> u64 {
     clock::machine_memory().map_or(2 << 30, |bytes| bytes / 2)
 }
 

@@ -129,6 +129,13 @@ impl Session {
         self.record(json!({ "message": message, "count": 1 }), message);
     }
 
+    /// Says what was done, where no progress bar says it.
+    pub fn tell(&self, words: &str) {
+        if !self.json && !self.quiet && !io::stderr().is_terminal() {
+            let _ = writeln!(io::stderr(), "{words}");
+        }
+    }
+
     fn record(&mut self, value: Value, words: impl fmt::Display) {
         self.warnings.push(value);
         if let Some(listed) = &mut self.listed {

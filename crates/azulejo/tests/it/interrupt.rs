@@ -55,3 +55,25 @@ fn form_factors_stop() {
     let line = "form-factors room.obj -o out.npz --patches 20000 --rays 10000000";
     check(line, "out.npz", Signal::SIGINT);
 }
+
+/// The child that does the work stops with the command that started it.
+#[test]
+fn experiments_stop() {
+    let folder = Folder::new();
+    let suite = "title = 't'\n[[scene]]\nname = 'a'\ngenerator = 'street'\n\
+                 [[engine]]\nengine = 'rays'\nrays = 100000\n";
+    folder.write("t.toml", suite);
+    let mut command = folder.command("experiment t.toml -o a --quiet");
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().unwrap();
+    sleep(Duration::from_millis(700));
+    let process = Pid::from_raw(child.id().try_into().unwrap());
+    kill(process, Signal::SIGTERM).unwrap();
+    let asked = Instant::now();
+    // Its pipes are closed only once the child is gone, too.
+    let run = Run::of(child.wait_with_output().unwrap());
+    assert_eq!(run.code, Some(1), "{}", run.err);
+    assert!(run.err.contains("cancelled"), "{}", run.err);
+    assert_eq!(folder.read("a/results.jsonl"), b"");
+    assert!(asked.elapsed() < Duration::from_secs(20));
+}

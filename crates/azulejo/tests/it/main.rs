@@ -5,6 +5,7 @@ mod bad_input;
 mod commands;
 mod engines;
 mod exact;
+mod experiment;
 mod files;
 mod lettering;
 mod reading;
