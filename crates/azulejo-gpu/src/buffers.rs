@@ -156,7 +156,7 @@ impl Buffers {
         while gazes.iter().any(Gaze::has_windows) {
             self.next_level(target, &mut gazes)?;
         }
-        Ok(gazes.into_iter().map(Gaze::finished).collect())
+        Ok(side_by_side(&mut gazes, || (), |(), gaze| gaze.take()))
     }
 
     /// Takes the card's sums, and the pixels of those tiles in which some go on.

@@ -71,7 +71,7 @@ impl Card {
         backend: Backend,
         narrow: impl Fn(wgpu::Limits) -> wgpu::Limits,
     ) -> Result<Card, DrawError> {
-        let wanted = wanted(backend)?;
+        let wanted = wanted(backend, std::env::var("WGPU_BACKEND").ok())?;
         let adapter = best_adapter(wanted)?;
         let info = adapter.get_info();
         let descriptor = wgpu::DeviceDescriptor {
@@ -219,14 +219,14 @@ fn listen(device: &wgpu::Device) -> Arc<Mutex<Option<String>>> {
     lost
 }
 
-/// The interfaces to look through.
-fn wanted(backend: Backend) -> Result<wgpu::Backends, DrawError> {
+/// The interfaces to look through, if the environment asks for `variable`.
+fn wanted(backend: Backend, variable: Option<String>) -> Result<wgpu::Backends, DrawError> {
     let ours = wgpu::Backends::VULKAN | wgpu::Backends::GL;
     match backend {
         Backend::Vulkan => Ok(wgpu::Backends::VULKAN),
         Backend::Gl => Ok(wgpu::Backends::GL),
         Backend::Auto => {
-            let Some(asked) = std::env::var("WGPU_BACKEND").ok().filter(|v| !v.is_empty()) else {
+            let Some(asked) = variable.filter(|v| !v.is_empty()) else {
                 return Ok(ours);
             };
             let named = wgpu::Backends::from_comma_list(&asked) & ours;
@@ -328,4 +328,41 @@ fn is_software(info: &wgpu::AdapterInfo) -> bool {
     let name = info.name.to_lowercase();
     let known = ["llvmpipe", "softpipe", "swiftshader", "swrast", "software"];
     info.device_type == wgpu::DeviceType::Cpu || known.iter().any(|k| name.contains(k))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_environment_narrows_what_is_looked_for() {
+        let check = |backend, variable: Option<&str>, expected: wgpu::Backends| {
+            let wanted = wanted(backend, variable.map(str::to_owned));
+            assert_eq!(wanted, Ok(expected), "{backend:?} {variable:?}");
+        };
+        let (vulkan, gl) = (wgpu::Backends::VULKAN, wgpu::Backends::GL);
+        check(Backend::Auto, None, vulkan | gl);
+        check(Backend::Auto, Some(""), vulkan | gl);
+        check(Backend::Auto, Some("gl"), gl);
+        check(Backend::Auto, Some("metal, vulkan"), vulkan);
+        check(Backend::Gl, Some("vulkan"), gl);
+        let error = wanted(Backend::Auto, Some("metal".to_owned())).expect_err("not ours");
+        assert!(
+            error.to_string().contains("WGPU_BACKEND is \"metal\""),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn who_finds_no_card_learns_what_to_do() {
+        let text = missing(wgpu::Backends::VULKAN);
+        for part in [
+            "through Vulkan;",
+            "adapters found: ",
+            "mesa-vulkan-drivers",
+            "processor",
+        ] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
 }

@@ -231,10 +231,11 @@ impl Gaze {
         request
     }
 
-    pub fn finished(self) -> Seen {
+    /// All that was found; nothing is left.
+    pub fn take(&mut self) -> Seen {
         Seen {
-            shares: self.shares.finished(),
-            ..self.seen
+            shares: std::mem::take(&mut self.shares).finished(),
+            ..std::mem::take(&mut self.seen)
         }
     }
 }

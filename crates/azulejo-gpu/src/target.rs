@@ -108,78 +108,60 @@ impl Target {
     /// Draws pictures; those of one call start from empty pixels.
     pub fn draw(&mut self, shared: &Shared, mesh: &Mesh, pictures: &[Picture], place: Place) {
         self.faces.hold(shared, pictures.len().min(MOST_PICTURES));
-        let mut parts = pictures.chunks(MOST_PICTURES);
-        let mut is_first = true;
         // Without pictures the pixels are emptied all the same.
-        loop {
-            let part = parts.next().unwrap_or(&[]);
-            if part.is_empty() && !is_first {
-                break;
-            }
+        for first in (0..pictures.len().max(1)).step_by(MOST_PICTURES) {
+            let part = &pictures[first..pictures.len().min(first + MOST_PICTURES)];
             self.faces.write(shared, part);
-            let encoder = wgpu::CommandEncoderDescriptor::default();
-            let mut encoder = shared.device.create_command_encoder(&encoder);
-            self.encode(shared, mesh, part, place, is_first, &mut encoder);
+            let descriptor = wgpu::CommandEncoderDescriptor::default();
+            let mut encoder = shared.device.create_command_encoder(&descriptor);
+            let mut pass = self.begin(&mut encoder, first == 0);
+            let in_windows = place == Place::Windows;
+            pass.set_pipeline(shared.pipelines.draw(in_windows, self.nearness.is_some()));
+            if let (true, Some(windows)) = (in_windows, &self.windows) {
+                pass.set_bind_group(1, &windows.group, &[]);
+            }
+            self.encode(&mut pass, mesh, part);
+            drop(pass);
             shared.queue.submit([encoder.finish()]);
-            is_first = false;
         }
     }
 
-    fn encode(
+    /// Begins a pass over the atlas, which empties it or draws over it.
+    fn begin<'a>(
         &self,
-        shared: &Shared,
-        mesh: &Mesh,
-        pictures: &[Picture],
-        place: Place,
-        is_first: bool,
-        encoder: &mut wgpu::CommandEncoder,
-    ) {
+        encoder: &'a mut wgpu::CommandEncoder,
+        empties: bool,
+    ) -> wgpu::RenderPass<'a> {
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         let views = [Some(view(&self.sides)), self.nearness.as_ref().map(view)];
+        let nothing = f64::from(NOTHING);
+        let nothing = wgpu::Color {
+            r: nothing,
+            g: nothing,
+            b: nothing,
+            a: nothing,
+        };
         let colour = |view| wgpu::RenderPassColorAttachment {
             view,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations {
-                load: if is_first {
-                    let nothing = f64::from(NOTHING);
-                    wgpu::LoadOp::Clear(wgpu::Color {
-                        r: nothing,
-                        g: nothing,
-                        b: nothing,
-                        a: nothing,
-                    })
-                } else {
-                    wgpu::LoadOp::Load
-                },
-                store: wgpu::StoreOp::Store,
-            },
+            ops: operations(nothing, empties),
         };
         let colours: Vec<_> = views.iter().flatten().map(|v| Some(colour(v))).collect();
-        let load = if is_first {
-            wgpu::LoadOp::Clear(0.0)
-        } else {
-            wgpu::LoadOp::Load
-        };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &colours,
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load,
-                    store: wgpu::StoreOp::Store,
-                }),
+                depth_ops: Some(operations(0.0, empties)),
                 stencil_ops: None,
             }),
             ..wgpu::RenderPassDescriptor::default()
-        });
-        let in_windows = place == Place::Windows;
-        pass.set_pipeline(shared.pipelines.draw(in_windows, self.nearness.is_some()));
-        if let (true, Some(windows)) = (in_windows, &self.windows) {
-            pass.set_bind_group(1, &windows.group, &[]);
-        }
+        })
+    }
+
+    fn encode(&self, pass: &mut wgpu::RenderPass, mesh: &Mesh, pictures: &[Picture]) {
         let mut bound = None;
-        for (number, picture) in pictures.iter().enumerate() {
+        for (number, picture) in (0u32..).zip(pictures) {
             if picture.facets.is_empty() {
                 continue;
             }
@@ -187,9 +169,9 @@ impl Target {
             pass.set_viewport(x, y, w, h, 0.0, 1.0);
             let [x, y, w, h] = picture.scissor;
             pass.set_scissor_rect(x, y, w, h);
-            pass.set_bind_group(0, &self.faces.group, &[number as u32 * self.faces.stride]);
+            pass.set_bind_group(0, &self.faces.group, &[number * self.faces.stride]);
             for range in &picture.facets {
-                mesh.draw(&mut pass, &mut bound, range);
+                mesh.draw(pass, &mut bound, range);
             }
         }
     }
@@ -465,6 +447,17 @@ impl Mapping {
         drop(view);
         self.buffer.unmap();
         Ok(answer)
+    }
+}
+
+fn operations<T>(empty: T, empties: bool) -> wgpu::Operations<T> {
+    let load = match empties {
+        true => wgpu::LoadOp::Clear(empty),
+        false => wgpu::LoadOp::Load,
+    };
+    wgpu::Operations {
+        load,
+        store: wgpu::StoreOp::Store,
     }
 }
 

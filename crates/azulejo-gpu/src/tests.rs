@@ -182,6 +182,16 @@ fn views(count: u32) -> Vec<View> {
     (0..count).map(view).collect()
 }
 
+/// Views that stand on the walls of the room, ever closer to its edges.
+fn views_near_edges() -> Vec<View> {
+    let view = |k: i32| View {
+        eye: DVec3::new(0.3, 0.6 * 10f64.powi(-k), 4e-6),
+        normal: DVec3::Z,
+        turn: f64::from(k),
+    };
+    (0..6).map(view).collect()
+}
+
 /// Sum of differences of shares.
 fn difference(a: &Seen, b: &Seen) -> f64 {
     let mut sums = std::collections::BTreeMap::new();
@@ -206,17 +216,18 @@ fn the_processor_sees_the_same() {
         mirrors: Beyond::List,
     };
     let cases = [
-        ("plain", clutter(300), windows(64)),
-        ("mirrors", mirrored.clone(), windows(64)),
-        ("bent", bent.clone(), windows(32)),
-        ("list", bent, list),
+        ("plain", clutter(300), windows(64), views(11)),
+        ("mirrors", mirrored.clone(), windows(64), views(11)),
+        ("bent", bent.clone(), windows(32), views(11)),
+        ("list", bent, list, views(11)),
+        ("edges", mirrored, windows(64), views_near_edges()),
+        ("long facets", room(1), windows(64), views_near_edges()),
     ];
     for card in cards() {
-        for (case, world, settings) in &cases {
-            let views = views(11);
-            let found = draw(&card, world, settings, &views);
+        for (case, world, settings, views) in &cases {
+            let found = draw(&card, world, settings, views);
             let processor = azulejo_trace::item_buffer::Processor.load(world, settings);
-            let expected = processor.and_then(|p| p.draw(&views)).expect("never fails");
+            let expected = processor.and_then(|p| p.draw(views)).expect("never fails");
             for (k, (a, b)) in found.iter().zip(&expected).enumerate() {
                 let name = format!("{} {case} {k}", card.name());
                 let off = difference(a, b);
