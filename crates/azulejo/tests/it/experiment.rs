@@ -80,6 +80,21 @@ fn the_small_suite() {
     assert_eq!(csv.lines().count(), 1 + tasks, "{csv}");
 }
 
+/// Every suite of the project means something.
+#[test]
+fn the_suites() {
+    let folder = Folder::new();
+    let suites = std::fs::read_dir(project().join("examples/experiments")).unwrap();
+    let mut count = 0;
+    for suite in suites {
+        let path = suite.unwrap().path();
+        let listed = folder.json(&format!("experiment {} --list", path.display()));
+        assert!(!listed["tasks"].as_array().unwrap().is_empty(), "{path:?}");
+        count += 1;
+    }
+    assert_eq!(count, 7);
+}
+
 #[test]
 fn known_answers() {
     let folder = Folder::new();

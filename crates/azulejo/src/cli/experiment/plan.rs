@@ -4,7 +4,7 @@ use super::suite::{EngineTable, Many, ReferenceTable, SceneTable, Source, Suite}
 use crate::cli::engine::{EngineArgs, EngineName, GpuName};
 use crate::cli::failure::Failure;
 use crate::cli::{input, values};
-use azulejo_radiosity::form_factors::MOST_RAYS;
+use azulejo_radiosity::form_factors::{Closure, MOST_RAYS};
 use clap::ValueEnum;
 use std::fmt;
 use std::path::PathBuf;
@@ -64,6 +64,8 @@ pub struct Setting {
     pub rays: Option<u32>,
     /// Whether formulas replace rays where they are better.
     pub formulas: bool,
+    /// Which scenes have their rows made to add up.
+    pub closure: Closure,
 }
 
 const GENERATORS: [&str; 4] = ["cube", "room_with_table", "cornell_thesis", "street"];
@@ -228,6 +230,8 @@ fn model(file: &Spanned<String>, source: &Source) -> Result<Origin, Failure> {
 fn settings(table: &EngineTable, source: &Source) -> Result<Vec<Setting>, Failure> {
     let engine = engine(&table.engine, source)?;
     let gpu = table.gpu.as_ref().map(|g| gpu(g, source)).transpose()?;
+    let closure = table.closure.as_ref().map(|c| closure(c, source));
+    let closure = closure.transpose()?.unwrap_or_default();
     let mut settings = Vec::new();
     for &rays in &table.rays.options() {
         for &resolution in &table.resolution.options() {
@@ -248,6 +252,7 @@ fn settings(table: &EngineTable, source: &Source) -> Result<Vec<Setting>, Failur
                     args,
                     rays,
                     formulas: table.formulas,
+                    closure,
                 });
             }
         }
@@ -288,6 +293,7 @@ fn reference(table: &ReferenceTable, source: &Source) -> Result<(Setting, usize)
         args,
         rays: table.rays,
         formulas: true,
+        closure: Closure::default(),
     };
     Ok((setting, table.rows.max(1)))
 }
@@ -298,6 +304,15 @@ fn engine(name: &Spanned<String>, source: &Source) -> Result<EngineName, Failure
 
 fn gpu(name: &Spanned<String>, source: &Source) -> Result<GpuName, Failure> {
     named(name, "gpu", source)
+}
+
+fn closure(name: &Spanned<String>, source: &Source) -> Result<Closure, Failure> {
+    match name.get_ref().as_str() {
+        "never" => Ok(Closure::Never),
+        "closed" => Ok(Closure::Closed),
+        "always" => Ok(Closure::Always),
+        _ => Err(source.unknown("closure", name, &["never", "closed", "always"])),
+    }
 }
 
 /// A value of the command line by its name there.
@@ -398,13 +413,14 @@ impl Setting {
         let number =
             |name: &str, n: Option<u32>| n.map_or(String::new(), |n| format!(", {n} {name}"));
         format!(
-            "{} ({:?}{}{}{}{gpu}{})",
+            "{} ({:?}{}{}{}{gpu}{}, closure {:?})",
             self.name,
             self.args.engine,
             number("rays", self.rays),
             number("pixels", self.args.resolution),
             number("points", self.args.patch_points),
             if self.formulas { "" } else { ", no formulas" },
+            self.closure,
         )
     }
 }

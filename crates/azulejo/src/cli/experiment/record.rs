@@ -79,6 +79,8 @@ pub struct Run {
     pub closure_rms: f64,
     /// The most that a row lacks.
     pub closure_max: f64,
+    /// Share of the matrix that was moved to make rows add up.
+    pub moved: f64,
     /// Largest difference of A_i X_ij and A_j X_ji, relative to the mean entry.
     pub reciprocity: f64,
     /// Power that is not accounted for, relative.

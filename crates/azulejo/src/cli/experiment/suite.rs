@@ -126,6 +126,8 @@ pub struct EngineTable {
     /// Whether close pairs and lamps are computed by formula where that is better.
     #[serde(default = "yes")]
     pub formulas: bool,
+    /// Which scenes have their rows made to add up: `never`, `closed` or `always`.
+    pub closure: Option<Spanned<String>>,
     /// The scenes that it computes; all, if it does not say.
     #[serde(default)]
     pub scenes: Vec<Spanned<String>>,

@@ -167,6 +167,7 @@ impl Computed {
             b_error_max: b_errors.map(|e| e.1),
             closure_rms: metrics::mean_and_largest(&squares).0.sqrt(),
             closure_max: metrics::mean_and_largest(&closure).1,
+            moved: factors.closed.map_or(0.0, |m| m.total),
             reciprocity: metrics::reciprocity_error(factors, &own.indices),
             energy: metrics::energy_error(factors, &surfaces, &light),
         };
@@ -180,6 +181,7 @@ fn options(setting: &Setting, chosen: &Chosen) -> FormFactorOptions {
         engine: chosen.engine.clone(),
         rays: setting.rays.unwrap_or(default.rays),
         analytic: setting.formulas,
+        closure: setting.closure,
         memory: pass::memory_budget(),
         ..default
     }

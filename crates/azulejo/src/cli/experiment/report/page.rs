@@ -42,7 +42,8 @@ impl Page<'_> {
             out,
             "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-             <title>{title}</title>\n<style>\n{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n"
+             <title>{title}</title>\n<style>\n{STYLE}{}</style></head>\n<body>\n<h1>{title}</h1>\n",
+            plot_style()
         )?;
         for paragraph in self.suite.about.trim().split("\n\n") {
             writeln!(out, "<p>{}</p>", escaped(paragraph))?;
@@ -75,7 +76,7 @@ impl Page<'_> {
             writeln!(
                 out,
                 "<figure>{}<figcaption>{} against {}{} <a href=\"{}.svg\">SVG</a></figcaption></figure>",
-                adapted(&svg(figure)),
+                svg(figure),
                 figure.y.label,
                 figure.x.label,
                 slopes(figure),
@@ -188,7 +189,7 @@ impl Page<'_> {
 /// Head, explanation and cell of a column of results.
 type Column = (&'static str, &'static str, fn(&Repeated) -> Option<f64>);
 
-const COLUMNS: [Column; 13] = [
+const COLUMNS: [Column; 14] = [
     ("samples", "rays or pixels per row", |r| {
         r.mean(|r| (r.samples > 0.0).then_some(r.samples))
     }),
@@ -219,6 +220,11 @@ const COLUMNS: [Column; 13] = [
     ("closure", "root mean square of what rows lack of 1", |r| {
         r.mean(|r| Some(r.closure_rms))
     }),
+    (
+        "moved",
+        "share of the matrix moved to make rows add up",
+        |r| r.mean(|r| Some(r.moved)),
+    ),
     (
         "reciprocity",
         "largest |A_i X_ij − A_j X_ji|, relative to the mean entry of the row",
@@ -329,16 +335,19 @@ fn slopes(figure: &Figure) -> String {
     format!(" ({}).", escaped(&words.join("; ")))
 }
 
-/// The SVG for the page: its ink follows the page's, its lines the page's palette.
-fn adapted(svg: &str) -> String {
+/// Rules that give plots the ink and the palette of the page in the place of their own.
+fn plot_style() -> String {
     let hex = |c: RGBColor| format!("#{:02X}{:02X}{:02X}", c.0, c.1, c.2);
-    let mut text = svg
-        .replace(&hex(INK), "currentColor")
-        .replace(&hex(GRID), "var(--grid)");
-    for (k, color) in COLORS.iter().enumerate() {
-        text = text.replace(&hex(*color), &format!("var(--line{k})"));
-    }
-    text
+    let rule = |color: RGBColor, value: &str| {
+        let color = hex(color);
+        let of = |name: &str| format!("figure svg [{name}=\"{color}\"] {{ {name}: {value}; }}\n");
+        of("fill") + &of("stroke")
+    };
+    let lines = COLORS.iter().enumerate();
+    let lines: String = lines
+        .map(|(k, c)| rule(*c, &format!("var(--line{k})")))
+        .collect();
+    lines + &rule(INK, "currentColor") + &rule(GRID, "var(--grid)")
 }
 
 fn escaped(text: &str) -> String {
@@ -367,12 +376,11 @@ mod tests {
         assert_eq!(escaped("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;");
     }
 
+    /// Colours of plots as `plotters` writes them.
     #[test]
     fn plots_follow_the_page() {
-        let text = adapted("<a stroke=\"#202124\"/><b fill=\"#0072B2\"/><c stroke=\"#DADCE0\"/>");
-        assert_eq!(
-            text,
-            "<a stroke=\"currentColor\"/><b fill=\"var(--line0)\"/><c stroke=\"var(--grid)\"/>"
-        );
+        let rules = plot_style();
+        assert!(rules.contains("figure svg [stroke=\"#0072B2\"] { stroke: var(--line0); }"));
+        assert!(rules.contains("figure svg [fill=\"#202124\"] { fill: currentColor; }"));
     }
 }

@@ -26,7 +26,7 @@ pub const INK: RGBColor = RGBColor(32, 33, 36);
 pub const GRID: RGBColor = RGBColor(218, 220, 224);
 
 /// Height of all of it, and width of all but the legend, pixels.
-const SIZE: (u32, u32) = (560, 400);
+const SIZE: (u32, u32) = (470, 360);
 
 /// Half the size of a mark, pixels.
 const MARK: i32 = 4;

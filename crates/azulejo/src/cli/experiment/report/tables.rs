@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// One column of the CSV of runs.
 type Column<T> = (&'static str, fn(&T) -> String);
 
-const RUN_COLUMNS: [Column<Run>; 25] = [
+const RUN_COLUMNS: [Column<Run>; 26] = [
     ("scene", |r| r.scene.clone()),
     ("mirrors", |r| {
         r.mirrors.map_or(String::new(), |m| m.to_string())
@@ -32,6 +32,7 @@ const RUN_COLUMNS: [Column<Run>; 25] = [
     ("b_error_max", |r| optional(r.b_error_max)),
     ("closure_rms", |r| r.closure_rms.to_string()),
     ("closure_max", |r| r.closure_max.to_string()),
+    ("moved", |r| r.moved.to_string()),
     ("reciprocity", |r| r.reciprocity.to_string()),
     ("energy", |r| optional(r.energy)),
     ("notes", |r| r.notes.join("; ")),
