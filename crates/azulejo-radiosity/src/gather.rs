@@ -63,15 +63,12 @@ impl Gathering {
         rms(&relative_variances(&self.gathered)) * self.gain().sqrt()
     }
 
-    /// Standard error of every point, such that two of them to either side hold the truth with
-    /// the normal law's probability of 95.4%: the spread of four replicates is itself uncertain,
-    /// and Student's t with three degrees of freedom says by how much (2 σ become 3.307 s).
+    /// Standard error of every point: two to either side hold the truth 95.4 times in 100.
     pub fn standard_errors(&self) -> Vec<Rgb> {
-        const STUDENT: f64 = 3.307 / 2.0;
-        let scale = STUDENT * self.gain().sqrt();
+        let scale = self.gain().sqrt();
         self.gathered
             .iter()
-            .map(|g| g.variance().map(f64::sqrt) * scale)
+            .map(|g| g.standard_error() * scale)
             .collect()
     }
 

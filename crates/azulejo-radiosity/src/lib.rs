@@ -6,7 +6,8 @@
 //! its standard error, and is the same to the bit for any number of threads.
 //!
 //! The order of reading: [`patch`] (what is divided), [`rays`] (rows of form factors),
-//! [`system`] (their solution; [`stochastic`] does without rows), [`gather`] and [`vertices`]
+//! [`system`] (their solution; [`refine`] gives more rays to rows that matter; [`stochastic`]
+//! does without rows), [`gather`] and [`vertices`]
 //! (irradiance), [`mod@solve`] (all of it, in order). Exact shapes are divided as polygons that
 //! stand for them ([`faceted`]). [`form_factors`](mod@form_factors)
 //! delivers rows for their own sake, with standard errors. [`truth`] holds scenes with known
@@ -21,8 +22,10 @@ pub mod light;
 pub mod matrix;
 pub mod patch;
 pub mod rays;
+pub mod refine;
 pub mod row;
 pub mod solve;
+pub mod solved;
 mod stand_in;
 pub mod stochastic;
 pub mod system;
@@ -37,5 +40,6 @@ pub use patch::{
 pub use solve::{
     Estimate, FirstPass, Light, Method, PointNormal, Probed, Report, SolveError, probe, solve,
 };
+pub use solved::{PatchRadiosity, radiosity};
 pub use stand_in::{CHORD_ERROR, faceted};
 pub use system::Balance;

@@ -1,17 +1,16 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
-use crate::engine::{Engine, Estimator, Ran};
-use crate::gather::{Effort, Gathering, MOST_RAYS, gather};
-use crate::light::{PatchLight, reflectances};
-use crate::patch::{PatchSize, Patches};
-use crate::row::Columns;
+use crate::engine::{Engine, Ran};
+use crate::gather::{Effort, MOST_RAYS, gather};
+use crate::patch::PatchSize;
+use crate::refine::Goal;
+use crate::solved::Solved;
 use crate::stand_in::StandIn;
-use crate::stochastic;
-use crate::system::{Balance, Found, System};
+use crate::system::Balance;
 use crate::vertices;
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Progress, Surfaces, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, Tracer};
 use std::fmt;
 
 /// What the first pass should do.
@@ -21,11 +20,11 @@ pub struct FirstPass {
     pub engine: Engine,
     /// How finely faces are divided.
     pub size: PatchSize,
-    /// Stop when the estimated relative RMS error of irradiance is below this; `None` leaves it
-    /// to `rays`.
+    /// Stop when the estimated relative RMS errors of the patches' radiosity and of irradiance
+    /// are below this; `None` leaves it to `rays`.
     pub error: Option<f64>,
-    /// Rays per patch, and most rays per vertex; `None` chooses by `error`. With neither, the
-    /// goal is 3% at no more than 2,048 rays.
+    /// Rays per patch, and most rays per vertex; with an `error`, most of both. `None` chooses by
+    /// `error`. With neither, the goal is 3% at no more than 2,048 rays per vertex.
     pub rays: Option<u32>,
     /// Diffuse bounces of light to follow; `None` follows them to convergence.
     pub bounces: Option<u32>,
@@ -60,8 +59,8 @@ const DEFAULT_ERROR: f64 = 0.03;
 /// curved mirrors would take far more.
 const DEFAULT_RAYS: u32 = 2048;
 
-/// A patch is too small to be worth more rays than this when only an error is asked for.
-const MOST_PATCH_RAYS: f64 = 16_384.0;
+/// More rays than this are not spent on a patch when only an error is asked for.
+const MOST_PATCH_RAYS: u32 = 1 << 17;
 
 impl FirstPass {
     fn effort(&self) -> Effort {
@@ -77,16 +76,32 @@ impl FirstPass {
         }
     }
 
-    /// Rays per patch: those asked for; else 256 for an error of 1%, falling with its square.
-    /// The noise of single patches averages out in every gather, so that this is enough.
-    fn patch_rays(&self) -> u32 {
-        let by_error =
-            |error: f64| (256.0 * (0.01 / error).powi(2)).clamp(128.0, MOST_PATCH_RAYS) as u32;
-        self.rays
-            .unwrap_or_else(|| by_error(self.error.unwrap_or(DEFAULT_ERROR)))
+    /// Rays of the rows that are kept: all of those asked for, if no error is.
+    ///
+    /// The error of a patch from n rays is about a half n^−0.6, and what refinement leaves of the
+    /// rows' noise about that times n^−½: a fourth of the error asked for.
+    pub(crate) fn patch_rays(&self) -> u32 {
+        let enough = (2.0 / self.error.unwrap_or(DEFAULT_ERROR)).powf(0.9);
+        let enough = (enough as u32).next_power_of_two().clamp(128, 2048);
+        match (self.error, self.rays) {
+            (None, Some(rays)) => rays,
+            (_, most) => enough.min(most.unwrap_or(u32::MAX)),
+        }
     }
 
-    fn key(&self) -> u32 {
+    /// What the rows are refined to, if an error is asked for. Bounces that are counted cannot be
+    /// refined: the light of the last but one would be needed.
+    pub(crate) fn goal(&self) -> Option<Goal> {
+        let error = match (self.error, self.rays) {
+            (None, Some(_)) => None,
+            (error, _) => Some(error.unwrap_or(DEFAULT_ERROR)),
+        };
+        let rays = self.rays.unwrap_or(MOST_PATCH_RAYS);
+        let goal = error.map(|error| Goal { error, rays });
+        goal.filter(|_| self.bounces.is_none())
+    }
+
+    pub(crate) fn key(&self) -> u32 {
         hash(&[self.seed as u32, (self.seed >> 32) as u32])
     }
 }
@@ -170,6 +185,11 @@ pub struct Report {
     pub points: usize,
     /// Rays that started at patches.
     pub patch_rays: u64,
+    /// Rows of patches that got more rays than the others, to reach the error.
+    pub refined_rows: usize,
+    /// Estimated relative RMS error of the radiosity that patches reflect, as
+    /// [`Found::error`](crate::system::Found::error) says.
+    pub patch_error: f64,
     /// Rays that started at each point, on average.
     pub point_rays: u32,
     /// Bytes of the stored rows.
@@ -304,107 +324,4 @@ pub fn probe(
         estimates,
         report: solved.report(&found),
     })
-}
-
-/// Patches and the light on them, before it is gathered anywhere.
-struct Solved<'a> {
-    gatherer: Gatherer<'a>,
-    patches: Patches,
-    reflectance: Vec<Rgb>,
-    found: Found,
-    method: Method,
-    ran: Ran,
-}
-
-impl<'a> Solved<'a> {
-    fn new(
-        stand_in: &'a StandIn,
-        pass: &FirstPass,
-        progress: &Progress,
-    ) -> Result<Solved<'a>, SolveError> {
-        let (scene, tracer) = (stand_in.scene.as_ref(), stand_in.tracer.as_ref());
-        if !scene.has_light() {
-            return Err(SolveError::NoLight);
-        }
-        let patches = Patches::new(scene, pass.size);
-        if patches.is_empty() {
-            return Err(SolveError::NoSurface);
-        }
-        let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
-        let reflectance = reflectances(scene, &patches);
-        let (seed, rays) = (hash(&[pass.key(), 0]), pass.patch_rays());
-        // Entries of eight bytes, hardly more of them than rays.
-        let expected = patches.len() as u64 * u64::from(rays) * 8;
-        let (found, method, ran) = if expected <= pass.memory {
-            let (estimator, ran) = Estimator::new(
-                &pass.engine,
-                &gatherer,
-                &patches,
-                rays,
-                seed,
-                Columns::Diffuse,
-            );
-            let system = System::trace(
-                &gatherer,
-                &patches,
-                &reflectance,
-                &estimator,
-                seed,
-                progress,
-            )?;
-            let found = system.solve_all(pass.bounces, progress)?;
-            (found, Method::Matrix, ran)
-        } else {
-            let found = stochastic::solve(
-                &gatherer,
-                &patches,
-                &reflectance,
-                rays,
-                pass.bounces,
-                seed,
-                progress,
-            )?;
-            (found, Method::Stochastic, Ran::default())
-        };
-        Ok(Solved {
-            gatherer,
-            patches,
-            reflectance,
-            found,
-            method,
-            ran,
-        })
-    }
-
-    fn light(&self, pass: &FirstPass) -> PatchLight<'_> {
-        let light = PatchLight::new(
-            self.gatherer.surfaces(),
-            &self.patches,
-            &self.reflectance,
-            &self.found.solutions,
-        );
-        if pass.bounces.is_some() {
-            light.without_grain()
-        } else {
-            light
-        }
-    }
-
-    fn report(&self, gathering: &Gathering) -> Report {
-        let scene = self.gatherer.surfaces().scene;
-        let square_metres = scene.units.metres().powi(2);
-        Report {
-            method: self.method,
-            ran: self.ran.clone(),
-            patches: self.patches.len(),
-            points: gathering.gathered.len(),
-            patch_rays: self.found.rays,
-            point_rays: gathering.rays_per_point(),
-            bytes: self.found.bytes,
-            iterations: self.found.convergence.iterations,
-            residual: self.found.convergence.residual,
-            balance: self.found.balance.scaled(square_metres),
-            error: gathering.relative_error(),
-        }
-    }
 }

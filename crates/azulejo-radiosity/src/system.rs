@@ -11,7 +11,7 @@ use crate::matrix::Matrix;
 use crate::patch::Patches;
 use crate::row::{Entry, Row, Side, side};
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::{Cancelled, DirectLight, Gatherer, Progress, REPLICATES};
+use azulejo_trace::{Cancelled, DirectLight, Gathered, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -29,8 +29,11 @@ pub struct Unknown {
     pub reflectance: Rgb,
     /// Emitted exitance M of this side, W/m².
     pub exitance: Rgb,
-    /// H₀ per replicate, W/m².
+    /// The part of H₀ that formulas count, per replicate, W/m².
     pub direct: [Rgb; REPLICATES],
+    /// The part of H₀ that rays met, per replicate; after [refinement](crate::refine), what they
+    /// met beyond what the rows say.
+    pub stray: [Rgb; REPLICATES],
     /// The part of H₀ that no patch emitted: lights without area and the surroundings.
     pub foreign: Rgb,
     /// Shares of what leaves this side: absorbed, escaped, cut off; zero without a row.
@@ -201,7 +204,7 @@ impl System {
                 .unknowns
                 .iter()
                 .zip(arriving)
-                .map(|(u, h)| u.reflectance * (u.direct[replicate] + h));
+                .map(|(u, h)| u.reflectance * (u.unbounced(replicate) + h));
             let (mut change, mut largest) = (0f64, 0f64);
             for (u, value) in self.unknowns.iter().zip(next) {
                 let old = &mut reflected[u.side as usize];
@@ -292,9 +295,15 @@ impl Unknown {
             reflectance: reflectance[(s / 2) as usize],
             exitance,
             direct: light.lamps.replicates.map(|e| e + light.lights),
+            stray: [Rgb::BLACK; REPLICATES],
             foreign: light.lights,
             fates: [Rgb::BLACK; 3],
         }
+    }
+
+    /// H₀ as one replicate has it.
+    fn unbounced(&self, replicate: usize) -> Rgb {
+        self.direct[replicate] + self.stray[replicate]
     }
 
     /// Power that leaves after one reflection, W, all channels together.
@@ -304,10 +313,7 @@ impl Unknown {
 
     /// Adds what the rays found; `lost` is what patterns on a patch absorb beyond its material.
     fn add_row(&mut self, row: &Row, lost: impl Fn(usize) -> Rgb) {
-        self.direct
-            .iter_mut()
-            .zip(&row.stray)
-            .for_each(|(h, s)| *h += *s);
+        self.stray = row.stray;
         self.foreign += row.foreign;
         let share = 1.0 / REPLICATES as f64;
         let pattern = |e: &Entry| lost((e.side / 2) as usize) * e.weight * share;
@@ -333,7 +339,7 @@ impl System {
                 .iter()
                 .zip(self.arriving(r, &solution, &shares))
             {
-                incident[u.side as usize] = u.direct[r] + h;
+                incident[u.side as usize] = u.unbounced(r) + h;
             }
             found.add_replicate(solution, &incident, state);
             progress.advance(1)?;
@@ -388,6 +394,21 @@ impl Found {
         self.convergence.residual = self.convergence.residual.max(state.residual);
     }
 
+    /// Estimated error of the reflected radiosity R: root mean square over the sides, weighted by
+    /// their areas, relative to that of R itself; of all channels together.
+    pub fn error(&self, patches: &Patches) -> f64 {
+        let (mut errors, mut squares) = (0.0, 0.0);
+        for s in 0..self.incident.len() {
+            let reflected = Gathered {
+                replicates: std::array::from_fn(|r| self.solutions[r % self.solutions.len()][s]),
+            };
+            let (area, mean) = (patches.area(s / 2), reflected.mean());
+            errors += area * reflected.variance().mean();
+            squares += area * (mean * mean).mean();
+        }
+        (errors / f64::max(squares, f64::MIN_POSITIVE)).sqrt()
+    }
+
     /// Mean of the solutions, per side.
     pub fn mean(&self) -> Vec<Rgb> {
         let share = 1.0 / self.solutions.len().max(1) as f64;
@@ -397,8 +418,9 @@ impl Found {
     }
 }
 
-/// Relative residual at which the iteration of bounces ends.
-const TOLERANCE: f64 = 1e-5;
+/// Relative residual at which the iteration of bounces ends: the error that it leaves is several times
+/// as large where little is absorbed.
+const TOLERANCE: f64 = 1e-6;
 
 /// Even facing perfect mirrors end here.
 const MOST_ITERATIONS: u32 = 2_000;
@@ -461,6 +483,7 @@ mod tests {
             reflectance: Rgb::grey(0.9),
             exitance: Rgb::BLACK,
             direct: [Rgb::WHITE; REPLICATES],
+            stray: [Rgb::BLACK; REPLICATES],
             foreign: Rgb::BLACK,
             fates: [Rgb::BLACK; 3],
         }

@@ -15,5 +15,6 @@ mod furnace;
 mod lights;
 mod mirrors;
 mod polygons;
+mod refinement;
 mod rooms;
 mod vertices;

@@ -98,6 +98,12 @@ impl<'a> Emitters<'a> {
         }
     }
 
+    /// Lamps, lights, and the images of both.
+    pub fn sources(&self) -> usize {
+        let flat = self.lamps.len() + self.lights.len();
+        flat * (1 + self.windows.len()) + self.globes.len()
+    }
+
     fn collect_lights(&mut self, surfaces: &Surfaces) {
         for light in &surfaces.scene.lights {
             match light.kind {

@@ -88,6 +88,14 @@ impl Gathered {
         self.replicates.iter().copied().sum::<Rgb>() / REPLICATES as f64
     }
 
+    /// Standard error of [`mean`](Gathered::mean), if the replicates are independent: two to either
+    /// side hold the truth with the normal law's probability of 95.4%. The spread of four
+    /// replicates is itself uncertain, and Student's t with three degrees of freedom says by how
+    /// much (2 σ become 3.307 s).
+    pub fn standard_error(&self) -> Rgb {
+        self.variance().map(f64::sqrt) * (3.307 / 2.0)
+    }
+
     /// The mean of two independent estimates, `share` of the other's.
     pub fn blend(&self, other: &Gathered, share: f64) -> Gathered {
         let of = |r: usize| self.replicates[r] * (1.0 - share) + other.replicates[r] * share;
@@ -172,6 +180,12 @@ impl<'a> Gatherer<'a> {
         } else {
             self.surfaces.material(hit.item).emission_from(front) * PI
         }
+    }
+
+    /// What the direct light of one point costs, in rays: two for every lamp, light and image of
+    /// one that a formula must be evaluated for, and those that test what is visible.
+    pub fn direct_cost(&self) -> f64 {
+        2.0 * self.emitters.sources() as f64 + 64.0
     }
 
     /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror, from

@@ -97,6 +97,19 @@ pub fn describe(
         ),
     );
     report.value("patch_rays", pass.patch_rays);
+    if pass.method == Method::Matrix {
+        let words = match pass.refined_rows {
+            0 => percent(pass.patch_error),
+            rows => format!(
+                "{}, {} rows refined",
+                percent(pass.patch_error),
+                count(rows)
+            ),
+        };
+        report.line("error of patches", words);
+    }
+    report.value("patch_error", number(pass.patch_error));
+    report.value("refined_rows", pass.refined_rows);
     report.value("points", pass.points);
     report.value("rays_per_point", pass.point_rays);
     report.value("rays", pass.patch_rays + gathered);
