@@ -27,12 +27,12 @@ mod sides;
 mod spread;
 mod truncate;
 
-use crate::engine::{Estimator, Ran};
+use crate::engine::{Engine, Estimator, Ran};
 use crate::patch::{PatchSize, Patches};
 use crate::row::Columns;
 use crate::solve::SolveError;
 use crate::stand_in::StandIn;
-use azulejo_scene::{Material, Scene};
+use azulejo_scene::{Material, MaterialId, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Gatherer, Progress, Surfaces, Tracer};
 pub use exchange::{Exchange, ExchangeAreas};
@@ -118,9 +118,9 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// [`SolveError::Cancelled`].
     pub fn forecast(&self, progress: &Progress) -> Result<Forecast, SolveError> {
-        let engine = Prepared::new(self);
-        let estimator = engine.estimator().0;
-        Ok(engine.forecast(&estimator, progress)?)
+        let prepared = Prepared::new(self);
+        let rays = prepared.estimator().0.rays();
+        Ok(prepared.forecast(rays, progress)?)
     }
 
     /// Computes the matrix, going on from what the journal has.
@@ -134,7 +134,7 @@ impl<'a> Plan<'a> {
     ) -> Result<FormFactors, SolveError> {
         let prepared = Prepared::new(self);
         let mut factors = prepared.estimate(journal, progress)?;
-        factors.ends = rows::ends(&prepared.sides, prepared.materials());
+        prepared.describe(&mut factors);
         factors.is_closed = factors.keeps_its_light();
         if self.is_to_close(&mut factors, prepared.materials()) {
             factors.close(progress)?;
@@ -157,6 +157,9 @@ impl<'a> Plan<'a> {
         }
     }
 }
+
+/// Most rays of a row that is looked at for the forecast.
+const FORECAST_RAYS: u32 = 4_096;
 
 /// What all engines work with.
 struct Prepared<'a> {
@@ -182,6 +185,18 @@ impl<'a> Prepared<'a> {
         &self.plan.stand_in.scene.materials
     }
 
+    /// What the rows are pieces of.
+    fn describe(&self, factors: &mut FormFactors) {
+        let (sides, patches) = (&self.sides, &self.plan.patches);
+        let rows = || (0..sides.len()).map(|i| (i, sides.patch(i)));
+        factors.areas = rows().map(|(i, _)| sides.area(i)).collect();
+        factors.faces = rows().map(|(_, p)| patches.face(p)).collect();
+        factors.materials = rows().map(|(_, p)| patches.material(p)).collect();
+        factors.is_back = rows().map(|(i, _)| sides.is_back(i)).collect();
+        let ending = |&m: &MaterialId| rows::ending(&self.materials()[m as usize]).mean();
+        factors.ends = factors.materials.iter().map(ending).collect();
+    }
+
     fn estimator(&self) -> (Estimator<'_>, Ran) {
         let options = self.plan.options;
         Estimator::new(
@@ -194,11 +209,21 @@ impl<'a> Prepared<'a> {
         )
     }
 
-    fn forecast(&self, estimator: &Estimator, progress: &Progress) -> Result<Forecast, Cancelled> {
+    /// What it will take if rows have so many rays or pixels.
+    fn forecast(&self, rays: u32, progress: &Progress) -> Result<Forecast, Cancelled> {
+        let (looker, _) = Estimator::new(
+            &Engine::Rays,
+            &self.gatherer,
+            &self.plan.patches,
+            rays.min(FORECAST_RAYS),
+            hash(&[self.seed, 1]),
+            Columns::All,
+        );
         let costs = Costs {
             sides: &self.sides,
             tracer: self.gatherer.surfaces().tracer,
-            estimator,
+            looker: &looker,
+            rays,
             by_rows: true,
             // Beside the parts there is their sum.
             matrices: if self.plan.options.separate { 2 } else { 1 },
@@ -215,7 +240,7 @@ impl<'a> Prepared<'a> {
     ) -> Result<FormFactors, SolveError> {
         let options = self.plan.options;
         let (estimator, ran) = self.estimator();
-        let forecast = self.forecast(&estimator, progress)?;
+        let forecast = self.forecast(estimator.rays(), progress)?;
         refuse(options, forecast.rows, forecast.bytes as f64)?;
         let exact = match options.analytic {
             true => near::exact(

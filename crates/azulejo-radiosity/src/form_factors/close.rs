@@ -81,8 +81,7 @@ impl FormFactors {
             let ratio = ratio(i, e).unwrap_or(0.0);
             [e.value * (ratio - 1.0).abs(); 2]
         };
-        let sums = self.exchange.sums(moved);
-        sums.iter().zip(&self.areas).map(|(s, a)| s / a).collect()
+        self.per_area(self.exchange.sums(moved))
     }
 
     /// What moved in all, from what moved in each row and what each lacks now.

@@ -40,7 +40,10 @@ pub struct Forecast {
 pub(super) struct Costs<'a> {
     pub sides: &'a Sides<'a>,
     pub tracer: &'a Tracer,
-    pub estimator: &'a Estimator<'a>,
+    /// Finds a few rows by rays, whoever finds the rest.
+    pub looker: &'a Estimator<'a>,
+    /// Rays or pixels of the rows that will be found.
+    pub rays: u32,
     /// Whether each row is kept until all are there, and finds no more than its rays do; else
     /// pairs go straight into the matrix, and all that are visible do.
     pub by_rows: bool,
@@ -61,7 +64,7 @@ impl Costs<'_> {
         } else {
             self.seen(progress)?.min(n)
         };
-        let rays = f64::from(self.estimator.rays());
+        let rays = f64::from(self.rays);
         let found_by = |rays: f64| match self.by_rows {
             true => seen * (1.0 - (-rays / seen.max(1.0)).exp()),
             false => seen,
@@ -91,10 +94,10 @@ impl Costs<'_> {
             .step_by(step)
             .map(|i| self.sides.side(i))
             .collect();
-        let found = self.estimator.rows(&rows, progress)?;
+        let found = self.looker.rows(&rows, progress)?;
         let columns: usize = found.iter().map(columns).sum();
         let mean = columns as f64 / rows.len() as f64;
-        let by_rows = behind(mean, f64::from(self.estimator.rays()));
+        let by_rows = behind(mean, f64::from(self.looker.rays()));
         Ok(by_rows.max(self.visible_share() * self.sides.len() as f64))
     }
 

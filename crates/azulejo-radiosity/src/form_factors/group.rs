@@ -25,6 +25,7 @@ impl FormFactors {
             orders: self.orders.iter().map(|o| grouping.exchange(o)).collect(),
             areas: grouping.each(|m| m.iter().map(|&i| self.areas[i]).sum()),
             faces: grouping.each(|m| m.first().map_or(NO_FACE, |&i| self.faces[i])),
+            materials: grouping.each(|m| m.first().map_or(0, |&i| self.materials[i])),
             is_back: grouping.each(|m| m.first().is_some_and(|&i| self.is_back[i])),
             rest: grouping.rest(),
             ends: grouping.each(|m| grouping.mean(m, |i| self.ends[i])),

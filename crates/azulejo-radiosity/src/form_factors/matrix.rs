@@ -3,6 +3,7 @@
 use super::{Exchange, ExchangeAreas};
 use crate::engine::Ran;
 use crate::patch::FaceId;
+use azulejo_scene::MaterialId;
 use std::f64::consts::FRAC_2_PI;
 use std::ops::Range;
 
@@ -35,6 +36,8 @@ pub struct FormFactors {
     pub areas: Vec<f64>,
     /// The face that each row is a piece of; of a group, the face of its first row.
     pub faces: Vec<FaceId>,
+    /// The material of each row; of a group, that of its first row.
+    pub materials: Vec<MaterialId>,
     /// Whether each row is the back of its patch.
     pub is_back: Vec<bool>,
     /// Where the light of each row goes that meets no column.
@@ -190,8 +193,7 @@ impl FormFactors {
     /// which closure takes away. With mirrors that is Σ_j X_ij `ends`_j
     /// ([`ended`](FormFactors::ended)), so that the plain sum exceeds 1.
     pub fn row_sums(&self) -> Vec<f64> {
-        let sums = self.exchange.row_sums();
-        sums.iter().zip(&self.areas).map(|(s, a)| s / a).collect()
+        self.per_area(self.exchange.row_sums())
     }
 
     /// Σ_j X_ij `ends`_j of every row: the share of its light that ends on columns. With
@@ -199,8 +201,14 @@ impl FormFactors {
     pub fn ended(&self) -> Vec<f64> {
         let ends = &self.ends;
         let weigh = |i: usize, e: &Exchange| [e.value * ends[e.column as usize], e.value * ends[i]];
-        let sums = self.exchange.sums(weigh);
-        sums.iter().zip(&self.areas).map(|(s, a)| s / a).collect()
+        self.per_area(self.exchange.sums(weigh))
+    }
+
+    /// Sums of rows over their areas; 0 for groups without rows.
+    pub(super) fn per_area(&self, mut sums: Vec<f64>) -> Vec<f64> {
+        let rows = sums.iter_mut().zip(&self.areas);
+        rows.for_each(|(sum, &area)| *sum = if area > 0.0 { *sum / area } else { 0.0 });
+        sums
     }
 
     /// Multiplies S of each pair by `ratio`, drops it where that is `None`, and does the same to
@@ -244,11 +252,8 @@ impl FormFactors {
 
     /// Works out what depends on the entries' errors alone.
     pub(super) fn find_row_errors(&mut self) {
-        let sums = self.exchange.sums(|_, e| [f64::from(e.error); 2]);
-        let rows = sums.iter().zip(&self.areas);
-        self.row_errors = rows
-            .map(|(sum, area)| FRAC_2_PI.sqrt() * sum / area)
-            .collect();
+        let expected = |e: &Exchange| FRAC_2_PI.sqrt() * f64::from(e.error);
+        self.row_errors = self.per_area(self.exchange.sums(|_, e| [expected(e); 2]));
     }
 
     fn factor(&self, i: usize, e: Exchange) -> (f64, f32) {

@@ -25,7 +25,12 @@ pub(super) fn merge(
     progress: &Progress,
 ) -> Result<FormFactors, Cancelled> {
     let n = sides.len();
-    let mut factors = described(sides, &traced);
+    let areas: Vec<f64> = (0..n).map(|i| sides.area(i)).collect();
+    let mut factors = FormFactors {
+        rest: traced.rows.iter().map(|r| r.rest).collect(),
+        rays: traced.rows.len() as u64 * u64::from(traced.rays),
+        ..FormFactors::default()
+    };
     let size = n.div_ceil(BLOCKS).max(16);
     let blocks: Vec<Range<usize>> = (0..n).step_by(size).map(|i| i..(i + size).min(n)).collect();
     let mut orders = vec![ExchangeAreas::new(); traced.orders];
@@ -35,7 +40,7 @@ pub(super) fn merge(
         let merger = Merger {
             traced: &traced,
             exact,
-            areas: &factors.areas,
+            areas: &areas,
         };
         let merged: Vec<Vec<Vec<Vec<Exact>>>> =
             wave.par_iter().map(|b| merger.block(b.clone())).collect();
@@ -55,20 +60,6 @@ pub(super) fn merge(
         factors.orders = orders;
     }
     Ok(factors)
-}
-
-/// Everything but the entries.
-fn described(sides: &Sides, traced: &Traced) -> FormFactors {
-    let rows = 0..sides.len();
-    let face = |i: usize| sides.patches.face(sides.patch(i));
-    FormFactors {
-        areas: rows.clone().map(|i| sides.area(i)).collect(),
-        faces: rows.clone().map(face).collect(),
-        is_back: rows.map(|i| sides.is_back(i)).collect(),
-        rest: traced.rows.iter().map(|r| r.rest).collect(),
-        rays: traced.rows.len() as u64 * u64::from(traced.rays),
-        ..FormFactors::default()
-    }
 }
 
 impl From<&Exact> for Exchange {

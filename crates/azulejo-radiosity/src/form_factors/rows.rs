@@ -155,16 +155,9 @@ fn rest(found: &Row, hidden: f64, ended: f64) -> Rest {
 /// Less of a row than this is missing only because numbers are rounded.
 const ROUNDING: f64 = 1e-9;
 
-/// Share of the light arriving at each column that ends there.
-pub(super) fn ends(sides: &Sides, materials: &[Material]) -> Vec<f64> {
-    let material = |i: usize| &materials[sides.patches.material(sides.patch(i)) as usize];
-    let rows = 0..sides.len();
-    rows.map(|i| ending(material(i)).mean()).collect()
-}
-
 /// Share of the light on a surface that does not go on. Glass keeps nothing but what its colour
 /// takes, which counts as nobody's.
-fn ending(material: &Material) -> Rgb {
+pub(super) fn ending(material: &Material) -> Rgb {
     if material.dielectric.is_some() {
         Rgb::BLACK
     } else {

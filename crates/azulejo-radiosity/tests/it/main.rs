@@ -13,6 +13,7 @@ mod form_factor_matrix;
 mod form_factors;
 mod furnace;
 mod lights;
+mod matrix_operations;
 mod mirrors;
 mod polygons;
 mod refinement;

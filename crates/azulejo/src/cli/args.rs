@@ -1,6 +1,7 @@
 //! What can be typed. Values are typed here; what they mean is for the commands to say.
 
 use super::engine::EngineArgs;
+use super::form_factors;
 use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
 };
@@ -62,8 +63,8 @@ pub enum Command {
     #[command(after_help = PROBE_EXAMPLES)]
     Probe(ProbeArgs),
     /// Write the matrix of form factors between patches
-    #[command(after_help = FORM_FACTORS_EXAMPLES)]
-    FormFactors(FormFactorArgs),
+    #[command(after_help = form_factors::args::EXAMPLES)]
+    FormFactors(form_factors::args::FormFactorArgs),
     /// Compare engines: run a suite of scenes and settings, and report times and errors
     #[command(after_help = EXPERIMENT_EXAMPLES)]
     Experiment(ExperimentArgs),
@@ -388,30 +389,6 @@ pub struct ProbeArgs {
     pub first_pass: FirstPassArgs,
 }
 
-/// `form-factors`
-#[derive(Debug, Args)]
-pub struct FormFactorArgs {
-    #[command(flatten)]
-    pub input: Input,
-    /// Where to write: .npz (for scipy.sparse.load_npz) or .csv; `-` writes CSV to standard
-    /// output
-    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub output: PathBuf,
-    #[command(flatten)]
-    pub division: Division,
-    /// Rays from each patch [default: 4096]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub rays: Option<u32>,
-    /// Add the back side of every face as patches of their own
-    #[arg(long)]
-    pub two_sided: bool,
-    /// Seed of the random numbers; the same seed gives the same result
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u64,
-    #[command(flatten)]
-    pub engine: EngineArgs,
-}
-
 /// `experiment`
 #[derive(Debug, Args)]
 pub struct ExperimentArgs {
@@ -479,14 +456,6 @@ Examples:
 
 Points give irradiance in red, green, blue and then its standard error, six numbers each. With
 emission in W/(sr·m²) irradiance is in W/m².";
-
-const FORM_FACTORS_EXAMPLES: &str = "\
-Examples:
-  azulejo form-factors room.obj -o f.npz --patches 2000 --rays 4096
-  python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
-
-Beside the matrix the .npz holds areas, patch_face (object and face of each patch), patch_back,
-std_error (one per stored entry), row_error and escaped (one per row). A patch counts by its front and blocks light from both sides.";
 
 const EXPERIMENT_EXAMPLES: &str = "\
 Examples:

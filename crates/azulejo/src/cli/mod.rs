@@ -27,7 +27,6 @@ mod report;
 mod scene_output;
 mod session;
 mod solve;
-mod sparse;
 mod values;
 mod view;
 mod watch;

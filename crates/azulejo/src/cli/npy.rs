@@ -194,6 +194,21 @@ pub fn write_bytes(text: &[u8], out: &mut dyn Write) -> io::Result<()> {
     out.write_all(text)
 }
 
+/// Writes an array of texts, all as wide as the longest: `<U`, UTF-32 with zeros behind.
+pub fn write_texts(texts: &[String], out: &mut dyn Write) -> io::Result<()> {
+    let width = texts.iter().map(|t| t.chars().count()).max().unwrap_or(0);
+    // NumPy has no texts of width 0.
+    let width = width.max(1);
+    write_header(&format!("<U{width}"), &[texts.len()], out)?;
+    for text in texts {
+        let letters = text.chars().map(u32::from).chain(std::iter::repeat(0));
+        letters
+            .take(width)
+            .try_for_each(|letter| out.write_all(&letter.to_le_bytes()))?;
+    }
+    Ok(())
+}
+
 /// Writes what stands before the data; the data follows in C order.
 pub fn write_header(descr: &str, shape: &[usize], out: &mut dyn Write) -> io::Result<()> {
     let axes: String = shape.iter().map(|n| format!("{n}, ")).collect();

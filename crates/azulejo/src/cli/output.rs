@@ -72,6 +72,14 @@ impl Output {
         matches!(self.place, Place::Stdout)
     }
 
+    /// The regular file that is or will be there, behind symbolic links if there are any.
+    pub fn file(&self) -> Option<&Path> {
+        match &self.place {
+            Place::File(path) => Some(path),
+            Place::Stdout | Place::Device => None,
+        }
+    }
+
     /// As the user named it.
     pub fn path(&self) -> &Path {
         &self.path

@@ -124,6 +124,13 @@ impl Session {
         &self.formats
     }
 
+    /// Says to people how the work stands, while it goes on.
+    pub fn say(&self, message: &str) {
+        if !self.json && !self.quiet {
+            let _ = writeln!(io::stderr(), "{message}");
+        }
+    }
+
     /// Says something about the run that no file is to blame for.
     pub fn note(&mut self, message: &str) {
         self.record(json!({ "message": message, "count": 1 }), message);

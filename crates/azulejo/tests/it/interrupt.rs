@@ -52,7 +52,7 @@ fn probe_stops() {
 
 #[test]
 fn form_factors_stop() {
-    let line = "form-factors room.obj -o out.npz --patches 20000 --rays 10000000";
+    let line = "form-factors room.obj -o out.npz --patches 20000 --rays 10000000 --no-journal";
     check(line, "out.npz", Signal::SIGINT);
 }
 

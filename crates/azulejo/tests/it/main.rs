@@ -15,4 +15,6 @@ mod support;
 mod tiny_font;
 
 #[cfg(unix)]
+mod form_factors;
+#[cfg(unix)]
 mod interrupt;

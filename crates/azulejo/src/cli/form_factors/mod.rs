@@ -1,0 +1,254 @@
+//! `form-factors`: the matrix between patches, or between groups of them.
+
+mod archive;
+pub mod args;
+mod groups;
+mod journal;
+mod summary;
+mod table;
+
+use super::engine::Chosen;
+use super::failure::Failure;
+use super::output::Output;
+use super::report::{Report, bytes, count};
+use super::session::Session;
+use super::{clock, input, pass};
+use args::FormFactorArgs;
+use azulejo_radiosity::form_factors::{Forecast, Journal, NoJournal, Plan};
+use azulejo_radiosity::{
+    Closure, DrawnBy, Engine, FormFactorOptions, FormFactors, Hemicube, SolveError,
+};
+use azulejo_scene::Scene;
+use azulejo_trace::Tracer;
+use journal::FileJournal;
+use std::fmt::{self, Write};
+use std::hash::{DefaultHasher, Hasher};
+use std::path::PathBuf;
+
+/// A matrix to be written.
+struct Matrix<'a> {
+    factors: &'a FormFactors,
+    /// What the rows are called, if they are groups.
+    names: Option<&'a [String]>,
+}
+
+/// Kinds of files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Archive,
+    Table,
+}
+
+/// Runs `form-factors`.
+pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
+    let output = Output::check(&args.output)?;
+    let kind = kind_of(args, &output)?;
+    session.claim_stdout(output.is_stdout())?;
+    let chosen = args.engine.choose()?;
+    let scene = input::read_all(&args.input, session)?;
+    let tracer = chosen.tracer(&scene)?;
+    let options = options(args, &chosen);
+    let mut report = Report::default();
+    let plan = Plan::new(&scene, &tracer, &options).map_err(pass::failure)?;
+    forecast(&plan, session, &mut report)?;
+    let journal = open_journal(args, &output, &scene, &tracer, &options)?;
+    let computed = compute(&plan, journal.as_ref(), session);
+    journal
+        .iter()
+        .flat_map(FileJournal::said)
+        .for_each(|words| session.note(&words));
+    let mut factors = computed?;
+    let groups = args
+        .matrix
+        .by
+        .map(|by| groups::groups(&scene, &factors, by));
+    if let Some(groups) = &groups {
+        factors = factors.grouped(&groups.of_rows, groups.names.len());
+    }
+    if let Some(share) = args.matrix.truncate {
+        session.watched(|p| factors.truncate(share, p))?;
+    }
+    let matrix = Matrix {
+        factors: &factors,
+        names: groups.as_ref().map(|g| &g.names[..]),
+    };
+    output.write(session.progress(), |out| match kind {
+        Kind::Archive => archive::write(&matrix, out),
+        Kind::Table => table::write(&matrix, out),
+    })?;
+    if let Some(journal) = journal {
+        journal.remove();
+    }
+    chosen.describe(&factors.ran, &mut report);
+    summary::describe(&matrix, &mut report);
+    let path = args.output.display().to_string();
+    report.fact("output", path.clone(), "wrote", path);
+    Ok(report)
+}
+
+fn kind_of(args: &FormFactorArgs, output: &Output) -> Result<Kind, Failure> {
+    let extension = args.output.extension().and_then(|e| e.to_str());
+    match extension.unwrap_or("").to_ascii_lowercase().as_str() {
+        "npz" => Ok(Kind::Archive),
+        "csv" => Ok(Kind::Table),
+        _ if output.is_stdout() => Ok(Kind::Table),
+        _ => Err(Failure::misuse(format_args!(
+            "{}: unknown kind of matrix, expected .npz or .csv",
+            args.output.display()
+        ))),
+    }
+}
+
+fn options(args: &FormFactorArgs, chosen: &Chosen) -> FormFactorOptions {
+    let default = FormFactorOptions::default();
+    let machine = || clock::machine_memory().unwrap_or(u64::MAX);
+    FormFactorOptions {
+        engine: chosen.engine.clone(),
+        size: pass::patch_size(&args.division).unwrap_or(default.size),
+        rays: args.rays.unwrap_or(default.rays),
+        two_sided: args.two_sided,
+        seed: args.seed,
+        separate: args.matrix.separate,
+        closure: args.matrix.closure.into(),
+        memory: args.memory.unwrap_or_else(machine),
+        ..default
+    }
+}
+
+/// Says what the matrix will take, before the work begins.
+fn forecast(plan: &Plan, session: &mut Session, report: &mut Report) -> Result<(), Failure> {
+    let forecast = session
+        .watched(|p| plan.forecast(p))
+        .map_err(pass::failure)?;
+    let Forecast {
+        rows,
+        pairs,
+        bytes: needed,
+    } = forecast;
+    session.say(&format!(
+        "forecast  {} rows, up to {} pairs, {} of memory",
+        count(rows),
+        count(pairs),
+        bytes(needed)
+    ));
+    report.value("forecast_pairs", pairs);
+    report.value("forecast_bytes", needed);
+    Ok(())
+}
+
+/// The journal beside a file; other outputs have none.
+fn open_journal(
+    args: &FormFactorArgs,
+    output: &Output,
+    scene: &Scene,
+    tracer: &Tracer,
+    options: &FormFactorOptions,
+) -> Result<Option<FileJournal>, Failure> {
+    let Some(file) = output.file().filter(|_| !args.no_journal) else {
+        return Ok(None);
+    };
+    let mut name = file.as_os_str().to_owned();
+    name.push(".journal");
+    FileJournal::open(PathBuf::from(name), key(scene, tracer, options)).map(Some)
+}
+
+/// Tells work apart by all that its rows depend on.
+fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
+    let rows_alone = FormFactorOptions {
+        closure: Closure::Never,
+        memory: 0,
+        engine: options.engine.clone(),
+        ..*options
+    };
+    let mut words = Words(DefaultHasher::new());
+    let version = env!("CARGO_PKG_VERSION");
+    let kernel = tracer.kernel_name();
+    // Hashing what is shown can't fail.
+    let _ = write!(words, "{version} {kernel} {rows_alone:?} {scene:?}");
+    if let Engine::Hemicube(Hemicube { device, .. }) | Engine::Hybrid(Hemicube { device, .. }) =
+        &options.engine
+        && let DrawnBy::Device(device) = device
+    {
+        let _ = write!(words, "{}", device.name());
+    }
+    words.0.finish()
+}
+
+/// Hashes text as it is written.
+struct Words(DefaultHasher);
+
+impl Write for Words {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.write(text.as_bytes());
+        Ok(())
+    }
+}
+
+/// Computes under a progress bar; says how to go on if that is interrupted.
+fn compute(
+    plan: &Plan,
+    journal: Option<&FileJournal>,
+    session: &mut Session,
+) -> Result<FormFactors, Failure> {
+    if let Some(journal) = journal.filter(|j| j.blocks() > 0) {
+        let words = format!("going on from {}", journal.path().display());
+        session.say(&words);
+    }
+    let kept: &dyn Journal = match journal {
+        Some(journal) => journal,
+        None => &NoJournal,
+    };
+    match session.watched(|p| plan.compute(kept, p)) {
+        Ok(factors) => Ok(factors),
+        Err(SolveError::Cancelled) if journal.is_some_and(|j| j.blocks() > 0) => {
+            session.say("what is done is kept: the same command goes on from there");
+            Err(Failure::Cancelled)
+        }
+        Err(e) => Err(pass::failure(e)),
+    }
+}
+
+/// The entry of a column in a row; zeros if there is none.
+fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
+    let found = row.binary_search_by_key(&column, |&(j, ..)| j);
+    found.map_or((column, 0.0, 0.0), |k| row[k])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_radiosity::FaceId;
+    use azulejo_radiosity::form_factors::{Exchange, ExchangeAreas, Rest};
+
+    /// A matrix of two rows, half of whose light came by a mirror.
+    pub fn two_squares() -> FormFactors {
+        let face = |object, face| FaceId { object, face };
+        let pair = |share: f64| Exchange {
+            column: 1,
+            value: 0.5 * share,
+            error: 0.25 * share as f32,
+        };
+        let areas = |share| ExchangeAreas::from_iter([vec![pair(share)], vec![]]);
+        let rest = |sky| Rest {
+            sky,
+            sky_error: 0.0625,
+            ..Rest::default()
+        };
+        FormFactors {
+            exchange: areas(1.0),
+            orders: vec![
+                areas(0.5),
+                areas(0.5),
+                ExchangeAreas::from_iter([vec![], vec![]]),
+            ],
+            areas: vec![2.0, 1.0],
+            faces: vec![face(0, 3), face(7, 0)],
+            materials: vec![0, 0],
+            is_back: vec![false, true],
+            rest: vec![rest(0.75), rest(0.5)],
+            ends: vec![1.0; 2],
+            row_errors: vec![0.1, 0.2],
+            ..FormFactors::default()
+        }
+    }
+}
