@@ -14,7 +14,7 @@ mod drawn;
 mod world;
 
 use crate::engine::{Hemicube, Ran};
-use crate::patch::{Facets, Patches};
+use crate::patch::{Facets, PatchPoint, Patches};
 use crate::rays::{BATCH, RayEstimator, Work};
 use crate::row::{Columns, Order, Row, Side};
 use azulejo_scene::math::Ray;
@@ -26,6 +26,7 @@ use azulejo_trace::item_buffer::{
 use azulejo_trace::sampling::{SobolTable, hash, seeds};
 use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES, Surfaces};
 use drawn::Drawn;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -65,12 +66,20 @@ pub fn world_of(scene: &Scene, patches: &Patches) -> World {
     world::world(scene, patches, &Facets::new(patches))
 }
 
+/// Where a hemicube stands.
+struct Point {
+    view: View,
+    /// Where rays in its place begin: on the exact surface, which a curved patch's facets are not.
+    start: DVec3,
+    /// What multiplies its shares.
+    weight: f64,
+}
+
 /// One replicate of a side's row.
 struct Part {
     side: Side,
     replicate: usize,
-    /// What multiplies the shares of each of its hemicubes.
-    weights: Vec<f64>,
+    points: Vec<Point>,
     /// The part as far as it is known: of its replicate only.
     row: Row,
     /// Where its shares are being added up, from the first hemicubes to the last.
@@ -185,24 +194,21 @@ impl<'a> HemicubeEstimator<'a> {
 
     /// Some replicates of rows, drawn together.
     fn parts(&self, wanted: &[(Side, usize)]) -> Vec<Row> {
-        let (mut views, mut parts) = (Vec::new(), Vec::new());
-        for &(side, replicate) in wanted {
-            let (of_part, weights) = self.views(side, replicate);
-            views.push(of_part);
-            parts.push(Part {
-                side,
-                replicate,
-                weights,
-                row: Row::default(),
-                work: None,
-            });
-        }
+        let part = |&(side, replicate): &(Side, usize)| Part {
+            side,
+            replicate,
+            points: self.points(side, replicate),
+            row: Row::default(),
+            work: None,
+        };
+        let mut parts: Vec<Part> = wanted.par_iter().map(part).collect();
         let batch = (self.drawn.batch() / wanted.len()).max(1);
         let all = self.table.len();
         for first in (0..all).step_by(batch) {
             let stretch = first..(first + batch).min(all);
-            let some = views.iter().flat_map(|v| &v[stretch.clone()]).copied();
-            let seen = self.drawn.draw(&some.collect::<Vec<View>>());
+            let some = parts.iter().flat_map(|p| &p.points[stretch.clone()]);
+            let views: Vec<View> = some.map(|p| p.view).collect();
+            let seen = self.drawn.draw(&views);
             let seen = seen.par_chunks(stretch.len());
             parts.par_iter_mut().zip(seen).for_each(|(part, seen)| {
                 for (k, seen) in stretch.clone().zip(seen) {
@@ -220,30 +226,34 @@ impl<'a> HemicubeEstimator<'a> {
     ///
     /// On curved patches, whose points have weights, these are divided by their sum, so that a
     /// row's shares make 1 as they do on flat ones; the bias falls as one over the points.
-    fn views(&self, side: Side, replicate: usize) -> (Vec<View>, Vec<f64>) {
+    fn points(&self, side: Side, replicate: usize) -> Vec<Point> {
         let (patch, is_front) = ((side / 2) as usize, side.is_multiple_of(2));
         let tracer = self.gatherer.surfaces().tracer;
         let scrambling = seeds(&[self.seed, side, replicate as u32, 0x4e]);
-        let view = |k: usize| {
+        let leaving = |at: &PatchPoint| {
+            let normal = if is_front { at.normal } else { -at.normal };
+            (tracer.leaving(at.position, normal), normal)
+        };
+        let point = |k: usize| {
             let [u1, u2, u3, _] = self.table.point(k, scrambling).map(f64::from);
             let at = self.facets.sample(patch, u1, u2);
-            let normal = if is_front { at.normal } else { -at.normal };
-            let view = View {
-                eye: tracer.leaving(at.position, normal),
-                normal,
-                turn: TAU * u3,
-            };
-            (view, at.weight)
+            let (eye, normal) = leaving(&at);
+            let turn = TAU * u3;
+            Point {
+                view: View { eye, normal, turn },
+                start: leaving(&self.patches.sample(patch, u1, u2)).0,
+                weight: at.weight,
+            }
         };
-        let (views, weights): (Vec<View>, Vec<f64>) = (0..self.table.len()).map(view).unzip();
-        let sum: f64 = weights.iter().sum();
-        let weights = weights.iter().map(|w| w / sum).collect();
-        (views, weights)
+        let mut points: Vec<Point> = (0..self.table.len()).map(point).collect();
+        let sum: f64 = points.iter().map(|p| p.weight).sum();
+        points.iter_mut().for_each(|p| p.weight /= sum);
+        points
     }
 
     /// Adds what the hemicube at point `k` of a part saw.
     fn add(&self, part: &mut Part, k: usize, seen: &Seen) {
-        let weight = part.weights[k];
+        let Point { start, weight, .. } = part.points[k];
         let mut work = part.work.take().unwrap_or_else(|| self.rays.work());
         let row = &mut part.row;
         let share = 1.0 / REPLICATES as f64;
@@ -273,7 +283,7 @@ impl<'a> HemicubeEstimator<'a> {
             // Paths begin with about 1, since they end when too little of it is left.
             let heaviest = pixels.iter().map(|p| p.weight.max_channel());
             let heaviest = heaviest.fold(f64::MIN_POSITIVE, f64::max);
-            let paths = pixels.iter().map(|p| self.path(p, heaviest));
+            let paths = pixels.iter().map(|p| self.path(p, start, heaviest));
             work.paths.extend(paths);
             let place = [part.side, part.replicate as u32, k as u32, number as u32];
             let chances = hash(&[self.seed, hash(&place)]);
@@ -292,11 +302,16 @@ impl<'a> HemicubeEstimator<'a> {
     }
 
     /// The light of a pixel in units of `unit`, on the leg that ends at a specular patch: a ray
-    /// finds the exact place where the pixel's centre meets it.
-    fn path(&self, pixel: &SpecularPixel, unit: f64) -> Path {
+    /// finds the exact place where the pixel's centre meets it. The first leg begins at `start`.
+    fn path(&self, pixel: &SpecularPixel, start: DVec3, unit: f64) -> Path {
+        let origin = if pixel.order == 0 {
+            start
+        } else {
+            pixel.origin
+        };
         let tracer = self.gatherer.surfaces().tracer;
         Path {
-            ray: tracer.kernel_ray(&Ray::new(pixel.origin, pixel.direction)),
+            ray: tracer.kernel_ray(&Ray::new(origin, pixel.direction)),
             id: 0,
             weight: pixel.weight / unit,
             via: self.via(pixel.order),
