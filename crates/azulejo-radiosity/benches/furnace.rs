@@ -37,7 +37,7 @@ fn worst_error(diffuse: f64, mirror: f64, rays: u32) -> f64 {
     let reflectance = reflectances(&scene, &patches);
     let gatherer = Gatherer::new(Surfaces::new(&scene, &tracer));
     let progress = Progress::new();
-    let (estimator, _) = Estimator::new(
+    let estimator = Estimator::new(
         &Engine::Rays,
         &gatherer,
         &patches,

@@ -32,7 +32,7 @@ fn main() {
     let gatherer = Gatherer::new(Surfaces::new(&scene, &tracer));
     let prepared = wall.elapsed().as_secs_f64();
     let progress = Progress::new();
-    let (estimator, _) = Estimator::new(
+    let estimator = Estimator::new(
         &Engine::Rays,
         &gatherer,
         &patches,

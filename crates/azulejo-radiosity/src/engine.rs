@@ -1,5 +1,6 @@
 //! Who computes form factors: the engines, and what is said about which of them ran.
 
+use crate::hemicube::{AtMirrors, HemicubeEstimator};
 use crate::patch::Patches;
 use crate::rays::RayEstimator;
 use crate::row::{Columns, Row, Side};
@@ -83,32 +84,52 @@ pub struct Ran {
 pub enum Estimator<'a> {
     /// By rays.
     Rays(RayEstimator<'a>),
+    /// By item buffers.
+    Hemicube(Box<HemicubeEstimator<'a>>),
 }
 
 impl<'a> Estimator<'a> {
     /// The estimator of an engine, with `rays` per row where it is rays that it takes.
     pub fn new(
-        _engine: &Engine,
+        engine: &Engine,
         gatherer: &'a Gatherer<'a>,
         patches: &'a Patches,
         rays: u32,
         seed: u32,
         columns: Columns,
-    ) -> (Estimator<'a>, Ran) {
-        let device = gatherer.surfaces().tracer.kernel_name();
-        let rays = RayEstimator::new(gatherer, patches, rays, seed, columns);
-        let ran = Ran {
-            engine: "rays".to_owned(),
-            device,
-            notes: Vec::new(),
+    ) -> Estimator<'a> {
+        let drawn = |options: &Hemicube, mirrors: AtMirrors| {
+            let new = HemicubeEstimator::new;
+            let estimator = new(options, mirrors, gatherer, patches, seed, columns);
+            Estimator::Hemicube(Box::new(estimator))
         };
-        (Estimator::Rays(rays), ran)
+        match engine {
+            Engine::Hemicube(options) => drawn(options, AtMirrors::Windows),
+            Engine::Hybrid(options) => drawn(options, AtMirrors::Rays),
+            Engine::Auto | Engine::Rays | Engine::Analytic => {
+                Estimator::Rays(RayEstimator::new(gatherer, patches, rays, seed, columns))
+            }
+        }
+    }
+
+    /// Which engine runs and who does the work; after the last row also what went otherwise than
+    /// asked, such as a device that was lost.
+    pub fn ran(&self) -> Ran {
+        match self {
+            Estimator::Rays(estimator) => Ran {
+                engine: "rays".to_owned(),
+                device: estimator.kernel_name(),
+                notes: Vec::new(),
+            },
+            Estimator::Hemicube(estimator) => estimator.ran(),
+        }
     }
 
     /// Rays or pixels per row.
     pub fn rays(&self) -> u32 {
         match self {
             Estimator::Rays(estimator) => estimator.rays(),
+            Estimator::Hemicube(estimator) => estimator.pixels(),
         }
     }
 
@@ -126,6 +147,7 @@ impl<'a> Estimator<'a> {
                 };
                 sides.par_iter().map(row).collect()
             }
+            Estimator::Hemicube(estimator) => estimator.rows(sides, progress),
         }
     }
 }

@@ -27,7 +27,7 @@ mod sides;
 mod spread;
 mod truncate;
 
-use crate::engine::{Engine, Estimator, Ran};
+use crate::engine::{Engine, Estimator};
 use crate::patch::{PatchSize, Patches};
 use crate::row::Columns;
 use crate::solve::SolveError;
@@ -119,7 +119,7 @@ impl<'a> Plan<'a> {
     /// [`SolveError::Cancelled`].
     pub fn forecast(&self, progress: &Progress) -> Result<Forecast, SolveError> {
         let prepared = Prepared::new(self);
-        let rays = prepared.estimator().0.rays();
+        let rays = prepared.estimator().rays();
         Ok(prepared.forecast(rays, progress)?)
     }
 
@@ -197,7 +197,7 @@ impl<'a> Prepared<'a> {
         factors.ends = factors.materials.iter().map(ending).collect();
     }
 
-    fn estimator(&self) -> (Estimator<'_>, Ran) {
+    fn estimator(&self) -> Estimator<'_> {
         let options = self.plan.options;
         Estimator::new(
             &options.engine,
@@ -211,7 +211,7 @@ impl<'a> Prepared<'a> {
 
     /// What it will take if rows have so many rays or pixels.
     fn forecast(&self, rays: u32, progress: &Progress) -> Result<Forecast, Cancelled> {
-        let (looker, _) = Estimator::new(
+        let looker = Estimator::new(
             &Engine::Rays,
             &self.gatherer,
             &self.plan.patches,
@@ -239,7 +239,7 @@ impl<'a> Prepared<'a> {
         progress: &Progress,
     ) -> Result<FormFactors, SolveError> {
         let options = self.plan.options;
-        let (estimator, ran) = self.estimator();
+        let estimator = self.estimator();
         let forecast = self.forecast(estimator.rays(), progress)?;
         refuse(options, forecast.rows, forecast.bytes as f64)?;
         let exact = match options.analytic {
@@ -260,7 +260,10 @@ impl<'a> Prepared<'a> {
         };
         let traced = tracing.trace(journal, progress)?;
         let factors = merge::merge(&self.sides, traced, &exact, progress)?;
-        Ok(FormFactors { ran, ..factors })
+        Ok(FormFactors {
+            ran: estimator.ran(),
+            ..factors
+        })
     }
 }
 

@@ -5,7 +5,8 @@
 //! gathers irradiance at the vertices; [`probe`] gathers it at any points. The answer carries
 //! its standard error, and is the same to the bit for any number of threads.
 //!
-//! The order of reading: [`patch`] (what is divided), [`rays`] (rows of form factors),
+//! The order of reading: [`patch`] (what is divided), [`rays`] and [`hemicube`] (rows of form
+//! factors),
 //! [`system`] (their solution; [`refine`] gives more rays to rows that matter; [`stochastic`]
 //! does without rows), [`gather`] and [`vertices`]
 //! (irradiance), [`mod@solve`] (all of it, in order). Exact shapes are divided as polygons that
@@ -18,6 +19,7 @@ pub mod direct;
 pub mod engine;
 pub mod form_factors;
 pub mod gather;
+pub mod hemicube;
 pub mod light;
 pub mod matrix;
 pub mod patch;

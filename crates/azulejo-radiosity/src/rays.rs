@@ -91,10 +91,12 @@ pub struct RayEstimator<'a> {
 }
 
 /// What it takes to compute a row.
-struct Work {
-    paths: Vec<Path>,
+pub(crate) struct Work {
+    /// Rays that are about to be followed.
+    pub paths: Vec<Path>,
     scratch: Scratch,
-    tally: Tally,
+    /// What they have met.
+    pub tally: Tally,
 }
 
 impl<'a> RayEstimator<'a> {
@@ -123,6 +125,11 @@ impl<'a> RayEstimator<'a> {
         (self.per_replicate * REPLICATES) as u32
     }
 
+    /// Who traces.
+    pub fn kernel_name(&self) -> String {
+        self.gatherer.surfaces().tracer.kernel_name()
+    }
+
     /// The row of one side of a patch. Depends on nothing but the arguments of
     /// [`new`](RayEstimator::new) and `side`.
     pub fn row(&self, side: Side) -> Row {
@@ -138,17 +145,16 @@ impl<'a> RayEstimator<'a> {
                 self.starts
                     .fill(side, replicate, stretch, share, &mut work.paths);
                 let chances = hash(&[self.seed, side, replicate as u32, first as u32]);
-                self.follow(&mut work, chances, replicate, &mut row);
+                self.follow(&mut work, chances, (replicate, 1.0), &mut row);
             }
             row.entries[replicate] = work.tally.take();
         }
-        if let Ok(mut spare) = self.spare.lock() {
-            spare.push(work);
-        }
+        self.give_back(work);
         row
     }
 
-    fn work(&self) -> Work {
+    /// Memory to work with, empty.
+    pub(crate) fn work(&self) -> Work {
         let spare = self.spare.lock().ok().and_then(|mut spare| spare.pop());
         spare.unwrap_or_else(|| Work {
             paths: Vec::new(),
@@ -157,7 +163,22 @@ impl<'a> RayEstimator<'a> {
         })
     }
 
-    fn follow(&self, work: &mut Work, chances: u32, replicate: usize, row: &mut Row) {
+    /// Keeps memory, emptied, for the next that asks.
+    pub(crate) fn give_back(&self, work: Work) {
+        if let Ok(mut spare) = self.spare.lock() {
+            spare.push(work);
+        }
+    }
+
+    /// Follows the paths of `work` to their ends, and adds what they meet to its tally and to
+    /// what `row` says of a replicate, all times `scale`. `chances` keys the choices at glass.
+    pub(crate) fn follow(
+        &self,
+        work: &mut Work,
+        chances: u32,
+        (replicate, scale): (usize, f64),
+        row: &mut Row,
+    ) {
         let surfaces = self.gatherer.surfaces();
         let share = 1.0 / REPLICATES as f64;
         let ambient = self.gatherer.ambient() * PI;
@@ -168,7 +189,7 @@ impl<'a> RayEstimator<'a> {
             tally,
         } = work;
         follow(surfaces, paths, scratch, chances, |path, event| {
-            let weight = path.weight;
+            let weight = path.weight * scale;
             match event {
                 Event::Escape => {
                     let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;

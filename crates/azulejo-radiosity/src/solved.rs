@@ -191,8 +191,9 @@ impl Parts<'_> {
             seed,
         } = self;
         let columns = Columns::Diffuse;
-        let (estimator, ran) = Estimator::new(&pass.engine, gatherer, patches, rays, seed, columns);
+        let estimator = Estimator::new(&pass.engine, gatherer, patches, rays, seed, columns);
         let mut system = System::trace(gatherer, patches, reflectance, &estimator, seed, progress)?;
+        let ran = estimator.ran();
         let coarse = system.solve_all(pass.bounces, progress)?;
         let by_rays = matches!(estimator, Estimator::Rays(_));
         let Some(goal) = pass.goal().filter(|_| by_rays) else {

@@ -18,6 +18,7 @@
 //! | `build` | patches, their corners and the display vertices |
 //! | `locate` | which patch a ray hit |
 //! | `sample` | a point of a patch for two random numbers |
+//! | `facets` | the flat triangles that stand for a patch where nothing curved can be drawn |
 //! | `refined` | the divided mesh |
 
 mod build;
@@ -26,6 +27,7 @@ mod cells;
 mod contact_tests;
 mod contacts;
 mod divide;
+mod facets;
 mod irregular;
 mod keep;
 mod lattice;
@@ -41,6 +43,7 @@ mod sample;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use facets::Facets;
 pub use refined::RefinedShape;
 pub use sample::PatchPoint;
 

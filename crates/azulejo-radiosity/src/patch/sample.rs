@@ -49,6 +49,17 @@ impl Patches {
     }
 
     fn sample_curved(&self, i: usize, u1: f64, u2: f64) -> PatchPoint {
+        let (s, t, weight) = self.sample_parameters(i, u1, u2);
+        let point = self.curved_point(i, s, t);
+        PatchPoint {
+            position: point.position,
+            normal: point.normal,
+            weight,
+        }
+    }
+
+    /// Parameters in the unit square of a curved patch for `(u1, u2)`, and the weight of the point.
+    pub(super) fn sample_parameters(&self, i: usize, u1: f64, u2: f64) -> (f64, f64, f64) {
         let corner = |s, t| self.curved_point(i, s, t).area_density;
         let densities = [
             corner(0.0, 0.0),
@@ -57,15 +68,11 @@ impl Patches {
             corner(0.0, 1.0),
         ];
         let (s, t, pdf) = sample_bilinear(lifted(densities), u1, u2);
-        let point = self.curved_point(i, s, t);
         let (nu, nv) = self.part_grid(i);
         // area_density is per unit of the part's u v, of which a cell has 1/(nu nv).
-        let cell_density = point.area_density / (f64::from(nu) * f64::from(nv));
-        PatchPoint {
-            position: point.position,
-            normal: point.normal,
-            weight: cell_density / (pdf * self.areas[i]),
-        }
+        let density = self.curved_point(i, s, t).area_density;
+        let cell_density = density / (f64::from(nu) * f64::from(nv));
+        (s, t, cell_density / (pdf * self.areas[i]))
     }
 
     /// The point of a primitive's cell at `(s, t)` in the unit square.

@@ -12,6 +12,7 @@ mod exact;
 mod form_factor_matrix;
 mod form_factors;
 mod furnace;
+mod hemicubes;
 mod lights;
 mod matrix_operations;
 mod mirrors;

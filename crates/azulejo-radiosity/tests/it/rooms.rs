@@ -112,8 +112,7 @@ impl Matrix {
         let (rays, seed) = (pass.rays.unwrap_or(256), pass.seed as u32);
         let progress = Progress::new();
         let engine = &pass.engine;
-        let (estimator, _) =
-            Estimator::new(engine, &gatherer, &patches, rays, seed, Columns::Diffuse);
+        let estimator = Estimator::new(engine, &gatherer, &patches, rays, seed, Columns::Diffuse);
         let system = System::trace(
             &gatherer,
             &patches,

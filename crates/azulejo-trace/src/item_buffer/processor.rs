@@ -1,7 +1,7 @@
 //! Item buffers drawn by the processor, in software: always there.
 
 use super::raster::{Canvas, NOTHING, Region, draw};
-use super::sight::{FACES, Face, Sight};
+use super::sight::{Face, Sight};
 use super::tally::Tally;
 use super::world::{Kind, LocalWorld};
 use super::{
@@ -145,15 +145,7 @@ impl ProcessorBuffers {
             let mut next = Level::default();
             for window in &level.windows {
                 let pixels = &level.pixels[window.pixels.clone()];
-                let faces: [Face; FACES] = std::array::from_fn(|face| window.sight.face(face));
-                self.draw_into(&faces, pixels, scratch);
-                let found = Found {
-                    drawing: self,
-                    sight: &window.sight,
-                    faces: &faces,
-                    depth,
-                };
-                found.read(pixels, scratch, &mut seen, &mut next);
+                self.look(&window.sight, depth, pixels, scratch, &mut seen, &mut next);
             }
             level = next;
             depth += 1;
@@ -162,29 +154,81 @@ impl ProcessorBuffers {
         seen
     }
 
-    /// Draws the world into some pixels, sorted.
-    fn draw_into(&self, faces: &[Face; FACES], pixels: &[u32], scratch: &mut Scratch) {
+    /// Draws what is seen in some pixels, sorted, and adds it up; mirrors are for the next level.
+    fn look(
+        &self,
+        sight: &Sight,
+        depth: u32,
+        pixels: &[u32],
+        scratch: &mut Scratch,
+        seen: &mut Seen,
+        next: &mut Level,
+    ) {
+        let mut mirrored = Vec::new();
+        for pixels in pixels.chunk_by(|&a, &b| self.face_of(a) == self.face_of(b)) {
+            let number = self.face_of(pixels[0]);
+            let face = sight.face(number);
+            self.draw_face(number, &face, pixels, scratch);
+            let found = Found {
+                drawing: self,
+                sight,
+                face: &face,
+                depth,
+            };
+            found.read(pixels, scratch, seen, &mut mirrored);
+        }
+        mirrored.sort_unstable();
+        for group in mirrored.chunk_by(|a, b| a.0 == b.0) {
+            self.open(sight, depth, group, seen, next);
+        }
+    }
+
+    /// Draws the world into some pixels of a face.
+    fn draw_face(&self, number: usize, face: &Face, pixels: &[u32], scratch: &mut Scratch) {
+        let mut region = Region::EMPTY;
         for &p in pixels {
             scratch.nearness[p as usize] = 0.0;
             scratch.sides[p as usize] = NOTHING;
+            let (column, row) = self.place(p);
+            region.add(column, row);
         }
-        for (number, face) in faces.iter().enumerate() {
-            let range = self.pixels_of(number);
-            let first = pixels.partition_point(|&p| (p as usize) < range.start);
-            let end = pixels.partition_point(|&p| (p as usize) < range.end);
-            let mut region = Region::EMPTY;
-            for &p in &pixels[first..end] {
-                let (_, column, row) = self.place(p);
-                region.add(column, row);
-            }
-            let mut canvas = Canvas {
-                nearness: &mut scratch.nearness[range.clone()],
-                sides: &mut scratch.sides[range],
-                centres: &self.centres,
-                first_row: if number == 0 { 0 } else { self.side() / 2 },
-            };
-            draw(&self.world, face, &region, &mut canvas);
+        let range = self.pixels_of(number);
+        let mut canvas = Canvas {
+            nearness: &mut scratch.nearness[range.clone()],
+            sides: &mut scratch.sides[range],
+            centres: &self.centres,
+            first_row: if number == 0 { 0 } else { self.side() / 2 },
+        };
+        draw(&self.world, face, &region, &mut canvas);
+    }
+
+    /// Opens a window for the pixels of one mirror, or counts them as cut.
+    fn open(
+        &self,
+        sight: &Sight,
+        depth: u32,
+        group: &[(u32, u32)],
+        seen: &mut Seen,
+        next: &mut Level,
+    ) {
+        let sight = sight.behind(&self.world.mirrors[group[0].0 as usize]);
+        let strength = sight.tint.max_channel();
+        let goes_on = match self.beyond {
+            Beyond::Windows { cut, depth: most } => strength >= f64::from(cut) && depth < most,
+            Beyond::List => false,
+        };
+        if !goes_on || strength <= 0.0 {
+            let weight = |&(_, p): &(u32, u32)| self.weights[p as usize];
+            let share: f64 = group.iter().map(weight).sum();
+            seen.cut += sight.tint * share;
+            return;
         }
+        let first = next.pixels.len();
+        next.pixels.extend(group.iter().map(|&(_, p)| p));
+        next.windows.push(Window {
+            sight,
+            pixels: first..next.pixels.len(),
+        });
     }
 
     /// Pixels along a face.
@@ -201,37 +245,53 @@ impl ProcessorBuffers {
         }
     }
 
-    /// Face, column and row of a pixel; rows of side faces begin at the horizon, in the middle.
-    fn place(&self, pixel: u32) -> (usize, usize, usize) {
+    fn face_of(&self, pixel: u32) -> usize {
         let (p, n) = (pixel as usize, self.side());
-        if p < n * n {
-            return (0, p % n, p / n);
+        match p.checked_sub(n * n) {
+            None => 0,
+            Some(rest) => 1 + rest / (n * n / 2),
         }
-        let (face, rest) = ((p - n * n) / (n * n / 2), (p - n * n) % (n * n / 2));
-        (face + 1, rest % n, rest / n + n / 2)
+    }
+
+    /// Column and row of a pixel; rows of side faces begin at the horizon, in the middle.
+    fn place(&self, pixel: u32) -> (usize, usize) {
+        let (p, n) = (pixel as usize, self.side());
+        match p.checked_sub(n * n) {
+            None => (p % n, p / n),
+            Some(rest) => (rest % n, rest % (n * n / 2) / n + n / 2),
+        }
     }
 }
 
-/// What is in the pixels of a window once it is drawn.
+/// What is in the pixels of a face once they are drawn.
 struct Found<'a> {
     drawing: &'a ProcessorBuffers,
     sight: &'a Sight,
-    faces: &'a [Face; FACES],
+    face: &'a Face,
     /// Mirrors on the way.
     depth: u32,
 }
 
 impl Found<'_> {
-    /// Adds up the pixels, hands mirrors on to the next level, and closes the window.
-    fn read(&self, pixels: &[u32], scratch: &mut Scratch, seen: &mut Seen, next: &mut Level) {
-        let mut mirrored: Vec<(u32, u32)> = Vec::new();
+    /// Adds up the pixels, hands on those that show mirrors with the mirrors' numbers, and closes
+    /// the pixels for what is drawn next.
+    fn read(
+        &self,
+        pixels: &[u32],
+        scratch: &mut Scratch,
+        seen: &mut Seen,
+        mirrored: &mut Vec<(u32, u32)>,
+    ) {
         let order = self.depth.min(2) as u8;
+        let up = self.face.components(self.drawing.world.up);
         for &p in pixels {
             let side = scratch.sides[p as usize];
             let nearness = std::mem::replace(&mut scratch.nearness[p as usize], f32::INFINITY);
             let share = self.share(p);
             if side == NOTHING {
-                seen.escaped[usize::from(!self.looks_up(p))] += share;
+                let (x, y) = self.picture(p);
+                let is_up = x * up[0] + y * up[1] + up[2] >= 0.0;
+                seen.escaped[usize::from(!is_up)] += share;
                 continue;
             }
             scratch.tally.add(side, order, share);
@@ -241,36 +301,6 @@ impl Found<'_> {
                 _ => seen.specular.push(self.specular(p, side, nearness)),
             }
         }
-        mirrored.sort_unstable();
-        for group in mirrored.chunk_by(|a, b| a.0 == b.0) {
-            self.open(group, seen, next);
-        }
-    }
-
-    /// Opens a window for the pixels of one mirror, or counts them as cut.
-    fn open(&self, group: &[(u32, u32)], seen: &mut Seen, next: &mut Level) {
-        let sight = self
-            .sight
-            .behind(&self.drawing.world.mirrors[group[0].0 as usize]);
-        let goes_on = match self.drawing.beyond {
-            Beyond::Windows { cut, depth } => {
-                sight.tint.max_channel() >= f64::from(cut) && self.depth < depth
-            }
-            Beyond::List => false,
-        };
-        let is_dark = sight.tint.max_channel() <= 0.0;
-        if is_dark || !goes_on {
-            let weight = |&(_, p): &(u32, u32)| self.drawing.weights[p as usize];
-            let share: f64 = group.iter().map(weight).sum();
-            seen.cut += sight.tint * share;
-            return;
-        }
-        let first = next.pixels.len();
-        next.pixels.extend(group.iter().map(|&(_, p)| p));
-        next.windows.push(Window {
-            sight,
-            pixels: first..next.pixels.len(),
-        });
     }
 
     /// What a pixel carries.
@@ -278,25 +308,20 @@ impl Found<'_> {
         self.sight.tint * self.drawing.weights[pixel as usize]
     }
 
-    fn looks_up(&self, pixel: u32) -> bool {
-        let (face, x, y) = self.picture(pixel);
-        face.direction(x, y).dot(self.drawing.world.up) >= 0.0
-    }
-
-    /// The face of a pixel and the point of its picture.
-    fn picture(&self, pixel: u32) -> (&Face, f64, f64) {
-        let (face, column, row) = self.drawing.place(pixel);
+    /// The point of the face's picture in the middle of a pixel.
+    fn picture(&self, pixel: u32) -> (f64, f64) {
+        let (column, row) = self.drawing.place(pixel);
         let centre = |k: usize| f64::from(self.drawing.centres[k]);
-        (&self.faces[face], centre(column), centre(row))
+        (centre(column), centre(row))
     }
 
     fn specular(&self, pixel: u32, side: u32, nearness: f32) -> SpecularPixel {
-        let (face, x, y) = self.picture(pixel);
+        let (x, y) = self.picture(pixel);
         let local = &self.drawing.world.local;
-        let direction = face.direction(x, y);
+        let direction = self.face.direction(x, y);
         let along = 1.0 / f64::from(nearness);
         // The leg begins where the sight leaves the last mirror.
-        let start = face.begin.as_ref().map_or(0.0, |begin| {
+        let start = self.face.begin.as_ref().map_or(0.0, |begin| {
             let [a, b, c] = begin.nearness;
             (1.0 / (a * x + b * y + c)).min(along)
         });

@@ -231,7 +231,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         let extents = self.extents(&seen);
         for lane in 0..LANES {
             if extents.is_seen[lane] {
-                self.facet(&packet.facets[lane], lane, &seen, &extents);
+                self.facet(packet, lane, &seen, &extents);
             }
         }
     }
@@ -303,7 +303,8 @@ impl<'a, 'b> Painter<'a, 'b> {
         extents
     }
 
-    fn facet(&mut self, facet: &PlaneFacet, lane: usize, seen: &Seen, extents: &Extents) {
+    fn facet(&mut self, packet: &Packet, lane: usize, seen: &Seen, extents: &Extents) {
+        let facet = &packet.facets[lane];
         let Some(depth) = self.face.depth(&self.world.planes[facet.plane as usize]) else {
             return;
         };
@@ -319,7 +320,7 @@ impl<'a, 'b> Painter<'a, 'b> {
                 |ends: &[[f32; LANES]; 2]| ends[0][lane] as usize..ends[1][lane] as usize + 1;
             (range(&extents.columns), range(&extents.rows))
         };
-        let fill = self.prepare(facet, &corners, &depth);
+        let fill = self.prepare(facet, &corners, &packet.corners_of(lane), &depth);
         if columns.len() > WIDE {
             self.fill_wide(&fill, columns, rows);
         } else {
@@ -358,27 +359,42 @@ impl<'a, 'b> Painter<'a, 'b> {
         (last >= first as f32).then(|| first..last as usize + 1)
     }
 
-    fn prepare(&self, facet: &PlaneFacet, corners: &[[f32; 3]; 3], depth: &Depth) -> Fill {
+    /// `corners` as the face sees them, `placed` as they are in the world.
+    fn prepare(
+        &self,
+        facet: &PlaneFacet,
+        corners: &[[f32; 3]; 3],
+        placed: &[[f32; 3]; 3],
+        depth: &Depth,
+    ) -> Fill {
         let is_front = depth.is_above == facet.is_upright;
         let sign = if is_front != self.face.is_turned {
             -1.0
         } else {
             1.0
         };
-        let edge = |a: [f32; 3], b: [f32; 3]| {
+        // 2 a × b as (a + b) × (b − a), the difference taken before the eye is far away: seen
+        // behind many mirrors the corners have lost digits that the edge between them needs.
+        // Either way round it is the same but for the sign, to the bit.
+        let edge = |k: usize, l: usize| {
+            let along = [0, 1, 2].map(|axis| placed[l][axis] - placed[k][axis]);
+            let d = self
+                .face
+                .rows
+                .map(|m| m[0] * along[0] + m[1] * along[1] + m[2] * along[2]);
+            let s = [0, 1, 2].map(|axis| corners[k][axis] + corners[l][axis]);
             [
-                sign * (a[1] * b[2] - a[2] * b[1]),
-                sign * (a[2] * b[0] - a[0] * b[2]),
-                sign * (a[0] * b[1] - a[1] * b[0]),
+                sign * (s[1] * d[2] - s[2] * d[1]),
+                sign * (s[2] * d[0] - s[0] * d[2]),
+                sign * (s[0] * d[1] - s[1] * d[0]),
             ]
         };
-        let [a, b, c] = *corners;
         let behind = match &self.face.begin {
             Some(begin) => [0, 1, 2].map(|k| (begin.nearness[k] - depth.nearness[k]) as f32),
             None => [0.0, 0.0, 1.0],
         };
         Fill {
-            inside: [edge(a, b), edge(b, c), edge(c, a), behind],
+            inside: [edge(0, 1), edge(1, 2), edge(2, 0), behind],
             nearness: depth.nearness.map(|x| x as f32),
             side: 2 * facet.patch + u32::from(!is_front),
         }

@@ -16,9 +16,6 @@ const LEAVING: f64 = 16.0 * f32::EPSILON as f64;
 /// their own patch, far above rounding.
 const EDGE_ON: f64 = 1e-9;
 
-/// Faces of a hemicube: the top, and those towards +x, −x, +y, −y.
-pub(super) const FACES: usize = 5;
-
 /// A hemicube in local coordinates, as it is or as mirrors show it.
 #[derive(Clone, Debug)]
 pub(super) struct Sight {
@@ -61,7 +58,7 @@ impl Sight {
         }
     }
 
-    /// One face of the hemicube.
+    /// A face of the hemicube: 0 is the top, 1 to 4 those towards +x, −x, +y, −y.
     pub fn face(&self, face: usize) -> Face {
         let [x, y, z] = self.axes;
         let axes = match face {
@@ -137,5 +134,10 @@ impl Face {
     /// The direction of a point of the picture.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         x * self.axes[0] + y * self.axes[1] + self.axes[2]
+    }
+
+    /// Components of a world vector along the axes.
+    pub fn components(&self, v: DVec3) -> [f64; 3] {
+        self.axes.map(|a| a.dot(v))
     }
 }

@@ -279,4 +279,9 @@ impl Packet {
         }
         packet
     }
+
+    /// The corners in a lane.
+    pub fn corners_of(&self, lane: usize) -> [[f32; 3]; 3] {
+        [0, 3, 6].map(|first| [0, 1, 2].map(|axis| self.corners[first + axis][lane]))
+    }
 }
