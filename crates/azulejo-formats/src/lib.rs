@@ -46,6 +46,7 @@ mod text;
 mod textures;
 #[cfg(feature = "fonts")]
 pub mod typeface;
+pub mod view3d;
 pub mod vrml;
 mod warnings;
 mod weld;
