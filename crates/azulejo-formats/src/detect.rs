@@ -102,7 +102,7 @@ pub fn read_with(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     let bytes = &*gzip::unpacked(bytes, name, options)?;
-    match by_extension(name, detect(bytes)) {
+    match recognise(bytes, name) {
         Ok(Format::Grf) => grf::read_with(bytes, name, files, options),
         Ok(Format::Obj) => obj::read_with(bytes, name, files, options),
         Ok(Format::Studio3ds) => studio3ds::read(bytes, name, files, options),
@@ -118,6 +118,14 @@ pub fn read_with(
         Ok(Format::View3d) => view3d::read(bytes, name, files, options),
         Err(Unrecognised { looks_like }) => Err(ReadError::whole(name, looks_like, EXPECTED)),
     }
+}
+
+/// Recognises the format of a model by its content or, where that leaves it open, by its name.
+///
+/// # Errors
+/// As [`detect`].
+pub fn recognise(bytes: &[u8], name: &str) -> Result<Format, Unrecognised> {
+    by_extension(name, detect(bytes))
 }
 
 /// A format that has neither mark nor words is known by its name, where the content does not say

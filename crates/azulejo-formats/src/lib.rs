@@ -52,7 +52,7 @@ mod warnings;
 mod weld;
 mod words;
 
-pub use detect::{Format, Unrecognised, detect, read, read_with};
+pub use detect::{Format, Unrecognised, detect, read, read_with, recognise};
 pub use error::{Loaded, Position, ReadError, Warning};
 pub use files::{FileError, Files, Folder, Memory};
 pub use options::{Lod, ReadOptions};

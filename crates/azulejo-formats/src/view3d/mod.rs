@@ -21,6 +21,8 @@ pub use factors::{FactorHeader, write_factors};
 pub use model::{CoveringMask, Model};
 pub use write::{losses, write};
 
+use crate::gzip;
+use crate::options::check_length;
 use crate::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions, Warning};
 
@@ -36,7 +38,7 @@ pub fn read(
 ) -> Result<Loaded, ReadError> {
     let (document, mut warnings) = Document::read(bytes, name)?;
     let model = Model::new(&document);
-    warnings.extend(model.warnings(name));
+    warnings.extend(model.warning(name));
     Ok(Loaded {
         scene: model.scene,
         warnings,
@@ -44,13 +46,14 @@ pub fn read(
 }
 
 impl Document {
-    /// Reads a file and checks it as View3D does. `name` stands in messages.
+    /// Reads a file, packed with gzip or not, and checks it as View3D does. `name` stands in messages.
     ///
     /// # Errors
     /// Words that are none of the format's, numbers out of sequence, surfaces that are not flat,
     /// not convex or not within their bases: with the line.
     pub fn read(bytes: &[u8], name: &str) -> Result<(Document, Vec<Warning>), ReadError> {
-        crate::options::check_length(bytes, name)?;
+        let bytes = &*gzip::unpacked(bytes, name, &ReadOptions::default())?;
+        check_length(bytes, name)?;
         let mut warnings = Warnings::default();
         let document = parse::read(bytes, name, &mut warnings)?;
         Ok((document, warnings.finish(name)))

@@ -77,8 +77,8 @@ impl Model {
         model
     }
 
-    /// What is odd about it.
-    pub(super) fn warnings(&self, file: &str) -> Option<Warning> {
+    /// What is odd about it, if anything is; `file` stands in the message.
+    pub fn warning(&self, file: &str) -> Option<Warning> {
         let message = "surfaces in one base overlap: their common part counts twice";
         self.overlaps.first().map(|&line| Warning {
             file: file.to_owned(),

@@ -230,7 +230,7 @@ fn what_view3d_refuses_is_refused_with_its_line() {
     );
     check_error(
         &squares("0 2 0.8 upB", "0 3 0.8 upB"),
-        "a.vs3:16:17: found surface 3, expected an earlier",
+        "a.vs3:16:16: found surface 3, expected an earlier",
     );
     check_error(
         &squares("End", "S 4 1 2 3 4 0 3 .8 c\nEnd"),
