@@ -37,7 +37,7 @@ fn turned_like(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
 struct Cutter {
     normal: DVec3,
     area: f64,
-    /// Points closer than this to a corner are that corner.
+    /// What is closer than this to a corner is where the corner is.
     snap: f64,
     corners: Vec<DVec3>,
 }
@@ -83,9 +83,14 @@ impl Cutter {
         kept
     }
 
+    /// The point with each coordinate that a corner nearly has made that of the corner: walls and
+    /// windows mostly stand along the axes, and stay there.
     fn snapped(&self, p: DVec3) -> DVec3 {
-        let near = |c: &&DVec3| c.distance(p) < self.snap;
-        self.corners.iter().find(near).copied().unwrap_or(p)
+        let coordinate = |axis: usize| {
+            let near = |c: &&DVec3| (c[axis] - p[axis]).abs() < self.snap;
+            self.corners.iter().find(near).map_or(p[axis], |c| c[axis])
+        };
+        DVec3::from([0, 1, 2].map(coordinate))
     }
 }
 

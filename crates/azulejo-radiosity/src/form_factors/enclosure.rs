@@ -124,8 +124,8 @@ impl FormFactors {
     ///
     /// With S = A F and ρ = 1 − ε: K = diag(A/ρ) − S is positive definite, and A_i 𝓕_ij = v_i
     /// (K⁻¹)_ij v_j with v = Aε/ρ, less v_i ε_i on the diagonal. Standard errors are those of first
-    /// order, at most √2 too large: the two halves of a pair err alike. What leaves the scene is in
-    /// no `rest`: it is what a row lacks of ε.
+    /// order, at most √2 too large: the two halves of a pair err alike. What a row
+    /// emits less than a black one, 1 − ε, counts as [`lost`](Rest::lost), so that nothing is missing.
     ///
     /// Takes 24 bytes for each entry of a full matrix, and time as the cube of its rows.
     ///
@@ -180,8 +180,11 @@ impl FormFactors {
             exchange: (0..n).map(upper).collect(),
             areas: self.areas.clone(),
             faces: self.faces.clone(),
+            materials: self.materials.clone(),
             is_back: self.is_back.clone(),
-            rest: vec![Rest::default(); n],
+            rest: (0..n)
+                .map(|i| self.grey_rest(i, &absorbed[i], emissivities))
+                .collect(),
             ends: vec![1.0; n],
             is_closed: self.is_closed,
             rays: self.rays,
@@ -207,6 +210,29 @@ impl FormFactors {
             }
         }
         system
+    }
+
+    /// Where the light that row i emits goes beside the columns, after all reflections.
+    fn grey_rest(&self, i: usize, absorbed: &[f64], emissivities: &[f64]) -> Rest {
+        let sent = |k: usize| absorbed[k] * self.areas[k] / self.areas[i];
+        let sum = |of: fn(&Rest) -> f64| -> f64 {
+            let rest = self.rest.iter().enumerate();
+            rest.map(|(k, r)| sent(k) * of(r)).sum()
+        };
+        let error = |of: fn(&Rest) -> f64| {
+            let rest = self.rest.iter().enumerate();
+            let variance: f64 = rest.map(|(k, r)| (sent(k) * of(r)).powi(2)).sum();
+            variance.sqrt()
+        };
+        Rest {
+            sky: sum(|r| r.sky),
+            sky_error: error(|r| r.sky_error),
+            ground: sum(|r| r.ground),
+            ground_error: error(|r| r.ground_error),
+            hidden: sum(|r| r.hidden),
+            cut: sum(|r| r.cut),
+            lost: sum(|r| r.lost) + 1.0 - emissivities[i],
+        }
     }
 
     /// Standard errors of the upper rows. A change dS of S changes A𝓕 by P dS Pᵀ, where P are the
@@ -402,6 +428,13 @@ mod tests {
         let sums = grey.row_sums();
         assert!((sums[0] - 0.8).abs() < 1e-12 && (sums[1] - 0.4).abs() < 1e-12);
         assert!(grey.get(0, 1).1 > 0.0);
+        // Of an open pair nothing is missing either.
+        let mut open = matrix(&[2.0, 2.0], &[&[0.0, 1.0], &[1.0, 0.0]]);
+        open.rest.iter_mut().for_each(|r| r.sky = 0.5);
+        let grey = open.interchange(&[0.8, 0.4], &Progress::new()).unwrap();
+        for (sum, rest) in grey.row_sums().iter().zip(&grey.rest) {
+            assert!((sum + rest.sum() - 1.0).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -29,7 +29,6 @@ mod session;
 mod solve;
 mod values;
 mod view;
-mod view3d;
 mod watch;
 
 use args::{Cli, Command, Common};

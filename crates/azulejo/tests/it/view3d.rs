@@ -110,7 +110,12 @@ fn a_mask_sees_its_base_alone() {
 
 #[test]
 fn a_null_surface_takes_its_area_away() {
-    let expected = ["0.75 1", "0.000000 0.190280", "0.142710 0.000000", "0.500 0.500"];
+    let expected = [
+        "0.75 1",
+        "0.000000 0.190280",
+        "0.142710 0.000000",
+        "0.500 0.500",
+    ];
     let input = with_middle("N", "12 11 10 9");
     check(&input, &expected);
 }
@@ -119,18 +124,39 @@ fn a_null_surface_takes_its_area_away() {
 fn obstructions_block_from_both_sides_and_are_no_rows() {
     // A screen half-way that covers all: nothing is seen, whichever way it looks.
     for screen in ["13 14 15 16", "16 15 14 13"] {
-        let input = SQUARES.replace("S 1", "V 11 -9 -9 .5\nV 12 9 -9 .5\nV 13 9 9 .5\nV 14 -9 9 .5\nS 1");
-        let corners: Vec<String> =
-            screen.split(' ').map(|n| (n.parse::<u32>().unwrap() - 2).to_string()).collect();
+        let input = SQUARES.replace(
+            "S 1",
+            "V 11 -9 -9 .5\nV 12 9 -9 .5\nV 13 9 9 .5\nV 14 -9 9 .5\nS 1",
+        );
+        let corners: Vec<String> = screen
+            .split(' ')
+            .map(|n| (n.parse::<u32>().unwrap() - 2).to_string())
+            .collect();
         let input = input.replace("End", &format!("O 4 {}\nEnd", corners.join(" ")));
-        check(&input, &["1 1", "0.000000 0.000000", "0.000000 0.000000", "0.500 0.800"]);
+        check(
+            &input,
+            &[
+                "1 1",
+                "0.000000 0.000000",
+                "0.000000 0.000000",
+                "0.500 0.800",
+            ],
+        );
     }
 }
 
 #[test]
 fn backs_do_not_radiate() {
     let turned = SQUARES.replace("S 1 1 2 3 4", "S 1 4 3 2 1");
-    check(&turned, &["1 1", "0.000000 0.000000", "0.000000 0.000000", "0.500 0.800"]);
+    check(
+        &turned,
+        &[
+            "1 1",
+            "0.000000 0.000000",
+            "0.000000 0.000000",
+            "0.500 0.800",
+        ],
+    );
 }
 
 #[test]
@@ -138,7 +164,10 @@ fn enclosures_are_scaled_and_grey_factors_sum_to_emissivities() {
     let folder = Folder::new();
     std::fs::copy(project().join("examples/box.vs3"), folder.path("box.vs3")).unwrap();
     let report = folder.json("form-factors box.vs3 -o f.txt");
-    assert!(report["enclosure_sweeps"].as_u64().unwrap() < 100, "{report}");
+    assert!(
+        report["enclosure_sweeps"].as_u64().unwrap() < 100,
+        "{report}"
+    );
     assert!(report["enclosure_error"].as_f64().unwrap() <= 1e-7);
     assert!(report["enclosure_moved"].as_f64().unwrap() < 0.01);
     let text = String::from_utf8(folder.read("f.txt")).unwrap();
@@ -148,13 +177,23 @@ fn enclosures_are_scaled_and_grey_factors_sum_to_emissivities() {
         text.lines().skip(1).map(numbers).collect()
     };
     let numbers = rows(&text);
-    assert_eq!(numbers[0], [11.4, 12.0, 7.6, 2.4, 8.0, 7.5, 6.3, 3.8, 1.3, 1.3]);
+    assert_eq!(
+        numbers[0],
+        [11.4, 12.0, 7.6, 2.4, 8.0, 7.5, 6.3, 3.8, 1.3, 1.3]
+    );
     let sum = |row: &[f64]| row.iter().sum::<f64>();
-    assert!(numbers[1..11].iter().all(|row| (sum(row) - 1.0).abs() < 2e-5));
+    assert!(
+        numbers[1..11]
+            .iter()
+            .all(|row| (sum(row) - 1.0).abs() < 2e-5)
+    );
     let grey = String::from_utf8(folder.read("box.vs3")).unwrap();
     folder.write("grey.vs3", grey.replace("encl=1", "encl=1 emit=1"));
     let report = folder.json("form-factors grey.vs3 -o f.txt");
-    assert!(report["grey_enclosure_sweeps"].as_u64().unwrap() <= 30, "{report}");
+    assert!(
+        report["grey_enclosure_sweeps"].as_u64().unwrap() <= 30,
+        "{report}"
+    );
     let text = String::from_utf8(folder.read("f.txt")).unwrap();
     assert!(text.starts_with("View3D 4.0.0 0 1 1 10 "), "{text}");
     let numbers = rows(&text);
@@ -171,18 +210,28 @@ fn one_row_or_entry_is_said() {
     assert!(run.err.contains("F from 2 to 1"), "{}", run.err);
     assert!(run.err.contains("0.199825"), "{}", run.err);
     folder.write("a.vs3", SQUARES.replace("out=0", "row=3"));
-    folder.fails("form-factors a.vs3 -o f.csv", 1, "row=3 on a control line: expected a number up to 2");
+    folder.fails(
+        "form-factors a.vs3 -o f.csv",
+        1,
+        "row=3 on a control line: expected a number up to 2",
+    );
 }
 
 #[test]
 fn rows_keep_their_names_in_other_files() {
     let folder = Folder::new();
-    folder.write("a.vs3", SQUARES.replace("eps=1e-5", "eps=1e-5 maxU=6, list=2"));
+    folder.write(
+        "a.vs3",
+        SQUARES.replace("eps=1e-5", "eps=1e-5 maxU=6, list=2"),
+    );
     let run = folder.ok("form-factors a.vs3 -o f.csv");
     assert!(run.err.contains("without effect here"), "{}", run.err);
     assert!(run.err.contains("maxU=6, list=2"), "{}", run.err);
     let table = String::from_utf8(folder.read("f.csv")).unwrap();
-    assert!(table.contains("low") && table.contains("upA") && !table.contains("upB"), "{table}");
+    assert!(
+        table.contains("low") && table.contains("upA") && !table.contains("upB"),
+        "{table}"
+    );
     folder.ok("form-factors a.vs3 -o f.npz");
     assert!(folder.read("f.npz").starts_with(b"PK"));
 }
@@ -194,7 +243,10 @@ fn any_model_goes_to_view3d_and_comes_back() {
     let report = folder.json("info room.vs3");
     assert_eq!(report["formats"][0], "View3D", "{report}");
     folder.ok("form-factors room.vs3 -o f.txt --rays 1024");
-    let direct = matrix(&folder, "form-factors room.obj -o f.txt --patch-size 0 --rays 1024");
+    let direct = matrix(
+        &folder,
+        "form-factors room.obj -o f.txt --patch-size 0 --rays 1024",
+    );
     assert_eq!(direct.len(), 9);
     let emissivities = "0.400 0.400 0.400 0.400 0.400 0.400 0.999";
     folder.ok("form-factors room.vs3 -o f.txt --rays 1024");

@@ -1,14 +1,15 @@
 //! `form-factors` of a View3D file: its rows, its enclosures, its layout.
 
-use super::args::Input;
-use super::failure::Failure;
-use super::input;
-use super::report::{Report, number, percent};
-use super::session::Session;
+use super::args::FormFactorArgs;
+use super::groups;
+use crate::cli::failure::Failure;
+use crate::cli::report::{Report, number, percent};
+use crate::cli::session::Session;
+use crate::cli::{input, pass};
 use azulejo_formats::view3d::{Controls, Document, FactorHeader, Layout, Model, write_factors};
 use azulejo_formats::{Format, recognise};
 use azulejo_radiosity::form_factors::{NoInterchange, Scaled};
-use azulejo_radiosity::{Engine, FormFactorOptions, FormFactors, PatchSize};
+use azulejo_radiosity::{Closure, Engine, FaceId, FormFactorOptions, FormFactors, PatchSize};
 use azulejo_scene::{Material, Scene};
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -26,16 +27,25 @@ const SWEEPS: [usize; 2] = [100, 30];
 /// Rays from each surface at View3D's own eps of 1e-4.
 const RAYS: f64 = 16_384.0;
 
-/// The surfaces of the one View3D file that is given. None if it is another model, or is placed or
-/// joined by others: then faces are what they are in all models.
-pub fn read(input: &Input, session: &mut Session) -> Result<Option<Room>, Failure> {
-    let reading = &input.reading;
-    let is_plain = reading.place.is_empty() && reading.up.is_none() && reading.unit.is_none();
-    let [path] = &input.scenes[..] else {
+/// The surfaces of the one View3D file that is given. None if it is another model, or is placed,
+/// divided or joined by others: then its faces are what those of all models are.
+pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Room>, Failure> {
+    let reading = &args.input.reading;
+    let is_placed = !reading.place.is_empty() || reading.up.is_some() || reading.unit.is_some();
+    let [path] = &args.input.scenes[..] else {
         return Ok(None);
     };
-    if !is_plain || !is_view3d(path) {
+    if is_placed || pass::patch_size(&args.division).is_some() || !is_view3d(path) {
         return Ok(None);
+    }
+    if args.two_sided {
+        return Err(Failure::misuse(
+            "--two-sided: View3D's surfaces are one-sided",
+        ));
+    }
+    if args.matrix.by.is_some() {
+        let message = "--by: a View3D file says itself which surfaces are one row (cmb)";
+        return Err(Failure::misuse(message));
     }
     session.progress().begin("reading", 0);
     let bytes = input::read_bytes(path)?;
@@ -65,7 +75,7 @@ fn is_view3d(path: &Path) -> bool {
     const LOOKED_AT: u64 = 1 << 16;
     let mut start = Vec::new();
     let is_file = path.metadata().is_ok_and(|m| m.is_file());
-    let read = || File::open(path)?.take(LOOKED_AT).read_to_end(&mut start);
+    let mut read = || File::open(path)?.take(LOOKED_AT).read_to_end(&mut start);
     is_file && read().is_ok() && recognise(&start, &path.to_string_lossy()) == Ok(Format::View3d)
 }
 
@@ -75,9 +85,13 @@ impl Room {
         &self.model.scene
     }
 
-    /// The names of its rows.
-    pub fn names(&self) -> &[String] {
-        &self.model.names
+    /// The names of its rows, each different.
+    pub fn names(&self) -> Vec<String> {
+        let named = |(k, name): (usize, &String)| match name.as_str() {
+            "" => format!("row {}", k + 1),
+            name => name.to_owned(),
+        };
+        groups::different(self.model.names.iter().enumerate().map(named).collect())
     }
 
     fn rows(&self) -> usize {
@@ -122,6 +136,11 @@ impl Room {
                 chosen => chosen,
             },
             size: PatchSize::Edge(0.0),
+            // View3D adjusts nothing but what it is told is an enclosure.
+            closure: match options.closure {
+                Closure::Always => Closure::Always,
+                _ => Closure::Never,
+            },
             rays: rays.unwrap_or(wanted),
             ..options
         }
@@ -135,9 +154,7 @@ impl Room {
         session: &Session,
         report: &mut Report,
     ) -> Result<FormFactors, Failure> {
-        let row = |face: &azulejo_radiosity::FaceId| {
-            self.model.rows[face.object as usize][face.face as usize]
-        };
+        let row = |face: &FaceId| self.model.rows[face.object as usize][face.face as usize];
         let groups: Vec<Option<u32>> = pieces.faces.iter().map(row).collect();
         let mut factors = pieces.grouped(&groups, self.rows());
         for mask in &self.model.masks {
