@@ -2,7 +2,9 @@
 
 use crate::text::without_utf16;
 use crate::{Files, Loaded, ReadError, ReadOptions};
-use crate::{dxf, gltf, grf, gzip, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, vrml};
+use crate::{
+    dxf, gltf, grf, gzip, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml,
+};
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
 use std::fmt;
@@ -36,6 +38,8 @@ pub enum Format {
     Sff,
     /// The language that was translated to SFF.
     Scn,
+    /// View3D's input.
+    View3d,
 }
 
 impl Format {
@@ -54,6 +58,7 @@ impl Format {
             Format::Stl => "STL",
             Format::Sff => "SFF",
             Format::Scn => "SCN",
+            Format::View3d => "View3D",
         }
     }
 }
@@ -75,7 +80,7 @@ impl std::error::Error for Unrecognised {}
 
 /// What every message asks for instead.
 const EXPECTED: &str =
-    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, VRML or X3D";
+    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
 
 /// Reads a model in whatever format it is, packed with gzip or not. `name` stands in messages;
 /// `files` gives the files that the model names, relative to the model's folder.
@@ -97,7 +102,7 @@ pub fn read_with(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     let bytes = &*gzip::unpacked(bytes, name, options)?;
-    match by_extension(name, detect(bytes)) {
+    match recognise(bytes, name) {
         Ok(Format::Grf) => grf::read_with(bytes, name, files, options),
         Ok(Format::Obj) => obj::read_with(bytes, name, files, options),
         Ok(Format::Studio3ds) => studio3ds::read(bytes, name, files, options),
@@ -110,8 +115,17 @@ pub fn read_with(
         Ok(Format::Stl) => stl::read(bytes, name, files, options),
         Ok(Format::Sff) => sff::read(bytes, name, files, options),
         Ok(Format::Scn) => scn::read(bytes, name, files, options),
+        Ok(Format::View3d) => view3d::read(bytes, name, files, options),
         Err(Unrecognised { looks_like }) => Err(ReadError::whole(name, looks_like, EXPECTED)),
     }
+}
+
+/// Recognises the format of a model by its content or, where that leaves it open, by its name.
+///
+/// # Errors
+/// As [`detect`].
+pub fn recognise(bytes: &[u8], name: &str) -> Result<Format, Unrecognised> {
+    by_extension(name, detect(bytes))
 }
 
 /// A format that has neither mark nor words is known by its name, where the content does not say
@@ -125,6 +139,11 @@ fn by_extension(
     match &detected {
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".sff") => Ok(Format::Sff),
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".scn") => Ok(Format::Scn),
+        // One letter begins a line in several formats.
+        Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".vs3") => Ok(Format::View3d),
+        Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) if name.ends_with(".vs3") => {
+            Ok(Format::View3d)
+        }
         // Words that several languages have, and remarks behind a semicolon.
         Ok(Format::Grf | Format::Mgf | Format::Obj) if name.ends_with(".scn") => Ok(Format::Scn),
         _ => detected,
@@ -239,6 +258,9 @@ fn by_words(head: &[u8]) -> Found {
     if is_dxf(lines.clone()) {
         return Ok(Format::Dxf);
     }
+    if is_view3d(lines.clone()) {
+        return Ok(Format::View3d);
+    }
     if let Some(found) = lines.clone().find_map(|line| by_line(line, head)) {
         return found;
     }
@@ -259,6 +281,34 @@ fn is_dxf<'a>(mut lines: impl Iterator<Item = &'a [u8]>) -> bool {
         match code {
             b"999" => {}
             b"0" => return value.eq_ignore_ascii_case(b"SECTION"),
+            _ => return false,
+        }
+    }
+    false
+}
+
+/// Records of View3D: a geometry, which is one word, or a control line of pairs, before the first
+/// numbered vertex or surface. Faces of OBJ have three words and more, and colours of MGF a name.
+fn is_view3d<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
+    let words = |line: &'a [u8]| {
+        let words = line.split(|b| matches!(b, b' ' | b'\t' | b','));
+        words
+            .filter(|w| !w.is_empty())
+            .take_while(|w| !w.starts_with(b"!"))
+    };
+    let is_number = |word: &[u8]| word.iter().all(u8::is_ascii_digit);
+    let mut says_so = false;
+    for line in lines.filter(|l| !l.starts_with(b"!") && !l.starts_with(b"/")) {
+        let mut words = words(line);
+        let (first, second) = (
+            words.next().unwrap_or_default(),
+            words.next().unwrap_or_default(),
+        );
+        match first.to_ascii_uppercase().as_slice() {
+            b"T" => {}
+            b"F" => says_so = matches!(second, b"3" | b"3a" | b"3A") && words.next().is_none(),
+            b"C" => says_so |= second.contains(&b'=') && !second.starts_with(b"="),
+            b"V" | b"S" | b"M" | b"N" | b"O" => return says_so && is_number(second),
             _ => return false,
         }
     }

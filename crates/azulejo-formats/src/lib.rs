@@ -46,12 +46,13 @@ mod text;
 mod textures;
 #[cfg(feature = "fonts")]
 pub mod typeface;
+pub mod view3d;
 pub mod vrml;
 mod warnings;
 mod weld;
 mod words;
 
-pub use detect::{Format, Unrecognised, detect, read, read_with};
+pub use detect::{Format, Unrecognised, detect, read, read_with, recognise};
 pub use error::{Loaded, Position, ReadError, Warning};
 pub use files::{FileError, Files, Folder, Memory};
 pub use options::{Lod, ReadOptions};

@@ -8,11 +8,13 @@
 //! 5. [`FormFactors::close`] changes scenes within their errors so that no light is missing.
 //!
 //! [`form_factors`] does all of it, in this order. [`FormFactors::grouped`] and
-//! [`FormFactors::truncate`] make smaller matrices of the result.
+//! [`FormFactors::truncate`] make smaller matrices of the result, [`FormFactors::interchange`] one
+//! with all reflections in it.
 
 mod balance;
 mod boxes;
 mod close;
+mod enclosure;
 mod exchange;
 mod forecast;
 mod group;
@@ -35,6 +37,7 @@ use crate::stand_in::StandIn;
 use azulejo_scene::{Material, MaterialId, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Gatherer, Progress, Surfaces, Tracer};
+pub use enclosure::{NoInterchange, Scaled};
 pub use exchange::{Exchange, ExchangeAreas};
 use forecast::Costs;
 pub use forecast::Forecast;

@@ -124,6 +124,24 @@ impl ExchangeAreas {
         rows
     }
 
+    /// Adds to S_ij, i ≤ j, which need not be there yet and whose error stays.
+    pub(super) fn add(&mut self, i: usize, j: usize, value: f64) {
+        let mut row = std::mem::take(&mut self.rows[i]).into_vec();
+        let column = j as u32;
+        match row.binary_search_by_key(&column, |e| e.column) {
+            Ok(k) => row[k].value += value,
+            Err(k) => row.insert(
+                k,
+                Exchange {
+                    column,
+                    value,
+                    error: 0.0,
+                },
+            ),
+        }
+        self.rows[i] = row.into();
+    }
+
     /// How many entries each whole row has.
     pub fn row_lengths(&self) -> Vec<usize> {
         let mut lengths = vec![0; self.len()];

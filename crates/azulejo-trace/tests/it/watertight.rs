@@ -73,6 +73,17 @@ fn no_ray_escapes_from_a_bent_shell() {
 }
 
 #[test]
+fn no_ray_escapes_from_rooms_streets_and_boxes() {
+    let air = DVec3::new;
+    let room = synthetic::room_with_table(2_000);
+    check_closed(&room, air(2.0, 1.5, 1.7), air(1.9, 1.4, 0.7), 200_000);
+    let thesis = synthetic::cornell_thesis_at(20, 0.2);
+    check_closed(&thesis, air(0.0, -0.5, 1.3), air(0.9, 0.3, 0.1), 200_000);
+    let street = synthetic::street_at(0.2);
+    check_closed(&street, air(0.0, 0.0, 9.0), air(55.0, 4.0, 8.0), 200_000);
+}
+
+#[test]
 fn a_camera_of_odd_width_loses_nothing_along_the_axes() {
     // A regular grid seen exactly along the axis: every ray of the middle row and column runs
     // within planes of boxes and through edges of triangles.

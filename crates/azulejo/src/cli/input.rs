@@ -169,7 +169,7 @@ fn read_one(path: &Path, reading: &Reading, session: &mut Session) -> Result<Sce
         azulejo_formats::read_with(&bytes, &name, &folder, &options).map_err(Failure::failed)?;
     session.progress().advance(0)?;
     warnings.iter().for_each(|w| session.warn(w));
-    if let Ok(format) = azulejo_formats::detect(&bytes) {
+    if let Ok(format) = azulejo_formats::recognise(&bytes, &name) {
         session.has_read(format);
     }
     match warnings.len() {

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::output::{self, Output};
 use super::session::Session;
-use azulejo_formats::{gltf, grf, obj, ply, sff};
+use azulejo_formats::{gltf, grf, obj, ply, sff, view3d};
 use azulejo_scene::Scene;
 use azulejo_trace::Progress;
 use std::io::{self, Write};
@@ -45,7 +45,7 @@ enum Writer {
 type NamedFiles = Vec<(String, Vec<u8>)>;
 
 /// All of them; the first is what goes to standard output.
-static FORMATS: [WrittenFormat; 6] = [
+static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "GRF",
         extension: "grf",
@@ -87,6 +87,13 @@ static FORMATS: [WrittenFormat; 6] = [
         write: Writer::Several(sff::write),
         keeps_light: false,
         losses: sff::losses,
+    },
+    WrittenFormat {
+        name: "View3D",
+        extension: "vs3",
+        write: Writer::One(view3d::write),
+        keeps_light: false,
+        losses: view3d::losses,
     },
 ];
 

@@ -13,6 +13,7 @@ mod rtrace;
 mod support;
 #[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
 mod tiny_font;
+mod view3d;
 
 #[cfg(unix)]
 mod form_factors;

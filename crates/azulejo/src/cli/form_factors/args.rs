@@ -12,10 +12,13 @@ use std::path::PathBuf;
 pub struct FormFactorArgs {
     #[command(flatten)]
     pub input: Input,
-    /// Where to write: .npz (for scipy.sparse.load_npz) or .csv; `-` writes CSV to standard
-    /// output
+    /// Where to write: .npz (for scipy.sparse.load_npz), .csv, or View3D's .txt and .vf (text or
+    /// binary, as its input says); `-` writes CSV to standard output
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
+    /// How to write it, whatever the file is called
+    #[arg(long, value_name = "KIND", value_enum)]
+    pub format: Option<FormatName>,
     #[command(flatten)]
     pub division: Division,
     /// Rays from each patch [default: 4096]
@@ -38,6 +41,19 @@ pub struct FormFactorArgs {
     /// Keep no journal beside the output: interrupted work then starts from the beginning
     #[arg(long)]
     pub no_journal: bool,
+}
+
+/// Kinds of files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FormatName {
+    /// Sparse, for NumPy and SciPy
+    Npz,
+    /// A line for each entry
+    Csv,
+    /// View3D's output as text
+    View3d,
+    /// View3D's output in binary
+    View3dBinary,
 }
 
 /// What is made of the form factors between patches.
@@ -98,6 +114,7 @@ pub const EXAMPLES: &str = "\
 Examples:
   azulejo form-factors room.obj -o f.npz --patches 2000 --rays 4096
   azulejo form-factors room.obj -o f.csv --patch-size 0 --by object --closure
+  azulejo form-factors room.vs3 -o f.txt
   azulejo form-factors street.obj -o f.npz --by face --truncate 0.01% --memory 8G
   python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
 

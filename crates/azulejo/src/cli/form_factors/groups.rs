@@ -44,7 +44,7 @@ pub fn groups(scene: &Scene, factors: &FormFactors, by: GroupBy) -> Groups {
 }
 
 /// Names of their own for those that share one: their number is added.
-fn different(names: Vec<String>) -> Vec<String> {
+pub fn different(names: Vec<String>) -> Vec<String> {
     let mut uses: HashMap<&str, usize> = HashMap::new();
     for name in &names {
         *uses.entry(name).or_default() += 1;

@@ -6,6 +6,7 @@ mod groups;
 mod journal;
 mod summary;
 mod table;
+mod view3d;
 
 use super::engine::Chosen;
 use super::failure::Failure;
@@ -13,7 +14,8 @@ use super::output::Output;
 use super::report::{Report, bytes, count};
 use super::session::Session;
 use super::{clock, input, pass};
-use args::FormFactorArgs;
+use args::{FormFactorArgs, FormatName};
+use azulejo_formats::view3d::Layout;
 use azulejo_radiosity::form_factors::{Forecast, Journal, NoJournal, Plan};
 use azulejo_radiosity::{
     Closure, DrawnBy, Engine, FormFactorOptions, FormFactors, Hemicube, SolveError,
@@ -21,6 +23,7 @@ use azulejo_radiosity::{
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
 use journal::FileJournal;
+use std::borrow::Cow;
 use std::fmt::{self, Write};
 use std::hash::{DefaultHasher, Hasher};
 use std::path::PathBuf;
@@ -37,6 +40,8 @@ struct Matrix<'a> {
 enum Kind {
     Archive,
     Table,
+    /// As View3D does, in the layout that its input asks for if none is given.
+    View3d(Option<Layout>),
 }
 
 /// Runs `form-factors`.
@@ -45,9 +50,16 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let kind = kind_of(args, &output)?;
     session.claim_stdout(output.is_stdout())?;
     let chosen = args.engine.choose()?;
-    let scene = input::read_all(&args.input, session)?;
+    let room = view3d::read(args, session)?;
+    let scene = match &room {
+        Some(room) => Cow::Borrowed(room.scene()),
+        None => Cow::Owned(input::read_all(&args.input, session)?),
+    };
     let tracer = chosen.tracer(&scene)?;
-    let options = options(args, &chosen);
+    let mut options = options(args, &chosen);
+    if let Some(room) = &room {
+        options = room.options(options, args.rays);
+    }
     let mut report = Report::default();
     let plan = Plan::new(&scene, &tracer, &options).map_err(pass::failure)?;
     forecast(&plan, session, &mut report)?;
@@ -57,24 +69,26 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
         .iter()
         .flat_map(FileJournal::said)
         .for_each(|words| session.note(&words));
-    let mut factors = computed?;
-    let groups = args
-        .matrix
-        .by
-        .map(|by| groups::groups(&scene, &factors, by));
-    if let Some(groups) = &groups {
-        factors = factors.grouped(&groups.of_rows, groups.names.len());
-    }
+    let (mut factors, names) = match &room {
+        Some(room) => (
+            room.finish(&computed?, session, &mut report)?,
+            Some(room.names()),
+        ),
+        None => grouped(&scene, computed?, args),
+    };
     if let Some(share) = args.matrix.truncate {
         session.watched(|p| factors.truncate(share, p))?;
     }
     let matrix = Matrix {
         factors: &factors,
-        names: groups.as_ref().map(|g| &g.names[..]),
+        names: names.as_deref(),
     };
     output.write(session.progress(), |out| match kind {
         Kind::Archive => archive::write(&matrix, out),
         Kind::Table => table::write(&matrix, out),
+        Kind::View3d(layout) => {
+            view3d::write(room.as_ref(), layout, &factors, &scene.materials, out)
+        }
     })?;
     if let Some(journal) = journal {
         journal.remove();
@@ -87,15 +101,40 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
 }
 
 fn kind_of(args: &FormFactorArgs, output: &Output) -> Result<Kind, Failure> {
+    match args.format {
+        Some(FormatName::Npz) => return Ok(Kind::Archive),
+        Some(FormatName::Csv) => return Ok(Kind::Table),
+        Some(FormatName::View3d) => return Ok(Kind::View3d(Some(Layout::Text))),
+        Some(FormatName::View3dBinary) => return Ok(Kind::View3d(Some(Layout::Binary))),
+        None => {}
+    }
     let extension = args.output.extension().and_then(|e| e.to_str());
     match extension.unwrap_or("").to_ascii_lowercase().as_str() {
         "npz" => Ok(Kind::Archive),
         "csv" => Ok(Kind::Table),
+        "txt" => Ok(Kind::View3d(Some(Layout::Text))),
+        "vf" => Ok(Kind::View3d(None)),
         _ if output.is_stdout() => Ok(Kind::Table),
         _ => Err(Failure::misuse(format_args!(
-            "{}: unknown kind of matrix, expected .npz or .csv",
+            "{}: unknown kind of matrix, expected .npz, .csv, .txt or .vf (View3D), or --format",
             args.output.display()
         ))),
+    }
+}
+
+/// The rows of groups, and their names, if any are asked for.
+fn grouped(
+    scene: &Scene,
+    factors: FormFactors,
+    args: &FormFactorArgs,
+) -> (FormFactors, Option<Vec<String>>) {
+    match args.matrix.by {
+        None => (factors, None),
+        Some(by) => {
+            let groups = groups::groups(scene, &factors, by);
+            let factors = factors.grouped(&groups.of_rows, groups.names.len());
+            (factors, Some(groups.names))
+        }
     }
 }
 

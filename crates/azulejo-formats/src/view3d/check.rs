@@ -1,0 +1,243 @@
+//! What View3D asks of surfaces before it computes.
+
+use super::document::{Document, Kind, Surface};
+use super::lines::Lines;
+use crate::ReadError;
+use azulejo_scene::math::area_vector;
+use glam::DVec3;
+
+/// Farther from their mean plane than this, over the radius, corners are no flat surface.
+const LARGEST_BEND: f64 = 3e-5;
+/// From here on it is said.
+const NOTED_BEND: f64 = 3e-6;
+/// How far from its base's plane and outline a surface may lie, over the base's size.
+const TOLERANCE: f64 = 1e-5;
+/// The cosine of the largest angle between a surface and its base.
+const PARALLEL: f64 = 0.999;
+
+/// Where the fields stand that can only be checked at the end.
+#[derive(Default)]
+pub(super) struct Checker {
+    /// Base and combination of each surface that has these fields: all but obstructions, which
+    /// come last.
+    pub fields: Vec<[usize; 2]>,
+}
+
+type Check = Result<(), ReadError>;
+
+impl Checker {
+    /// Flat, convex, of some area.
+    pub fn outline(&self, document: &Document, index: usize, at: usize, lines: &Lines) -> Check {
+        let corners = document.corners(&document.surfaces[index]);
+        let number = index + 1;
+        let refuse = |found: &str, expected: &str| {
+            let found = format!("surface {number}, {found}");
+            Err(lines.error(at, found, expected))
+        };
+        let plane = Plane::of(&corners);
+        if !corners.iter().all(|p| p.is_finite()) || !plane.radius.is_finite() {
+            return refuse("which is too large", "coordinates below 1e150");
+        }
+        let has_area = plane.area > 1e-12 * plane.radius * plane.radius;
+        if !has_area {
+            return refuse("which has no area", "corners that are not on one line");
+        }
+        if plane.bend(&corners) > LARGEST_BEND {
+            return refuse(
+                "which is not flat",
+                "four corners in one plane, or triangles",
+            );
+        }
+        if !is_convex(&corners, plane.normal) {
+            return refuse(
+                "which is not convex",
+                "convex surfaces; divide it and combine the parts",
+            );
+        }
+        Ok(())
+    }
+
+    /// What is said of a surface that is not quite flat.
+    pub fn bend(&self, document: &Document, index: usize) -> Option<&'static str> {
+        let corners = document.corners(&document.surfaces[index]);
+        let is_bent = Plane::of(&corners).bend(&corners) > NOTED_BEND;
+        is_bent.then_some("surfaces that are not quite flat")
+    }
+
+    /// Bases and combinations of all surfaces.
+    pub fn all(&self, document: &Document, lines: &Lines) -> Check {
+        for (index, &[at_base, at_combined]) in self.fields.iter().enumerate() {
+            let surface = &document.surfaces[index];
+            base(document, index, surface)
+                .and_then(|()| within(document, surface))
+                .map_err(|(found, expected)| lines.error(at_base, found, expected))?;
+            combination(document, index, surface)
+                .map_err(|(found, expected)| lines.error(at_combined, found, expected))?;
+        }
+        Ok(())
+    }
+}
+
+/// What was found and what was expected.
+type Refused = (String, String);
+
+fn refused(found: impl Into<String>, expected: impl Into<String>) -> Result<(), Refused> {
+    Err((found.into(), expected.into()))
+}
+
+fn base(document: &Document, index: usize, surface: &Surface) -> Result<(), Refused> {
+    use Kind::*;
+    let base = surface.base as usize;
+    if base == 0 {
+        return match surface.kind {
+            Mask | Null => refused("no base", "the number of the surface that it covers"),
+            Radiating | Obstruction => Ok(()),
+        };
+    }
+    let Some(held_by) = document.surfaces.get(base - 1) else {
+        let last = document.surfaces.len();
+        return refused(
+            format!("base {base}"),
+            format!("one of the {last} surfaces"),
+        );
+    };
+    match (surface.kind, held_by.kind) {
+        (Radiating, Obstruction) => Ok(()),
+        (_, Radiating) if base <= index => Ok(()),
+        (_, Radiating) => refused(
+            format!("base {base} of surface {}", index + 1),
+            "a base with a smaller number",
+        ),
+        (Radiating, _) => refused("a mask for a base", "a radiating surface or an obstruction"),
+        _ => refused(
+            "a base that does not radiate",
+            "the number of a radiating surface",
+        ),
+    }
+}
+
+/// Whether a surface lies in its base, and faces as it should.
+fn within(document: &Document, surface: &Surface) -> Result<(), Refused> {
+    if surface.base == 0 {
+        return Ok(());
+    }
+    let number = surface.base;
+    let outer = document.corners(&document.surfaces[number as usize - 1]);
+    let inner = document.corners(surface);
+    let (plane, own) = (Plane::of(&outer), Plane::of(&inner));
+    let size = 2.0 * plane.radius;
+    let same_way = surface.kind == Kind::Radiating;
+    let cosine = plane.normal.dot(own.normal) * if same_way { 1.0 } else { -1.0 };
+    if cosine < PARALLEL {
+        let found = format!("a surface that looks another way than base {number}");
+        let expected = match same_way {
+            true => "one that faces the same way: turn its vertices around",
+            false => "one that faces its base: turn its vertices around",
+        };
+        return refused(found, expected);
+    }
+    if inner
+        .iter()
+        .any(|&p| plane.height(p).abs() > TOLERANCE * size)
+    {
+        return refused(
+            format!("a surface beside the plane of base {number}"),
+            "one in it",
+        );
+    }
+    let is_inside = |&p: &DVec3| {
+        edges(&outer).all(|(a, b)| {
+            let inward = plane.normal.cross(b - a).normalize_or_zero();
+            inward.dot(p - a) > -TOLERANCE * size
+        })
+    };
+    match inner.iter().all(is_inside) {
+        true => Ok(()),
+        false => refused(
+            format!("a surface that reaches out of base {number}"),
+            "one wholly inside",
+        ),
+    }
+}
+
+fn combination(document: &Document, index: usize, surface: &Surface) -> Result<(), Refused> {
+    let first = surface.combined as usize;
+    if first == 0 {
+        return Ok(());
+    }
+    if surface.kind != Kind::Radiating {
+        return refused("a mask that is combined", "0: only radiating surfaces are");
+    }
+    let Some(other) = document.surfaces[..index].get(first - 1) else {
+        return refused(
+            format!("surface {first}"),
+            "an earlier surface to combine with",
+        );
+    };
+    match (other.kind, other.combined) {
+        (Kind::Radiating, 0) => Ok(()),
+        (Kind::Radiating, root) => refused(
+            format!("surface {first}, which is part of {root} itself"),
+            format!("{root}: all parts name the first"),
+        ),
+        _ => refused(
+            format!("surface {first}, which does not radiate"),
+            "one that does",
+        ),
+    }
+}
+
+/// The mean plane of a polygon.
+pub(super) struct Plane {
+    centre: DVec3,
+    pub normal: DVec3,
+    pub area: f64,
+    /// The largest distance of a corner from the centre.
+    pub radius: f64,
+}
+
+impl Plane {
+    pub fn of(corners: &[DVec3]) -> Plane {
+        let area = area_vector(corners);
+        let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let far = |r: f64, p: &DVec3| r.max(p.distance(centre));
+        Plane {
+            centre,
+            normal: area.normalize_or_zero(),
+            area: area.length(),
+            radius: corners.iter().fold(0.0, far),
+        }
+    }
+
+    /// Whether a polygon is flat to a bend over its radius, and convex.
+    pub fn is_flat_and_convex(corners: &[DVec3], bend: f64) -> bool {
+        let plane = Plane::of(corners);
+        plane.bend(corners) <= bend && is_convex(corners, plane.normal)
+    }
+
+    pub fn height(&self, p: DVec3) -> f64 {
+        self.normal.dot(p - self.centre)
+    }
+
+    /// The largest distance of a corner from the plane, over the radius.
+    fn bend(&self, corners: &[DVec3]) -> f64 {
+        let off = |m: f64, &p: &DVec3| m.max(self.height(p).abs());
+        corners.iter().fold(0.0, off) / self.radius
+    }
+}
+
+/// The edges of a polygon, each with its ends in order.
+pub(super) fn edges(corners: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().copied().zip(next.copied())
+}
+
+/// Whether the corners turn left all the way; straight on is no turn.
+fn is_convex(corners: &[DVec3], normal: DVec3) -> bool {
+    let n = corners.len();
+    (0..n).all(|k| {
+        let (a, b, c) = (corners[k], corners[(k + 1) % n], corners[(k + 2) % n]);
+        let (ab, bc) = (b - a, c - b);
+        ab.cross(bc).dot(normal) >= -1e-9 * ab.length() * bc.length()
+    })
+}

@@ -1,0 +1,128 @@
+//! Polygons out of polygons.
+
+use super::check::{Plane, edges};
+use glam::DVec3;
+
+/// Pieces smaller than this, over the area of the whole, are left out.
+const SPECK: f64 = 1e-12;
+
+/// What is left of a convex polygon outside of others in its plane, in convex pieces that keep
+/// its front. Corners of the pieces are, where they can be, corners of what is given.
+pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
+    let plane = Plane::of(whole);
+    let mut pieces = vec![whole.to_vec()];
+    for hole in holes {
+        let turned = turned_like(hole, plane.normal);
+        let corners: Vec<DVec3> = whole.iter().chain(&turned).copied().collect();
+        let cutter = Cutter {
+            normal: plane.normal,
+            area: plane.area,
+            snap: 1e-9 * plane.radius,
+            corners,
+        };
+        let cut = |piece: Vec<DVec3>| cutter.subtract(piece, &turned);
+        pieces = pieces.into_iter().flat_map(cut).collect();
+    }
+    pieces
+}
+
+/// The polygon counter-clockwise about a normal.
+fn turned_like(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
+    match Plane::of(polygon).normal.dot(normal) < 0.0 {
+        true => polygon.iter().rev().copied().collect(),
+        false => polygon.to_vec(),
+    }
+}
+
+struct Cutter {
+    normal: DVec3,
+    area: f64,
+    /// What is closer than this to a corner is where the corner is.
+    snap: f64,
+    corners: Vec<DVec3>,
+}
+
+impl Cutter {
+    /// The parts of a convex piece outside of a convex hole: beyond each of its edges in turn,
+    /// what the edges before have left.
+    fn subtract(&self, piece: Vec<DVec3>, hole: &[DVec3]) -> Vec<Vec<DVec3>> {
+        let (mut outside, mut rest) = (Vec::new(), piece.clone());
+        for (a, b) in edges(hole) {
+            let inward = self.normal.cross(b - a).normalize_or_zero();
+            let part = self.clip(&rest, a, -inward);
+            rest = self.clip(&rest, a, inward);
+            outside.extend((!self.is_speck(&part)).then_some(part));
+        }
+        // What the hole does not touch stays as it was.
+        match self.is_speck(&rest) {
+            true => vec![piece],
+            false => outside,
+        }
+    }
+
+    fn is_speck(&self, polygon: &[DVec3]) -> bool {
+        polygon.len() < 3 || Plane::of(polygon).area <= SPECK * self.area
+    }
+
+    /// The part of a convex polygon beyond a line (Sutherland and Hodgman 1974).
+    fn clip(&self, polygon: &[DVec3], on: DVec3, beyond: DVec3) -> Vec<DVec3> {
+        let height = |p: DVec3| {
+            let h = beyond.dot(p - on);
+            if h.abs() < self.snap { 0.0 } else { h }
+        };
+        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        for (a, b) in edges(polygon) {
+            let (ha, hb) = (height(a), height(b));
+            if ha >= 0.0 {
+                kept.push(a);
+            }
+            if ha * hb < 0.0 {
+                kept.push(self.snapped(a.lerp(b, ha / (ha - hb))));
+            }
+        }
+        kept
+    }
+
+    /// The point with each coordinate that a corner nearly has made that of the corner: walls and
+    /// windows mostly stand along the axes, and stay there.
+    fn snapped(&self, p: DVec3) -> DVec3 {
+        let coordinate = |axis: usize| {
+            let near = |c: &&DVec3| (c[axis] - p[axis]).abs() < self.snap;
+            self.corners.iter().find(near).map_or(p[axis], |c| c[axis])
+        };
+        DVec3::from([0, 1, 2].map(coordinate))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, y: f64, size: f64) -> Vec<DVec3> {
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[i, j]| DVec3::new(x + size * i, y + size * j, 2.0))
+            .to_vec()
+    }
+
+    fn check(holes: &[Vec<DVec3>], pieces: usize, area: f64) {
+        let found = without(&square(0.0, 0.0, 1.0), holes);
+        assert_eq!(found.len(), pieces, "{found:?}");
+        let left: f64 = found.iter().map(|p| Plane::of(p).area).sum();
+        assert!((left - area).abs() < 1e-12, "{left}");
+        assert!(found.iter().all(|p| Plane::of(p).normal.z > 1.0 - 1e-12));
+    }
+
+    #[test]
+    fn what_is_left_is_convex_and_as_large_as_it_should() {
+        let window = square(0.25, 0.25, 0.5);
+        let turned: Vec<DVec3> = window.iter().rev().copied().collect();
+        check(&[], 1, 1.0);
+        check(std::slice::from_ref(&window), 4, 0.75);
+        check(&[turned], 4, 0.75);
+        check(&[square(0.0, 0.0, 0.5)], 2, 0.75);
+        check(&[square(0.0, 0.0, 1.0)], 0, 0.0);
+        check(&[square(0.1, 0.1, 0.2), square(0.6, 0.6, 0.3)], 7, 0.87);
+        // Twice the same takes nothing more away.
+        check(&[window.clone(), window], 4, 0.75);
+    }
+}

@@ -1,0 +1,218 @@
+//! The polygons that are left when everything is cut out of what holds it.
+
+use super::check::Plane;
+use super::cut::without;
+use super::document::{Document, Kind, Surface};
+use crate::{Position, Warning};
+use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// A document as polygons that do not overlap, and the rows that View3D would give for it.
+///
+/// Rows are the surfaces S and M, without those that are combined into others, in their order.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// The polygons, z up, without a unit. Surfaces of one name are one object; the last
+    /// object, `obstructions`, is black and holds what only blocks: O, and the places of M and N.
+    pub scene: Scene,
+    /// The row of each face of each object; none for what only blocks.
+    pub rows: Vec<Vec<Option<u32>>>,
+    /// The name of each row.
+    pub names: Vec<String>,
+    /// The emissivity of each row, that of its first part.
+    pub emissivities: Vec<f64>,
+    /// Rows that are masks.
+    pub masks: Vec<CoveringMask>,
+    /// Lines of surfaces whose subsurfaces overlap.
+    overlaps: Vec<u32>,
+}
+
+/// A mask: it sees nothing but what it covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoveringMask {
+    /// Its row.
+    pub row: u32,
+    /// The row of what it covers.
+    pub covers: u32,
+    /// Its area.
+    pub area: f64,
+}
+
+impl Model {
+    /// Cuts everything out of what holds it.
+    pub fn new(document: &Document) -> Model {
+        let row_of = Rows::new(document);
+        let mut builder = Builder::default();
+        let mut model = Model {
+            names: row_of.each(document, |s| s.name.clone()),
+            emissivities: row_of.each(document, |s| s.emissivity),
+            ..Model::default()
+        };
+        let mut held: Vec<Vec<usize>> = vec![Vec::new(); document.surfaces.len()];
+        for (k, surface) in document.surfaces.iter().enumerate() {
+            if surface.base > 0 {
+                held[surface.base as usize - 1].push(k);
+            }
+        }
+        for (k, surface) in document.surfaces.iter().enumerate() {
+            let corners = document.corners(surface);
+            let outline = |&h: &usize| document.corners(&document.surfaces[h]);
+            let holes: Vec<Vec<DVec3>> = held[k].iter().map(outline).collect();
+            let pieces = without(&corners, &holes);
+            if overlap(&corners, &holes, &pieces) {
+                model.overlaps.push(surface.line);
+            }
+            if surface.kind == Kind::Mask {
+                model.masks.push(CoveringMask {
+                    row: row_of.rows[k].unwrap_or_default(),
+                    covers: row_of.rows[surface.base as usize - 1].unwrap_or_default(),
+                    area: Plane::of(&corners).area,
+                });
+            }
+            let row = row_of.rows[k].filter(|_| surface.kind == Kind::Radiating);
+            pieces.iter().for_each(|p| builder.add(surface, row, p));
+        }
+        (model.scene, model.rows) = builder.finish();
+        model
+    }
+
+    /// What is odd about it, if anything is; `file` stands in the message.
+    pub fn warning(&self, file: &str) -> Option<Warning> {
+        let message = "surfaces in one base overlap: their common part counts twice";
+        self.overlaps.first().map(|&line| Warning {
+            file: file.to_owned(),
+            position: Position::Line(line, 1),
+            message: message.to_owned(),
+            count: self.overlaps.len(),
+        })
+    }
+}
+
+/// Whether holes take less away than they are large, by more than rounding and tolerances do.
+fn overlap(whole: &[DVec3], holes: &[Vec<DVec3>], pieces: &[Vec<DVec3>]) -> bool {
+    let area = |polygons: &[Vec<DVec3>]| polygons.iter().map(|p| Plane::of(p).area).sum::<f64>();
+    let whole = Plane::of(whole).area;
+    whole - area(pieces) < area(holes) - 1e-4 * whole
+}
+
+/// Which row each surface belongs to.
+struct Rows {
+    rows: Vec<Option<u32>>,
+    /// The first surface of each row.
+    first: Vec<usize>,
+}
+
+impl Rows {
+    fn new(document: &Document) -> Rows {
+        let (mut rows, mut first): (Vec<Option<u32>>, Vec<usize>) = Default::default();
+        for (k, surface) in document.surfaces.iter().enumerate() {
+            let row = match (surface.kind, surface.combined as usize) {
+                (Kind::Null | Kind::Obstruction, _) => None,
+                (_, 0) => {
+                    first.push(k);
+                    Some(first.len() as u32 - 1)
+                }
+                (_, root) => rows[root - 1],
+            };
+            rows.push(row);
+        }
+        Rows { rows, first }
+    }
+
+    fn each<T>(&self, document: &Document, of: impl Fn(&Surface) -> T) -> Vec<T> {
+        let surfaces = self.first.iter().map(|&k| &document.surfaces[k]);
+        surfaces.map(of).collect()
+    }
+}
+
+/// The object of what has no name.
+const UNNAMED: &str = "surfaces";
+/// The object of what only blocks.
+const BLOCKING: &str = "obstructions";
+
+#[derive(Default)]
+struct Builder {
+    scene: Scene,
+    rows: Vec<Vec<Option<u32>>>,
+    /// Objects by name, and their vertices.
+    objects: HashMap<String, usize>,
+    meshes: Vec<(String, Mesh)>,
+    vertices: Vec<HashMap<[u64; 3], u32>>,
+    materials: HashMap<u64, MaterialId>,
+    blocking: Vec<Vec<DVec3>>,
+}
+
+impl Builder {
+    fn add(&mut self, surface: &Surface, row: Option<u32>, corners: &[DVec3]) {
+        if row.is_none() {
+            self.blocking.push(corners.to_vec());
+            return;
+        }
+        let name = match surface.name.as_str() {
+            "" => UNNAMED,
+            name => name,
+        };
+        let material = self.material(surface.emissivity);
+        self.add_face(name, row, corners, material);
+    }
+
+    /// Grey surfaces reflect what they do not absorb, and absorb what they emit (Kirchhoff).
+    fn material(&mut self, emissivity: f64) -> MaterialId {
+        let scene = &mut self.scene;
+        let new = || {
+            let name = format!("emissivity {emissivity}");
+            scene.add_material(Material::diffuse(name, Rgb::grey(1.0 - emissivity)))
+        };
+        *self
+            .materials
+            .entry(emissivity.to_bits())
+            .or_insert_with(new)
+    }
+
+    fn add_face(&mut self, name: &str, row: Option<u32>, corners: &[DVec3], material: MaterialId) {
+        let object = match self.objects.get(name) {
+            Some(&object) => object,
+            None => {
+                self.objects.insert(name.to_owned(), self.meshes.len());
+                self.meshes.push((name.to_owned(), Mesh::default()));
+                self.vertices.push(HashMap::new());
+                self.rows.push(Vec::new());
+                self.meshes.len() - 1
+            }
+        };
+        let mesh = &mut self.meshes[object].1;
+        let known = &mut self.vertices[object];
+        let index = |p: &DVec3| {
+            let next = mesh.positions.len() as u32;
+            *known
+                .entry((*p + DVec3::ZERO).to_array().map(f64::to_bits))
+                .or_insert_with(|| {
+                    mesh.positions.push(*p);
+                    next
+                })
+        };
+        let corners: Vec<u32> = corners.iter().map(index).collect();
+        mesh.push_face(&corners, material);
+        self.rows[object].push(row);
+    }
+
+    fn finish(mut self) -> (Scene, Vec<Vec<Option<u32>>>) {
+        if !self.blocking.is_empty() {
+            let black = self
+                .scene
+                .add_material(Material::diffuse("obstruction", Rgb::BLACK));
+            // A surface may have the same name: then they are one object, which does no harm.
+            for corners in std::mem::take(&mut self.blocking) {
+                self.add_face(BLOCKING, None, &corners, black);
+            }
+        }
+        let object = |(name, mesh)| Object::new(name, Shape::Mesh(mesh));
+        self.scene.objects = self.meshes.into_iter().map(object).collect();
+        self.scene.units = Units {
+            up: Up::Z,
+            ..Units::default()
+        };
+        (self.scene, self.rows)
+    }
+}

@@ -1,0 +1,172 @@
+//! Scenes to View3D.
+
+use super::check::Plane;
+use crate::tessellate::{self, mesh_of};
+use azulejo_scene::{Material, Mesh, Scene};
+use glam::DVec3;
+use std::io::{self, BufWriter, Write};
+
+/// Corners farther from their plane than this, over the radius, are written as triangles.
+const FLAT: f64 = 1e-6;
+
+/// Writes a scene as an F 3 file: a surface for each face, with its object's name, one-sided.
+///
+/// Emissivity is what a material absorbs, 1 − ρ_d − ρ_s, the mean of the channels. Faces that are
+/// not flat and convex, or have more than four corners, are written as triangles that View3D
+/// combines; exact shapes become polygons, faces without area are left out. Coordinates are
+/// written so that they read back to the same value. [`losses`] says what the format does not hold.
+///
+/// # Errors
+/// What `out` says.
+pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    let mut out = BufWriter::new(out);
+    let surfaces = surfaces(scene);
+    writeln!(out, "T {} surfaces, written by azulejo", surfaces.firsts)?;
+    writeln!(out, "F 3")?;
+    for (k, p) in surfaces.vertices.iter().enumerate() {
+        let p = *p + DVec3::ZERO;
+        writeln!(out, "V {} {} {} {}", k + 1, p.x, p.y, p.z)?;
+    }
+    for (k, surface) in surfaces.list.iter().enumerate() {
+        let Written {
+            corners: [a, b, c, d],
+            combined,
+            emissivity,
+            name,
+        } = surface;
+        let n = k + 1;
+        writeln!(
+            out,
+            "S {n} {a} {b} {c} {d} 0 {combined} {emissivity} {name}"
+        )?;
+    }
+    writeln!(out, "End of data")?;
+    out.flush()
+}
+
+/// What [`write()`] would leave out of a scene, or change, in words.
+pub fn losses(scene: &Scene) -> Vec<String> {
+    let materials =
+        |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
+    let [primitives, solids] = tessellate::exact_counts(scene);
+    let written = surfaces(scene);
+    let counts = [
+        (scene.lights.len(), "lights without area"),
+        (scene.cameras.len(), "cameras"),
+        (primitives + solids, "exact shapes that become polygons"),
+        (
+            materials(Material::is_emitter),
+            "materials that emit, of which only the emissivity is kept",
+        ),
+        (
+            materials(Material::is_specular),
+            "materials that mirror or are clear, which become matt",
+        ),
+        (written.degenerate, "faces without area"),
+        (
+            written.divided,
+            "faces that become several surfaces, combined",
+        ),
+    ];
+    let said = counts.into_iter().filter(|(n, _)| *n > 0);
+    said.map(|(n, what)| format!("{n} {what}")).collect()
+}
+
+/// A surface as it is written.
+struct Written {
+    /// Vertices from 1; the last 0 in a triangle.
+    corners: [u32; 4],
+    /// The surface that it is a part of, from 1, or 0.
+    combined: usize,
+    emissivity: f64,
+    name: String,
+}
+
+#[derive(Default)]
+struct Surfaces {
+    vertices: Vec<DVec3>,
+    list: Vec<Written>,
+    /// How many are not parts of others.
+    firsts: usize,
+    degenerate: usize,
+    divided: usize,
+}
+
+/// All surfaces: the first parts of all faces, then the others, because View3D numbers rows so
+/// that parts at the end change no number.
+fn surfaces(scene: &Scene) -> Surfaces {
+    let mut all = Surfaces::default();
+    let mut parts = Vec::new();
+    for object in &scene.objects {
+        let mesh = mesh_of(object);
+        let first = all.vertices.len() as u32 + 1;
+        all.vertices.extend(&mesh.positions);
+        let name = word(&object.name);
+        for face in 0..mesh.faces.len() {
+            let mut pieces = pieces(&mesh, face).into_iter();
+            let material = &scene.materials[mesh.face_materials[face] as usize];
+            let surface = |piece: Vec<u32>, combined| {
+                let corner = |k: usize| piece.get(k).map_or(0, |v| first + v);
+                Written {
+                    corners: [0, 1, 2, 3].map(corner),
+                    combined,
+                    emissivity: emissivity(material),
+                    name: name.clone(),
+                }
+            };
+            let Some(piece) = pieces.next() else {
+                all.degenerate += 1;
+                continue;
+            };
+            all.list.push(surface(piece, 0));
+            let root = all.list.len();
+            let known = parts.len();
+            parts.extend(pieces.map(|piece| surface(piece, root)));
+            all.divided += usize::from(parts.len() > known);
+        }
+    }
+    all.firsts = all.list.len();
+    all.list.extend(parts);
+    all
+}
+
+/// A face as triangles and quadrilaterals of some area that are flat and convex.
+fn pieces(mesh: &Mesh, face: usize) -> Vec<Vec<u32>> {
+    let corners = mesh.faces.get(face);
+    let at = |v: &[u32]| -> Vec<DVec3> { v.iter().map(|&v| mesh.positions[v as usize]).collect() };
+    let has_area = |v: &[u32]| {
+        let plane = Plane::of(&at(v));
+        plane.area > 1e-10 * plane.radius * plane.radius
+    };
+    if corners.len() <= 4 && has_area(corners) && Plane::is_flat_and_convex(&at(corners), FLAT) {
+        return vec![corners.to_vec()];
+    }
+    let triangles = mesh.triangulate(face).into_iter();
+    let triangles = triangles.map(|t| t.map(|k| corners[k as usize]).to_vec());
+    triangles.filter(|t| has_area(t)).collect()
+}
+
+/// What a grey surface absorbs and emits, within View3D's limits.
+fn emissivity(material: &Material) -> f64 {
+    let reflected = (0..3).map(|k| material.diffuse[k] + material.mirror[k]);
+    let emissivity: f64 = 1.0 - reflected.sum::<f64>() / 3.0;
+    // Nobody measures more digits, and people read these files.
+    (emissivity.clamp(0.001, 0.999) * 1e6).round() / 1e6
+}
+
+/// A name as one word of the 15 characters that View3D keeps.
+fn word(name: &str) -> String {
+    let fits = |c: char| {
+        if c.is_ascii_graphic() && c != ',' && c != '!' {
+            c
+        } else {
+            '_'
+        }
+    };
+    // The end of a path says more than its beginning.
+    let last = name
+        .rsplit('/')
+        .find(|part| !part.is_empty())
+        .unwrap_or("surface");
+    last.chars().take(15).map(fits).collect()
+}
