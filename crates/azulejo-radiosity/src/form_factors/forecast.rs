@@ -76,8 +76,8 @@ impl Costs<'_> {
         } else {
             0.0
         };
-        let matrices = self.matrices as f64;
-        let bytes = n * PATCH_BYTES + pairs * PAIR_BYTES * matrices + entries * ENTRY_BYTES;
+        let matrix = pairs * PAIR_BYTES * self.matrices as f64;
+        let bytes = n * PATCH_BYTES + merging(entries * ENTRY_BYTES, matrix);
         Ok(Forecast {
             rows: self.sides.len(),
             pairs: pairs as u64,
@@ -135,6 +135,16 @@ impl Costs<'_> {
     }
 }
 
+/// Most bytes at once while `rows` become a `matrix`: where a share t of the rows is merged and
+/// gone, the matrix has 2t − t² of its pairs, for upper rows are the longer the earlier they are.
+fn merging(rows: f64, matrix: f64) -> f64 {
+    if rows < 2.0 * matrix {
+        matrix + rows * rows / (4.0 * matrix)
+    } else {
+        rows
+    }
+}
+
 /// Different sides that a row found.
 fn columns(row: &Row) -> usize {
     let entries = row.entries.iter().flatten();
@@ -162,6 +172,20 @@ fn behind(found: f64, rays: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_go_as_the_matrix_comes() {
+        for (rows, matrix) in [(2.4, 2.2), (1.0, 3.0), (5.0, 1.0), (0.0, 1.0)] {
+            let at = |t: f64| rows * (1.0 - t) + matrix * (2.0 * t - t * t);
+            let most = (0..=1000)
+                .map(|k| at(f64::from(k) / 1000.0))
+                .fold(0.0, f64::max);
+            assert!(
+                (merging(rows, matrix) - most).abs() < 1e-5 * most,
+                "{rows} {matrix}"
+            );
+        }
+    }
 
     #[test]
     fn what_few_rays_miss() {

@@ -30,10 +30,6 @@ pub struct FormFactorArgs {
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    #[command(flatten)]
-    pub matrix: MatrixArgs,
-    #[command(flatten)]
-    pub engine: EngineArgs,
     /// Memory that may be used; what needs more, by a forecast, is refused before it begins
     /// [default: what the machine has]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
@@ -41,6 +37,10 @@ pub struct FormFactorArgs {
     /// Keep no journal beside the output: interrupted work then starts from the beginning
     #[arg(long)]
     pub no_journal: bool,
+    #[command(flatten)]
+    pub matrix: MatrixArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
 }
 
 /// Kinds of files.
@@ -120,7 +120,7 @@ Examples:
 
 Row i, column j: the share of the light leaving i diffusely that arrives at j, with its standard
 error. A patch counts by its front and blocks light from both sides. What leaves the scene upwards
-and downwards (sky, ground) is in the columns sky and ground of a CSV and in arrays of an .npz.
+and downwards is in lines to \"sky\" and \"ground\" of a CSV and in arrays of that name of an .npz.
 
 The same command goes on where it was interrupted: what is done is kept in FILE.journal until FILE
 is complete. docs/form-factors.md describes files, errors, closure and truncation.";
