@@ -60,6 +60,20 @@ fn options_that_an_engine_does_not_have_are_refused() {
     }
 }
 
+#[test]
+fn a_card_that_is_asked_for_is_opened_or_missed() {
+    let folder = Folder::with_room();
+    let asked =
+        "solve room.obj -o lit.grf --patches 100 --engine hemicube --resolution 16 --gpu vulkan";
+    #[cfg(not(feature = "gpu"))]
+    folder.fails(asked, 1, "--features gpu");
+    #[cfg(feature = "gpu")]
+    match azulejo::gpu::Card::open(azulejo::gpu::Backend::Vulkan) {
+        Ok(_) => assert!(folder.json(asked)["engine"].is_string()),
+        Err(_) => folder.fails(asked, 1, "mesa-vulkan-drivers"),
+    }
+}
+
 #[cfg(feature = "embree")]
 #[test]
 #[allow(clippy::print_stderr, reason = "a test says what it skips")]
