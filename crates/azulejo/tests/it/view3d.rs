@@ -241,7 +241,7 @@ fn any_model_goes_to_view3d_and_comes_back() {
     let folder = Folder::with_room();
     folder.ok("convert room.obj -o room.vs3");
     let report = folder.json("info room.vs3");
-    assert_eq!(report["formats"][0], "View3D", "{report}");
+    assert_eq!(report["format"], "View3D", "{report}");
     folder.ok("form-factors room.vs3 -o f.txt --rays 1024");
     let direct = matrix(
         &folder,
