@@ -1,7 +1,7 @@
 //! One body of tests for all engines: the truths, and what must hold whoever computed.
 
 use azulejo_radiosity::truth::{Answer, Case, Kind, Question, cases};
-use azulejo_radiosity::{Engine, FormFactorOptions, Patches};
+use azulejo_radiosity::{Engine, FormFactorOptions, Hemicube, Patches};
 use azulejo_trace::{Progress, Tracer};
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -146,4 +146,57 @@ fn rays_with_formulas() {
         answers.push(formulas);
     }
     check_honesty(&answers);
+}
+
+/// Hemicubes of so many pixels along a side, from so many points, drawn by the processor.
+fn pixels(resolution: u32, points: u32) -> Hemicube {
+    Hemicube {
+        resolution,
+        points,
+        ..Hemicube::default()
+    }
+}
+
+/// Bodies drawn as facets are this much smaller or larger than the exact ones.
+const FACETS: f64 = 0.015;
+
+/// Engines that draw: as honest as the others, but for the facets of curved bodies.
+fn check_drawn(engine: Engine, name: &str) {
+    let mut found = answers(engine);
+    assert!(found.iter().all(|a| a.ran == name), "{name} is what runs");
+    for a in &mut found {
+        if a.case.kind == Kind::Curved {
+            a.case.truth.error += FACETS * a.case.truth.value;
+        }
+    }
+    check_honesty(&found);
+}
+
+#[test]
+fn hemicubes() {
+    check_drawn(Engine::Hemicube(pixels(32, 16)), "hemicube");
+}
+
+#[test]
+fn hybrid() {
+    check_drawn(Engine::Hybrid(pixels(32, 16)), "hybrid");
+}
+
+/// Four times the pixels along a side and sixteen times the points halve the error at least: there
+/// is no floor under it, as there is for one point for each patch.
+#[test]
+fn hemicubes_get_better() {
+    let off = |resolution, points| {
+        let engine = Engine::Hemicube(pixels(resolution, points));
+        let flat = cases().into_iter().filter(|c| c.kind == Kind::Polygons);
+        let squares = flat.map(|case| {
+            let options = options(engine.clone(), &case);
+            let found = ask(case, &options);
+            (found.answer.off(&found.case) / found.case.truth.value).powi(2)
+        });
+        let squares: Vec<f64> = squares.collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    let (rough, fine) = (off(16, 4), off(64, 64));
+    assert!(fine < 0.5 * rough, "{rough} {fine}");
 }
