@@ -204,6 +204,11 @@ fn load_embree(_: Option<PathBuf>) -> Result<Kernel, String> {
     ))
 }
 
+/// The graphics card that `--gpu auto` would find.
+pub fn card_name() -> Result<String, String> {
+    open_card(GpuName::Auto).map(|(card, _)| card.name())
+}
+
 /// The version of the Embree that would be loaded without `--embree`.
 #[cfg(feature = "embree")]
 pub fn embree_version() -> Result<String, String> {

@@ -1,7 +1,7 @@
 //! What the numbers were measured on.
 
 use crate::cli::clock::machine_memory;
-use crate::cli::engine::embree_version;
+use crate::cli::engine::{card_name, embree_version};
 use crate::cli::report::bytes;
 use serde_json::{Value, json};
 
@@ -15,6 +15,8 @@ pub struct Machine {
     pub memory: Option<u64>,
     /// Version of Embree, or why there is none.
     pub embree: Result<String, String>,
+    /// Name of the graphics card, or why there is none.
+    pub card: Result<String, String>,
 }
 
 impl Machine {
@@ -25,14 +27,15 @@ impl Machine {
             threads: rayon::current_num_threads(),
             memory: machine_memory(),
             embree: embree_version(),
+            card: card_name(),
         }
     }
 
     /// Names and words for people.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let system = format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH);
-        let embree = match &self.embree {
-            Ok(version) => version.clone(),
+        let or_why = |found: &Result<String, String>| match found {
+            Ok(name) => name.clone(),
             Err(why) => format!("none: {why}"),
         };
         vec![
@@ -44,7 +47,8 @@ impl Machine {
             ("threads", self.threads.to_string()),
             ("memory", self.memory.map_or("unknown".to_owned(), bytes)),
             ("system", system),
-            ("Embree", embree),
+            ("Embree", or_why(&self.embree)),
+            ("graphics card", or_why(&self.card)),
         ]
     }
 
@@ -59,6 +63,7 @@ impl Machine {
             "system": std::env::consts::OS,
             "architecture": std::env::consts::ARCH,
             "embree": self.embree.as_ref().ok(),
+            "card": self.card.as_ref().ok(),
         })
     }
 }
