@@ -16,7 +16,7 @@ struct Key {
     name: String,
     colors: [[u64; 3]; 3],
     emits_back: bool,
-    dielectric: Option<(u64, [u64; 3])>,
+    dielectric: Option<(u64, [u64; 3], bool)>,
     textures: Vec<u32>,
     brdf: String,
 }
@@ -34,7 +34,7 @@ impl Key {
             emits_back: m.emits_back,
             dielectric: m
                 .dielectric
-                .map(|d| (d.ior.to_bits(), bits(d.transmittance))),
+                .map(|d| (d.ior.to_bits(), bits(d.transmittance), d.thin)),
             textures: m.textures.clone(),
             brdf: m.brdf.as_ref().map(brdf).unwrap_or_default(),
         }

@@ -386,7 +386,7 @@ impl Leg {
     }
 }
 
-/// A dielectric boundary as one path meets it.
+/// A dielectric boundary, or a pane, as one path meets it.
 struct Boundary {
     split: fresnel::Split,
     /// Scales the mirrored part.
@@ -403,6 +403,13 @@ impl Boundary {
         facing: DVec3,
         entering: bool,
     ) -> Boundary {
+        if glass.thin {
+            return Boundary {
+                split: fresnel::pane(direction, facing, glass.ior),
+                mirror,
+                transmittance: glass.transmittance,
+            };
+        }
         let eta = if entering { glass.ior } else { 1.0 / glass.ior };
         Boundary {
             split: fresnel::split(direction, facing, eta),

@@ -1,16 +1,16 @@
-//! Fresnel and Snell: the smooth boundary of a transparent body.
+//! Fresnel and Snell: the smooth boundary of a transparent body, and a thin pane of it.
 
 use crate::math::reflect;
 use glam::DVec3;
 
-/// What a boundary does with one ray.
+/// What a boundary or a pane does with one ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
     /// Share of the radiance that is mirrored, 0..=1; 1 when the reflection is total.
     pub reflectance: f64,
     /// Mirrored direction, unit.
     pub reflected: DVec3,
-    /// Refracted direction, unit; `None` when the reflection is total.
+    /// Direction of what passes, unit; `None` when the reflection is total.
     pub refracted: Option<DVec3>,
 }
 
@@ -40,13 +40,39 @@ pub fn split(direction: DVec3, n: DVec3, eta: f64) -> Split {
     }
 }
 
+/// Splits a ray at a thin pane, both surfaces in one: what passes goes straight on.
+///
+/// Arguments as for [`split`]. Of either polarisation each surface mirrors the share R; with all
+/// that goes to and fro between the two, 2R/(1 + R) is mirrored and (1 − R)/(1 + R) passes. Light
+/// that either side sends is divided alike.
+pub fn pane(direction: DVec3, n: DVec3, eta: f64) -> Split {
+    let one = split(direction, n, eta);
+    if one.refracted.is_none() {
+        return one;
+    }
+    let cos_i = (-direction.dot(n)).clamp(0.0, 1.0);
+    let cos_t = (1.0 - (1.0 - cos_i * cos_i) / (eta * eta)).max(0.0).sqrt();
+    let both = polarised(cos_i, cos_t, eta).map(|r| 2.0 * r / (1.0 + r));
+    Split {
+        reflectance: 0.5 * (both[0] + both[1]),
+        refracted: Some(direction),
+        ..one
+    }
+}
+
 /// Fresnel reflectance of unpolarised light: the mean over both polarisations.
+fn reflectance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
+    let [perpendicular, parallel] = polarised(cos_i, cos_t, eta);
+    0.5 * (perpendicular + parallel)
+}
+
+/// Fresnel reflectance of light polarised perpendicular and parallel to the plane of incidence.
 ///
 /// Hecht, *Optics*, 4th ed., eqs. (4.34) and (4.40), with the indices divided by the near one.
-fn reflectance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
+fn polarised(cos_i: f64, cos_t: f64, eta: f64) -> [f64; 2] {
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    0.5 * (perpendicular * perpendicular + parallel * parallel)
+    [perpendicular * perpendicular, parallel * parallel]
 }
 
 #[cfg(test)]
@@ -98,19 +124,33 @@ mod tests {
     }
 
     /// 2 ∫ R(cos) cos d cos, by the midpoint rule.
-    fn diffuse_average(eta: f64) -> f64 {
+    fn diffuse_average(at: fn(DVec3, DVec3, f64) -> Split, eta: f64) -> f64 {
         let n = 20_000;
         let term = |i: i32| {
             let c = (f64::from(i) + 0.5) / f64::from(n);
             let d = DVec3::new((1.0 - c * c).sqrt(), 0.0, -c);
-            2.0 * c * split(d, DVec3::Z, eta).reflectance / f64::from(n)
+            2.0 * c * at(d, DVec3::Z, eta).reflectance / f64::from(n)
         };
         (0..n).map(term).sum()
     }
 
     #[test]
     fn diffuse_averages_match_the_tabulated_ones() {
-        assert!((diffuse_average(1.5) - 0.091_777_959_3).abs() < 1e-6);
-        assert!((diffuse_average(1.0 / 1.5) - 0.596_345_759_7).abs() < 1e-6);
+        assert!((diffuse_average(split, 1.5) - 0.091_777_959_3).abs() < 1e-6);
+        assert!((diffuse_average(split, 1.0 / 1.5) - 0.596_345_759_7).abs() < 1e-6);
+        assert!((1.0 - diffuse_average(pane, 1.5) - 0.850_938_300_9).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_pane_is_two_boundaries() {
+        // At normal incidence: 0.04 of each surface, 0.08/1.04 of both.
+        let straight = pane(-DVec3::Z, DVec3::Z, 1.5);
+        assert!((straight.reflectance - 0.08 / 1.04).abs() < 1e-12);
+        assert_eq!(straight.refracted, Some(-DVec3::Z));
+        // No glass mirrors nothing, whatever the angle; a bubble's wall may mirror all.
+        let slant = DVec3::new(0.96, 0.0, -0.28);
+        assert!(pane(slant, DVec3::Z, 1.0).reflectance < 1e-15);
+        assert_eq!(pane(slant, DVec3::Z, 1.0 / 1.5).refracted, None);
+        assert!((pane(DVec3::X, DVec3::Z, 1.5).reflectance - 1.0).abs() < 1e-12);
     }
 }

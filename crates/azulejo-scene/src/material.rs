@@ -24,7 +24,7 @@ pub struct Material {
     pub diffuse: Rgb,
     /// Reflectance of the perfect mirror ρ_s, 0..=1 per channel.
     pub mirror: Rgb,
-    /// Present on the smooth boundary of a transparent body.
+    /// Present on glass: the smooth boundary of a transparent body, or a thin pane.
     pub dielectric: Option<Dielectric>,
     /// Emitted radiance of the front side, W/(sr·m²), the same in all directions.
     pub emission: Rgb,
@@ -38,15 +38,19 @@ pub struct Material {
     pub brdf: Option<Brdf>,
 }
 
-/// The smooth boundary between the outside and a transparent body.
+/// Glass: the smooth boundary between the outside and a transparent body, or a thin pane.
 ///
-/// The front of the face looks outside. No absorption inside.
+/// The front of a body's face looks outside; a pane is the same from both sides. No absorption
+/// inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     /// Index of refraction of the body relative to the outside, > 0.
     pub ior: f64,
     /// Scales the light that passes, 0..=1 per channel; white for clear glass.
     pub transmittance: Rgb,
+    /// Whether the face is a whole pane, both surfaces of it in one: light passes straight on,
+    /// and what goes to and fro between the surfaces is counted.
+    pub thin: bool,
 }
 
 /// A reflection model written out in a file, or named by one.
@@ -99,9 +103,19 @@ impl Material {
             dielectric: Some(Dielectric {
                 ior,
                 transmittance: Rgb::WHITE,
+                thin: false,
             }),
             ..Material::default()
         }
+    }
+
+    /// A thin clear pane.
+    pub fn pane(name: impl Into<String>, ior: f64) -> Material {
+        let mut pane = Material::dielectric(name, ior);
+        if let Some(glass) = &mut pane.dielectric {
+            glass.thin = true;
+        }
+        pane
     }
 
     /// A black surface that emits `radiance`, W/(sr·m²), from its front.

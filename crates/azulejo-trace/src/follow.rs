@@ -195,22 +195,25 @@ fn go_on(
 
 /// Reflectance and direction of the mirrored part; direction and share of the part that passes.
 ///
-/// Paths run against the light, so the share that passes carries the square of the ratio of
-/// indices: L/n² is what refraction conserves.
+/// Paths run against the light, so the share that passes into a body carries the square of the
+/// ratio of indices: L/n² is what refraction conserves. Behind a pane is the same medium as before.
 fn glass_shares(
     glass: &Dielectric,
     direction: DVec3,
     facing: DVec3,
     entering: bool,
 ) -> ((f64, DVec3), Option<(DVec3, Rgb)>) {
-    let eta = if entering { glass.ior } else { 1.0 / glass.ior };
-    let split = fresnel::split(direction, facing, eta);
-    let passed = split.refracted.map(|d| {
-        (
-            d,
-            glass.transmittance * ((1.0 - split.reflectance) / (eta * eta)),
-        )
-    });
+    let eta = if entering || glass.thin {
+        glass.ior
+    } else {
+        1.0 / glass.ior
+    };
+    let (split, density) = match glass.thin {
+        true => (fresnel::pane(direction, facing, eta), 1.0),
+        false => (fresnel::split(direction, facing, eta), eta * eta),
+    };
+    let share = glass.transmittance * ((1.0 - split.reflectance) / density);
+    let passed = split.refracted.map(|d| (d, share));
     ((split.reflectance, split.reflected), passed)
 }
 
@@ -263,9 +266,26 @@ mod tests {
         material.dielectric = Some(Dielectric {
             ior: 1.0,
             transmittance: Rgb::grey(0.1),
+            thin: false,
         });
         let [escaped, absorbed, cut] = fates(material);
         assert!((escaped - 0.01).abs() < 1e-6 && (absorbed - 0.99).abs() < 1e-6 && cut < 1e-6);
+    }
+
+    /// Straight through two panes, each of two surfaces that mirror 4%.
+    #[test]
+    fn panes_mirror_and_pass() {
+        let [escaped, absorbed, cut] = fates(Material::pane("window", 1.5));
+        assert!(
+            (escaped + cut - 1.0).abs() < 1e-12 && absorbed == 0.0,
+            "{escaped} {cut}"
+        );
+        let mut tinted = Material::pane("tinted", 1.5);
+        tinted.mirror = Rgb::BLACK;
+        let [escaped, absorbed, _] = fates(tinted);
+        let through = (0.96f64 / 1.04).powi(2);
+        assert!((escaped - through).abs() < 1e-12, "{escaped}");
+        assert!((absorbed - (1.0 - through)).abs() < 1e-12, "{absorbed}");
     }
 
     #[test]

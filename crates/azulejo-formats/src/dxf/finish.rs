@@ -81,6 +81,7 @@ fn glass(name: &str, ior: f64) -> Material {
         dielectric: Some(Dielectric {
             ior,
             transmittance: Rgb::WHITE,
+            thin: false,
         }),
         ..Material::default()
     }

@@ -170,9 +170,9 @@ impl Reader<'_, '_> {
 
     /// A transmitting surface, with which `true` returns.
     ///
-    /// A thin wall is a boundary that light passes straight through; what it would mirror is
-    /// left out. A volume is the boundary of a solid body; absorption inside is moved to its
-    /// boundary, which light that crosses the body passes twice.
+    /// A thin wall is a pane: what both its surfaces mirror is left out of what passes. A volume is
+    /// the boundary of a solid body; absorption inside is moved to its boundary, which light that
+    /// crosses the body passes twice.
     fn glass(&mut self, material: &mut Material) -> bool {
         let pbr = &self.json.pbr_metallic_roughness;
         let extensions = self.json.extensions.as_ref();
@@ -197,7 +197,7 @@ impl Reader<'_, '_> {
         let tint = color([r, g, b]) * transmitted;
         let volume = extensions.and_then(|e| e.volume.as_ref());
         let volume = volume.filter(|v| v.thickness_factor.0 > 0.0);
-        let (ior, transmittance) = match volume {
+        let transmittance = match volume {
             Some(volume) => {
                 let crossings = 0.5 * f64::from(volume.thickness_factor.0)
                     / f64::from(volume.attenuation_distance.0);
@@ -209,12 +209,16 @@ impl Reader<'_, '_> {
                         1.0
                     }
                 });
-                (self.ior(), tint * left)
+                tint * left
             }
-            None => (1.0, tint),
+            None => tint,
         };
         material.mirror = self.specular();
-        material.dielectric = Some(Dielectric { ior, transmittance });
+        material.dielectric = Some(Dielectric {
+            ior: self.ior(),
+            transmittance,
+            thin: volume.is_none(),
+        });
         true
     }
 

@@ -112,7 +112,7 @@ impl Materials {
         self.extend(extensions, "KHR_materials_transmission", all);
         let ior = glass.ior.max(1.0);
         self.extend(extensions, "KHR_materials_ior", json!({ "ior": ior }));
-        if ior > 1.0 {
+        if is_solid(&glass) {
             let solid = json!({ "thicknessFactor": SOLID });
             self.extend(extensions, "KHR_materials_volume", solid);
         }
@@ -127,8 +127,13 @@ impl Materials {
 /// Surfaces act on both sides here; but lamps may shine from one, and of a body's boundary glTF
 /// knows the other side without being told.
 fn has_two_sides(m: &Material) -> bool {
-    let is_solid = m.dielectric.is_some_and(|g| g.ior > 1.0);
+    let is_solid = m.dielectric.is_some_and(|g| is_solid(&g));
     !is_solid && (!m.is_emitter() || m.emits_back)
+}
+
+/// Without a volume glass is a thin pane there; one of index 1 is the same as a body's boundary.
+fn is_solid(glass: &Dielectric) -> bool {
+    glass.ior > 1.0 && !glass.thin
 }
 
 fn metallic_roughness(base: Rgb, metallic: f64, roughness: f64) -> Value {

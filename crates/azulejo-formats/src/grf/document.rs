@@ -313,6 +313,7 @@ pub(super) struct MaterialNote {
     pub emits_back: bool,
     pub ior: Option<f64>,
     pub transmittance: Option<Rgb>,
+    pub thin: bool,
     pub textures: Option<Vec<Name>>,
     pub brdf_file: Option<String>,
 }

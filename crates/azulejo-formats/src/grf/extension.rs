@@ -288,6 +288,7 @@ impl<'a> Parser<'a, '_, '_> {
             emits_back: self.take_flag(entries, "emits_back")?.unwrap_or(false),
             ior: ior.map(|(ior, _)| ior),
             transmittance,
+            thin: self.take_flag(entries, "thin")?.unwrap_or(false),
             textures: self.take_textures(entries)?,
             brdf_file: self.take_text(entries, "brdf_file")?,
         })

@@ -234,6 +234,7 @@ fn material_definition(
         emits_back: material.emits_back,
         ior: material.dielectric.map(|d| d.ior),
         transmittance: material.dielectric.map(|d| d.transmittance),
+        thin: material.dielectric.is_some_and(|d| d.thin),
         // With a texture anywhere, every material says its own: GRF has no word for "none".
         textures: (!textures.is_empty()).then(|| {
             let named = |&t: &TextureId| textures[t as usize].clone();

@@ -113,6 +113,7 @@ impl Surface {
             material.dielectric = Some(Dielectric {
                 ior,
                 transmittance: note.transmittance.unwrap_or(Rgb::WHITE),
+                thin: note.thin,
             });
         }
         if let Some(path) = &note.brdf_file {

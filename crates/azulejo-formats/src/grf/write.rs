@@ -520,6 +520,9 @@ fn material(out: &mut Out<'_>, note: &MaterialNote) -> io::Result<()> {
     if let Some(color) = note.transmittance {
         write!(out, " transmittance = {}", rgb(color))?;
     }
+    if note.thin {
+        out.write_all(b" thin = true")?;
+    }
     if let Some(path) = &note.brdf_file {
         write!(out, " brdf_file = {}", Quoted(path))?;
     }

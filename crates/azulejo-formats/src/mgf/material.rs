@@ -133,10 +133,12 @@ impl Surface {
             Some(ior) => Dielectric {
                 ior,
                 transmittance: through_one_face(ior, ts),
+                thin: false,
             },
             None => Dielectric {
                 ior: 1.0,
                 transmittance: ts,
+                thin: false,
             },
         });
         if solid.is_none() && !rs.is_black() {
@@ -247,7 +249,11 @@ mod tests {
         };
         let pane = |ior, transmittance| Material {
             mirror: Rgb::WHITE,
-            dielectric: Some(Dielectric { ior, transmittance }),
+            dielectric: Some(Dielectric {
+                ior,
+                transmittance,
+                thin: false,
+            }),
             ..Material::default()
         };
         check(

@@ -429,6 +429,7 @@ impl Parser<'_> {
         material.dielectric = Some(Dielectric {
             ior,
             transmittance: self.reflectance(m.tf.unwrap_or(Rgb::WHITE), m),
+            thin: false,
         });
     }
 

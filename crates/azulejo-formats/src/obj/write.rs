@@ -81,7 +81,8 @@ pub fn losses(scene: &Scene) -> Vec<String> {
 /// MTL's glass is denser than what is around it, and divides light by Fresnel's equations alone.
 fn is_odd_glass(m: &Material) -> bool {
     let plain = m.diffuse.is_black() && m.mirror == Rgb::WHITE;
-    m.dielectric.is_some_and(|g| g.ior <= 1.0 || !plain)
+    m.dielectric
+        .is_some_and(|g| g.ior <= 1.0 || g.thin || !plain)
 }
 
 /// An OBJ file under way. Indices count through the whole file, from 1.
@@ -285,7 +286,11 @@ mod tests {
         });
         let glass = (1.01..3.0f64, share()).prop_map(|(ior, transmittance)| Material {
             mirror: Rgb::WHITE,
-            dielectric: Some(Dielectric { ior, transmittance }),
+            dielectric: Some(Dielectric {
+                ior,
+                transmittance,
+                thin: false,
+            }),
             ..Material::default()
         });
         let glossy = (share(), share(), 1.0..1e4f64).prop_map(|(kd, ks, n)| Material {

@@ -84,7 +84,11 @@ pub(super) fn material(surface: &RtraceSurface, ior: f64, name: String) -> Mater
     if is_clear(surface) {
         let transmittance = surface.transparency * surface.color;
         return Material {
-            dielectric: Some(Dielectric { ior, transmittance }),
+            dielectric: Some(Dielectric {
+                ior,
+                transmittance,
+                thin: false,
+            }),
             ..Material::mirror(name, Rgb::WHITE)
         };
     }

@@ -393,6 +393,38 @@ fn a_pane_passes_its_share() {
     );
 }
 
+/// A thin pane counts both its surfaces for either polarisation: the exact share passes, and the
+/// rest is mirrored.
+#[test]
+fn a_thin_pane_passes_its_exact_share() {
+    const THIN: f64 = 0.850938300896;
+    for (exitance, truth) in [(0.0, THIN * PI), (1.0, 1.0 - THIN)] {
+        let mut scene = Scene::default();
+        let (corner, x, y) = (
+            dvec3(-200.0, -200.0, 0.0),
+            400.0 * DVec3::X,
+            400.0 * DVec3::Y,
+        );
+        add_sheet(&mut scene, corner, x, y, surface(0.0, 0.0, exitance));
+        add_sheet(
+            &mut scene,
+            corner + 0.1 * DVec3::Z,
+            x,
+            y,
+            Material::pane("pane", 1.5),
+        );
+        if exitance == 0.0 {
+            let (name, kind) = ("sky".into(), sky());
+            scene.lights.push(Light { name, kind });
+        }
+        let points: Vec<PointNormal> = (0..4)
+            .map(|k| at(0.1 * f64::from(k), 0.0, 0.0, DVec3::Z))
+            .collect();
+        let found = mean_through(&scene, &points);
+        check("thin pane", found, truth, 3e-3 * truth.max(1.0), 1e-3);
+    }
+}
+
 /// What the pane does not pass it mirrors. The lamp is the floor itself.
 #[test]
 fn a_pane_mirrors_the_rest() {

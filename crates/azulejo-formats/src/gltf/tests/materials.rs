@@ -98,8 +98,9 @@ fn panes_and_bodies_of_glass() {
         |t: f64| format!("\"KHR_materials_transmission\":{{\"transmissionFactor\":{t}}}");
     let tint = Rgb::new(1.0, 0.5, 1.0);
     let pane = Dielectric {
-        ior: 1.0,
+        ior: 1.5,
         transmittance: tint,
+        thin: true,
     };
     assert_eq!(glass(&transmits(1.0), &[]), (Some(pane), Rgb::WHITE));
     // A quarter of the light is left at the distance 2, half of it at the thickness 1, and the
@@ -110,6 +111,7 @@ fn panes_and_bodies_of_glass() {
     let body = Dielectric {
         ior: 1.25,
         transmittance: Rgb::new(0.5, 0.5, 1.0),
+        thin: false,
     };
     let found = glass(&format!("{},{volume}", transmits(1.0)), &[]);
     assert_eq!(found, (Some(body), Rgb::grey(0.5)));

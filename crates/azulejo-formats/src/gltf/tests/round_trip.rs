@@ -43,15 +43,21 @@ fn surface() -> impl Strategy<Value = Material> {
         mirror: colour * (f64::from(mirrored) / 4.0),
         ..Material::default()
     });
-    let glass =
-        (share(), prop_oneof![Just(1.0), Just(1.5), Just(2.25)]).prop_map(|(t, ior)| Material {
-            mirror: Rgb::WHITE,
-            dielectric: Some(Dielectric {
-                ior,
-                transmittance: t,
-            }),
-            ..Material::default()
-        });
+    let kinds = prop_oneof![
+        Just((1.0, true)),
+        Just((1.5, true)),
+        Just((1.5, false)),
+        Just((2.25, false))
+    ];
+    let glass = (share(), kinds).prop_map(|(t, (ior, thin))| Material {
+        mirror: Rgb::WHITE,
+        dielectric: Some(Dielectric {
+            ior,
+            transmittance: t,
+            thin,
+        }),
+        ..Material::default()
+    });
     let lamp = (share(), any::<bool>(), 0i32..20).prop_map(|(c, emits_back, strength)| {
         let emission = c * 2f64.powi(strength);
         Material {

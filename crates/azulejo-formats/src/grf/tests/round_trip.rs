@@ -196,7 +196,11 @@ fn brdf() -> impl Strategy<Value = Brdf> {
 
 fn material(textures: usize) -> impl Strategy<Value = Material> {
     let dielectric =
-        (0.1..3.0, share()).prop_map(|(ior, transmittance)| Dielectric { ior, transmittance });
+        (0.1..3.0, share(), any::<bool>()).prop_map(|(ior, transmittance, thin)| Dielectric {
+            ior,
+            transmittance,
+            thin,
+        });
     let textures = vec(0..textures.max(1) as u32, 0..=3.min(textures));
     let emission = prop_oneof![3 => Just(Rgb::BLACK), 1 => light_rgb()];
     (
