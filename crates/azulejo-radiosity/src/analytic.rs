@@ -19,10 +19,13 @@ mod shadow;
 
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, clip, polygon_vector};
+pub(crate) use blocker::{Blocker, Effect, PLANE, edge_bit};
 use glam::DVec3;
+pub(crate) use mirrored::Chain;
 pub use mirrored::mirrored_form_factor;
+pub(crate) use occluded::exchange_area_past;
 pub use occluded::visible_form_factor;
-use quadrature::gauss;
+pub(crate) use quadrature::gauss;
 use std::f64::consts::PI;
 
 /// Quadrature error of the exact formula.
@@ -101,6 +104,19 @@ pub fn exchange_area(p1: &[DVec3], p2: &[DVec3]) -> f64 {
 pub fn form_factor_fast(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> f64 {
     point_to_point(p1, p2, accuracy)
         .unwrap_or_else(|| Pair::new(p1, p2).map_or(0.0, |pair| pair.share(pair.fast(accuracy))))
+}
+
+/// Exchange area A₁F₁₂ as [`form_factor_fast`] finds it.
+pub(crate) fn exchange_area_fast(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> f64 {
+    let Some(pair) = Pair::new(p1, p2) else {
+        return 0.0;
+    };
+    let area = pair.fast(accuracy) * pair.scale * pair.scale;
+    if area > 0.0 && area.is_finite() {
+        area
+    } else {
+        0.0
+    }
 }
 
 /// The form factor as if either polygon were its centre, where that is good enough: both wholly

@@ -11,6 +11,7 @@
 //! [`FormFactors::truncate`] make smaller matrices of the result, [`FormFactors::interchange`] one
 //! with all reflections in it.
 
+mod analytic;
 mod balance;
 mod boxes;
 mod close;
@@ -242,6 +243,9 @@ impl<'a> Prepared<'a> {
         progress: &Progress,
     ) -> Result<FormFactors, SolveError> {
         let options = self.plan.options;
+        if options.engine == Engine::Analytic {
+            return self.by_formulas(journal, progress);
+        }
         let estimator = self.estimator();
         let forecast = self.forecast(estimator.rays(), progress)?;
         refuse(options, forecast.rows, forecast.bytes as f64)?;
@@ -260,6 +264,7 @@ impl<'a> Prepared<'a> {
             exact: &exact,
             estimator: &estimator,
             separate: options.separate,
+            is_known: &|_, _, _| false,
         };
         let traced = tracing.trace(journal, progress)?;
         let factors = merge::merge(&self.sides, traced, &exact, progress)?;

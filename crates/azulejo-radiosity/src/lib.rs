@@ -17,6 +17,7 @@
 pub mod analytic;
 pub mod direct;
 pub mod engine;
+mod facets;
 pub mod form_factors;
 pub mod gather;
 pub mod hemicube;
@@ -26,6 +27,7 @@ pub mod patch;
 pub mod rays;
 pub mod refine;
 pub mod row;
+mod shadow_rays;
 pub mod solve;
 pub mod solved;
 mod stand_in;

@@ -11,8 +11,17 @@ pub(crate) enum Effect {
     None,
     /// All of them pass it.
     Hides,
-    /// Some may.
-    Partial,
+    /// Some may; the bits are those of the edges that part those that do from those that do not,
+    /// the highest that of the plane itself, where it does not part the two ends.
+    Partial(u64),
+}
+
+/// The plane of a blocker, among the bits of its edges.
+pub(crate) const PLANE: u64 = 1 << 63;
+
+/// The bit of edge `k`; those of very many share one.
+pub(crate) fn edge_bit(k: usize) -> u64 {
+    1 << k.min(62)
 }
 
 /// A convex polygon with its plane and edges at hand.
@@ -25,6 +34,9 @@ pub(crate) struct Blocker {
     pub offset: f64,
     /// Unit normals in the plane that point inwards, and offsets, of the edges.
     edges: Vec<(DVec3, f64)>,
+    /// Whether only lines count that meet its front: enough, if it is part of a closed surface
+    /// and lines begin outside.
+    pub is_one_sided: bool,
 }
 
 impl Blocker {
@@ -35,17 +47,29 @@ impl Blocker {
         if !normal.is_finite() {
             return None;
         }
+        let next = |k: usize| polygon[(k + 1) % polygon.len()];
+        let is_corner = |&k: &usize| normal.cross(next(k) - polygon[k]).length_squared() > 0.0;
+        let polygon: ArrayPolygon = (0..polygon.len())
+            .filter(is_corner)
+            .map(|k| polygon[k])
+            .collect();
         let next = polygon.iter().cycle().skip(1);
         let edge = |(&a, &b): (&DVec3, &DVec3)| {
             let inward = normal.cross(b - a).normalize_or_zero();
-            (inward != DVec3::ZERO).then_some((inward, inward.dot(a)))
+            (inward, inward.dot(a))
         };
         Some(Blocker {
             normal,
-            offset: normal.dot(polygon[0]),
-            edges: polygon.iter().zip(next).filter_map(edge).collect(),
+            offset: normal.dot(*polygon.first()?),
+            edges: polygon.iter().zip(next).map(edge).collect(),
             polygon,
+            is_one_sided: false,
         })
+    }
+
+    /// Unit normals in the plane that point inwards, and offsets, of the edges.
+    pub fn edges(&self) -> &[(DVec3, f64)] {
+        &self.edges
     }
 
     /// Height of a point above the plane.
@@ -53,7 +77,7 @@ impl Blocker {
         self.normal.dot(p) - self.offset
     }
 
-    /// What this does to the lines between the convex hulls of two sets of points.
+    /// What this does to the lines from the convex hull of some points to that of others.
     ///
     /// Where a plane parts the two, the lines between them meet it in the convex hull of those
     /// places where the lines between corners do. `graze` is the depth that does not count, or
@@ -71,15 +95,19 @@ impl Blocker {
         if low_a.min(low_b) >= -graze || high_a.max(high_b) <= graze {
             return Effect::None;
         }
+        if self.is_one_sided && (high_a <= graze || low_b >= -graze) {
+            return Effect::None;
+        }
         let parts = (low_a >= -graze && high_b <= graze) || (high_a <= graze && low_b >= -graze);
         if !parts {
-            return Effect::Partial;
+            return Effect::Partial(u64::MAX);
         }
         self.effect_on_crossings(a, b, graze)
     }
 
     fn effect_on_crossings(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
-        let (mut hides, mut outside) = (true, u64::MAX >> (64 - self.edges.len().clamp(1, 64)));
+        // Edges with a crossing inside, and with one outside.
+        let (mut inside, mut outside) = (0_u64, 0_u64);
         for &p in a {
             let height = self.height(p);
             for &q in b {
@@ -91,20 +119,27 @@ impl Blocker {
                 };
                 for (k, (inward, offset)) in self.edges.iter().enumerate() {
                     let depths = [first, second].map(|c| inward.dot(c) - offset);
-                    hides &= depths[0].min(depths[1]) >= -graze;
-                    if depths[0].max(depths[1]) > graze {
-                        outside &= !(1 << k.min(63));
-                    }
+                    let bit = edge_bit(k);
+                    inside |= if depths[0].max(depths[1]) > graze {
+                        bit
+                    } else {
+                        0
+                    };
+                    outside |= if depths[0].min(depths[1]) < -graze {
+                        bit
+                    } else {
+                        0
+                    };
                 }
             }
-            if !hides && outside == 0 {
-                return Effect::Partial;
-            }
         }
-        if outside != 0 {
+        let all = u64::MAX >> (64 - self.edges.len().clamp(1, 63));
+        if inside & all != all {
             Effect::None
-        } else {
+        } else if outside == 0 {
             Effect::Hides
+        } else {
+            Effect::Partial(outside)
         }
     }
 }
@@ -118,13 +153,20 @@ mod tests {
         [(low, low), (high, low), (high, high), (low, high)].map(|(x, y)| dvec3(x, y, z))
     }
 
+    const SOME: u64 = 0;
+
     fn check(blocker: [DVec3; 4], expected: Effect) {
         let [floor, ceiling] = [square(0., 1., 0.), square(0., 1., 1.)];
         let turned = blocker.iter().rev().copied().collect();
         for polygon in [blocker.into_iter().collect(), turned] {
             let blocker = Blocker::new(polygon).unwrap();
-            assert_eq!(blocker.effect(&floor, &ceiling, 1e-12), expected);
-            assert_eq!(blocker.effect(&ceiling, &floor, 1e-12), expected);
+            for (from, to) in [(&floor, &ceiling), (&ceiling, &floor)] {
+                let effect = match blocker.effect(from, to, 1e-12) {
+                    Effect::Partial(_) => Effect::Partial(SOME),
+                    other => other,
+                };
+                assert_eq!(effect, expected);
+            }
         }
     }
 
@@ -132,13 +174,13 @@ mod tests {
     fn hides_touches_or_misses() {
         check(square(0., 1., 0.5), Effect::Hides);
         check(square(-1., 2., 0.5), Effect::Hides);
-        check(square(0.1, 1., 0.5), Effect::Partial);
-        check(square(0.4, 0.6, 0.5), Effect::Partial);
+        check(square(0.1, 1., 0.5), Effect::Partial(SOME));
+        check(square(0.4, 0.6, 0.5), Effect::Partial(SOME));
         check(square(1., 2., 0.5), Effect::None);
         check(square(-1., 2., 0.), Effect::None);
         check(square(-1., 2., -0.1), Effect::None);
         let fin = [(0., 0.), (1., 0.), (1., 1.), (0., 1.)];
         check(fin.map(|(y, z)| dvec3(0., y, z)), Effect::None);
-        check(fin.map(|(y, z)| dvec3(0.5, y, z)), Effect::Partial);
+        check(fin.map(|(y, z)| dvec3(0.5, y, z)), Effect::Partial(SOME));
     }
 }

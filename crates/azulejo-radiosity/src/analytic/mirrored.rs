@@ -70,8 +70,8 @@ pub(crate) struct Chain {
     planes: Vec<Facing>,
     /// The world after the last mirror, seen through all of them.
     pub image: DAffine3,
-    /// Images of what stands in the way, of all legs but the last.
-    settled: Vec<ArrayPolygon>,
+    /// Images of what stands in the way, of all legs but the last, with their numbers.
+    settled: Vec<(ArrayPolygon, usize)>,
 }
 
 /// A plane, and which side of it light comes from.
@@ -127,7 +127,8 @@ impl Chain {
         windows.push(window);
         let leg = occluders
             .iter()
-            .filter_map(|o| plane.front(&self.placed(o)?));
+            .enumerate()
+            .filter_map(|(k, o)| Some((plane.front(&self.placed(o)?)?, k)));
         let settled = self.settled.iter().cloned().chain(leg).collect();
         let mut planes = self.planes.clone();
         planes.push(plane);
@@ -162,9 +163,12 @@ impl Chain {
         }
     }
 
-    /// Images of what stands in the way of any leg.
-    pub fn blockers(&self, occluders: &[&[DVec3]]) -> Vec<ArrayPolygon> {
-        let last = occluders.iter().filter_map(|o| self.placed(o));
+    /// Images of what stands in the way of any leg, with the numbers of the originals.
+    pub fn blockers(&self, occluders: &[&[DVec3]]) -> Vec<(ArrayPolygon, usize)> {
+        let last = occluders
+            .iter()
+            .enumerate()
+            .filter_map(|(k, o)| Some((self.placed(o)?, k)));
         self.settled.iter().cloned().chain(last).collect()
     }
 
@@ -172,7 +176,7 @@ impl Chain {
         &self,
         p1: &[DVec3],
         p2: &[DVec3],
-        blockers: &[ArrayPolygon],
+        blockers: &[(ArrayPolygon, usize)],
         accuracy: f64,
     ) -> Approximate {
         let pair = || {
@@ -181,7 +185,7 @@ impl Chain {
             let moved = |p: &ArrayPolygon| pair.moved(p);
             let between = Between {
                 windows: self.windows.iter().map(moved).collect(),
-                blockers: blockers.iter().map(moved).collect(),
+                blockers: blockers.iter().map(|(b, _)| moved(b)).collect(),
             };
             Some(pair.share_past(between, accuracy))
         };

@@ -56,6 +56,35 @@ pub fn visible_form_factor<P: AsRef<[DVec3]>>(
     pair.share_past(between, accuracy)
 }
 
+/// Exchange area through windows and past blockers to about `tolerance`, with its error.
+pub(crate) fn exchange_area_past<'a>(
+    p1: &[DVec3],
+    p2: &[DVec3],
+    screens: impl Iterator<Item = (&'a Blocker, bool)>,
+    tolerance: f64,
+) -> Approximate {
+    let Some(pair) = Pair::new(p1, p2) else {
+        return Approximate::default();
+    };
+    let mut between = Between::default();
+    for (screen, is_window) in screens {
+        let list = match is_window {
+            true => &mut between.windows,
+            false => &mut between.blockers,
+        };
+        list.push(pair.moved(&screen.polygon));
+    }
+    let unit = pair.scale * pair.scale;
+    let found = match pair.simplified(between) {
+        Some(between) => pair.past(&between, tolerance / unit),
+        None => Approximate::default(),
+    };
+    Approximate {
+        value: found.value.max(0.0) * unit,
+        error: found.error * unit,
+    }
+}
+
 impl Pair {
     /// A polygon in this pair's coordinates.
     pub(super) fn moved(&self, polygon: &[DVec3]) -> ArrayPolygon {
@@ -89,7 +118,7 @@ impl Pair {
             match Blocker::new(window).map(|w| (w.effect(a, b, graze), w)) {
                 None | Some((Effect::None, _)) => return None,
                 Some((Effect::Hides, _)) => {}
-                Some((Effect::Partial, window)) => kept.windows.push(window.polygon),
+                Some((Effect::Partial(_), window)) => kept.windows.push(window.polygon),
             }
         }
         for blocker in between.blockers {
@@ -102,7 +131,7 @@ impl Pair {
             {
                 None | Some((Effect::None, _)) => {}
                 Some((Effect::Hides, _)) => return None,
-                Some((Effect::Partial, blocker)) => kept.blockers.push(blocker.polygon),
+                Some((Effect::Partial(_), blocker)) => kept.blockers.push(blocker.polygon),
             }
         }
         Some(kept)

@@ -5,13 +5,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 
 /// Pairs of a point in 0..1 and its weight; the weights sum to 1.
-pub(super) type Rule = [(f64, f64)];
+pub(crate) type Rule = [(f64, f64)];
 
 /// Most points [`gauss`] offers.
 pub(super) const MOST_POINTS: usize = 24;
 
 /// The rule of Gauss and Legendre with `points` in 1..=[`MOST_POINTS`] points.
-pub(super) fn gauss(points: usize) -> &'static Rule {
+pub(crate) fn gauss(points: usize) -> &'static Rule {
     static RULES: LazyLock<Vec<Vec<(f64, f64)>>> =
         LazyLock::new(|| (1..=MOST_POINTS).map(gauss_rule).collect());
     &RULES[points - 1]

@@ -34,6 +34,11 @@ impl ExchangeAreas {
         ExchangeAreas::default()
     }
 
+    /// Rows of entries from the diagonal on, columns ascending.
+    pub fn from_rows(rows: Vec<Box<[Exchange]>>) -> ExchangeAreas {
+        ExchangeAreas { rows }
+    }
+
     /// Appends the next row i: entries with columns ≥ i, ascending.
     pub fn push_row(&mut self, entries: impl IntoIterator<Item = Exchange>) {
         let entries: Box<[Exchange]> = entries.into_iter().collect();

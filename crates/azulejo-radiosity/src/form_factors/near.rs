@@ -6,12 +6,11 @@ use super::shaft::{Occluders, Shaft};
 use super::sides::Sides;
 use crate::analytic::exchange_area;
 use crate::patch::Polygon;
-use azulejo_scene::math::{Aabb, Ray};
-use azulejo_trace::sampling::{seeds, sobol};
-use azulejo_trace::{Cancelled, KernelRay, Progress, REPLICATES, Surfaces};
+use crate::shadow_rays::View;
+use azulejo_scene::math::Aabb;
+use azulejo_trace::{Cancelled, Progress, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// An exchange area with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,12 +30,6 @@ const PAIRS_PER_ROW: usize = 32;
 /// What counts as close: distance of the centres over the larger diameter. The largest that
 /// [`PAIRS_PER_ROW`] allows is taken.
 const REACHES: [f64; 5] = [f64::INFINITY, 4.0, 2.0, 1.0, 0.5];
-
-/// Shadow rays per pair and replicate, where the way is not known to be free.
-const SHADOW_RAYS: u32 = 16;
-
-/// As many where the first ones show that the pair is partly visible.
-const MORE_SHADOW_RAYS: u32 = 64;
 
 /// Relative error of a form factor where the way is free: what [`Shaft`] may overlook.
 const FREE_ERROR: f64 = 1e-7;
@@ -195,16 +188,13 @@ impl<'a> Rows<'a> {
             return (whole, FREE_ERROR * whole);
         }
         let view = View {
-            sides: self.sides,
+            patches: self.sides.patches,
             surfaces,
-            rows: [i, j],
-            facets: [a, b],
-            seed,
+            pair: [i, j].map(|row| self.sides.patch(row as usize)),
+            normals: [a.normal, b.normal],
+            key: [seed, i, j],
         };
-        let mut visible = view.visible(SHADOW_RAYS);
-        if visible.is_partial {
-            visible = view.visible(MORE_SHADOW_RAYS);
-        }
+        let visible = view.visible();
         (whole * visible.share, whole * visible.error)
     }
 }
@@ -235,118 +225,3 @@ impl Facet {
             .any(|&c| (c - self.centre).dot(self.normal) > least)
     }
 }
-
-/// One pair, for the question how much of it is visible.
-struct View<'a> {
-    sides: &'a Sides<'a>,
-    surfaces: &'a Surfaces<'a>,
-    rows: [u32; 2],
-    facets: [&'a Facet; 2],
-    seed: u32,
-}
-
-/// The share of an exchange area that nothing blocks.
-struct Visible {
-    share: f64,
-    error: f64,
-    /// Whether some rays passed and some did not.
-    is_partial: bool,
-}
-
-/// Sums over shadow rays: of the kernel, of its square, of its visible part.
-#[derive(Clone, Copy, Default)]
-struct Kernels {
-    sum: f64,
-    squares: f64,
-    visible: f64,
-}
-
-impl View<'_> {
-    /// The visible share by `rays` shadow rays per replicate, between points stratified over
-    /// both facets and weighted with the kernel (ratio estimator).
-    fn visible(&self, rays: u32) -> Visible {
-        let (mut shadow, mut kernels, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
-        for r in 0..REPLICATES as u32 {
-            let [i, j] = self.rows;
-            let scrambling = seeds(&[self.seed, i, j, r, rays]);
-            for k in 0..rays {
-                let u = [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, scrambling[d])));
-                let (ray, kernel) = self.connect(u);
-                shadow.push(ray);
-                kernels.push(kernel);
-            }
-        }
-        self.surfaces.tracer.any(&shadow, &mut blocked);
-        let mut sums = [Kernels::default(); REPLICATES];
-        for (index, (&kernel, &blocked)) in kernels.iter().zip(&blocked).enumerate() {
-            sums[index / rays as usize].add(kernel, !blocked);
-        }
-        Visible::new(&sums)
-    }
-
-    /// A shadow ray between two points, and the kernel's value there.
-    fn connect(&self, u: [f64; 4]) -> (KernelRay, f64) {
-        let point = |k: usize| {
-            let patch = self.sides.patch(self.rows[k] as usize);
-            self.sides
-                .patches
-                .sample(patch, u[2 * k], u[2 * k + 1])
-                .position
-        };
-        let ([x, y], [m, n]) = ([point(0), point(1)], self.facets.map(|f| f.normal));
-        let tracer = self.surfaces.tracer;
-        let ray = Ray::between(tracer.leaving(x, m), tracer.leaving(y, n));
-        let (way, squared) = (y - x, (y - x).length_squared());
-        let kernel = way.dot(m).max(0.0) * (-way.dot(n)).max(0.0) / (PI * squared * squared);
-        (
-            tracer.kernel_ray(&ray),
-            if kernel.is_finite() { kernel } else { 0.0 },
-        )
-    }
-}
-
-impl Kernels {
-    fn add(&mut self, kernel: f64, is_visible: bool) {
-        self.sum += kernel;
-        self.squares += kernel * kernel;
-        self.visible += if is_visible { kernel } else { 0.0 };
-    }
-}
-
-impl Visible {
-    /// The error is the larger of two. One is the spread of the replicates. The other is what so
-    /// few rays can't know, even if all passed or none: the deviation of the posterior of a share
-    /// of which K independent looks are known, uniform before (Laplace's rule of succession),
-    /// which for K of K is about 1/K. K counts kernels by weight, (Σk)²/Σk².
-    fn new(replicates: &[Kernels; REPLICATES]) -> Visible {
-        let total = |f: fn(&Kernels) -> f64| replicates.iter().map(f).sum::<f64>();
-        let (sum, squares, visible) =
-            (total(|k| k.sum), total(|k| k.squares), total(|k| k.visible));
-        if sum == 0.0 {
-            return Visible {
-                share: 0.5,
-                error: 0.5,
-                is_partial: false,
-            };
-        }
-        let (share, looks) = (visible / sum, sum * sum / squares);
-        // Residuals of the ratio, each replicate weighted by its kernels.
-        let n = REPLICATES as f64;
-        let spread: f64 = replicates
-            .iter()
-            .map(|k| (k.visible - share * k.sum).powi(2))
-            .sum();
-        let spread = spread * n / (n - 1.0) / (sum * sum);
-        let expected = (share * looks + 1.0) / (looks + 2.0);
-        let posterior = expected * (1.0 - expected) / (looks + 3.0);
-        let is_partial = visible > 0.0 && visible < sum;
-        Visible {
-            share,
-            error: (STUDENT * STUDENT * spread).max(posterior).sqrt(),
-            is_partial,
-        }
-    }
-}
-
-/// Student's t with three degrees of freedom over the normal law's at 95.4%.
-const STUDENT: f64 = 3.307 / 2.0;

@@ -6,7 +6,7 @@ use super::near::ExactRow;
 use super::sides::Sides;
 use super::spread::{believed, mean_and_variance};
 use crate::engine::Estimator;
-use crate::row::{ORDERS, Row, Side};
+use crate::row::{ORDERS, Order, Row, Side};
 use azulejo_scene::{Material, Rgb};
 use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
@@ -63,6 +63,8 @@ pub(super) struct Tracing<'a> {
     pub estimator: &'a Estimator<'a>,
     /// Whether orders are kept apart.
     pub separate: bool,
+    /// Row, column and order of what is known otherwise, and not kept.
+    pub is_known: &'a (dyn Fn(usize, u32, Order) -> bool + Sync),
 }
 
 impl Tracing<'_> {
@@ -111,10 +113,13 @@ impl Tracing<'_> {
                     continue;
                 };
                 ended += ends;
-                let is_known =
+                if (self.is_known)(i, column, entry.order) {
+                    continue;
+                }
+                let has_formula =
                     |order| order == 0 && exact.binary_search_by_key(&column, |e| e.column).is_ok();
                 let list = match entry.order {
-                    order if is_known(order) => &mut near,
+                    order if has_formula(order) => &mut near,
                     order if self.separate => &mut far[usize::from(order)],
                     _ => &mut far[0],
                 };

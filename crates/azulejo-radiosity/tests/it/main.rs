@@ -4,6 +4,7 @@
 #![allow(clippy::print_stderr)]
 
 mod agreement;
+mod analytic_engine;
 mod analytic_pairs;
 mod bad_scenes;
 mod determinism;
@@ -20,3 +21,4 @@ mod polygons;
 mod refinement;
 mod rooms;
 mod vertices;
+mod zz_debug;

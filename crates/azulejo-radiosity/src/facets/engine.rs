@@ -1,0 +1,291 @@
+//! Rows of exchange areas, dealt out to threads.
+
+use super::screens::Solids;
+use super::walk::{Accuracy, Found, Tally, Walk};
+use super::world::{Depth, Mirror, World, Worlds};
+use super::{Facet, Facets};
+use crate::analytic::{exchange_area_fast, form_factor_fast};
+use crate::form_factors::{Exchange, ExchangeAreas};
+use crate::patch::Patches;
+use crate::row::{ORDERS, Side};
+use crate::shadow_rays::View;
+use azulejo_trace::{Cancelled, Progress, Surfaces};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Rows computed together.
+const GROUP: usize = 16;
+
+/// Rows of up to so many sides are exact, if nothing else is asked for.
+const FEW: usize = 32;
+
+/// What [`Exchanger`] should do.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted {
+    /// Error of the sums of rows, as an RMS over them; `None` chooses by the number of rows.
+    pub accuracy: Option<f64>,
+    /// Another seed gives other noise to what is left to shadow rays.
+    pub seed: u32,
+}
+
+/// Computes exchange areas. Immutable; shared by all threads.
+pub(crate) struct Exchanger<'a> {
+    patches: &'a Patches,
+    surfaces: &'a Surfaces<'a>,
+    sides: Vec<Side>,
+    facets: Facets,
+    /// Position of each side's facet, or [`NOWHERE`].
+    positions: Vec<u32>,
+    worlds: Vec<World>,
+    accuracy: Accuracy,
+    /// Orders of which nothing is left to rays.
+    pub known: [bool; ORDERS],
+    seed: u32,
+}
+
+/// The place of sides that have no facet: curved ones.
+const NOWHERE: u32 = u32::MAX;
+
+/// Entries of one row, by order.
+pub(crate) type Orders = [Vec<Exchange>; ORDERS];
+
+impl<'a> Exchanger<'a> {
+    /// Between these sides of patches; their places in the list are rows and columns.
+    pub fn new(
+        patches: &'a Patches,
+        surfaces: &'a Surfaces<'a>,
+        sides: Vec<Side>,
+        wanted: Wanted,
+    ) -> Exchanger<'a> {
+        let facet = |(row, &side): (usize, &Side)| facet(patches, side, row as u32);
+        let list: Vec<Facet> = sides.iter().enumerate().filter_map(facet).collect();
+        let solids = Solids::new(patches, surfaces, &sides);
+        let (worlds, known) = worlds(patches, surfaces, &solids, &list);
+        let facets = Facets::new(&list, solids.size);
+        let mut positions = vec![NOWHERE; sides.len()];
+        for (position, facet) in facets.list.iter().enumerate() {
+            positions[facet.id as usize] = position as u32;
+        }
+        Exchanger {
+            accuracy: accuracy(wanted.accuracy, sides.len()),
+            patches,
+            surfaces,
+            sides,
+            facets,
+            positions,
+            worlds,
+            known,
+            seed: wanted.seed,
+        }
+    }
+
+    /// Whether there are images of mirrors.
+    pub fn has_images(&self) -> bool {
+        self.worlds.len() > 1
+    }
+
+    /// Whether a row has a formula.
+    pub fn has(&self, row: usize) -> bool {
+        self.positions[row] != NOWHERE
+    }
+
+    /// The upper triangle of each order, by rows. Rows that there is no time for are not in
+    /// `done`.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn all(&self, progress: &Progress) -> Result<All, Cancelled> {
+        progress.begin("exchange areas", self.facets.list.len() as u64);
+        let positions: Vec<u32> = (0..self.facets.list.len() as u32).collect();
+        let group = |rows: &[u32]| {
+            progress.advance(rows.len() as u64)?;
+            Ok(match progress.out_of_time() {
+                true => (Vec::new(), Tally::default()),
+                false => self.group(rows, true),
+            })
+        };
+        let done: Vec<_> = positions
+            .par_chunks(GROUP)
+            .map(group)
+            .collect::<Result<_, Cancelled>>()?;
+        let n = self.sides.len();
+        let mut orders = [(); ORDERS].map(|()| vec![Box::<[Exchange]>::default(); n]);
+        // Nothing is asked of rows without a facet.
+        let mut is_done: Vec<bool> = self.positions.iter().map(|&p| p == NOWHERE).collect();
+        let mut tally = Tally::default();
+        for (rows, counts) in done {
+            for (id, row) in rows {
+                is_done[id as usize] = true;
+                for (order, row) in orders.iter_mut().zip(row) {
+                    order[id as usize] = row.into();
+                }
+            }
+            tally.add(&counts);
+        }
+        Ok(All {
+            orders: orders.map(ExchangeAreas::from_rows),
+            is_done,
+            tally,
+        })
+    }
+
+    /// Whole rows, in the order asked for; nothing in those without a facet.
+    pub fn rows(&self, rows: &[usize]) -> Vec<Orders> {
+        let mut positions: Vec<u32> = rows
+            .iter()
+            .map(|&row| self.positions[row])
+            .filter(|&p| p != NOWHERE)
+            .collect();
+        // Close together, so that clusters are cleared for many.
+        positions.sort_unstable();
+        let groups = positions.par_chunks(GROUP);
+        let found: Vec<_> = groups.flat_map_iter(|g| self.group(g, false).0).collect();
+        let mut places = vec![NOWHERE; self.sides.len()];
+        for (k, &row) in rows.iter().enumerate() {
+            places[row] = k as u32;
+        }
+        let mut sorted = vec![Orders::default(); rows.len()];
+        for (id, row) in found {
+            sorted[places[id as usize] as usize] = row;
+        }
+        sorted
+    }
+
+    /// Some rows, from the diagonal on if `upper`.
+    fn group(&self, rows: &[u32], upper: bool) -> (Vec<(u32, Orders)>, Tally) {
+        let facets = || rows.iter().map(|&r| &self.facets.list[r as usize]);
+        let mut found: [Option<Found>; ORDERS] = Default::default();
+        let mut tally = Tally::default();
+        for world in &self.worlds {
+            let images = world.rows(facets());
+            let found = found[world.order]
+                .get_or_insert_with(|| Found::new(rows.len(), self.facets.list.len()));
+            let mut walk = Walk::new(world, &images, &self.facets, self.accuracy);
+            walk.run(upper, found);
+            for &(row, column) in &walk.hard {
+                let (value, error) = self.by_shadow_rays(rows[row] as usize, column);
+                found.add(row, column, value, error);
+            }
+            tally.add(&walk.tally);
+        }
+        let row = |(k, position): (usize, &u32)| {
+            let sorted = |found: &Option<Found>| {
+                let mut entries = found.as_ref().map_or(Vec::new(), |f| self.entries(f, k));
+                entries.sort_unstable_by_key(|e| e.column);
+                entries
+            };
+            let id = self.facets.list[*position as usize].id;
+            (id, found.each_ref().map(sorted))
+        };
+        (rows.iter().enumerate().map(row).collect(), tally)
+    }
+
+    fn entries(&self, found: &Found, row: usize) -> Vec<Exchange> {
+        let (values, errors) = found.row(row);
+        let places = 0..values.len();
+        places
+            .filter(|&c| values[c] > 0.0)
+            .map(|c| Exchange {
+                column: self.facets.list[c].id,
+                value: values[c],
+                error: errors[c],
+            })
+            .collect()
+    }
+
+    /// A pair that is too hard for formulas.
+    fn by_shadow_rays(&self, row: usize, column: usize) -> (f64, f64) {
+        let (a, b) = (&self.facets.list[row], &self.facets.list[column]);
+        let view = View {
+            patches: self.patches,
+            surfaces: self.surfaces,
+            pair: [a, b].map(|f| (self.sides[f.id as usize] / 2) as usize),
+            normals: [a.normal, b.normal],
+            key: [self.seed, a.id.min(b.id), a.id.max(b.id)],
+        };
+        let whole = exchange_area_fast(a.polygon(), b.polygon(), self.accuracy.whole);
+        let visible = view.visible();
+        (whole * visible.share, whole * visible.error)
+    }
+}
+
+/// What [`Exchanger::all`] found.
+pub(crate) struct All {
+    pub orders: [ExchangeAreas; ORDERS],
+    pub is_done: Vec<bool>,
+    pub tally: Tally,
+}
+
+fn facet(patches: &Patches, side: Side, row: u32) -> Option<Facet> {
+    let patch = (side / 2) as usize;
+    let mut polygon = patches.polygon(patch)?.to_vec();
+    let mut normal = patches.normal(patch);
+    if side % 2 == 1 {
+        polygon.reverse();
+        normal = -normal;
+    }
+    Some(Facet::new(row, &polygon, normal))
+}
+
+/// What pairs have to be good for so that the sums of rows are.
+fn accuracy(wanted: Option<f64>, rows: usize) -> Accuracy {
+    let wanted = wanted.unwrap_or(if rows <= FEW { 1e-11 } else { 5e-5 });
+    if wanted < EXACT {
+        return Accuracy {
+            whole: 1e-13,
+            partial: wanted,
+            is_exact: true,
+        };
+    }
+    Accuracy {
+        whole: 0.4 * wanted,
+        // Errors of pairs are as good as independent.
+        partial: 12.0 * wanted / (rows as f64).sqrt(),
+        is_exact: false,
+    }
+}
+
+/// Below this only exact formulas will do.
+const EXACT: f64 = 1e-6;
+
+/// The chains of mirrors that are worth images, and the orders of which those are all.
+fn worlds(
+    patches: &Patches,
+    surfaces: &Surfaces,
+    solids: &Solids,
+    facets: &[Facet],
+) -> (Vec<World>, [bool; ORDERS]) {
+    let specular = |i: &usize| {
+        let material = &surfaces.scene.materials[patches.material(*i) as usize];
+        material.is_specular()
+    };
+    let all: Vec<usize> = (0..patches.len()).filter(specular).collect();
+    let is_flat_mirror = |&i: &usize| {
+        let material = &surfaces.scene.materials[patches.material(i) as usize];
+        material.dielectric.is_none() && patches.polygon(i).is_some()
+    };
+    let mirrors = if solids.curved.is_empty() && all.iter().all(is_flat_mirror) {
+        solids.mirrors(patches, surfaces, &all)
+    } else {
+        Vec::new()
+    };
+    let is_affordable = (mirrors.len() as f64) * (facets.len() as f64).powi(2) <= MOST_MIRRORED;
+    let mirrors: &[Mirror] = if is_affordable { &mirrors } else { &[] };
+    let depth = Depth {
+        least: 1e-10,
+        // Each costs as much as the scene itself.
+        chains: if facets.len() <= FEW { 1_024 } else { 0 },
+        most_left: 1e-5,
+    };
+    let reach = |window: &[DVec3]| {
+        let share = |f: &Facet| form_factor_fast(f.polygon(), window, 1e-2);
+        facets.iter().map(share).fold(0.0, f64::max)
+    };
+    let worlds = Worlds::new(solids, mirrors, depth, reach);
+    let by_images = all.is_empty() || !mirrors.is_empty();
+    let known = [true, by_images, by_images && worlds.has_all_orders];
+    (worlds.list, known)
+}
+
+/// Mirrors times pairs that are worth images; beyond, rays are quicker.
+const MOST_MIRRORED: f64 = 3e10;

@@ -1,0 +1,172 @@
+//! The analytic engine: scenes in, matrices out.
+
+use crate::rooms;
+use azulejo_radiosity::form_factors::Closure;
+use azulejo_radiosity::truth::{Kind, cases};
+use azulejo_radiosity::{Engine, FormFactorOptions, FormFactors, PatchSize, form_factors};
+use azulejo_scene::Scene;
+use azulejo_scene::synthetic::{cube_room, room_with_table};
+use azulejo_trace::sampling::uniform;
+use azulejo_trace::{Progress, Tracer};
+use glam::{DVec3, dvec3};
+use proptest::prelude::*;
+
+fn options() -> FormFactorOptions {
+    FormFactorOptions {
+        engine: Engine::Analytic,
+        size: PatchSize::Edge(0.0),
+        closure: Closure::Never,
+        ..FormFactorOptions::default()
+    }
+}
+
+fn compute(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
+    form_factors(scene, &Tracer::new(scene), options, &Progress::new()).unwrap()
+}
+
+/// All that polygons and flat mirrors make: 1e-10 without mirrors, past others too, and 1e-8 with.
+#[test]
+fn polygons_and_mirrors_are_exact() {
+    for case in cases() {
+        let tolerance = match case.kind {
+            Kind::Polygons | Kind::Shadow => 1e-10,
+            Kind::Mirrors => 1e-8,
+            Kind::Curved | Kind::Glass => continue,
+        };
+        let tracer = Tracer::new(&case.scene);
+        let (answer, _) = case.ask(&tracer, &options(), &Progress::new()).unwrap();
+        let off = answer.off(&case);
+        eprintln!(
+            "{:16} {:.13} ± {:.1e}, off {off:.1e}",
+            case.id, answer.value, answer.error
+        );
+        assert!(
+            off < tolerance + case.truth.error,
+            "{}: {answer:?} is {off:e} off {:?}",
+            case.id,
+            case.truth
+        );
+        assert!(answer.error < 1e-7, "{}: {answer:?}", case.id);
+    }
+}
+
+fn worst_sum(found: &FormFactors) -> f64 {
+    let ended = found.ended();
+    let sums = ended.iter().zip(&found.rest).map(|(e, r)| e + r.sum());
+    sums.map(|sum| (sum - 1.0).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn rows_of_closed_rooms_sum_to_one() {
+    let found = compute(&cube_room(), &options());
+    assert!(worst_sum(&found) < 1e-12 && found.is_closed);
+    let scene = room_with_table(500);
+    let found = compute(&scene, &options());
+    let sums = found.row_sums();
+    let squares: f64 = sums.iter().map(|s| (s - 1.0).powi(2)).sum();
+    let rms = (squares / sums.len() as f64).sqrt();
+    assert!(rms < 5e-5, "{rms:e}");
+    assert!(found.is_closed);
+}
+
+/// Σ X (1 − ρ_s) = 1, whatever the mirrors.
+#[test]
+fn mirrors_lose_nothing() {
+    for rho_s in [0.3, 0.8] {
+        let mirror = rooms::surface(0.1, rho_s, 0.0);
+        let grey = rooms::surface(0.5, 0.0, 0.0);
+        let walls = [&grey, &grey, &mirror, &grey, &grey, &grey].map(|m| m.clone());
+        let one = compute(&rooms::cube(walls), &options());
+        assert!(worst_sum(&one) < 1e-10, "{:e}", worst_sum(&one));
+        let walls = [&grey, &grey, &mirror, &mirror, &grey, &grey].map(|m| m.clone());
+        let two = compute(&rooms::cube(walls), &options());
+        let cut = two.rest.iter().map(|r| r.cut).fold(0.0, f64::max);
+        assert!(
+            worst_sum(&two) < 1e-9 && cut < 1e-7,
+            "{:e}, cut {cut:e}",
+            worst_sum(&two)
+        );
+    }
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let scene = room_with_table(300);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| compute(&scene, &options()))
+    };
+    assert!(with(1) == with(3));
+}
+
+/// A few boxes and sheets at random.
+fn clutter(seed: u32, mirror: f64) -> Scene {
+    let mut scene = cube_room();
+    let number = |k: u32| f64::from(uniform(&[seed, k]));
+    for k in 0..5 {
+        let at = |k: u32| dvec3(number(k), number(k + 1), number(k + 2));
+        let (corner, first, second) = (at(10 * k), at(10 * k + 3), at(10 * k + 6));
+        let corner = DVec3::splat(0.2) + 0.4 * corner;
+        let (first, second) = (0.3 * first, 0.3 * (second - DVec3::splat(0.5)));
+        let reflects = if k == 0 { mirror } else { 0.0 };
+        let material = rooms::surface(0.5 * (1.0 - reflects), reflects, 0.0);
+        rooms::add_sheet(&mut scene, corner, first, second, material);
+    }
+    scene
+}
+
+/// Both engines' form factors agree within the rays' errors.
+fn check_against_rays(scene: &Scene) {
+    let exact = compute(
+        scene,
+        &FormFactorOptions {
+            two_sided: true,
+            accuracy: Some(1e-4),
+            ..options()
+        },
+    );
+    let rays = FormFactorOptions {
+        engine: Engine::Rays,
+        rays: 4_096,
+        analytic: false,
+        two_sided: true,
+        ..options()
+    };
+    let rays = compute(scene, &rays);
+    let (mut chi, mut count) = (0.0, 0.0);
+    for i in 0..exact.len() {
+        for j in i..exact.len() {
+            let ((a, e), (b, f)) = (exact.get(i, j as u32), rays.get(i, j as u32));
+            if a.max(b) > 1e-9 {
+                // A pair that no ray found has no error of its own: one ray's then.
+                let one = 1.0 / 4_096.0;
+                let error = f64::from(e)
+                    .hypot(f64::from(f))
+                    .max((a.max(one) * one).sqrt());
+                chi += ((a - b) / error).powi(2);
+                count += 1.0;
+                assert!(
+                    (a - b).abs() < 6.0 * error,
+                    "{i} {j}: {a} ± {e} and {b} ± {f}"
+                );
+            }
+        }
+    }
+    assert!(chi < 1.5 * count, "χ² {chi} of {count}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4))]
+    #[test]
+    fn agrees_with_rays(seed in 0u32..1_000_000) {
+        check_against_rays(&clutter(seed, 0.0));
+    }
+
+    #[test]
+    fn agrees_with_rays_by_mirrors(seed in 0u32..1_000_000) {
+        check_against_rays(&clutter(seed, 0.7));
+    }
+}
