@@ -7,6 +7,7 @@
 
 mod usage;
 
+use azulejo_radiosity::form_factors::{Exchange, ExchangeAreas, Rest};
 use azulejo_radiosity::truth::{Kind, cases};
 use azulejo_radiosity::{FormFactorOptions, FormFactors, PatchSize, form_factors};
 use azulejo_scene::Scene;
@@ -16,6 +17,9 @@ use std::time::Instant;
 use usage::{cpu_seconds, peak_mebibytes};
 
 fn main() {
+    if std::env::args().any(|a| a == "dense") {
+        return dense(20_000);
+    }
     let rays = std::env::args()
         .skip(1)
         .find_map(|a| a.parse().ok())
@@ -82,4 +86,50 @@ fn room(rays: u32) {
             found.rest.iter().map(|r| r.escaped()).sum::<f64>() / n,
         );
     }
+}
+
+/// A sphere from inside, as noisy rays would see it: S_ij = A_i A_j / A, off by up to 2%.
+fn dense(n: usize) {
+    let share = 1.0 / (n * n) as f64;
+    let noise = |i: usize, j: usize| {
+        let mixed = (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            ^ (j as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
+        (mixed.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 40) as f64 / f64::from(1 << 24) - 0.5
+    };
+    let entry = |i: usize, j: usize| Exchange {
+        column: j as u32,
+        value: share * (1.0 + 0.04 * noise(i, j)),
+        error: (0.02 * share) as f32,
+    };
+    let mut exchange = ExchangeAreas::new();
+    let start = Instant::now();
+    (0..n).for_each(|i| exchange.push_row((i..n).map(|j| entry(i, j))));
+    let mut factors = FormFactors {
+        exchange,
+        areas: vec![1.0 / n as f64; n],
+        rest: vec![Rest::default(); n],
+        ends: vec![1.0; n],
+        ..FormFactors::default()
+    };
+    let report = |what: &str, start: Instant| {
+        let seconds = start.elapsed().as_secs_f64();
+        println!("{what}: {seconds:.1} s, peak {:.0} MiB", peak_mebibytes());
+    };
+    let pairs = factors.exchange.pairs();
+    report(&format!("{n} patches, {pairs} pairs made"), start);
+    let start = Instant::now();
+    factors.close(&Progress::new()).expect("nobody cancels");
+    report(&format!("closed, {:?}", factors.closed), start);
+    let start = Instant::now();
+    let blocks = factors.blocks();
+    let sum: f64 = blocks
+        .iter()
+        .flat_map(|b| factors.rows(b.clone()))
+        .flatten()
+        .map(|(_, x, _)| x)
+        .sum();
+    report(
+        &format!("whole rows in {} blocks, sum {sum:.6}", blocks.len()),
+        start,
+    );
 }

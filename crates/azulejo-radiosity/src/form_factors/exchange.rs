@@ -185,10 +185,13 @@ impl ExchangeAreas {
         (0..self.len()).into_par_iter().map(total).collect()
     }
 
-    /// Replaces each upper row i by `change(i, row)`, columns as before or fewer.
-    pub fn map_rows(&mut self, change: impl Fn(usize, &[Exchange]) -> Box<[Exchange]> + Sync) {
-        let rows = self.rows.par_iter_mut().enumerate();
-        rows.for_each(|(i, row)| *row = change(i, row));
+    /// Changes each pair, or drops it: `keep(i, S_ij)` says whether it stays. In place.
+    pub fn retain(&mut self, keep: impl Fn(usize, &mut Exchange) -> bool + Sync) {
+        self.rows.par_iter_mut().enumerate().for_each(|(i, row)| {
+            let mut entries = std::mem::take(row).into_vec();
+            entries.retain_mut(|e| keep(i, e));
+            *row = entries.into_boxed_slice();
+        });
     }
 
     /// The sum of matrices of as many rows each, pair by pair in their order; errors as of

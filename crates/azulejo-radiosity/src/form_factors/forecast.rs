@@ -77,7 +77,8 @@ impl Costs<'_> {
             0.0
         };
         let matrix = pairs * PAIR_BYTES * self.matrices as f64;
-        let bytes = n * PATCH_BYTES + merging(entries * ENTRY_BYTES, matrix);
+        // Rows go while the matrix comes, but allocators seldom give back what they left.
+        let bytes = n * PATCH_BYTES + entries * ENTRY_BYTES + matrix;
         Ok(Forecast {
             rows: self.sides.len(),
             pairs: pairs as u64,
@@ -135,16 +136,6 @@ impl Costs<'_> {
     }
 }
 
-/// Most bytes at once while `rows` become a `matrix`: where a share t of the rows is merged and
-/// gone, the matrix has 2t − t² of its pairs, for upper rows are the longer the earlier they are.
-fn merging(rows: f64, matrix: f64) -> f64 {
-    if rows < 2.0 * matrix {
-        matrix + rows * rows / (4.0 * matrix)
-    } else {
-        rows
-    }
-}
-
 /// Different sides that a row found.
 fn columns(row: &Row) -> usize {
     let entries = row.entries.iter().flatten();
@@ -172,20 +163,6 @@ fn behind(found: f64, rays: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn rows_go_as_the_matrix_comes() {
-        for (rows, matrix) in [(2.4, 2.2), (1.0, 3.0), (5.0, 1.0), (0.0, 1.0)] {
-            let at = |t: f64| rows * (1.0 - t) + matrix * (2.0 * t - t * t);
-            let most = (0..=1000)
-                .map(|k| at(f64::from(k) / 1000.0))
-                .fold(0.0, f64::max);
-            assert!(
-                (merging(rows, matrix) - most).abs() < 1e-5 * most,
-                "{rows} {matrix}"
-            );
-        }
-    }
 
     #[test]
     fn what_few_rays_miss() {

@@ -218,34 +218,26 @@ impl FormFactors {
         widen: bool,
         ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync,
     ) {
-        let changed = |e: &Exchange, ratio: f64| {
+        let change = |e: &mut Exchange, ratio: Option<f64>| {
+            let Some(ratio) = ratio else {
+                return false;
+            };
             let value = e.value * ratio;
-            let change = if widen { (value - e.value) as f32 } else { 0.0 };
-            Exchange {
-                value,
-                error: e.error.hypot(change),
-                ..*e
+            if widen {
+                e.error = e.error.hypot((value - e.value) as f32);
             }
+            e.value = value;
+            true
         };
         if self.orders.is_empty() {
-            let row = |i: usize, row: &[Exchange]| {
-                row.iter()
-                    .filter_map(|e| Some(changed(e, ratio(i, e)?)))
-                    .collect()
-            };
-            self.exchange.map_rows(row);
+            self.exchange.retain(|i, e| change(e, ratio(i, e)));
             return;
         }
         for order in &mut self.orders {
-            let row = |i: usize, row: &[Exchange]| {
-                let whole = self.exchange.upper(i);
-                let of = |e: &Exchange| {
-                    let k = whole.binary_search_by_key(&e.column, |w| w.column).ok()?;
-                    Some(changed(e, ratio(i, &whole[k])?))
-                };
-                row.iter().filter_map(of).collect()
-            };
-            order.map_rows(row);
+            order.retain(|i, e| {
+                let whole = self.exchange.get(i, e.column as usize);
+                change(e, ratio(i, &whole))
+            });
         }
         self.exchange = ExchangeAreas::sum_of(&self.orders);
     }

@@ -45,10 +45,11 @@ pub(super) struct Traced {
     pub rays: u32,
 }
 
-/// Most rows of a block: what is kept in the journal at a time.
-const BLOCK: usize = 256;
+/// Fewest and most rows of a block: what is kept in the journal at a time. A card wants many in
+/// flight.
+const BLOCK: [usize; 2] = [64, 256];
 
-/// Rays of a block, where that makes fewer rows.
+/// Rays of a block, as far as that leaves so many rows.
 const BLOCK_RAYS: usize = 1 << 23;
 
 /// Degrees of freedom of the spread of four replicates.
@@ -73,7 +74,7 @@ impl Tracing<'_> {
         let (n, rays) = (self.sides.len(), self.estimator.rays());
         progress.begin("form factors", n as u64);
         // Blocks must not depend on the machine that goes on with them.
-        let size = (BLOCK_RAYS / rays.max(1) as usize).clamp(16, BLOCK);
+        let size = (BLOCK_RAYS / rays.max(1) as usize).clamp(BLOCK[0], BLOCK[1]);
         let rows = resumed(journal, Stage::Rows, (n, size), progress, |rows| {
             self.block(rows, progress)
         })?;

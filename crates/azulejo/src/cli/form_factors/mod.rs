@@ -17,9 +17,7 @@ use super::{clock, input, pass};
 use args::{FormFactorArgs, FormatName};
 use azulejo_formats::view3d::Layout;
 use azulejo_radiosity::form_factors::{Forecast, Journal, NoJournal, Plan};
-use azulejo_radiosity::{
-    Closure, DrawnBy, Engine, FormFactorOptions, FormFactors, Hemicube, SolveError,
-};
+use azulejo_radiosity::{DrawnBy, Engine, FormFactorOptions, FormFactors, Hemicube, SolveError};
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
 use journal::FileJournal;
@@ -193,24 +191,46 @@ fn open_journal(
 
 /// Tells work apart by all that its rows depend on.
 fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
-    let rows_alone = FormFactorOptions {
-        closure: Closure::Never,
-        memory: 0,
-        engine: options.engine.clone(),
-        ..*options
-    };
+    let FormFactorOptions {
+        engine,
+        size,
+        rays,
+        two_sided,
+        seed,
+        analytic,
+        separate,
+        // What is done with the rows afterwards.
+        closure: _,
+        memory: _,
+    } = options;
     let mut words = Words(DefaultHasher::new());
-    let version = env!("CARGO_PKG_VERSION");
-    let kernel = tracer.kernel_name();
+    let (version, kernel) = (env!("CARGO_PKG_VERSION"), tracer.kernel_name());
     // Hashing what is shown can't fail.
-    let _ = write!(words, "{version} {kernel} {rows_alone:?} {scene:?}");
-    if let Engine::Hemicube(Hemicube { device, .. }) | Engine::Hybrid(Hemicube { device, .. }) =
-        &options.engine
-        && let DrawnBy::Device(device) = device
-    {
-        let _ = write!(words, "{}", device.name());
-    }
+    let _ = write!(words, "{version} {kernel} {} {size:?} ", described(engine));
+    let _ = write!(
+        words,
+        "{rays} {two_sided} {seed} {analytic} {separate} {scene:?}"
+    );
     words.0.finish()
+}
+
+/// An engine in words that are the same in every run.
+fn described(engine: &Engine) -> String {
+    let drawn = |kind: &str, hemicube: &Hemicube| {
+        let device = match &hemicube.device {
+            DrawnBy::Processor => "processor".to_owned(),
+            DrawnBy::Device(device) => device.name(),
+        };
+        let Hemicube {
+            resolution, points, ..
+        } = hemicube;
+        format!("{kind} {resolution} {points} {device}")
+    };
+    match engine {
+        Engine::Hemicube(hemicube) => drawn("hemicube", hemicube),
+        Engine::Hybrid(hemicube) => drawn("hybrid", hemicube),
+        Engine::Auto | Engine::Rays | Engine::Analytic => format!("{engine:?}"),
+    }
 }
 
 /// Hashes text as it is written.
