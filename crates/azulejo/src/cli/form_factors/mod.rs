@@ -199,6 +199,7 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
         seed,
         analytic,
         separate,
+        accuracy,
         // What is done with the rows afterwards.
         closure: _,
         memory: _,
@@ -209,7 +210,7 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
     let _ = write!(words, "{version} {kernel} {} {size:?} ", described(engine));
     let _ = write!(
         words,
-        "{rays} {two_sided} {seed} {analytic} {separate} {scene:?}"
+        "{rays} {two_sided} {seed} {analytic} {separate} {accuracy:?} {scene:?}"
     );
     words.0.finish()
 }
