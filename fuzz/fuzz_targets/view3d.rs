@@ -1,12 +1,15 @@
 //! Any bytes as a View3D file: what is read must be valid, and have a row for every face.
 #![no_main]
 
+use azulejo_formats::ReadOptions;
 use azulejo_formats::view3d::{Document, Model};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok((document, _)) = Document::read(bytes, "fuzz.vs3") {
-        let model = Model::new(&document);
+    let options = ReadOptions::in_proportion(bytes.len());
+    let read = Document::read(bytes, "fuzz.vs3", &options);
+    let model = read.and_then(|(document, _)| Model::new(&document, "fuzz.vs3"));
+    if let Ok(model) = model {
         model.scene.validate().expect("a reader gives valid scenes");
         let rows = model.rows.iter().flatten().flatten();
         assert!(rows.clone().all(|&r| (r as usize) < model.names.len()));

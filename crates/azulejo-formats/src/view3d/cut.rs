@@ -1,14 +1,27 @@
 //! Polygons out of polygons.
 
 use super::check::{Plane, edges};
+use azulejo_scene::math::Aabb;
 use glam::DVec3;
 
 /// Pieces smaller than this, over the area of the whole, are left out.
 const SPECK: f64 = 1e-12;
 
+/// More polygons than this are not cut out of one: each is compared with all that is left.
+pub(super) const MOST_HOLES: usize = 4_096;
+
+/// Pieces for each hole at most. Holes that do not overlap leave about four.
+const MOST_PIECES: usize = 16;
+
 /// What is left of a convex polygon outside of others in its plane, in convex pieces that keep
 /// its front. Corners of the pieces are, where they can be, corners of what is given.
-pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
+///
+/// None if it comes to too much: there are more than [`MOST_HOLES`], or they overlap so much that
+/// they leave a sieve.
+pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<DVec3>>> {
+    if holes.len() > MOST_HOLES {
+        return None;
+    }
     let plane = Plane::of(whole);
     let mut pieces = vec![whole.to_vec()];
     for hole in holes {
@@ -18,12 +31,16 @@ pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> 
             normal: plane.normal,
             area: plane.area,
             snap: 1e-9 * plane.radius,
+            bounds: Aabb::around(turned.iter().copied()),
             corners,
         };
         let cut = |piece: Vec<DVec3>| cutter.subtract(piece, &turned);
         pieces = pieces.into_iter().flat_map(cut).collect();
+        if pieces.len() > MOST_PIECES * holes.len() {
+            return None;
+        }
     }
-    pieces
+    Some(pieces)
 }
 
 /// The polygon counter-clockwise about a normal.
@@ -40,12 +57,17 @@ struct Cutter {
     /// What is closer than this to a corner is where the corner is.
     snap: f64,
     corners: Vec<DVec3>,
+    /// The box around the hole.
+    bounds: Aabb,
 }
 
 impl Cutter {
     /// The parts of a convex piece outside of a convex hole: beyond each of its edges in turn,
     /// what the edges before have left.
     fn subtract(&self, piece: Vec<DVec3>, hole: &[DVec3]) -> Vec<Vec<DVec3>> {
+        if self.is_beside(&piece) {
+            return vec![piece];
+        }
         let (mut outside, mut rest) = (Vec::new(), piece.clone());
         for (a, b) in edges(hole) {
             let inward = self.normal.cross(b - a).normalize_or_zero();
@@ -58,6 +80,13 @@ impl Cutter {
             true => vec![piece],
             false => outside,
         }
+    }
+
+    /// Whether boxes already show that the hole does not touch a piece.
+    fn is_beside(&self, piece: &[DVec3]) -> bool {
+        let own = Aabb::around(piece.iter().copied());
+        let apart = own.min.max(self.bounds.min) - own.max.min(self.bounds.max);
+        apart.max_element() > self.snap
     }
 
     fn is_speck(&self, polygon: &[DVec3]) -> bool {
@@ -97,6 +126,7 @@ impl Cutter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec2;
 
     fn square(x: f64, y: f64, size: f64) -> Vec<DVec3> {
         [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
@@ -105,7 +135,7 @@ mod tests {
     }
 
     fn check(holes: &[Vec<DVec3>], pieces: usize, area: f64) {
-        let found = without(&square(0.0, 0.0, 1.0), holes);
+        let found = without(&square(0.0, 0.0, 1.0), holes).unwrap();
         assert_eq!(found.len(), pieces, "{found:?}");
         let left: f64 = found.iter().map(|p| Plane::of(p).area).sum();
         assert!((left - area).abs() < 1e-12, "{left}");
@@ -124,5 +154,20 @@ mod tests {
         check(&[square(0.1, 0.1, 0.2), square(0.6, 0.6, 0.3)], 7, 0.87);
         // Twice the same takes nothing more away.
         check(&[window.clone(), window], 4, 0.75);
+    }
+
+    #[test]
+    fn a_sieve_is_refused() {
+        let slit = |k: usize, across: bool| -> Vec<DVec3> {
+            let (low, high) = (0.01 * k as f64, 0.01 * k as f64 + 0.005);
+            let corners = [[0.0, low], [1.0, low], [1.0, high], [0.0, high]];
+            let turn = |[x, y]: [f64; 2]| if across { [y, x] } else { [x, y] };
+            corners.map(|c| DVec2::from(turn(c)).extend(2.0)).to_vec()
+        };
+        let slits = (0..100).flat_map(|k| [slit(k, false), slit(k, true)]);
+        let slits: Vec<_> = slits.collect();
+        assert!(without(&square(0.0, 0.0, 1.0), &slits).is_none());
+        let many = vec![square(0.5, 0.5, 0.1); MOST_HOLES + 1];
+        assert!(without(&square(0.0, 0.0, 1.0), &many).is_none());
     }
 }

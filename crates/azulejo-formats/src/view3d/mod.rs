@@ -26,18 +26,18 @@ use crate::options::check_length;
 use crate::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions, Warning};
 
-/// Reads the polygons as a scene; View3D's files name no others and take no options.
+/// Reads the polygons as a scene; View3D's files name no others.
 ///
 /// # Errors
-/// What [`Document::read`] says.
+/// What [`Document::read`] and [`Model::new`] say.
 pub fn read(
     bytes: &[u8],
     name: &str,
     _files: &dyn Files,
-    _options: &ReadOptions,
+    options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let (document, mut warnings) = Document::read(bytes, name)?;
-    let model = Model::new(&document);
+    let (document, mut warnings) = Document::read(bytes, name, options)?;
+    let model = Model::new(&document, name)?;
     warnings.extend(model.warning(name));
     Ok(Loaded {
         scene: model.scene,
@@ -51,8 +51,12 @@ impl Document {
     /// # Errors
     /// Words that are none of the format's, numbers out of sequence, surfaces that are not flat,
     /// not convex or not within their bases: with the line.
-    pub fn read(bytes: &[u8], name: &str) -> Result<(Document, Vec<Warning>), ReadError> {
-        let bytes = &*gzip::unpacked(bytes, name, &ReadOptions::default())?;
+    pub fn read(
+        bytes: &[u8],
+        name: &str,
+        options: &ReadOptions,
+    ) -> Result<(Document, Vec<Warning>), ReadError> {
+        let bytes = &*gzip::unpacked(bytes, name, options)?;
         check_length(bytes, name)?;
         let mut warnings = Warnings::default();
         let document = parse::read(bytes, name, &mut warnings)?;

@@ -1,9 +1,9 @@
 //! The polygons that are left when everything is cut out of what holds it.
 
 use super::check::Plane;
-use super::cut::without;
+use super::cut::{MOST_HOLES, without};
 use super::document::{Document, Kind, Surface};
-use crate::{Position, Warning};
+use crate::{Position, ReadError, Warning};
 use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -40,8 +40,11 @@ pub struct CoveringMask {
 }
 
 impl Model {
-    /// Cuts everything out of what holds it.
-    pub fn new(document: &Document) -> Model {
+    /// Cuts everything out of what holds it. `name` stands in messages.
+    ///
+    /// # Errors
+    /// More than 4,096 surfaces in one base, or so many that overlap that it would fall to dust.
+    pub fn new(document: &Document, name: &str) -> Result<Model, ReadError> {
         let row_of = Rows::new(document);
         let mut builder = Builder::default();
         let mut model = Model {
@@ -59,7 +62,7 @@ impl Model {
             let corners = document.corners(surface);
             let outline = |&h: &usize| document.corners(&document.surfaces[h]);
             let holes: Vec<Vec<DVec3>> = held[k].iter().map(outline).collect();
-            let pieces = without(&corners, &holes);
+            let pieces = without(&corners, &holes).ok_or_else(|| dust(surface, &holes, name))?;
             if overlap(&corners, &holes, &pieces) {
                 model.overlaps.push(surface.line);
             }
@@ -74,7 +77,7 @@ impl Model {
             pieces.iter().for_each(|p| builder.add(surface, row, p));
         }
         (model.scene, model.rows) = builder.finish();
-        model
+        Ok(model)
     }
 
     /// What is odd about it, if anything is; `file` stands in the message.
@@ -86,6 +89,19 @@ impl Model {
             message: message.to_owned(),
             count: self.overlaps.len(),
         })
+    }
+}
+
+/// Why a surface cannot be cut.
+fn dust(surface: &Surface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
+    let found = match holes.len() {
+        n if n > MOST_HOLES => format!("{n} surfaces with this one as their base"),
+        n => format!("{n} surfaces in one base that overlap everywhere"),
+    };
+    let expected = format!("at most {MOST_HOLES}, side by side: divide the base");
+    ReadError {
+        position: Position::Line(surface.line, 1),
+        ..ReadError::whole(name, found, expected)
     }
 }
 

@@ -25,19 +25,25 @@ fn floor_with(kind: &str, corners: &str, more: &str) -> String {
 const WINDOW: &str = "5 6 7 8";
 const TURNED: &str = "8 7 6 5";
 
+fn mirrored(text: &str) -> Result<(Document, Vec<Warning>), ReadError> {
+    Document::read(text.as_bytes(), "a.vs3", &ReadOptions::default())
+}
+
+fn model_of(document: &Document) -> Model {
+    Model::new(document, "a.vs3").unwrap()
+}
+
 fn document(text: &str) -> Document {
-    Document::read(text.as_bytes(), "a.vs3").unwrap().0
+    mirrored(text).unwrap().0
 }
 
 fn messages(text: &str) -> Vec<String> {
-    let (_, warnings) = Document::read(text.as_bytes(), "a.vs3").unwrap();
+    let (_, warnings) = mirrored(text).unwrap();
     warnings.iter().map(|w| w.to_string()).collect()
 }
 
 fn check_error(text: &str, expected: &str) {
-    let error = Document::read(text.as_bytes(), "a.vs3")
-        .unwrap_err()
-        .to_string();
+    let error = mirrored(text).unwrap_err().to_string();
     assert!(error.starts_with(expected), "{error}\nfor\n{text}");
 }
 
@@ -282,13 +288,13 @@ fn bases_hold_what_lies_in_them() {
     check_error(&combined, "a.vs3:11:15: found a mask that is combined");
     // An obstruction may hold what comes before it.
     let pane = floor_with("S", WINDOW, "O 3 1 2 3 4\n").replace("8 1 0", "8 3 0");
-    let model = Model::new(&document(&pane));
+    let model = model_of(&document(&pane));
     assert_eq!(model.rows, [vec![Some(0)], vec![Some(1)], vec![None; 4]]);
 }
 
 #[test]
 fn subsurfaces_are_cut_out() {
-    let model = Model::new(&document(&floor_with("S", WINDOW, "")));
+    let model = model_of(&document(&floor_with("S", WINDOW, "")));
     model.scene.validate().unwrap();
     assert_eq!(model.names, ["floor", "part"]);
     assert_eq!(model.emissivities, [0.5, 0.9]);
@@ -300,8 +306,23 @@ fn subsurfaces_are_cut_out() {
 }
 
 #[test]
+fn too_many_in_one_base_are_refused() {
+    let more: String = (3..4_100)
+        .map(|k| format!("S {k} 5 6 7 8 1 0 .9 a\n"))
+        .collect();
+    let text = floor_with("S", WINDOW, &more);
+    let error = Model::new(&document(&text), "a.vs3")
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.starts_with("a.vs3:10:1: found 4098 surfaces with this one"),
+        "{error}"
+    );
+}
+
+#[test]
 fn masks_and_holes_leave_a_place_that_blocks() {
-    let model = Model::new(&document(&floor_with("M", TURNED, "")));
+    let model = model_of(&document(&floor_with("M", TURNED, "")));
     assert_eq!(model.rows, [vec![Some(0); 4], vec![None]]);
     assert_eq!(model.scene.objects[1].name, "obstructions");
     let mask = CoveringMask {
@@ -316,7 +337,7 @@ fn masks_and_holes_leave_a_place_that_blocks() {
         TURNED,
         "S 3 1 2 3 4 0 0 .7 next\nS 4 1 2 3 4 0 3 .7 more\n",
     );
-    let model = Model::new(&document(&hole));
+    let model = model_of(&document(&hole));
     assert_eq!(model.names, ["floor", "next"]);
     assert_eq!(model.rows[1], [Some(1)]);
     assert_eq!(model.rows[2], [Some(1)]);
@@ -328,7 +349,7 @@ fn a_window_may_hold_a_window() {
     let inner =
         "V 9 .4 .4 0\nV 10 .6 .4 0\nV 11 .6 .6 0\nV 12 .4 .6 0\nS 3 9 10 11 12 2 0 .5 pane\n";
     let text = floor_with("S", WINDOW, "");
-    let model = Model::new(&document(&format!("{text}{inner}")));
+    let model = model_of(&document(&format!("{text}{inner}")));
     let areas: Vec<f64> = (0..3).map(|k| mesh(&model.scene, k).area()).collect();
     for (found, expected) in areas.iter().zip([0.75, 0.21, 0.04]) {
         assert!((found - expected).abs() < 1e-12, "{areas:?}");
@@ -338,7 +359,7 @@ fn a_window_may_hold_a_window() {
 fn written(scene: &Scene) -> Document {
     let mut text = Vec::new();
     write(scene, &mut text).unwrap();
-    let (document, warnings) = Document::read(&text, "w.vs3").unwrap();
+    let (document, warnings) = Document::read(&text, "w.vs3", &ReadOptions::default()).unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
     document
 }
@@ -356,7 +377,7 @@ fn what_is_written_reads_back() {
         );
         assert_eq!((surface.name.as_str(), surface.combined), ("room", 0));
     }
-    let model = Model::new(&document);
+    let model = model_of(&document);
     assert_eq!(model.names.len(), faces);
     let box_ = written(&cornell_box(CornellVariant::MirrorBlock));
     let mirror = box_.surfaces.iter().find(|s| s.name == "tall_top").unwrap();
@@ -382,7 +403,7 @@ fn faces_of_many_corners_are_combined() {
     let roots: Vec<u32> = document.surfaces.iter().map(|s| s.combined).collect();
     assert_eq!(roots, [0, 0, 1, 1, 1]);
     assert_eq!(document.surfaces[0].name, "the_floor__red");
-    let model = Model::new(&document);
+    let model = model_of(&document);
     assert_eq!(model.rows[0], [0, 1, 0, 0, 0].map(Some));
     assert_eq!(model.names.len(), 2);
 }

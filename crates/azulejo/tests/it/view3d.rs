@@ -262,6 +262,8 @@ fn what_makes_no_sense_is_said() {
     folder.fails("form-factors a.vs3 -o f.txt --two-sided", 2, "one-sided");
     folder.fails("form-factors a.vs3 -o f.txt --by object", 2, "cmb");
     folder.fails("form-factors a.vs3 -o f.xyz", 2, ".txt");
+    let run = folder.ok("form-factors a.vs3 -o - --patches 4 --rays 16");
+    assert!(run.err.contains("rows are patches"), "{}", run.err);
     folder.write("b.vs3", SQUARES.replace("S 2 5 8", "S 2 5 99"));
     folder.fails("form-factors b.vs3 -o f.txt", 1, "b.vs3:15:7: found \"99\"");
     assert_eq!(folder.names(), ["a.vs3", "b.vs3"]);

@@ -15,6 +15,7 @@ use super::report::{Report, bytes, count};
 use super::session::Session;
 use super::{clock, input, pass};
 use args::{FormFactorArgs, FormatName};
+use azulejo_formats::Format;
 use azulejo_formats::view3d::Layout;
 use azulejo_radiosity::form_factors::{Forecast, Journal, NoJournal, Plan};
 use azulejo_radiosity::{DrawnBy, Engine, FormFactorOptions, FormFactors, Hemicube, SolveError};
@@ -51,7 +52,7 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let room = view3d::read(args, session)?;
     let scene = match &room {
         Some(room) => Cow::Borrowed(room.scene()),
-        None => Cow::Owned(input::read_all(&args.input, session)?),
+        None => Cow::Owned(read_models(args, session)?),
     };
     let tracer = chosen.tracer(&scene)?;
     let mut options = options(args, &chosen);
@@ -96,6 +97,18 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
     Ok(report)
+}
+
+/// Models whose rows are patches or groups of them.
+fn read_models(args: &FormFactorArgs, session: &mut Session) -> Result<Scene, Failure> {
+    let scene = input::read_all(&args.input, session)?;
+    if session.formats().contains(&Format::View3d) {
+        session.note(
+            "rows are patches: those that View3D gives, with its masks, combinations and enclosures, \
+             need its file alone, by name, neither placed nor divided",
+        );
+    }
+    Ok(scene)
 }
 
 fn kind_of(args: &FormFactorArgs, output: &Output) -> Result<Kind, Failure> {
