@@ -24,6 +24,9 @@ pub struct Room {
 /// Most sweeps over an enclosure, and over grey factors, as in View3D.
 const SWEEPS: [usize; 2] = [100, 30];
 
+/// Up to so many polygons are computed exactly.
+const FEW: usize = 32;
+
 /// Rays from each surface at View3D's own eps of 1e-4.
 const RAYS: f64 = 16_384.0;
 
@@ -99,6 +102,10 @@ impl Room {
         self.model.names.len()
     }
 
+    fn polygons(&self) -> usize {
+        self.model.rows.iter().map(Vec::len).sum()
+    }
+
     /// Refuses rows that are not there.
     fn check(&self) -> Result<(), Failure> {
         let Controls { row, column, .. } = self.controls;
@@ -143,6 +150,8 @@ impl Room {
                 _ => Closure::Never,
             },
             rays: rays.unwrap_or(wanted),
+            // Formulas are as good as numbers can be where the few rows of a file cost nothing.
+            accuracy: (self.polygons() > FEW).then_some(self.controls.eps / 2.0),
             ..options
         }
     }
