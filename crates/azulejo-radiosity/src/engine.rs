@@ -1,5 +1,6 @@
 //! Who computes form factors: the engines, and what is said about which of them ran.
 
+pub use crate::facets::estimator::FormulaEstimator;
 use crate::hemicube::{AtMirrors, HemicubeEstimator};
 use crate::patch::Patches;
 use crate::rays::RayEstimator;
@@ -86,6 +87,8 @@ pub enum Estimator<'a> {
     Rays(RayEstimator<'a>),
     /// By item buffers.
     Hemicube(Box<HemicubeEstimator<'a>>),
+    /// By formulas.
+    Formulas(Box<FormulaEstimator<'a>>),
 }
 
 impl<'a> Estimator<'a> {
@@ -106,7 +109,11 @@ impl<'a> Estimator<'a> {
         match engine {
             Engine::Hemicube(options) => drawn(options, AtMirrors::Windows),
             Engine::Hybrid(options) => drawn(options, AtMirrors::Rays),
-            Engine::Auto | Engine::Rays | Engine::Analytic => {
+            Engine::Analytic => {
+                let new = FormulaEstimator::new;
+                Estimator::Formulas(Box::new(new(gatherer, patches, rays, seed, columns)))
+            }
+            Engine::Auto | Engine::Rays => {
                 Estimator::Rays(RayEstimator::new(gatherer, patches, rays, seed, columns))
             }
         }
@@ -122,6 +129,7 @@ impl<'a> Estimator<'a> {
                 notes: Vec::new(),
             },
             Estimator::Hemicube(estimator) => estimator.ran(),
+            Estimator::Formulas(estimator) => estimator.ran(),
         }
     }
 
@@ -130,6 +138,7 @@ impl<'a> Estimator<'a> {
         match self {
             Estimator::Rays(estimator) => estimator.rays(),
             Estimator::Hemicube(estimator) => estimator.pixels(),
+            Estimator::Formulas(estimator) => estimator.rays(),
         }
     }
 
@@ -148,6 +157,7 @@ impl<'a> Estimator<'a> {
                 sides.par_iter().map(row).collect()
             }
             Estimator::Hemicube(estimator) => estimator.rows(sides, progress),
+            Estimator::Formulas(estimator) => estimator.rows(sides, progress),
         }
     }
 }

@@ -24,6 +24,8 @@ const FEW: usize = 32;
 pub(crate) struct Wanted {
     /// Error of the sums of rows, as an RMS over them; `None` chooses by the number of rows.
     pub accuracy: Option<f64>,
+    /// Whether a mean over the channels will not do, so that coloured mirrors are left to rays.
+    pub is_per_channel: bool,
     /// Another seed gives other noise to what is left to shadow rays.
     pub seed: u32,
 }
@@ -60,7 +62,7 @@ impl<'a> Exchanger<'a> {
         let facet = |(row, &side): (usize, &Side)| facet(patches, side, row as u32);
         let list: Vec<Facet> = sides.iter().enumerate().filter_map(facet).collect();
         let solids = Solids::new(patches, surfaces, &sides);
-        let (worlds, known) = worlds(patches, surfaces, &solids, &list);
+        let (worlds, known) = worlds(patches, surfaces, &solids, &list, wanted.is_per_channel);
         let facets = Facets::new(&list, solids.size);
         let mut positions = vec![NOWHERE; sides.len()];
         for (position, facet) in facets.list.iter().enumerate() {
@@ -82,6 +84,11 @@ impl<'a> Exchanger<'a> {
     /// Whether there are images of mirrors.
     pub fn has_images(&self) -> bool {
         self.worlds.len() > 1
+    }
+
+    /// Whether nothing is left to rays.
+    pub fn knows_all(&self) -> bool {
+        self.known == [true; ORDERS] && self.positions.iter().all(|&p| p != NOWHERE)
     }
 
     /// Whether a row has a formula.
@@ -254,6 +261,7 @@ fn worlds(
     surfaces: &Surfaces,
     solids: &Solids,
     facets: &[Facet],
+    is_per_channel: bool,
 ) -> (Vec<World>, [bool; ORDERS]) {
     let specular = |i: &usize| {
         let material = &surfaces.scene.materials[patches.material(*i) as usize];
@@ -262,15 +270,17 @@ fn worlds(
     let all: Vec<usize> = (0..patches.len()).filter(specular).collect();
     let is_flat_mirror = |&i: &usize| {
         let material = &surfaces.scene.materials[patches.material(i) as usize];
-        material.dielectric.is_none() && patches.polygon(i).is_some()
+        let is_mirror = material.dielectric.is_none() && patches.polygon(i).is_some();
+        is_mirror && (material.mirror.is_grey() || !is_per_channel)
     };
     let mirrors = if solids.curved.is_empty() && all.iter().all(is_flat_mirror) {
         solids.mirrors(patches, surfaces, &all)
     } else {
         Vec::new()
     };
-    let is_affordable = (mirrors.len() as f64) * (facets.len() as f64).powi(2) <= MOST_MIRRORED;
-    let mirrors: &[Mirror] = if is_affordable { &mirrors } else { &[] };
+    // Between divided surfaces rays are quicker, and they count what images of a divided mirror
+    // would count more than once.
+    let mirrors: &[Mirror] = if facets.len() <= FEW { &mirrors } else { &[] };
     let depth = Depth {
         least: 1e-10,
         // Each costs as much as the scene itself.
@@ -278,7 +288,12 @@ fn worlds(
         most_left: 1e-5,
     };
     let reach = |window: &[DVec3]| {
-        let share = |f: &Facet| form_factor_fast(f.polygon(), window, 1e-2);
+        // Windows are seen from either side.
+        let back: Vec<DVec3> = window.iter().rev().copied().collect();
+        let share = |f: &Facet| {
+            let of = |polygon: &[DVec3]| form_factor_fast(f.polygon(), polygon, 1e-2);
+            of(window) + of(&back)
+        };
         facets.iter().map(share).fold(0.0, f64::max)
     };
     let worlds = Worlds::new(solids, mirrors, depth, reach);
@@ -286,6 +301,3 @@ fn worlds(
     let known = [true, by_images, by_images && worlds.has_all_orders];
     (worlds.list, known)
 }
-
-/// Mirrors times pairs that are worth images; beyond, rays are quicker.
-const MOST_MIRRORED: f64 = 3e10;

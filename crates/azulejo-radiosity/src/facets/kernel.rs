@@ -95,11 +95,10 @@ impl<const N: usize> Points<N> {
                 let (x, y, z) = (x[p][k], y[p][k], z[p][k]);
                 let height = own.normal.x * x + own.normal.y * y + own.normal.z * z - own.offset;
                 let mut inner = 0.0;
-                for q in 0..N {
-                    let o = own.points[q].0;
+                for (height, (o, _)) in heights.iter().zip(&own.points) {
                     let (dx, dy, dz) = (x - o.x, y - o.y, z - o.z);
                     let squared = dx * dx + dy * dy + dz * dz;
-                    inner += heights[q] / (squared * squared);
+                    inner += height / (squared * squared);
                 }
                 sum += height * w[p][k] * inner;
             }

@@ -8,6 +8,7 @@
 //! windows ([`world`]), walked in the same way. [`engine`] deals out the rows.
 
 pub(crate) mod engine;
+pub(crate) mod estimator;
 mod kernel;
 mod merge;
 mod partial;

@@ -327,7 +327,9 @@ impl Partial {
         let mut sum = 0.0;
         if screens[0].is_window {
             for screen in screens.iter().take_while(|s| s.is_window) {
-                self.cone(eye, screen, to, way);
+                if !self.cone(eye, screen, to, way) {
+                    return 0.0;
+                }
                 match inside(&target, &self.planes, &mut self.rest, None) {
                     Some(part) => target = *part,
                     None => return 0.0,

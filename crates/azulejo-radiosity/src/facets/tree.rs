@@ -129,20 +129,6 @@ mod tests {
             );
             assert!(first.end == second.start && !first.is_empty() && !second.is_empty());
         }
-        // The first split is by direction.
-        let of = |r: &Range<u32>| order_of(&tree, r);
-        assert!(
-            of(&tree.nodes[1].range)
-                .iter()
-                .all(|&i| i.is_multiple_of(3))
-                != of(&tree.nodes[1].range)
-                    .iter()
-                    .all(|&i| !i.is_multiple_of(3))
-        );
         assert!(Tree::new(&[], 1.0).nodes.is_empty());
-    }
-
-    fn order_of(tree: &Tree, range: &Range<u32>) -> Vec<u32> {
-        tree.order[range.start as usize..range.end as usize].to_vec()
     }
 }

@@ -30,6 +30,7 @@ impl Prepared<'_> {
         let list: Vec<Side> = (0..n).map(|row| self.sides.side(row)).collect();
         let wanted = Wanted {
             accuracy: options.accuracy,
+            is_per_channel: false,
             seed: hash(&[self.seed, 0]),
         };
         let surfaces = self.gatherer.surfaces();
@@ -42,11 +43,7 @@ impl Prepared<'_> {
                 && (has_formula[i] && has_formula[j])
                 && all.is_done[i.min(j)]
         };
-        let knows_all = exchanger.known.iter().all(|&known| known)
-            && has_formula
-                .iter()
-                .zip(&all.is_done)
-                .all(|(&has, &done)| has && done);
+        let knows_all = exchanger.knows_all() && all.is_done.iter().all(|&done| done);
         let rays = options
             .rays
             .min(if knows_all { LOOKING_RAYS } else { MOST_RAYS });

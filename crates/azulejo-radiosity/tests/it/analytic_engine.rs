@@ -33,13 +33,30 @@ fn polygons_and_mirrors_are_exact() {
             Kind::Mirrors => 1e-8,
             Kind::Curved | Kind::Glass => continue,
         };
+
         let tracer = Tracer::new(&case.scene);
-        let (answer, _) = case.ask(&tracer, &options(), &Progress::new()).unwrap();
+        let (answer, factors) = case.ask(&tracer, &options(), &Progress::new()).unwrap();
         let off = answer.off(&case);
         eprintln!(
             "{:16} {:.13} ± {:.1e}, off {off:.1e}",
             case.id, answer.value, answer.error
         );
+        // Three mirrors and more make too many images: prisms and plates between end mirrors, and
+        // a room of nothing else.
+        if factors.ran.notes.iter().any(|n| n.contains("rays")) {
+            let in_words = ["prism", "wedge45", "plates", "furnace_spec"];
+            assert!(
+                in_words.iter().any(|w| case.id.starts_with(w)),
+                "{}",
+                case.id
+            );
+            assert!(
+                answer.standard_errors(&case) < 4.0,
+                "{}: {answer:?}",
+                case.id
+            );
+            continue;
+        }
         assert!(
             off < tolerance + case.truth.error,
             "{}: {answer:?} is {off:e} off {:?}",
@@ -168,5 +185,44 @@ proptest! {
     #[test]
     fn agrees_with_rays_by_mirrors(seed in 0u32..1_000_000) {
         check_against_rays(&clutter(seed, 0.7));
+    }
+}
+
+/// The same light, whoever computes the rows.
+#[test]
+fn solves_alike() {
+    let grey = |exitance| rooms::surface(0.5, 0.0, exitance);
+    let mirror = rooms::surface(0.0, 0.9, 0.0);
+    let mut scene = rooms::cube([
+        grey(1.0),
+        grey(0.0),
+        mirror,
+        grey(0.0),
+        grey(0.0),
+        grey(0.0),
+    ]);
+    let plate = grey(0.0);
+    let corner = dvec3(0.3, 0.3, 0.5);
+    rooms::add_sheet(&mut scene, corner, 0.4 * DVec3::X, 0.4 * DVec3::Y, plate);
+    let solve = |engine: Engine| {
+        let pass = azulejo_radiosity::FirstPass {
+            engine,
+            ..rooms::rays(1 << 14)
+        };
+        rooms::Matrix::solve(&scene, &pass)
+    };
+    let (formulas, rays) = (solve(Engine::Analytic), solve(Engine::Rays));
+    for patch in 0..formulas.patches.len() {
+        for front in [true, false] {
+            let ((a, e), (b, f)) = (
+                formulas.radiosity(patch, front),
+                rays.radiosity(patch, front),
+            );
+            let error = e.hypot(f).max(2e-3 * b);
+            assert!(
+                (a - b).abs() <= 5.0 * error,
+                "{patch} {front}: {a} ± {e}, {b} ± {f}"
+            );
+        }
     }
 }

@@ -21,4 +21,3 @@ mod polygons;
 mod refinement;
 mod rooms;
 mod vertices;
-mod zz_debug;
