@@ -13,8 +13,7 @@ use std::sync::Arc;
 /// A way to compute form factors. All estimate the same quantity; each says its error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// Whichever of the others promises the smallest error for its cost; the report says which
-    /// and why.
+    /// Rays: of all engines they bear every scene, and their error is known everywhere.
     #[default]
     Auto,
     /// Rays from all over each patch, through mirrors and glass (Malley's method, Sobol points).

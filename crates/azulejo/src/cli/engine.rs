@@ -17,7 +17,7 @@ const EMBREE_VARIABLE: &str = "AZULEJO_EMBREE";
 /// Engines, and Embree, which is another kernel for the same rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
-    /// Whichever promises the smallest error for its cost; the report says which and why
+    /// Formulas for View3D's files; rays, with formulas for close pairs and lamps, for the rest
     Auto,
     /// Rays from all over each patch, through mirrors and glass
     Rays,
