@@ -8,7 +8,7 @@
 //! ([`Engine::Hemicube`](crate::Engine)), or the light goes on from their pixels by rays
 //! ([`Engine::Hybrid`](crate::Engine)), as it does from curved mirrors and glass in any case.
 //!
-//! Curved patches are drawn as facets ([`Facets`]), and their hemicubes stand on these.
+//! Curved patches are drawn as facets (`patch::facets`), and their hemicubes stand on these.
 
 mod drawn;
 mod world;

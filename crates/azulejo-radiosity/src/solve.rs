@@ -200,7 +200,7 @@ pub struct Report {
     pub residual: f64,
     /// Where the emitted power went, W.
     pub balance: Balance,
-    /// Estimated relative RMS error of irradiance, as [`Gathering::relative_error`] says.
+    /// Estimated relative RMS error of irradiance, as [`Gathering::relative_error`](crate::gather::Gathering::relative_error) says.
     pub error: f64,
 }
 
