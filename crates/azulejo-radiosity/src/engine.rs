@@ -80,6 +80,14 @@ pub struct Ran {
     pub notes: Vec<String>,
 }
 
+impl Ran {
+    /// Says first why this engine was chosen, if it was.
+    pub(crate) fn because(mut self, why: Option<String>) -> Ran {
+        self.notes.splice(0..0, why);
+        self
+    }
+}
+
 /// Computes rows of form factors by one of the engines. Immutable; shared by all threads.
 pub enum Estimator<'a> {
     /// By rays.

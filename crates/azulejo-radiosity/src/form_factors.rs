@@ -30,6 +30,7 @@ mod sides;
 mod spread;
 mod truncate;
 
+use crate::choice::Facts;
 use crate::engine::{Engine, Estimator};
 use crate::patch::{PatchSize, Patches};
 use crate::row::Columns;
@@ -171,17 +172,29 @@ struct Prepared<'a> {
     sides: Sides<'a>,
     gatherer: Gatherer<'a>,
     seed: u32,
+    /// Who computes, and why if that was left open.
+    engine: Engine,
+    why: Option<String>,
 }
 
 impl<'a> Prepared<'a> {
     fn new(plan: &'a Plan<'a>) -> Prepared<'a> {
         let (scene, tracer) = (&plan.stand_in.scene, &plan.stand_in.tracer);
         let seed = plan.options.seed;
+        let (engine, why) = match &plan.options.engine {
+            Engine::Auto => {
+                let chosen = Facts::of(scene, &plan.patches, plan.options.memory).for_factors();
+                (chosen.0, Some(chosen.1))
+            }
+            asked => (asked.clone(), None),
+        };
         Prepared {
             plan,
             sides: Sides::new(&plan.patches, plan.options.two_sided),
             gatherer: Gatherer::new(Surfaces::new(scene, tracer)),
             seed: hash(&[seed as u32, (seed >> 32) as u32]),
+            engine,
+            why,
         }
     }
 
@@ -204,7 +217,7 @@ impl<'a> Prepared<'a> {
     fn estimator(&self) -> Estimator<'_> {
         let options = self.plan.options;
         Estimator::new(
-            &options.engine,
+            &self.engine,
             &self.gatherer,
             &self.plan.patches,
             options.rays.min(MOST_RAYS),
@@ -269,7 +282,7 @@ impl<'a> Prepared<'a> {
         let traced = tracing.trace(journal, progress)?;
         let factors = merge::merge(&self.sides, traced, &exact, progress)?;
         Ok(FormFactors {
-            ran: estimator.ran(),
+            ran: estimator.ran().because(self.why.clone()),
             ..factors
         })
     }

@@ -15,6 +15,7 @@
 //! answers, to judge all of it by.
 
 pub mod analytic;
+mod choice;
 pub mod direct;
 pub mod engine;
 mod facets;

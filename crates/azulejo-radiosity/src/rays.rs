@@ -12,7 +12,7 @@ use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
-use azulejo_trace::{Gatherer, REPLICATES, Tracer};
+use azulejo_trace::{Gatherer, KernelHit, REPLICATES, Surfaces, Tracer};
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -53,11 +53,12 @@ impl<'a> Starts<'a> {
             (side / 2) as usize,
             if side.is_multiple_of(2) { 1.0 } else { -1.0 },
         );
+        let sampler = self.patches.sampler(patch);
         let flat_frame = Frame::from_normal(flip * self.patches.normal(patch));
         let scrambling = seeds(&[self.seed, side, replicate as u32]);
         paths.extend(stretch.map(|k| {
             let [u1, u2, u3, u4] = self.table.point(k, scrambling).map(f64::from);
-            let at = self.patches.sample(patch, u1, u2);
+            let at = sampler.sample(u1, u2);
             let normal = flip * at.normal;
             let frame = if normal == flat_frame.z {
                 flat_frame
@@ -78,11 +79,47 @@ impl<'a> Starts<'a> {
     }
 }
 
+/// Finds the patch of a hit: at once where all of what was hit is one patch.
+pub(crate) struct HitPatches<'a> {
+    surfaces: &'a Surfaces<'a>,
+    patches: &'a Patches,
+    /// For each item its only patch, or [`SEVERAL`].
+    only: Vec<u32>,
+}
+
+const SEVERAL: u32 = u32::MAX;
+
+impl<'a> HitPatches<'a> {
+    pub fn new(surfaces: &'a Surfaces<'a>, patches: &'a Patches) -> HitPatches<'a> {
+        let only = |k: u32| {
+            let item = surfaces.item(k);
+            let patch = patches.only_patch(item.object, item.face, item.triangle);
+            patch.unwrap_or(SEVERAL)
+        };
+        let only = (0..surfaces.tracer.item_count()).map(only).collect();
+        HitPatches {
+            surfaces,
+            patches,
+            only,
+        }
+    }
+
+    /// The patch that `hit` lies on.
+    #[inline]
+    pub fn at(&self, hit: &KernelHit) -> u32 {
+        match self.only[hit.item as usize] {
+            SEVERAL => self.patches.locate_hit(self.surfaces, hit),
+            patch => patch,
+        }
+    }
+}
+
 /// Computes rows. Immutable; shared by all threads.
 pub struct RayEstimator<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
     starts: Starts<'a>,
+    hit_patches: HitPatches<'a>,
     per_replicate: usize,
     seed: u32,
     columns: Columns,
@@ -113,6 +150,7 @@ impl<'a> RayEstimator<'a> {
             gatherer,
             patches,
             starts: Starts::new(gatherer.surfaces().tracer, patches, per_replicate, seed),
+            hit_patches: HitPatches::new(gatherer.surfaces(), patches),
             per_replicate,
             seed,
             columns,
@@ -208,7 +246,7 @@ impl<'a> RayEstimator<'a> {
                     row.stray[replicate] +=
                         weight * self.gatherer.stray_exitance(&hit, front, path.via);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
-                        let patch = self.patches.locate_hit(surfaces, &hit);
+                        let patch = self.hit_patches.at(&hit);
                         tally.add(side(patch, front), order(path.via), weight);
                     }
                 }

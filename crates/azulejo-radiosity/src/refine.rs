@@ -16,7 +16,7 @@
 
 use crate::direct::{DIRECT_POSITIONS, direct_at};
 use crate::patch::Patches;
-use crate::rays::{BATCH, Starts};
+use crate::rays::{BATCH, HitPatches, Starts};
 use crate::row::{Side, side};
 use crate::system::{Found, System};
 use azulejo_scene::Rgb;
@@ -87,6 +87,7 @@ pub fn refine(
         gatherer,
         patches,
         starts: Starts::new(tracer, patches, most, seed),
+        hit_patches: HitPatches::new(gatherer.surfaces(), patches),
         seed,
         reference: coarse.mean().iter().map(|r| r.to_f32()).collect(),
         progress,
@@ -168,6 +169,7 @@ struct Refiner<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
     starts: Starts<'a>,
+    hit_patches: HitPatches<'a>,
     seed: u32,
     /// R₀ per side.
     reference: Vec<[f32; 3]>,
@@ -253,7 +255,7 @@ impl Refiner<'_> {
                     let light = match event {
                         Event::Escape => ambient,
                         Event::Surface { hit, front } => {
-                            let patch = self.patches.locate_hit(surfaces, &hit);
+                            let patch = self.hit_patches.at(&hit);
                             let reflected = rgb(&self.reference[side(patch, front) as usize]);
                             reflected + self.gatherer.stray_exitance(&hit, front, path.via)
                         }

@@ -81,12 +81,17 @@ impl FirstPass {
     /// The error of a patch from n rays is about a half n^−0.6, and what refinement leaves of the
     /// rows' noise about that times n^−½: a fourth of the error asked for.
     pub(crate) fn patch_rays(&self) -> u32 {
-        let enough = (2.0 / self.error.unwrap_or(DEFAULT_ERROR)).powf(0.9);
+        let enough = (2.0 / self.aim()).powf(0.9);
         let enough = (enough as u32).next_power_of_two().clamp(128, 2048);
         match (self.error, self.rays) {
             (None, Some(rays)) => rays,
             (_, most) => enough.min(most.unwrap_or(u32::MAX)),
         }
+    }
+
+    /// The relative error that is aimed at, as far as rays allow.
+    pub(crate) fn aim(&self) -> f64 {
+        self.error.unwrap_or(DEFAULT_ERROR)
     }
 
     /// What the rows are refined to, if an error is asked for. Bounces that are counted cannot be

@@ -1,6 +1,7 @@
 //! The light on patches, before it is gathered anywhere.
 
-use crate::engine::{Estimator, Ran};
+use crate::choice::Facts;
+use crate::engine::{Engine, Estimator, Ran};
 use crate::gather::Gathering;
 use crate::light::{PatchLight, reflectances};
 use crate::patch::Patches;
@@ -100,7 +101,12 @@ impl<'a> Solved<'a> {
                 seed,
                 progress,
             )?;
-            (found, Spent::default(), Method::Stochastic, Ran::default())
+            (
+                found,
+                Spent::default(),
+                Method::Stochastic,
+                parts.shot(pass, expected),
+            )
         };
         Ok(Solved {
             gatherer,
@@ -177,6 +183,21 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
+    /// What is said where there is no matrix; `expected` is what it would take.
+    fn shot(&self, pass: &FirstPass, expected: u64) -> Ran {
+        let gibibytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        let why = format!(
+            "rays are shot without a matrix, because its rows may take {:.1} of {:.1} GiB",
+            gibibytes(expected),
+            gibibytes(pass.memory)
+        );
+        Ran {
+            engine: "rays".to_owned(),
+            device: self.gatherer.surfaces().tracer.kernel_name(),
+            notes: vec![why],
+        }
+    }
+
     /// Rows, their solution, and the refinement of both.
     fn matrix(
         &self,
@@ -190,13 +211,22 @@ impl Parts<'_> {
             rays,
             seed,
         } = self;
+        let scene = gatherer.surfaces().scene;
+        let (engine, why) = match &pass.engine {
+            Engine::Auto => {
+                let chosen = Facts::of(scene, patches, pass.memory).for_light(pass.aim());
+                (chosen.0, Some(chosen.1))
+            }
+            asked => (asked.clone(), None),
+        };
         let columns = Columns::Diffuse;
-        let estimator = Estimator::new(&pass.engine, gatherer, patches, rays, seed, columns);
+        let estimator = Estimator::new(&engine, gatherer, patches, rays, seed, columns);
         let mut system = System::trace(gatherer, patches, reflectance, &estimator, seed, progress)?;
-        let ran = estimator.ran();
+        let ran = estimator.ran().because(why);
         let coarse = system.solve_all(pass.bounces, progress)?;
-        let by_rays = matches!(estimator, Estimator::Rays(_));
-        let Some(goal) = pass.goal().filter(|_| by_rays) else {
+        // Hemicubes have as many pixels as were asked for: rays beside them would be noise.
+        let is_drawn = matches!(estimator, Estimator::Hemicube(_));
+        let Some(goal) = pass.goal().filter(|_| !is_drawn) else {
             return Ok((coarse, Spent::default(), ran));
         };
         if coarse.error(patches) <= goal.error || progress.out_of_time() {

@@ -13,9 +13,11 @@ pub struct Surfaces<'a> {
     /// Its tracer.
     pub tracer: &'a Tracer,
     items: Vec<ItemSurface>,
+    /// What each item is: apart, because few look at it and all rays look at the rest.
+    names: Vec<Item>,
 }
 
-/// The looked-up facts of one item.
+/// What every hit asks of its item.
 #[derive(Clone, Copy, Debug)]
 struct ItemSurface {
     /// Unit normal of the front; zero where it changes over the item.
@@ -23,7 +25,6 @@ struct ItemSurface {
     material: MaterialId,
     is_specular: bool,
     is_emitter: bool,
-    item: Item,
 }
 
 impl<'a> Surfaces<'a> {
@@ -34,20 +35,19 @@ impl<'a> Surfaces<'a> {
             _ => Vec::new(),
         });
         let leaves: Vec<Vec<Leaf>> = leaves.collect();
-        let items = (0..tracer.item_count()).map(|i| {
-            let item = tracer.item(i);
-            ItemSurface::new(scene, &leaves[item.object as usize], item)
-        });
+        let names: Vec<Item> = (0..tracer.item_count()).map(|i| tracer.item(i)).collect();
+        let surface = |item: &Item| ItemSurface::new(scene, &leaves[item.object as usize], item);
         Surfaces {
             scene,
             tracer,
-            items: items.collect(),
+            items: names.iter().map(surface).collect(),
+            names,
         }
     }
 
     /// What an item is.
     pub fn item(&self, item: u32) -> &Item {
-        &self.items[item as usize].item
+        &self.names[item as usize]
     }
 
     /// Whether light that arrives at an item can leave mirrored or refracted.
@@ -90,7 +90,7 @@ impl<'a> Surfaces<'a> {
 }
 
 impl ItemSurface {
-    fn new(scene: &Scene, leaves: &[Leaf], item: Item) -> ItemSurface {
+    fn new(scene: &Scene, leaves: &[Leaf], item: &Item) -> ItemSurface {
         let (normal, material) = match &scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) => {
                 let face = item.face as usize;
@@ -123,7 +123,6 @@ impl ItemSurface {
             material,
             is_specular: surface.is_specular(),
             is_emitter: surface.is_emitter(),
-            item,
         }
     }
 }

@@ -117,6 +117,20 @@ impl Patches {
         patch.min((self.corners.len() as u32).saturating_sub(1))
     }
 
+    /// The patch of a triangle or part all of which is one patch.
+    pub fn only_patch(&self, object: u32, face: u32, triangle: u32) -> Option<u32> {
+        let face = (*self.face_base.get(object as usize)?).checked_add(face)? as usize;
+        let (start, end) = (
+            *self.face_regions.get(face)?,
+            *self.face_regions.get(face + 1)?,
+        );
+        let region = start + triangle.min((end - start).checked_sub(1)?);
+        match *self.locator.regions.get(region as usize)? {
+            (first, _, Finder::One) if (first as usize) < self.corners.len() => Some(first),
+            _ => None,
+        }
+    }
+
     fn find(&self, object: u32, face: u32, triangle: u32, u: f32, v: f32) -> Option<u32> {
         let face = (*self.face_base.get(object as usize)?).checked_add(face)? as usize;
         let (start, end) = (

@@ -45,7 +45,7 @@ mod tests;
 
 pub(crate) use facets::Facets;
 pub use refined::RefinedShape;
-pub use sample::PatchPoint;
+pub use sample::{PatchPoint, Sampler};
 
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{MaterialId, Primitive, Scene};

@@ -16,6 +16,49 @@ pub struct PatchPoint {
     pub weight: f64,
 }
 
+/// Draws points of one patch: what they share is looked up once.
+#[derive(Clone, Copy)]
+pub struct Sampler<'a> {
+    patches: &'a Patches,
+    patch: usize,
+    /// Unit normal; zero on a curved patch.
+    normal: DVec3,
+    form: Form,
+}
+
+/// The form of a flat patch.
+#[derive(Clone, Copy)]
+enum Form {
+    /// The first corner, and from it to the other two.
+    Triangle([DVec3; 3]),
+    /// Four corners, and the density of area at them.
+    Quad([DVec3; 4], [f64; 4]),
+    Curved,
+}
+
+impl Sampler<'_> {
+    /// The point for `(u1, u2)` in the unit square, as [`Patches::sample`] says.
+    pub fn sample(&self, u1: f64, u2: f64) -> PatchPoint {
+        let position = match &self.form {
+            Form::Curved => return self.patches.sample_curved(self.patch, u1, u2),
+            &Form::Triangle([corner, e, f]) => {
+                let (v, w) = triangle_from_square(u1, u2);
+                corner + v * e + w * f
+            }
+            &Form::Quad([a, b, c, d], densities) => {
+                let (s, t, _) = sample_bilinear(densities, u1, u2);
+                let (low, high) = (a + s * (b - a), d + s * (c - d));
+                low + t * (high - low)
+            }
+        };
+        PatchPoint {
+            position,
+            normal: self.normal,
+            weight: 1.0,
+        }
+    }
+}
+
 impl Patches {
     /// The point of patch `i` for `(u1, u2)` in the unit square.
     ///
@@ -24,27 +67,27 @@ impl Patches {
     /// Triangles: Heitz, *A Low-Distortion Map Between Triangle and Square*, 2019.
     /// Quadrilaterals: the inverse of the bilinear density.
     pub fn sample(&self, i: usize, u1: f64, u2: f64) -> PatchPoint {
-        let region = self.region(i);
-        if region.normal == DVec3::ZERO {
-            return self.sample_curved(i, u1, u2);
-        }
-        let polygon = self.corner_points(i);
-        let position = match *polygon {
-            [a, b, c] => {
-                let (v, w) = triangle_from_square(u1, u2);
-                a + v * (b - a) + w * (c - a)
+        self.sampler(i).sample(u1, u2)
+    }
+
+    /// Draws points of patch `i`.
+    pub fn sampler(&self, i: usize) -> Sampler<'_> {
+        let normal = self.region(i).normal;
+        let form = if normal == DVec3::ZERO {
+            Form::Curved
+        } else {
+            let polygon = self.corner_points(i);
+            match *polygon {
+                [a, b, c, d] => Form::Quad([a, b, c, d], quad_densities(&polygon, normal)),
+                [a, b, c] => Form::Triangle([a, b - a, c - a]),
+                _ => Form::Triangle([polygon[0], DVec3::ZERO, DVec3::ZERO]),
             }
-            [a, b, c, d] => {
-                let (s, t, _) = sample_bilinear(quad_densities(&polygon, region.normal), u1, u2);
-                let (low, high) = (a + s * (b - a), d + s * (c - d));
-                low + t * (high - low)
-            }
-            _ => polygon[0],
         };
-        PatchPoint {
-            position,
-            normal: region.normal,
-            weight: 1.0,
+        Sampler {
+            patches: self,
+            patch: i,
+            normal,
+            form,
         }
     }
 
