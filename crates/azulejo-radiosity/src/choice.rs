@@ -54,7 +54,8 @@ impl Facts {
         16.0 * 0.5 * (self.patches as f64).powi(2)
     }
 
-    /// The engine for form factors as a product, and why.
+    /// The engine for form factors as a product, and why. The same for the same patches: work that
+    /// was interrupted goes on with the same engine.
     pub fn for_factors(&self) -> (Engine, String) {
         let n = self.patches;
         if n > MOST_PAIRED {
@@ -63,9 +64,6 @@ impl Facts {
         } else if self.flat < MOSTLY {
             let curved = 100.0 * (1.0 - self.flat);
             let why = format!("rays, because {curved:.0}% of the area is curved");
-            (Engine::Rays, why)
-        } else if self.pairs() > self.memory as f64 {
-            let why = "rays, because all pairs might not fit in the memory".to_owned();
             (Engine::Rays, why)
         } else {
             let why = format!("analytic, because {n} flat patches can be paired by formulas");
@@ -127,11 +125,6 @@ mod tests {
             ..ROOM
         };
         check(many.for_factors(), &Engine::Rays, "too many");
-        let small = Facts {
-            memory: 1 << 20,
-            ..ROOM
-        };
-        check(small.for_factors(), &Engine::Rays, "memory");
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The direct light of patches: what formulas count, area-averaged.
 
-use crate::patch::Patches;
+use crate::patch::{Patches, Sampler};
 use crate::row::Side;
 use azulejo_trace::sampling::{hash, seeds, sobol};
-use azulejo_trace::{DirectLight, GatherPoint, Gatherer, REPLICATES};
+use azulejo_trace::{DirectLight, GatherPoint, Gatherer, Places, RAYS_PER_FORMULA, REPLICATES};
 use std::ops::Range;
 
 /// Positions per replicate at which a patch's direct light is computed first.
@@ -23,24 +23,23 @@ pub(crate) fn direct_at(
     side: Side,
     stretch: Range<u32>,
 ) -> DirectLight {
-    let (patch, flip) = (
-        (side / 2) as usize,
-        if side.is_multiple_of(2) { 1.0 } else { -1.0 },
-    );
-    let count = stretch.len();
-    let mut points = Vec::with_capacity(REPLICATES * count);
-    for r in 0..REPLICATES as u32 {
-        let [s1, s2, ..] = seeds(&[seed, side, r, 0xd1]);
-        for k in stretch.clone() {
-            let at = patches.sample(patch, sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
-            points.push(GatherPoint {
-                position: at.position,
-                normal: flip * at.normal,
-                key: hash(&[side, r, k]),
-            });
-        }
+    let positions = Positions {
+        sampler: patches.sampler((side / 2) as usize),
+        seed,
+        side,
+    };
+    if gatherer.lights_crowd() {
+        let rays = RAYS_PER_FORMULA as u32;
+        let many = stretch.start * rays..stretch.end * rays;
+        let places = Places {
+            formulas: &positions.of(stretch, 0xd1),
+            rays: &positions.of(many.clone(), 0xd2),
+            before: many.start,
+        };
+        return gatherer.direct_over(&places, hash(&[seed, side]));
     }
-    let found = gatherer.direct(&points, 1, seed);
+    let count = stretch.len();
+    let found = gatherer.direct(&positions.of(stretch, 0xd1), 1, seed);
     let mut light = DirectLight::default();
     let share = 1.0 / count as f64;
     for (k, at) in found.iter().enumerate() {
@@ -48,4 +47,37 @@ pub(crate) fn direct_at(
         light.lights += at.lights * (share / REPLICATES as f64);
     }
     light
+}
+
+/// Positions on one side of a patch.
+struct Positions<'a> {
+    sampler: Sampler<'a>,
+    seed: u32,
+    side: Side,
+}
+
+impl Positions<'_> {
+    /// A stretch of each replicate's sequence; `purpose` keys another sequence.
+    fn of(&self, stretch: Range<u32>, purpose: u32) -> Vec<GatherPoint> {
+        let flip = if self.side.is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        };
+        let mut points = Vec::with_capacity(REPLICATES * stretch.len());
+        for r in 0..REPLICATES as u32 {
+            let [s1, s2, ..] = seeds(&[self.seed, self.side, r, purpose]);
+            points.extend(stretch.clone().map(|k| {
+                let at = self
+                    .sampler
+                    .sample(sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
+                GatherPoint {
+                    position: at.position,
+                    normal: flip * at.normal,
+                    key: hash(&[self.side, r, k]),
+                }
+            }));
+        }
+        points
+    }
 }

@@ -256,8 +256,10 @@ impl<'a> Prepared<'a> {
         progress: &Progress,
     ) -> Result<FormFactors, SolveError> {
         let options = self.plan.options;
-        if options.engine == Engine::Analytic {
-            return self.by_formulas(journal, progress);
+        if self.engine == Engine::Analytic {
+            let mut factors = self.by_formulas(journal, progress)?;
+            factors.ran = factors.ran.because(self.why.clone());
+            return Ok(factors);
         }
         let estimator = self.estimator();
         let forecast = self.forecast(estimator.rays(), progress)?;

@@ -51,7 +51,7 @@ mod triangle;
 
 pub use gather::{
     Arrival, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
-    Gatherer, Glow, REPLICATES,
+    Gatherer, Glow, Places, RAYS_PER_FORMULA, REPLICATES,
 };
 pub use kernels::Kernel;
 pub use progress::{Cancelled, Progress};

@@ -21,7 +21,7 @@ use std::ops::Range;
 const SHORT: f64 = 1.0 - 1e-4;
 
 /// More terms than this at one point are sampled by importance instead of one by one.
-const MOST_TERMS: usize = 32;
+pub(super) const MOST_TERMS: usize = 32;
 
 /// One source of direct light at one point.
 struct Term {
@@ -55,9 +55,9 @@ enum Source {
 }
 
 /// A planned shadow test: `count` rays from `first`, all of which must be free.
-struct Test {
-    term: u32,
-    replicate: u32,
+pub(super) struct Test {
+    pub term: u32,
+    pub replicate: u32,
     weight: f64,
     first: u32,
     count: u32,
@@ -65,8 +65,8 @@ struct Test {
 
 /// Computes the direct light of batches of points.
 pub(super) struct Direct<'a> {
-    surfaces: &'a Surfaces<'a>,
-    emitters: &'a Emitters<'a>,
+    pub(super) surfaces: &'a Surfaces<'a>,
+    pub(super) emitters: &'a Emitters<'a>,
     rays: Vec<KernelRay>,
     blocked: Vec<bool>,
     tests: Vec<Test>,
@@ -286,7 +286,29 @@ impl<'a> Direct<'a> {
                 1.0
             }
         };
-        let count = self.rays.len() as u32 - first;
+        self.keep(first, tag, replicate, weight)
+    }
+
+    /// Forgets all tests.
+    pub(super) fn forget(&mut self) {
+        self.tests.clear();
+        self.rays.clear();
+    }
+
+    /// Number of the next ray.
+    pub(super) fn planned(&self) -> u32 {
+        self.rays.len() as u32
+    }
+
+    /// Makes a test of the rays from `first` on, if they can tell anything; returns the weight.
+    pub(super) fn keep(
+        &mut self,
+        first: u32,
+        tag: u32,
+        replicate: u32,
+        weight: f64,
+    ) -> Option<f64> {
+        let count = self.planned() - first;
         if weight > 0.0 && count > 0 {
             self.tests.push(Test {
                 term: tag,
@@ -301,14 +323,22 @@ impl<'a> Direct<'a> {
         None
     }
 
+    /// Traces all tests and tells of each whether nothing stands between.
+    pub(super) fn ask(&mut self, mut tell: impl FnMut(&Test, bool)) {
+        self.surfaces.tracer.any(&self.rays, &mut self.blocked);
+        for test in &self.tests {
+            tell(test, self.is_free(test));
+        }
+    }
+
     /// A place just before a point of a lamp, so that short shadow rays, too, end before it.
-    fn in_front(&self, y: DVec3, polygon: &[DVec3]) -> DVec3 {
+    pub(super) fn in_front(&self, y: DVec3, polygon: &[DVec3]) -> DVec3 {
         self.surfaces
             .tracer
             .leaving(y, area_vector(polygon).normalize_or_zero())
     }
 
-    fn push_segment(&mut self, from: DVec3, to: DVec3) {
+    pub(super) fn push_segment(&mut self, from: DVec3, to: DVec3) {
         let ray = Ray {
             t_max: SHORT,
             ..Ray::between(from, to)
@@ -317,7 +347,7 @@ impl<'a> Direct<'a> {
     }
 
     /// Both legs of the way to a point behind a mirror.
-    fn push_reflected(&mut self, from: DVec3, image: DVec3, window: u32) {
+    pub(super) fn push_reflected(&mut self, from: DVec3, image: DVec3, window: u32) {
         let window = &self.emitters.windows[window as usize];
         let (here, there) = (
             (from - window.polygon[0]).dot(window.normal),
@@ -425,7 +455,7 @@ impl<'a> Direct<'a> {
 
 /// What the samples of a crowd of terms found, per replicate.
 #[derive(Default)]
-struct Picked {
+pub(super) struct Picked {
     all: [Rgb; REPLICATES],
     seen: [Rgb; REPLICATES],
     /// What was seen of terms whose sum no formula knows.
@@ -433,7 +463,7 @@ struct Picked {
 }
 
 impl Picked {
-    fn add(&mut self, r: usize, (value, is_rough): (Rgb, bool), is_free: bool) {
+    pub(super) fn add(&mut self, r: usize, (value, is_rough): (Rgb, bool), is_free: bool) {
         let seen = if is_free { value } else { Rgb::BLACK };
         if is_rough {
             self.rough[r] += seen;
@@ -444,7 +474,7 @@ impl Picked {
     }
 
     /// The estimate of a replicate, as [`Term::visible_share`] does it; `known` is the sum of all.
-    fn irradiance(&self, r: usize, known: Rgb) -> Rgb {
+    pub(super) fn irradiance(&self, r: usize, known: Rgb) -> Rgb {
         let share = ratio_of_others(&self.seen.map(Rgb::mean), &self.all.map(Rgb::mean), r);
         known * share + (self.seen[r] - self.all[r] * share) + self.rough[r]
     }
@@ -512,7 +542,7 @@ fn unbiased(term: &Term, weight: f64) -> Rgb {
 /// The density is even over the lamp. Near a lamp, where the kernel has a peak, half of the
 /// samples follow the cosine's directions instead, which bounds the weight (Veach and Guibas
 /// 1995, balance heuristic for one sample).
-fn aim(point: &GatherPoint, polygon: &[DVec3], u: (f64, f64)) -> Option<(DVec3, f64)> {
+pub(super) fn aim(point: &GatherPoint, polygon: &[DVec3], u: (f64, f64)) -> Option<(DVec3, f64)> {
     let area = area_vector(polygon);
     let even = 1.0 / area.length();
     if !is_near(point.position, polygon) {
@@ -667,7 +697,7 @@ fn far(surfaces: &Surfaces, p: DVec3) -> f64 {
 
 /// Whether a quick look shows that `point` can't see anything of `image` through `window`: all
 /// of the image, or all of the window, is below the horizon, or the image is beyond one edge.
-fn is_hidden(point: &GatherPoint, image: &[DVec3], window: &[DVec3]) -> bool {
+pub(super) fn is_hidden(point: &GatherPoint, image: &[DVec3], window: &[DVec3]) -> bool {
     let p = point.position;
     let below = |polygon: &[DVec3]| polygon.iter().all(|&c| (c - p).dot(point.normal) <= 0.0);
     if below(image) || below(window) {

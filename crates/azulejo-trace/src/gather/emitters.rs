@@ -1,5 +1,6 @@
 //! What shines in a scene, in the form in which direct light is computed from it.
 
+use super::tiles::{Tile, merged};
 use crate::Surfaces;
 use crate::lambert::{ArrayPolygon, mirror_polygon};
 use azulejo_scene::math::area_vector;
@@ -13,6 +14,9 @@ const MOST_LAMPS: usize = 1024;
 
 /// More pairs of a lamp and a mirror than this are left to the rays.
 const MOST_IMAGES: usize = 256;
+
+/// Nobody tries to make windows of so many mirrors.
+const MOST_TILES: usize = 4096;
 
 /// A flat convex surface that emits from its front.
 pub struct Lamp {
@@ -169,24 +173,39 @@ impl<'a> Emitters<'a> {
         let is_mirror = |m: &Material| !m.mirror.is_black() && m.dielectric.is_none();
         let sources = self.lamps.len() + self.lights.len();
         let most = MOST_IMAGES.checked_div(sources).unwrap_or(0);
-        let mut windows = Vec::new();
+        if most == 0 {
+            return;
+        }
+        let mut tiles = Vec::new();
         flat_faces(surfaces, is_mirror, |polygon, normal, material| {
-            if windows.len() <= most {
-                let image = |lamp: &Lamp| mirror_polygon(&lamp.polygon, polygon[0], normal);
-                let images = self.lamps.iter().map(image).collect();
-                windows.push(Window {
+            if tiles.len() < MOST_TILES {
+                let reflectance = material.mirror;
+                tiles.push(Tile {
                     polygon,
                     normal,
-                    reflectance: material.mirror,
-                    images,
+                    reflectance,
                 });
             }
         });
+        if tiles.len() == MOST_TILES {
+            return;
+        }
+        let windows = merged(&tiles);
         if windows.len() <= most {
-            self.windows = windows;
+            self.windows = windows.into_iter().map(|w| self.window(w)).collect();
             let is_marked =
                 |i| surfaces.flat_normal(i).is_some() && is_mirror(surfaces.material(i));
             self.is_window = (0..surfaces.tracer.item_count()).map(is_marked).collect();
+        }
+    }
+
+    fn window(&self, tile: Tile) -> Window {
+        let image = |lamp: &Lamp| mirror_polygon(&lamp.polygon, tile.polygon[0], tile.normal);
+        Window {
+            images: self.lamps.iter().map(image).collect(),
+            polygon: tile.polygon,
+            normal: tile.normal,
+            reflectance: tile.reflectance,
         }
     }
 }

@@ -6,15 +6,18 @@
 //! of a final gather; they differ in where the light of diffuse surfaces comes from
 //! ([`DiffuseLight`]).
 
+mod crowd;
 mod direct;
 mod emitters;
+mod tiles;
 
 use crate::follow::{Event, Path, Scratch, Via, follow};
 use crate::sampling::{cosine_hemisphere, hash, seeds, sobol, uniform};
 use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_scene::{Rgb, Shape};
-use direct::Direct;
+pub use crowd::Places;
+use direct::{Direct, MOST_TERMS};
 use emitters::Emitters;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -32,6 +35,10 @@ const MOST_CONTACTS: u32 = 6;
 
 /// One shadow ray per source for so many rays over the hemisphere.
 const SHADOW_SHARE: u32 = 4;
+
+/// Shadow rays for each place at which [`Gatherer::direct_over`] evaluates formulas: a good number,
+/// not a rule.
+pub const RAYS_PER_FORMULA: usize = 16;
 
 /// Where irradiance is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -182,10 +189,27 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// What the direct light of one point costs, in rays: two for every lamp, light and image of
-    /// one that a formula must be evaluated for, and those that test what is visible.
+    /// What the direct light of one point costs, in rays: a fourth for every lamp, light and image
+    /// of one that a formula must be evaluated for, and those that test what is visible.
     pub fn direct_cost(&self) -> f64 {
-        2.0 * self.emitters.sources() as f64 + 64.0
+        let sources = self.emitters.sources() as f64;
+        let tests = match self.lights_crowd() {
+            true => RAYS_PER_FORMULA as f64,
+            false => 4.0 * sources,
+        };
+        0.25 * sources + tests
+    }
+
+    /// Whether there are so many lamps that the direct light of a surface is better found by
+    /// [`direct_over`](Gatherer::direct_over) than point by point.
+    pub fn lights_crowd(&self) -> bool {
+        let emitters = &self.emitters;
+        emitters.sources() > MOST_TERMS && emitters.lights.is_empty() && emitters.globes.is_empty()
+    }
+
+    /// Mean direct irradiance over a surface of flat lamps, straight and by one flat mirror.
+    pub fn direct_over(&self, places: &Places, seed: u32) -> DirectLight {
+        Direct::new(&self.surfaces, &self.emitters).over(places, seed)
     }
 
     /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror, from
