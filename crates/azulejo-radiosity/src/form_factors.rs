@@ -19,7 +19,7 @@ mod enclosure;
 mod exchange;
 mod forecast;
 mod group;
-mod journal;
+pub(crate) mod journal;
 mod matrix;
 mod merge;
 mod near;

@@ -5,6 +5,7 @@ use super::walk::{Accuracy, Found, Tally, Walk};
 use super::world::{Depth, Mirror, World, Worlds};
 use super::{Facet, Facets};
 use crate::analytic::{exchange_area_fast, form_factor_fast};
+use crate::form_factors::journal::{Journal, Reader, Record, Stage, resumed, write_list};
 use crate::form_factors::{Exchange, ExchangeAreas};
 use crate::patch::Patches;
 use crate::row::{ORDERS, Side};
@@ -15,6 +16,9 @@ use rayon::prelude::*;
 
 /// Rows computed together.
 const GROUP: usize = 16;
+
+/// Groups that a journal keeps together.
+const BLOCK: usize = 64;
 
 /// Rows of up to so many sides are exact, if nothing else is asked for.
 const FEW: usize = 32;
@@ -96,38 +100,40 @@ impl<'a> Exchanger<'a> {
         self.positions[row] != NOWHERE
     }
 
-    /// The upper triangle of each order, by rows. Rows that there is no time for are not in
-    /// `done`.
+    /// The upper triangle of each order, by rows, but for those that the journal has. Rows that
+    /// there is no time for are not in `done`.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn all(&self, progress: &Progress) -> Result<All, Cancelled> {
-        progress.begin("exchange areas", self.facets.list.len() as u64);
+    pub fn all(&self, journal: &dyn Journal, progress: &Progress) -> Result<All, Cancelled> {
         let positions: Vec<u32> = (0..self.facets.list.len() as u32).collect();
-        let group = |rows: &[u32]| {
-            progress.advance(rows.len() as u64)?;
-            Ok(match progress.out_of_time() {
-                true => (Vec::new(), Tally::default()),
-                false => self.group(rows, true),
-            })
+        let groups: Vec<&[u32]> = positions.chunks(GROUP).collect();
+        progress.begin("exchange areas", groups.len() as u64);
+        let group = |rows: &&[u32]| {
+            progress.advance(1)?;
+            if progress.out_of_time() {
+                return Ok(Group::default());
+            }
+            let (rows, tally) = self.group(rows, true);
+            Ok(Group { rows, tally })
         };
-        let done: Vec<_> = positions
-            .par_chunks(GROUP)
-            .map(group)
-            .collect::<Result<_, Cancelled>>()?;
+        let size = (groups.len(), BLOCK);
+        let done = resumed(journal, Stage::Pairs, size, progress, |block| {
+            groups[block].par_iter().map(group).collect()
+        })?;
         let n = self.sides.len();
         let mut orders = [(); ORDERS].map(|()| vec![Box::<[Exchange]>::default(); n]);
         // Nothing is asked of rows without a facet.
         let mut is_done: Vec<bool> = self.positions.iter().map(|&p| p == NOWHERE).collect();
         let mut tally = Tally::default();
-        for (rows, counts) in done {
-            for (id, row) in rows {
+        for group in done {
+            tally.add(&group.tally);
+            for (id, row) in group.rows {
                 is_done[id as usize] = true;
                 for (order, row) in orders.iter_mut().zip(row) {
                     order[id as usize] = row.into();
                 }
             }
-            tally.add(&counts);
         }
         Ok(All {
             orders: orders.map(ExchangeAreas::from_rows),
@@ -221,6 +227,43 @@ pub(crate) struct All {
     pub orders: [ExchangeAreas; ORDERS],
     pub is_done: Vec<bool>,
     pub tally: Tally,
+}
+
+/// Upper rows that were computed together; none if there was no time.
+#[derive(Default)]
+struct Group {
+    rows: Vec<(u32, Orders)>,
+    tally: Tally,
+}
+
+impl Record for Group {
+    fn is_whole(&self) -> bool {
+        !self.rows.is_empty()
+    }
+
+    fn write(&self, bytes: &mut Vec<u8>) {
+        write_list(&self.rows, bytes, |(id, orders), bytes| {
+            bytes.extend(id.to_le_bytes());
+            orders.iter().for_each(|row| row.write(bytes));
+        });
+        let counts = self.tally.counts();
+        bytes.extend(counts.into_iter().flat_map(u64::to_le_bytes));
+    }
+
+    fn read(bytes: &mut Reader) -> Option<Group> {
+        let row = |b: &mut Reader| {
+            let id = b.u32()?;
+            let orders = [Vec::read(b)?, Vec::read(b)?, Vec::read(b)?];
+            Some((id, orders))
+        };
+        let rows = bytes.list(row)?;
+        let mut counts = [0; 6];
+        for count in &mut counts {
+            *count = bytes.u64()?;
+        }
+        let tally = Tally::of(counts);
+        Some(Group { rows, tally })
+    }
 }
 
 fn facet(patches: &Patches, side: Side, row: u32) -> Option<Facet> {

@@ -85,6 +85,30 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
+    /// From what [`counts`](Tally::counts) gave.
+    pub fn of([bulk, single, close, partial, hidden, hard]: [u64; 6]) -> Tally {
+        Tally {
+            bulk,
+            single,
+            close,
+            partial,
+            hidden,
+            hard,
+        }
+    }
+
+    /// All counts, in one order.
+    pub fn counts(&self) -> [u64; 6] {
+        [
+            self.bulk,
+            self.single,
+            self.close,
+            self.partial,
+            self.hidden,
+            self.hard,
+        ]
+    }
+
     pub fn add(&mut self, other: &Tally) {
         self.bulk += other.bulk;
         self.single += other.single;

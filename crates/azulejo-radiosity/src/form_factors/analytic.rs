@@ -35,7 +35,7 @@ impl Prepared<'_> {
         };
         let surfaces = self.gatherer.surfaces();
         let exchanger = Exchanger::new(&self.plan.patches, surfaces, list, wanted);
-        let all = exchanger.all(progress)?;
+        let all = exchanger.all(journal, progress)?;
         let has_formula: Vec<bool> = (0..n).map(|i| exchanger.has(i)).collect();
         let is_known = |i: usize, j: u32, order: Order| {
             let j = j as usize;

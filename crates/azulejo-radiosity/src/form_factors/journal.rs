@@ -55,6 +55,11 @@ pub(crate) trait Record: Sized {
 
     /// Reads a row back; `None` if the bytes are not one.
     fn read(bytes: &mut Reader) -> Option<Self>;
+
+    /// Whether it was computed to its end; else its block is not kept.
+    fn is_whole(&self) -> bool {
+        true
+    }
 }
 
 /// Computes the rows 0..`rows` in blocks of `size`, in order; what the journal has is not
@@ -79,7 +84,7 @@ pub(crate) fn resumed<R: Record>(
             continue;
         }
         let found = compute(range)?;
-        if journal.is_kept() {
+        if journal.is_kept() && found.iter().all(R::is_whole) {
             let mut bytes = Vec::new();
             found.iter().for_each(|row| row.write(&mut bytes));
             journal.save(stage, block, &bytes);
@@ -109,6 +114,10 @@ impl Reader<'_> {
 
     pub fn u32(&mut self) -> Option<u32> {
         self.array().map(u32::from_le_bytes)
+    }
+
+    pub fn u64(&mut self) -> Option<u64> {
+        self.array().map(u64::from_le_bytes)
     }
 
     pub fn f32(&mut self) -> Option<f32> {
