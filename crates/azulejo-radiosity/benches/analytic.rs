@@ -8,6 +8,7 @@
 
 mod usage;
 
+use azulejo_radiosity::form_factors::Closure;
 use azulejo_radiosity::{Engine, FormFactorOptions, PatchSize, form_factors};
 use azulejo_scene::synthetic::room_with_table;
 use azulejo_trace::{Progress, Tracer};
@@ -38,6 +39,7 @@ fn room(size: usize) -> (f64, f64) {
     let options = FormFactorOptions {
         engine: Engine::Analytic,
         size: PatchSize::Edge(0.0),
+        closure: Closure::Never,
         ..FormFactorOptions::default()
     };
     let (wall, cpu) = (Instant::now(), cpu_seconds());

@@ -200,3 +200,31 @@ fn hemicubes_get_better() {
     let (rough, fine) = (off(16, 4), off(64, 64));
     assert!(fine < 0.5 * rough, "{rough} {fine}");
 }
+
+/// What is asked of formulas, relative to the truth.
+fn asked_of_formulas(kind: Kind) -> Option<f64> {
+    match kind {
+        Kind::Polygons => Some(1e-10),
+        Kind::Shadow => Some(1e-6),
+        Kind::Mirrors => Some(1e-8),
+        Kind::Curved | Kind::Glass => None,
+    }
+}
+
+#[test]
+fn analytic() {
+    let found = answers(Engine::Analytic);
+    assert!(found.iter().all(|a| a.ran == "analytic"));
+    for Answered { case, answer, .. } in &found {
+        if let Some(asked) = asked_of_formulas(case.kind) {
+            let most = asked * case.truth.value + case.truth.error;
+            assert!(
+                answer.off(case) <= most,
+                "{}: {answer:?}, {:?}",
+                case.id,
+                case.truth
+            );
+        }
+    }
+    check_honesty(&found);
+}

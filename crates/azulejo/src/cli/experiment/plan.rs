@@ -64,6 +64,8 @@ pub struct Setting {
     pub rays: Option<u32>,
     /// Whether formulas replace rays where they are better.
     pub formulas: bool,
+    /// Error of the sums of rows that formulas are to keep within, if the suite says.
+    pub accuracy: Option<f64>,
     /// Which scenes have their rows made to add up.
     pub closure: Closure,
 }
@@ -232,6 +234,7 @@ fn settings(table: &EngineTable, source: &Source) -> Result<Vec<Setting>, Failur
     let gpu = table.gpu.as_ref().map(|g| gpu(g, source)).transpose()?;
     let closure = table.closure.as_ref().map(|c| closure(c, source));
     let closure = closure.transpose()?.unwrap_or_default();
+    accuracy(table.accuracy).map_err(|e| source.wrong(table.engine.span().start, e))?;
     let mut settings = Vec::new();
     for &rays in &table.rays.options() {
         for &resolution in &table.resolution.options() {
@@ -252,6 +255,7 @@ fn settings(table: &EngineTable, source: &Source) -> Result<Vec<Setting>, Failur
                     args,
                     rays,
                     formulas: table.formulas,
+                    accuracy: table.accuracy,
                     closure,
                 });
             }
@@ -278,6 +282,16 @@ fn check(args: &EngineArgs, rays: Option<u32>) -> Result<(), Failure> {
     }
 }
 
+/// A relative error that means something.
+fn accuracy(asked: Option<f64>) -> Result<(), Failure> {
+    match asked {
+        Some(a) if !(a > 0.0 && a <= 1.0) => Err(Failure::failed(format_args!(
+            "accuracy is {a}, expected more than 0 and at most 1"
+        ))),
+        _ => Ok(()),
+    }
+}
+
 fn reference(table: &ReferenceTable, source: &Source) -> Result<(Setting, usize), Failure> {
     let args = EngineArgs {
         engine: engine(&table.engine, source)?,
@@ -288,11 +302,13 @@ fn reference(table: &ReferenceTable, source: &Source) -> Result<(Setting, usize)
     };
     let start = table.engine.span().start;
     check(&args, table.rays).map_err(|e| source.wrong(start, e))?;
+    accuracy(table.accuracy).map_err(|e| source.wrong(start, e))?;
     let setting = Setting {
         name: "reference".to_owned(),
         args,
         rays: table.rays,
         formulas: true,
+        accuracy: table.accuracy,
         closure: Closure::default(),
     };
     Ok((setting, table.rows.max(1)))
@@ -413,13 +429,15 @@ impl Setting {
         let number =
             |name: &str, n: Option<u32>| n.map_or(String::new(), |n| format!(", {n} {name}"));
         format!(
-            "{} ({:?}{}{}{}{gpu}{}, closure {:?})",
+            "{} ({:?}{}{}{}{gpu}{}, {}, closure {:?})",
             self.name,
             self.args.engine,
             number("rays", self.rays),
             number("pixels", self.args.resolution),
             number("points", self.args.patch_points),
             if self.formulas { "" } else { ", no formulas" },
+            self.accuracy
+                .map_or(String::new(), |a| format!(", accuracy {a:e}")),
             self.closure,
         )
     }
@@ -434,8 +452,11 @@ impl fmt::Display for Setting {
         if let Some(pixels) = self.args.resolution {
             write!(f, ", {pixels} pixels")?;
         }
-        match self.args.patch_points {
-            Some(points) => write!(f, ", {points} points"),
+        if let Some(points) = self.args.patch_points {
+            write!(f, ", {points} points")?;
+        }
+        match self.accuracy {
+            Some(accuracy) => write!(f, ", accuracy {accuracy:e}"),
             None => Ok(()),
         }
     }

@@ -69,6 +69,8 @@ pub struct ReferenceTable {
     pub resolution: Option<u32>,
     /// Points of each patch.
     pub patch_points: Option<u32>,
+    /// Error of the sums of rows that formulas are to keep within.
+    pub accuracy: Option<f64>,
     /// Rows that are kept and compared, evenly spread over the scene.
     #[serde(default = "ReferenceTable::default_rows")]
     pub rows: usize,
@@ -126,6 +128,8 @@ pub struct EngineTable {
     /// Whether close pairs and lamps are computed by formula where that is better.
     #[serde(default = "yes")]
     pub formulas: bool,
+    /// Error of the sums of rows that formulas are to keep within.
+    pub accuracy: Option<f64>,
     /// Which scenes have their rows made to add up: `never`, `closed` or `always`.
     pub closure: Option<Spanned<String>>,
     /// The scenes that it computes; all, if it does not say.

@@ -181,6 +181,7 @@ fn options(setting: &Setting, chosen: &Chosen) -> FormFactorOptions {
         engine: chosen.engine.clone(),
         rays: setting.rays.unwrap_or(default.rays),
         analytic: setting.formulas,
+        accuracy: setting.accuracy,
         closure: setting.closure,
         memory: pass::memory_budget(),
         ..default
