@@ -54,12 +54,19 @@ impl Facts {
         16.0 * 0.5 * (self.patches as f64).powi(2)
     }
 
-    /// The engine for form factors as a product, and why. The same for the same patches: work that
-    /// was interrupted goes on with the same engine.
+    fn fits(&self) -> bool {
+        self.pairs() <= self.memory as f64
+    }
+
+    /// The engine for form factors as a product, and why.
     pub fn for_factors(&self) -> (Engine, String) {
         let n = self.patches;
         if n > MOST_PAIRED {
             let why = format!("rays, because {n} patches are too many to pair by formulas");
+            (Engine::Rays, why)
+        } else if !self.fits() {
+            let gibibytes = self.pairs() / f64::from(1 << 30);
+            let why = format!("rays, because all pairs of {n} patches may take {gibibytes:.1} GiB");
             (Engine::Rays, why)
         } else if self.flat < MOSTLY {
             let curved = 100.0 * (1.0 - self.flat);
@@ -80,7 +87,7 @@ impl Facts {
         let by_rays = n * rays * RAY;
         let by_formulas = 0.5 * n * n * PAIR;
         let is_possible = self.flat >= MOSTLY && !self.is_specular;
-        let fits = self.pairs() <= self.memory as f64 && self.patches <= MOST_PAIRED;
+        let fits = self.fits() && self.patches <= MOST_PAIRED;
         if is_possible && fits && by_formulas < by_rays {
             let why = format!(
                 "analytic, because {} flat patches are paired sooner than {rays:.0} rays traced of \
@@ -125,6 +132,11 @@ mod tests {
             ..ROOM
         };
         check(many.for_factors(), &Engine::Rays, "too many");
+        let tight = Facts {
+            memory: 100 << 20,
+            ..ROOM
+        };
+        check(tight.for_factors(), &Engine::Rays, "may take 0.2 GiB");
     }
 
     #[test]

@@ -124,6 +124,9 @@ impl<'a> Plan<'a> {
     /// [`SolveError::Cancelled`].
     pub fn forecast(&self, progress: &Progress) -> Result<Forecast, SolveError> {
         let prepared = Prepared::new(self);
+        if prepared.engine == Engine::Analytic {
+            return prepared.forecast_of_formulas(progress);
+        }
         let rays = prepared.estimator().rays();
         Ok(prepared.forecast(rays, progress)?)
     }

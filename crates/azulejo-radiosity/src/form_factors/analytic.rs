@@ -86,7 +86,10 @@ impl Prepared<'_> {
     }
 
     /// What the matrix will take if formulas put all pairs that see each other into it.
-    fn forecast_of_formulas(&self, progress: &Progress) -> Result<super::Forecast, SolveError> {
+    pub(super) fn forecast_of_formulas(
+        &self,
+        progress: &Progress,
+    ) -> Result<super::Forecast, SolveError> {
         let looker = self.looker(super::FORECAST_RAYS);
         let costs = Costs {
             sides: &self.sides,

@@ -3,7 +3,7 @@
 use crate::polygons::{add, between, unit_square};
 use azulejo_radiosity::analytic::form_factor;
 use azulejo_radiosity::{
-    FaceId, FormFactorOptions, FormFactors, PatchSize, Patches, SolveError, form_factors,
+    Engine, FaceId, FormFactorOptions, FormFactors, PatchSize, Patches, SolveError, form_factors,
 };
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room};
 use azulejo_scene::{Material, Primitive, PrimitiveKind, Rgb, Scene, Shape};
@@ -22,6 +22,7 @@ fn factors(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
 
 fn by_rays(size: PatchSize, rays: u32) -> FormFactorOptions {
     FormFactorOptions {
+        engine: Engine::Rays,
         size,
         rays,
         analytic: false,

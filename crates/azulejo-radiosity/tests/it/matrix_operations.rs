@@ -167,6 +167,7 @@ proptest! {
 
 fn options(edge: f64, rays: u32) -> FormFactorOptions {
     FormFactorOptions {
+        engine: Engine::Rays,
         size: PatchSize::Edge(edge),
         rays,
         ..FormFactorOptions::default()
@@ -340,7 +341,6 @@ impl Journal for Interrupting<'_> {
 #[test]
 fn interrupted_work_goes_on_to_the_same_bits() {
     let mirrors = FormFactorOptions {
-        engine: Engine::Rays,
         separate: true,
         ..options(0.09, 64)
     };
@@ -399,18 +399,20 @@ fn what_does_not_fit_is_refused_before_it_begins() {
 
 #[test]
 fn forecasts_are_near_what_comes() {
-    for (scene, rays) in [
-        (cube_room(), 256),
-        (cube_room(), 4_096),
-        (cornell_box(CornellVariant::Diffuse), 1_024),
-        (mirror_room(Rgb::grey(0.5)), 1_024),
+    let by_rays = Engine::Rays;
+    for (scene, rays, engine) in [
+        (cube_room(), 256, &by_rays),
+        (cube_room(), 4_096, &by_rays),
+        (cornell_box(CornellVariant::Diffuse), 1_024, &by_rays),
+        (cornell_box(CornellVariant::Diffuse), 64, &Engine::Analytic),
+        (mirror_room(Rgb::grey(0.5)), 1_024, &by_rays),
     ] {
         let tracer = Tracer::new(&scene);
         let options = FormFactorOptions {
+            engine: engine.clone(),
             size: PatchSize::Count(1_500),
-            rays,
             analytic: false,
-            ..FormFactorOptions::default()
+            ..options(0.0, rays)
         };
         let plan = Plan::new(&scene, &tracer, &options).unwrap();
         let said = plan.forecast(&Progress::new()).unwrap();

@@ -1,7 +1,7 @@
 //! Rows that matter get more rays, until the error of the radiosity is as small as asked.
 
 use crate::rooms::*;
-use azulejo_radiosity::{FirstPass, PatchRadiosity, PatchSize, radiosity};
+use azulejo_radiosity::{Engine, FirstPass, PatchRadiosity, PatchSize, radiosity};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, cornell_thesis_at};
 use azulejo_trace::{Progress, Tracer};
@@ -13,6 +13,7 @@ fn solved(scene: &Scene, pass: &FirstPass, progress: &Progress) -> PatchRadiosit
 
 fn asked(error: f64, seed: u64) -> FirstPass {
     FirstPass {
+        engine: Engine::Rays,
         error: Some(error),
         size: PatchSize::Count(500),
         seed,
