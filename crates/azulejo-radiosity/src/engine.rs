@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// A way to compute form factors. All estimate the same quantity; each says its error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// Rays: of all engines they bear every scene, and their error is known everywhere.
+    /// Formulas or rays, whichever the patches and the asked error suggest; [`Ran::notes`] says
+    /// which, and why.
     #[default]
     Auto,
     /// Rays from all over each patch, through mirrors and glass (Malley's method, Sobol points).
@@ -120,6 +121,7 @@ impl<'a> Estimator<'a> {
                 let new = FormulaEstimator::new;
                 Estimator::Formulas(Box::new(new(gatherer, patches, rays, seed, columns)))
             }
+            // Who has rows to choose for has chosen before; rays bear every scene.
             Engine::Auto | Engine::Rays => {
                 Estimator::Rays(RayEstimator::new(gatherer, patches, rays, seed, columns))
             }

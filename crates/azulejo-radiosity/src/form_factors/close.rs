@@ -25,7 +25,8 @@ impl FormFactors {
     /// row. What leaked through the cracks of a closed scene is taken back before. Says in
     /// [`closed`](FormFactors::closed) how much was moved; standard errors stay as they were.
     ///
-    /// Rows without an entry or share that could change stay as they are.
+    /// Rows without an entry or share that could change stay as they are, and no entry falls below
+    /// a tenth of itself: what a row lacks then is in [`Moved::lacks`].
     ///
     /// # Errors
     /// [`Cancelled`]; the matrix is as before then.

@@ -17,7 +17,7 @@ const EMBREE_VARIABLE: &str = "AZULEJO_EMBREE";
 /// Engines, and Embree, which is another kernel for the same rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
-    /// Formulas for View3D's files; rays, with formulas for close pairs and lamps, for the rest
+    /// Formulas where surfaces are flat and few enough to pair, else rays; says which, and why
     Auto,
     /// Rays from all over each patch, through mirrors and glass
     Rays,

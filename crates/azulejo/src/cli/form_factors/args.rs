@@ -21,7 +21,7 @@ pub struct FormFactorArgs {
     pub format: Option<FormatName>,
     #[command(flatten)]
     pub division: Division,
-    /// Rays from each patch [default: 4096]
+    /// Rays from each patch; who says how many is given rays by --engine auto [default: 4096]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
     /// Add the back side of every face as patches of their own

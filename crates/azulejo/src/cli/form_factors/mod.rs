@@ -152,8 +152,12 @@ fn grouped(
 fn options(args: &FormFactorArgs, chosen: &Chosen) -> FormFactorOptions {
     let default = FormFactorOptions::default();
     let machine = || clock::machine_memory().unwrap_or(u64::MAX);
+    let engine = match (&chosen.engine, args.rays) {
+        (Engine::Auto, Some(_)) => Engine::Rays,
+        (engine, _) => engine.clone(),
+    };
     FormFactorOptions {
-        engine: chosen.engine.clone(),
+        engine,
         size: pass::patch_size(&args.division).unwrap_or(default.size),
         rays: args.rays.unwrap_or(default.rays),
         two_sided: args.two_sided,
