@@ -53,8 +53,9 @@ pub enum Event {
     Cut,
 }
 
-/// A path is dropped, and its weight reported as [`Event::Cut`], below this weight.
-pub const WEIGHT_CUT: f64 = 1e-7;
+/// A path is dropped, and its weight reported as [`Event::Cut`], below this share of the heaviest
+/// path that it set out with: weights have a unit, and most are divided by the number of paths.
+pub const WEIGHT_CUT: f64 = 1e-6;
 
 /// A path is dropped after this many interfaces: facing perfect mirrors would hold it forever.
 pub const DEPTH_CUT: u16 = 1000;
@@ -82,6 +83,8 @@ pub fn follow(
     seed: u32,
     mut on_event: impl FnMut(&Path, Event),
 ) {
+    let heaviest = paths.iter().map(|p| p.weight.max_channel());
+    let least = WEIGHT_CUT * heaviest.fold(0.0, f64::max);
     let mut wave = 0;
     while !paths.is_empty() {
         scratch.rays.clear();
@@ -101,7 +104,7 @@ pub fn follow(
             );
             if surfaces.is_specular(hit.item) {
                 let chance = uniform(&[seed, wave, index as u32]);
-                go_on(surfaces, path, hit, chance, |next| match next {
+                go_on(surfaces, path, hit, (chance, least), |next| match next {
                     Next::Path(p) => scratch.next.push(p),
                     Next::Weak(rest) => on_event(&rest, Event::Cut),
                     Next::Kept(kept) => on_event(&kept, Event::Absorbed),
@@ -124,12 +127,12 @@ enum Next {
     Kept(Path),
 }
 
-/// The parts of `path` after it arrived at a mirror or glass.
+/// The parts of `path` after it arrived at a mirror or glass; those below `least` are weak.
 fn go_on(
     surfaces: &Surfaces,
     path: &Path,
     hit: &KernelHit,
-    chance: f32,
+    (chance, least): (f32, f64),
     mut push: impl FnMut(Next),
 ) {
     let ray = surfaces.tracer.world_ray(&path.ray);
@@ -152,7 +155,7 @@ fn go_on(
             depth: path.depth + 1,
             ..*path
         };
-        let alive = weight.max_channel() > WEIGHT_CUT && next.depth < DEPTH_CUT;
+        let alive = weight.max_channel() > least && next.depth < DEPTH_CUT;
         push(if alive {
             Next::Path(next)
         } else {
@@ -225,6 +228,10 @@ mod tests {
 
     /// What becomes of one path straight through two sheets of a material, by kind of event.
     fn fates(material: Material) -> [f64; 3] {
+        fates_of(Rgb::WHITE, material)
+    }
+
+    fn fates_of(weight: Rgb, material: Material) -> [f64; 3] {
         let mut scene = Scene::default();
         let glass = scene.add_material(material);
         for (z, edge1, edge2) in [(0.0, DVec3::X, DVec3::Y), (1.0, DVec3::Y, DVec3::X)] {
@@ -240,7 +247,7 @@ mod tests {
         let start = Path {
             ray,
             id: 0,
-            weight: Rgb::WHITE,
+            weight,
             via: Via::Direct,
             depth: 0,
         };
@@ -286,6 +293,16 @@ mod tests {
         let through = (0.96f64 / 1.04).powi(2);
         assert!((escaped - through).abs() < 1e-12, "{escaped}");
         assert!((absorbed - (1.0 - through)).abs() < 1e-12, "{absorbed}");
+    }
+
+    /// One of a million rays is followed as far as a single one.
+    #[test]
+    fn what_is_cut_does_not_depend_on_the_unit() {
+        let window = || Material::pane("window", 1.5);
+        let (whole, small) = (fates(window()), fates_of(Rgb::grey(1e-6), window()));
+        for (whole, small) in whole.into_iter().zip(small) {
+            assert!((whole - 1e6 * small).abs() < 1e-12, "{whole} {small}");
+        }
     }
 
     #[test]

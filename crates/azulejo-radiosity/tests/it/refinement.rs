@@ -85,7 +85,7 @@ fn a_furnace_stays_exact() {
     let found = solved(&scene, &pass, &Progress::new());
     for p in 0..found.patches.len() {
         let b = found.sides[2 * p].value.mean();
-        assert!((b - 3.5).abs() < 1e-4, "B = {b} instead of 3.5");
+        assert!((b - 3.5).abs() < 1e-5, "B = {b} instead of 3.5");
     }
 }
 
