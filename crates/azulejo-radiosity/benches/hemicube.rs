@@ -1,6 +1,6 @@
 //! Hemicubes per second of the processor, beside rays.
 //!
-//! `cargo bench -p azulejo-radiosity --bench hemicube`
+//! `cargo bench -p azulejo-radiosity --bench hemicube -- [rooms] [mirrors]`; both without words.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 #[path = "drawing/mod.rs"]
@@ -9,5 +9,12 @@ mod drawing;
 use azulejo_trace::item_buffer::Processor;
 
 fn main() {
-    drawing::print_table(&[&Processor]);
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let has = |word: &str| words.iter().any(|w| w == word);
+    if has("rooms") || !has("mirrors") {
+        drawing::print_table(&[&Processor]);
+    }
+    if has("mirrors") || !has("rooms") {
+        drawing::print_mirrors(&[&Processor]);
+    }
 }
