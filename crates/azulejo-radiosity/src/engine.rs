@@ -151,6 +151,11 @@ impl<'a> Estimator<'a> {
         }
     }
 
+    /// Whether rows are drawn from a handful of points, which all their entries share.
+    pub(crate) fn is_drawn(&self) -> bool {
+        matches!(self, Estimator::Hemicube(_))
+    }
+
     /// The rows of some sides, in their order; each depends on its side alone. Advances
     /// `progress` by one for each.
     ///

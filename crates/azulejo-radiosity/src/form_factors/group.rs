@@ -1,6 +1,7 @@
 //! Rows that belong together become one.
 
 use super::exchange::{Exchange, ExchangeAreas, union};
+use super::kinship::Kinship;
 use super::matrix::{FormFactors, Rest};
 use crate::patch::FaceId;
 use rayon::prelude::*;
@@ -11,9 +12,10 @@ impl FormFactors {
     /// between patches. What belongs to no group is no row, and what it receives counts as
     /// [`hidden`](Rest::hidden).
     ///
-    /// Standard errors are added up as of independent estimates. Entries of one row err against
-    /// each other, so they are rather too large. `ends` is a mean over the area, which is right
-    /// where a group has one material. Groups without rows have no area and see nothing.
+    /// Standard errors are added up as of independent estimates, but for what drawn entries have
+    /// in [common](FormFactors::kinship). Entries of one row of rays err against each other, so
+    /// these are rather too large. `ends` is a mean over the area, which is right where a group has
+    /// one material. Groups without rows have no area and see nothing.
     ///
     /// # Panics
     /// If `groups` has another length than the matrix, or numbers from `count` on.
@@ -30,6 +32,7 @@ impl FormFactors {
             rest: grouping.rest(),
             ends: grouping.each(|m| grouping.mean(m, |i| self.ends[i])),
             row_errors: Vec::new(),
+            kinship: Kinship::default(),
             is_closed: self.is_closed,
             closed: self.closed,
             truncated: self.truncated,
@@ -172,8 +175,18 @@ impl<'a> Grouping<'a> {
                 };
                 // Within a group the light of such a pair goes both ways.
                 let ways = if other == group && i != j { 2.0 } else { 1.0 };
-                sums.add(other, ways * e.value, ways * f64::from(e.error));
+                let error = ways * f64::from(e.error) * self.widening(i, j);
+                sums.add(other, ways * e.value, error);
             }
+        }
+    }
+
+    /// What multiplies the error of an entry in a sum.
+    fn widening(&self, i: usize, j: usize) -> f64 {
+        let FormFactors { kinship, faces, .. } = self.factors;
+        match kinship.is_empty() {
+            true => 1.0,
+            false => kinship.effect(faces[i], faces[j]).sqrt(),
         }
     }
 }

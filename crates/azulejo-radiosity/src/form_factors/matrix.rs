@@ -1,6 +1,6 @@
 //! The matrix, and what else is known of its rows.
 
-use super::{Exchange, ExchangeAreas};
+use super::{Exchange, ExchangeAreas, Kinship};
 use crate::engine::Ran;
 use crate::patch::FaceId;
 use azulejo_scene::MaterialId;
@@ -47,6 +47,9 @@ pub struct FormFactors {
     /// Error to be expected of each row, Σ_j E|error of X_ij|: for normal errors √(2/π) times the
     /// sum of the standard errors. In rooms with known entries 1.2 to 1.3 times the true one.
     pub row_errors: Vec<f64>,
+    /// What the errors of entries between two faces or objects have in common: of what is drawn
+    /// from a handful of points they are all too large where these see more of it.
+    pub kinship: Kinship,
     /// Whether no row that sees anything loses light to the outside, but for 1e-6 of it.
     pub is_closed: bool,
     /// What closure moved, if there was one.

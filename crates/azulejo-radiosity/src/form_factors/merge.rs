@@ -5,13 +5,9 @@ use super::matrix::FormFactors;
 use super::near::{Exact, ExactRow};
 use super::rows::{Entries, Entry, RayRow, Traced};
 use super::sides::Sides;
-use super::spread::believed;
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Degrees of freedom of the spread of two times four replicates.
-const SPREAD_FREEDOM: f64 = 6.0;
 
 /// Rows are merged in this many blocks, so that looking up where a block starts in each row
 /// costs little, and as few as that fit in memory beside the rest.
@@ -29,6 +25,7 @@ pub(super) fn merge(
     let mut factors = FormFactors {
         rest: traced.rows.iter().map(|r| r.rest).collect(),
         rays: traced.rows.len() as u64 * u64::from(traced.rays),
+        kinship: traced.kinship(sides),
         ..FormFactors::default()
     };
     let size = n.div_ceil(BLOCKS).max(16);
@@ -134,19 +131,19 @@ impl Merger<'_> {
     ) -> (f64, f64) {
         let (a, b) = (self.areas[i], self.areas[j]);
         let factor = a * b / (a + b);
-        let one_ray = factor / f64::from(self.traced.rays);
+        let noise = self.traced.noise;
         let value = factor * (x_ij + x_ji);
+        let spread = factor * factor * (v_ij + v_ji);
         // The two estimates of a patch's view of itself are one.
-        let twins = if i == j { 2.0 } else { 1.0 };
+        let (twins, spreads) = match i == j {
+            true => (2.0, [v_ij, 0.0]),
+            false => (1.0, [v_ij, v_ji]),
+        };
+        let freedom = noise.freedom(spreads);
+        let unit = factor * twins;
         (
             value,
-            believed(
-                value,
-                factor * factor * (v_ij + v_ji) * twins,
-                SPREAD_FREEDOM,
-                one_ray * twins,
-                1.0,
-            ),
+            noise.believed(value, spread * twins, freedom, unit, 1.0),
         )
     }
 }

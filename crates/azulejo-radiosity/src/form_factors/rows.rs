@@ -1,10 +1,11 @@
 //! What the rays of every row find.
 
 use super::journal::{Journal, Reader, Record, Stage, resumed, write_list};
+use super::kinship::{self, Kinship};
 use super::matrix::Rest;
 use super::near::ExactRow;
 use super::sides::Sides;
-use super::spread::{believed, mean_and_variance};
+use super::spread::{Noise, mean_and_variance};
 use crate::engine::Estimator;
 use crate::row::{ORDERS, Order, Row, Side};
 use azulejo_scene::{Material, Rgb};
@@ -34,6 +35,8 @@ pub(super) struct RayRow {
     pub far: Vec<Entries>,
     /// What met no column.
     pub rest: Rest,
+    /// What the errors of its entries have in common, if they were drawn.
+    pub kin: Vec<kinship::Group>,
 }
 
 /// The rows of all sides.
@@ -43,6 +46,19 @@ pub(super) struct Traced {
     pub orders: usize,
     /// Rays per row.
     pub rays: u32,
+    /// How entries vary.
+    pub noise: Noise,
+}
+
+impl Traced {
+    /// What the errors of the entries of all rows have in common.
+    pub fn kinship(&self, sides: &Sides) -> Kinship {
+        let mut kinship = Kinship::default();
+        for (i, row) in self.rows.iter().enumerate() {
+            kinship.add(sides, i, &row.kin);
+        }
+        kinship
+    }
 }
 
 /// Fewest and most rows of a block: what is kept in the journal at a time. A card wants many in
@@ -82,6 +98,7 @@ impl Tracing<'_> {
             rows,
             orders: self.orders(),
             rays,
+            noise: self.noise(),
         })
     }
 
@@ -91,6 +108,15 @@ impl Tracing<'_> {
         let found = self.estimator.rows(&wanted, progress)?;
         let rows = rows.into_par_iter().zip(&found);
         Ok(rows.map(|(i, row)| self.ray_row(i, row)).collect())
+    }
+
+    fn noise(&self) -> Noise {
+        match self.estimator.rays() {
+            _ if self.estimator.is_drawn() => Noise::Unknown,
+            rays => Noise::Hits {
+                one_ray: 1.0 / f64::from(rays.max(1)),
+            },
+        }
     }
 
     fn orders(&self) -> usize {
@@ -127,22 +153,28 @@ impl Tracing<'_> {
                 list.push((column, replicate, entry.weight.mean()));
             }
         }
+        let near = columns(near);
+        let far: Vec<Vec<Column>> = far.into_iter().map(columns).collect();
+        let all = far.iter().chain([&near]);
+        let kin = all.flat_map(|columns| kinship::groups(columns, self.sides));
+        // Rays come each from a point of its own: their errors have nothing in common.
+        let kin = kin.filter(|_| self.estimator.is_drawn());
         RayRow {
-            near: entries(near),
-            far: far.into_iter().map(entries).collect(),
-            rest: rest(found, hidden, ended),
+            kin: kin.collect(),
+            near: near.iter().map(entry).collect(),
+            far: far.iter().map(|f| f.iter().map(entry).collect()).collect(),
+            rest: rest(found, self.noise(), hidden, ended),
         }
     }
 }
 
 /// Where the light of a row goes that meets no column. What its colours take of light in glass is
 /// what is missing from the rest.
-fn rest(found: &Row, hidden: f64, ended: f64) -> Rest {
-    let one_ray = 1.0 / f64::from(found.rays.max(1));
+fn rest(found: &Row, noise: Noise, hidden: f64, ended: f64) -> Rest {
     let [(sky, sky_error), (ground, ground_error)] = [0, 1].map(|way| {
         let (share, spread) = mean_and_variance(found.escaped.map(|e| e[way].mean()));
         let missing = (1.0 - share).max(0.0);
-        let variance = believed(share, spread, SPREAD_FREEDOM, one_ray, missing);
+        let variance = noise.believed(share, spread, SPREAD_FREEDOM, 1.0, missing);
         (share, variance.sqrt())
     });
     let cut = found.cut.mean();
@@ -171,21 +203,21 @@ pub(super) fn ending(material: &Material) -> Rgb {
     }
 }
 
-/// Means and variances by column of values in replicates.
-fn entries(mut found: Vec<(u32, usize, f64)>) -> Entries {
+/// A column, and what each replicate found of it.
+pub(super) type Column = (u32, [f64; REPLICATES]);
+
+/// What was found in replicates, by column.
+fn columns(mut found: Vec<(u32, usize, f64)>) -> Vec<Column> {
     found.sort_by_key(|&(column, ..)| column);
-    let mean_and_variance = |group: &[(u32, usize, f64)]| {
+    let column = |group: &[(u32, usize, f64)]| {
         let mut values = [0.0; REPLICATES];
         group.iter().for_each(|&(_, r, w)| values[r] += w);
-        entry(group[0].0, values)
+        (group[0].0, values)
     };
-    found
-        .chunk_by(|a, b| a.0 == b.0)
-        .map(mean_and_variance)
-        .collect()
+    found.chunk_by(|a, b| a.0 == b.0).map(column).collect()
 }
 
-fn entry(column: u32, values: [f64; REPLICATES]) -> Entry {
+fn entry(&(column, values): &Column) -> Entry {
     let (mean, variance) = mean_and_variance(values);
     Entry {
         column,
@@ -214,6 +246,7 @@ impl Record for RayRow {
         } = self.rest;
         let shares = [sky, sky_error, ground, ground_error, hidden, cut, lost];
         bytes.extend(shares.into_iter().flat_map(f64::to_le_bytes));
+        kinship::write(&self.kin, bytes);
     }
 
     fn read(bytes: &mut Reader) -> Option<RayRow> {
@@ -236,6 +269,7 @@ impl Record for RayRow {
                 cut: bytes.f64()?,
                 lost: bytes.f64()?,
             },
+            kin: kinship::read(bytes)?,
         })
     }
 }

@@ -73,7 +73,7 @@ pub enum PatchSize {
 }
 
 /// A face of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FaceId {
     /// Index among the scene's objects.
     pub object: u32,

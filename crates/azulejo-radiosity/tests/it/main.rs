@@ -8,6 +8,7 @@ mod analytic_engine;
 mod analytic_pairs;
 mod bad_scenes;
 mod determinism;
+mod drawn_errors;
 mod engines;
 mod exact;
 mod form_factor_matrix;
