@@ -71,18 +71,36 @@ struct Scratch {
     tally: Tally,
 }
 
+/// Pixels side by side in one row of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Run {
+    first: u32,
+    count: u32,
+}
+
+impl Run {
+    fn end(self) -> u32 {
+        self.first + self.count
+    }
+
+    /// The numbers of its pixels.
+    fn pixels(self) -> Range<usize> {
+        self.first as usize..self.end() as usize
+    }
+}
+
 /// Pixels that show one reflected world.
 struct Window {
     sight: Sight,
-    /// Its pixels, among those of the level.
-    pixels: Range<usize>,
+    /// Its pixels, among the runs of the level, ascending.
+    runs: Range<usize>,
 }
 
 /// All windows behind the same number of mirrors.
 #[derive(Default)]
 struct Level {
     windows: Vec<Window>,
-    pixels: Vec<u32>,
+    runs: Vec<Run>,
 }
 
 impl ProcessorBuffers {
@@ -131,21 +149,23 @@ impl ProcessorBuffers {
     /// known, into the pixels that show the last of them. Windows of one level never overlap.
     fn see_with(&self, view: &View, scratch: &mut Scratch) -> Seen {
         let mut seen = Seen::default();
-        let all: Vec<u32> = (0..self.cube.pixels()).collect();
+        let count = self.side() as u32;
+        let rows = (0..self.cube.pixels()).step_by(self.side());
+        let rows: Vec<Run> = rows.map(|first| Run { first, count }).collect();
         let whole = Window {
             sight: Sight::new(view, &self.world.local),
-            pixels: 0..all.len(),
+            runs: 0..rows.len(),
         };
         let mut level = Level {
             windows: vec![whole],
-            pixels: all,
+            runs: rows,
         };
         let mut depth = 0;
         while !level.windows.is_empty() {
             let mut next = Level::default();
             for window in &level.windows {
-                let pixels = &level.pixels[window.pixels.clone()];
-                self.look(&window.sight, depth, pixels, scratch, &mut seen, &mut next);
+                let runs = &level.runs[window.runs.clone()];
+                self.look(&window.sight, depth, runs, scratch, &mut seen, &mut next);
             }
             level = next;
             depth += 1;
@@ -159,23 +179,23 @@ impl ProcessorBuffers {
         &self,
         sight: &Sight,
         depth: u32,
-        pixels: &[u32],
+        runs: &[Run],
         scratch: &mut Scratch,
         seen: &mut Seen,
         next: &mut Level,
     ) {
         let mut mirrored = Vec::new();
-        for pixels in pixels.chunk_by(|&a, &b| self.face_of(a) == self.face_of(b)) {
-            let number = self.face_of(pixels[0]);
+        for runs in runs.chunk_by(|a, b| self.face_of(a.first) == self.face_of(b.first)) {
+            let number = self.face_of(runs[0].first);
             let face = sight.face(number);
-            self.draw_face(number, &face, pixels, scratch);
+            self.draw_face(number, &face, runs, scratch);
             let found = Found {
                 drawing: self,
                 sight,
                 face: &face,
                 depth,
             };
-            found.read(pixels, scratch, seen, &mut mirrored);
+            found.read(runs, scratch, seen, &mut mirrored);
         }
         mirrored.sort_unstable();
         for group in mirrored.chunk_by(|a, b| a.0 == b.0) {
@@ -184,13 +204,13 @@ impl ProcessorBuffers {
     }
 
     /// Draws the world into some pixels of a face.
-    fn draw_face(&self, number: usize, face: &Face, pixels: &[u32], scratch: &mut Scratch) {
+    fn draw_face(&self, number: usize, face: &Face, runs: &[Run], scratch: &mut Scratch) {
         let mut region = Region::EMPTY;
-        for &p in pixels {
-            scratch.nearness[p as usize] = 0.0;
-            scratch.sides[p as usize] = NOTHING;
-            let (column, row) = self.place(p);
-            region.add(column, row);
+        for run in runs {
+            scratch.nearness[run.pixels()].fill(0.0);
+            scratch.sides[run.pixels()].fill(NOTHING);
+            let (column, row) = self.place(run.first);
+            region.add(column..column + run.count as usize, row);
         }
         let range = self.pixels_of(number);
         let mut canvas = Canvas {
@@ -207,7 +227,7 @@ impl ProcessorBuffers {
         &self,
         sight: &Sight,
         depth: u32,
-        group: &[(u32, u32)],
+        group: &[(u32, Run)],
         seen: &mut Seen,
         next: &mut Level,
     ) {
@@ -218,17 +238,29 @@ impl ProcessorBuffers {
             Beyond::List => false,
         };
         if !goes_on || strength <= 0.0 {
-            let weight = |&(_, p): &(u32, u32)| self.weights[p as usize];
-            let share: f64 = group.iter().map(weight).sum();
+            let share: f64 = group.iter().map(|&(_, run)| self.weight(run)).sum();
             seen.cut += sight.tint * share;
             return;
         }
-        let first = next.pixels.len();
-        next.pixels.extend(group.iter().map(|&(_, p)| p));
+        let first = next.runs.len();
+        for &(_, run) in group {
+            // Pieces of one mirror, side by side, are one run.
+            match next.runs[first..].last_mut() {
+                Some(last) if last.end() == run.first && self.place(run.first).0 > 0 => {
+                    last.count += run.count;
+                }
+                _ => next.runs.push(run),
+            }
+        }
         next.windows.push(Window {
             sight,
-            pixels: first..next.pixels.len(),
+            runs: first..next.runs.len(),
         });
+    }
+
+    /// What the pixels of a run carry before any mirror.
+    fn weight(&self, run: Run) -> f64 {
+        self.weights[run.pixels()].iter().sum()
     }
 
     /// Pixels along a face.
@@ -277,29 +309,45 @@ impl Found<'_> {
     /// the pixels for what is drawn next.
     fn read(
         &self,
-        pixels: &[u32],
+        runs: &[Run],
         scratch: &mut Scratch,
         seen: &mut Seen,
-        mirrored: &mut Vec<(u32, u32)>,
+        mirrored: &mut Vec<(u32, Run)>,
     ) {
-        let order = self.depth.min(2) as u8;
+        for run in runs {
+            let mut first = run.first;
+            for alike in scratch.sides[run.pixels()].chunk_by(|a, b| a == b) {
+                let count = alike.len() as u32;
+                let run = Run { first, count };
+                first += count;
+                if alike[0] == NOTHING {
+                    self.escape(run, seen);
+                    continue;
+                }
+                let share = self.sight.tint * self.drawing.weight(run);
+                let order = self.depth.min(2) as u8;
+                scratch.tally.add(alike[0], order, share);
+                match (self.drawing.world.kind(alike[0] / 2), self.drawing.beyond) {
+                    (Kind::Matt, _) => {}
+                    (Kind::Mirror(mirror), Beyond::Windows { .. }) => mirrored.push((mirror, run)),
+                    _ => {
+                        let pixels = (run.first..run.end()).zip(&scratch.nearness[run.pixels()]);
+                        let specular = pixels.map(|(p, &near)| self.specular(p, alike[0], near));
+                        seen.specular.extend(specular);
+                    }
+                }
+            }
+            scratch.nearness[run.pixels()].fill(f32::INFINITY);
+        }
+    }
+
+    /// Adds pixels that show nothing to what leaves the world upwards and downwards.
+    fn escape(&self, run: Run, seen: &mut Seen) {
         let up = self.face.components(self.drawing.world.up);
-        for &p in pixels {
-            let side = scratch.sides[p as usize];
-            let nearness = std::mem::replace(&mut scratch.nearness[p as usize], f32::INFINITY);
-            let share = self.share(p);
-            if side == NOTHING {
-                let (x, y) = self.picture(p);
-                let is_up = x * up[0] + y * up[1] + up[2] >= 0.0;
-                seen.escaped[usize::from(!is_up)] += share;
-                continue;
-            }
-            scratch.tally.add(side, order, share);
-            match (self.drawing.world.kind(side / 2), self.drawing.beyond) {
-                (Kind::Matt, _) => {}
-                (Kind::Mirror(mirror), Beyond::Windows { .. }) => mirrored.push((mirror, p)),
-                _ => seen.specular.push(self.specular(p, side, nearness)),
-            }
+        for p in run.first..run.end() {
+            let (x, y) = self.picture(p);
+            let is_up = x * up[0] + y * up[1] + up[2] >= 0.0;
+            seen.escaped[usize::from(!is_up)] += self.share(p);
         }
     }
 

@@ -12,7 +12,7 @@
     reason = "loops over lanes that the compiler turns into vector instructions"
 )]
 
-use super::sight::{Depth, Face};
+use super::sight::{Begin, Depth, Face};
 use super::world::{LANES, LocalWorld, Node, Packet, Plane, PlaneFacet};
 use std::ops::Range;
 
@@ -44,17 +44,17 @@ impl Region {
         rows: 0..0,
     };
 
-    /// Grows until it holds a pixel.
-    pub fn add(&mut self, column: usize, row: usize) {
-        let grow = |range: &mut Range<usize>, k: usize| {
+    /// Grows until it holds some pixels of a row.
+    pub fn add(&mut self, columns: Range<usize>, row: usize) {
+        let grow = |range: &mut Range<usize>, more: Range<usize>| {
             *range = if range.start >= range.end {
-                k..k + 1
+                more
             } else {
-                range.start.min(k)..range.end.max(k + 1)
+                range.start.min(more.start)..range.end.max(more.end)
             };
         };
-        grow(&mut self.columns, column);
-        grow(&mut self.rows, row);
+        grow(&mut self.columns, columns);
+        grow(&mut self.rows, row..row + 1);
     }
 }
 
@@ -377,25 +377,30 @@ impl<'a, 'b> Painter<'a, 'b> {
         // behind many mirrors the corners have lost digits that the edge between them needs.
         // Either way round it is the same but for the sign, to the bit.
         let edge = |k: usize, l: usize| {
-            let along = [0, 1, 2].map(|axis| placed[l][axis] - placed[k][axis]);
-            let d = self
-                .face
-                .rows
-                .map(|m| m[0] * along[0] + m[1] * along[1] + m[2] * along[2]);
-            let s = [0, 1, 2].map(|axis| corners[k][axis] + corners[l][axis]);
+            let ([px, py, pz], [qx, qy, qz]) = (placed[k], placed[l]);
+            let along = [qx - px, qy - py, qz - pz];
+            let turned = |m: &[f32; 3]| m[0] * along[0] + m[1] * along[1] + m[2] * along[2];
+            let [u, v, w] = &self.face.rows;
+            let d = [turned(u), turned(v), turned(w)];
+            let ([ax, ay, az], [bx, by, bz]) = (corners[k], corners[l]);
+            let s = [ax + bx, ay + by, az + bz];
             [
                 sign * (s[1] * d[2] - s[2] * d[1]),
                 sign * (s[2] * d[0] - s[0] * d[2]),
                 sign * (s[0] * d[1] - s[1] * d[0]),
             ]
         };
+        let [nx, ny, n1] = depth.nearness;
         let behind = match &self.face.begin {
-            Some(begin) => [0, 1, 2].map(|k| (begin.nearness[k] - depth.nearness[k]) as f32),
+            Some(Begin {
+                nearness: [x, y, one],
+                ..
+            }) => [(x - nx) as f32, (y - ny) as f32, (one - n1) as f32],
             None => [0.0, 0.0, 1.0],
         };
         Fill {
             inside: [edge(0, 1), edge(1, 2), edge(2, 0), behind],
-            nearness: depth.nearness.map(|x| x as f32),
+            nearness: [nx as f32, ny as f32, n1 as f32],
             side: 2 * facet.patch + u32::from(!is_front),
         }
     }
@@ -433,9 +438,11 @@ impl<'a, 'b> Painter<'a, 'b> {
         let centres = &self.canvas.centres[columns];
         let nearness = &mut self.canvas.nearness[pixels.clone()];
         let sides = &mut self.canvas.sides[pixels];
-        let at_row = |e: [f32; 3]| (e[0], e[1] * y + e[2]);
-        let [a, b, c, d] = fill.inside.map(at_row);
-        let near = at_row(fill.nearness);
+        let at_row = |e: &[f32; 3]| (e[0], e[1] * y + e[2]);
+        // One by one: a map over the array is a call that nobody inlines.
+        let [a, b, c, d] = &fill.inside;
+        let (a, b, c, d) = (at_row(a), at_row(b), at_row(c), at_row(d));
+        let near = at_row(&fill.nearness);
         let side = fill.side;
         let value = |(slope, rest): (f32, f32), x: f32| slope * x + rest;
         for ((old, old_side), &x) in nearness.iter_mut().zip(sides).zip(centres) {

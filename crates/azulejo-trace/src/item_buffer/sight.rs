@@ -125,8 +125,10 @@ impl Face {
     pub fn depth(&self, plane: &Plane) -> Option<Depth> {
         let away = plane.offset - plane.normal.dot(self.eye);
         // n · (eye + w d) = offset, so 1/w = n · d / away: linear in the picture. NaN fails.
+        let (inverse, [u, v, w]) = (1.0 / away, &self.axes);
+        let along = |axis: &DVec3| plane.normal.dot(*axis) * inverse;
         (away.abs() > EDGE_ON).then(|| Depth {
-            nearness: self.axes.map(|a| plane.normal.dot(a) / away),
+            nearness: [along(u), along(v), along(w)],
             is_above: away < 0.0,
         })
     }
