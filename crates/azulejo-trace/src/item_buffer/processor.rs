@@ -19,8 +19,9 @@ use std::sync::Mutex;
 /// length, with corners that are not finite, or of patches that there are not are left out. Of
 /// facets in one plane (to 1e-8 of the world's size) the lowest patch is seen. What lies in the
 /// eye's own plane is not seen, and neither is, in a mirror, what is nearer to its plane than
-/// 1e-6 of the world's size. The memory of a thread is 16 bytes a pixel and 24 a patch, however
-/// many mirrors face each other.
+/// 1e-6 of the world's size. The memory of a thread is 8 bytes a pixel, up to 36 where no
+/// two neighbours show the same patch of a mirror, and 24 a patch, however many mirrors face each
+/// other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Processor;
 
