@@ -16,8 +16,11 @@ use glam::DVec3;
 const MOST_DEPTH: u32 = 5;
 /// Cells of one facet at most, so long as they are counted.
 const MOST_CELLS: usize = 32;
-/// Relative error of Gauss points, m² per cell, over the (radius/distance)^2m: measured.
-const SHARE: f64 = 0.1;
+/// Relative error of Gauss points, m² per cell for m from 1, over the (radius/distance)^2m: measured.
+const SHARES: [f64; 3] = [1.5, 0.1, 0.1];
+
+/// The same of taking a piece for its centroid.
+const FAR: f64 = 0.1;
 
 /// A blocker, or window, and which of its edges matter.
 #[derive(Clone, Copy)]
@@ -129,40 +132,51 @@ struct Pair<'a> {
 }
 
 impl Partial {
-    /// Exchange area of a pair that some screens may stand between.
+    /// Exchange area of a pair that some screens may stand between. Of each it is known which of
+    /// its edges matter to the whole pair, and whether it is a window; `is_whole` tells that both
+    /// facets are wholly in front of each other.
     pub fn exchange<'a>(
         &mut self,
-        a: &Facet,
-        b: &Facet,
-        screens: impl Iterator<Item = (&'a Blocker, bool)>,
+        [a, b]: [&Facet; 2],
+        is_whole: bool,
+        screens: impl Iterator<Item = (&'a Blocker, u64, bool)>,
         goal: Goal,
     ) -> Approximate {
-        let all = screens.map(|(blocker, is_window)| Screen {
+        let all = screens.map(|(blocker, edges, is_window)| Screen {
             blocker,
-            edges: u64::MAX,
+            edges,
             is_window,
         });
         let screens: Vec<Screen> = all.collect();
         let wants_seen = screens.iter().any(|s| s.is_window);
-        let (Some(first), Some(second)) =
-            (a.in_front_of(b, goal.graze), b.in_front_of(a, goal.graze))
-        else {
-            return Approximate::default();
-        };
-        let (a, b) = (&first, &second);
-        let base = if wants_seen { 0.0 } else { whole(a, b, goal) };
         let pair = Pair {
             a,
             b,
             depth: 0,
             wants_seen,
         };
+        let base = |a: &Facet, b: &Facet| if wants_seen { 0.0 } else { whole(a, b, goal) };
+        let value = if is_whole {
+            base(a, b) + self.sifted(pair, &screens, goal)
+        } else {
+            let (Some(a), Some(b)) = (a.in_front_of(b, goal.graze), b.in_front_of(a, goal.graze))
+            else {
+                return Approximate::default();
+            };
+            let pair = Pair {
+                a: &a,
+                b: &b,
+                ..pair
+            };
+            base(&a, &b) + self.part(pair, &screens, goal)
+        };
         Approximate {
-            value: (base + self.part(pair, &screens, goal)).max(0.0),
+            value: value.max(0.0),
             error: goal.error,
         }
     }
 
+    /// As [`sifted`](Partial::sifted), after asking which screens and edges matter to the pair.
     fn part(&mut self, pair: Pair, screens: &[Screen], goal: Goal) -> f64 {
         let Pair { a, b, .. } = pair;
         let mut kept: Vec<Screen> = Vec::with_capacity(screens.len());
@@ -187,18 +201,26 @@ impl Partial {
                 0.0
             };
         }
-        let (ratio_a, ratio_b) = (ratio(a, b, &kept), ratio(b, a, &kept));
+        self.sifted(pair, &kept, goal)
+    }
+
+    /// What is seen of a pair past some screens, all of which matter, or less what is hidden.
+    fn sifted(&mut self, pair: Pair, kept: &[Screen], goal: Goal) -> f64 {
+        let Pair { a, b, .. } = pair;
+        let (ratio_a, ratio_b) = (ratio(a, b, kept), ratio(b, a, kept));
         let size = rough(a, b);
-        let fits = |points: i32| SHARE * ratio_a.min(ratio_b).powi(2 * points) * size < goal.error;
+        let fits = |points: usize| {
+            SHARES[points - 1] * ratio_a.min(ratio_b).powi(2 * points as i32) * size < goal.error
+        };
         // From far, all of a piece is seen as its centroid is.
-        let is_far = |ratio: f64| SHARE * ratio * ratio * size < goal.error;
-        let points = if fits(2) { 2 } else { 3 };
+        let is_far = |ratio: f64| FAR * ratio * ratio * size < goal.error;
+        let points = (1..3).find(|&m| fits(m)).unwrap_or(3);
         if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
-            return self.quartered(pair, ratio_a >= ratio_b, &kept, goal);
+            return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
         }
         let seen = match ratio_a <= ratio_b {
-            true => self.integrate([a, b], 1.0, &kept, points, is_far(ratio_b), goal.graze),
-            false => self.integrate([b, a], -1.0, &kept, points, is_far(ratio_a), goal.graze),
+            true => self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal.graze),
+            false => self.integrate([b, a], -1.0, kept, points, is_far(ratio_a), goal.graze),
         };
         let has_window = kept.iter().any(|s| s.is_window);
         match pair.wants_seen && !has_window {

@@ -127,6 +127,8 @@ pub(super) struct Walk<'a> {
     columns: &'a Facets,
     nodes: Vec<RowNode>,
     screens: Vec<u32>,
+    /// Which edges matter of the screens between the pair at hand.
+    edges: Vec<u64>,
     partial: Partial,
     sums: Vec<f64>,
     pub tally: Tally,
@@ -149,6 +151,7 @@ impl<'a> Walk<'a> {
             columns,
             nodes: Vec::new(),
             screens: Vec::new(),
+            edges: Vec::new(),
             partial: Partial::default(),
             sums: Vec::new(),
             tally: Tally::default(),
@@ -351,17 +354,20 @@ impl<'a> Walk<'a> {
         } else {
             self.tally.partial += 1;
             let windows = world.windows;
-            let screens = self.screens[kept]
-                .iter()
-                .map(|&s| (&world.screens[s as usize], (s as usize) < windows));
+            let screens = self.screens[kept].iter().zip(&self.edges);
+            let screens = screens
+                .map(|(&s, &edges)| (&world.screens[s as usize], edges, (s as usize) < windows));
             let goal = Goal {
                 error: self.accuracy.partial * a.area.min(b.area),
                 whole: self.accuracy.whole,
                 graze: world.graze,
             };
             let seen = match self.accuracy.is_exact {
-                true => exchange_area_past(a.polygon(), b.polygon(), screens, goal.error),
-                false => self.partial.exchange(a, b, screens, goal),
+                true => {
+                    let screens = screens.map(|(screen, _, is_window)| (screen, is_window));
+                    exchange_area_past(a.polygon(), b.polygon(), screens, goal.error)
+                }
+                false => self.partial.exchange([a, b], is_whole, screens, goal),
             };
             let (value, error) = (world.weight * seen.value, world.weight * seen.error);
             found.add(row, column, value, error);
@@ -369,19 +375,24 @@ impl<'a> Walk<'a> {
         self.screens.truncate(top);
     }
 
-    /// As [`sift`](Walk::sift), for one pair.
+    /// As [`sift`](Walk::sift), for one pair; notes which edges matter.
     fn sift_exactly(&mut self, a: &Facet, b: &Facet, screens: Range<usize>) -> bool {
+        self.edges.clear();
         for k in screens {
             let index = self.screens[k] as usize;
             let Some(screen) = self.world.screens.get(index) else {
                 self.screens.push(index as u32);
+                self.edges.push(0);
                 continue;
             };
             let effect = screen.effect(a.polygon(), b.polygon(), self.world.graze);
             match (effect, index < self.world.windows) {
                 (Effect::None, true) | (Effect::Hides, false) => return false,
                 (Effect::None, false) | (Effect::Hides, true) => {}
-                (Effect::Partial(_), _) => self.screens.push(index as u32),
+                (Effect::Partial(edges), _) => {
+                    self.screens.push(index as u32);
+                    self.edges.push(edges);
+                }
             }
         }
         true
