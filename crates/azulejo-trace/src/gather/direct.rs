@@ -8,7 +8,9 @@
 
 use super::emitters::Emitters;
 use super::{DirectLight, GatherPoint, REPLICATES};
-use crate::lambert::{ArrayPolygon, clip, clip_to_window, mirror_point, point_to_polygon};
+use crate::lambert::{
+    ArrayPolygon, clip, clip_to_window, is_in_front, mirror_point, point_to_polygon,
+};
 use crate::sampling::{cosine_about, hash, seeds, sobol, uniform};
 use crate::{KernelRay, Surfaces};
 use azulejo_scene::math::{Frame, Ray, area_vector};
@@ -696,11 +698,12 @@ fn far(surfaces: &Surfaces, p: DVec3) -> f64 {
 }
 
 /// Whether a quick look shows that `point` can't see anything of `image` through `window`: all
-/// of the image, or all of the window, is below the horizon, or the image is beyond one edge.
+/// of the image, or all of the window, is below the horizon, or the image shows its back or is
+/// beyond one edge.
 pub(super) fn is_hidden(point: &GatherPoint, image: &[DVec3], window: &[DVec3]) -> bool {
     let p = point.position;
     let below = |polygon: &[DVec3]| polygon.iter().all(|&c| (c - p).dot(point.normal) <= 0.0);
-    if below(image) || below(window) {
+    if !is_in_front(p, image) || below(image) || below(window) {
         return true;
     }
     let facing = (p - window[0]).dot(area_vector(window)).signum();
