@@ -14,6 +14,12 @@ use glam::{DAffine3, DMat3, DVec3};
 /// Height above a mirror, relative to the size of things, that counts as lying in it.
 const IN_PLANE: f64 = 1e-12;
 
+/// More windows than this are not tried in all orders.
+const MOST_ORDERED: usize = 4;
+
+/// Rounding of images, relative to where they are.
+const ROUNDING: f64 = 1e-12;
+
 /// Images that agree to this, relative to where they are, are one.
 const SAME: f64 = 1e-9;
 
@@ -67,9 +73,8 @@ pub fn mirrored_form_factor<M: AsRef<[DVec3]>, O: AsRef<[DVec3]>>(
 
 /// A chain of mirrors, unfolded.
 ///
-/// A straight line through all its windows meets them in one order. Chains that only differ in
-/// the order of mirrors at right angles to each other, and so have one image, can be one:
-/// [`joined`](Chain::joined).
+/// Chains with one image that only differ in the order of mirrors at right angles to each other
+/// can be one, [`joined`](Chain::joined): what order a line meets its windows in does not matter.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Chain {
     /// The mirrors, each as it is seen through those before it, but for those that are passed
@@ -210,22 +215,28 @@ impl Chain {
     }
 
     /// The same without windows that all lines pass that go from any of some points through the
-    /// last, but with those in planes of windows of another.
-    pub fn without_passed(&self, from: &[DVec3], graze: f64, other: &Chain) -> Chain {
+    /// last, but with those in planes that all of some other chains have windows in.
+    pub fn without_passed(&self, from: &[DVec3], graze: f64, others: &[&Chain]) -> Chain {
         let mut chain = self.clone();
         let Some(last) = chain.stages.pop() else {
             return chain;
         };
         let from = from.iter().copied().filter(|&p| last.plane.is_before(p));
         let from: Vec<DVec3> = from.collect();
-        let is_kept = |stage: &Stage| other.stages.iter().any(|o| o.plane.is(&stage.plane));
         chain.stages.retain(|stage| {
             let window = Blocker::new(stage.window.clone());
             let effect = window.map(|w| w.effect(&from, &last.window, graze));
-            effect != Some(Effect::Hides) || is_kept(stage)
+            effect != Some(Effect::Hides)
+                || others.iter().all(|o| o.in_plane(&stage.plane).is_some())
         });
         chain.stages.push(last);
         chain
+    }
+
+    /// The window in a plane, if there is one.
+    fn in_plane(&self, plane: &Facing) -> Option<&ArrayPolygon> {
+        let stage = self.stages.iter().find(|stage| stage.plane.is(plane))?;
+        Some(&stage.window)
     }
 
     /// Whether the world looks the same after as many mirrors, but for what is seen of it.
@@ -235,35 +246,49 @@ impl Chain {
         self.length == other.length && self.image.abs_diff_eq(other.image, SAME * reach)
     }
 
-    /// One chain for two that meet two mirrors at right angles in either order: a line through
-    /// the windows of either mirror, joined, has met one of them first.
+    /// One chain for several with one image that meet mirrors in other orders, as those in a
+    /// corner of a room: its windows are theirs, joined in each plane.
     ///
-    /// `None` if these are not such chains, or what is joined is not convex.
-    pub fn joined(&self, other: &Chain) -> Option<Chain> {
-        if !self.has_image_of(other) || self.stages.len() != other.stages.len() {
+    /// `None` if a line through the joined windows, in whatever order, might be of none of the
+    /// chains.
+    pub fn joined(chains: &[Chain]) -> Option<Chain> {
+        let mut joined = chains.first()?.clone();
+        let count = joined.stages.len();
+        if count > MOST_ORDERED || chains.iter().any(|c| c.stages.len() != count) {
             return None;
         }
-        let (ours, theirs) = (&self.stages, &other.stages);
-        let at = (0..ours.len()).find(|&k| !ours[k].is(&theirs[k]))?;
-        let is_other_way = at + 1 < ours.len()
-            && ours[at].plane.is(&theirs[at + 1].plane)
-            && ours[at + 1].plane.is(&theirs[at].plane);
-        let rest_is_one = || (at + 2..ours.len()).all(|k| ours[k].is(&theirs[k]));
-        let crossing = ours[at].plane.normal.dot(ours.get(at + 1)?.plane.normal);
-        if !is_other_way || crossing.abs() > SAME || !rest_is_one() {
-            return None;
-        }
-        let mut joined = self.clone();
-        for (k, l) in [(at, at + 1), (at + 1, at)] {
-            joined.stages[k].window = hull_of_both(&ours[k].window, &theirs[l].window)?;
-        }
-        let is_new = |(polygon, k): &&(ArrayPolygon, usize)| {
-            let mut known = self.settled.iter().filter(|(_, number)| number == k);
-            !known.any(|(p, _)| is_one(p, polygon))
+        let planes: Vec<Facing> = joined.stages.iter().map(|stage| stage.plane).collect();
+        let windows = |chain: &Chain| {
+            let own = planes.iter().map(|plane| chain.in_plane(plane).cloned());
+            own.collect::<Option<Vec<ArrayPolygon>>>()
         };
-        let more = other.settled.iter().filter(is_new).cloned();
-        joined.settled.extend(more);
+        let own: Vec<Vec<ArrayPolygon>> = chains.iter().map(windows).collect::<Option<_>>()?;
+        for (k, stage) in joined.stages.iter_mut().enumerate() {
+            stage.window = hull(
+                own.iter().flat_map(|w| w[k].iter().copied()),
+                stage.plane.normal,
+            );
+        }
+        let all = windows(&joined)?;
+        if !orders(count)
+            .iter()
+            .all(|order| is_covered(&all, &own, &planes, order))
+        {
+            return None;
+        }
+        for other in &chains[1..] {
+            joined.add_settled(other);
+        }
         Some(joined)
+    }
+
+    fn add_settled(&mut self, other: &Chain) {
+        for (polygon, k) in &other.settled {
+            let mut known = self.settled.iter().filter(|(_, number)| number == k);
+            if !known.any(|(p, _)| is_one(p, polygon)) {
+                self.settled.push((polygon.clone(), *k));
+            }
+        }
     }
 
     /// Images of what stands in the way of any leg, with the numbers of the originals.
@@ -287,7 +312,7 @@ impl Chain {
             pair.whole_area = area_vector(p1).length() / (pair.scale * pair.scale);
             let moved = |p: &ArrayPolygon| pair.moved(p);
             let between = Between {
-                windows: self.windows().map(|w| moved(w)).collect(),
+                windows: self.windows().map(moved).collect(),
                 blockers: blockers.iter().map(|(b, _)| moved(b)).collect(),
             };
             Some(pair.share_past(between, accuracy))
@@ -296,10 +321,49 @@ impl Chain {
     }
 }
 
-impl Stage {
-    fn is(&self, other: &Stage) -> bool {
-        self.plane.is(&other.plane) && is_one(&self.window, &other.window)
-    }
+/// Whether all lines that meet some planes in this order, and there the windows `all`, meet the
+/// windows of one of several chains.
+fn is_covered(
+    all: &[ArrayPolygon],
+    chains: &[Vec<ArrayPolygon>],
+    planes: &[Facing],
+    order: &[usize],
+) -> bool {
+    // The part of a window that such lines meet: behind planes met before, in front of others.
+    let area = |window: &ArrayPolygon, at: usize| {
+        let others = order.iter().enumerate().filter(|(place, _)| *place != at);
+        let mut parts = others.map(|(place, &k)| (place < at, planes[k]));
+        let part = parts.try_fold(window.clone(), |rest, (is_met, plane)| match is_met {
+            true => plane.back(&rest),
+            false => plane.front(&rest),
+        });
+        part.map_or(0.0, |p| area_vector(&p).length())
+    };
+    let areas = |windows: &[ArrayPolygon]| -> Vec<f64> {
+        let each = order.iter().enumerate();
+        each.map(|(at, &k)| area(&windows[k], at)).collect()
+    };
+    let whole = areas(all);
+    let is_whole = |windows: &Vec<ArrayPolygon>| {
+        let mut pairs = areas(windows).into_iter().zip(&whole);
+        pairs.all(|(part, all)| (part - all).abs() <= SAME * all)
+    };
+    whole.contains(&0.0) || chains.iter().any(is_whole)
+}
+
+/// All orders of the numbers below `count`.
+fn orders(count: usize) -> Vec<Vec<usize>> {
+    let Some(last) = count.checked_sub(1) else {
+        return vec![Vec::new()];
+    };
+    let with_last = |order: Vec<usize>| {
+        (0..count).map(move |place| {
+            let mut longer = order.clone();
+            longer.insert(place, last);
+            longer
+        })
+    };
+    orders(last).into_iter().flat_map(with_last).collect()
 }
 
 /// Whether two polygons have the same corners, in the same order from some corner on.
@@ -309,13 +373,16 @@ fn is_one(a: &[DVec3], b: &[DVec3]) -> bool {
     a.len() == b.len() && (0..b.len()).any(is_turned)
 }
 
-/// Two convex polygons of one plane, which do not overlap, as one, if that is convex.
-fn hull_of_both(a: &[DVec3], b: &[DVec3]) -> Option<ArrayPolygon> {
-    let (first, second) = (area_vector(a), area_vector(b));
-    let normal = first.normalize_or_zero();
+/// The convex hull of points in a plane, counter-clockwise about its normal.
+fn hull(points: impl Iterator<Item = DVec3>, normal: DVec3) -> ArrayPolygon {
     let frame = Frame::from_normal(normal);
-    let flat = |&p: &DVec3| (frame.to_local(p - a[0]), p);
-    let mut corners: Vec<(DVec3, DVec3)> = a.iter().chain(b).map(flat).collect();
+    let mut corners: Vec<(DVec3, DVec3)> = points.map(|p| (frame.to_local(p), p)).collect();
+    let reach = |p: &(DVec3, DVec3)| p.0.truncate().abs().max_element();
+    // Rounded, and with but one zero, so that corners one above the other are sorted as such.
+    let cell = ROUNDING * corners.iter().map(reach).fold(f64::MIN_POSITIVE, f64::max);
+    for (p, _) in &mut corners {
+        *p = (*p / cell).round() * cell + DVec3::ZERO;
+    }
     corners.sort_by(|(p, _), (q, _)| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
     // Andrew's monotone chain: below from left to right, then above from right to left.
     let half = |ring: &mut Vec<(DVec3, DVec3)>, start: usize, p: (DVec3, DVec3)| {
@@ -333,14 +400,11 @@ fn hull_of_both(a: &[DVec3], b: &[DVec3]) -> Option<ArrayPolygon> {
     };
     let mut ring = Vec::with_capacity(corners.len() + 1);
     corners.iter().for_each(|&p| half(&mut ring, 0, p));
-    let start = ring.len() - 1;
+    let start = ring.len().saturating_sub(1);
     let back = corners.iter().rev().skip(1);
     back.for_each(|&p| half(&mut ring, start, p));
     ring.pop();
-    let hull: ArrayPolygon = ring.into_iter().map(|(_, p)| p).collect();
-    let area = first.length() + second.length();
-    let is_both = (area_vector(&hull).length() - area).abs() <= SAME * area;
-    is_both.then_some(hull)
+    ring.into_iter().map(|(_, p)| p).collect()
 }
 
 /// Reflection in the plane through `point` with unit `normal`.
@@ -350,4 +414,61 @@ fn reflection(point: DVec3, normal: DVec3) -> DAffine3 {
         DMat3::IDENTITY - 2.0 * outer,
         2.0 * point.dot(normal) * normal,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+
+    fn square(corner: DVec3, u: DVec3, v: DVec3) -> [DVec3; 4] {
+        [corner, corner + u, corner + u + v, corner + v]
+    }
+
+    /// Both orders of two mirrors at x = 0 and y = `gap`, the second at right angles.
+    fn check(gap: f64, is_joined: bool) {
+        let first = square(DVec3::ZERO, DVec3::Y, DVec3::Z);
+        let second = square(dvec3(0.0, -gap, 0.0), DVec3::Z, DVec3::X);
+        let by = |mirrors: [&[DVec3]; 2]| {
+            let longer = |chain: Chain, m: &&[DVec3]| chain.extended(m, 1.0, &[]);
+            mirrors.iter().try_fold(Chain::default(), longer).unwrap()
+        };
+        let chains = [by([&first, &second]), by([&second, &first])];
+        assert!(chains[0].has_image_of(&chains[1]));
+        let joined = Chain::joined(&chains);
+        assert_eq!(joined.is_some(), is_joined);
+        let areas = |chain: &Chain| {
+            chain
+                .windows()
+                .map(|w| area_vector(w).length())
+                .sum::<f64>()
+        };
+        assert!(joined.is_none_or(|j| (areas(&j) - 4.0).abs() < 1e-12));
+        assert!(Chain::joined(&chains[..1]).is_some());
+    }
+
+    /// Past the gap between mirrors that do not meet goes light that meets one of them only.
+    #[test]
+    fn mirrors_that_meet_at_right_angles_are_one_chain() {
+        check(0.0, true);
+        check(0.2, false);
+    }
+
+    #[test]
+    fn hulls_have_no_corner_twice() {
+        let points = [
+            (-0.0, 1.0),
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (0.5, 0.0),
+            (1.0, 1.0),
+            (0.0, 0.0),
+        ];
+        let points = points.map(|(x, y)| dvec3(x, y, 2.0));
+        for way in [DVec3::Z, -DVec3::Z] {
+            let hull = hull(points.into_iter(), way);
+            assert_eq!(hull.len(), 4);
+            assert!((area_vector(&hull).dot(way) - 1.0).abs() < 1e-15);
+        }
+    }
 }

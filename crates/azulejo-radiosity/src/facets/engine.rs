@@ -44,6 +44,7 @@ pub(crate) struct Exchanger<'a> {
     /// Position of each side's facet, or [`NOWHERE`].
     positions: Vec<u32>,
     worlds: Vec<World>,
+    left: f64,
     accuracy: Accuracy,
     /// Orders of which nothing is left to rays.
     pub known: [bool; ORDERS],
@@ -80,15 +81,17 @@ impl<'a> Exchanger<'a> {
             sides,
             facets,
             positions,
-            worlds,
+            worlds: worlds.list,
+            left: worlds.left,
             known,
             seed: wanted.seed,
         }
     }
 
-    /// Whether there are images of mirrors.
-    pub fn has_images(&self) -> bool {
-        self.worlds.len() > 1
+    /// The most of any row's light that goes by chains of mirrors without images, if there are
+    /// images at all.
+    pub fn left(&self) -> Option<f64> {
+        (self.worlds.len() > 1).then_some(self.left)
     }
 
     /// Whether nothing is left to rays.
@@ -306,7 +309,7 @@ fn worlds(
     solids: &Solids,
     facets: &[Facet],
     is_per_channel: bool,
-) -> (Vec<World>, [bool; ORDERS]) {
+) -> (Worlds, [bool; ORDERS]) {
     let specular = |i: &usize| {
         let material = &surfaces.scene.materials[patches.material(*i) as usize];
         material.is_specular()
@@ -328,7 +331,7 @@ fn worlds(
     let depth = Depth {
         least: 1e-10,
         // Each costs up to as much as the scene itself: between divided surfaces rays are quicker.
-        chains: if is_few { 2_048 } else { 0 },
+        chains: if is_few { 8_192 } else { 0 },
         most_left: 1e-5,
     };
     let corners: Vec<DVec3> = facets.iter().flat_map(|f| f.polygon()).copied().collect();
@@ -344,7 +347,7 @@ fn worlds(
     let worlds = Worlds::new(solids, mirrors, depth, &corners, reach);
     let by_images = all.is_empty() || !mirrors.is_empty();
     let known = [true, by_images, by_images && worlds.has_all_orders];
-    (worlds.list, known)
+    (worlds, known)
 }
 
 /// Images of mirrors that cost up to this, relative to the straight pairs, are better than rays.

@@ -35,6 +35,9 @@ pub(super) struct Mirror {
     pub reflectance: Rgb,
 }
 
+/// Windows and images of blockers, of all chains together, that are worth their memory.
+const MOST_SCREENS: usize = 1 << 18;
+
 /// Which chains of mirrors are followed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Depth {
@@ -51,6 +54,8 @@ pub(super) struct Worlds {
     pub list: Vec<World>,
     /// Whether all chains of more than one mirror are there, but for what is too weak.
     pub has_all_orders: bool,
+    /// The most that goes by those of any row's light.
+    pub left: f64,
 }
 
 impl World {
@@ -130,41 +135,43 @@ impl Worlds {
             return Worlds {
                 list,
                 has_all_orders: mirrors.len() < 2,
+                left: 0.0,
             };
         }
         let graze = GRAZE * solids.size;
-        let lean = |chain: &Chain, other: &Chain| chain.without_passed(corners, graze, other);
-        loop {
-            let bound = |mut g: Growing| {
-                g.chain = lean(&g.chain, &Chain::default());
-                let most = g.chain.windows().map(|w| reach(w)).fold(1.0, f64::min);
-                let most = g.reflectance.max_channel() * most;
-                (most > depth.least).then_some((g, most))
-            };
+        let lean = |chain: &Chain, others: &[&Chain]| chain.without_passed(corners, graze, others);
+        let bound = |mut g: Growing| {
+            g.chain = lean(&g.chain, &[&Chain::default()]);
+            let most = g.chain.windows().map(|w| reach(w)).fold(1.0, f64::min);
+            let most = g.reflectance.max_channel() * most;
+            (g, most)
+        };
+        let mut left = 0.0;
+        while !ends.is_empty() {
             let mut next = longer(&ends, mirrors, &occluders);
             if next.len() <= depth.chains {
                 next = joined(next, lean);
             }
-            let next: Vec<(Growing, f64)> = next.into_par_iter().filter_map(bound).collect();
-            if list.len() + next.len() > singles + depth.chains {
-                let left: f64 = next.iter().map(|(_, most)| most).sum();
-                let has_all_orders = left <= depth.most_left;
-                if !has_all_orders {
-                    list.truncate(singles);
-                }
-                return Worlds {
-                    list,
-                    has_all_orders,
-                };
-            }
-            if next.is_empty() {
-                return Worlds {
-                    list,
-                    has_all_orders: true,
-                };
+            let next: Vec<(Growing, f64)> = next.into_par_iter().map(bound).collect();
+            let (next, weak): (Vec<_>, Vec<_>) =
+                next.into_iter().partition(|(_, most)| *most > depth.least);
+            left += weak.iter().map(|(_, most)| most).sum::<f64>();
+            let screens: usize = list.iter().map(|world| world.screens.len()).sum();
+            if list.len() + next.len() > singles + depth.chains || screens > MOST_SCREENS {
+                left += next.iter().map(|(_, most)| most).sum::<f64>();
+                break;
             }
             ends = next.into_iter().map(|(g, _)| g).collect();
             list.extend(ends.iter().map(world));
+        }
+        let has_all_orders = left <= depth.most_left;
+        if !has_all_orders {
+            list.truncate(singles);
+        }
+        Worlds {
+            list,
+            has_all_orders,
+            left,
         }
     }
 }
@@ -184,29 +191,31 @@ fn longer(ends: &[Growing], mirrors: &[Mirror], occluders: &[&[DVec3]]) -> Vec<G
 }
 
 /// The same chains, joined where they only differ in the order of mirrors; `lean` leaves out
-/// windows that need no looking at, but for those that the other chain has.
-fn joined(chains: Vec<Growing>, lean: impl Fn(&Chain, &Chain) -> Chain) -> Vec<Growing> {
-    let one = |a: &Growing, b: &Growing| {
-        let off = a.reflectance - b.reflectance;
-        let (a, b) = (&a.chain, &b.chain);
-        if !a.has_image_of(b) || off.map(f64::abs).max_channel() > 1e-12 {
-            return None;
-        }
-        let either = || a.joined(&lean(b, a)).or_else(|| lean(a, b).joined(b));
-        a.joined(b).or_else(either)
-    };
-    let mut kept: Vec<Growing> = Vec::with_capacity(chains.len());
+/// windows that need no looking at, but for those that other chains all have.
+fn joined(chains: Vec<Growing>, lean: impl Fn(&Chain, &[&Chain]) -> Chain) -> Vec<Growing> {
+    let mut groups: Vec<Vec<Growing>> = Vec::with_capacity(chains.len());
     for new in chains {
-        let join = |old: &mut Growing| match one(old, &new) {
-            Some(chain) => {
-                old.chain = chain;
-                true
-            }
-            None => false,
+        let has_image = |group: &&mut Vec<Growing>| {
+            let off = group[0].reflectance - new.reflectance;
+            off.map(f64::abs).max_channel() <= 1e-12 && group[0].chain.has_image_of(&new.chain)
         };
-        if !kept.iter_mut().any(join) {
-            kept.push(new);
+        match groups.iter_mut().find(has_image) {
+            Some(group) => group.push(new),
+            None => groups.push(vec![new]),
         }
     }
-    kept
+    let one = |group: Vec<Growing>| {
+        let others = |k: usize| -> Vec<&Chain> {
+            let others = group.iter().enumerate().filter(|(l, _)| *l != k);
+            others.map(|(_, other)| &other.chain).collect()
+        };
+        let chains = group.iter().enumerate();
+        let chains: Vec<Chain> = chains.map(|(k, g)| lean(&g.chain, &others(k))).collect();
+        let reflectance = group[0].reflectance;
+        match Chain::joined(&chains) {
+            Some(chain) if group.len() > 1 => vec![Growing { chain, reflectance }],
+            _ => group,
+        }
+    };
+    groups.into_iter().flat_map(one).collect()
 }

@@ -41,15 +41,9 @@ fn polygons_and_mirrors_are_exact() {
             "{:16} {:.13} ± {:.1e}, off {off:.1e}",
             case.id, answer.value, answer.error
         );
-        // Four mirrors and more make too many images: plates between end mirrors, and a room of
-        // nothing else.
+        // Plates between four perfect mirrors have too many images.
         if factors.ran.notes.iter().any(|n| n.contains("rays")) {
-            let in_words = ["plates", "furnace_spec"];
-            assert!(
-                in_words.iter().any(|w| case.id.starts_with(w)),
-                "{}",
-                case.id
-            );
+            assert_eq!(case.id, "plates");
             assert!(
                 answer.standard_errors(&case) < 4.0,
                 "{}: {answer:?}",
@@ -58,12 +52,12 @@ fn polygons_and_mirrors_are_exact() {
             continue;
         }
         assert!(
-            off < tolerance + case.truth.error,
+            off < tolerance * case.truth.value.max(1.0) + case.truth.error,
             "{}: {answer:?} is {off:e} off {:?}",
             case.id,
             case.truth
         );
-        assert!(answer.error < 1e-7, "{}: {answer:?}", case.id);
+        assert!(answer.error < 1e-6, "{}: {answer:?}", case.id);
     }
 }
 
@@ -263,15 +257,15 @@ fn check_divided(scene: &Scene, count: usize) -> FormFactors {
     });
     let divided = with(divided);
     assert!(divided.len() > 32);
-    let [whole, rays, found] = [&whole, &rays, &divided].map(|f| by_face(f));
+    let [whole, rays, found] = [&whole, &rays, &divided].map(by_face);
     let areas = found.areas.clone();
     for order in 0..2 {
         let [whole, rays, found] = [&whole, &rays, &found].map(|f| &f.orders[order]);
-        for i in 0..found.len() {
-            let area = areas[i];
+        for (i, &area) in areas.iter().enumerate() {
             for j in i..found.len() {
                 let [exact, rays, found] = [whole, rays, found].map(|o| o.get(i, j));
-                let (off, noise) = (found.value - rays.value, f64::from(rays.error));
+                let off = found.value - rays.value;
+                let noise = f64::from(rays.error).hypot(f64::from(found.error));
                 let limit = 1e-4 * area;
                 assert!(
                     (found.value - exact.value).abs() < limit,
