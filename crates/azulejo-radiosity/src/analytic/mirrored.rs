@@ -4,14 +4,24 @@
 //! light goes straight on through the mirrors as through windows. What stands in the way stands
 //! in the way of each leg: its image on a leg counts as far as the leg's two mirrors go.
 
+use super::blocker::{Blocker, Effect};
 use super::shadow::Between;
 use super::{Approximate, Pair};
-use azulejo_scene::math::area_vector;
+use azulejo_scene::math::{Frame, area_vector};
 use azulejo_trace::lambert::{ArrayPolygon, clip};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Height above a mirror, relative to the size of things, that counts as lying in it.
 const IN_PLANE: f64 = 1e-12;
+
+/// More windows than this are not tried in all orders.
+const MOST_ORDERED: usize = 4;
+
+/// Rounding of images, relative to where they are.
+const ROUNDING: f64 = 1e-12;
+
+/// Images that agree to this, relative to where they are, are one.
+const SAME: f64 = 1e-9;
 
 /// Form factor F₁₂ by way of perfect convex `mirrors`, in their order from `p1` to `p2`, past
 /// opaque convex `occluders`, with an estimate of its error.
@@ -62,16 +72,27 @@ pub fn mirrored_form_factor<M: AsRef<[DVec3]>, O: AsRef<[DVec3]>>(
 }
 
 /// A chain of mirrors, unfolded.
+///
+/// Chains with one image that only differ in the order of mirrors at right angles to each other
+/// can be one, [`joined`](Chain::joined): what order a line meets its windows in does not matter.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Chain {
-    /// The mirrors, each as it is seen through those before it.
-    pub windows: Vec<ArrayPolygon>,
-    /// Their planes, in the same order.
-    planes: Vec<Facing>,
+    /// The mirrors, each as it is seen through those before it, but for those that are passed
+    /// [anyway](Chain::without_passed).
+    stages: Vec<Stage>,
+    /// Number of mirrors.
+    pub length: usize,
     /// The world after the last mirror, seen through all of them.
     pub image: DAffine3,
     /// Images of what stands in the way, of all legs but the last, with their numbers.
     settled: Vec<(ArrayPolygon, usize)>,
+}
+
+/// A mirror of a chain: light goes through the window, from the front of the plane to its back.
+#[derive(Clone, Debug)]
+struct Stage {
+    window: ArrayPolygon,
+    plane: Facing,
 }
 
 /// A plane, and which side of it light comes from.
@@ -98,6 +119,17 @@ impl Facing {
         }
     }
 
+    fn is_before(&self, p: DVec3) -> bool {
+        (p - self.point).dot(self.normal) > 0.0
+    }
+
+    /// Whether two planes are one, seen from the same side.
+    fn is(&self, other: &Facing) -> bool {
+        let way = other.point - self.point;
+        self.normal.distance(other.normal) <= SAME
+            && way.dot(self.normal).abs() <= SAME * (1.0 + way.length())
+    }
+
     fn back(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
         let turned = Facing {
             normal: -self.normal,
@@ -120,46 +152,142 @@ impl Chain {
             normal: self.image.transform_vector3(normal),
         };
         let window = self.placed(mirror)?;
-        let mut windows = self.windows.clone();
-        if let Some(last) = windows.last_mut() {
-            *last = plane.front(last)?;
-        }
-        windows.push(window);
-        let leg = occluders
-            .iter()
-            .enumerate()
-            .filter_map(|(k, o)| Some((plane.front(&self.placed(o)?)?, k)));
-        let settled = self.settled.iter().cloned().chain(leg).collect();
-        let mut planes = self.planes.clone();
-        planes.push(plane);
+        // What is passed before the new mirror is passed in front of it.
+        let before = self.stages.iter().map(|stage| {
+            Some(Stage {
+                window: plane.front(&stage.window)?,
+                plane: stage.plane,
+            })
+        });
+        let mut stages: Vec<Stage> = before.collect::<Option<_>>()?;
+        stages.push(Stage { window, plane });
+        let settled = self.blockers(occluders).into_iter();
         Some(Chain {
-            windows,
-            planes,
+            stages,
+            length: self.length + 1,
             image: self.image * reflection(mirror[0], normal),
-            settled,
+            settled: settled
+                .filter_map(|(polygon, k)| Some((plane.front(&polygon)?, k)))
+                .collect(),
         })
     }
 
-    /// Image of a polygon on the last leg, as far as it lies beyond the last mirror; as in
-    /// [`mirror_polygon`](azulejo_trace::lambert::mirror_polygon), fronts stay fronts.
+    /// The windows, from the first mirror to the last.
+    pub fn windows(&self) -> impl DoubleEndedIterator<Item = &ArrayPolygon> {
+        self.stages.iter().map(|stage| &stage.window)
+    }
+
+    /// Image of a polygon on the last leg, as far as it lies beyond the mirrors.
     pub fn placed(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
+        self.beyond(self.image_of(polygon))
+    }
+
+    /// The same, but only as far as it lies beyond the last mirror: less is cut off.
+    pub fn placed_roughly(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
+        let image = self.image_of(polygon);
+        match self.stages.last() {
+            Some(stage) => stage.plane.back(&image),
+            None => Some(image),
+        }
+    }
+
+    /// As in [`mirror_polygon`](azulejo_trace::lambert::mirror_polygon), fronts stay fronts.
+    fn image_of(&self, polygon: &[DVec3]) -> ArrayPolygon {
         let image = |&p: &DVec3| self.image.transform_point3(p);
-        let placed: ArrayPolygon = if self.planes.len().is_multiple_of(2) {
+        if self.length.is_multiple_of(2) {
             polygon.iter().map(image).collect()
         } else {
             polygon.iter().rev().map(image).collect()
-        };
-        match self.planes.last() {
-            Some(plane) => plane.back(&placed),
-            None => Some(placed),
         }
+    }
+
+    /// The part of an image beyond all mirrors.
+    pub fn beyond(&self, image: ArrayPolygon) -> Option<ArrayPolygon> {
+        let mut planes = self.stages.iter().map(|stage| stage.plane);
+        planes.try_fold(image, |rest, plane| plane.back(&rest))
     }
 
     /// The part of a polygon on the first leg.
     pub fn before(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
-        match self.planes.first() {
-            Some(plane) => plane.front(polygon),
-            None => Some(polygon.iter().copied().collect()),
+        let whole: ArrayPolygon = polygon.iter().copied().collect();
+        let mut planes = self.stages.iter().map(|stage| stage.plane);
+        planes.try_fold(whole, |rest, plane| plane.front(&rest))
+    }
+
+    /// The same without windows that all lines pass that go from any of some points through the
+    /// last, but with those in planes that all of some other chains have windows in.
+    pub fn without_passed(&self, from: &[DVec3], graze: f64, others: &[&Chain]) -> Chain {
+        let mut chain = self.clone();
+        let Some(last) = chain.stages.pop() else {
+            return chain;
+        };
+        let from = from.iter().copied().filter(|&p| last.plane.is_before(p));
+        let from: Vec<DVec3> = from.collect();
+        chain.stages.retain(|stage| {
+            let window = Blocker::new(stage.window.clone());
+            let effect = window.map(|w| w.effect(&from, &last.window, graze));
+            effect != Some(Effect::Hides)
+                || others.iter().all(|o| o.in_plane(&stage.plane).is_some())
+        });
+        chain.stages.push(last);
+        chain
+    }
+
+    /// The window in a plane, if there is one.
+    fn in_plane(&self, plane: &Facing) -> Option<&ArrayPolygon> {
+        let stage = self.stages.iter().find(|stage| stage.plane.is(plane))?;
+        Some(&stage.window)
+    }
+
+    /// Whether the world looks the same after as many mirrors, but for what is seen of it.
+    pub fn has_image_of(&self, other: &Chain) -> bool {
+        let corners = self.windows().flat_map(|w| w.iter());
+        let reach = corners.map(|c| c.length()).fold(1.0, f64::max);
+        self.length == other.length && self.image.abs_diff_eq(other.image, SAME * reach)
+    }
+
+    /// One chain for several with one image that meet mirrors in other orders, as those in a
+    /// corner of a room: its windows are theirs, joined in each plane.
+    ///
+    /// `None` if a line through the joined windows, in whatever order, might be of none of the
+    /// chains.
+    pub fn joined(chains: &[Chain]) -> Option<Chain> {
+        let mut joined = chains.first()?.clone();
+        let count = joined.stages.len();
+        if count > MOST_ORDERED || chains.iter().any(|c| c.stages.len() != count) {
+            return None;
+        }
+        let planes: Vec<Facing> = joined.stages.iter().map(|stage| stage.plane).collect();
+        let windows = |chain: &Chain| {
+            let own = planes.iter().map(|plane| chain.in_plane(plane).cloned());
+            own.collect::<Option<Vec<ArrayPolygon>>>()
+        };
+        let own: Vec<Vec<ArrayPolygon>> = chains.iter().map(windows).collect::<Option<_>>()?;
+        for (k, stage) in joined.stages.iter_mut().enumerate() {
+            stage.window = hull(
+                own.iter().flat_map(|w| w[k].iter().copied()),
+                stage.plane.normal,
+            );
+        }
+        let all = windows(&joined)?;
+        if !orders(count)
+            .iter()
+            .all(|order| is_covered(&all, &own, &planes, order))
+        {
+            return None;
+        }
+        for other in &chains[1..] {
+            joined.add_settled(other);
+        }
+        Some(joined)
+    }
+
+    fn add_settled(&mut self, other: &Chain) {
+        for (polygon, k) in &other.settled {
+            let mut known = self.settled.iter().filter(|(_, number)| number == k);
+            if !known.any(|(p, _)| is_one(p, polygon)) {
+                self.settled.push((polygon.clone(), *k));
+            }
         }
     }
 
@@ -184,13 +312,99 @@ impl Chain {
             pair.whole_area = area_vector(p1).length() / (pair.scale * pair.scale);
             let moved = |p: &ArrayPolygon| pair.moved(p);
             let between = Between {
-                windows: self.windows.iter().map(moved).collect(),
+                windows: self.windows().map(moved).collect(),
                 blockers: blockers.iter().map(|(b, _)| moved(b)).collect(),
             };
             Some(pair.share_past(between, accuracy))
         };
         pair().unwrap_or_default()
     }
+}
+
+/// Whether all lines that meet some planes in this order, and there the windows `all`, meet the
+/// windows of one of several chains.
+fn is_covered(
+    all: &[ArrayPolygon],
+    chains: &[Vec<ArrayPolygon>],
+    planes: &[Facing],
+    order: &[usize],
+) -> bool {
+    // The part of a window that such lines meet: behind planes met before, in front of others.
+    let area = |window: &ArrayPolygon, at: usize| {
+        let others = order.iter().enumerate().filter(|(place, _)| *place != at);
+        let mut parts = others.map(|(place, &k)| (place < at, planes[k]));
+        let part = parts.try_fold(window.clone(), |rest, (is_met, plane)| match is_met {
+            true => plane.back(&rest),
+            false => plane.front(&rest),
+        });
+        part.map_or(0.0, |p| area_vector(&p).length())
+    };
+    let areas = |windows: &[ArrayPolygon]| -> Vec<f64> {
+        let each = order.iter().enumerate();
+        each.map(|(at, &k)| area(&windows[k], at)).collect()
+    };
+    let whole = areas(all);
+    let is_whole = |windows: &Vec<ArrayPolygon>| {
+        let mut pairs = areas(windows).into_iter().zip(&whole);
+        pairs.all(|(part, all)| (part - all).abs() <= SAME * all)
+    };
+    whole.contains(&0.0) || chains.iter().any(is_whole)
+}
+
+/// All orders of the numbers below `count`.
+fn orders(count: usize) -> Vec<Vec<usize>> {
+    let Some(last) = count.checked_sub(1) else {
+        return vec![Vec::new()];
+    };
+    let with_last = |order: Vec<usize>| {
+        (0..count).map(move |place| {
+            let mut longer = order.clone();
+            longer.insert(place, last);
+            longer
+        })
+    };
+    orders(last).into_iter().flat_map(with_last).collect()
+}
+
+/// Whether two polygons have the same corners, in the same order from some corner on.
+fn is_one(a: &[DVec3], b: &[DVec3]) -> bool {
+    let is_same = |p: DVec3, q: DVec3| p.distance(q) <= SAME * (1.0 + p.length());
+    let is_turned = |turn: usize| (0..a.len()).all(|k| is_same(a[k], b[(k + turn) % b.len()]));
+    a.len() == b.len() && (0..b.len()).any(is_turned)
+}
+
+/// The convex hull of points in a plane, counter-clockwise about its normal.
+fn hull(points: impl Iterator<Item = DVec3>, normal: DVec3) -> ArrayPolygon {
+    let frame = Frame::from_normal(normal);
+    let mut corners: Vec<(DVec3, DVec3)> = points.map(|p| (frame.to_local(p), p)).collect();
+    let reach = |p: &(DVec3, DVec3)| p.0.truncate().abs().max_element();
+    // Rounded, and with but one zero, so that corners one above the other are sorted as such.
+    let cell = ROUNDING * corners.iter().map(reach).fold(f64::MIN_POSITIVE, f64::max);
+    for (p, _) in &mut corners {
+        *p = (*p / cell).round() * cell + DVec3::ZERO;
+    }
+    corners.sort_by(|(p, _), (q, _)| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    // Andrew's monotone chain: below from left to right, then above from right to left.
+    let half = |ring: &mut Vec<(DVec3, DVec3)>, start: usize, p: (DVec3, DVec3)| {
+        let is_corner = |ring: &[(DVec3, DVec3)]| {
+            let [.., (q, _), (r, _)] = ring else {
+                return true;
+            };
+            // Those that are one, or in line, but for rounding, are none.
+            (*r - *q).cross(p.0 - *r).z > SAME * p.0.distance_squared(*q)
+        };
+        while ring.len() > start + 1 && !is_corner(ring) {
+            ring.pop();
+        }
+        ring.push(p);
+    };
+    let mut ring = Vec::with_capacity(corners.len() + 1);
+    corners.iter().for_each(|&p| half(&mut ring, 0, p));
+    let start = ring.len().saturating_sub(1);
+    let back = corners.iter().rev().skip(1);
+    back.for_each(|&p| half(&mut ring, start, p));
+    ring.pop();
+    ring.into_iter().map(|(_, p)| p).collect()
 }
 
 /// Reflection in the plane through `point` with unit `normal`.
@@ -200,4 +414,61 @@ fn reflection(point: DVec3, normal: DVec3) -> DAffine3 {
         DMat3::IDENTITY - 2.0 * outer,
         2.0 * point.dot(normal) * normal,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+
+    fn square(corner: DVec3, u: DVec3, v: DVec3) -> [DVec3; 4] {
+        [corner, corner + u, corner + u + v, corner + v]
+    }
+
+    /// Both orders of two mirrors at x = 0 and y = `gap`, the second at right angles.
+    fn check(gap: f64, is_joined: bool) {
+        let first = square(DVec3::ZERO, DVec3::Y, DVec3::Z);
+        let second = square(dvec3(0.0, -gap, 0.0), DVec3::Z, DVec3::X);
+        let by = |mirrors: [&[DVec3]; 2]| {
+            let longer = |chain: Chain, m: &&[DVec3]| chain.extended(m, 1.0, &[]);
+            mirrors.iter().try_fold(Chain::default(), longer).unwrap()
+        };
+        let chains = [by([&first, &second]), by([&second, &first])];
+        assert!(chains[0].has_image_of(&chains[1]));
+        let joined = Chain::joined(&chains);
+        assert_eq!(joined.is_some(), is_joined);
+        let areas = |chain: &Chain| {
+            chain
+                .windows()
+                .map(|w| area_vector(w).length())
+                .sum::<f64>()
+        };
+        assert!(joined.is_none_or(|j| (areas(&j) - 4.0).abs() < 1e-12));
+        assert!(Chain::joined(&chains[..1]).is_some());
+    }
+
+    /// Past the gap between mirrors that do not meet goes light that meets one of them only.
+    #[test]
+    fn mirrors_that_meet_at_right_angles_are_one_chain() {
+        check(0.0, true);
+        check(0.2, false);
+    }
+
+    #[test]
+    fn hulls_have_no_corner_twice() {
+        let points = [
+            (-0.0, 1.0),
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (0.5, 0.0),
+            (1.0, 1.0),
+            (0.0, 0.0),
+        ];
+        let points = points.map(|(x, y)| dvec3(x, y, 2.0));
+        for way in [DVec3::Z, -DVec3::Z] {
+            let hull = hull(points.into_iter(), way);
+            assert_eq!(hull.len(), 4);
+            assert!((area_vector(&hull).dot(way) - 1.0).abs() < 1e-15);
+        }
+    }
 }

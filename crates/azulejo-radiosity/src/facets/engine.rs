@@ -10,6 +10,7 @@ use crate::form_factors::{Exchange, ExchangeAreas};
 use crate::patch::Patches;
 use crate::row::{ORDERS, Side};
 use crate::shadow_rays::View;
+use azulejo_scene::math::area_vector;
 use azulejo_trace::{Cancelled, Progress, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -43,6 +44,7 @@ pub(crate) struct Exchanger<'a> {
     /// Position of each side's facet, or [`NOWHERE`].
     positions: Vec<u32>,
     worlds: Vec<World>,
+    left: f64,
     accuracy: Accuracy,
     /// Orders of which nothing is left to rays.
     pub known: [bool; ORDERS],
@@ -79,15 +81,17 @@ impl<'a> Exchanger<'a> {
             sides,
             facets,
             positions,
-            worlds,
+            worlds: worlds.list,
+            left: worlds.left,
             known,
             seed: wanted.seed,
         }
     }
 
-    /// Whether there are images of mirrors.
-    pub fn has_images(&self) -> bool {
-        self.worlds.len() > 1
+    /// The most of any row's light that goes by chains of mirrors without images, if there are
+    /// images at all.
+    pub fn left(&self) -> Option<f64> {
+        (self.worlds.len() > 1).then_some(self.left)
     }
 
     /// Whether nothing is left to rays.
@@ -306,7 +310,7 @@ fn worlds(
     solids: &Solids,
     facets: &[Facet],
     is_per_channel: bool,
-) -> (Vec<World>, [bool; ORDERS]) {
+) -> (Worlds, [bool; ORDERS]) {
     let specular = |i: &usize| {
         let material = &surfaces.scene.materials[patches.material(*i) as usize];
         material.is_specular()
@@ -322,15 +326,16 @@ fn worlds(
     } else {
         Vec::new()
     };
-    // Between divided surfaces rays are quicker, and they count what images of a divided mirror
-    // would count more than once.
-    let mirrors: &[Mirror] = if facets.len() <= FEW { &mirrors } else { &[] };
+    let is_few = facets.len() <= FEW;
+    let pays = is_few || cost_of_images(&mirrors, facets) <= MOST_COST;
+    let mirrors: &[Mirror] = if pays { &mirrors } else { &[] };
     let depth = Depth {
         least: 1e-10,
-        // Each costs as much as the scene itself.
-        chains: if facets.len() <= FEW { 1_024 } else { 0 },
+        // Each costs up to as much as the scene itself: between divided surfaces rays are quicker.
+        chains: if is_few { 8_192 } else { 0 },
         most_left: 1e-5,
     };
+    let corners: Vec<DVec3> = facets.iter().flat_map(|f| f.polygon()).copied().collect();
     let reach = |window: &[DVec3]| {
         // Windows are seen from either side.
         let back: Vec<DVec3> = window.iter().rev().copied().collect();
@@ -340,8 +345,28 @@ fn worlds(
         };
         facets.iter().map(share).fold(0.0, f64::max)
     };
-    let worlds = Worlds::new(solids, mirrors, depth, reach);
+    let worlds = Worlds::new(solids, mirrors, depth, &corners, reach);
     let by_images = all.is_empty() || !mirrors.is_empty();
     let known = [true, by_images, by_images && worlds.has_all_orders];
-    (worlds.list, known)
+    (worlds, known)
+}
+
+/// Images of mirrors that cost up to this, relative to the straight pairs, are better than rays.
+const MOST_COST: f64 = 6.0;
+
+/// What pairs by one mirror cost at most, over all mirrors, relative to the straight pairs: the
+/// share of pairs that are before the mirror's plane, on either side.
+fn cost_of_images(mirrors: &[Mirror], facets: &[Facet]) -> f64 {
+    let cost = |mirror: &Mirror| {
+        let normal = area_vector(&mirror.polygon).normalize_or_zero();
+        let heights = || {
+            facets
+                .iter()
+                .map(|f| normal.dot(f.centre - mirror.polygon[0]))
+        };
+        let sides = [1.0, -1.0].map(|side| heights().filter(|h| side * h > 0.0).count());
+        let squares = sides.map(|count| (count as f64 / facets.len() as f64).powi(2));
+        squares.iter().sum::<f64>()
+    };
+    mirrors.iter().map(cost).sum()
 }

@@ -5,7 +5,7 @@ use super::partial::{Goal, Partial};
 use super::shaft::Shaft;
 use super::world::World;
 use super::{Cluster, Facet, Facets, Facing};
-use crate::analytic::{Effect, exchange_area, exchange_area_fast, exchange_area_past};
+use crate::analytic::{Approximate, Effect, exchange_area, exchange_area_fast, exchange_area_past};
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 use std::ops::Range;
@@ -363,10 +363,13 @@ impl<'a> Walk<'a> {
                 graze: world.graze,
             };
             let seen = match self.accuracy.is_exact {
-                true => {
-                    let screens = screens.map(|(screen, _, is_window)| (screen, is_window));
-                    exchange_area_past(a.polygon(), b.polygon(), screens, goal.error)
-                }
+                true => match world.legs(a, b) {
+                    Some([a, b]) => {
+                        let screens = screens.map(|(screen, _, is_window)| (screen, is_window));
+                        exchange_area_past(&a, &b, screens, goal.error)
+                    }
+                    None => Approximate::default(),
+                },
                 false => self.partial.exchange([a, b], is_whole, screens, goal),
             };
             let (value, error) = (world.weight * seen.value, world.weight * seen.error);

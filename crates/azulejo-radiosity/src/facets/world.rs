@@ -5,8 +5,12 @@ use super::{Facet, Facets};
 use crate::analytic::{Blocker, Chain};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::Aabb;
+use azulejo_trace::lambert::ArrayPolygon;
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// Depth that does not count, relative to the size of everything.
+const GRAZE: f64 = 1e-10;
 
 /// Rows as columns see them, straight or by a chain of mirrors: their images, behind windows.
 pub(super) struct World {
@@ -31,6 +35,9 @@ pub(super) struct Mirror {
     pub reflectance: Rgb,
 }
 
+/// Windows and images of blockers, of all chains together, that are worth their memory.
+const MOST_SCREENS: usize = 1 << 18;
+
 /// Which chains of mirrors are followed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Depth {
@@ -47,13 +54,14 @@ pub(super) struct Worlds {
     pub list: Vec<World>,
     /// Whether all chains of more than one mirror are there, but for what is too weak.
     pub has_all_orders: bool,
+    /// The most that goes by those of any row's light.
+    pub left: f64,
 }
 
 impl World {
     fn new(chain: Chain, solids: &Solids, occluders: &[&[DVec3]], reflectance: Rgb) -> World {
         let windows: Vec<Blocker> = chain
-            .windows
-            .iter()
+            .windows()
             .filter_map(|w| Blocker::new(w.clone()))
             .collect();
         let count = windows.len();
@@ -70,8 +78,8 @@ impl World {
             windows: count,
             curved: solids.curved.clone(),
             weight: reflectance.mean(),
-            order: chain.windows.len().min(2),
-            graze: 1e-10 * solids.size,
+            order: chain.length.min(2),
+            graze: GRAZE * solids.size,
             chain,
         }
     }
@@ -82,11 +90,18 @@ impl World {
             if self.order == 0 {
                 return facet.clone();
             }
-            let polygon = self.chain.placed(facet.polygon());
+            let polygon = self.chain.placed_roughly(facet.polygon());
             let normal = self.chain.image.transform_vector3(facet.normal);
             Facet::new(facet.id, polygon.as_deref().unwrap_or(&[]), normal)
         };
         Facets::in_turn(facets.map(image).collect())
+    }
+
+    /// The parts of a row and a column between which light may go through all windows.
+    pub fn legs(&self, row: &Facet, column: &Facet) -> Option<[ArrayPolygon; 2]> {
+        let row = row.polygon().iter().copied().collect();
+        let before = self.chain.before(column.polygon())?;
+        Some([self.chain.beyond(row)?, before])
     }
 }
 
@@ -94,17 +109,16 @@ impl World {
 struct Growing {
     chain: Chain,
     reflectance: Rgb,
-    /// The mirror that it ends in.
-    last: usize,
 }
 
 impl Worlds {
     /// Straight, by each mirror, and by chains of them, the shortest first. `reach` is the most
-    /// that any side has of its light go through a window.
+    /// that any side has of its light go through a window; all light comes from between `corners`.
     pub fn new(
         solids: &Solids,
         mirrors: &[Mirror],
         depth: Depth,
+        corners: &[DVec3],
         reach: impl Fn(&[DVec3]) -> f64 + Sync,
     ) -> Worlds {
         let occluders: Vec<&[DVec3]> = solids.flat.iter().map(|b| &b.polygon[..]).collect();
@@ -112,7 +126,6 @@ impl Worlds {
         let mut ends = vec![Growing {
             chain: Chain::default(),
             reflectance: Rgb::WHITE,
-            last: usize::MAX,
         }];
         let mut list = vec![world(&ends[0])];
         ends = longer(&ends, mirrors, &occluders);
@@ -122,35 +135,43 @@ impl Worlds {
             return Worlds {
                 list,
                 has_all_orders: mirrors.len() < 2,
+                left: 0.0,
             };
         }
-        loop {
-            let bound = |g: Growing| {
-                let most = g.chain.windows.last().map_or(0.0, |w| reach(w));
-                let most = g.reflectance.max_channel() * most;
-                (most > depth.least).then_some((g, most))
-            };
-            let next = longer(&ends, mirrors, &occluders).into_par_iter();
-            let next: Vec<(Growing, f64)> = next.filter_map(bound).collect();
-            if list.len() + next.len() > singles + depth.chains {
-                let left: f64 = next.iter().map(|(_, most)| most).sum();
-                let has_all_orders = left <= depth.most_left;
-                if !has_all_orders {
-                    list.truncate(singles);
-                }
-                return Worlds {
-                    list,
-                    has_all_orders,
-                };
+        let graze = GRAZE * solids.size;
+        let lean = |chain: &Chain, others: &[&Chain]| chain.without_passed(corners, graze, others);
+        let bound = |mut g: Growing| {
+            g.chain = lean(&g.chain, &[&Chain::default()]);
+            let most = g.chain.windows().map(|w| reach(w)).fold(1.0, f64::min);
+            let most = g.reflectance.max_channel() * most;
+            (g, most)
+        };
+        let mut left = 0.0;
+        while !ends.is_empty() {
+            let mut next = longer(&ends, mirrors, &occluders);
+            if next.len() <= depth.chains {
+                next = joined(next, lean);
             }
-            if next.is_empty() {
-                return Worlds {
-                    list,
-                    has_all_orders: true,
-                };
+            let next: Vec<(Growing, f64)> = next.into_par_iter().map(bound).collect();
+            let (next, weak): (Vec<_>, Vec<_>) =
+                next.into_iter().partition(|(_, most)| *most > depth.least);
+            left += weak.iter().map(|(_, most)| most).sum::<f64>();
+            let screens: usize = list.iter().map(|world| world.screens.len()).sum();
+            if list.len() + next.len() > singles + depth.chains || screens > MOST_SCREENS {
+                left += next.iter().map(|(_, most)| most).sum::<f64>();
+                break;
             }
             ends = next.into_iter().map(|(g, _)| g).collect();
             list.extend(ends.iter().map(world));
+        }
+        let has_all_orders = left <= depth.most_left;
+        if !has_all_orders {
+            list.truncate(singles);
+        }
+        Worlds {
+            list,
+            has_all_orders,
+            left,
         }
     }
 }
@@ -158,18 +179,43 @@ impl Worlds {
 /// All chains with one more mirror at their ends.
 fn longer(ends: &[Growing], mirrors: &[Mirror], occluders: &[&[DVec3]]) -> Vec<Growing> {
     let on = |end: &Growing| {
-        let others = mirrors.iter().enumerate().filter(|(k, _)| *k != end.last);
-        let both = others.flat_map(|(k, mirror)| {
-            let chains =
-                [1.0, -1.0].map(|side| end.chain.extended(&mirror.polygon, side, occluders));
-            chains.into_iter().flatten().map(move |chain| (chain, k))
-        });
-        let grown = both.map(|(chain, k)| Growing {
-            chain,
-            reflectance: end.reflectance * mirrors[k].reflectance,
-            last: k,
-        });
-        grown.collect::<Vec<_>>()
+        let by = |mirror: &Mirror| {
+            let chain = |side| end.chain.extended(&mirror.polygon, side, occluders);
+            let reflectance = end.reflectance * mirror.reflectance;
+            let chains = [1.0, -1.0].map(chain).into_iter().flatten();
+            chains.map(move |chain| Growing { chain, reflectance })
+        };
+        mirrors.iter().flat_map(by).collect::<Vec<_>>()
     };
     ends.iter().flat_map(on).collect()
+}
+
+/// The same chains, joined where they only differ in the order of mirrors; `lean` leaves out
+/// windows that need no looking at, but for those that other chains all have.
+fn joined(chains: Vec<Growing>, lean: impl Fn(&Chain, &[&Chain]) -> Chain) -> Vec<Growing> {
+    let mut groups: Vec<Vec<Growing>> = Vec::with_capacity(chains.len());
+    for new in chains {
+        let has_image = |group: &&mut Vec<Growing>| {
+            let off = group[0].reflectance - new.reflectance;
+            off.map(f64::abs).max_channel() <= 1e-12 && group[0].chain.has_image_of(&new.chain)
+        };
+        match groups.iter_mut().find(has_image) {
+            Some(group) => group.push(new),
+            None => groups.push(vec![new]),
+        }
+    }
+    let one = |group: Vec<Growing>| {
+        let others = |k: usize| -> Vec<&Chain> {
+            let others = group.iter().enumerate().filter(|(l, _)| *l != k);
+            others.map(|(_, other)| &other.chain).collect()
+        };
+        let chains = group.iter().enumerate();
+        let chains: Vec<Chain> = chains.map(|(k, g)| lean(&g.chain, &others(k))).collect();
+        let reflectance = group[0].reflectance;
+        match Chain::joined(&chains) {
+            Some(chain) if group.len() > 1 => vec![Growing { chain, reflectance }],
+            _ => group,
+        }
+    };
+    groups.into_iter().flat_map(one).collect()
 }

@@ -1,6 +1,6 @@
 //! The matrix by formulas, with rays for what there is no formula for.
 
-use super::exchange::ExchangeAreas;
+use super::exchange::{Exchange, ExchangeAreas};
 use super::forecast::Costs;
 use super::matrix::Rest;
 use super::rows::Tracing;
@@ -69,7 +69,7 @@ impl Prepared<'_> {
         };
         if knows_all {
             self.describe(&mut factors);
-            settle(&mut factors, exchanger.has_images());
+            settle(&mut factors, exchanger.left());
         }
         Ok(factors)
     }
@@ -134,12 +134,34 @@ fn joined(all: All, by_rays: FormFactors, separate: bool) -> FormFactors {
 /// Gives what rows lack to where rays saw it go; rows that lack no more than their errors lack
 /// nothing. Where rays lost nothing, it is what chains of mirrors longer than the images were
 /// would have reflected.
-fn settle(factors: &mut FormFactors, has_images: bool) {
+fn settle(factors: &mut FormFactors, left: Option<f64>) {
     let ended = factors.ended();
     let errors = factors.per_area(factors.exchange.sums(|_, e| [f64::from(e.error); 2]));
     for ((rest, ended), error) in factors.rest.iter_mut().zip(ended).zip(errors) {
-        *rest = settled(rest, 1.0 - ended, error, has_images);
+        *rest = settled(rest, 1.0 - ended, error, left.is_some());
     }
+    if let Some(left) = left {
+        doubt_what_is_left(factors, left);
+    }
+}
+
+/// Counts light by chains of mirrors without images among the errors, as if it ended where the
+/// rest of its row did. How much that is rows themselves say, where no light leaves the scene;
+/// elsewhere it is at most `left`.
+fn doubt_what_is_left(factors: &mut FormFactors, left: f64) {
+    let rows = factors.rest.iter().zip(factors.ended());
+    let share = |(rest, ended): (&Rest, f64)| {
+        let lost = if rest.escaped() > 0.0 { left } else { rest.cut };
+        lost / ended.max(f64::MIN_POSITIVE)
+    };
+    let shares: Vec<f64> = rows.map(share).collect();
+    let doubt = |i: usize, e: &mut Exchange| {
+        let share = shares[i].max(shares[e.column as usize]);
+        e.error = f64::from(e.error).hypot(share * e.value) as f32;
+        true
+    };
+    let all = factors.orders.iter_mut().chain([&mut factors.exchange]);
+    all.for_each(|matrix| matrix.retain(doubt));
 }
 
 fn settled(seen: &Rest, missing: f64, error: f64, has_images: bool) -> Rest {

@@ -5,7 +5,7 @@ use azulejo_radiosity::form_factors::Closure;
 use azulejo_radiosity::truth::{Kind, cases};
 use azulejo_radiosity::{Engine, FormFactorOptions, FormFactors, PatchSize, form_factors};
 use azulejo_scene::Scene;
-use azulejo_scene::synthetic::{cube_room, room_with_table};
+use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room, room_with_table};
 use azulejo_trace::sampling::uniform;
 use azulejo_trace::{Progress, Tracer};
 use glam::{DVec3, dvec3};
@@ -41,15 +41,9 @@ fn polygons_and_mirrors_are_exact() {
             "{:16} {:.13} ± {:.1e}, off {off:.1e}",
             case.id, answer.value, answer.error
         );
-        // Three mirrors and more make too many images: prisms and plates between end mirrors, and
-        // a room of nothing else.
+        // Plates between four perfect mirrors have too many images.
         if factors.ran.notes.iter().any(|n| n.contains("rays")) {
-            let in_words = ["prism", "wedge45", "plates", "furnace_spec"];
-            assert!(
-                in_words.iter().any(|w| case.id.starts_with(w)),
-                "{}",
-                case.id
-            );
+            assert_eq!(case.id, "plates");
             assert!(
                 answer.standard_errors(&case) < 4.0,
                 "{}: {answer:?}",
@@ -58,12 +52,12 @@ fn polygons_and_mirrors_are_exact() {
             continue;
         }
         assert!(
-            off < tolerance + case.truth.error,
+            off < tolerance * case.truth.value.max(1.0) + case.truth.error,
             "{}: {answer:?} is {off:e} off {:?}",
             case.id,
             case.truth
         );
-        assert!(answer.error < 1e-7, "{}: {answer:?}", case.id);
+        assert!(answer.error < 1e-6, "{}: {answer:?}", case.id);
     }
 }
 
@@ -225,4 +219,103 @@ fn solves_alike() {
             );
         }
     }
+}
+
+/// The matrix between faces, of that between the patches that they were cut into.
+fn by_face(found: &FormFactors) -> FormFactors {
+    let mut faces: Vec<(u32, u32)> = found.faces.iter().map(|f| (f.object, f.face)).collect();
+    let own = faces.clone();
+    faces.sort_unstable();
+    faces.dedup();
+    let group = |face: &(u32, u32)| faces.binary_search(face).ok().map(|k| k as u32);
+    let groups: Vec<Option<u32>> = own.iter().map(group).collect();
+    found.grouped(&groups, faces.len())
+}
+
+/// Images in divided mirrors between divided faces, against those between whole ones, which are
+/// exact, and against rays.
+fn check_divided(scene: &Scene, count: usize) -> FormFactors {
+    let with = |options: FormFactorOptions| {
+        let options = FormFactorOptions {
+            separate: true,
+            ..options
+        };
+        compute(scene, &options)
+    };
+    let whole = with(FormFactorOptions {
+        accuracy: Some(1e-7),
+        ..options()
+    });
+    let divided = FormFactorOptions {
+        size: PatchSize::Count(count),
+        ..options()
+    };
+    let rays = with(FormFactorOptions {
+        engine: Engine::Rays,
+        analytic: false,
+        ..divided.clone()
+    });
+    let divided = with(divided);
+    assert!(divided.len() > 32);
+    let [whole, rays, found] = [&whole, &rays, &divided].map(by_face);
+    let areas = found.areas.clone();
+    for order in 0..2 {
+        let [whole, rays, found] = [&whole, &rays, &found].map(|f| &f.orders[order]);
+        for (i, &area) in areas.iter().enumerate() {
+            for j in i..found.len() {
+                let [exact, rays, found] = [whole, rays, found].map(|o| o.get(i, j));
+                let off = found.value - rays.value;
+                let noise = f64::from(rays.error).hypot(f64::from(found.error));
+                let limit = 1e-4 * area;
+                assert!(
+                    (found.value - exact.value).abs() < limit,
+                    "order {order}, {i} {j}: {found:?} is not {exact:?}"
+                );
+                assert!(
+                    off.abs() < 5.0 * noise + limit,
+                    "order {order}, {i} {j}: {found:?} and rays {rays:?}"
+                );
+            }
+        }
+    }
+    divided
+}
+
+/// A room with a sheet in it and mirrors on some of its walls.
+fn mirrored_room(mirrors: [bool; 6]) -> Scene {
+    let wall = |is_mirror| match is_mirror {
+        true => rooms::surface(0.0, 0.3, 0.0),
+        false => rooms::surface(0.5, 0.0, 0.0),
+    };
+    let mut scene = rooms::cube(mirrors.map(wall));
+    let corner = dvec3(0.3, 0.2, 0.4);
+    let edges = [dvec3(0.4, 0.0, 0.1), dvec3(0.0, 0.5, 0.0)];
+    rooms::add_sheet(&mut scene, corner, edges[0], edges[1], wall(false));
+    scene
+}
+
+#[test]
+fn divided_mirrors_are_one_mirror_each() {
+    let one = mirrored_room([false, false, true, false, false, false]);
+    let found = check_divided(&one, 150);
+    assert!(!found.ran.notes.iter().any(|n| n.contains("rays")));
+    check_divided(
+        &mirrored_room([false, false, true, true, false, false]),
+        150,
+    );
+    check_divided(
+        &mirrored_room([true, false, true, false, false, false]),
+        150,
+    );
+    check_divided(&cornell_box(CornellVariant::MirrorBlock), 150);
+}
+
+/// Light that meets both goes by either first.
+#[test]
+fn mirrors_at_right_angles_are_seen_in_either_order() {
+    let scene = mirrored_room([true, false, true, false, false, false]);
+    let found = compute(&scene, &options());
+    assert!(!found.ran.notes.iter().any(|n| n.contains("rays")));
+    assert!(worst_sum(&found) < 1e-8, "{:e}", worst_sum(&found));
+    check_against_rays(&scene);
 }
