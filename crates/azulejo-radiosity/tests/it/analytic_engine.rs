@@ -243,7 +243,7 @@ fn check_divided(scene: &Scene, count: usize) -> FormFactors {
         compute(scene, &options)
     };
     let whole = with(FormFactorOptions {
-        accuracy: Some(1e-7),
+        accuracy: Some(9e-7),
         ..options()
     });
     let divided = FormFactorOptions {
