@@ -44,7 +44,7 @@ pub enum Closure {
     Closed,
     /// All: in open scenes rows, sky and ground together sum to 1; with mirrors what they reflect
     /// is counted once. Scenes with coloured mirrors are left alone, because the mean of three
-    /// channels keeps no sum.
+    /// channels keeps no sum, and so are those with glass, in which light does not end.
     Always,
 }
 
