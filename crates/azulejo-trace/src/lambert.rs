@@ -10,7 +10,7 @@
 //! concave but must not cross itself. Points further apart than about 1e150 overflow, and a
 //! result that overflows or is not a number is returned as 0.
 
-use azulejo_scene::math::area_vector;
+use azulejo_scene::math::{Frame, area_vector};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::ops::Deref;
@@ -223,6 +223,47 @@ pub fn mirror_polygon(polygon: &[DVec3], plane_point: DVec3, plane_normal: DVec3
     polygon.iter().rev().map(image).collect()
 }
 
+/// Rounding of the points of a hull, relative to how far they reach.
+const HULL_ROUNDING: f64 = 1e-12;
+
+/// A hull turns by more than this at each corner, relative to its sides.
+const HULL_TURN: f64 = 1e-9;
+
+/// The convex hull of points in a plane, counter-clockwise about its unit `normal`, without corners
+/// that do not turn. Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979.
+pub fn convex_hull(points: impl Iterator<Item = DVec3>, normal: DVec3) -> ArrayPolygon {
+    let frame = Frame::from_normal(normal);
+    let mut corners: Vec<(DVec3, DVec3)> = points.map(|p| (frame.to_local(p), p)).collect();
+    let reach = |p: &(DVec3, DVec3)| p.0.truncate().abs().max_element();
+    // Rounded, and with but one zero, so that corners one above the other are sorted as such.
+    let cell = HULL_ROUNDING * corners.iter().map(reach).fold(f64::MIN_POSITIVE, f64::max);
+    for (p, _) in &mut corners {
+        *p = (*p / cell).round() * cell + DVec3::ZERO;
+    }
+    corners.sort_by(|(p, _), (q, _)| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    // Andrew's monotone chain: below from left to right, then above from right to left.
+    let half = |ring: &mut Vec<(DVec3, DVec3)>, start: usize, p: (DVec3, DVec3)| {
+        let is_corner = |ring: &[(DVec3, DVec3)]| {
+            let [.., (q, _), (r, _)] = ring else {
+                return true;
+            };
+            // Those that are one, or in line, but for rounding, are none.
+            (*r - *q).cross(p.0 - *r).z > HULL_TURN * p.0.distance_squared(*q)
+        };
+        while ring.len() > start + 1 && !is_corner(ring) {
+            ring.pop();
+        }
+        ring.push(p);
+    };
+    let mut ring = Vec::with_capacity(corners.len() + 1);
+    corners.iter().for_each(|&p| half(&mut ring, 0, p));
+    let start = ring.len().saturating_sub(1);
+    let back = corners.iter().rev().skip(1);
+    back.for_each(|&p| half(&mut ring, start, p));
+    ring.pop();
+    ring.into_iter().map(|(_, p)| p).collect()
+}
+
 /// A polygon kept on the stack up to [`ArrayPolygon::INLINE`] corners, beyond that on the heap.
 #[derive(Clone, Debug)]
 pub struct ArrayPolygon {
@@ -287,6 +328,24 @@ mod tests {
     use super::*;
     use glam::dvec3;
     use proptest::prelude::*;
+
+    #[test]
+    fn hulls_have_no_corner_twice() {
+        let points = [
+            (-0.0, 1.0),
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (0.5, 0.0),
+            (1.0, 1.0),
+            (0.0, 0.0),
+        ];
+        let points = points.map(|(x, y)| dvec3(x, y, 2.0));
+        for way in [DVec3::Z, -DVec3::Z] {
+            let hull = convex_hull(points.into_iter(), way);
+            assert_eq!(hull.len(), 4);
+            assert!((area_vector(&hull).dot(way) - 1.0).abs() < 1e-15);
+        }
+    }
 
     const ABOVE: [DVec3; 4] = [
         dvec3(0., 0., 1.),

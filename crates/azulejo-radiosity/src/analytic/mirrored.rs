@@ -7,8 +7,8 @@
 use super::blocker::{Blocker, Effect};
 use super::shadow::Between;
 use super::{Approximate, Pair};
-use azulejo_scene::math::{Frame, area_vector};
-use azulejo_trace::lambert::{ArrayPolygon, clip};
+use azulejo_scene::math::area_vector;
+use azulejo_trace::lambert::{ArrayPolygon, clip, convex_hull};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Height above a mirror, relative to the size of things, that counts as lying in it.
@@ -16,9 +16,6 @@ const IN_PLANE: f64 = 1e-12;
 
 /// More windows than this are not tried in all orders.
 const MOST_ORDERED: usize = 4;
-
-/// Rounding of images, relative to where they are.
-const ROUNDING: f64 = 1e-12;
 
 /// Images that agree to this, relative to where they are, are one.
 const SAME: f64 = 1e-9;
@@ -264,7 +261,7 @@ impl Chain {
         };
         let own: Vec<Vec<ArrayPolygon>> = chains.iter().map(windows).collect::<Option<_>>()?;
         for (k, stage) in joined.stages.iter_mut().enumerate() {
-            stage.window = hull(
+            stage.window = convex_hull(
                 own.iter().flat_map(|w| w[k].iter().copied()),
                 stage.plane.normal,
             );
@@ -373,40 +370,6 @@ fn is_one(a: &[DVec3], b: &[DVec3]) -> bool {
     a.len() == b.len() && (0..b.len()).any(is_turned)
 }
 
-/// The convex hull of points in a plane, counter-clockwise about its normal.
-fn hull(points: impl Iterator<Item = DVec3>, normal: DVec3) -> ArrayPolygon {
-    let frame = Frame::from_normal(normal);
-    let mut corners: Vec<(DVec3, DVec3)> = points.map(|p| (frame.to_local(p), p)).collect();
-    let reach = |p: &(DVec3, DVec3)| p.0.truncate().abs().max_element();
-    // Rounded, and with but one zero, so that corners one above the other are sorted as such.
-    let cell = ROUNDING * corners.iter().map(reach).fold(f64::MIN_POSITIVE, f64::max);
-    for (p, _) in &mut corners {
-        *p = (*p / cell).round() * cell + DVec3::ZERO;
-    }
-    corners.sort_by(|(p, _), (q, _)| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
-    // Andrew's monotone chain: below from left to right, then above from right to left.
-    let half = |ring: &mut Vec<(DVec3, DVec3)>, start: usize, p: (DVec3, DVec3)| {
-        let is_corner = |ring: &[(DVec3, DVec3)]| {
-            let [.., (q, _), (r, _)] = ring else {
-                return true;
-            };
-            // Those that are one, or in line, but for rounding, are none.
-            (*r - *q).cross(p.0 - *r).z > SAME * p.0.distance_squared(*q)
-        };
-        while ring.len() > start + 1 && !is_corner(ring) {
-            ring.pop();
-        }
-        ring.push(p);
-    };
-    let mut ring = Vec::with_capacity(corners.len() + 1);
-    corners.iter().for_each(|&p| half(&mut ring, 0, p));
-    let start = ring.len().saturating_sub(1);
-    let back = corners.iter().rev().skip(1);
-    back.for_each(|&p| half(&mut ring, start, p));
-    ring.pop();
-    ring.into_iter().map(|(_, p)| p).collect()
-}
-
 /// Reflection in the plane through `point` with unit `normal`.
 fn reflection(point: DVec3, normal: DVec3) -> DAffine3 {
     let outer = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
@@ -452,23 +415,5 @@ mod tests {
     fn mirrors_that_meet_at_right_angles_are_one_chain() {
         check(0.0, true);
         check(0.2, false);
-    }
-
-    #[test]
-    fn hulls_have_no_corner_twice() {
-        let points = [
-            (-0.0, 1.0),
-            (0.0, 0.0),
-            (1.0, 0.0),
-            (0.5, 0.0),
-            (1.0, 1.0),
-            (0.0, 0.0),
-        ];
-        let points = points.map(|(x, y)| dvec3(x, y, 2.0));
-        for way in [DVec3::Z, -DVec3::Z] {
-            let hull = hull(points.into_iter(), way);
-            assert_eq!(hull.len(), 4);
-            assert!((area_vector(&hull).dot(way) - 1.0).abs() < 1e-15);
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Tiles of one plane that make a convex polygon together: a mirror of many fields is one window.
 
-use crate::lambert::ArrayPolygon;
+use crate::lambert::{ArrayPolygon, convex_hull};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
@@ -50,46 +50,14 @@ fn hull(tiles: &[&Tile]) -> Option<Tile> {
     let (first, rest) = tiles.split_first()?;
     let normal = first.normal;
     let corners = tiles.iter().flat_map(|t| t.polygon.iter().copied());
-    let polygon = convex_hull(corners.collect(), normal);
+    let polygon = convex_hull(corners, normal);
     let area = |p: &[DVec3]| area_vector(p).dot(normal);
     let filled: f64 = tiles.iter().map(|t| area(&t.polygon)).sum();
     let fills = (area(&polygon) - filled).abs() <= TOLERANCE * filled;
     (!rest.is_empty() && fills && polygon.len() <= ArrayPolygon::INLINE).then(|| Tile {
-        polygon: polygon.into_iter().collect(),
+        polygon,
         ..(*first).clone()
     })
-}
-
-/// The convex hull of points in a plane, counter-clockwise about its normal, without corners that
-/// do not turn. Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979.
-fn convex_hull(mut points: Vec<DVec3>, normal: DVec3) -> Vec<DVec3> {
-    let (x, y) = normal.any_orthonormal_pair();
-    let y = if x.cross(y).dot(normal) < 0.0 { -y } else { y };
-    let size = points
-        .iter()
-        .map(|p| (*p - points[0]).length_squared())
-        .fold(0.0, f64::max);
-    let key = |p: &DVec3| (p.dot(x), p.dot(y));
-    points.sort_by(|a, b| {
-        let (a, b) = (key(a), key(b));
-        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
-    });
-    let half = |points: &mut dyn Iterator<Item = DVec3>| {
-        let mut chain: Vec<DVec3> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..]
-                && (b - a).cross(p - b).dot(normal) <= TOLERANCE * 1e-3 * size
-            {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut hull = half(&mut points.iter().copied());
-    hull.extend(half(&mut points.iter().rev().copied()));
-    hull
 }
 
 #[cfg(test)]
