@@ -79,25 +79,27 @@ impl Facts {
     }
 
     /// The engine for the light of patches to a relative error, and why: formulas are worth their
-    /// pairs where rays would have to be many.
-    pub fn for_light(&self, error: f64) -> (Engine, String) {
+    /// pairs where rays would have to be many. At least `least` rays leave each patch.
+    pub fn for_light(&self, error: f64, least: u32) -> (Engine, String) {
         let n = self.patches as f64;
         // A patch's error from N rays is about a half N^−0.63.
-        let rays = (0.5 / error).powf(1.0 / 0.63);
+        let rays = (0.5 / error).powf(1.0 / 0.63).max(f64::from(least));
         let by_rays = n * rays * RAY;
         let by_formulas = 0.5 * n * n * PAIR;
         let is_possible = self.flat >= MOSTLY && !self.is_specular;
         let fits = self.fits() && self.patches <= MOST_PAIRED;
         if is_possible && fits && by_formulas < by_rays {
             let why = format!(
-                "analytic, because {} flat patches are paired sooner than {rays:.0} rays traced of \
-                 each",
+                "analytic, because {} flat patches are paired sooner than about {rays:.0} rays \
+                 of each are traced",
                 self.patches
             );
             return (Engine::Analytic, why);
         }
         let why = match is_possible {
-            true => format!("rays, because {rays:.0} of each patch promise the error soonest"),
+            true => {
+                format!("rays, because about {rays:.0} of each patch promise the error soonest")
+            }
             false if self.is_specular => "rays, because mirrors and glass are followed".to_owned(),
             false => "rays, because curved surfaces are sampled as they are".to_owned(),
         };
@@ -141,18 +143,18 @@ mod tests {
 
     #[test]
     fn light_is_found_by_rays_unless_formulas_are_sooner() {
-        check(ROOM.for_light(0.03), &Engine::Rays, "soonest");
+        check(ROOM.for_light(0.03, 128), &Engine::Rays, "about 128 of");
         let few = Facts {
             patches: 100,
             ..ROOM
         };
-        check(few.for_light(0.001), &Engine::Analytic, "paired");
+        check(few.for_light(0.001, 128), &Engine::Analytic, "paired");
         let mirrors = Facts {
             is_specular: true,
             ..few
         };
-        check(mirrors.for_light(0.001), &Engine::Rays, "mirrors");
+        check(mirrors.for_light(0.001, 128), &Engine::Rays, "mirrors");
         let balls = Facts { flat: 0.0, ..few };
-        check(balls.for_light(0.001), &Engine::Rays, "curved");
+        check(balls.for_light(0.001, 128), &Engine::Rays, "curved");
     }
 }

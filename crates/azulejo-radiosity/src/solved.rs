@@ -214,7 +214,7 @@ impl Parts<'_> {
         let scene = gatherer.surfaces().scene;
         let (engine, why) = match &pass.engine {
             Engine::Auto => {
-                let chosen = Facts::of(scene, patches, pass.memory).for_light(pass.aim());
+                let chosen = Facts::of(scene, patches, pass.memory).for_light(pass.aim(), rays);
                 (chosen.0, Some(chosen.1))
             }
             asked => (asked.clone(), None),

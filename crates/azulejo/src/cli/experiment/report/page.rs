@@ -122,7 +122,10 @@ impl Page<'_> {
         }
         out.push_str("<h2>Known answers</h2>\n");
         summary_of_truths(out, &truths, &settings)?;
-        out.push_str("<p>Off is the answer less the truth; σ says how many of the engine's own standard errors that is.</p>\n");
+        out.push_str(
+            "<p>Off is the answer less the truth; σ says how many of the engine's own standard errors \
+             that is, once what the truth itself leaves open is taken off.</p>\n",
+        );
         let mut cases: Vec<&Truth> = Vec::new();
         for truth in &truths {
             if !cases.iter().any(|c| c.case == truth.case) {
