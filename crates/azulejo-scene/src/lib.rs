@@ -21,6 +21,7 @@
 //! scene.validate().unwrap();
 //! ```
 
+pub mod brdf;
 mod camera;
 pub mod figure;
 pub mod fresnel;
@@ -46,11 +47,12 @@ mod tree;
 mod triangulate;
 mod validate;
 
+pub use brdf::Brdf;
 pub use camera::Camera;
 pub use figure::{Contour, Curve, Figure, FillRule};
 pub use image::Image;
 pub use light::{Light, LightKind};
-pub use material::{Brdf, Dielectric, Material, MaterialId, Texture, TextureId};
+pub use material::{Dielectric, Material, MaterialId, Texture, TextureId};
 pub use mesh::{Attribute, Faces, Mesh};
 pub use patch::BicubicPatch;
 pub use prism::Prism;

@@ -1,6 +1,8 @@
 //! Surfaces: what they reflect, transmit and emit.
 
-use crate::{Image, Rgb};
+use crate::brdf::Lobes;
+use crate::{Brdf, Image, Rgb};
+use std::sync::Arc;
 
 /// Index of a material in [`Scene::materials`](crate::Scene::materials).
 pub type MaterialId = u32;
@@ -33,9 +35,12 @@ pub struct Material {
     /// Multiplies `diffuse`, where the mesh has texture coordinates. Several are multiplied
     /// with each other (GRF's multitexture).
     pub textures: Vec<TextureId>,
-    /// A reflection model that azulejo keeps for the file's sake but does not evaluate:
-    /// the passes use the fields above.
-    pub brdf: Option<Brdf>,
+    /// How light is reflected in other directions than the mirrored one, or not in all alike.
+    ///
+    /// `diffuse` and `mirror` hold its share of both, averaged over directions
+    /// ([`Brdf::mean_diffuse`], [`Brdf::mean_mirror`]), for those who ask no more; its glossy
+    /// lobes come on top. [`Material::with_brdf`] keeps the three together.
+    pub brdf: Option<Arc<Brdf>>,
 }
 
 /// Glass: the smooth boundary between the outside and a transparent body, or a thin pane.
@@ -51,20 +56,6 @@ pub struct Dielectric {
     /// Whether the face is a whole pane, both surfaces of it in one: light passes straight on,
     /// and what goes to and fro between the surfaces is counted.
     pub thin: bool,
-}
-
-/// A reflection model written out in a file, or named by one.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Brdf {
-    /// `brdf model key = value ...`, the words after `brdf` as they stood.
-    Model {
-        /// The model's name, lower case.
-        name: String,
-        /// Parameters in file order; a number, or three for RGB.
-        parameters: Vec<(String, Vec<f64>)>,
-    },
-    /// `brdf "file"`: measured data or a model in another file.
-    File(String),
 }
 
 /// A picture that surfaces refer to.
@@ -127,6 +118,23 @@ impl Material {
         }
     }
 
+    /// A surface that reflects by a model.
+    pub fn with_brdf(name: impl Into<String>, brdf: Arc<Brdf>) -> Material {
+        Material {
+            name: name.into(),
+            diffuse: brdf.mean_diffuse(),
+            mirror: brdf.mean_mirror(),
+            brdf: Some(brdf),
+            ..Material::default()
+        }
+    }
+
+    /// The lobes that reflect around the mirrored direction, if there are any.
+    pub fn glossy(&self) -> Option<&Lobes> {
+        let glossy = self.brdf.as_deref().map(Brdf::glossy);
+        glossy.filter(|lobes| !lobes.is_empty())
+    }
+
     /// Makes reflectances possible; `false` if they were not.
     ///
     /// What is outside 0..=1 is clamped; where diffuse and mirror reflect more than arrives,
@@ -160,9 +168,9 @@ impl Material {
         }
     }
 
-    /// Whether light that arrives can leave in a mirrored or refracted direction.
+    /// Whether light that arrives can leave in a mirrored or refracted direction, or near it.
     pub fn is_specular(&self) -> bool {
-        self.dielectric.is_some() || !self.mirror.is_black()
+        self.dielectric.is_some() || !self.mirror.is_black() || self.glossy().is_some()
     }
 
     /// Whether the front shines by itself.

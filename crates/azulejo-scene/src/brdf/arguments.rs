@@ -1,0 +1,171 @@
+//! The parameters of a description, checked against what its model takes.
+
+use super::description::{Parameter, Value};
+use super::models::{Info, Kind, ParameterInfo, nearest};
+use super::{Fresnel, Problem};
+use crate::Rgb;
+
+/// Rounding that sums of reflectances may exceed 1 by.
+const ROUNDING: f64 = 1e-9;
+
+/// Parameters of known names, of the right kinds, within their ranges.
+pub(super) struct Arguments<'a> {
+    info: &'static Info,
+    given: Vec<(&'static ParameterInfo, &'a Value)>,
+}
+
+impl<'a> Arguments<'a> {
+    /// Checks all that is given, and that all is given that must be.
+    pub fn new(info: &'static Info, parameters: &'a [Parameter]) -> Result<Arguments<'a>, Problem> {
+        let mut given: Vec<(&'static ParameterInfo, &Value)> = Vec::new();
+        for Parameter { name, value } in parameters {
+            let known = info.all_parameters().find(|p| p.is_called(name));
+            let parameter = known.ok_or_else(|| unknown(info, name))?;
+            if given.iter().any(|(p, _)| p.name == parameter.name) {
+                return Err(Problem::Twice {
+                    name: parameter.name,
+                });
+            }
+            check(parameter, value)?;
+            given.push((parameter, value));
+        }
+        let is_given = |p: &&ParameterInfo| given.iter().any(|(g, _)| g.name == p.name);
+        let needed = |p: &&ParameterInfo| p.default.is_none() && !is_given(p);
+        if let Some(missing) = info.parameters.iter().find(needed) {
+            return Err(Problem::Missing {
+                model: info.name,
+                name: missing.name,
+            });
+        }
+        Ok(Arguments { info, given })
+    }
+
+    fn value(&self, name: &str) -> Option<&'a Value> {
+        let found = self.given.iter().find(|(p, _)| p.name == name);
+        found.map(|(_, value)| *value)
+    }
+
+    /// Whether it was given.
+    pub fn has(&self, name: &str) -> bool {
+        self.value(name).is_some()
+    }
+
+    /// A colour of this model, as given or by default.
+    pub fn color(&self, name: &str) -> Rgb {
+        match self.value(name) {
+            Some(Value::Number(value)) => Rgb::grey(*value),
+            Some(Value::Color(value)) => *value,
+            _ => {
+                let known = self.info.all_parameters().find(|p| p.name == name);
+                Rgb::grey(known.and_then(|p| p.default).unwrap_or(0.0))
+            }
+        }
+    }
+
+    /// A number of this model, as given or by default.
+    pub fn number(&self, name: &str) -> f64 {
+        self.color(name).r
+    }
+
+    /// Refuses two reflectances that together reflect more than arrives.
+    pub fn bounded_sum(&self, first: &str, second: &str) -> Result<(), Problem> {
+        let sum = (self.color(first) + self.color(second)).max_channel();
+        if sum <= 1.0 + ROUNDING {
+            return Ok(());
+        }
+        Err(Problem::Energy {
+            what: format!("{first} + {second} of `{}`", self.info.name),
+            sum,
+        })
+    }
+
+    /// The Fresnel term that is given; all light without any.
+    pub fn fresnel(&self) -> Result<Fresnel, Problem> {
+        let sets = [
+            self.has("eta") || self.has("k"),
+            self.has("metal"),
+            self.has("f0") || self.has("tint"),
+            self.has("F"),
+        ];
+        if sets.iter().filter(|given| **given).count() > 1 {
+            return Err(Problem::Other(format!(
+                "`{}` takes one Fresnel term: eta and k, or metal, or f0, or F",
+                self.info.name
+            )));
+        }
+        match sets {
+            [true, ..] => self.indices(),
+            [_, true, ..] => self.metal(),
+            [_, _, true, _] => Ok(Fresnel::Schlick {
+                f0: self.color("f0"),
+                tint: self.given_or("tint", Rgb::WHITE),
+            }),
+            _ => Ok(Fresnel::Constant(self.given_or("F", Rgb::WHITE))),
+        }
+    }
+
+    fn given_or(&self, name: &str, default: Rgb) -> Rgb {
+        if self.has(name) {
+            self.color(name)
+        } else {
+            default
+        }
+    }
+
+    fn indices(&self) -> Result<Fresnel, Problem> {
+        if !self.has("eta") {
+            return Err(Problem::Missing {
+                model: self.info.name,
+                name: "eta",
+            });
+        }
+        let (eta, k) = (self.color("eta"), self.color("k"));
+        if k.is_black() && eta.is_grey() {
+            return Ok(Fresnel::Dielectric { eta: eta.r });
+        }
+        Ok(Fresnel::Conductor { eta, k })
+    }
+
+    fn metal(&self) -> Result<Fresnel, Problem> {
+        Err(Problem::Other("the table of metals is empty".to_owned()))
+    }
+}
+
+fn unknown(info: &'static Info, name: &str) -> Problem {
+    let known: Vec<&'static str> = info.all_parameters().map(|p| p.name).collect();
+    let names = info.all_parameters();
+    let names = names.flat_map(|p| [p.name].into_iter().chain(p.aliases.iter().copied()));
+    Problem::UnknownParameter {
+        model: info.name,
+        name: name.to_owned(),
+        nearest: nearest(name, names),
+        known,
+    }
+}
+
+fn check(parameter: &'static ParameterInfo, value: &Value) -> Result<(), Problem> {
+    let name = parameter.name;
+    let expected = |what: &str| Problem::Kind {
+        name,
+        expected: what.to_owned(),
+    };
+    let numbers = match (parameter.kind, value) {
+        (Kind::Word, Value::Word(_)) => return Ok(()),
+        (Kind::Word, _) => return Err(expected("a word")),
+        (_, Value::Number(number)) => [*number; 3],
+        (Kind::Color, Value::Color(color)) => color.to_array(),
+        (Kind::Color, _) => return Err(expected("a number or (r, g, b)")),
+        (Kind::Number, _) => return Err(expected("one number")),
+    };
+    let (least, most) = (parameter.least, parameter.most);
+    // NaN is in no range.
+    let outside = numbers.into_iter().find(|n| !(least..=most).contains(n));
+    outside.map_or(Ok(()), |value| {
+        Err(Problem::Range {
+            name,
+            value,
+            least,
+            most,
+        })
+    })
+}

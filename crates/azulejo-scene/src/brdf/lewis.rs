@@ -1,0 +1,85 @@
+//! Phong's lobe made reciprocal and bounded: `lewis`.
+//!
+//! R. R. Lewis, *Making shaders more physically plausible*, Computer Graphics Forum 13(2), 1994;
+//! sampling after Lafortune and Willems, *Using the modified Phong reflectance model for
+//! physically based rendering*, 1994.
+
+use super::Problem;
+use super::arguments::Arguments;
+use super::lambert::Lambert;
+use super::lobe::{Lobe, Reflect, Spread};
+use super::models::{EXPONENT, Info, KD, KS};
+use crate::Rgb;
+use crate::math::Frame;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+pub(super) const INFO: Info = Info {
+    name: "lewis",
+    aliases: &["lewis_phong"],
+    title: "Lewis (modified Phong)",
+    paper: "R. R. Lewis, Making shaders more physically plausible, CGF 13(2), 1994",
+    parameters: &[KD, KS, EXPONENT],
+    has_fresnel: false,
+    is_reciprocal: true,
+    is_energy_safe: true,
+    make,
+};
+
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+    arguments.bounded_sum("kd", "ks")?;
+    Ok(vec![
+        Lobe::Lambert(Lambert {
+            albedo: arguments.color("kd"),
+        }),
+        Lobe::Lewis(Lewis {
+            albedo: arguments.color("ks"),
+            exponent: arguments.number("n"),
+        }),
+    ])
+}
+
+/// ks (n + 2)/(2π) cosⁿ of the angle to the mirrored direction.
+#[derive(Clone, Debug)]
+pub(super) struct Lewis {
+    /// Reflectance at normal incidence; it falls with the angle.
+    albedo: Rgb,
+    exponent: f64,
+}
+
+impl Reflect for Lewis {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);
+        self.albedo * ((self.exponent + 2.0) / TAU * cos.powf(self.exponent))
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);
+        (self.exponent + 1.0) / TAU * cos.powf(self.exponent)
+    }
+
+    fn sample(&self, wo: DVec3, [u1, u2]: [f64; 2]) -> DVec3 {
+        about(
+            mirrored(wo),
+            (1.0 - u1).powf(1.0 / (self.exponent + 1.0)),
+            u2,
+        )
+    }
+
+    fn spread(&self) -> Spread {
+        // ∫ cosⁿ over the cone is 1 − cosⁿ⁺¹ of the whole.
+        Spread::Glossy(0.5f64.powf(1.0 / (self.exponent + 1.0)).acos())
+    }
+}
+
+/// The mirrored direction.
+pub(super) fn mirrored(w: DVec3) -> DVec3 {
+    DVec3::new(-w.x, -w.y, w.z)
+}
+
+/// The direction at an angle to an axis, turned about it by `turn` of a whole turn.
+pub(super) fn about(axis: DVec3, cos: f64, turn: f64) -> DVec3 {
+    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    let (y, x) = (TAU * turn).sin_cos();
+    Frame::from_normal(axis).to_world(DVec3::new(sin * x, sin * y, cos))
+}

@@ -1,0 +1,86 @@
+//! One lobe of a BRDF: the closed list of models.
+
+use super::lambert::Lambert;
+use super::lewis::Lewis;
+use super::smooth::Smooth;
+use crate::Rgb;
+use glam::DVec3;
+
+/// How widely a lobe spreads light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Spread {
+    /// Over all of the hemisphere.
+    Matt,
+    /// Around the mirrored direction: half of what is reflected from near the normal lies within
+    /// this angle of it, in radians; zero for a mirror.
+    Glossy(f64),
+}
+
+/// What each model of a lobe answers; directions as in the module above, with `wo.z` and
+/// `wi.z` above 0.
+pub(super) trait Reflect {
+    /// f_r, 1/sr; finite.
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb;
+
+    /// Density of [`sample`](Reflect::sample) over the solid angle of `wi`, 1/sr. Its integral
+    /// over the hemisphere is 1 less what samples are lost below the surface.
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
+
+    /// The direction for two numbers in 0..1, unit; may come out below the surface, where it is
+    /// lost.
+    fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3;
+
+    /// Reflectance of the part that is mirrored exactly, which the others leave out.
+    fn mirror(&self, _cos: f64) -> Rgb {
+        Rgb::BLACK
+    }
+
+    /// How widely it spreads light.
+    fn spread(&self) -> Spread;
+}
+
+/// Makes the enum of models, and hands every question on to the model.
+macro_rules! lobes {
+    ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
+        /// One lobe: a model with its parameters. Tables are shared: a lobe is cheap to clone.
+        #[derive(Clone, Debug)]
+        pub(super) enum Lobe { $($(#[$doc])* $name($model),)* }
+
+        impl Lobe {
+            fn model(&self) -> &dyn Reflect {
+                match self { $(Lobe::$name(model) => model,)* }
+            }
+        }
+    };
+}
+
+lobes! {
+    /// The same in all directions.
+    Lambert(Lambert),
+    /// Lewis 1993: Phong's lobe, made reciprocal.
+    Lewis(Lewis),
+    /// Mirrors, metals and dielectrics without roughness.
+    Smooth(Smooth),
+}
+
+impl Reflect for Lobe {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        self.model().eval(wo, wi)
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.model().pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
+        self.model().sample(wo, u)
+    }
+
+    fn mirror(&self, cos: f64) -> Rgb {
+        self.model().mirror(cos)
+    }
+
+    fn spread(&self) -> Spread {
+        self.model().spread()
+    }
+}

@@ -1,0 +1,166 @@
+//! A sum of lobes, sampled in proportion to what each reflects.
+
+use super::lobe::{Lobe, Reflect};
+use super::quadrature::{lattice, midpoints};
+use crate::Rgb;
+use glam::DVec3;
+
+/// Cosines at which the albedo of a lobe is tabulated, to choose among lobes.
+const ANGLES: usize = 16;
+
+/// Samples of the albedo at each of them.
+const SAMPLES: usize = 256;
+
+/// Samples of an albedo that is asked for.
+const FINE_SAMPLES: usize = 4096;
+
+/// A direction drawn from a BRDF.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Where light comes from, unit, above the surface.
+    pub wi: DVec3,
+    /// f_r cos θi / pdf: what radiance from there is multiplied by.
+    pub weight: Rgb,
+    /// Density over solid angle, 1/sr.
+    pub pdf: f64,
+}
+
+/// Lobes that are added, each with a weight.
+#[derive(Clone, Debug, Default)]
+pub struct Lobes {
+    parts: Vec<Part>,
+    mean_albedo: Rgb,
+}
+
+#[derive(Clone, Debug)]
+struct Part {
+    lobe: Lobe,
+    weight: f64,
+    /// Mean over the channels of the albedo without what is mirrored, at the middles of equal
+    /// intervals of cos θ; times the weight.
+    likely: [f64; ANGLES],
+}
+
+impl Lobes {
+    pub(super) fn new(lobes: Vec<(f64, Lobe)>) -> Lobes {
+        let lobes = lobes.into_iter().filter(|(weight, _)| *weight > 0.0);
+        let (mut parts, mut mean_albedo) = (Vec::new(), Rgb::BLACK);
+        for (weight, lobe) in lobes {
+            let mut likely = [0.0; ANGLES];
+            for (k, cos) in midpoints(ANGLES).enumerate() {
+                let scattered = scattered(&lobe, from_cosine(cos), SAMPLES) * weight;
+                likely[k] = scattered.mean();
+                let all = scattered + lobe.mirror(cos) * weight;
+                mean_albedo += all * (2.0 * cos / ANGLES as f64);
+            }
+            parts.push(Part {
+                lobe,
+                weight,
+                likely,
+            });
+        }
+        Lobes { parts, mean_albedo }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.parts.is_empty()
+    }
+
+    /// The sum of the lobes, 1/sr, without what is mirrored exactly.
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        if !(wo.z > 0.0 && wi.z > 0.0) {
+            return Rgb::BLACK;
+        }
+        let of = |p: &Part| p.lobe.eval(wo, wi) * p.weight;
+        self.parts.iter().map(of).sum()
+    }
+
+    /// What is mirrored exactly, for the cosine of the angle to the normal.
+    pub fn mirror(&self, cos: f64) -> Rgb {
+        let of = |p: &Part| p.lobe.mirror(cos) * p.weight;
+        self.parts.iter().map(of).sum()
+    }
+
+    /// Share of the light along `wo` that the lobes reflect, mirrored included.
+    pub fn albedo(&self, wo: DVec3) -> Rgb {
+        let of = |p: &Part| (scattered(&p.lobe, wo, FINE_SAMPLES) + p.lobe.mirror(wo.z)) * p.weight;
+        self.parts.iter().map(of).sum()
+    }
+
+    /// Mean albedo over directions, weighted by the cosine: what is reflected of even light.
+    pub fn mean_albedo(&self) -> Rgb {
+        self.mean_albedo
+    }
+
+    /// About the mean over the channels of what is scattered of light along `wo`: how much it
+    /// deserves of the samples.
+    pub(super) fn likely(&self, wo: DVec3) -> f64 {
+        self.parts.iter().map(|p| p.likely(wo)).sum()
+    }
+
+    /// A direction, `None` if the sample is lost below the surface. `u[0]` chooses the lobe.
+    pub(super) fn direction(&self, wo: DVec3, u: [f64; 3]) -> Option<DVec3> {
+        let sum = self.likely(wo);
+        let mut rest = u[0] * sum;
+        let part = self.parts.iter().find(|p| {
+            let share = p.likely(wo);
+            let here = rest < share;
+            rest -= share;
+            here
+        })?;
+        let wi = part.lobe.sample(wo, [u[1], u[2]]);
+        (wi.z > 0.0).then_some(wi)
+    }
+
+    /// A direction for three numbers in 0..1, as [`Brdf::sample`](super::Brdf::sample) gives.
+    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        if !(wo.z > 0.0) {
+            return None;
+        }
+        let wi = self.direction(wo, u)?;
+        let pdf = self.pdf(wo, wi);
+        let weight = self.eval(wo, wi) * (wi.z / pdf);
+        (pdf > 0.0 && weight.is_finite()).then_some(Sample { wi, weight, pdf })
+    }
+
+    /// Density of [`sample`](Lobes::sample), 1/sr.
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let sum = self.likely(wo);
+        if !(wo.z > 0.0 && wi.z > 0.0 && sum > 0.0) {
+            return 0.0;
+        }
+        let of = |p: &Part| p.likely(wo) * p.lobe.pdf(wo, wi);
+        self.parts.iter().map(of).sum::<f64>() / sum
+    }
+}
+
+impl Part {
+    fn likely(&self, wo: DVec3) -> f64 {
+        let at = wo.z * ANGLES as f64 - 0.5;
+        let low = (at.floor().max(0.0) as usize).min(ANGLES - 2);
+        let t = (at - low as f64).clamp(0.0, 1.0);
+        self.likely[low] * (1.0 - t) + self.likely[low + 1] * t
+    }
+}
+
+/// A direction at that cosine to the normal, halfway between tangent and bitangent, for models
+/// that are not the same around the normal.
+fn from_cosine(cos: f64) -> DVec3 {
+    let sin = (0.5 * (1.0 - cos * cos)).sqrt();
+    DVec3::new(sin, sin, cos)
+}
+
+/// Share of the light along `wo` that a lobe scatters, from the mean weight of its samples.
+fn scattered(lobe: &Lobe, wo: DVec3, samples: usize) -> Rgb {
+    let weight = |u: [f64; 2]| {
+        let wi = lobe.sample(wo, u);
+        let pdf = lobe.pdf(wo, wi);
+        if wi.z > 0.0 && pdf > 0.0 {
+            lobe.eval(wo, wi) * (wi.z / pdf)
+        } else {
+            Rgb::BLACK
+        }
+    };
+    lattice(samples).map(weight).sum::<Rgb>() / samples as f64
+}

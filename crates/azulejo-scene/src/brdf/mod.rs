@@ -1,0 +1,216 @@
+//! Reflection models: how much of the light from one direction a surface sends in another.
+//!
+//! A [`Description`] is what a file says, by the names of [`MODELS`]; a [`Brdf`] is what passes
+//! evaluate. `wo` points to where light is seen from, `wi` to where it comes from; both leave the
+//! surface and are given in its own frame: tangent x, bitangent y, normal z. A BRDF is in 1/sr per
+//! channel, and nothing is reflected where `wo.z <= 0` or `wi.z <= 0`.
+//!
+//! ```
+//! use azulejo_scene::brdf::{Brdf, Description};
+//! use glam::DVec3;
+//!
+//! let ward: Description = "ward_gmd ks = 0.5 ax = 0.1 ay = 0.3".parse().unwrap();
+//! let ward = Brdf::new(ward).unwrap();
+//! let wo = DVec3::new(0.6, 0.0, 0.8);
+//! let sample = ward.sample(wo, [0.3, 0.6, 0.1]).unwrap();
+//! let weight = ward.eval(wo, sample.wi) * (sample.wi.z / sample.pdf);
+//! assert!((weight.r - sample.weight.r).abs() < 1e-12);
+//! ```
+
+mod arguments;
+mod description;
+mod fresnel;
+mod lobe;
+mod lobes;
+mod models;
+mod problem;
+mod quadrature;
+
+mod lambert;
+mod lewis;
+mod smooth;
+
+pub use description::{Content, Description, Model, Parameter, Value};
+pub use fresnel::Fresnel;
+pub use lobes::{Lobes, Sample};
+pub use models::{FRESNEL, Info, Kind, MODELS, ParameterInfo, find};
+pub use problem::Problem;
+
+use crate::Rgb;
+use glam::DVec3;
+use lobe::{Lobe, Reflect, Spread};
+use std::f64::consts::FRAC_1_PI;
+use std::fmt;
+
+/// Lobes that keep half of what they reflect within this angle of the mirrored direction are
+/// mirrors to the first pass, in degrees.
+pub const NARROW: f64 = 1.0;
+
+/// A reflection model, ready to be evaluated: a sum of what is reflected in all directions alike
+/// and of [`Lobes`] of three kinds, which the passes treat differently.
+pub struct Brdf {
+    description: Description,
+    diffuse: Rgb,
+    matt: Lobes,
+    glossy: Lobes,
+    narrow: Lobes,
+}
+
+impl Brdf {
+    /// Makes a model of its description.
+    ///
+    /// # Errors
+    /// [`Problem`]: unknown names, numbers out of range, weights that create energy.
+    pub fn new(description: Description) -> Result<Brdf, Problem> {
+        let mut diffuse = Rgb::BLACK;
+        let [mut matt, mut glossy, mut narrow] = [const { Vec::new() }; 3];
+        for (weight, lobe) in description.lobes()? {
+            match (&lobe, lobe.spread()) {
+                (Lobe::Lambert(lambert), _) => diffuse += lambert.albedo * weight,
+                (_, Spread::Matt) => matt.push((weight, lobe)),
+                (_, Spread::Glossy(angle)) if angle.to_degrees() >= NARROW => {
+                    glossy.push((weight, lobe));
+                }
+                _ => narrow.push((weight, lobe)),
+            }
+        }
+        Ok(Brdf {
+            description,
+            diffuse,
+            matt: Lobes::new(matt),
+            glossy: Lobes::new(glossy),
+            narrow: Lobes::new(narrow),
+        })
+    }
+
+    /// What it was made from.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// Reflectance of the part that is the same in all directions, 0..=1.
+    pub fn diffuse(&self) -> Rgb {
+        self.diffuse
+    }
+
+    /// Lobes about as wide as the hemisphere, such as Oren and Nayar's. Where direction is not
+    /// kept, [`Lobes::mean_albedo`] stands for them.
+    pub fn matt(&self) -> &Lobes {
+        &self.matt
+    }
+
+    /// Lobes around the mirrored direction, wider than [`NARROW`].
+    pub fn glossy(&self) -> &Lobes {
+        &self.glossy
+    }
+
+    /// Lobes that are mirrors or nearly so.
+    pub fn narrow(&self) -> &Lobes {
+        &self.narrow
+    }
+
+    /// Reflectance without regard to direction: [`diffuse`](Brdf::diffuse) and the mean of the
+    /// [`matt`](Brdf::matt) lobes.
+    pub fn mean_diffuse(&self) -> Rgb {
+        self.diffuse + self.matt.mean_albedo()
+    }
+
+    /// Mean reflectance of mirrors and nearly mirrors.
+    pub fn mean_mirror(&self) -> Rgb {
+        self.narrow.mean_albedo()
+    }
+
+    fn groups(&self) -> [&Lobes; 3] {
+        [&self.matt, &self.glossy, &self.narrow]
+    }
+
+    /// The BRDF, 1/sr, without what is mirrored exactly ([`mirror`](Brdf::mirror)).
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        if !(wo.z > 0.0 && wi.z > 0.0) {
+            return Rgb::BLACK;
+        }
+        let lobes: Rgb = self.groups().iter().map(|l| l.eval(wo, wi)).sum();
+        self.diffuse * FRAC_1_PI + lobes
+    }
+
+    /// Reflectance of the part that is mirrored exactly, for the cosine of the angle to the normal.
+    pub fn mirror(&self, cos: f64) -> Rgb {
+        self.groups().iter().map(|l| l.mirror(cos)).sum()
+    }
+
+    /// Share of the light from `wo`'s direction that is reflected anywhere, mirrored included; by
+    /// reciprocity also what an even sky shows. From 4,096 evaluations.
+    pub fn albedo(&self, wo: DVec3) -> Rgb {
+        if !(wo.z > 0.0) {
+            return Rgb::BLACK;
+        }
+        let lobes: Rgb = self.groups().iter().map(|l| l.albedo(wo)).sum();
+        self.diffuse + lobes
+    }
+
+    /// Probabilities of the diffuse part and of each kind of lobes for `wo`.
+    fn shares(&self, wo: DVec3) -> [f64; 4] {
+        let [m, g, n] = self.groups().map(|l| l.likely(wo));
+        let all = [self.diffuse.mean(), m, g, n];
+        let sum: f64 = all.iter().sum();
+        if sum > 0.0 {
+            all.map(|x| x / sum)
+        } else {
+            [1.0, 0.0, 0.0, 0.0]
+        }
+    }
+
+    /// A direction that light comes from, with a density like what it contributes; `None` where
+    /// the sample falls below the surface or all is mirrored exactly. `u` are three numbers in
+    /// 0..1. The mean of the weights is the albedo without the mirrored part.
+    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        if !(wo.z > 0.0) {
+            return None;
+        }
+        let shares = self.shares(wo);
+        let mut rest = u[0];
+        let chosen = shares.iter().position(|s| {
+            let here = rest < *s;
+            if !here {
+                rest -= s;
+            }
+            here
+        });
+        let chosen = chosen.unwrap_or(0);
+        let again = (rest / shares[chosen]).clamp(0.0, 1.0 - f64::EPSILON);
+        let wi = match chosen {
+            0 => Some(quadrature::cosine_hemisphere(u[1], u[2])),
+            k => self.groups()[k - 1].direction(wo, [again, u[1], u[2]]),
+        }?;
+        let pdf = self.pdf(wo, wi);
+        let weight = self.eval(wo, wi) * (wi.z / pdf);
+        (pdf > 0.0 && weight.is_finite()).then_some(Sample { wi, weight, pdf })
+    }
+
+    /// Density of [`sample`](Brdf::sample) over the solid angle of `wi`, 1/sr.
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if !(wo.z > 0.0 && wi.z > 0.0) {
+            return 0.0;
+        }
+        let [d, shares @ ..] = self.shares(wo);
+        let lobes = self.groups().map(|l| l.pdf(wo, wi));
+        let lobes: f64 = shares.iter().zip(lobes).map(|(s, p)| s * p).sum();
+        d * wi.z * FRAC_1_PI + lobes
+    }
+}
+
+/// Equal descriptions make equal models.
+impl PartialEq for Brdf {
+    fn eq(&self, other: &Brdf) -> bool {
+        self.description == other.description
+    }
+}
+
+impl fmt::Debug for Brdf {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.description.fmt(f)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,194 @@
+//! The models by name, with what each takes: one table for readers, help, documents and editors.
+
+use super::arguments::Arguments;
+use super::lobe::Lobe;
+use super::{Problem, lambert, lewis, smooth};
+
+/// A model that descriptions can name.
+pub struct Info {
+    /// Its name.
+    pub name: &'static str,
+    /// Other names that are read as this one.
+    pub aliases: &'static [&'static str],
+    /// What people call it.
+    pub title: &'static str,
+    /// Where it was published.
+    pub paper: &'static str,
+    /// What it takes.
+    pub parameters: &'static [ParameterInfo],
+    /// Whether it also takes one of the sets of [`FRESNEL`]; without any of them all light is
+    /// reflected.
+    pub has_fresnel: bool,
+    /// Whether light may be exchanged between the two directions.
+    pub is_reciprocal: bool,
+    /// Whether, with parameters in range, it never reflects more than arrives.
+    pub is_energy_safe: bool,
+    pub(super) make: fn(&Arguments) -> Result<Vec<Lobe>, Problem>,
+}
+
+/// A parameter of a model.
+pub struct ParameterInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// Other names that are read as this one.
+    pub aliases: &'static [&'static str],
+    /// What its value is.
+    pub kind: Kind,
+    /// The value where none is given; `None` if one must be.
+    pub default: Option<f64>,
+    /// The least that is allowed, of each channel.
+    pub least: f64,
+    /// The most.
+    pub most: f64,
+    /// Unit; empty for plain numbers.
+    pub unit: &'static str,
+    /// What it does.
+    pub about: &'static str,
+}
+
+/// What a parameter's value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One number.
+    Number,
+    /// One number for all channels, or three.
+    Color,
+    /// A word.
+    Word,
+}
+
+impl ParameterInfo {
+    /// A number that must be given.
+    pub(super) const fn number(name: &'static str, range: [f64; 2], about: &'static str) -> Self {
+        ParameterInfo {
+            name,
+            aliases: &[],
+            kind: Kind::Number,
+            default: None,
+            least: range[0],
+            most: range[1],
+            unit: "",
+            about,
+        }
+    }
+
+    /// A colour that must be given.
+    pub(super) const fn color(name: &'static str, range: [f64; 2], about: &'static str) -> Self {
+        ParameterInfo {
+            kind: Kind::Color,
+            ..ParameterInfo::number(name, range, about)
+        }
+    }
+
+    /// With a value where none is given.
+    pub(super) const fn or(self, default: f64) -> Self {
+        ParameterInfo {
+            default: Some(default),
+            ..self
+        }
+    }
+
+    /// With other names.
+    pub(super) const fn also(self, aliases: &'static [&'static str]) -> Self {
+        ParameterInfo { aliases, ..self }
+    }
+
+    /// With a unit.
+    pub(super) const fn in_unit(self, unit: &'static str) -> Self {
+        ParameterInfo { unit, ..self }
+    }
+
+    /// Whether a name means this one; letters in upper or lower case.
+    pub fn is_called(&self, name: &str) -> bool {
+        is_called(self.name, self.aliases, name)
+    }
+}
+
+impl Info {
+    /// Whether a name means this one; letters in upper or lower case.
+    pub fn is_called(&self, name: &str) -> bool {
+        is_called(self.name, self.aliases, name)
+    }
+
+    /// All that it takes.
+    pub fn all_parameters(&self) -> impl Iterator<Item = &'static ParameterInfo> + use<> {
+        let fresnel: &[_] = if self.has_fresnel { FRESNEL } else { &[] };
+        self.parameters.iter().chain(fresnel)
+    }
+}
+
+fn is_called(name: &str, aliases: &[&str], given: &str) -> bool {
+    let is = |known: &str| known.eq_ignore_ascii_case(given);
+    is(name) || aliases.iter().any(|a| is(a))
+}
+
+/// Diffuse reflectance, zero where it is not given.
+pub(super) const KD: ParameterInfo = ParameterInfo::color("kd", [0.0, 1.0], "diffuse reflectance")
+    .or(0.0)
+    .also(&["rd"]);
+
+/// Reflectance of the lobe.
+pub(super) const KS: ParameterInfo =
+    ParameterInfo::color("ks", [0.0, 1.0], "reflectance of the lobe")
+        .or(1.0)
+        .also(&["rs"]);
+
+/// An exponent of a cosine.
+pub(super) const EXPONENT: ParameterInfo =
+    ParameterInfo::number("n", [0.0, 1e6], "exponent: the higher, the narrower");
+
+/// Sets of parameters for the Fresnel term, one of which a model may take: `eta` with `k` for a
+/// metal, `eta` alone for a dielectric, `metal` by name, `f0` (with `tint`) for Schlick's
+/// approximation, or a constant `F`.
+pub const FRESNEL: &[ParameterInfo] = &[
+    ParameterInfo::color("eta", [1e-3, 100.0], "index of refraction, real part")
+        .also(&["nreal", "ior"]),
+    ParameterInfo::color("k", [0.0, 100.0], "index of refraction, imaginary part").also(&["nimag"]),
+    ParameterInfo {
+        kind: Kind::Word,
+        ..ParameterInfo::number("metal", [0.0, 0.0], "a metal of the table, by name")
+    },
+    ParameterInfo::color("f0", [0.0, 1.0], "reflectance at normal incidence"),
+    ParameterInfo::color(
+        "tint",
+        [0.0, 1.0],
+        "what OpenPBR leaves of it at cos θ = 1/7",
+    ),
+    ParameterInfo::color("F", [0.0, 1.0], "reflectance at all angles"),
+];
+
+/// Every model, in the order of the documents.
+pub static MODELS: &[&Info] = &[
+    &lambert::INFO,
+    &smooth::SPECULAR,
+    &smooth::CONDUCTOR,
+    &smooth::DIELECTRIC,
+    &lewis::INFO,
+];
+
+/// The model of that name.
+///
+/// # Errors
+/// [`Problem::UnknownModel`], with the known name that is most like it.
+pub fn find(name: &str) -> Result<&'static Info, Problem> {
+    let known = MODELS.iter().find(|m| m.is_called(name));
+    known.copied().ok_or_else(|| {
+        let names = MODELS
+            .iter()
+            .flat_map(|m| [m.name].into_iter().chain(m.aliases.iter().copied()));
+        Problem::UnknownModel {
+            name: name.to_owned(),
+            nearest: nearest(name, names).unwrap_or("diffuse"),
+        }
+    })
+}
+
+/// The name that is most like `name`.
+pub(super) fn nearest(
+    name: &str,
+    known: impl Iterator<Item = &'static str>,
+) -> Option<&'static str> {
+    let name = name.to_ascii_lowercase();
+    let likeness = |known: &&str| strsim::jaro_winkler(&name, &known.to_ascii_lowercase());
+    known.max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+}

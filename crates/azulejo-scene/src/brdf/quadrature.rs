@@ -1,0 +1,23 @@
+//! Points to integrate with.
+
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Middles of `count` equal intervals of 0..1.
+pub(super) fn midpoints(count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |k| (k as f64 + 0.5) / count as f64)
+}
+
+/// `count` points spread evenly over the unit square: Roberts' R2 sequence, whose steps are
+/// powers of the inverse of the plastic number.
+pub(super) fn lattice(count: usize) -> impl Iterator<Item = [f64; 2]> {
+    const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+    (0..count).map(|k| STEPS.map(|step| (0.5 + k as f64 * step).fract()))
+}
+
+/// A direction with density cos θ/π.
+pub(super) fn cosine_hemisphere(u1: f64, u2: f64) -> DVec3 {
+    let (sin, cos) = (TAU * u2).sin_cos();
+    let r = u1.sqrt();
+    DVec3::new(r * cos, r * sin, (1.0 - u1).sqrt())
+}

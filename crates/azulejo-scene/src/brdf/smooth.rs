@@ -1,0 +1,76 @@
+//! Surfaces without roughness: `specular`, `fresnel_conductor`, `fresnel_dielectric`.
+
+use super::arguments::Arguments;
+use super::lobe::{Lobe, Reflect, Spread};
+use super::models::{Info, KS};
+use super::{Fresnel, Problem};
+use crate::Rgb;
+use glam::DVec3;
+
+pub(super) const SPECULAR: Info = Info {
+    name: "specular",
+    aliases: &["mirror"],
+    title: "Mirror",
+    paper: "",
+    parameters: &[KS],
+    has_fresnel: false,
+    is_reciprocal: true,
+    is_energy_safe: true,
+    make: |arguments| smooth(arguments.color("ks"), Fresnel::Constant(Rgb::WHITE)),
+};
+
+pub(super) const CONDUCTOR: Info = Info {
+    name: "fresnel_conductor",
+    aliases: &["conductor"],
+    title: "Smooth metal",
+    paper: "A. Fresnel 1823; Hecht, Optics, section 4.8",
+    parameters: &[],
+    has_fresnel: true,
+    is_reciprocal: true,
+    is_energy_safe: true,
+    make: fresnel,
+};
+
+pub(super) const DIELECTRIC: Info = Info {
+    name: "fresnel_dielectric",
+    aliases: &["dielectric"],
+    title: "Smooth varnish: what a dielectric's surface mirrors",
+    ..CONDUCTOR
+};
+
+fn fresnel(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+    smooth(Rgb::WHITE, arguments.fresnel()?)
+}
+
+fn smooth(scale: Rgb, fresnel: Fresnel) -> Result<Vec<Lobe>, Problem> {
+    Ok(vec![Lobe::Smooth(Smooth { scale, fresnel })])
+}
+
+/// All light goes in the mirrored direction.
+#[derive(Clone, Debug)]
+pub(super) struct Smooth {
+    scale: Rgb,
+    fresnel: Fresnel,
+}
+
+impl Reflect for Smooth {
+    fn eval(&self, _wo: DVec3, _wi: DVec3) -> Rgb {
+        Rgb::BLACK
+    }
+
+    fn pdf(&self, _wo: DVec3, _wi: DVec3) -> f64 {
+        0.0
+    }
+
+    fn sample(&self, wo: DVec3, _u: [f64; 2]) -> DVec3 {
+        DVec3::new(-wo.x, -wo.y, wo.z)
+    }
+
+    fn mirror(&self, cos: f64) -> Rgb {
+        self.scale * self.fresnel.at(cos)
+    }
+
+    fn spread(&self) -> Spread {
+        Spread::Glossy(0.0)
+    }
+}
