@@ -156,13 +156,15 @@ impl<'a> Plan<'a> {
     fn is_to_close(&self, factors: &mut FormFactors, materials: &[Material]) -> bool {
         let is_coloured = materials.iter().any(|m| !m.mirror.is_grey());
         let has_glass = materials.iter().any(|m| m.dielectric.is_some());
+        let has_gloss = materials.iter().any(|m| m.glossy().is_some());
         match self.options.closure {
             Closure::Never => false,
             Closure::Closed => factors.is_closed && !materials.iter().any(Material::is_specular),
-            Closure::Always if is_coloured || has_glass => {
-                let why = match has_glass {
-                    true => "there is glass",
-                    false => "mirrors are coloured",
+            Closure::Always if is_coloured || has_glass || has_gloss => {
+                let why = match (has_glass, has_gloss) {
+                    (true, _) => "there is glass",
+                    (_, true) => "there are glossy surfaces",
+                    _ => "mirrors are coloured",
                 };
                 let note = format!("rows were not closed, because {why}");
                 factors.ran.notes.push(note);

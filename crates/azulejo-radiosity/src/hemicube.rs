@@ -316,6 +316,7 @@ impl<'a> HemicubeEstimator<'a> {
             weight: pixel.weight / unit,
             via: self.via(pixel.order),
             depth: u16::from(pixel.order),
+            density: 0.0,
         }
     }
 

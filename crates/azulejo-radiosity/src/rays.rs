@@ -12,7 +12,7 @@ use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
-use azulejo_trace::{Gatherer, KernelHit, REPLICATES, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, Glints, KernelHit, REPLICATES, Surfaces, Tracer};
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -74,6 +74,7 @@ impl<'a> Starts<'a> {
                 weight: Rgb::grey(share * at.weight),
                 via: Via::Direct,
                 depth: 0,
+                density: 0.0,
             }
         }));
     }
@@ -132,6 +133,7 @@ pub(crate) struct Work {
     /// Rays that are about to be followed.
     pub paths: Vec<Path>,
     scratch: Scratch,
+    glints: Glints,
     /// What they have met.
     pub tally: Tally,
 }
@@ -197,6 +199,7 @@ impl<'a> RayEstimator<'a> {
         spare.unwrap_or_else(|| Work {
             paths: Vec::new(),
             scratch: Scratch::default(),
+            glints: Glints::default(),
             tally: Tally::new(2 * self.patches.len()),
         })
     }
@@ -224,6 +227,7 @@ impl<'a> RayEstimator<'a> {
         let Work {
             paths,
             scratch,
+            glints,
             tally,
         } = work;
         follow(surfaces, paths, scratch, chances, |path, event| {
@@ -244,13 +248,17 @@ impl<'a> RayEstimator<'a> {
                         row.absorbed += weight * kept * share;
                     }
                     row.stray[replicate] +=
-                        weight * self.gatherer.stray_exitance(&hit, front, path.via);
+                        weight * self.gatherer.stray_exitance(path, &hit, front);
+                    glints.add(self.gatherer, path, &hit, 0, chances);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.hit_patches.at(&hit);
                         tally.add(side(patch, front), order(path.via), weight);
                     }
                 }
             }
+        });
+        glints.settle(self.gatherer, |_, found| {
+            row.stray[replicate] += found * scale
         });
     }
 }

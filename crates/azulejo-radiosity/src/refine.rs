@@ -22,7 +22,7 @@ use crate::system::{Found, System};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Gathered, Gatherer, Progress, REPLICATES};
+use azulejo_trace::{Cancelled, Gathered, Gatherer, Glints, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -211,19 +211,16 @@ impl Refiner<'_> {
             .begin("refining", tasks.iter().map(steps).sum());
         let found: Vec<Option<[Rgb; REPLICATES]>> = tasks
             .par_iter()
-            .map_init(
-                || (Vec::new(), Scratch::default()),
-                |(paths, scratch), task| {
-                    self.progress.advance(steps(task))?;
-                    if self.progress.out_of_time() {
-                        return Ok(None);
-                    }
-                    Ok(Some(match task.part {
-                        RAYS => self.rays(task, paths, scratch),
-                        _ => self.lamps(task),
-                    }))
-                },
-            )
+            .map_init(Work::default, |work, task| {
+                self.progress.advance(steps(task))?;
+                if self.progress.out_of_time() {
+                    return Ok(None);
+                }
+                Ok(Some(match task.part {
+                    RAYS => self.rays(task, work),
+                    _ => self.lamps(task),
+                }))
+            })
             .collect::<Result<_, Cancelled>>()?;
         let mut rays = 0;
         for (task, values) in tasks.iter().zip(&found) {
@@ -239,7 +236,12 @@ impl Refiner<'_> {
     }
 
     /// Irradiance by a stretch of each replicate's rays, in the light R₀.
-    fn rays(&self, task: &Task, paths: &mut Vec<Path>, scratch: &mut Scratch) -> [Rgb; REPLICATES] {
+    fn rays(&self, task: &Task, work: &mut Work) -> [Rgb; REPLICATES] {
+        let Work {
+            paths,
+            scratch,
+            glints,
+        } = work;
         let surfaces = self.gatherer.surfaces();
         let ambient = self.gatherer.ambient() * PI;
         let (from, to) = (task.from as usize, task.to as usize);
@@ -257,12 +259,14 @@ impl Refiner<'_> {
                         Event::Surface { hit, front } => {
                             let patch = self.hit_patches.at(&hit);
                             let reflected = rgb(&self.reference[side(patch, front) as usize]);
-                            reflected + self.gatherer.stray_exitance(&hit, front, path.via)
+                            glints.add(self.gatherer, path, &hit, 0, chances);
+                            reflected + self.gatherer.stray_exitance(path, &hit, front)
                         }
                         Event::Cut | Event::Absorbed => return,
                     };
                     *sum += path.weight * light;
                 });
+                glints.settle(self.gatherer, |_, found| *sum += found);
             }
         }
         sums
@@ -274,6 +278,14 @@ impl Refiner<'_> {
         let light = direct_at(self.gatherer, self.patches, self.seed, task.side, stretch);
         light.lamps.replicates.map(|e| e + light.lights)
     }
+}
+
+/// Working memory of one thread.
+#[derive(Default)]
+struct Work {
+    paths: Vec<Path>,
+    scratch: Scratch,
+    glints: Glints,
 }
 
 /// For every row and part, what it adds to the square of the relative error, times count^rate.

@@ -12,7 +12,7 @@ use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{cosine_about, hash, seeds, sobol, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Progress, REPLICATES};
+use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Glints, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -201,13 +201,16 @@ impl Shooter<'_> {
         }
     }
 
-    /// Irradiance from the surroundings, per replicate; black without any.
+    /// Irradiance from the surroundings and by way of glossy surfaces from lights without area,
+    /// per replicate: what no patch shoots. Black without any.
     fn ambient(&self, s: Side, scratch: &mut Scratch) -> [Rgb; REPLICATES] {
         let mut sums = [Rgb::BLACK; REPLICATES];
         let radiance = self.gatherer.ambient();
-        if radiance.is_black() {
+        let has_beams = self.gatherer.shows_beams();
+        if radiance.is_black() && !has_beams {
             return sums;
         }
+        let mut glints = Glints::default();
         let share = 1.0 / f64::from(AMBIENT_RAYS);
         let rays = (0..REPLICATES as u32).flat_map(|r| (0..AMBIENT_RAYS).map(move |k| (r, k)));
         let mut paths: Vec<Path> = rays
@@ -218,12 +221,15 @@ impl Shooter<'_> {
             &mut paths,
             scratch,
             hash(&[self.seed, s]),
-            |path, event| {
-                if let Event::Escape = event {
-                    sums[path.id as usize] += radiance * PI * path.weight;
+            |path, event| match event {
+                Event::Escape => sums[path.id as usize] += radiance * PI * path.weight,
+                Event::Surface { hit, .. } if has_beams => {
+                    glints.add_beams(self.gatherer, path, &hit, path.id, self.seed);
                 }
+                _ => {}
             },
         );
+        glints.settle(self.gatherer, |id, found| sums[id as usize] += found);
         sums
     }
 
@@ -242,6 +248,7 @@ impl Shooter<'_> {
             weight: weight * at.weight,
             via: Via::Direct,
             depth: 0,
+            density: 0.0,
         }
     }
 

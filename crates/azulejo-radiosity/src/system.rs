@@ -469,7 +469,8 @@ impl Balance {
 
 /// Whether light keeps its colour on specular ways over this material.
 fn is_grey(m: &Material) -> bool {
-    m.mirror.is_grey() && m.dielectric.is_none_or(|d| d.transmittance.is_grey())
+    let is_glossy_grey = m.glossy().is_none_or(|lobes| lobes.mean_albedo().is_grey());
+    m.mirror.is_grey() && is_glossy_grey && m.dielectric.is_none_or(|d| d.transmittance.is_grey())
 }
 
 #[cfg(test)]

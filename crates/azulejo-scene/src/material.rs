@@ -129,10 +129,10 @@ impl Material {
         }
     }
 
-    /// The lobes that reflect around the mirrored direction, if there are any.
+    /// The lobes that reflect around the mirrored direction, if there are any; none on glass.
     pub fn glossy(&self) -> Option<&Lobes> {
         let glossy = self.brdf.as_deref().map(Brdf::glossy);
-        glossy.filter(|lobes| !lobes.is_empty())
+        glossy.filter(|lobes| !lobes.is_empty() && self.dielectric.is_none())
     }
 
     /// Makes reflectances possible; `false` if they were not.

@@ -1,10 +1,12 @@
-//! Follows rays through mirrors and glass to everything that they see.
+//! Follows rays through mirrors and glass, and by chance from glossy surfaces, to everything that
+//! they see.
 
-use crate::sampling::uniform;
-use crate::{KernelHit, KernelRay, Surfaces};
+use crate::sampling::{hash, uniform};
+use crate::{Hit, KernelHit, KernelRay, Surfaces};
+use azulejo_scene::brdf::Lobes;
 use azulejo_scene::fresnel;
-use azulejo_scene::math::{Ray, reflect};
-use azulejo_scene::{Dielectric, Rgb};
+use azulejo_scene::math::{Frame, Ray, reflect};
+use azulejo_scene::{Dielectric, Material, Rgb};
 use glam::DVec3;
 
 /// A ray on its way, and what it stands for.
@@ -20,6 +22,9 @@ pub struct Path {
     pub via: Via,
     /// Interfaces met so far.
     pub depth: u16,
+    /// Density of the ray's direction, 1/sr, if a glossy surface sent it there by chance; 0
+    /// otherwise. What is also looked for by other ways is weighted by it.
+    pub density: f32,
 }
 
 /// What stood between the start of a path and where it is now.
@@ -29,7 +34,7 @@ pub enum Via {
     Direct,
     /// One mirror, this item.
     Mirror(u32),
-    /// Glass, or more than one mirror.
+    /// Glass, a glossy surface, or more than one mirror.
     Many,
 }
 
@@ -44,8 +49,9 @@ pub enum Event {
         /// Whether it arrived at the front.
         front: bool,
     },
-    /// Coloured glass kept the path's weight: what it neither mirrored nor let pass. Other
-    /// surfaces keep 1 − ρ_d − ρ_s of what reaches them, which their material tells.
+    /// The surface kept the path's weight beyond what its material tells. Of coloured glass it
+    /// is what it neither mirrored nor let pass. Other surfaces keep 1 − ρ_d − ρ_s of what
+    /// reaches them; glossy ones keep less, by what they send on, and this weight is negative.
     Absorbed,
     /// It left the scene.
     Escape,
@@ -63,6 +69,10 @@ pub const DEPTH_CUT: u16 = 1000;
 /// Dielectrics split a path in two at its first interfaces; later ones choose one branch.
 const SPLIT_DEPTH: u16 = 2;
 
+/// Below this share of the heaviest path, one that leaves a glossy surface lives on by chance with
+/// this weight: rooms of glossy walls end, and the mean stays right.
+const ROULETTE: f64 = 0.01;
+
 /// Working memory of [`follow`], kept between calls to save allocations.
 #[derive(Default)]
 pub struct Scratch {
@@ -75,7 +85,9 @@ pub struct Scratch {
 ///
 /// Per path the shares add up: what is deposited at surfaces times what these absorb or reflect
 /// diffusely, what escapes and what is cut make the weight it started with. Empties `paths`.
-/// The order of events depends on the paths alone. `seed` keys the choices at glass.
+/// The order of events depends on the paths alone. `seed` keys the choices at glass and on glossy
+/// surfaces, from which a path goes on in one direction, drawn in proportion to what its lobes
+/// reflect.
 pub fn follow(
     surfaces: &Surfaces,
     paths: &mut Vec<Path>,
@@ -84,7 +96,7 @@ pub fn follow(
     mut on_event: impl FnMut(&Path, Event),
 ) {
     let heaviest = paths.iter().map(|p| p.weight.max_channel());
-    let least = WEIGHT_CUT * heaviest.fold(0.0, f64::max);
+    let heaviest = heaviest.fold(0.0, f64::max);
     let mut wave = 0;
     while !paths.is_empty() {
         scratch.rays.clear();
@@ -103,8 +115,13 @@ pub fn follow(
                 },
             );
             if surfaces.is_specular(hit.item) {
-                let chance = uniform(&[seed, wave, index as u32]);
-                go_on(surfaces, path, hit, (chance, least), |next| match next {
+                let meeting = Meeting {
+                    path,
+                    hit,
+                    key: hash(&[seed, wave, index as u32]),
+                    heaviest,
+                };
+                meeting.go_on(surfaces, |next| match next {
                     Next::Path(p) => scratch.next.push(p),
                     Next::Weak(rest) => on_event(&rest, Event::Cut),
                     Next::Kept(kept) => on_event(&kept, Event::Absorbed),
@@ -127,72 +144,144 @@ enum Next {
     Kept(Path),
 }
 
-/// The parts of `path` after it arrived at a mirror or glass; those below `least` are weak.
-fn go_on(
-    surfaces: &Surfaces,
-    path: &Path,
-    hit: &KernelHit,
-    (chance, least): (f32, f64),
-    mut push: impl FnMut(Next),
-) {
-    let ray = surfaces.tracer.world_ray(&path.ray);
-    let at = surfaces.tracer.resolve(&ray, hit);
-    let direction = ray.direction.normalize();
-    let facing = if at.entering { at.normal } else { -at.normal };
-    let material = surfaces.material(hit.item);
-    let mut send = |direction: DVec3, share: Rgb, via: Via| {
-        let weight = path.weight * share;
-        let side = if direction.dot(facing) >= 0.0 {
-            facing
-        } else {
-            -facing
-        };
-        let ray = Ray::new(surfaces.tracer.leaving(at.position, side), direction);
+/// A path at a mirror, glass or a glossy surface.
+struct Meeting<'p> {
+    path: &'p Path,
+    hit: &'p KernelHit,
+    /// Keys its random numbers.
+    key: u32,
+    /// Weight of the heaviest path that set out with it.
+    heaviest: f64,
+}
+
+/// A direction that a path goes on in.
+struct Way {
+    direction: DVec3,
+    share: Rgb,
+    via: Via,
+    density: f64,
+}
+
+impl Way {
+    fn sharp(direction: DVec3, share: Rgb, via: Via) -> Way {
+        Way {
+            direction,
+            share,
+            via,
+            density: 0.0,
+        }
+    }
+}
+
+impl Meeting<'_> {
+    /// The parts that the path is divided into; those too light to follow are weak.
+    fn go_on(&self, surfaces: &Surfaces, mut push: impl FnMut(Next)) {
+        let ray = surfaces.tracer.world_ray(&self.path.ray);
+        let at = surfaces.tracer.resolve(&ray, self.hit);
+        let direction = ray.direction.normalize();
+        let facing = if at.entering { at.normal } else { -at.normal };
+        let material = surfaces.material(self.hit.item);
+        let mut send = |way: Way| push(self.next(surfaces, &at, facing, way));
+        match material.dielectric {
+            Some(glass) => {
+                let kept = self.at_glass(material, &glass, (direction, facing), &at, send);
+                if kept.max_channel() > f64::EPSILON {
+                    push(Next::Kept(self.kept(kept)));
+                }
+            }
+            None => {
+                let via = match self.path.via {
+                    Via::Direct => Via::Mirror(self.hit.item),
+                    _ => Via::Many,
+                };
+                if !material.mirror.is_black() {
+                    send(Way::sharp(reflect(direction, facing), material.mirror, via));
+                }
+                let glossy = material.glossy();
+                if let Some(way) = glossy.and_then(|lobes| {
+                    self.scattered(lobes, &surfaces.frame(&at, facing), direction)
+                }) {
+                    let gained = way.share * -1.0;
+                    send(way);
+                    push(Next::Kept(self.kept(gained)));
+                }
+            }
+        }
+    }
+
+    /// The part that goes on in that way.
+    fn next(&self, surfaces: &Surfaces, at: &Hit, facing: DVec3, way: Way) -> Next {
+        let weight = self.path.weight * way.share;
+        let side = facing * 1f64.copysign(way.direction.dot(facing));
+        let ray = Ray::new(surfaces.tracer.leaving(at.position, side), way.direction);
         let next = Path {
             ray: surfaces.tracer.kernel_ray(&ray),
+            id: self.path.id,
             weight,
-            via,
-            depth: path.depth + 1,
-            ..*path
+            via: way.via,
+            depth: self.path.depth + 1,
+            density: way.density as f32,
         };
-        let alive = weight.max_channel() > least && next.depth < DEPTH_CUT;
-        push(if alive {
+        let least = WEIGHT_CUT * self.heaviest;
+        if weight.max_channel() > least && next.depth < DEPTH_CUT {
             Next::Path(next)
         } else {
             Next::Weak(next)
-        });
-    };
-    match material.dielectric {
-        None => {
-            let via = if path.via == Via::Direct {
-                Via::Mirror(hit.item)
-            } else {
-                Via::Many
-            };
-            send(reflect(direction, facing), material.mirror, via);
         }
-        Some(glass) => {
-            let (mirrored, passed) = glass_shares(&glass, direction, facing, at.entering);
-            let reflected_share = material.mirror * mirrored.0;
-            let kept = Rgb::WHITE - reflected_share - glass.transmittance * (1.0 - mirrored.0);
-            match passed {
-                None => send(mirrored.1, reflected_share, Via::Many),
-                Some((direction_in, passed_share)) if path.depth < SPLIT_DEPTH => {
-                    send(mirrored.1, reflected_share, Via::Many);
-                    send(direction_in, passed_share, Via::Many);
-                }
-                Some(_) if f64::from(chance) < mirrored.0 => {
-                    send(mirrored.1, material.mirror, Via::Many);
-                }
-                Some((direction_in, passed_share)) => {
-                    send(direction_in, passed_share / (1.0 - mirrored.0), Via::Many);
-                }
+    }
+
+    fn kept(&self, share: Rgb) -> Path {
+        Path {
+            weight: self.path.weight * share,
+            ..*self.path
+        }
+    }
+
+    fn chance(&self, dimension: u32) -> f64 {
+        uniform(&[self.key, dimension]).into()
+    }
+
+    /// A direction drawn from glossy lobes; `None` if the path ends here.
+    fn scattered(&self, lobes: &Lobes, frame: &Frame, direction: DVec3) -> Option<Way> {
+        let wo = frame.to_local(-direction);
+        let sample = lobes.sample(wo, [0, 1, 2].map(|d| self.chance(d)))?;
+        let weight = (self.path.weight * sample.weight).max_channel();
+        let odds = (weight / (ROULETTE * self.heaviest)).min(1.0);
+        // A weight of zero has no odds at all.
+        (self.chance(3) < odds).then(|| Way {
+            direction: frame.to_world(sample.wi),
+            share: sample.weight / odds,
+            via: Via::Many,
+            density: sample.pdf,
+        })
+    }
+
+    /// Sends what glass mirrors and passes; returns the share that it keeps.
+    fn at_glass(
+        &self,
+        material: &Material,
+        glass: &Dielectric,
+        (direction, facing): (DVec3, DVec3),
+        at: &Hit,
+        mut send: impl FnMut(Way),
+    ) -> Rgb {
+        let (mirrored, passed) = glass_shares(glass, direction, facing, at.entering);
+        let reflected_share = material.mirror * mirrored.0;
+        let sharp = |direction, share| Way::sharp(direction, share, Via::Many);
+        match passed {
+            None => send(sharp(mirrored.1, reflected_share)),
+            Some((direction_in, passed_share)) if self.path.depth < SPLIT_DEPTH => {
+                send(sharp(mirrored.1, reflected_share));
+                send(sharp(direction_in, passed_share));
             }
-            if kept.max_channel() > f64::EPSILON {
-                let weight = path.weight * kept;
-                push(Next::Kept(Path { weight, ..*path }));
+            Some(_) if self.chance(0) < mirrored.0 => {
+                send(sharp(mirrored.1, material.mirror));
+            }
+            Some((direction_in, passed_share)) => {
+                send(sharp(direction_in, passed_share / (1.0 - mirrored.0)));
             }
         }
+        Rgb::WHITE - reflected_share - glass.transmittance * (1.0 - mirrored.0)
     }
 }
 
@@ -224,7 +313,7 @@ fn glass_shares(
 mod tests {
     use super::*;
     use crate::Tracer;
-    use azulejo_scene::{Material, Object, Primitive, Scene, Shape};
+    use azulejo_scene::{Object, Primitive, Scene, Shape};
 
     /// What becomes of one path straight through two sheets of a material, by kind of event.
     fn fates(material: Material) -> [f64; 3] {
@@ -250,6 +339,7 @@ mod tests {
             weight,
             via: Via::Direct,
             depth: 0,
+            density: 0.0,
         };
         let mut fates = [0.0; 3];
         follow(

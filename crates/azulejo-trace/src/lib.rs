@@ -7,8 +7,8 @@
 //! what set operations make of solids) are met in `f64` throughout.
 //!
 //! On it stand, each on the one before: [`sampling`] (scrambled Sobol points and where they
-//! lead), [`lambert`] (what a point receives from a polygon, exactly), [`follow`] (rays through
-//! mirrors and glass to all they see), and [`Gatherer`] (irradiance at points, for both passes).
+//! lead), [`lambert`] (what a point receives from a polygon, exactly), [`lights`] (where
+//! to look for lamps), [`follow`] (rays through mirrors and glass to all they see), and [`Gatherer`] (irradiance at points, for both passes).
 //! Triangles may be left to Embree instead ([`Kernel`]; feature `embree`).
 //! [`item_buffer`] asks the same of a raster: what a patch sees through the pixels of a hemicube.
 //! [`Progress`] counts long work and stops it.
@@ -35,6 +35,7 @@ pub mod item_buffer;
 mod kernel;
 mod kernels;
 pub mod lambert;
+pub mod lights;
 mod placed;
 mod portable;
 mod prepared;
@@ -51,7 +52,7 @@ mod triangle;
 
 pub use gather::{
     Arrival, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
-    Gatherer, Glow, Places, RAYS_PER_FORMULA, REPLICATES,
+    Gatherer, Glints, Glow, Places, RAYS_PER_FORMULA, REPLICATES,
 };
 pub use kernels::Kernel;
 pub use progress::{Cancelled, Progress};

@@ -1,8 +1,13 @@
 //! What light transport asks of a surface at every hit, kept per traced item.
 
-use crate::{Item, KernelHit, KernelRay, Tracer};
+use crate::{Hit, Item, KernelHit, KernelRay, Tracer};
+use azulejo_scene::brdf::Lobes;
+use azulejo_scene::math::Frame;
 use azulejo_scene::{Leaf, Material, MaterialId, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
+
+/// Cosine to the normal beyond which a direction says nothing about the tangent.
+const UPRIGHT: f64 = 0.999;
 
 /// A scene with its tracer, and for every item the normal and material that hits look up.
 ///
@@ -68,6 +73,55 @@ impl<'a> Surfaces<'a> {
     /// Material of an item.
     pub fn material(&self, item: u32) -> &'a Material {
         &self.scene.materials[self.material_id(item) as usize]
+    }
+
+    /// The glossy lobes of an item, which light may leave by in chosen directions.
+    pub fn glossy(&self, item: u32) -> Option<&'a Lobes> {
+        if !self.is_specular(item) {
+            return None;
+        }
+        self.material(item).glossy()
+    }
+
+    /// The frame in which reflection models are evaluated at a hit: `z` is `normal`, `x` the way
+    /// in which the first texture coordinate grows.
+    ///
+    /// Where there are no texture coordinates, `x` is the world's x axis as far as it lies in the
+    /// surface, or y where that stands nearly upright on it: brushes are drawn along an axis.
+    pub fn frame(&self, at: &Hit, normal: DVec3) -> Frame {
+        let upright = |axis: DVec3| normal.dot(axis).abs() > UPRIGHT;
+        let along = self.tangent(at).filter(|&t| !upright(t));
+        let axis = if upright(DVec3::X) {
+            DVec3::Y
+        } else {
+            DVec3::X
+        };
+        let x = along.unwrap_or(axis);
+        let x = (x - x.dot(normal) * normal).normalize();
+        Frame {
+            x,
+            y: normal.cross(x),
+            z: normal,
+        }
+    }
+
+    /// The unit direction in which the first texture coordinate grows on a triangle.
+    fn tangent(&self, at: &Hit) -> Option<DVec3> {
+        let Shape::Mesh(mesh) = &self.scene.objects[at.object as usize].shape else {
+            return None;
+        };
+        let uvs = mesh.uvs.as_ref()?;
+        let face = at.face as usize;
+        let start = mesh.faces.corner_range(face).start;
+        let triangles = mesh.triangulate(face);
+        let corners = triangles.get(at.triangle as usize)?;
+        let corners = corners.map(|k| start + k as usize);
+        let vertices = corners.map(|k| mesh.faces.corners[k]);
+        let [a, b, c] = vertices.map(|v| mesh.positions[v as usize]);
+        let [ta, tb, tc] = [0, 1, 2].map(|k| uvs.at(corners[k], vertices[k]));
+        let (d1, d2) = (tb - ta, tc - ta);
+        let along = (d2.y * (b - a) - d1.y * (c - a)) * d1.perp_dot(d2).signum();
+        along.try_normalize()
     }
 
     /// Unit normal of the front of a flat item; `None` where the item is curved.

@@ -318,7 +318,8 @@ fn worlds(
     let all: Vec<usize> = (0..patches.len()).filter(specular).collect();
     let is_flat_mirror = |&i: &usize| {
         let material = &surfaces.scene.materials[patches.material(i) as usize];
-        let is_mirror = material.dielectric.is_none() && patches.polygon(i).is_some();
+        let is_sharp = material.dielectric.is_none() && material.glossy().is_none();
+        let is_mirror = is_sharp && patches.polygon(i).is_some();
         is_mirror && (material.mirror.is_grey() || !is_per_channel)
     };
     let mirrors = if solids.curved.is_empty() && all.iter().all(is_flat_mirror) {

@@ -8,6 +8,7 @@ use super::sides::Sides;
 use super::spread::{Noise, mean_and_variance};
 use crate::engine::Estimator;
 use crate::row::{ORDERS, Order, Row, Side};
+use azulejo_scene::brdf::Lobes;
 use azulejo_scene::{Material, Rgb};
 use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
@@ -194,13 +195,13 @@ fn rest(found: &Row, noise: Noise, hidden: f64, ended: f64) -> Rest {
 const ROUNDING: f64 = 1e-9;
 
 /// Share of the light on a surface that does not go on. Glass keeps nothing but what its colour
-/// takes, which counts as nobody's.
+/// takes, which counts as nobody's. What glossy surfaces send on is taken at its mean.
 pub(super) fn ending(material: &Material) -> Rgb {
     if material.dielectric.is_some() {
-        Rgb::BLACK
-    } else {
-        Rgb::WHITE - material.mirror
+        return Rgb::BLACK;
     }
+    let glossy = material.glossy().map(Lobes::mean_albedo);
+    Rgb::WHITE - material.mirror - glossy.unwrap_or(Rgb::BLACK)
 }
 
 /// A column, and what each replicate found of it.

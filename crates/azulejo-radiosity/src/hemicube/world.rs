@@ -52,7 +52,7 @@ impl Shows {
     fn new(material: &Material, is_flat: bool) -> Shows {
         match (material.is_specular(), material.dielectric.is_some()) {
             (false, _) => Shows::Nothing,
-            (true, false) if is_flat => Shows::Window,
+            (true, false) if is_flat && material.glossy().is_none() => Shows::Window,
             _ => Shows::Bent,
         }
     }

@@ -624,7 +624,12 @@ fn sample_polygon(polygon: &[DVec3], u: (f64, f64)) -> DVec3 {
 
 /// Place to test and irradiance at a point from a light without area, if it is above the
 /// horizon.
-fn unoccluded(light: &LightKind, p: DVec3, n: DVec3, surfaces: &Surfaces) -> Option<(DVec3, Rgb)> {
+pub(crate) fn unoccluded(
+    light: &LightKind,
+    p: DVec3,
+    n: DVec3,
+    surfaces: &Surfaces,
+) -> Option<(DVec3, Rgb)> {
     match *light {
         LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
             let d = position - p;

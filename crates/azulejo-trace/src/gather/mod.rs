@@ -9,17 +9,21 @@
 mod crowd;
 mod direct;
 mod emitters;
+mod glints;
 mod tiles;
 
 use crate::follow::{Event, Path, Scratch, Via, follow};
+use crate::lights::{Lights, mis_weight};
 use crate::sampling::{cosine_hemisphere, hash, seeds, sobol, uniform};
 use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_scene::{Rgb, Shape};
 pub use crowd::Places;
+pub(crate) use direct::unoccluded;
 use direct::{Direct, MOST_TERMS};
 use emitters::Emitters;
 use glam::DVec3;
+pub use glints::Glints;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -147,13 +151,19 @@ pub struct GatherOptions {
 pub struct Gatherer<'a> {
     surfaces: Surfaces<'a>,
     emitters: Emitters<'a>,
+    lights: Lights<'a>,
 }
 
 impl<'a> Gatherer<'a> {
     /// Collects the scene's lamps, mirrors and lights.
     pub fn new(surfaces: Surfaces<'a>) -> Gatherer<'a> {
         let emitters = Emitters::new(&surfaces);
-        Gatherer { surfaces, emitters }
+        let lights = Lights::new(&surfaces);
+        Gatherer {
+            surfaces,
+            emitters,
+            lights,
+        }
     }
 
     /// The scene, its tracer and its items.
@@ -172,21 +182,37 @@ impl<'a> Gatherer<'a> {
         self.emitters.counts_direct(is_flat, via)
     }
 
+    /// Lamps and lights as targets of rays.
+    pub fn lights(&self) -> &Lights<'a> {
+        &self.lights
+    }
+
+    /// Whether glossy surfaces may show lights without area.
+    pub fn shows_beams(&self) -> bool {
+        let materials = &self.surfaces.scene.materials;
+        self.lights.has_beams() && materials.iter().any(|m| m.glossy().is_some())
+    }
+
     /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts
     /// already: zero for most. Exact shapes are no lamps of the direct light: all that they emit
-    /// is found here.
-    pub fn stray_exitance(&self, hit: &KernelHit, front: bool, via: Via) -> Rgb {
+    /// is found here. What a glossy surface sent the path to is also found by [`Glints`], and
+    /// counts in part.
+    pub fn stray_exitance(&self, path: &Path, hit: &KernelHit, front: bool) -> Rgb {
         if !self.surfaces.is_emitter(hit.item) {
             return Rgb::BLACK;
         }
         let is_flat = self.surfaces.flat_normal(hit.item).is_some();
         let object = self.surfaces.item(hit.item).object as usize;
         let is_exact = matches!(self.surfaces.scene.objects[object].shape, Shape::Exact(_));
-        if !is_exact && self.counts_direct(is_flat, via) {
-            Rgb::BLACK
-        } else {
-            self.surfaces.material(hit.item).emission_from(front) * PI
+        if !is_exact && self.counts_direct(is_flat, path.via) {
+            return Rgb::BLACK;
         }
+        let exitance = self.surfaces.material(hit.item).emission_from(front) * PI;
+        if path.density == 0.0 {
+            return exitance;
+        }
+        let looked_for = self.lights.pdf(&self.surfaces, &path.ray, hit);
+        exitance * mis_weight(path.density.into(), looked_for)
     }
 
     /// What the direct light of one point costs, in rays: a fourth for every lamp, light and image
@@ -258,6 +284,7 @@ impl<'a> Gatherer<'a> {
             light,
             sums: vec![[[0.0; 3]; REPLICATES]; points.len()],
             near: Vec::new(),
+            glints: Glints::default(),
         };
         let mut paths = self.hemispheres(points, directions, options.seed);
         let mut scratch = Scratch::default();
@@ -318,6 +345,7 @@ impl<'a> Gatherer<'a> {
                     weight: Rgb::WHITE,
                     via: Via::Direct,
                     depth: 0,
+                    density: 0.0,
                 });
             }
         }
@@ -377,6 +405,7 @@ struct Collector<'g, 'a, L> {
     light: &'g L,
     sums: Vec<[[f64; 3]; REPLICATES]>,
     near: Vec<Contact>,
+    glints: Glints,
 }
 
 impl<L: DiffuseLight> Collector<'_, '_, L> {
@@ -385,17 +414,18 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
     fn follow(&mut self, paths: &mut Vec<Path>, scratch: &mut Scratch, seed: u32, allowed: bool) {
         let (gatherer, light) = (self.gatherer, self.light);
         let ambient = gatherer.ambient() * PI;
-        let (sums, near) = (&mut self.sums, &mut self.near);
+        let (sums, near, glints) = (&mut self.sums, &mut self.near, &mut self.glints);
         follow(&gatherer.surfaces, paths, scratch, seed, |path, event| {
             let (point, replicate) = (path.id as usize / REPLICATES, path.id as usize % REPLICATES);
             let found = match event {
                 Event::Escape => ambient,
                 Event::Cut | Event::Absorbed => return,
                 Event::Surface { hit, front } => {
+                    glints.add(gatherer, path, &hit, path.id, seed);
                     let ray = path.ray;
                     let at = Arrival { ray, hit, front };
                     let glow = light.glow(&at, replicate);
-                    let stray = gatherer.stray_exitance(&hit, front, path.via);
+                    let stray = gatherer.stray_exitance(path, &hit, front);
                     if allowed && path.depth == 0 && hit.t < glow.grain {
                         near.push(Contact {
                             id: path.id,
@@ -410,6 +440,10 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
             };
             let sum = &mut sums[point][replicate];
             (0..3).for_each(|k| sum[k] += path.weight[k] * found[k]);
+        });
+        glints.settle(gatherer, |id, found| {
+            let sum = &mut sums[id as usize / REPLICATES][id as usize % REPLICATES];
+            (0..3).for_each(|k| sum[k] += found[k]);
         });
     }
 
@@ -449,6 +483,7 @@ impl<L: DiffuseLight> Collector<'_, '_, L> {
                     weight,
                     via: Via::Direct,
                     depth: 0,
+                    density: 0.0,
                 });
             }
         }

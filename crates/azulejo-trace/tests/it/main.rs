@@ -1,6 +1,7 @@
 //! What the tracer promises, seen from outside.
 
 mod csg;
+mod glossy;
 mod precision;
 mod prisms;
 mod shapes;
