@@ -30,7 +30,7 @@ impl<'a> Arguments<'a> {
             given.push((parameter, value));
         }
         let is_given = |p: &&ParameterInfo| given.iter().any(|(g, _)| g.name == p.name);
-        let needed = |p: &&ParameterInfo| p.default.is_none() && !is_given(p);
+        let needed = |p: &&ParameterInfo| p.is_needed && !is_given(p);
         if let Some(missing) = info.parameters.iter().find(needed) {
             return Err(Problem::Missing {
                 model: info.name,

@@ -64,6 +64,8 @@ fn schlick(f0: Rgb, tint: Rgb, c: f64) -> Rgb {
 
 /// A boundary to a metal of index η + ik, unpolarised light.
 fn conductor(c: f64, eta: f64, k: f64) -> f64 {
+    // At grazing incidence all is mirrored; the terms below may be 0/0 there.
+    let c = c.max(1e-12);
     let (c2, s2) = (c * c, 1.0 - c * c);
     let t = eta * eta - k * k - s2;
     let w = t.hypot(2.0 * eta * k);

@@ -15,6 +15,7 @@ pub(super) const INFO: Info = Info {
     title: "Lambert",
     paper: "J. H. Lambert, Photometria, 1760",
     parameters: &[KD],
+    examples: &["diffuse kd = (0.8, 0.5, 0.3)"],
     has_fresnel: false,
     is_reciprocal: true,
     is_energy_safe: true,
@@ -42,7 +43,7 @@ impl Reflect for Lambert {
         wi.z * FRAC_1_PI
     }
 
-    fn sample(&self, _wo: DVec3, [u1, u2]: [f64; 2]) -> DVec3 {
+    fn sample(&self, _wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
         cosine_hemisphere(u1, u2)
     }
 

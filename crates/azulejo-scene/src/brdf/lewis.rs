@@ -20,6 +20,11 @@ pub(super) const INFO: Info = Info {
     title: "Lewis (modified Phong)",
     paper: "R. R. Lewis, Making shaders more physically plausible, CGF 13(2), 1994",
     parameters: &[KD, KS, EXPONENT],
+    examples: &[
+        "lewis kd = 0.3 ks = 0.6 n = 20",
+        "lewis ks = 1 n = 0",
+        "lewis kd = (0.1, 0.2, 0.3) ks = 0.5 n = 1000",
+    ],
     has_fresnel: false,
     is_reciprocal: true,
     is_energy_safe: true,
@@ -58,7 +63,7 @@ impl Reflect for Lewis {
         (self.exponent + 1.0) / TAU * cos.powf(self.exponent)
     }
 
-    fn sample(&self, wo: DVec3, [u1, u2]: [f64; 2]) -> DVec3 {
+    fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
         about(
             mirrored(wo),
             (1.0 - u1).powf(1.0 / (self.exponent + 1.0)),

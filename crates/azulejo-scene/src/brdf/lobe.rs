@@ -26,9 +26,9 @@ pub(super) trait Reflect {
     /// over the hemisphere is 1 less what samples are lost below the surface.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
 
-    /// The direction for two numbers in 0..1, unit; may come out below the surface, where it is
-    /// lost.
-    fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3;
+    /// The direction for three numbers in 0..1, unit; may come out below the surface, where it is
+    /// lost. The third is for models that choose among parts; the best spread are the first two.
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> DVec3;
 
     /// Reflectance of the part that is mirrored exactly, which the others leave out.
     fn mirror(&self, _cos: f64) -> Rgb {
@@ -72,7 +72,7 @@ impl Reflect for Lobe {
         self.model().pdf(wo, wi)
     }
 
-    fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> DVec3 {
         self.model().sample(wo, u)
     }
 

@@ -103,13 +103,17 @@ impl Lobes {
     pub(super) fn direction(&self, wo: DVec3, u: [f64; 3]) -> Option<DVec3> {
         let sum = self.likely(wo);
         let mut rest = u[0] * sum;
-        let part = self.parts.iter().find(|p| {
+        let (part, share) = self.parts.iter().find_map(|p| {
             let share = p.likely(wo);
             let here = rest < share;
-            rest -= share;
-            here
+            if !here {
+                rest -= share;
+            }
+            here.then_some((p, share))
         })?;
-        let wi = part.lobe.sample(wo, [u[1], u[2]]);
+        // What is left of the number that chose the lobe is as random as before.
+        let again = (rest / share).clamp(0.0, 1.0 - f64::EPSILON);
+        let wi = part.lobe.sample(wo, [u[1], u[2], again]);
         (wi.z > 0.0).then_some(wi)
     }
 
@@ -153,7 +157,7 @@ fn from_cosine(cos: f64) -> DVec3 {
 
 /// Share of the light along `wo` that a lobe scatters, from the mean weight of its samples.
 fn scattered(lobe: &Lobe, wo: DVec3, samples: usize) -> Rgb {
-    let weight = |u: [f64; 2]| {
+    let weight = |u: [f64; 3]| {
         let wi = lobe.sample(wo, u);
         let pdf = lobe.pdf(wo, wi);
         if wi.z > 0.0 && pdf > 0.0 {

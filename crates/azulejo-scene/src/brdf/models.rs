@@ -16,6 +16,8 @@ pub struct Info {
     pub paper: &'static str,
     /// What it takes.
     pub parameters: &'static [ParameterInfo],
+    /// Descriptions of it: for help, for documents, and what the checks of all models are run on.
+    pub examples: &'static [&'static str],
     /// Whether it also takes one of the sets of [`FRESNEL`]; without any of them all light is
     /// reflected.
     pub has_fresnel: bool,
@@ -34,8 +36,10 @@ pub struct ParameterInfo {
     pub aliases: &'static [&'static str],
     /// What its value is.
     pub kind: Kind,
-    /// The value where none is given; `None` if one must be.
+    /// The value where none is given, unless [`about`](ParameterInfo::about) says another.
     pub default: Option<f64>,
+    /// Whether one must be given.
+    pub is_needed: bool,
     /// The least that is allowed, of each channel.
     pub least: f64,
     /// The most.
@@ -65,6 +69,7 @@ impl ParameterInfo {
             aliases: &[],
             kind: Kind::Number,
             default: None,
+            is_needed: true,
             least: range[0],
             most: range[1],
             unit: "",
@@ -84,6 +89,15 @@ impl ParameterInfo {
     pub(super) const fn or(self, default: f64) -> Self {
         ParameterInfo {
             default: Some(default),
+            is_needed: false,
+            ..self
+        }
+    }
+
+    /// One that need not be given; the model says what holds then.
+    pub(super) const fn optional(self) -> Self {
+        ParameterInfo {
+            is_needed: false,
             ..self
         }
     }
@@ -142,19 +156,23 @@ pub(super) const EXPONENT: ParameterInfo =
 /// approximation, or a constant `F`.
 pub const FRESNEL: &[ParameterInfo] = &[
     ParameterInfo::color("eta", [1e-3, 100.0], "index of refraction, real part")
-        .also(&["nreal", "ior"]),
-    ParameterInfo::color("k", [0.0, 100.0], "index of refraction, imaginary part").also(&["nimag"]),
+        .also(&["nreal", "ior"])
+        .optional(),
+    ParameterInfo::color("k", [0.0, 100.0], "index of refraction, imaginary part")
+        .also(&["nimag"])
+        .optional(),
     ParameterInfo {
         kind: Kind::Word,
-        ..ParameterInfo::number("metal", [0.0, 0.0], "a metal of the table, by name")
+        ..ParameterInfo::number("metal", [0.0, 0.0], "a metal of the table, by name").optional()
     },
-    ParameterInfo::color("f0", [0.0, 1.0], "reflectance at normal incidence"),
+    ParameterInfo::color("f0", [0.0, 1.0], "reflectance at normal incidence").optional(),
     ParameterInfo::color(
         "tint",
         [0.0, 1.0],
         "what OpenPBR leaves of it at cos θ = 1/7",
-    ),
-    ParameterInfo::color("F", [0.0, 1.0], "reflectance at all angles"),
+    )
+    .optional(),
+    ParameterInfo::color("F", [0.0, 1.0], "reflectance at all angles").optional(),
 ];
 
 /// Every model, in the order of the documents.

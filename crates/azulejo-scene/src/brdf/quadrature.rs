@@ -8,10 +8,15 @@ pub(super) fn midpoints(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| (k as f64 + 0.5) / count as f64)
 }
 
-/// `count` points spread evenly over the unit square: Roberts' R2 sequence, whose steps are
-/// powers of the inverse of the plastic number.
-pub(super) fn lattice(count: usize) -> impl Iterator<Item = [f64; 2]> {
-    const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+/// `count` points spread evenly over the unit cube. Their first two numbers are Roberts' R2
+/// sequence, whose steps are powers of the inverse of the plastic number; the third goes by the
+/// golden ratio.
+pub(super) fn lattice(count: usize) -> impl Iterator<Item = [f64; 3]> {
+    const STEPS: [f64; 3] = [
+        0.754_877_666_246_692_7,
+        0.569_840_290_998_053_2,
+        0.618_033_988_749_894_8,
+    ];
     (0..count).map(|k| STEPS.map(|step| (0.5 + k as f64 * step).fract()))
 }
 

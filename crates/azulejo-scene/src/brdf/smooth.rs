@@ -13,6 +13,7 @@ pub(super) const SPECULAR: Info = Info {
     title: "Mirror",
     paper: "",
     parameters: &[KS],
+    examples: &["specular ks = 0.9"],
     has_fresnel: false,
     is_reciprocal: true,
     is_energy_safe: true,
@@ -25,6 +26,10 @@ pub(super) const CONDUCTOR: Info = Info {
     title: "Smooth metal",
     paper: "A. Fresnel 1823; Hecht, Optics, section 4.8",
     parameters: &[],
+    examples: &[
+        "fresnel_conductor eta = (0.2, 0.42, 1.3) k = (3.1, 2.35, 1.8)",
+        "fresnel_conductor f0 = (0.95, 0.64, 0.54) tint = 0.8",
+    ],
     has_fresnel: true,
     is_reciprocal: true,
     is_energy_safe: true,
@@ -35,6 +40,10 @@ pub(super) const DIELECTRIC: Info = Info {
     name: "fresnel_dielectric",
     aliases: &["dielectric"],
     title: "Smooth varnish: what a dielectric's surface mirrors",
+    examples: &[
+        "fresnel_dielectric eta = 1.5",
+        "fresnel_dielectric eta = 0.7",
+    ],
     ..CONDUCTOR
 };
 
@@ -62,7 +71,7 @@ impl Reflect for Smooth {
         0.0
     }
 
-    fn sample(&self, wo: DVec3, _u: [f64; 2]) -> DVec3 {
+    fn sample(&self, wo: DVec3, _u: [f64; 3]) -> DVec3 {
         DVec3::new(-wo.x, -wo.y, wo.z)
     }
 
