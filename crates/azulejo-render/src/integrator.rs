@@ -1,12 +1,16 @@
-//! Radiance along rays: what the first pass left on the surfaces, seen through mirrors and glass.
+//! Radiance along rays: what the first pass left on the surfaces, seen through mirrors and glass and
+//! by way of glossy lobes.
 
 use crate::SecondPass;
-use crate::interpolate::Interpolator;
+use crate::boundary::Boundary;
+use crate::draws::Draws;
+use crate::scenery::{Arrived, Scenery, Shadows};
+use crate::shading::{Colors, Parts, mirrored};
 use azulejo_scene::math::{Ray, reflect};
-use azulejo_scene::{Dielectric, Material, Rgb, Scene, fresnel};
-use azulejo_trace::sampling::{DIMENSIONS, hash, sobol, uniform};
-use azulejo_trace::{Arrival, DiffuseLight, GatherOptions, GatherPoint, Gatherer, Glow};
-use azulejo_trace::{Hit, KernelHit, KernelRay, Surfaces, Tracer};
+use azulejo_scene::{Material, Rgb, Scene};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Arrival, DiffuseLight, GatherOptions, GatherPoint, Glow};
+use azulejo_trace::{KernelHit, KernelRay, Surfaces, Tracer};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
@@ -26,12 +30,11 @@ const GATHER_BATCH: u32 = 16_384;
 
 /// Finds radiance in one scene under one set of options. Immutable, shared by all threads.
 pub(crate) struct Integrator<'a> {
-    gatherer: Gatherer<'a>,
-    interpolator: Interpolator<'a>,
+    scenery: Scenery<'a>,
     /// Gather rays per diffuse hit; `None` to show what the first pass left.
     gather: Option<u32>,
-    /// What a path finds that leaves the scene: the background, else the surroundings.
-    sky: Rgb,
+    /// Whether the first pass left anything.
+    is_solved: bool,
     seed: u32,
     max_depth: u32,
 }
@@ -53,14 +56,11 @@ struct Leg {
     weight: Rgb,
     /// Interfaces passed so far.
     depth: u32,
-}
-
-/// The random numbers of one path: stratified over the samples of its stream.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Draws {
-    stream: u32,
-    sample: u32,
-    used: u32,
+    /// Whether mirrors and glass alone lie between the eye and the leg.
+    is_sharp: bool,
+    /// Density of its direction, 1/sr, if that was drawn where the lamps were also looked for; 0
+    /// otherwise.
+    density: f64,
 }
 
 /// Irradiance that is still to be gathered.
@@ -81,16 +81,15 @@ pub(crate) struct Scratch {
     pending: Vec<Leg>,
     wishes: Vec<Wish>,
     points: Vec<GatherPoint>,
+    shadows: Shadows,
 }
 
 impl<'a> Integrator<'a> {
     pub fn new(scene: &'a Scene, tracer: &'a Tracer, options: &SecondPass) -> Integrator<'a> {
-        let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         Integrator {
-            sky: scene.background.unwrap_or(gatherer.ambient()),
-            gatherer,
-            interpolator: Interpolator::new(scene, tracer),
+            scenery: Scenery::new(scene, tracer),
             gather: options.gather,
+            is_solved: scene.is_solved(),
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
             max_depth: options.max_depth,
         }
@@ -107,11 +106,11 @@ impl<'a> Integrator<'a> {
     }
 
     fn tracer(&self) -> &'a Tracer {
-        self.surfaces().tracer
+        self.scenery.tracer()
     }
 
     fn surfaces(&self) -> &Surfaces<'a> {
-        self.gatherer.surfaces()
+        self.scenery.surfaces()
     }
 
     /// Finds the radiance that arrives along each ray, in their order, into `found`. `draws` are
@@ -144,22 +143,12 @@ impl<'a> Integrator<'a> {
         self.grant(scratch, found);
     }
 
-    /// Diffusely reflected exitance ρE that the first pass left on the front, W/m².
-    fn radiosity(&self, at: &Arrival, material: &Material) -> Rgb {
-        let spot = self.interpolator.spot(&at.ray, &at.hit);
-        spot.irradiance() * self.interpolator.reflectance(&at.hit, material)
-    }
-
-    /// The normal that mirrors and glass bend a ray by: the interpolated one of a smooth mesh, on
-    /// the side of the face's own, `facing`; `facing` itself where the mesh has none, or where the
-    /// interpolated one would mirror the ray into the face.
-    fn smooth_normal(&self, hit: &KernelHit, facing: DVec3, direction: DVec3) -> DVec3 {
-        let Some(normal) = self.interpolator.shading_normal(hit) else {
-            return facing;
-        };
-        let n = normal * 1f64.copysign(normal.dot(facing));
-        let is_usable = direction.dot(n) < 0.0 && reflect(direction, n).dot(facing) > 0.0;
-        if is_usable { n } else { facing }
+    /// Irradiance that the first pass left on the front, W/m².
+    fn irradiance(&self, at: &Arrival) -> Rgb {
+        self.scenery
+            .interpolator
+            .spot(&at.ray, &at.hit)
+            .irradiance()
     }
 
     /// Gathers what paths wished for.
@@ -173,7 +162,10 @@ impl<'a> Integrator<'a> {
         for wishes in scratch.wishes.chunks(together) {
             scratch.points.clear();
             scratch.points.extend(wishes.iter().map(|wish| wish.point));
-            let gathered = self.gatherer.gather(&scratch.points, &options, self);
+            let gathered = self
+                .scenery
+                .gatherer
+                .gather(&scratch.points, &options, self);
             for (wish, gathered) in wishes.iter().zip(gathered) {
                 let found = &mut found[wish.ray];
                 found.radiance += wish.weight * gathered.mean();
@@ -193,7 +185,7 @@ struct Path<'p, 'a> {
     scratch: &'p mut Scratch,
 }
 
-impl Path<'_, '_> {
+impl<'a> Path<'_, 'a> {
     /// Radiance along the first leg, which ends at `hit`, and along all that come of it; less
     /// what is still to be gathered.
     fn radiance(&mut self, first: Leg, hit: &KernelHit) -> Found {
@@ -209,72 +201,62 @@ impl Path<'_, '_> {
         }
         Found {
             radiance,
-            is_random: self.draws.used > 0,
+            is_random: self.draws.is_used(),
         }
     }
 
-    /// The first leg with what the fog leaves of its light, and what the fog adds. Fog is a matter
-    /// of the viewer: it hides no background, and mirrors show what they show.
+    /// The first leg with what the fog leaves of its light, and what the fog adds.
     fn through_fog(&self, first: Leg, hit: &KernelHit) -> (Leg, Rgb) {
-        let Some(fog) = self
-            .integrator
-            .surfaces()
-            .scene
-            .fog
-            .filter(|_| hit.is_hit())
-        else {
+        let Some((clear, added)) = self.integrator.scenery.fog(&first.ray, hit) else {
             return (first, Rgb::BLACK);
         };
-        let tracer = self.integrator.tracer();
-        let ray = tracer.world_ray(&first.ray);
-        let distance = tracer.resolve(&ray, hit).position.distance(ray.origin);
-        let clear = fog.transmittance(distance);
         let weight = first.weight * clear;
-        (
-            Leg { weight, ..first },
-            first.weight * fog.color * (1.0 - clear),
-        )
+        (Leg { weight, ..first }, first.weight * added)
     }
 
     /// What a leg adds where it ends; what goes on from there becomes pending.
     fn arrive(&mut self, leg: &Leg, hit: &KernelHit) -> Rgb {
+        let scenery = &self.integrator.scenery;
         if !hit.is_hit() {
-            return leg.weight * self.integrator.sky;
+            let beyond = match leg.is_sharp {
+                true => scenery.sky,
+                // Light on surfaces is that of the surroundings; the background is for the eye.
+                false => scenery.gatherer.ambient(),
+            };
+            return leg.weight * beyond;
         }
-        let surfaces = self.integrator.surfaces();
+        let surfaces = scenery.surfaces();
         let material = surfaces.material(hit.item);
-        let mut own = Rgb::BLACK;
-        if material.is_emitter() || !material.diffuse.is_black() {
+        let mut own = scenery.emitted(&leg.ray, hit, leg.density);
+        if !material.diffuse.is_black() {
             let front = surfaces.is_front(&leg.ray, hit);
             let (ray, hit) = (leg.ray, *hit);
-            own = self.own_light(leg, &Arrival { ray, hit, front }, material);
+            own += self.reflected(leg, &Arrival { ray, hit, front }, material);
         }
-        if material.is_specular() {
-            self.scatter(leg, hit, material);
+        if material.is_specular() || material.brdf.is_some() {
+            own += self.scatter(leg, hit, material);
         }
         leg.weight * own
     }
 
-    /// Radiance that leaves a surface by itself: emitted, and reflected diffusely.
-    fn own_light(&mut self, leg: &Leg, at: &Arrival, material: &Material) -> Rgb {
-        let emitted = material.emission_from(at.front);
-        if material.diffuse.is_black() {
-            return emitted;
-        }
-        emitted + self.reflected(leg, at, material)
-    }
-
-    /// Diffusely reflected radiance ρE/π; black if its irradiance is still to be gathered.
+    /// Diffusely reflected radiance ρE/π; black if its irradiance is still to be gathered. Matt
+    /// lobes that are seen sharply are left to [`scatter`](Path::scatter).
     fn reflected(&mut self, leg: &Leg, at: &Arrival, material: &Material) -> Rgb {
-        if self.integrator.gather.is_none() && at.front {
-            return self.integrator.radiosity(at, material) * FRAC_1_PI;
+        let mut reflectance = self.integrator.reflectance(at);
+        if leg.is_sharp {
+            reflectance = Colors::new(reflectance, material.brdf.as_deref()).lambert;
+        }
+        let shows_patches =
+            self.integrator.gather.is_none() || (self.integrator.is_solved && !leg.is_sharp);
+        if shows_patches && at.front {
+            return self.integrator.irradiance(at) * reflectance * FRAC_1_PI;
         }
         let tracer = self.integrator.tracer();
         let place = tracer.resolve(&tracer.world_ray(&leg.ray), &at.hit);
         let serial = self.scratch.wishes.len() as u32;
         self.scratch.wishes.push(Wish {
             ray: self.number,
-            weight: leg.weight * self.integrator.reflectance(at) * FRAC_1_PI,
+            weight: leg.weight * reflectance * FRAC_1_PI,
             point: GatherPoint {
                 position: place.position,
                 normal: if at.front {
@@ -288,43 +270,89 @@ impl Path<'_, '_> {
         Rgb::BLACK
     }
 
-    /// Sends the path on into mirrored and refracted directions.
-    fn scatter(&mut self, leg: &Leg, hit: &KernelHit, material: &Material) {
-        let tracer = self.integrator.tracer();
-        let ray = tracer.world_ray(&leg.ray);
-        let at = tracer.resolve(&ray, hit);
-        let facing = if at.entering { at.normal } else { -at.normal };
-        let direction = ray.direction.normalize();
-        let smooth = self.integrator.smooth_normal(hit, facing, direction);
+    /// Sends the path on into mirrored, refracted and drawn directions; returns the radiance that
+    /// glossy lobes show of lamps and lights.
+    fn scatter(&mut self, leg: &Leg, hit: &KernelHit, material: &'a Material) -> Rgb {
+        let arrived = self.integrator.scenery.arrived(&leg.ray, hit);
         let Some(glass) = material.dielectric else {
-            let mirrored = (reflect(direction, smooth), material.mirror);
-            return self.send(leg, &at, facing, mirrored);
+            self.mirror(leg, &arrived, material);
+            return self.gloss(leg, hit, &arrived, material);
         };
-        let boundary = Boundary::new(&glass, material.mirror, direction, smooth, at.entering);
+        let Arrived {
+            at,
+            direction,
+            smooth,
+            ..
+        } = &arrived;
+        let boundary = Boundary::new(&glass, material.mirror, *direction, *smooth, at.entering);
         if leg.depth < SPLIT_DEPTH {
-            self.send(leg, &at, facing, boundary.mirrored());
+            self.send(leg, &arrived, Way::sharp(boundary.mirrored()));
             if let Some(passed) = boundary.passed() {
-                self.send(leg, &at, facing, passed);
+                self.send(leg, &arrived, Way::sharp(passed));
             }
         } else {
             let chosen = boundary.chosen(self.chance());
-            self.send(leg, &at, facing, chosen);
+            self.send(leg, &arrived, Way::sharp(chosen));
+        }
+        Rgb::BLACK
+    }
+
+    /// Sends on what is mirrored exactly.
+    fn mirror(&mut self, leg: &Leg, arrived: &Arrived, material: &Material) {
+        let Arrived {
+            direction, smooth, ..
+        } = *arrived;
+        let share = mirrored(material, -direction.dot(smooth));
+        if !share.is_black() {
+            let way = Way::sharp((reflect(direction, smooth), share));
+            self.send(leg, arrived, way);
         }
     }
 
-    /// Makes the leg pending that leaves `at` in a direction with a share of the weight, unless
-    /// roulette or the safety cap ends it. `facing` is the normal toward where the path came from.
-    fn send(&mut self, leg: &Leg, at: &Hit, facing: DVec3, (direction, share): (DVec3, Rgb)) {
+    /// Looks at lamps and lights by way of the lobes, and sends the path on in a direction of
+    /// theirs; the two count the light of a lamp once.
+    fn gloss(
+        &mut self,
+        leg: &Leg,
+        hit: &KernelHit,
+        arrived: &Arrived,
+        material: &'a Material,
+    ) -> Rgb {
+        let parts = match leg.is_sharp {
+            true => Parts::MattAndLobes,
+            false => Parts::Lobes,
+        };
+        let scenery = &self.integrator.scenery;
+        let shading = scenery.shading(hit, arrived, material, parts);
+        if shading.is_black() {
+            return Rgb::BLACK;
+        }
+        let [a, b]: [[f64; 4]; 2] = [(); 2].map(|()| [(); 4].map(|()| self.chance()));
+        if let Some(sample) = shading.sample(a) {
+            let way = Way {
+                direction: sample.wi,
+                share: sample.weight,
+                density: sample.pdf,
+            };
+            self.send(leg, arrived, way);
+        }
+        scenery.lit(&shading, b, 1.0, &mut self.scratch.shadows)
+    }
+
+    /// Makes the leg pending that goes on that way, unless roulette or the safety cap ends it.
+    fn send(&mut self, leg: &Leg, arrived: &Arrived, way: Way) {
         if leg.depth >= self.integrator.max_depth {
             return;
         }
         let tracer = self.integrator.tracer();
-        let side = facing * 1f64.copysign(direction.dot(facing));
-        let ray = Ray::new(tracer.leaving(at.position, side), direction);
+        let side = arrived.facing * 1f64.copysign(way.direction.dot(arrived.facing));
+        let origin = tracer.leaving(arrived.at.position, side);
         let next = Leg {
-            ray: tracer.kernel_ray(&ray),
-            weight: leg.weight * share,
+            ray: tracer.kernel_ray(&Ray::new(origin, way.direction)),
+            weight: leg.weight * way.share,
             depth: leg.depth + 1,
+            is_sharp: leg.is_sharp && way.density == 0.0,
+            density: way.density,
         };
         let survivor = next.survivor(|| self.chance());
         self.scratch.pending.extend(survivor);
@@ -333,6 +361,24 @@ impl Path<'_, '_> {
     /// A random number in 0..1.
     fn chance(&mut self) -> f64 {
         self.draws.next(self.integrator.seed)
+    }
+}
+
+/// A direction in which a path goes on.
+struct Way {
+    direction: DVec3,
+    share: Rgb,
+    /// Density of the direction, 1/sr, if it was drawn; 0 if it is mirrored or refracted.
+    density: f64,
+}
+
+impl Way {
+    fn sharp((direction, share): (DVec3, Rgb)) -> Way {
+        Way {
+            direction,
+            share,
+            density: 0.0,
+        }
     }
 }
 
@@ -345,8 +391,8 @@ impl DiffuseLight for Integrator<'_> {
         if material.diffuse.is_black() {
             return Glow::default();
         }
-        let spot = self.interpolator.spot(&at.ray, &at.hit);
-        let reflectance = self.interpolator.reflectance(&at.hit, material);
+        let spot = self.scenery.interpolator.spot(&at.ray, &at.hit);
+        let reflectance = self.reflectance(at);
         Glow {
             radiosity: (spot.irradiance() * reflectance).to_f32(),
             grain: if at.front {
@@ -359,7 +405,7 @@ impl DiffuseLight for Integrator<'_> {
 
     fn reflectance(&self, at: &Arrival) -> Rgb {
         let material = self.surfaces().material(at.hit.item);
-        self.interpolator.reflectance(&at.hit, material)
+        self.scenery.interpolator.reflectance(&at.hit, material)
     }
 }
 
@@ -369,6 +415,8 @@ impl Leg {
             ray,
             weight: Rgb::WHITE,
             depth: 0,
+            is_sharp: true,
+            density: 0.0,
         }
     }
 
@@ -382,86 +430,6 @@ impl Leg {
         (odds > 0.0 && chance() < odds).then(|| Leg {
             weight: self.weight / odds,
             ..self
-        })
-    }
-}
-
-/// A dielectric boundary, or a pane, as one path meets it.
-struct Boundary {
-    split: fresnel::Split,
-    /// Scales the mirrored part.
-    mirror: Rgb,
-    /// Scales the part that passes.
-    transmittance: Rgb,
-}
-
-impl Boundary {
-    fn new(
-        glass: &Dielectric,
-        mirror: Rgb,
-        direction: DVec3,
-        facing: DVec3,
-        entering: bool,
-    ) -> Boundary {
-        if glass.thin {
-            return Boundary {
-                split: fresnel::pane(direction, facing, glass.ior),
-                mirror,
-                transmittance: glass.transmittance,
-            };
-        }
-        let eta = if entering { glass.ior } else { 1.0 / glass.ior };
-        Boundary {
-            split: fresnel::split(direction, facing, eta),
-            mirror,
-            // Refraction conserves L/n², so radiance from the far side arrives divided by η².
-            transmittance: glass.transmittance / (eta * eta),
-        }
-    }
-
-    /// Direction and share of the mirrored part.
-    fn mirrored(&self) -> (DVec3, Rgb) {
-        let split = &self.split;
-        (split.reflected, self.mirror * split.reflectance)
-    }
-
-    /// Direction and share of the part that passes.
-    fn passed(&self) -> Option<(DVec3, Rgb)> {
-        let share = self.transmittance * (1.0 - self.split.reflectance);
-        self.split.refracted.map(|direction| (direction, share))
-    }
-
-    /// One of the two by a `chance` in 0..1, mirrored with probability R, and the share that
-    /// keeps the mean right.
-    fn chosen(&self, chance: f64) -> (DVec3, Rgb) {
-        match self.split.refracted {
-            Some(direction) if chance >= self.split.reflectance => (direction, self.transmittance),
-            _ => (self.split.reflected, self.mirror),
-        }
-    }
-}
-
-impl Draws {
-    /// The numbers of sample `sample` of pixel or probe ray `stream`.
-    pub fn new(stream: u32, sample: u32) -> Draws {
-        Draws {
-            stream,
-            sample,
-            used: 0,
-        }
-    }
-
-    /// The next number in 0..1.
-    ///
-    /// The first six come from Sobol dimensions 2 to 7 (the film has 0 and 1).
-    fn next(&mut self, seed: u32) -> f64 {
-        let dimension = self.used + 2;
-        self.used += 1;
-        let key = [seed, self.stream, dimension];
-        f64::from(if (dimension as usize) < DIMENSIONS {
-            sobol(self.sample, dimension as usize, hash(&key))
-        } else {
-            uniform(&[hash(&key), self.sample])
         })
     }
 }

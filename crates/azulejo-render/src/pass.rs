@@ -1,7 +1,8 @@
 //! The second pass: options, and the loops over pixels and probe rays.
 
+use crate::draws::Draws;
 use crate::film::{Film, Lens, Tile};
-use crate::integrator::{Draws, Found, Integrator, Scratch};
+use crate::integrator::{Found, Integrator, Scratch};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Image, Rgb, Scene};
 use azulejo_trace::{Cancelled, KernelRay, Progress, Tracer};

@@ -5,6 +5,7 @@ mod exact;
 mod furnace;
 mod gallery;
 mod gather;
+mod glossy;
 mod golden;
 mod optics;
 mod surfaces;

@@ -30,6 +30,7 @@ pub struct Sample {
 pub struct Lobes {
     parts: Vec<Part>,
     mean_albedo: Rgb,
+    mean_mirror: Rgb,
 }
 
 #[derive(Clone, Debug)]
@@ -44,14 +45,15 @@ struct Part {
 impl Lobes {
     pub(super) fn new(lobes: Vec<(f64, Lobe)>) -> Lobes {
         let lobes = lobes.into_iter().filter(|(weight, _)| *weight > 0.0);
-        let (mut parts, mut mean_albedo) = (Vec::new(), Rgb::BLACK);
+        let (mut parts, mut mean_albedo, mut mean_mirror) = (Vec::new(), Rgb::BLACK, Rgb::BLACK);
         for (weight, lobe) in lobes {
             let mut likely = [0.0; ANGLES];
             for (k, cos) in midpoints(ANGLES).enumerate() {
                 let scattered = scattered(&lobe, from_cosine(cos), SAMPLES) * weight;
                 likely[k] = scattered.mean();
-                let all = scattered + lobe.mirror(cos) * weight;
-                mean_albedo += all * (2.0 * cos / ANGLES as f64);
+                let share = 2.0 * cos / ANGLES as f64;
+                mean_albedo += scattered * share;
+                mean_mirror += lobe.mirror(cos) * (weight * share);
             }
             parts.push(Part {
                 lobe,
@@ -59,7 +61,11 @@ impl Lobes {
                 likely,
             });
         }
-        Lobes { parts, mean_albedo }
+        Lobes {
+            parts,
+            mean_albedo,
+            mean_mirror,
+        }
     }
 
     /// Whether there are none.
@@ -88,14 +94,20 @@ impl Lobes {
         self.parts.iter().map(of).sum()
     }
 
-    /// Mean albedo over directions, weighted by the cosine: what is reflected of even light.
+    /// Mean over directions, weighted by the cosine, of what is scattered: what is reflected of
+    /// even light, without what is mirrored exactly.
     pub fn mean_albedo(&self) -> Rgb {
         self.mean_albedo
     }
 
-    /// About the mean over the channels of what is scattered of light along `wo`: how much it
-    /// deserves of the samples.
-    pub(super) fn likely(&self, wo: DVec3) -> f64 {
+    /// The same of what is mirrored exactly.
+    pub fn mean_mirror(&self) -> Rgb {
+        self.mean_mirror
+    }
+
+    /// About the mean over the channels of what is scattered of light along `wo`: how much the
+    /// lobes deserve of the samples.
+    pub fn likely(&self, wo: DVec3) -> f64 {
         self.parts.iter().map(|p| p.likely(wo)).sum()
     }
 

@@ -117,7 +117,8 @@ impl Brdf {
 
     /// Mean reflectance of mirrors and nearly mirrors.
     pub fn mean_mirror(&self) -> Rgb {
-        self.narrow.mean_albedo()
+        let mirrors: Rgb = self.groups().iter().map(|l| l.mean_mirror()).sum();
+        self.narrow.mean_albedo() + mirrors
     }
 
     fn groups(&self) -> [&Lobes; 3] {

@@ -1,0 +1,385 @@
+//! The truth by brute force: paths from the eye that go on until chance ends them.
+//!
+//! No first pass, no patches, no irradiance: every surface reflects by its model at every bounce
+//! (Kajiya, *The Rendering Equation*, SIGGRAPH 1986). Lamps are looked for at each surface and met
+//! by chance, weighted so that each counts once (Veach and Guibas 1995). Slow, without bias, and
+//! with an error for every pixel: the judge of both passes.
+
+use crate::boundary::Boundary;
+use crate::draws::Draws;
+use crate::film::{Film, Lens, Tile};
+use crate::scenery::{Arrived, Scenery, Shadows};
+use crate::shading::{Parts, mirrored};
+use azulejo_scene::math::{Ray, reflect};
+use azulejo_scene::{Camera, Dielectric, Image, Material, Rgb, Scene};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, KernelHit, KernelRay, Progress, Tracer};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// After so many interfaces chance may end a path.
+const ROULETTE_DEPTH: u32 = 4;
+
+/// Paths live on with at most this probability, so that those in white rooms end too.
+const MOST_ODDS: f64 = 0.98;
+
+/// How the truth is looked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferencePass {
+    /// Picture size in pixels, width then height.
+    pub size: (u32, u32),
+    /// Paths per pixel; fewer than 2 count as 2, or nothing would be known of their error.
+    pub samples_per_pixel: u32,
+    /// Keys all random numbers.
+    pub seed: u64,
+    /// A safety cap on surfaces along one path. What a path still carries then is lost; chance
+    /// ends it long before, which loses nothing on average.
+    pub max_depth: u32,
+}
+
+impl Default for ReferencePass {
+    /// 512 × 512 pixels, 256 samples each, seed 0, at most 1000 surfaces.
+    fn default() -> ReferencePass {
+        ReferencePass {
+            size: (512, 512),
+            samples_per_pixel: 256,
+            seed: 0,
+            max_depth: 1000,
+        }
+    }
+}
+
+/// A picture and how sure it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// Radiance, W/(sr·m²).
+    pub image: Image,
+    /// Standard error of each pixel and channel. Samples are better spread than independent ones,
+    /// from whose law it is computed: it is a little too large.
+    pub error: Image,
+}
+
+impl Reference {
+    /// Root of the mean square of the standard errors over the mean radiance, both over all
+    /// pixels and channels; 0 where all is black.
+    pub fn relative_error(&self) -> f64 {
+        let values = |image: &Image| -> Vec<f64> {
+            let all = image.pixels.iter().flatten();
+            all.map(|&v| f64::from(v)).collect()
+        };
+        let (errors, light) = (values(&self.error), values(&self.image));
+        let n = light.len().max(1) as f64;
+        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+        let mean = light.iter().sum::<f64>() / n;
+        if mean > 0.0 { rms / mean } else { 0.0 }
+    }
+}
+
+/// A value and its standard error, as sums over samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    sum: Rgb,
+    squares: Rgb,
+    count: u32,
+}
+
+impl Sums {
+    fn add(&mut self, value: Rgb) {
+        self.sum += value;
+        self.squares += value * value;
+        self.count += 1;
+    }
+
+    fn mean(&self) -> Rgb {
+        self.sum / f64::from(self.count.max(1))
+    }
+
+    fn standard_error(&self) -> Rgb {
+        let (n, mean) = (f64::from(self.count), self.mean());
+        let variance = (self.squares / n - mean * mean) / (n - 1.0).max(1.0);
+        variance.map(|v| v.max(0.0).sqrt())
+    }
+}
+
+/// Draws what `camera` sees by paths that know nothing of a first pass; irradiance that the scene
+/// may carry is not looked at.
+///
+/// `tracer` must have been made from `scene`. The pixel filter, fog, and what is seen beyond the
+/// scene are those of [`render`](crate::render()). Point and spot lights seen in glass and exact
+/// mirrors by way of a matt surface (caustics of lights without area) cannot be met by any path
+/// and are missing. Counts pixels on `progress`.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was.
+///
+/// # Panics
+/// If the picture has 2³² pixels or more.
+pub fn reference(
+    scene: &Scene,
+    tracer: &Tracer,
+    camera: &Camera,
+    options: &ReferencePass,
+    progress: &Progress,
+) -> Result<Reference, Cancelled> {
+    let (width, height) = options.size;
+    assert!(
+        width.checked_mul(height).is_some(),
+        "a picture of {width} × {height} pixels is too large"
+    );
+    let walker = Walker::new(scene, tracer, options);
+    let film = Film {
+        width,
+        height,
+        seed: walker.seed,
+    };
+    let lens = Lens::new(camera, f64::from(width) / f64::from(height));
+    progress.begin("reference", u64::from(width) * u64::from(height));
+    let tile = |scratch: &mut Scratch, tile: Tile| -> Result<Vec<Sums>, Cancelled> {
+        let pixel = |index: u32| {
+            progress.advance(1)?;
+            let pixel = film.pixel(index);
+            let ray = |sample| walker.kernel_ray(&lens.ray(pixel.position(sample)));
+            walker.average(index, ray, scratch, progress)
+        };
+        tile.pixels(width).map(pixel).collect()
+    };
+    let parts = film.tiles().into_par_iter();
+    let parts = parts.map_init(Scratch::default, tile);
+    let parts: Vec<Vec<Sums>> = parts.collect::<Result<_, Cancelled>>()?;
+    let image = |of: fn(&Sums) -> Rgb| {
+        let values = |part: &Vec<Sums>| part.iter().map(|s| of(s).to_f32()).collect();
+        let parts: Vec<Vec<[f32; 3]>> = parts.iter().map(values).collect();
+        film.assemble(&parts)
+    };
+    Ok(Reference {
+        image: image(Sums::mean),
+        error: image(Sums::standard_error),
+    })
+}
+
+/// Radiance that arrives at the origin of each ray from its direction, and its standard error, by
+/// the paths of [`reference()`]; `samples_per_pixel` of them per ray.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was.
+pub fn reference_radiance(
+    scene: &Scene,
+    tracer: &Tracer,
+    rays: &[Ray],
+    options: &ReferencePass,
+    progress: &Progress,
+) -> Result<Vec<(Rgb, Rgb)>, Cancelled> {
+    let walker = Walker::new(scene, tracer, options);
+    progress.begin("reference", rays.len() as u64);
+    let one = |scratch: &mut Scratch, (index, ray): (usize, &Ray)| {
+        progress.advance(1)?;
+        let ray = walker.kernel_ray(ray);
+        let sums = walker.average(index as u32, |_| ray, scratch, progress)?;
+        Ok((sums.mean(), sums.standard_error()))
+    };
+    let rays = rays.par_iter().enumerate();
+    rays.map_init(Scratch::default, one).collect()
+}
+
+/// Follows paths in one scene. Immutable, shared by all threads.
+struct Walker<'a> {
+    scenery: Scenery<'a>,
+    seed: u32,
+    samples: u32,
+    max_depth: u32,
+}
+
+/// Working memory of one thread.
+#[derive(Default)]
+struct Scratch {
+    hits: Vec<KernelHit>,
+    shadows: Shadows,
+}
+
+/// A path on its way.
+struct Walk {
+    ray: KernelRay,
+    weight: Rgb,
+    found: Rgb,
+    /// Whether mirrors and glass alone were met.
+    is_sharp: bool,
+    /// Density of the direction, 1/sr, if it was drawn where the lamps were also looked for; 0
+    /// otherwise.
+    density: f64,
+}
+
+/// A direction in which a path goes on.
+struct Way {
+    direction: DVec3,
+    weight: Rgb,
+    density: f64,
+}
+
+impl<'a> Walker<'a> {
+    fn new(scene: &'a Scene, tracer: &'a Tracer, options: &ReferencePass) -> Walker<'a> {
+        Walker {
+            scenery: Scenery::new(scene, tracer),
+            seed: hash(&[options.seed as u32, (options.seed >> 32) as u32, 0x7ef]),
+            samples: options.samples_per_pixel.max(2),
+            max_depth: options.max_depth,
+        }
+    }
+
+    fn kernel_ray(&self, ray: &Ray) -> KernelRay {
+        self.scenery.tracer().kernel_ray(ray)
+    }
+
+    /// All samples of a stream.
+    fn average(
+        &self,
+        stream: u32,
+        ray: impl Fn(u32) -> KernelRay,
+        scratch: &mut Scratch,
+        progress: &Progress,
+    ) -> Result<Sums, Cancelled> {
+        let mut sums = Sums::default();
+        for sample in 0..self.samples {
+            if sample % 64 == 0 {
+                progress.advance(0)?;
+            }
+            sums.add(self.walk(ray(sample), Draws::new(stream, sample), scratch));
+        }
+        Ok(sums)
+    }
+
+    /// Radiance along one path.
+    fn walk(&self, ray: KernelRay, mut draws: Draws, scratch: &mut Scratch) -> Rgb {
+        let mut walk = Walk {
+            ray,
+            weight: Rgb::WHITE,
+            found: Rgb::BLACK,
+            is_sharp: true,
+            density: 0.0,
+        };
+        for depth in 0..self.max_depth {
+            let ray = std::slice::from_ref(&walk.ray);
+            self.scenery.tracer().closest(ray, &mut scratch.hits);
+            let hit = scratch.hits[0];
+            if depth == 0 {
+                self.through_fog(&mut walk, &hit);
+            }
+            if !hit.is_hit() {
+                walk.found += walk.weight * self.beyond(&walk);
+                break;
+            }
+            walk.found += walk.weight * self.scenery.emitted(&walk.ray, &hit, walk.density);
+            let arrived = self.scenery.arrived(&walk.ray, &hit);
+            let way = self.meet(&mut walk, &hit, &arrived, &mut draws, scratch);
+            let Some(way) = way.and_then(|way| self.roulette(way, depth, &walk, &mut draws)) else {
+                break;
+            };
+            self.turn(&mut walk, &arrived, &way);
+        }
+        walk.found
+    }
+
+    /// What is seen where nothing is hit: for the eye the background, for surfaces the
+    /// surroundings.
+    fn beyond(&self, walk: &Walk) -> Rgb {
+        match walk.is_sharp {
+            true => self.scenery.sky,
+            false => self.scenery.gatherer.ambient(),
+        }
+    }
+
+    fn through_fog(&self, walk: &mut Walk, hit: &KernelHit) {
+        if let Some((clear, added)) = self.scenery.fog(&walk.ray, hit) {
+            walk.found += added;
+            walk.weight = walk.weight * clear;
+        }
+    }
+
+    /// Adds the light of lamps at a surface, and chooses where the path goes on.
+    fn meet(
+        &self,
+        walk: &mut Walk,
+        hit: &KernelHit,
+        arrived: &Arrived,
+        draws: &mut Draws,
+        scratch: &mut Scratch,
+    ) -> Option<Way> {
+        let material = self.scenery.surfaces().material(hit.item);
+        if let Some(glass) = &material.dielectric {
+            return Some(self.through_glass(glass, material, arrived, draws));
+        }
+        let shading = self.scenery.shading(hit, arrived, material, Parts::All);
+        let mirror = mirrored(material, -arrived.direction.dot(arrived.smooth));
+        let scattered = if shading.is_black() {
+            0.0
+        } else {
+            shading.likely()
+        };
+        let odds = mirror.mean() / (mirror.mean() + scattered).max(f64::MIN_POSITIVE);
+        let mut four = || [(); 4].map(|()| draws.next(self.seed));
+        if scattered > 0.0 {
+            let (u, shadows) = (four(), &mut scratch.shadows);
+            walk.found += walk.weight * self.scenery.lit(&shading, u, 1.0 - odds, shadows);
+        }
+        let u = four();
+        if draws.next(self.seed) < odds {
+            return Some(Way {
+                direction: reflect(arrived.direction, arrived.smooth),
+                weight: mirror / odds,
+                density: 0.0,
+            });
+        }
+        let sample = shading.sample(u)?;
+        Some(Way {
+            direction: sample.wi,
+            weight: sample.weight / (1.0 - odds),
+            density: sample.pdf * (1.0 - odds),
+        })
+    }
+
+    /// Mirrored or refracted, by chance.
+    fn through_glass(
+        &self,
+        glass: &Dielectric,
+        material: &Material,
+        arrived: &Arrived,
+        draws: &mut Draws,
+    ) -> Way {
+        let Arrived {
+            at,
+            direction,
+            smooth,
+            ..
+        } = arrived;
+        let boundary = Boundary::new(glass, material.mirror, *direction, *smooth, at.entering);
+        let (direction, weight) = boundary.chosen(draws.next(self.seed));
+        Way {
+            direction,
+            weight,
+            density: 0.0,
+        }
+    }
+
+    /// The way, or a heavier one, or none, by chance.
+    fn roulette(&self, way: Way, depth: u32, walk: &Walk, draws: &mut Draws) -> Option<Way> {
+        let weight = (walk.weight * way.weight).max_channel();
+        if depth < ROULETTE_DEPTH {
+            return (weight > 0.0).then_some(way);
+        }
+        let odds = weight.min(MOST_ODDS);
+        (draws.next(self.seed) < odds).then(|| Way {
+            weight: way.weight / odds,
+            ..way
+        })
+    }
+
+    /// The path leaves the surface that way.
+    fn turn(&self, walk: &mut Walk, arrived: &Arrived, way: &Way) {
+        let tracer = self.scenery.tracer();
+        let side = arrived.facing * 1f64.copysign(way.direction.dot(arrived.facing));
+        let origin = tracer.leaving(arrived.at.position, side);
+        walk.ray = tracer.kernel_ray(&Ray::new(origin, way.direction));
+        walk.weight *= way.weight;
+        walk.is_sharp &= way.density == 0.0;
+        walk.density = way.density;
+    }
+}
