@@ -2,7 +2,10 @@
 
 use super::arguments::Arguments;
 use super::lobe::Lobe;
-use super::{Problem, lambert, lewis, smooth};
+use super::{
+    Problem, beckmann_smith, blinn, cook_torrance, lambert, lewis, phong, smooth,
+    torrance_sparrow_gauss, ward,
+};
 
 /// A model that descriptions can name.
 pub struct Info {
@@ -131,7 +134,7 @@ impl Info {
     }
 }
 
-fn is_called(name: &str, aliases: &[&str], given: &str) -> bool {
+pub(super) fn is_called(name: &str, aliases: &[&str], given: &str) -> bool {
     let is = |known: &str| known.eq_ignore_ascii_case(given);
     is(name) || aliases.iter().any(|a| is(a))
 }
@@ -181,7 +184,15 @@ pub static MODELS: &[&Info] = &[
     &smooth::SPECULAR,
     &smooth::CONDUCTOR,
     &smooth::DIELECTRIC,
+    &phong::INFO,
     &lewis::INFO,
+    &blinn::INFO,
+    &ward::WARD,
+    &ward::DUER,
+    &ward::GMD,
+    &torrance_sparrow_gauss::INFO,
+    &cook_torrance::INFO,
+    &beckmann_smith::INFO,
 ];
 
 /// The model of that name.
