@@ -52,6 +52,16 @@ pub(super) struct Lewis {
     exponent: f64,
 }
 
+impl Lewis {
+    /// A lobe that reflects all light along the normal.
+    pub(super) fn white(exponent: f64) -> Lewis {
+        Lewis {
+            albedo: Rgb::WHITE,
+            exponent,
+        }
+    }
+}
+
 impl Reflect for Lewis {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);

@@ -1,14 +1,18 @@
 //! One lobe of a BRDF: the closed list of models.
 
-use super::beckmann_smith::BeckmannSmith;
-use super::blinn::Blinn;
-use super::cook_torrance::CookTorrance;
+use super::ashikhmin_shirley::{AshikhminShirley, AshikhminShirleyBase};
+use super::beard_maxwell::{BeardMaxwell, BeardMaxwellBelow};
+use super::burley_diffuse::BurleyDiffuse;
+use super::eon::Eon;
+use super::gltf_mr::{GltfBase, GltfSurface};
+use super::lafortune::Lafortune;
 use super::lambert::Lambert;
 use super::lewis::Lewis;
-use super::phong::Phong;
+use super::minnaert::Minnaert;
+use super::oren_nayar::OrenNayar;
+use super::schlick::{Schlick, SchlickBase};
 use super::smooth::Smooth;
-use super::torrance_sparrow_gauss::TorranceSparrow;
-use super::ward::Ward;
+use super::strauss::Strauss;
 use crate::Rgb;
 use glam::DVec3;
 
@@ -63,34 +67,47 @@ macro_rules! lobes {
 lobes! {
     /// The same in all directions.
     Lambert(Lambert),
-    /// Mirrors, metals and dielectrics without roughness.
-    Smooth(Smooth),
-    /// Phong 1975.
-    Phong(Phong),
     /// Lewis 1993: Phong's lobe, made reciprocal.
     Lewis(Lewis),
-    /// Blinn 1977.
-    Blinn(Blinn),
-    /// Ward 1992 and what others made of it.
-    Ward(Ward),
-    /// Torrance and Sparrow 1967.
-    TorranceSparrow(TorranceSparrow),
-    /// Cook and Torrance 1982.
-    CookTorrance(CookTorrance),
-    /// Beckmann's facets, Smith's shadows.
-    BeckmannSmith(BeckmannSmith),
+    /// Mirrors, metals and dielectrics without roughness.
+    Smooth(Smooth),
+    /// Schlick 1994, glossy.
+    Schlick(Schlick),
+    /// Schlick 1994, matt.
+    SchlickBase(SchlickBase),
+    /// Oren and Nayar 1994.
+    OrenNayar(OrenNayar),
+    /// Portsmouth, Kutz and Hill 2025.
+    Eon(Eon),
+    /// Burley 2012.
+    BurleyDiffuse(BurleyDiffuse),
+    /// Strauss 1990.
+    Strauss(Strauss),
+    /// Lafortune et al. 1997.
+    Lafortune(Lafortune),
+    /// Ashikhmin and Shirley 2000, the lobe.
+    AshikhminShirley(AshikhminShirley),
+    /// Ashikhmin and Shirley 2000, what is below it.
+    AshikhminShirleyBase(AshikhminShirleyBase),
+    /// Minnaert 1941.
+    Minnaert(Minnaert),
+    /// Beard and Maxwell 1973, the first surface.
+    BeardMaxwell(BeardMaxwell),
+    /// Beard and Maxwell 1973, what is below it.
+    BeardMaxwellBelow(BeardMaxwellBelow),
+    /// glTF's surface.
+    GltfSurface(GltfSurface),
+    /// glTF's matt base.
+    GltfBase(GltfBase),
 }
 
 impl Reflect for Lobe {
-    /// Where a formula overflows within rounding of the horizon, nothing is reflected.
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let value = self.model().eval(wo, wi);
-        if value.is_finite() { value } else { Rgb::BLACK }
+        self.model().eval(wo, wi)
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let density = self.model().pdf(wo, wi);
-        if density.is_finite() { density } else { 0.0 }
+        self.model().pdf(wo, wi)
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> DVec3 {

@@ -3,8 +3,8 @@
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::{
-    Problem, beckmann_smith, blinn, cook_torrance, lambert, lewis, phong, smooth,
-    torrance_sparrow_gauss, ward,
+    Problem, ashikhmin_shirley, beard_maxwell, burley_diffuse, eon, gltf_mr, lafortune, lambert,
+    lewis, minnaert, oren_nayar, schlick, smooth, strauss,
 };
 
 /// A model that descriptions can name.
@@ -134,7 +134,7 @@ impl Info {
     }
 }
 
-pub(super) fn is_called(name: &str, aliases: &[&str], given: &str) -> bool {
+fn is_called(name: &str, aliases: &[&str], given: &str) -> bool {
     let is = |known: &str| known.eq_ignore_ascii_case(given);
     is(name) || aliases.iter().any(|a| is(a))
 }
@@ -184,15 +184,17 @@ pub static MODELS: &[&Info] = &[
     &smooth::SPECULAR,
     &smooth::CONDUCTOR,
     &smooth::DIELECTRIC,
-    &phong::INFO,
     &lewis::INFO,
-    &blinn::INFO,
-    &ward::WARD,
-    &ward::DUER,
-    &ward::GMD,
-    &torrance_sparrow_gauss::INFO,
-    &cook_torrance::INFO,
-    &beckmann_smith::INFO,
+    &schlick::INFO,
+    &oren_nayar::INFO,
+    &eon::INFO,
+    &burley_diffuse::INFO,
+    &strauss::INFO,
+    &lafortune::INFO,
+    &ashikhmin_shirley::INFO,
+    &minnaert::INFO,
+    &beard_maxwell::INFO,
+    &gltf_mr::INFO,
 ];
 
 /// The model of that name.

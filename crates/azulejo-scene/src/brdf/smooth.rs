@@ -58,8 +58,8 @@ fn smooth(scale: Rgb, fresnel: Fresnel) -> Result<Vec<Lobe>, Problem> {
 /// All light goes in the mirrored direction.
 #[derive(Clone, Debug)]
 pub(super) struct Smooth {
-    scale: Rgb,
-    fresnel: Fresnel,
+    pub scale: Rgb,
+    pub fresnel: Fresnel,
 }
 
 impl Reflect for Smooth {

@@ -1,0 +1,74 @@
+//! Matt surfaces that darken or brighten towards their rim, as moons do: `minnaert`.
+//!
+//! M. Minnaert, *The reciprocity principle in lunar photometry*, Astrophysical Journal 93, 1941,
+//! in its reciprocal form.
+
+use super::Problem;
+use super::arguments::Arguments;
+use super::lobe::{Lobe, Reflect, Spread};
+use super::models::{Info, ParameterInfo};
+use crate::Rgb;
+use glam::DVec3;
+use std::f64::consts::{FRAC_1_PI, TAU};
+
+pub(super) const INFO: Info = Info {
+    name: "minnaert",
+    aliases: &[],
+    title: "Minnaert",
+    paper: "M. Minnaert, The reciprocity principle in lunar photometry, ApJ 93, 1941",
+    parameters: &[
+        ParameterInfo::color("kd", [0.0, 1.0], "reflectance where k = 1").also(&["rho", "rd"]),
+        ParameterInfo::number("k", [0.0, 10.0], "darkening of the rim; 1 is Lambert's"),
+    ],
+    examples: &[
+        "minnaert kd = 0.5 k = 0.6",
+        "minnaert kd = (0.9, 0.7, 0.5) k = 1.5",
+        "minnaert kd = 1 k = 10",
+    ],
+    has_fresnel: false,
+    is_reciprocal: true,
+    is_energy_safe: false,
+    make,
+};
+
+/// Refuses what reflects more than arrives of light from all directions. Below k = 1 the
+/// reflectance still has no bound towards the rim.
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+    let (kd, k) = (arguments.color("kd"), arguments.number("k"));
+    let mean = kd.max_channel() * 4.0 / (k + 1.0).powi(2);
+    if mean > 1.0 + 1e-9 {
+        return Err(Problem::Energy {
+            what: format!("the mean reflectance 4 kd/(k + 1)² of `minnaert` with k = {k}"),
+            sum: mean,
+        });
+    }
+    Ok(vec![Lobe::Minnaert(Minnaert { kd, k })])
+}
+
+/// kd/π (cos θi cos θo)^(k − 1). Its albedo is kd 2/(k + 1) cos^(k − 1) θo.
+#[derive(Clone, Debug)]
+pub(super) struct Minnaert {
+    kd: Rgb,
+    k: f64,
+}
+
+/// Products of cosines below this count as this, because powers below zero grow beyond bounds.
+const GRAZING: f64 = 1e-12;
+
+impl Reflect for Minnaert {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        self.kd * (FRAC_1_PI * (wo.z * wi.z).max(GRAZING).powf(self.k - 1.0))
+    }
+
+    fn pdf(&self, _wo: DVec3, wi: DVec3) -> f64 {
+        (self.k + 1.0) / TAU * wi.z.powf(self.k)
+    }
+
+    fn sample(&self, _wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
+        super::lewis::about(DVec3::Z, (1.0 - u1).powf(1.0 / (self.k + 1.0)), u2)
+    }
+
+    fn spread(&self) -> Spread {
+        Spread::Matt
+    }
+}

@@ -1,0 +1,63 @@
+//! Trowbridge and Reitz's facets (GGX) and how they are sampled.
+
+use super::lobe::Spread;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// Facets whose slopes along x and y are distributed as an ellipse's, after Trowbridge and Reitz
+/// 1975 and Walter et al. 2007.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ggx {
+    pub ax: f64,
+    pub ay: f64,
+}
+
+impl Ggx {
+    /// Facets per solid angle of their normals, 1/sr: ∫ D cos θ = 1.
+    pub fn density(&self, h: DVec3) -> f64 {
+        let s = (h.x / self.ax).powi(2) + (h.y / self.ay).powi(2) + h.z * h.z;
+        1.0 / (PI * self.ax * self.ay * s * s)
+    }
+
+    /// The share of facets that are visible, G₁, over the cosine to the normal.
+    pub fn visible_over_cos(&self, w: DVec3) -> f64 {
+        2.0 / (w.z + self.stretch(w))
+    }
+
+    /// Length of a direction in the space where the facets' slopes are 1.
+    fn stretch(&self, w: DVec3) -> f64 {
+        DVec3::new(w.x * self.ax, w.y * self.ay, w.z).length()
+    }
+
+    /// The normal of a facet that is seen from `wo`. After Heitz, *Sampling the GGX distribution
+    /// of visible normals*, JCGT 7(4), 2018, in the form of Dupuy and Benyoub's spherical caps
+    /// (2023): on the unit hemisphere the mirrored directions fill a cap evenly.
+    pub fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
+        let stretched = DVec3::new(wo.x * self.ax, wo.y * self.ay, wo.z).normalize();
+        let z = (1.0 - u1) * (1.0 + stretched.z) - stretched.z;
+        let (sin, cos) = (TAU * u2).sin_cos();
+        let r = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+        let h = DVec3::new(r * cos, r * sin, z) + stretched;
+        DVec3::new(h.x * self.ax, h.y * self.ay, h.z.max(0.0)).normalize_or(DVec3::Z)
+    }
+
+    /// Density of the direction that [`sample`](Ggx::sample)'s facet mirrors `wo` to, 1/sr.
+    pub fn pdf(&self, wo: DVec3, h: DVec3) -> f64 {
+        0.25 * self.density(h) * self.visible_over_cos(wo)
+    }
+
+    /// Half of the facets lie within the slope of the roughness; mirroring doubles the angle.
+    pub fn spread(&self) -> Spread {
+        Spread::Glossy(2.0 * (self.ax * self.ay).sqrt().atan())
+    }
+}
+
+/// The direction that a facet of normal `h` mirrors `wo` to.
+pub(super) fn mirrored_by(wo: DVec3, h: DVec3) -> DVec3 {
+    h * (2.0 * wo.dot(h)) - wo
+}
+
+/// The normal of the facets that mirror `wo` to `wi`.
+pub(super) fn half(wo: DVec3, wi: DVec3) -> DVec3 {
+    (wo + wi).normalize_or(DVec3::Z)
+}
