@@ -1,6 +1,6 @@
 //! The materials of a scene under construction, each once.
 
-use azulejo_scene::{Brdf, Material, MaterialId, Rgb};
+use azulejo_scene::{Material, MaterialId, Rgb};
 use std::collections::HashMap;
 
 /// Materials in the order in which they are first used; equal ones are one.
@@ -27,7 +27,6 @@ fn bits(color: Rgb) -> [u64; 3] {
 
 impl Key {
     fn of(m: &Material) -> Key {
-        let brdf = |b: &Brdf| format!("{b:?}");
         Key {
             name: m.name.clone(),
             colors: [m.diffuse, m.mirror, m.emission].map(bits),
@@ -36,7 +35,11 @@ impl Key {
                 .dielectric
                 .map(|d| (d.ior.to_bits(), bits(d.transmittance), d.thin)),
             textures: m.textures.clone(),
-            brdf: m.brdf.as_ref().map(brdf).unwrap_or_default(),
+            brdf: m
+                .brdf
+                .as_ref()
+                .map(|b| b.description().to_string())
+                .unwrap_or_default(),
         }
     }
 }

@@ -5,6 +5,8 @@ use super::pictures::Pictures;
 use super::said::Said;
 use crate::Files;
 use crate::materials::Materials;
+use crate::phong;
+use azulejo_scene::brdf::Description;
 use azulejo_scene::{Brdf, Dielectric, Material, MaterialId, Rgb, Texture};
 use glam::{DAffine2, DMat2, DVec2};
 use gltf_json::extensions::texture::TextureTransform;
@@ -13,6 +15,7 @@ use gltf_json::texture::Info;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// What primitives without a material reflect. glTF's own default is white, but nothing reflects
 /// all light.
@@ -258,7 +261,7 @@ impl Reader<'_, '_> {
             }
         } else if metallic > 0.0 || roughness < 1.0 {
             self.say("glossy material: kept as brdf gltf_mr, all that it reflects is diffuse");
-            material.brdf = Some(brdf(base, metallic, roughness));
+            material.brdf = brdf(base, metallic, roughness);
         }
         let see_through = self.json.alpha_mode.as_ref().value() != Some(&AlphaMode::Opaque);
         if see_through && (alpha < 1.0 || has_picture) {
@@ -321,29 +324,24 @@ fn map_of(transform: &TextureTransform) -> DAffine2 {
     DAffine2::from_mat2_translation(turn * DMat2::from_diagonal(DVec2::new(x, y)), offset)
 }
 
-/// The reflection model of glTF, for keeping.
-pub(super) fn brdf(base: Rgb, metallic: f64, roughness: f64) -> Brdf {
-    let parameter = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
-    Brdf::Model {
-        name: "gltf_mr".into(),
-        parameters: vec![
-            parameter("base", &base.to_array()),
-            parameter("metallic", &[metallic]),
-            parameter("roughness", &[roughness]),
-        ],
-    }
+/// The reflection model of glTF.
+pub(super) fn brdf(base: Rgb, metallic: f64, roughness: f64) -> Option<Arc<Brdf>> {
+    let parameters = [
+        ("base", base.into()),
+        ("metallic", metallic.into()),
+        ("roughness", roughness.into()),
+    ];
+    let made = Brdf::new(Description::model("gltf_mr", parameters));
+    made.ok().map(Arc::new)
 }
 
 /// Metallic and roughness, if the material carries that model.
 pub(super) fn gltf_mr(material: &Material) -> Option<(f64, f64)> {
-    let Some(Brdf::Model { name, parameters }) = &material.brdf else {
+    let Description::Model(model) = material.brdf.as_deref()?.description() else {
         return None;
     };
-    let value = |key: &str| {
-        let found = parameters.iter().find(|p| p.0 == key)?;
-        found.1.first().copied().filter(|v| (0.0..=1.0).contains(v))
-    };
-    (name == "gltf_mr").then_some((value("metallic")?, value("roughness")?))
+    let value = |name: &str| phong::number(model, name);
+    (model.name == "gltf_mr").then_some((value("metallic")?, value("roughness")?))
 }
 
 /// `Checked` without panics.

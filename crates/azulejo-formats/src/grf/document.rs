@@ -1,8 +1,9 @@
 //! A GRF file as it stands: what [`Document`] is made of.
 
+use super::brdf::Reflection;
 use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
 use crate::{Position, ReadError};
-use azulejo_scene::{Attribute, Brdf, Light, PrimitiveKind, Rgb, SurfaceLight};
+use azulejo_scene::{Attribute, Light, PrimitiveKind, Rgb, SurfaceLight};
 use azulejo_scene::{Camera, Faces, Fog, Units};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
@@ -168,7 +169,7 @@ pub(super) struct Definition {
 pub(super) enum Body {
     Texture(Name),
     Color(Rgb),
-    Brdf(Arc<Brdf>),
+    Brdf(Arc<Reflection>),
 }
 
 /// The kinds of name.
@@ -302,7 +303,7 @@ pub(super) struct ObjectNotes {
 }
 
 /// `ext material`: what a material is beyond its brdf. What is `None` stays as the brdf says.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct MaterialNote {
     /// The brdf that it completes.
     pub of: Name,
@@ -315,7 +316,21 @@ pub(super) struct MaterialNote {
     pub transmittance: Option<Rgb>,
     pub thin: bool,
     pub textures: Option<Vec<Name>>,
-    pub brdf_file: Option<String>,
+    pub brdf_file: Option<Arc<Reflection>>,
+}
+
+impl MaterialNote {
+    /// Whether it says nothing.
+    pub fn is_empty(&self) -> bool {
+        let colors = [self.diffuse, self.mirror, self.emission, self.transmittance];
+        self.name.is_none()
+            && colors.iter().all(Option::is_none)
+            && !self.emits_back
+            && self.ior.is_none()
+            && !self.thin
+            && self.textures.is_none()
+            && self.brdf_file.is_none()
+    }
 }
 
 impl BlockKind {

@@ -290,7 +290,7 @@ impl<'a> Parser<'a, '_, '_> {
             transmittance,
             thin: self.take_flag(entries, "thin")?.unwrap_or(false),
             textures: self.take_textures(entries)?,
-            brdf_file: self.take_text(entries, "brdf_file")?,
+            brdf_file: self.take_brdf_file(entries)?,
         })
     }
 

@@ -1,12 +1,13 @@
 //! From a scene to a document that says it canonically.
 
-use super::brdf::is_sayable;
+use super::brdf::Reflection;
 use super::document::{
     AreaLight, Block, BlockKind, Body, Change, Column, Definition, Document, Kind, MaterialNote,
     MeshBlock, Name, ObjectNotes, Place, PrimitiveBlock, Vertices,
 };
 use super::materials::surface;
 use super::solids::{Figures, exact_block};
+use azulejo_scene::brdf::{Description, Model};
 use azulejo_scene::{
     Attribute, Brdf, Faces, Material, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb,
     Scene, Shape, TextureId, Units,
@@ -241,54 +242,45 @@ fn material_definition(
             material.textures.iter().map(named).collect()
         }),
         brdf_file: match &material.brdf {
-            Some(Brdf::File(path)) if material.brdf != said.brdf => Some(path.clone()),
+            Some(brdf) if said.brdf.is_none() => Some(Arc::new(brdf.into())),
             _ => None,
         },
-    };
-    let empty = MaterialNote {
-        of: name.clone(),
-        ..MaterialNote::default()
     };
     let definition = Definition {
         name: name.clone(),
         body: Body::Brdf(Arc::new(brdf)),
     };
-    (definition, (note != empty).then_some(note))
+    (definition, (!note.is_empty()).then_some(note))
 }
 
 /// The brdf that says most about a material.
-fn brdf_of(material: &Material) -> Brdf {
+fn brdf_of(material: &Material) -> Reflection {
     match &material.brdf {
-        Some(Brdf::File(path)) if is_plain_path(path) => Brdf::File(path.clone()),
-        Some(model @ Brdf::Model { .. }) if is_sayable(model) => model.clone(),
-        _ => plain_brdf(material.diffuse, material.mirror),
+        Some(brdf) if file_of(brdf).is_none_or(is_plain_path) => brdf.into(),
+        _ => Reflection {
+            description: plain_brdf(material.diffuse, material.mirror),
+            brdf: None,
+        },
     }
 }
 
-fn plain_brdf(diffuse: Rgb, mirror: Rgb) -> Brdf {
-    let value = |c: Rgb| match c.is_grey() {
-        true => vec![c.r],
-        false => c.to_array().to_vec(),
-    };
-    let parameter = |key: &str, value| (key.to_owned(), value);
-    let (name, parameters) = if mirror.is_black() {
-        ("diffuse", vec![parameter("kd", value(diffuse))])
+/// The name of the file that holds a brdf.
+fn file_of(brdf: &Brdf) -> Option<&str> {
+    match brdf.description() {
+        Description::File { path, .. } => Some(path),
+        _ => None,
+    }
+}
+
+fn plain_brdf(diffuse: Rgb, mirror: Rgb) -> Description {
+    let matt = Model::new("diffuse", [("kd", diffuse.into())]);
+    let mirror_model = Model::new("specular", [("ks", mirror.into())]);
+    if mirror.is_black() {
+        Description::Model(matt)
     } else if diffuse.is_black() {
-        ("specular", vec![parameter("ks", value(mirror))])
+        Description::Model(mirror_model)
     } else {
-        let parts = vec![
-            parameter("weight", vec![1.0]),
-            parameter("diffuse", vec![]),
-            parameter("kd", value(diffuse)),
-            parameter("weight", vec![1.0]),
-            parameter("specular", vec![]),
-            parameter("ks", value(mirror)),
-        ];
-        (super::brdf::COMBINATION, parts)
-    };
-    Brdf::Model {
-        name: name.to_owned(),
-        parameters,
+        Description::Combination(vec![(1.0, matt), (1.0, mirror_model)])
     }
 }
 

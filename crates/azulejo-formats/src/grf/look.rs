@@ -1,9 +1,11 @@
 //! Looks of faces, and the materials that they make.
 
+use super::brdf::Reflection;
 use super::document::{Body, Change, Kind, Name, ObjectNotes, Place};
 use super::materials::{DEFAULT_REFLECTANCE, REFLECTS_TOO_MUCH, Surface, surface};
 use super::resolve::{Resolved, Resolver};
-use azulejo_scene::{Brdf, Material, MaterialId, Rgb, TextureId};
+use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
+use std::sync::Arc;
 
 /// Textures on one face: every change of a look copies them.
 pub(super) const MOST_TEXTURES: usize = 64;
@@ -21,14 +23,15 @@ pub(super) struct Look<'d> {
 enum Base<'d> {
     /// A `def brdf`.
     Named(MaterialId),
-    /// One that stands before a face, and the number of its text.
-    InPlace(&'d Brdf, usize),
+    /// One that stands before a face.
+    InPlace(&'d Arc<Reflection>),
 }
 
 /// What makes a derived material distinct. Numbers are compared by their bits.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Key {
     named: Option<MaterialId>,
+    /// The address of the brdf in the document: of equal ones there is one.
     in_place: Option<usize>,
     color: Option<[u64; 3]>,
     color_name: String,
@@ -56,9 +59,7 @@ impl<'d> Resolver<'d> {
                 (look.color, look.color_name) = (Some(self.color_named(name, place)?), name);
             }
             Change::Set(Body::Brdf(brdf)) => {
-                let next = self.brdf_texts.len();
-                let number = *self.brdf_texts.entry(format!("{brdf:?}")).or_insert(next);
-                look.brdf = Some(Base::InPlace(brdf, number));
+                look.brdf = Some(Base::InPlace(brdf));
             }
             Change::Use(Kind::Brdf, name) => {
                 let id = self.brdf_named(name, place)?;
@@ -98,7 +99,7 @@ impl<'d> Resolver<'d> {
                 _ => None,
             },
             in_place: match look.brdf {
-                Some(Base::InPlace(_, number)) => Some(number),
+                Some(Base::InPlace(brdf)) => Some(Arc::as_ptr(brdf) as usize),
                 _ => None,
             },
             color: look.color.map(bits),
@@ -122,28 +123,14 @@ impl<'d> Resolver<'d> {
         id
     }
 
-    /// Each face may make a material of its own out of a few bytes, with a copy of a long name
-    /// and a long brdf; that ends somewhere.
+    /// Each face may make a material of its own out of a few bytes, with a copy of a long name;
+    /// that ends somewhere.
     fn within_budget(&mut self, mut material: Material, place: Place) -> Material {
-        let brdf = match &material.brdf {
-            None => 0,
-            Some(Brdf::File(path)) => path.len(),
-            Some(Brdf::Model { parameters, .. }) => {
-                let size = |(key, value): &(String, Vec<f64>)| 48 + key.len() + 8 * value.len();
-                parameters.iter().map(size).sum()
-            }
-        };
-        let cost = brdf + material.name.len();
-        match self.budget.checked_sub(cost) {
+        match self.budget.checked_sub(material.name.len()) {
             Some(left) => self.budget = left,
             None => {
-                self.warn(
-                    place,
-                    "there are too many materials to keep all names and brdfs",
-                    1,
-                );
+                self.warn(place, "there are too many materials to keep all names", 1);
                 material.name.clear();
-                material.brdf = None;
             }
         }
         material
@@ -161,11 +148,7 @@ impl<'d> Resolver<'d> {
                 Some(known) => known.surface.clone(),
                 None => Surface::default(),
             },
-            Some(Base::InPlace(brdf, _)) => {
-                let made = surface("", brdf);
-                self.warn_unevaluated(&made, place);
-                made
-            }
+            Some(Base::InPlace(brdf)) => surface("", brdf),
             None => Surface {
                 material: Material::diffuse("", silent_reflectance(emission, is_colored)),
                 ..Surface::default()

@@ -1,8 +1,10 @@
 //! From what a file says about a surface to a material.
 
-use super::brdf::COMBINATION;
+use super::brdf::{Plain, Reflection, color, plain};
 use super::document::MaterialNote;
+use azulejo_scene::brdf::Description;
 use azulejo_scene::{Brdf, Dielectric, Material, Rgb, TextureId};
+use std::sync::Arc;
 
 /// Reflectance of surfaces about which a file says nothing.
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
@@ -17,78 +19,44 @@ pub(super) struct Surface {
     pub material: Material,
     /// Whether the diffuse reflectance was said; a colour multiplies it then, and is it otherwise.
     pub says_diffuse: bool,
-    /// A model of which only the diffuse part is used.
-    pub unevaluated: Option<String>,
 }
 
 /// What a `brdf` makes.
-pub(super) fn surface(name: &str, brdf: &Brdf) -> Surface {
-    let mut surface = match brdf {
-        Brdf::File(path) => Surface {
-            unevaluated: Some(format!("\"{path}\"")),
-            ..Surface::default()
-        },
-        Brdf::Model { name, parameters } if name == COMBINATION => combination(parameters),
-        Brdf::Model { name, parameters } => model(name, parameters),
+pub(super) fn surface(name: &str, reflection: &Reflection) -> Surface {
+    let mut surface = match &reflection.brdf {
+        Some(brdf) => modelled(brdf),
+        None => matt_or_mirror(&reflection.description),
     };
     surface.material.name = name.to_owned();
-    if surface.unevaluated.is_some() {
-        surface.material.brdf = Some(brdf.clone());
-    }
     if !surface.says_diffuse {
         surface.material.diffuse = DEFAULT_REFLECTANCE;
     }
     surface
 }
 
-type Parameter = (String, Vec<f64>);
-
-/// A parameter that is a number or an (r, g, b).
-fn rgb(parameters: &[Parameter], key: &str) -> Option<Rgb> {
-    let (_, value) = parameters
-        .iter()
-        .find(|(k, _)| k.eq_ignore_ascii_case(key))?;
-    match value[..] {
-        [grey] => Some(Rgb::grey(grey)),
-        [r, g, b] => Some(Rgb::new(r, g, b)),
-        _ => None,
+fn modelled(brdf: &Arc<Brdf>) -> Surface {
+    Surface {
+        material: Material::with_brdf("", brdf.clone()),
+        says_diffuse: !matches!(brdf.description(), Description::File { content: None, .. }),
     }
 }
 
-fn model(name: &str, parameters: &[Parameter]) -> Surface {
-    let mut surface = Surface::default();
-    let diffuse = rgb(parameters, "kd");
-    surface.says_diffuse = diffuse.is_some() || name == "specular";
-    surface.material.diffuse = diffuse.unwrap_or(Rgb::BLACK);
-    match name {
-        "diffuse" => {}
-        "specular" => surface.material.mirror = rgb(parameters, "ks").unwrap_or(Rgb::WHITE),
-        _ => surface.unevaluated = Some(format!("`{name}`")),
+fn matt_or_mirror(description: &Description) -> Surface {
+    let said = match description {
+        Description::Model(model) => plain(description).unwrap_or(Plain {
+            diffuse: color(model, "kd"),
+            ..Plain::default()
+        }),
+        _ => plain(description).unwrap_or_default(),
+    };
+    Surface {
+        material: Material {
+            diffuse: said.diffuse.unwrap_or(Rgb::BLACK),
+            mirror: said.mirror,
+            ..Material::default()
+        },
+        says_diffuse: said.diffuse.is_some(),
     }
-    surface
-}
-
-/// `weight = w` holds for the models behind it, up to the next weight.
-fn combination(parameters: &[Parameter]) -> Surface {
-    let mut sum = Surface::default();
-    let mut weight = 1.0;
-    let is_part = |(_, value): &Parameter| value.is_empty();
-    for (at, (key, value)) in parameters.iter().enumerate() {
-        if key.eq_ignore_ascii_case("weight") {
-            weight = value.first().copied().unwrap_or(1.0);
-        }
-        if !value.is_empty() {
-            continue;
-        }
-        let rest = &parameters[at + 1..];
-        let end = rest.iter().position(is_part).unwrap_or(rest.len());
-        let part = model(key, &rest[..end]);
-        sum.material.diffuse += weight * part.material.diffuse;
-        sum.material.mirror += weight * part.material.mirror;
-        sum.says_diffuse |= part.says_diffuse;
-        sum.unevaluated = sum.unevaluated.or(part.unevaluated);
-    }
-    sum
 }
 
 impl Surface {
@@ -117,7 +85,7 @@ impl Surface {
             });
         }
         if let Some(path) = &note.brdf_file {
-            material.brdf = Some(Brdf::File(path.clone()));
+            material.brdf.clone_from(&path.brdf);
         }
         if let Some(textures) = textures {
             material.textures = textures;

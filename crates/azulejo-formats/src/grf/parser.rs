@@ -1,5 +1,6 @@
 //! What every part of the parser needs: where it stands, what went wrong, which names are known.
 
+use super::brdf::Reflection;
 use super::document::{Fail, Kind, Name, Place, Sources};
 use super::lexer::{BadNumber, Lexer, Locator, line_around};
 use super::warnings::Warnings;
@@ -7,6 +8,7 @@ use crate::Files;
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 pub(super) type Parsed<T> = Result<T, Fail>;
 
@@ -32,6 +34,8 @@ pub(super) struct Shared<'f> {
     pub solid_depth: usize,
     pub includes: usize,
     pub included_bytes: usize,
+    /// Every brdf of the document once, by its text.
+    pub reflections: HashMap<String, Arc<Reflection>>,
     names: HashSet<Name>,
     scopes: Vec<Scope>,
 }
@@ -64,6 +68,7 @@ impl<'f> Shared<'f> {
             solid_depth: 0,
             includes: 0,
             included_bytes: 0,
+            reflections: HashMap::new(),
             names: HashSet::new(),
             scopes: vec![Scope::default()],
         }

@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// Radiance of a light that says none.
 const DEFAULT_RADIANCE: Rgb = Rgb::WHITE;
 
-/// Bytes of names and brdfs that all derived materials together may copy.
+/// Bytes of names that all derived materials together may copy.
 const BUDGET: usize = 1 << 28;
 
 pub(super) type Resolved<T> = Result<T, Fail>;
@@ -55,7 +55,6 @@ impl Document {
             surfaces: HashMap::new(),
             derived: HashMap::new(),
             texture_ids: HashMap::new(),
-            brdf_texts: HashMap::new(),
             budget: BUDGET,
             instances: Budget::new(options),
             depth: 0,
@@ -88,9 +87,7 @@ pub(super) struct Resolver<'d> {
     pub surfaces: HashMap<MaterialId, Known>,
     /// Materials made from looks, so that equal looks share one.
     pub derived: HashMap<Key, MaterialId>,
-    /// The brdfs that stand before faces, numbered.
-    pub brdf_texts: HashMap<String, usize>,
-    /// Bytes of names and brdfs that derived materials may still copy.
+    /// Bytes of names that derived materials may still copy.
     pub budget: usize,
     /// Textures named in place.
     texture_ids: HashMap<String, TextureId>,
@@ -236,7 +233,6 @@ impl<'d> Resolver<'d> {
                     if !material.limit_reflectance() {
                         self.warn(place, REFLECTS_TOO_MUCH, 1);
                     }
-                    self.warn_unevaluated(&surface, place);
                     let id = self.scene.add_material(material);
                     let known = Known {
                         surface,
@@ -353,13 +349,6 @@ impl<'d> Resolver<'d> {
         let id = self.add_texture(path, place);
         self.texture_ids.insert(key, id);
         id
-    }
-
-    pub fn warn_unevaluated(&mut self, surface: &Surface, place: Place) {
-        if let Some(what) = &surface.unevaluated {
-            let message = format!("of the brdf {what} only the diffuse part kd is used");
-            self.warn(place, message, 1);
-        }
     }
 }
 

@@ -1,10 +1,12 @@
 //! From a document to text: canonical, stable, every number in its shortest exact form.
 
+use super::brdf::Reflection;
 use super::document::{
     AreaLight, Block, BlockKind, Body, Change, Definition, Document, MaterialNote, MeshBlock,
     ObjectNotes, PrimitiveBlock, Step,
 };
-use azulejo_scene::{Brdf, Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceLight, Units, Up};
+use azulejo_scene::brdf::{Description, Model, Value};
+use azulejo_scene::{Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceLight, Units, Up};
 
 use super::solids;
 use glam::{DAffine3, DVec2, DVec3};
@@ -72,18 +74,6 @@ pub(super) fn pair(v: DVec2) -> Vector<2> {
 
 fn rgb(c: Rgb) -> Vector<3> {
     Vector(c.to_array())
-}
-
-/// The value of a brdf's parameter: a number, or a list in brackets.
-struct Parameter<'a>(&'a [f64]);
-
-impl fmt::Display for Parameter<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            [number] => Number(*number).fmt(f),
-            numbers => list(f, numbers),
-        }
-    }
 }
 
 /// A text of an extension, in quotes, with escapes.
@@ -206,20 +196,35 @@ fn body(out: &mut Out<'_>, body: &Body) -> io::Result<()> {
     }
 }
 
-fn brdf(out: &mut Out<'_>, brdf: &Brdf) -> io::Result<()> {
-    match brdf {
-        Brdf::File(path) => writeln!(out, "brdf {}", FileName(path)),
-        Brdf::Model { name, parameters } => {
-            write!(out, "brdf {name}")?;
-            for (key, value) in parameters {
-                match value[..] {
-                    [] => write!(out, " {key}")?,
-                    _ => write!(out, " {key} = {}", Parameter(value))?,
-                }
+fn brdf(out: &mut Out<'_>, reflection: &Reflection) -> io::Result<()> {
+    match &reflection.description {
+        Description::File { path, .. } => write!(out, "brdf {}", FileName(path))?,
+        Description::Model(said) => {
+            out.write_all(b"brdf")?;
+            model(out, said)?;
+        }
+        Description::Combination(parts) => {
+            out.write_all(b"brdf combination")?;
+            for (weight, part) in parts {
+                write!(out, " weight = {}", Number(*weight))?;
+                model(out, part)?;
             }
-            writeln!(out)
         }
     }
+    out.write_all(b"\n")
+}
+
+fn model(out: &mut Out<'_>, model: &Model) -> io::Result<()> {
+    write!(out, " {}", model.name)?;
+    for parameter in &model.parameters {
+        write!(out, " {} = ", parameter.name)?;
+        match &parameter.value {
+            Value::Number(number) => write!(out, "{}", Number(*number))?,
+            Value::Color(color) => write!(out, "{}", rgb(*color))?,
+            Value::Word(word) => out.write_all(word.as_bytes())?,
+        }
+    }
+    Ok(())
 }
 
 fn change(out: &mut Out<'_>, change: &Change) -> io::Result<()> {
@@ -523,7 +528,7 @@ fn material(out: &mut Out<'_>, note: &MaterialNote) -> io::Result<()> {
     if note.thin {
         out.write_all(b" thin = true")?;
     }
-    if let Some(path) = &note.brdf_file {
+    if let Some(Description::File { path, .. }) = note.brdf_file.as_ref().map(|r| &r.description) {
         write!(out, " brdf_file = {}", Quoted(path))?;
     }
     match note.textures.as_deref() {

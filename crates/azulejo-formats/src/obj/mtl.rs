@@ -401,7 +401,7 @@ impl Parser<'_> {
         if !ks.is_black() && m.illum.unwrap_or(2.0) >= 2.0 {
             let message = "glossy material (Ks, Ns): kept as brdf phong, its Kd alone reflects";
             self.warnings.add_whole(self.file, message);
-            material.brdf = Some(phong::brdf(m.ns.unwrap_or(1.0), ks, material.diffuse));
+            material.brdf = phong::brdf(m.ns.unwrap_or(1.0), ks, material.diffuse);
         }
     }
 

@@ -1,8 +1,9 @@
 //! Rules of OBJ and MTL, each by a small file.
 
 use super::read;
+use crate::phong;
 use crate::{Format, Loaded, Memory, Position, detect};
-use azulejo_scene::{Brdf, Material, Mesh, Rgb, Shape};
+use azulejo_scene::{Material, Mesh, Rgb, Shape};
 use glam::{DVec2, DVec3};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -521,16 +522,8 @@ fn matt_materials() {
 #[test]
 fn glossy_materials_are_kept() {
     let (found, said) = material("Kd 0.25\nKs 0.5\nNs 20");
-    let Some(Brdf::Model { name, parameters }) = &found.brdf else {
-        panic!("a model")
-    };
-    assert_eq!(name, "phong");
-    let expected = [
-        ("n", vec![20.0]),
-        ("ks", vec![0.5; 3]),
-        ("kd", vec![0.25; 3]),
-    ];
-    assert_eq!(*parameters, expected.map(|(k, v)| (k.to_owned(), v)));
+    assert_eq!(found.diffuse, Rgb::grey(0.25));
+    assert_eq!(phong::parse(&found), Some((20.0, Rgb::grey(0.5))));
     assert_eq!(
         said,
         ["glossy material (Ks, Ns): kept as brdf phong, its Kd alone reflects"]

@@ -295,7 +295,7 @@ mod tests {
         });
         let glossy = (share(), share(), 1.0..1e4f64).prop_map(|(kd, ks, n)| Material {
             diffuse: kd,
-            brdf: (!ks.is_black()).then(|| phong::brdf(n, ks, kd)),
+            brdf: phong::brdf(n, ks, kd).filter(|_| !ks.is_black()),
             ..Material::default()
         });
         let texture = share().prop_map(|kd| Material {

@@ -204,6 +204,6 @@ fn apply(entry: &PaletteMaterial, material: &mut Material, notes: &mut Notes) {
         notes.add("glossy material: kept as brdf phong, its diffuse colour alone reflects");
         let n = entry.shininess.max(0.0);
         let diffuse = material.diffuse.map(|d| d.clamp(0.0, 1.0));
-        material.brdf = Some(phong::brdf(n, entry.specular, diffuse));
+        material.brdf = phong::brdf(n, entry.specular, diffuse);
     }
 }

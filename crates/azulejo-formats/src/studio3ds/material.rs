@@ -106,7 +106,7 @@ impl Definition {
             let message = "glossy material: kept as brdf phong, its diffuse colour alone reflects";
             walker.warn(self.at, message);
             let exponent = (10.0 * shininess).exp2();
-            material.brdf = Some(phong::brdf(exponent, specular, material.diffuse));
+            material.brdf = phong::brdf(exponent, specular, material.diffuse);
         }
     }
 }

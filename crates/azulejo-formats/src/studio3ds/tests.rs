@@ -1,6 +1,7 @@
 use super::read;
+use crate::phong;
 use crate::{Loaded, Memory, ReadOptions};
-use azulejo_scene::{Brdf, LightKind, Mesh, Rgb, Shape, Up};
+use azulejo_scene::{LightKind, Mesh, Rgb, Shape, Up};
 use glam::{DVec2, DVec3};
 
 /// A chunk with its data and children.
@@ -286,13 +287,8 @@ fn gloss_glass_and_maps_are_said() {
         &[painted(&[of_material("glossy", &[0, 1])]), glossy],
         &[],
     ));
-    let Some(Brdf::Model { name, parameters }) = &loaded.scene.materials[0].brdf else {
-        panic!("a reflection model")
-    };
-    assert_eq!(
-        (name.as_str(), &parameters[0].1, &parameters[1].1),
-        ("phong", &vec![32.0], &vec![0.25; 3])
-    );
+    let found = phong::parse(&loaded.scene.materials[0]);
+    assert_eq!(found, Some((32.0, Rgb::grey(0.25))));
     check_warnings(
         &loaded,
         &[

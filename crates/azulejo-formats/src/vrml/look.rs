@@ -209,7 +209,7 @@ fn phong_material(stage: &mut Stage, node: &Node) -> Material {
         let message = "glossy material (specularColor, shininess): kept as brdf phong, its diffuseColor alone reflects";
         stage.warn(&node.source, node.at, message);
         let exponent = SHININESS * node.number("shininess", 0.2).clamp(0.0, 1.0);
-        material.brdf = Some(phong::brdf(exponent, specular, diffuse));
+        material.brdf = phong::brdf(exponent, specular, diffuse);
     }
     material
 }

@@ -2,6 +2,7 @@
 
 use super::exact_shapes::{exact, shared_figures};
 use super::*;
+use azulejo_scene::brdf::Description;
 use azulejo_scene::{
     Attribute, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object, Primitive,
     PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Texture, Units, Up,
@@ -10,6 +11,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Writing a document and reading it changes neither its text nor its scene.
 fn check_document(text: &str) {
@@ -23,10 +25,11 @@ fn documents() {
     check_document(CUBE);
     check_document(EVERYTHING);
     check_document(
-        &triangle("use color c (0,1,2) rgb (1,0,0) brdf ward ax = (1, 2) texture \"a b\"").replace(
-            "begin mesh",
-            "def c = rgb (1,1,1) def d = brdf \"x.binary\" begin mesh",
-        ),
+        &triangle("use color c (0,1,2) rgb (1,0,0) brdf ward ax = (1, 2, 3) texture \"a b\"")
+            .replace(
+                "begin mesh",
+                "def c = rgb (1,1,1) def d = brdf \"x.binary\" begin mesh",
+            ),
     );
 }
 
@@ -179,19 +182,18 @@ fn name() -> impl Strategy<Value = String> {
     ]
 }
 
-fn brdf() -> impl Strategy<Value = Brdf> {
-    let value = prop_oneof![vec(0.0..1.0, 1), vec(-1e9..1e9, 3)];
-    let model = (
-        prop_oneof![Just("phong"), Just("oren-nayar"), Just("invented")],
-        vec(("[a-z]{1,3}", value), 1..4),
-    );
-    prop_oneof![
-        model.prop_map(|(name, parameters)| Brdf::Model {
-            name: name.to_owned(),
-            parameters,
-        }),
-        any::<String>().prop_map(Brdf::File),
-    ]
+fn brdf() -> impl Strategy<Value = Arc<Brdf>> {
+    let lewis = (share(), share(), 0.0..1e6f64).prop_map(|(kd, ks, n)| {
+        Description::model(
+            "lewis",
+            [("kd", kd.into()), ("ks", ks.into()), ("n", n.into())],
+        )
+    });
+    let file = any::<String>().prop_map(|path| Description::File {
+        path,
+        content: None,
+    });
+    prop_oneof![lewis, file].prop_map(|d| Arc::new(Brdf::new(d).unwrap()))
 }
 
 fn material(textures: usize) -> impl Strategy<Value = Material> {

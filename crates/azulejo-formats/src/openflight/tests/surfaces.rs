@@ -3,8 +3,9 @@
 use super::super::opcode::*;
 use super::writer::*;
 use super::{check_warned, load, load_with, only_mesh, said};
+use crate::phong;
 use crate::{Memory, ReadOptions};
-use azulejo_scene::{Brdf, Material, Rgb};
+use azulejo_scene::{Material, Rgb};
 use glam::{DVec2, DVec3};
 
 const ORIGIN: [f64; 3] = [0.0; 3];
@@ -283,17 +284,9 @@ fn materials_glow_and_shine() {
     let glossy = material()
         .singles(48, &[1.0, 0.5, 0.25])
         .singles(72, &[20.0]);
-    let of = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
     let expected = Material {
         name: "brick".into(),
-        brdf: Some(Brdf::Model {
-            name: "phong".into(),
-            parameters: vec![
-                of("n", &[20.0]),
-                of("ks", &[1.0, 0.5, 0.25]),
-                of("kd", &[0.5, 0.25, 1.0]),
-            ],
-        }),
+        brdf: phong::brdf(20.0, Rgb::new(1.0, 0.5, 0.25), Rgb::new(0.5, 0.25, 1.0)),
         ..matt(0.5, 0.25, 1.0)
     };
     let warning = "glossy material: kept as brdf phong, its diffuse colour alone reflects";

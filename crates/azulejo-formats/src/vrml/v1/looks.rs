@@ -124,7 +124,7 @@ impl Walk<'_, '_, '_> {
         let specular = color("specularColor").unwrap_or_default().map(share);
         if !specular.is_black() {
             let exponent = MOST_EXPONENT * share(number("shininess", 0.2));
-            material.brdf = Some(phong::brdf(exponent, specular, material.diffuse));
+            material.brdf = phong::brdf(exponent, specular, material.diffuse);
             self.warn(node, "glossy material (specularColor, shininess): kept as brdf phong, its diffuseColor alone reflects");
         }
         if number("transparency", 0.0) > 0.0 {
