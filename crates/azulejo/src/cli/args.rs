@@ -333,20 +333,27 @@ pub struct LookArgs {
 }
 
 /// The picture.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct Picture {
     /// Width and height in pixels [default: the camera's, or 512x512; RTRACE's is 256x256]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub size: Option<(u32, u32)>,
-    /// Samples per pixel
-    #[arg(long, value_name = "N", default_value_t = 16,
+    /// Samples per pixel [default: 16, or 256 with --reference]
+    #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub spp: u32,
+    pub spp: Option<u32>,
     /// Gather light at every hit with N rays instead of showing what the vertices carry
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub gather: Option<u32>,
+    /// Trace paths by brute force instead of two passes: slow, without bias, with an error for
+    /// every pixel; what both passes are judged by
+    #[arg(long, conflicts_with = "gather")]
+    pub reference: bool,
+    /// Where to write the standard error of every pixel of a reference: .exr or .hdr
+    #[arg(long, value_name = "IMAGE", requires = "reference", value_hint = ValueHint::FilePath)]
+    pub error_image: Option<PathBuf>,
     /// Exposure of a PNG in stops: each doubles the brightness [default: chosen from the picture]
     #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
     pub exposure: Option<f64>,

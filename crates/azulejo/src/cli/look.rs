@@ -26,6 +26,7 @@ pub fn check(args: &RenderArgs) -> Result<(), Failure> {
     let given = [
         ("exposure", args.picture.exposure.is_some()),
         ("gather", args.picture.gather.is_some()),
+        ("reference", args.picture.reference),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) => Err(Failure::misuse(format_args!(

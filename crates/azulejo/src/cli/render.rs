@@ -1,13 +1,13 @@
-//! `render`: the second pass, from scene to picture.
+//! `render`: the second pass, from scene to picture; or one by brute force.
 
 use super::args::{LookName, Picture, RenderArgs, ToneName};
 use super::failure::Failure;
 use super::output::Output;
-use super::report::{Report, number, short};
+use super::report::{Report, number, percent, short};
 use super::session::Session;
 use super::{input, look, pass, view};
 use azulejo_formats::{exr, hdr, png};
-use azulejo_render::{SecondPass, Tone};
+use azulejo_render::{ReferencePass, SecondPass, Tone};
 use azulejo_scene::{Image, Scene};
 use azulejo_trace::Tracer;
 use std::path::Path;
@@ -25,11 +25,16 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let format = format_of(&args.output)?;
     look::check(args)?;
     let output = Output::check(&args.output)?;
+    let errors = args.picture.error_image.as_deref().map(errors_of);
+    let errors = errors.transpose()?;
     session.claim_stdout(output.is_stdout())?;
     session.set_makes_picture();
     let mut scene = input::read_all(&args.input, session)?;
     let mut report = Report::default();
     let image = match args.look.look {
+        LookName::Physical if args.picture.reference => {
+            truth(&scene, args, errors.as_ref(), session, &mut report)?
+        }
         LookName::Physical => physical(&mut scene, args, session, &mut report)?,
         LookName::Rtrace => look::draw(&scene, args, session)?,
     };
@@ -56,6 +61,49 @@ fn physical(
     let image = session
         .watched(|progress| azulejo_render::render(scene, &tracer, &camera, &options, progress))?;
     Ok(image)
+}
+
+/// Samples per pixel where nobody says: enough to look at, and to know the error of.
+const SAMPLES: u32 = 16;
+const REFERENCE_SAMPLES: u32 = 256;
+
+/// Draws the scene by brute force, and writes the errors if they are wanted.
+fn truth(
+    scene: &Scene,
+    args: &RenderArgs,
+    errors: Option<&(Output, Format)>,
+    session: &Session,
+    report: &mut Report,
+) -> Result<Image, Failure> {
+    let (camera, size) = view::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
+    let tracer = args.first_pass.engine.choose()?.tracer(scene)?;
+    let options = ReferencePass {
+        size,
+        samples_per_pixel: args.picture.spp.unwrap_or(REFERENCE_SAMPLES),
+        seed: args.first_pass.seed,
+        ..ReferencePass::default()
+    };
+    let found = session.watched(|progress| {
+        azulejo_render::reference(scene, &tracer, &camera, &options, progress)
+    })?;
+    let error = found.relative_error();
+    let words = format!("RMS standard error {} of the mean radiance", percent(error));
+    report.fact("error", number(error), "error", words);
+    if let Some((output, format)) = errors {
+        write_linear(&found.error, *format, output, session)?;
+    }
+    Ok(found.image)
+}
+
+/// Where errors go, and how: they are numbers, not for looking at.
+fn errors_of(path: &Path) -> Result<(Output, Format), Failure> {
+    match format_of(path)? {
+        Format::Png => Err(Failure::misuse(format_args!(
+            "{}: errors are written as numbers, expected .exr or .hdr",
+            path.display()
+        ))),
+        format => Ok((Output::check(path)?, format)),
+    }
 }
 
 /// Makes sure that the scene carries light, and prepares it for tracing.
@@ -98,7 +146,7 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
 fn options(picture: &Picture, seed: u64, size: (u32, u32)) -> SecondPass {
     SecondPass {
         size,
-        samples_per_pixel: picture.spp,
+        samples_per_pixel: picture.spp.unwrap_or(SAMPLES),
         gather: picture.gather,
         seed,
         ..SecondPass::default()
@@ -113,6 +161,19 @@ fn tone(name: ToneName) -> Tone {
     }
 }
 
+/// Writes radiance, or errors of it.
+fn write_linear(
+    image: &Image,
+    format: Format,
+    output: &Output,
+    session: &Session,
+) -> Result<(), Failure> {
+    output.write(session.progress(), |out| match format {
+        Format::Hdr => hdr::write(image, out),
+        _ => exr::write(image, out),
+    })
+}
+
 fn write(
     image: &Image,
     format: Format,
@@ -123,8 +184,7 @@ fn write(
 ) -> Result<(), Failure> {
     let progress = session.progress();
     match format {
-        Format::Exr => output.write(progress, |out| exr::write(image, out)),
-        Format::Hdr => output.write(progress, |out| hdr::write(image, out)),
+        Format::Exr | Format::Hdr => write_linear(image, format, output, session),
         Format::Png if args.look.look == LookName::Rtrace => {
             let pixels = azulejo_render::rtrace::bytes(image);
             output.write(progress, |out| {
