@@ -118,8 +118,10 @@ impl Material {
         }
     }
 
-    /// A surface that reflects by a model.
+    /// A surface that reflects by a model; less of it where it would create energy
+    /// ([`Brdf::limited`]).
     pub fn with_brdf(name: impl Into<String>, brdf: Arc<Brdf>) -> Material {
+        let brdf = brdf.limited();
         Material {
             name: name.into(),
             diffuse: brdf.mean_diffuse(),
@@ -135,20 +137,33 @@ impl Material {
         glossy.filter(|lobes| !lobes.is_empty() && self.dielectric.is_none())
     }
 
+    /// Share of even light that the glossy lobes reflect.
+    pub fn mean_glossy(&self) -> Rgb {
+        self.glossy().map_or(Rgb::BLACK, Lobes::mean_albedo)
+    }
+
+    /// By how much reflectances may exceed 1: rounding, and more beside glossy lobes, whose share
+    /// is found by samples.
+    pub(crate) fn energy_margin(glossy: f64) -> f64 {
+        if glossy > 0.0 { 2e-3 } else { 1e-9 }
+    }
+
     /// Makes reflectances possible; `false` if they were not.
     ///
-    /// What is outside 0..=1 is clamped; where diffuse and mirror reflect more than arrives,
-    /// both are scaled down.
+    /// What is outside 0..=1 is clamped; where diffuse and mirror, with glossy lobes, reflect more
+    /// than arrives, both are scaled down.
     pub fn limit_reflectance(&mut self) -> bool {
         let before = (self.diffuse, self.mirror);
         self.diffuse = self.diffuse.map(|x| x.clamp(0.0, 1.0));
         self.mirror = self.mirror.map(|x| x.clamp(0.0, 1.0));
+        let glossy = self.mean_glossy();
         for channel in 0..3 {
             let sum = self.diffuse[channel] + self.mirror[channel];
+            let room = (1.0 - glossy[channel]).max(0.0);
             // The margin is that of a valid scene, whose sums are left to the bit.
-            if sum > 1.0 + 1e-9 {
-                self.diffuse[channel] /= sum;
-                self.mirror[channel] /= sum;
+            if sum > room + Material::energy_margin(glossy[channel]) {
+                self.diffuse[channel] *= room / sum;
+                self.mirror[channel] *= room / sum;
             }
         }
         before == (self.diffuse, self.mirror)

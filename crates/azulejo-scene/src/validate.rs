@@ -3,7 +3,7 @@
 mod exact;
 mod rtrace;
 
-use crate::{Attribute, LightKind, Mesh, Object, Primitive, PrimitiveKind, Scene, Shape};
+use crate::{Attribute, LightKind, Material, Mesh, Object, Primitive, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
 use std::fmt;
 
@@ -44,7 +44,8 @@ impl Scene {
     ///    and primitives into materials, materials into textures.
     /// 2. Every face has three or more corners and one material; per-vertex lists are empty or
     ///    as long as the positions, per-face lists as long as the faces.
-    /// 3. Every number is finite. Reflectances are in 0..=1 and `diffuse + mirror <= 1`;
+    /// 3. Every number is finite. Reflectances are in 0..=1; `diffuse + mirror`, with what glossy
+    ///    lobes reflect of even light, is at most 1;
     ///    emission, irradiance and intensities are not negative.
     /// 4. Normals have length 1 (to 1e-3) or are absent; so have the directions of lights.
     /// 5. Primitives' maps are invertible, cone tops in 0..=1, `ior > 0`, units > 0.
@@ -117,8 +118,13 @@ impl Scene {
                     place,
                     || format!("reflectances are diffuse {d} and mirror {s}, expected 0..=1"),
                 )?;
-                ensure(d + s <= 1.0 + 1e-9, place, || {
-                    format!("diffuse {d} + mirror {s} exceed 1, which creates energy")
+                let glossy = m.mean_glossy()[k];
+                let margin = Material::energy_margin(glossy);
+                ensure(d + s + glossy <= 1.0 + margin, place, || match glossy {
+                    0.0 => format!("diffuse {d} + mirror {s} exceed 1, which creates energy"),
+                    _ => format!(
+                        "diffuse {d} + mirror {s} + glossy {glossy} exceed 1, which creates energy"
+                    ),
                 })?;
                 ensure(e >= 0.0 && e.is_finite(), place, || {
                     format!("emission is {e}, expected a finite number >= 0")

@@ -53,10 +53,14 @@ use glam::DVec3;
 use lobe::{Lobe, Reflect, Spread};
 use std::f64::consts::FRAC_1_PI;
 use std::fmt;
+use std::sync::Arc;
 
 /// Lobes that keep half of what they reflect within this angle of the mirrored direction are
 /// mirrors to the first pass, in degrees.
 pub const NARROW: f64 = 1.0;
+
+/// By how much a mean reflectance may exceed 1 because it was found by samples.
+const ROUNDING: f64 = 1e-3;
 
 /// A reflection model, ready to be evaluated: a sum of what is reflected in all directions alike
 /// and of [`Lobes`] of three kinds, which the passes treat differently.
@@ -74,9 +78,26 @@ impl Brdf {
     /// # Errors
     /// [`Problem`]: unknown names, numbers out of range, weights that create energy.
     pub fn new(description: Description) -> Result<Brdf, Problem> {
+        Brdf::scaled(description, 1.0)
+    }
+
+    /// The model itself, or, of one that reflects more of even light than arrives, as much less
+    /// of it as makes that possible: without it light between such surfaces would grow. The
+    /// description stays.
+    pub fn limited(self: Arc<Brdf>) -> Arc<Brdf> {
+        let most = self.mean_reflectance().max_channel();
+        if most <= 1.0 + ROUNDING {
+            return self;
+        }
+        let scaled = Brdf::scaled(self.description.clone(), 1.0 / most);
+        scaled.map_or(self, Arc::new)
+    }
+
+    fn scaled(description: Description, scale: f64) -> Result<Brdf, Problem> {
         let mut diffuse = Rgb::BLACK;
         let [mut matt, mut glossy, mut narrow] = [const { Vec::new() }; 3];
         for (weight, lobe) in description.lobes()? {
+            let weight = weight * scale;
             match (&lobe, lobe.spread()) {
                 (Lobe::Lambert(lambert), _) => diffuse += lambert.albedo * weight,
                 (_, Spread::Matt) => matt.push((weight, lobe)),
@@ -125,6 +146,11 @@ impl Brdf {
     /// [`matt`](Brdf::matt) lobes.
     pub fn mean_diffuse(&self) -> Rgb {
         self.diffuse + self.matt.mean_albedo()
+    }
+
+    /// Share of even light that is reflected in all; more than 1 for what creates energy.
+    pub fn mean_reflectance(&self) -> Rgb {
+        self.mean_diffuse() + self.mean_mirror() + self.glossy.mean_albedo()
     }
 
     /// Mean reflectance of mirrors and nearly mirrors.
