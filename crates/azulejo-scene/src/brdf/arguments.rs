@@ -1,6 +1,7 @@
 //! The parameters of a description, checked against what its model takes.
 
 use super::description::{Parameter, Value};
+use super::metals::find_metal;
 use super::models::{Info, Kind, ParameterInfo, nearest};
 use super::{Fresnel, Problem};
 use crate::Rgb;
@@ -127,7 +128,13 @@ impl<'a> Arguments<'a> {
     }
 
     fn metal(&self) -> Result<Fresnel, Problem> {
-        Err(Problem::Other("the table of metals is empty".to_owned()))
+        match self.value("metal") {
+            Some(Value::Word(name)) => Ok(find_metal(name)?.fresnel()),
+            _ => Err(Problem::Kind {
+                name: "metal",
+                expected: "the name of a metal".to_owned(),
+            }),
+        }
     }
 }
 

@@ -2,7 +2,10 @@
 
 use super::ashikhmin_shirley::{AshikhminShirley, AshikhminShirleyBase};
 use super::beard_maxwell::{BeardMaxwell, BeardMaxwellBelow};
+use super::beckmann_smith::BeckmannSmith;
+use super::blinn::Blinn;
 use super::burley_diffuse::BurleyDiffuse;
+use super::cook_torrance::CookTorrance;
 use super::eon::Eon;
 use super::gltf_mr::{GltfBase, GltfSurface};
 use super::lafortune::Lafortune;
@@ -10,9 +13,12 @@ use super::lambert::Lambert;
 use super::lewis::Lewis;
 use super::minnaert::Minnaert;
 use super::oren_nayar::OrenNayar;
+use super::phong::Phong;
 use super::schlick::{Schlick, SchlickBase};
 use super::smooth::Smooth;
 use super::strauss::Strauss;
+use super::torrance_sparrow_gauss::TorranceSparrow;
+use super::ward::Ward;
 use crate::Rgb;
 use glam::DVec3;
 
@@ -67,10 +73,22 @@ macro_rules! lobes {
 lobes! {
     /// The same in all directions.
     Lambert(Lambert),
-    /// Lewis 1993: Phong's lobe, made reciprocal.
-    Lewis(Lewis),
     /// Mirrors, metals and dielectrics without roughness.
     Smooth(Smooth),
+    /// Phong 1975.
+    Phong(Phong),
+    /// Lewis 1993: Phong's lobe, made reciprocal.
+    Lewis(Lewis),
+    /// Blinn 1977.
+    Blinn(Blinn),
+    /// Ward 1992 and what others made of it.
+    Ward(Ward),
+    /// Torrance and Sparrow 1967.
+    TorranceSparrow(TorranceSparrow),
+    /// Cook and Torrance 1982.
+    CookTorrance(CookTorrance),
+    /// Beckmann's facets, Smith's shadows.
+    BeckmannSmith(BeckmannSmith),
     /// Schlick 1994, glossy.
     Schlick(Schlick),
     /// Schlick 1994, matt.
@@ -102,12 +120,15 @@ lobes! {
 }
 
 impl Reflect for Lobe {
+    /// Where a formula overflows within rounding of the horizon, nothing is reflected.
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        self.model().eval(wo, wi)
+        let value = self.model().eval(wo, wi);
+        if value.is_finite() { value } else { Rgb::BLACK }
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.model().pdf(wo, wi)
+        let density = self.model().pdf(wo, wi);
+        if density.is_finite() { density } else { 0.0 }
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> DVec3 {

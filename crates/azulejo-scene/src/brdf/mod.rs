@@ -17,18 +17,29 @@
 //! assert!((weight.r - sample.weight.r).abs() < 1e-12);
 //! ```
 
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "NaN must fail the comparison, too"
+)]
+
 mod arguments;
 mod description;
 mod fresnel;
 mod lobe;
 mod lobes;
+mod metals;
+mod microfacet;
 mod models;
 mod problem;
 mod quadrature;
 
 mod ashikhmin_shirley;
 mod beard_maxwell;
+mod beckmann;
+mod beckmann_smith;
+mod blinn;
 mod burley_diffuse;
+mod cook_torrance;
 mod eon;
 mod gltf_mr;
 mod lafortune;
@@ -37,14 +48,18 @@ mod lewis;
 mod matt;
 mod minnaert;
 mod oren_nayar;
+mod phong;
 mod schlick;
 mod smooth;
 mod strauss;
+mod torrance_sparrow_gauss;
 mod vndf;
+mod ward;
 
 pub use description::{Content, Description, Model, Parameter, Value};
 pub use fresnel::Fresnel;
 pub use lobes::{Lobes, Sample};
+pub use metals::{METALS, Metal, WAVELENGTHS, find_metal};
 pub use models::{FRESNEL, Info, Kind, MODELS, ParameterInfo, find};
 pub use problem::Problem;
 

@@ -3,8 +3,9 @@
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::{
-    Problem, ashikhmin_shirley, beard_maxwell, burley_diffuse, eon, gltf_mr, lafortune, lambert,
-    lewis, minnaert, oren_nayar, schlick, smooth, strauss,
+    Problem, ashikhmin_shirley, beard_maxwell, beckmann_smith, blinn, burley_diffuse,
+    cook_torrance, eon, gltf_mr, lafortune, lambert, lewis, minnaert, oren_nayar, phong, schlick,
+    smooth, strauss, torrance_sparrow_gauss, ward,
 };
 
 /// A model that descriptions can name.
@@ -134,7 +135,7 @@ impl Info {
     }
 }
 
-fn is_called(name: &str, aliases: &[&str], given: &str) -> bool {
+pub(super) fn is_called(name: &str, aliases: &[&str], given: &str) -> bool {
     let is = |known: &str| known.eq_ignore_ascii_case(given);
     is(name) || aliases.iter().any(|a| is(a))
 }
@@ -184,7 +185,15 @@ pub static MODELS: &[&Info] = &[
     &smooth::SPECULAR,
     &smooth::CONDUCTOR,
     &smooth::DIELECTRIC,
+    &phong::INFO,
     &lewis::INFO,
+    &blinn::INFO,
+    &ward::WARD,
+    &ward::DUER,
+    &ward::GMD,
+    &torrance_sparrow_gauss::INFO,
+    &cook_torrance::INFO,
+    &beckmann_smith::INFO,
     &schlick::INFO,
     &oren_nayar::INFO,
     &eon::INFO,

@@ -13,6 +13,13 @@ pub enum Problem {
         /// The known name that is most like it.
         nearest: &'static str,
     },
+    /// The table of metals has none of this name.
+    UnknownMetal {
+        /// As it was written.
+        name: String,
+        /// The known name that is most like it.
+        nearest: &'static str,
+    },
     /// The model has no parameter of this name.
     UnknownParameter {
         /// Of which model.
@@ -78,6 +85,10 @@ impl fmt::Display for Problem {
             Problem::UnknownModel { name, nearest } => write!(
                 f,
                 "there is no reflection model `{name}`; the nearest name is `{nearest}`"
+            ),
+            Problem::UnknownMetal { name, nearest } => write!(
+                f,
+                "there is no metal `{name}`; the nearest name is `{nearest}`"
             ),
             Problem::UnknownParameter {
                 model,

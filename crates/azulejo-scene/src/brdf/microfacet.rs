@@ -1,0 +1,102 @@
+//! What models of small facets share: the half vector, V-grooves, a base below the facets.
+
+use super::Problem;
+use super::arguments::Arguments;
+use super::lambert::Lambert;
+use super::lobe::Lobe;
+use super::lobes::Lobes;
+use super::models::ParameterInfo;
+use glam::DVec3;
+
+/// Slope of the facets along x, the tangent.
+pub(super) const AX: ParameterInfo =
+    ParameterInfo::number("ax", [1e-4, 10.0], "roughness along the tangent").also(&["alpha"]);
+
+/// Slope of the facets along y, the bitangent.
+pub(super) const AY: ParameterInfo = ParameterInfo::number(
+    "ay",
+    [1e-4, 10.0],
+    "roughness along the bitangent; `ax` where it is not given",
+)
+.optional();
+
+/// `ax` and `ay`.
+pub(super) fn roughness(arguments: &Arguments) -> [f64; 2] {
+    let ax = arguments.number("ax");
+    let ay = arguments.has("ay").then(|| arguments.number("ay"));
+    [ax, ay.unwrap_or(ax)]
+}
+
+/// The vector halfway between two directions: the normal of the facets that mirror one to the
+/// other. All that is asked of it is the same to the bit when the two change places.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Half {
+    /// The sum of the two.
+    pub v: DVec3,
+    length: f64,
+}
+
+impl Half {
+    pub fn new(wo: DVec3, wi: DVec3) -> Half {
+        let v = wo + wi;
+        Half {
+            v,
+            length: v.length(),
+        }
+    }
+
+    /// Cosine between the half vector and the normal.
+    pub fn cos_h(&self) -> f64 {
+        self.v.z / self.length
+    }
+
+    /// Cosine between the half vector and either direction.
+    pub fn cos_d(&self) -> f64 {
+        // |v|² = 2 + 2 cos of the angle between the two.
+        (0.5 * self.length).min(1.0)
+    }
+
+    /// The angle between the half vector and the normal, in radians.
+    pub fn theta_h(&self) -> f64 {
+        self.v.x.hypot(self.v.y).atan2(self.v.z)
+    }
+
+    /// Density over the solid angle of `wi` of half vectors with density `of_half` over theirs:
+    /// mirroring spreads a cone fourfold, less its slant.
+    pub fn reflected(&self, of_half: f64) -> f64 {
+        of_half / (4.0 * self.cos_d())
+    }
+}
+
+/// The direction that a facet of normal `h`, unit, mirrors `wo` to. Where the facet is not seen
+/// from `wo` it comes out below the surface.
+pub(super) fn mirrored_by(wo: DVec3, h: DVec3) -> DVec3 {
+    h * (2.0 * wo.dot(h)) - wo
+}
+
+/// The share of facets that neither hide nor shade each other, if they form V-shaped grooves.
+/// Torrance and Sparrow 1967.
+pub(super) fn v_grooves(half: &Half, wo: DVec3, wi: DVec3) -> f64 {
+    (2.0 * half.cos_h() * wo.z.min(wi.z) / half.cos_d()).min(1.0)
+}
+
+/// Lobes of facets on top of a matt base of reflectance `kd`.
+///
+/// # Errors
+/// [`Problem::Energy`] where base and lobes reflect more of even light than arrives. Where
+/// `kd + ks` is at most 1, they never do.
+pub(super) fn over_base(arguments: &Arguments, mut lobes: Vec<Lobe>) -> Result<Vec<Lobe>, Problem> {
+    let (kd, ks) = (arguments.color("kd"), arguments.color("ks"));
+    if (kd + ks).max_channel() > 1.0 {
+        let mean = Lobes::new(lobes.iter().map(|l| (1.0, l.clone())).collect()).mean_albedo();
+        let sum = (kd + mean).max_channel();
+        if sum > 1.0 && !kd.is_black() {
+            return Err(Problem::Energy {
+                what: "kd and what the facets reflect of even light".to_owned(),
+                sum,
+            });
+        }
+    }
+    lobes.insert(0, Lobe::Lambert(Lambert { albedo: kd }));
+    Ok(lobes)
+}

@@ -1,0 +1,73 @@
+//! Phong's lobe as he published it: `phong`.
+//!
+//! B. T. Phong, *Illumination for computer generated pictures*, CACM 18(6), 1975. He gave a
+//! radiance, ks cosⁿ α; divided by cos θi it is a BRDF that is not reciprocal and has no upper
+//! bound. For materials of old files only; `lewis` is the same lobe made possible.
+
+use super::Problem;
+use super::arguments::Arguments;
+use super::lambert::Lambert;
+use super::lewis::{about, mirrored};
+use super::lobe::{Lobe, Reflect, Spread};
+use super::models::{EXPONENT, Info, KD, KS};
+use crate::Rgb;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+pub(super) const INFO: Info = Info {
+    name: "phong",
+    aliases: &["phong_original"],
+    title: "Phong (original)",
+    paper: "B. T. Phong, Illumination for computer generated pictures, CACM 18(6), 1975",
+    parameters: &[KD, KS, EXPONENT],
+    examples: &[
+        "phong kd = 0.3 ks = 0.4 n = 10",
+        "phong kd = (0.1, 0.2, 0.3) ks = 0.5 n = 200",
+    ],
+    has_fresnel: false,
+    is_reciprocal: false,
+    is_energy_safe: false,
+    make,
+};
+
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+    Ok(vec![
+        Lobe::Lambert(Lambert {
+            albedo: arguments.color("kd"),
+        }),
+        Lobe::Phong(Phong {
+            scale: arguments.color("ks"),
+            exponent: arguments.number("n"),
+        }),
+    ])
+}
+
+/// ks cosⁿ α/cos θi, α the angle to the mirrored direction.
+#[derive(Clone, Debug)]
+pub(super) struct Phong {
+    /// No reflectance: with ks = 1, n = 20, 0.29 of the light is reflected from the normal, but
+    /// 1.6 at 89°.
+    scale: Rgb,
+    exponent: f64,
+}
+
+impl Reflect for Phong {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);
+        self.scale * (cos.powf(self.exponent) / wi.z)
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);
+        (self.exponent + 1.0) / TAU * cos.powf(self.exponent)
+    }
+
+    fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
+        let cos = (1.0 - u1).powf(1.0 / (self.exponent + 1.0));
+        about(mirrored(wo), cos, u2)
+    }
+
+    fn spread(&self) -> Spread {
+        Spread::Glossy(0.5f64.powf(1.0 / (self.exponent + 1.0)).acos())
+    }
+}

@@ -1,0 +1,51 @@
+//! A table of values that another program calculated, if it is there.
+
+use super::{brdf, direction};
+use std::path::Path;
+
+/// What a row says, compared with what its model gives.
+fn check(row: &str) {
+    let cells: Vec<&str> = row.split('\t').collect();
+    let [id, model, parameters, angles @ .., expected] = &cells[..] else {
+        panic!("a row has at least four cells: {row}");
+    };
+    let angles: Vec<f64> = angles.iter().map(|a| a.parse().unwrap()).collect();
+    let expected: f64 = expected.parse().unwrap();
+    let text = format!("{model} {}", parameters.replace(';', " "));
+    let made = brdf(&text);
+    let (wi, wo) = (
+        direction(angles[0], angles[1]),
+        direction(angles[2], angles[3]),
+    );
+    let is_mirror = model.starts_with("fresnel") || model.ends_with("rho_s");
+    let found = if is_mirror {
+        made.mirror(wi.z)
+    } else {
+        made.eval(wo, wi)
+    };
+    let tolerance = if *model == "ggx_ms" { 1e-5 } else { 1e-6 };
+    assert!(
+        (found.r / expected - 1.0).abs() < tolerance,
+        "{id} {text}: {} instead of {expected}",
+        found.r
+    );
+}
+
+#[test]
+#[allow(clippy::print_stderr, reason = "says that it was skipped")]
+fn the_table_of_values_is_kept() {
+    let Ok(data) = std::env::var("AZULEJO_DATA") else {
+        eprintln!("skipped: AZULEJO_DATA is not set");
+        return;
+    };
+    let path = Path::new(&data).join("reference/brdf_values.tsv");
+    let table = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
+    let rows = table.lines().filter(|l| !l.starts_with('#')).skip(1);
+    for row in rows {
+        if super::super::find(row.split('\t').nth(1).unwrap()).is_err() {
+            eprintln!("unknown: {row}");
+            continue;
+        }
+        check(row);
+    }
+}
