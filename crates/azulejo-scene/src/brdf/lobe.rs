@@ -7,13 +7,17 @@ use super::blinn::Blinn;
 use super::burley_diffuse::BurleyDiffuse;
 use super::cook_torrance::CookTorrance;
 use super::eon::Eon;
+use super::ggx_ms::GgxMultiple;
+use super::ggx_smith::GgxSmith;
 use super::gltf_mr::{GltfBase, GltfSurface};
+use super::he_torrance::{HeMirror, HeTorrance};
 use super::lafortune::Lafortune;
 use super::lambert::Lambert;
 use super::lewis::Lewis;
 use super::minnaert::Minnaert;
 use super::oren_nayar::OrenNayar;
 use super::phong::Phong;
+use super::poulin_fournier::{MattCylinders, ShinyCylinders};
 use super::schlick::{Schlick, SchlickBase};
 use super::smooth::Smooth;
 use super::strauss::Strauss;
@@ -87,8 +91,20 @@ lobes! {
     TorranceSparrow(TorranceSparrow),
     /// Cook and Torrance 1982.
     CookTorrance(CookTorrance),
+    /// Poulin and Fournier 1990: the cylinders' matt light.
+    MattCylinders(MattCylinders),
+    /// Poulin and Fournier 1990: the cylinders' highlights.
+    ShinyCylinders(ShinyCylinders),
+    /// He et al. 1991: what is spread.
+    HeTorrance(HeTorrance),
+    /// He et al. 1991: what is mirrored.
+    HeMirror(HeMirror),
+    /// Trowbridge and Reitz's facets, Smith's shadows.
+    GgxSmith(GgxSmith),
     /// Beckmann's facets, Smith's shadows.
     BeckmannSmith(BeckmannSmith),
+    /// Kulla and Conty 2017: what facets reflect more than once.
+    GgxMultiple(GgxMultiple),
     /// Schlick 1994, glossy.
     Schlick(Schlick),
     /// Schlick 1994, matt.

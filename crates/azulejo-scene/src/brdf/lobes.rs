@@ -167,6 +167,30 @@ fn from_cosine(cos: f64) -> DVec3 {
     DVec3::new(sin, sin, cos)
 }
 
+/// The angle about the mirrored direction that holds half of what is reflected of light from
+/// near the normal, in radians.
+pub(super) fn median_angle(lobe: &impl Reflect) -> f64 {
+    let wo = from_cosine(0.999);
+    let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
+    let weigh = |u: [f64; 3]| {
+        let wi = lobe.sample(wo, u);
+        let pdf = lobe.pdf(wo, wi);
+        let is_lost = !(wi.z > 0.0 && pdf > 0.0);
+        let weight = lobe.eval(wo, wi).mean() * wi.z / pdf;
+        let angle = mirrored.cross(wi).length().atan2(mirrored.dot(wi));
+        (!is_lost).then_some((angle, weight))
+    };
+    let mut found: Vec<(f64, f64)> = lattice(SAMPLES).filter_map(weigh).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * found.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut sum = 0.0;
+    let median = found.iter().find(|(_, weight)| {
+        sum += weight;
+        sum >= half
+    });
+    median.map_or(std::f64::consts::FRAC_PI_2, |(angle, _)| *angle)
+}
+
 /// Share of the light along `wo` that a lobe scatters, from the mean weight of its samples.
 fn scattered(lobe: &Lobe, wo: DVec3, samples: usize) -> Rgb {
     let weight = |u: [f64; 3]| {

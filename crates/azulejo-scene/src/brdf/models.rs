@@ -4,8 +4,9 @@ use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::{
     Problem, ashikhmin_shirley, beard_maxwell, beckmann_smith, blinn, burley_diffuse,
-    cook_torrance, eon, gltf_mr, lafortune, lambert, lewis, minnaert, oren_nayar, phong, schlick,
-    smooth, strauss, torrance_sparrow_gauss, ward,
+    cook_torrance, eon, ggx_ms, ggx_smith, gltf_mr, he_torrance, lafortune, lambert, lewis,
+    minnaert, oren_nayar, phong, poulin_fournier, schlick, smooth, strauss, torrance_sparrow_gauss,
+    ward,
 };
 
 /// A model that descriptions can name.
@@ -193,7 +194,12 @@ pub static MODELS: &[&Info] = &[
     &ward::GMD,
     &torrance_sparrow_gauss::INFO,
     &cook_torrance::INFO,
+    &poulin_fournier::INFO,
+    &he_torrance::INFO,
+    &he_torrance::MIRROR,
+    &ggx_smith::INFO,
     &beckmann_smith::INFO,
+    &ggx_ms::INFO,
     &schlick::INFO,
     &oren_nayar::INFO,
     &eon::INFO,

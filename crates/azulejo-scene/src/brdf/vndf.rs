@@ -25,7 +25,7 @@ impl Ggx {
     }
 
     /// Length of a direction in the space where the facets' slopes are 1.
-    fn stretch(&self, w: DVec3) -> f64 {
+    pub fn stretch(&self, w: DVec3) -> f64 {
         DVec3::new(w.x * self.ax, w.y * self.ay, w.z).length()
     }
 

@@ -41,11 +41,5 @@ fn the_table_of_values_is_kept() {
     let path = Path::new(&data).join("reference/brdf_values.tsv");
     let table = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
     let rows = table.lines().filter(|l| !l.starts_with('#')).skip(1);
-    for row in rows {
-        if super::super::find(row.split('\t').nth(1).unwrap()).is_err() {
-            eprintln!("unknown: {row}");
-            continue;
-        }
-        check(row);
-    }
+    rows.for_each(check);
 }

@@ -1,0 +1,177 @@
+//! GGX with what its facets reflect more than once: `ggx_ms`.
+//!
+//! C. Kulla, A. Conty, *Revisiting physically based shading at Imageworks*, SIGGRAPH 2017 course.
+//! What one reflection loses of white light comes back from a second lobe, the same around the
+//! normal, so that white facets reflect all light from every direction.
+
+use super::Problem;
+use super::arguments::Arguments;
+use super::ggx_smith::GgxSmith;
+use super::lobe::{Lobe, Reflect, Spread};
+use super::microfacet::{mirrored_by, over_base};
+use super::models::{Info, KD, KS, ParameterInfo};
+use super::quadrature::{cosine_hemisphere, gauss_legendre, midpoints};
+use super::vndf::Ggx;
+use crate::Rgb;
+use glam::DVec3;
+use std::f64::consts::FRAC_1_PI;
+use std::sync::Arc;
+
+pub(super) const INFO: Info = Info {
+    name: "ggx_ms",
+    aliases: &[],
+    title: "GGX with multiple reflections",
+    paper: "C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, SIGGRAPH 2017",
+    parameters: &[
+        KD,
+        KS,
+        ParameterInfo::number("ax", [1e-4, 1.0], "roughness").also(&["alpha"]),
+        ParameterInfo::number("ay", [1e-4, 1.0], "the same again, if it is given").optional(),
+    ],
+    examples: &[
+        "ggx_ms ax = 0.5",
+        "ggx_ms ax = 1 metal = copper",
+        "ggx_ms kd = 0.4 ks = 0.6 ax = 0.2 eta = 1.5",
+    ],
+    has_fresnel: true,
+    is_reciprocal: true,
+    is_energy_safe: true,
+    make,
+};
+
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+    let alpha = arguments.number("ax");
+    if arguments.has("ay") && arguments.number("ay") != alpha {
+        return Err(Problem::Other(
+            "`ggx_ms` is the same along both axes: `ax` and `ay` must be equal, or `ggx_smith` \
+             be used"
+                .to_owned(),
+        ));
+    }
+    let (scale, fresnel) = (arguments.color("ks"), arguments.fresnel()?);
+    let facets = Ggx {
+        ax: alpha,
+        ay: alpha,
+    };
+    let multiple = GgxMultiple::new(scale, fresnel.mean(), Lost::new(facets));
+    let once = GgxSmith {
+        scale,
+        fresnel,
+        facets,
+    };
+    over_base(
+        arguments,
+        vec![Lobe::GgxSmith(once), Lobe::GgxMultiple(multiple)],
+    )
+}
+
+/// Fms (1 − E(i))(1 − E(o))/(π (1 − Ē)).
+#[derive(Clone, Debug)]
+pub(super) struct GgxMultiple {
+    /// ks Fms/(π (1 − Ē)).
+    scale: Rgb,
+    lost: Arc<Lost>,
+}
+
+impl GgxMultiple {
+    /// `fresnel` is the mean of the Fresnel term: what is left after each reflection.
+    fn new(scale: Rgb, fresnel: Rgb, lost: Lost) -> GgxMultiple {
+        let once = 1.0 - lost.mean;
+        let multiple = fresnel.map(|f| f * f * once / (1.0 - f * lost.mean));
+        // Where facets are nearly flat nothing is lost, and nothing comes back.
+        let over = FRAC_1_PI / lost.mean.max(1e-12);
+        GgxMultiple {
+            scale: scale * multiple * over,
+            lost: Arc::new(lost),
+        }
+    }
+}
+
+impl Reflect for GgxMultiple {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        self.scale * (self.lost.at(wo.z) * self.lost.at(wi.z))
+    }
+
+    fn pdf(&self, _wo: DVec3, wi: DVec3) -> f64 {
+        wi.z * FRAC_1_PI
+    }
+
+    fn sample(&self, _wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
+        cosine_hemisphere(u1, u2)
+    }
+
+    fn spread(&self) -> Spread {
+        Spread::Matt
+    }
+}
+
+/// Intervals of the table of what is lost.
+const INTERVALS: usize = 64;
+
+/// What white facets lose of light along a direction because it meets them again: 1 − E.
+#[derive(Debug)]
+struct Lost {
+    alpha: f64,
+    /// At equal steps of t = μ/(μ + α), where it is smooth for any roughness α; μ = cos θ.
+    table: Vec<f64>,
+    /// 1 − Ē = 2 ∫ (1 − E) μ dμ.
+    mean: f64,
+}
+
+impl Lost {
+    fn new(facets: Ggx) -> Lost {
+        let alpha = facets.ax;
+        let points = gauss_legendre(96);
+        let cosine = |k: usize| {
+            let t = k as f64 / INTERVALS as f64 / (1.0 + alpha);
+            (alpha * t / (1.0 - t)).min(1.0)
+        };
+        let table = (0..=INTERVALS).map(|k| lost(facets, cosine(k), &points));
+        let mut lost = Lost {
+            alpha,
+            table: table.collect(),
+            mean: 0.0,
+        };
+        // In t as well: dμ = α/(1 − t)² dt.
+        let end = 1.0 / (1.0 + alpha);
+        let term = |&(x, weight): &(f64, f64)| {
+            let t = x * end;
+            let cos = alpha * t / (1.0 - t);
+            2.0 * weight * end * lost.at(cos) * cos * alpha / (1.0 - t).powi(2)
+        };
+        lost.mean = points.iter().map(term).sum();
+        lost
+    }
+
+    /// 1 − E, by cubic interpolation.
+    fn at(&self, cos: f64) -> f64 {
+        let t = cos / (cos + self.alpha) * (1.0 + self.alpha) * INTERVALS as f64;
+        let first = (t as usize).saturating_sub(1).min(INTERVALS - 3);
+        let x = t - first as f64;
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.table[first + k]);
+        // Lagrange's polynomial through four points at 0, 1, 2, 3.
+        let (x1, x2, x3) = (x - 1.0, x - 2.0, x - 3.0);
+        let outer = (d * x * x1 * x2 - a * x1 * x2 * x3) / 6.0;
+        let inner = 0.5 * (b * x * x2 * x3 - c * x * x1 * x3);
+        (outer + inner).clamp(0.0, 1.0)
+    }
+}
+
+/// 1 − E at one cosine: the mean over the facets that are seen of the share that is shaded from
+/// where they mirror to.
+fn lost(facets: Ggx, cos: f64, points: &[(f64, f64)]) -> f64 {
+    const TURNS: usize = 48;
+    let wo = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+    let shaded = |u1: f64, u2: f64| {
+        let wi = mirrored_by(wo, facets.sample(wo, [u1, u2, 0.0]));
+        if wi.z <= 0.0 {
+            return 1.0;
+        }
+        // 1 − G₂/G₁ of Smith's shadows, where both cosines may be nearly 0.
+        let (o, i) = (wo.z * facets.stretch(wi), wi.z * facets.stretch(wo));
+        (o - wo.z * wi.z) / (o + i)
+    };
+    // Both halves of the turn are the same.
+    let turn = |u1: f64| midpoints(TURNS).map(|u| shaded(u1, 0.5 * u)).sum::<f64>() / TURNS as f64;
+    points.iter().map(|&(u1, weight)| weight * turn(u1)).sum()
+}

@@ -1,0 +1,280 @@
+//! Reflection by wave optics from rough metals and glass: `he_torrance`.
+//!
+//! X. D. He, K. E. Torrance, F. X. Sillion, D. P. Greenberg, *A comprehensive physical model for
+//! light reflection*, SIGGRAPH 1991. The smoother the surface is beside the wavelength, the more
+//! is mirrored exactly; the rest is spread about the mirrored direction, by diffraction. The
+//! paper's geometric factor has projections over |k_r × k_i|⁴ that cancel to 1 (A. Willmott, in
+//! Radiance's `He.cal`) and are left out.
+
+mod series;
+
+use super::arguments::Arguments;
+use super::beckmann::{Beckmann, hidden};
+use super::lobe::{Lobe, Reflect, Spread};
+use super::microfacet::{Half, over_base};
+use super::models::{Info, KD, KS, ParameterInfo};
+use super::quadrature::cosine_hemisphere;
+use super::{Fresnel, Problem, WAVELENGTHS};
+use crate::Rgb;
+use glam::DVec3;
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, LN_2, PI, TAU};
+
+const PARAMETERS: &[ParameterInfo] = &[
+    KD.also(&["rd", "a"]),
+    KS,
+    ParameterInfo::number("sigma0", [1e-4, 1e4], "root mean square height")
+        .also(&["sigma"])
+        .in_unit("µm"),
+    ParameterInfo::number("tau", [1e-3, 1e6], "correlation length of the heights").in_unit("µm"),
+    ParameterInfo::color(
+        "lambda",
+        [1e-2, 1e3],
+        "wavelength of each channel; (0.61, 0.55, 0.465) where it is not given",
+    )
+    .optional()
+    .in_unit("µm"),
+];
+
+pub(super) const INFO: Info = Info {
+    name: "he_torrance",
+    aliases: &["he", "he_torrance_dd"],
+    title: "He–Torrance–Sillion–Greenberg",
+    paper: "X. D. He et al., A comprehensive physical model for light reflection, SIGGRAPH 1991",
+    parameters: PARAMETERS,
+    examples: &[
+        "he_torrance sigma0 = 0.18 tau = 3 metal = aluminium",
+        "he_torrance sigma0 = 0.28 tau = 1.77 lambda = 0.5",
+        "he_torrance kd = 0.4 ks = 0.6 sigma0 = 0.05 tau = 2 eta = 1.5",
+        "he_torrance sigma0 = 2 tau = 12 metal = gold",
+    ],
+    has_fresnel: true,
+    is_reciprocal: true,
+    is_energy_safe: true,
+    make: |arguments| {
+        let surface = Surface::new(arguments)?;
+        let lobes = vec![
+            Lobe::HeTorrance(HeTorrance::new(surface)),
+            Lobe::HeMirror(HeMirror { surface }),
+        ];
+        over_base(arguments, lobes)
+    },
+};
+
+/// Only what is mirrored exactly.
+pub(super) const MIRROR: Info = Info {
+    name: "he_torrance_mirror",
+    aliases: &["he_torrance_rho_s"],
+    title: "He–Torrance–Sillion–Greenberg, the coherent part alone",
+    examples: &["he_torrance_mirror sigma0 = 0.05 tau = 2 metal = silver"],
+    make: |arguments| {
+        let surface = Surface::new(arguments)?;
+        over_base(arguments, vec![Lobe::HeMirror(HeMirror { surface })])
+    },
+    ..INFO
+};
+
+/// A Gaussian surface of random heights. Lengths in micrometres.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    scale: Rgb,
+    fresnel: Fresnel,
+    sigma0: f64,
+    tau: f64,
+    lambda: Rgb,
+}
+
+/// What depends on one direction's angle alone.
+#[derive(Clone, Copy)]
+struct Slant {
+    /// K: how much of the depth of the surface is in shadow.
+    shade: f64,
+    /// S: the share of the surface that is seen.
+    seen: f64,
+}
+
+impl Surface {
+    fn new(arguments: &Arguments) -> Result<Surface, Problem> {
+        let lambda = arguments.has("lambda").then(|| arguments.color("lambda"));
+        Ok(Surface {
+            scale: arguments.color("ks"),
+            fresnel: arguments.fresnel()?,
+            sigma0: arguments.number("sigma0"),
+            tau: arguments.number("tau"),
+            lambda: lambda.unwrap_or(WAVELENGTHS),
+        })
+    }
+
+    /// For the sine and cosine of the angle to the normal.
+    fn slant(&self, sin: f64, cos: f64) -> Slant {
+        let tan = sin / cos;
+        let q = self.tau / (2.0 * self.sigma0 * tan);
+        let erfc = libm::erfc(q);
+        Slant {
+            shade: (tan * erfc).min(1e300),
+            seen: (1.0 - 0.5 * erfc) / (1.0 + hidden(q)),
+        }
+    }
+
+    fn slant_of(&self, w: DVec3) -> Slant {
+        self.slant(w.x.hypot(w.y), w.z)
+    }
+
+    /// σ: the roughness that is not in shadow.
+    fn apparent_roughness(&self, i: Slant, o: Slant) -> f64 {
+        let z = shadow_depth(0.25 * (i.shade + o.shade));
+        self.sigma0 / (1.0 + z * z).sqrt()
+    }
+
+    /// Per channel, from the wavelength and from other channels where that is the same.
+    fn per_wavelength(&self, of: impl Fn(f64) -> f64) -> Rgb {
+        if self.lambda.is_grey() {
+            return Rgb::grey(of(self.lambda.r));
+        }
+        self.lambda.map(of)
+    }
+}
+
+/// z₀/σ₀, the solution z of √(π/2) z = k exp(−z²/2), k ≥ 0.
+fn shadow_depth(k: f64) -> f64 {
+    let k = k / FRAC_PI_2.sqrt();
+    if !(k > 0.0) {
+        return 0.0;
+    }
+    // Newton's method on z²/2 + ln z − ln k, which rises, hollow below 1 and bulging above: from
+    // this start, which is no less than the solution, no step leaves z > 0. z ≤ k, and where
+    // z ≥ 1, z² ≤ 2 ln k.
+    let mut z = k.min((2.0 * k.ln()).max(1.0).sqrt());
+    for _ in 0..20 {
+        let step = (0.5 * z * z + (z / k).ln()) / (z + 1.0 / z);
+        z -= step;
+        if step.abs() <= 1e-15 * z {
+            break;
+        }
+    }
+    z
+}
+
+/// What is spread: F G S D/(π cos θi cos θo).
+#[derive(Clone, Debug)]
+pub(super) struct HeTorrance {
+    surface: Surface,
+    /// The longest wavelength, which is spread the widest.
+    longest: f64,
+}
+
+impl HeTorrance {
+    fn new(surface: Surface) -> HeTorrance {
+        HeTorrance {
+            surface,
+            longest: surface.lambda.max_channel(),
+        }
+    }
+
+    /// Facets whose mirrored light is about as wide as what is spread of light along `wo`. Their
+    /// slope is 2σ₀/τ where the surface is rough beside the wavelength, and that of diffraction
+    /// where it is smooth: terms m of the series have the slope λ√m/(π τ v_z), and m is about g.
+    fn facets(&self, wo: DVec3) -> Beckmann {
+        let surface = &self.surface;
+        let root = 2.0 * TAU * surface.sigma0 * wo.z / self.longest;
+        let term = if root < 1e-3 {
+            1.0
+        } else {
+            root * root / -(-root * root).exp_m1()
+        };
+        let slope = self.longest * term.sqrt() / (TAU * surface.tau * wo.z);
+        Beckmann::isotropic((1.1 * slope).clamp(1e-5, 1.0))
+    }
+
+    /// Share of the samples that are spread over the hemisphere, where facets are too few.
+    fn wide(facets: Beckmann) -> f64 {
+        (facets.ax * facets.ax).clamp(0.05, 0.5)
+    }
+}
+
+impl Reflect for HeTorrance {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        let (surface, half) = (&self.surface, Half::new(wo, wi));
+        let (i, o) = (surface.slant_of(wi), surface.slant_of(wo));
+        let sigma = surface.apparent_roughness(i, o);
+        let v = half.v;
+        let geometry = (v.length_squared() / v.z).powi(2);
+        let density = surface.per_wavelength(|lambda| {
+            let (k, t) = (TAU / lambda, PI * surface.tau / lambda);
+            let g = (k * sigma * v.z).powi(2);
+            let x = t * t * (v.x * v.x + v.y * v.y);
+            0.25 * t * t * series::sum(g, x)
+        });
+        let seen = i.seen * o.seen / (PI * wi.z * wo.z);
+        surface.scale * surface.fresnel.at(half.cos_d()) * density * (geometry * seen)
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let facets = self.facets(wo);
+        let wide = HeTorrance::wide(facets);
+        wide * wi.z * FRAC_1_PI + (1.0 - wide) * facets.pdf(&Half::new(wo, wi))
+    }
+
+    fn sample(&self, wo: DVec3, [u1, u2, u3]: [f64; 3]) -> DVec3 {
+        let facets = self.facets(wo);
+        if u3 < HeTorrance::wide(facets) {
+            cosine_hemisphere(u1, u2)
+        } else {
+            facets.sample(wo, u1, u2)
+        }
+    }
+
+    fn spread(&self) -> Spread {
+        Spread::Glossy(2.0 * (self.facets(DVec3::Z).ax * LN_2.sqrt()).atan())
+    }
+}
+
+/// What is mirrored: F exp(−g) S².
+#[derive(Clone, Debug)]
+pub(super) struct HeMirror {
+    surface: Surface,
+}
+
+impl Reflect for HeMirror {
+    fn eval(&self, _wo: DVec3, _wi: DVec3) -> Rgb {
+        Rgb::BLACK
+    }
+
+    fn pdf(&self, _wo: DVec3, _wi: DVec3) -> f64 {
+        0.0
+    }
+
+    fn sample(&self, wo: DVec3, _u: [f64; 3]) -> DVec3 {
+        DVec3::new(-wo.x, -wo.y, wo.z)
+    }
+
+    fn mirror(&self, cos: f64) -> Rgb {
+        let surface = &self.surface;
+        let slant = surface.slant((1.0 - cos * cos).max(0.0).sqrt(), cos);
+        let sigma = surface.apparent_roughness(slant, slant);
+        let coherent = surface.per_wavelength(|lambda| {
+            let root = 2.0 * TAU * sigma * cos / lambda;
+            (-root * root).exp() * slant.seen * slant.seen
+        });
+        surface.scale * surface.fresnel.at(cos) * coherent
+    }
+
+    fn spread(&self) -> Spread {
+        Spread::Glossy(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shadows_are_as_deep_as_their_equation_says() {
+        for k in [1e-12, 0.01, 0.7, 1.0, 1.3, 30.0, 1e8, 1e300] {
+            let z = shadow_depth(k);
+            let (left, right) = (FRAC_PI_2.sqrt() * z, k * (-0.5 * z * z).exp());
+            // An error of one ulp in z grows by z² in the exponential.
+            assert!((left / right - 1.0).abs() < 1e-12, "{k}: {z}");
+        }
+        assert_eq!(shadow_depth(0.0), 0.0);
+    }
+}
