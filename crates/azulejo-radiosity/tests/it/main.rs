@@ -14,6 +14,7 @@ mod exact;
 mod form_factor_matrix;
 mod form_factors;
 mod furnace;
+mod glossy;
 mod hemicubes;
 mod lights;
 mod matrix_operations;
