@@ -2,7 +2,8 @@
 
 use super::arguments::Arguments;
 use super::lobe::Lobe;
-use super::{Problem, models};
+use super::measured::Table;
+use super::{Measured, Problem, models};
 use crate::Rgb;
 use std::fmt;
 use std::str::FromStr;
@@ -30,6 +31,8 @@ pub enum Description {
 pub enum Content {
     /// A description.
     Text(Description),
+    /// Measurements.
+    Measured(Arc<Measured>),
 }
 
 /// A model with its parameters, as written.
@@ -108,6 +111,9 @@ impl Description {
                 ..
             } => match &**content {
                 Content::Text(description) => description.lobes(),
+                Content::Measured(measured) => {
+                    Ok(vec![(1.0, Lobe::Measured(Table(measured.clone())))])
+                }
             },
         }
     }

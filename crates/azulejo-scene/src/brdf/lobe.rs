@@ -14,6 +14,7 @@ use super::he_torrance::{HeMirror, HeTorrance};
 use super::lafortune::Lafortune;
 use super::lambert::Lambert;
 use super::lewis::Lewis;
+use super::measured::Table;
 use super::minnaert::Minnaert;
 use super::oren_nayar::OrenNayar;
 use super::phong::Phong;
@@ -133,6 +134,8 @@ lobes! {
     GltfSurface(GltfSurface),
     /// glTF's matt base.
     GltfBase(GltfBase),
+    /// Measurements.
+    Measured(Table),
 }
 
 impl Reflect for Lobe {

@@ -1,0 +1,103 @@
+//! Measured BRDFs: tables in place of formulas.
+
+mod merl;
+mod rgl;
+mod square;
+mod warp;
+
+pub use merl::{HalfAngles, Merl};
+pub use rgl::{Grid, Rgl, RglTensors};
+
+use super::NARROW;
+use super::lobe::{Reflect, Spread};
+use super::quadrature::lattice;
+use crate::Rgb;
+use glam::DVec3;
+use std::fmt;
+use std::sync::Arc;
+
+/// A measured BRDF. It is seen from above only; light and eye are taken as the measurement has
+/// them.
+#[derive(Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Measured {
+    /// In half angles, without grain.
+    Merl(Merl),
+    /// On grids that follow the material.
+    Rgl(Box<Rgl>),
+}
+
+impl Measured {
+    fn model(&self) -> &dyn Reflect {
+        match self {
+            Measured::Merl(merl) => merl,
+            Measured::Rgl(rgl) => &**rgl,
+        }
+    }
+}
+
+impl fmt::Debug for Measured {
+    /// What it is, without its million numbers.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Measured::Merl(merl) => write!(f, "Merl {:?}", merl.sizes()),
+            Measured::Rgl(rgl) if rgl.is_isotropic() => f.write_str("Rgl isotropic"),
+            Measured::Rgl(_) => f.write_str("Rgl anisotropic"),
+        }
+    }
+}
+
+/// The lobe of a measured BRDF.
+#[derive(Clone, Debug)]
+pub(super) struct Table(pub Arc<Measured>);
+
+impl Reflect for Table {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        self.0.model().eval(wo, wi)
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.0.model().pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> DVec3 {
+        self.0.model().sample(wo, u)
+    }
+
+    fn spread(&self) -> Spread {
+        self.0.model().spread()
+    }
+}
+
+/// Lobes at least this wide are matt, in degrees. Half of what Lambert's surface reflects lies
+/// within 45°.
+const WIDE: f64 = 35.0;
+
+/// Within which angle of the normal half of what is reflected of light along it goes. However
+/// narrow, measurements are no mirrors: their peaks are as wide as the lamp that they were seen by.
+fn spread(model: &dyn Reflect) -> Spread {
+    let wo = DVec3::Z;
+    let weighed = |u: [f64; 3]| {
+        let wi = model.sample(wo, u);
+        let pdf = model.pdf(wo, wi);
+        let seen = wi.z > 0.0 && pdf > 0.0;
+        seen.then(|| (wi.z, model.eval(wo, wi).mean() * wi.z / pdf))
+    };
+    let mut found: Vec<(f64, f64)> = lattice(1024).filter_map(weighed).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let half = 0.5 * found.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut sum = 0.0;
+    let middle = found.iter().find(|(_, weight)| {
+        sum += weight;
+        sum >= half
+    });
+    let angle = middle.map_or(90.0, |(cos, _)| cos.min(1.0).acos().to_degrees());
+    if angle >= WIDE {
+        Spread::Matt
+    } else {
+        Spread::Glossy(angle.max(NARROW).to_radians())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,46 @@
+//! Directions of half vectors as places in the unit square, finer towards the normal.
+
+use super::super::microfacet::{Half, mirrored_by};
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// An angle to the normal in 0..1: √(2θ/π).
+pub(super) fn of_polar(theta: f64) -> f64 {
+    (theta / FRAC_PI_2).sqrt()
+}
+
+/// An angle around the normal in 0..1, starting at −π.
+pub(super) fn of_azimuth(phi: f64) -> f64 {
+    let turn = (phi + PI) / TAU;
+    turn - turn.floor()
+}
+
+/// The angle of a direction around the normal; 0 for the normal.
+pub(super) fn azimuth(w: DVec3) -> f64 {
+    w.y.atan2(w.x)
+}
+
+/// The angle of a direction to the normal.
+pub(super) fn polar(w: DVec3) -> f64 {
+    w.x.hypot(w.y).atan2(w.z)
+}
+
+/// The place of the half vector of two directions, turned back by `turn`.
+pub(super) fn place(half: &Half, turn: f64) -> [f64; 2] {
+    [of_polar(half.theta_h()), of_azimuth(azimuth(half.v) - turn)]
+}
+
+/// The direction that the facet of a place mirrors `wo` to.
+pub(super) fn mirrored_at([x, y]: [f64; 2], turn: f64, wo: DVec3) -> DVec3 {
+    let (sin, cos) = (x * x * FRAC_PI_2).sin_cos();
+    let (sin_phi, cos_phi) = (TAU * y - PI + turn).sin_cos();
+    mirrored_by(wo, DVec3::new(sin * cos_phi, sin * sin_phi, cos))
+}
+
+/// Solid angle of mirrored directions per area of the square, sr.
+pub(super) fn solid_angle(half: &Half) -> f64 {
+    let theta = half.theta_h();
+    // dω of the half vector is sin θ dθ dφ, and θ = x² π/2.
+    let of_half = 2.0 * PI * PI * of_polar(theta) * theta.sin();
+    (of_half * 4.0 * half.cos_d()).max(1e-12)
+}
