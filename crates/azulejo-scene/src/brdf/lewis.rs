@@ -64,13 +64,12 @@ impl Lewis {
 
 impl Reflect for Lewis {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);
-        self.albedo * ((self.exponent + 2.0) / TAU * cos.powf(self.exponent))
+        let power = power(mirrored(wo).dot(wi), self.exponent);
+        self.albedo * ((self.exponent + 2.0) / TAU * power)
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);
-        (self.exponent + 1.0) / TAU * cos.powf(self.exponent)
+        (self.exponent + 1.0) / TAU * power(mirrored(wo).dot(wi), self.exponent)
     }
 
     fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
@@ -85,6 +84,11 @@ impl Reflect for Lewis {
         // ∫ cosⁿ over the cone is 1 − cosⁿ⁺¹ of the whole.
         Spread::Glossy(0.5f64.powf(1.0 / (self.exponent + 1.0)).acos())
     }
+}
+
+/// cosⁿ, and nothing behind: also where n is 0, as it is for all that are near it.
+pub(super) fn power(cos: f64, n: f64) -> f64 {
+    if cos > 0.0 { cos.min(1.0).powf(n) } else { 0.0 }
 }
 
 /// The mirrored direction.

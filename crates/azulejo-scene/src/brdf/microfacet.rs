@@ -88,8 +88,8 @@ pub(super) fn v_grooves(half: &Half, wo: DVec3, wi: DVec3) -> f64 {
 pub(super) fn over_base(arguments: &Arguments, mut lobes: Vec<Lobe>) -> Result<Vec<Lobe>, Problem> {
     let (kd, ks) = (arguments.color("kd"), arguments.color("ks"));
     if (kd + ks).max_channel() > 1.0 {
-        let mean = Lobes::new(lobes.iter().map(|l| (1.0, l.clone())).collect()).mean_albedo();
-        let sum = (kd + mean).max_channel();
+        let facets = Lobes::new(lobes.iter().map(|l| (1.0, l.clone())).collect());
+        let sum = (kd + facets.mean_albedo() + facets.mean_mirror()).max_channel();
         if sum > 1.0 && !kd.is_black() {
             return Err(Problem::Energy {
                 what: "kd and what the facets reflect of even light".to_owned(),

@@ -23,6 +23,7 @@
 )]
 
 mod arguments;
+pub mod check;
 mod description;
 mod fresnel;
 mod lobe;

@@ -7,7 +7,7 @@
 use super::Problem;
 use super::arguments::Arguments;
 use super::lambert::Lambert;
-use super::lewis::{about, mirrored};
+use super::lewis::{about, mirrored, power};
 use super::lobe::{Lobe, Reflect, Spread};
 use super::models::{EXPONENT, Info, KD, KS};
 use crate::Rgb;
@@ -53,13 +53,11 @@ pub(super) struct Phong {
 
 impl Reflect for Phong {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);
-        self.scale * (cos.powf(self.exponent) / wi.z)
+        self.scale * (power(mirrored(wo).dot(wi), self.exponent) / wi.z)
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let cos = mirrored(wo).dot(wi).clamp(0.0, 1.0);
-        (self.exponent + 1.0) / TAU * cos.powf(self.exponent)
+        (self.exponent + 1.0) / TAU * power(mirrored(wo).dot(wi), self.exponent)
     }
 
     fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {

@@ -1,14 +1,10 @@
 //! What every model must hold to.
 
+mod models;
 mod reference;
 
 use super::*;
-
-/// A direction in degrees.
-fn direction(theta: f64, phi: f64) -> DVec3 {
-    let ((st, ct), (sp, cp)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
-    DVec3::new(st * cp, st * sp, ct)
-}
+use check::direction;
 
 fn brdf(text: &str) -> Brdf {
     let description: Description = text.parse().unwrap_or_else(|e| panic!("{text}: {e}"));

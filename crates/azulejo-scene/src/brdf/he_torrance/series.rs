@@ -1,17 +1,19 @@
 //! He and Torrance's series over the powers of the roughness.
 
+use std::f64::consts::TAU;
+
 /// The least g whose series is summed by strides.
 const LARGE: f64 = 60.0;
 
 /// Logarithm of the least share of the sum that a term must have.
-const LEAST: f64 = -40.0;
+const LEAST: f64 = -34.0;
 
 /// Σ gᵐ e⁻ᵍ/(m·m!) exp(−x/m) over m ≥ 1, for g, x ≥ 0.
 ///
 /// The terms are those of a Poisson distribution about g, or beyond where x is large. Relative
 /// error below 1e-12 where g < 60, and below 1e-10 above.
 pub(super) fn sum(g: f64, x: f64) -> f64 {
-    if !(g > 0.0 && x.is_finite()) {
+    if !(g > 0.0 && g.is_finite() && x.is_finite()) {
         0.0
     } else if g < LARGE {
         one_by_one(g, x)
@@ -35,17 +37,15 @@ fn one_by_one(g: f64, x: f64) -> f64 {
     sum
 }
 
-/// Logarithm of the term m, a smooth function of m by Stirling's series.
+/// Logarithm of the term m times √(2π) g^(3/2), a smooth function of m by Stirling's series.
 fn log_term(g: f64, x: f64, m: f64) -> f64 {
     let off = (g - m) / m;
     let inverse = 1.0 / m;
     let square = inverse * inverse;
     let stirling = inverse * (1.0 / 12.0 - square * (1.0 / 360.0 - square / 1260.0));
-    -m * (off - off.ln_1p())
-        - 0.5 * (std::f64::consts::TAU * m).ln()
-        - stirling
-        - m.ln()
-        - x * inverse
+    let log = off.ln_1p();
+    // What of m! and m is a power of m: (g/m)^(3/2), without g.
+    -m * (off - log) + 1.5 * log - stirling - x * inverse
 }
 
 /// The sum over all integers equals that over every s-th number, times s, as long as a stride is
@@ -56,9 +56,6 @@ fn by_strides(g: f64, x: f64) -> f64 {
     let width = 1.0 / (1.0 / peak + 2.0 * x / peak.powi(3)).sqrt();
     let stride = 0.75 * width;
     let top = log_term(g, x, peak);
-    if !(top > -700.0) {
-        return 0.0;
-    }
     let term = |k: f64| {
         let m = peak + k * stride;
         if m < 1.0 {
@@ -77,7 +74,7 @@ fn by_strides(g: f64, x: f64) -> f64 {
             sum += log.exp();
         }
     }
-    sum * stride * top.exp()
+    sum * stride * top.exp() / (TAU.sqrt() * g * g.sqrt())
 }
 
 /// Where the terms are largest, by Newton's method on their logarithm's slope.

@@ -1,0 +1,224 @@
+//! Whether a reflection model is what it says: reciprocal, no brighter than its light, sampled
+//! as its density tells. Numbers, not verdicts; the same for the same model every time.
+//!
+//! ```
+//! use azulejo_scene::brdf::{Brdf, check};
+//!
+//! let gold = Brdf::new("ggx_smith ax = 0.2 metal = gold".parse().unwrap()).unwrap();
+//! assert!(check::reciprocity(&gold, 100).largest < 1e-12);
+//! let wo = check::direction(60.0, 20.0);
+//! assert!(check::albedo(&gold, wo).max_channel() < 1.0);
+//! assert!(check::chi_square(&gold, wo, 10_000).probability > 1e-3);
+//! ```
+
+mod cells;
+mod chi_square;
+mod random;
+
+pub use chi_square::{ChiSquare, chi_square};
+
+use super::Brdf;
+use crate::Rgb;
+use cells::Cell;
+use glam::DVec3;
+use random::Random;
+
+/// Angles to the normal at which [`check`] looks, in degrees.
+pub const ANGLES: [f64; 8] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0];
+
+/// The azimuth at which [`check`] looks, in degrees: on no axis of a model.
+pub const AZIMUTH: f64 = 20.0;
+
+/// How much [`check`] does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Pairs of directions that are exchanged.
+    pub pairs: u32,
+    /// Samples at each angle.
+    pub samples: u32,
+}
+
+impl Default for Effort {
+    fn default() -> Effort {
+        Effort {
+            pairs: 10_000,
+            samples: 100_000,
+        }
+    }
+}
+
+/// All that is checked of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// What changes when light runs backwards.
+    pub reciprocity: Reciprocity,
+    /// At each of [`ANGLES`].
+    pub angles: Vec<Angle>,
+}
+
+/// What is found for one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Angle {
+    /// Angle to the normal, in degrees.
+    pub theta: f64,
+    /// Share of light that is reflected in all, by quadrature; what is mirrored exactly included.
+    pub albedo: Rgb,
+    /// Whether samples lie where the density says.
+    pub sampling: ChiSquare,
+    /// What samples weigh.
+    pub weights: Weights,
+}
+
+impl Report {
+    /// Where most is reflected, and how much by the channel that reflects most.
+    pub fn largest_albedo(&self) -> (f64, f64) {
+        let all = self
+            .angles
+            .iter()
+            .map(|a| (a.theta, a.albedo.max_channel()));
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, 0.0))
+    }
+}
+
+/// The largest difference between f(o, i) and f(i, o).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reciprocity {
+    /// How many pairs were tried.
+    pub pairs: u32,
+    /// The largest difference of a channel over its larger value; 0 where both are 0.
+    pub largest: f64,
+    /// One of the two directions there.
+    pub wo: DVec3,
+    /// The other.
+    pub wi: DVec3,
+}
+
+/// What the samples of one direction weigh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// How many there were, lost ones included.
+    pub samples: u32,
+    /// Their mean: what is scattered in all. With what is mirrored exactly it is what the surface
+    /// shows in a white furnace, under light of radiance 1 from everywhere.
+    pub mean: Rgb,
+    /// Standard error of the mean.
+    pub standard_error: Rgb,
+    /// The largest weight of a channel.
+    pub largest: f64,
+    /// What the mean should be, by quadrature.
+    pub expected: Rgb,
+}
+
+impl Weights {
+    /// The difference between mean and expected value in standard errors, of the worst channel.
+    ///
+    /// What quadrature and rounding leave, 1e-6, is no difference.
+    pub fn deviation(&self) -> f64 {
+        let of = |c: usize| {
+            let off = (self.mean[c] - self.expected[c]).abs();
+            off / (self.standard_error[c] + 1e-6)
+        };
+        of(0).max(of(1)).max(of(2))
+    }
+}
+
+/// The direction at an angle to the normal and an azimuth from the tangent, in degrees.
+pub fn direction(theta: f64, phi: f64) -> DVec3 {
+    let ((st, ct), (sp, cp)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
+    DVec3::new(st * cp, st * sp, ct)
+}
+
+/// Checks all, at [`ANGLES`].
+pub fn check(brdf: &Brdf, effort: Effort) -> Report {
+    let angle = |theta: f64| {
+        let wo = direction(theta, AZIMUTH);
+        let weights = weights(brdf, wo, effort.samples);
+        Angle {
+            theta,
+            albedo: weights.expected + brdf.mirror(wo.z),
+            sampling: chi_square(brdf, wo, effort.samples),
+            weights,
+        }
+    };
+    Report {
+        reciprocity: reciprocity(brdf, effort.pairs),
+        angles: ANGLES.map(angle).to_vec(),
+    }
+}
+
+/// Exchanges light and eye for pairs of directions: half of them at random, half near the
+/// mirrored direction, where lobes are steep.
+pub fn reciprocity(brdf: &Brdf, pairs: u32) -> Reciprocity {
+    let mut random = Random::new(1);
+    let mut found = Reciprocity {
+        pairs,
+        largest: 0.0,
+        wo: DVec3::Z,
+        wi: DVec3::Z,
+    };
+    for pair in 0..pairs {
+        let (wo, other) = (random.hemisphere(), random.hemisphere());
+        let wi = if pair % 2 == 0 {
+            other
+        } else {
+            near_mirrored(wo, other)
+        };
+        let (there, back) = (brdf.eval(wo, wi), brdf.eval(wi, wo));
+        for channel in 0..3 {
+            let (a, b) = (there[channel], back[channel]);
+            let difference = (a - b).abs() / a.max(b).max(f64::MIN_POSITIVE);
+            if difference > found.largest {
+                found = Reciprocity {
+                    largest: difference,
+                    wo,
+                    wi,
+                    ..found
+                };
+            }
+        }
+    }
+    found
+}
+
+/// The mirrored direction, a tenth towards another.
+fn near_mirrored(wo: DVec3, towards: DVec3) -> DVec3 {
+    (DVec3::new(-wo.x, -wo.y, wo.z) * 0.9 + towards * 0.1).normalize_or(DVec3::Z)
+}
+
+/// Share of the light along `wo` that is reflected, what is mirrored exactly included, by
+/// adaptive quadrature; to about 1e-5.
+pub fn albedo(brdf: &Brdf, wo: DVec3) -> Rgb {
+    if !(wo.z > 0.0) {
+        return Rgb::BLACK;
+    }
+    scattered(brdf, wo) + brdf.mirror(wo.z)
+}
+
+fn scattered(brdf: &Brdf, wo: DVec3) -> Rgb {
+    let reflected = |wi: DVec3| brdf.eval(wo, wi) * wi.z;
+    Cell::HEMISPHERE.integral(wo, &reflected)
+}
+
+/// Weighs samples of light along `wo`, and compares their mean with the albedo by quadrature.
+pub fn weights(brdf: &Brdf, wo: DVec3, samples: u32) -> Weights {
+    let mut random = Random::new(2);
+    let (mut sum, mut squares, mut largest) = (Rgb::BLACK, Rgb::BLACK, 0.0f64);
+    for _ in 0..samples {
+        let Some(sample) = brdf.sample(wo, random.numbers()) else {
+            continue;
+        };
+        sum += sample.weight;
+        squares += sample.weight * sample.weight;
+        largest = largest.max(sample.weight.max_channel());
+    }
+    let count = f64::from(samples.max(2));
+    let mean = sum / count;
+    let variance = squares / count - mean * mean;
+    Weights {
+        samples,
+        mean,
+        standard_error: variance.map(|v| (v.max(0.0) / (count - 1.0)).sqrt()),
+        largest,
+        expected: scattered(brdf, wo),
+    }
+}
