@@ -112,11 +112,11 @@ pub struct Weights {
 impl Weights {
     /// The difference between mean and expected value in standard errors, of the worst channel.
     ///
-    /// What quadrature and rounding leave, 1e-6, is no difference.
+    /// What quadrature leaves, 2e-5, is no difference.
     pub fn deviation(&self) -> f64 {
         let of = |c: usize| {
             let off = (self.mean[c] - self.expected[c]).abs();
-            off / (self.standard_error[c] + 1e-6)
+            off / (self.standard_error[c] + 2e-5)
         };
         of(0).max(of(1)).max(of(2))
     }
