@@ -9,6 +9,7 @@
 //! through one small trait, [`Files`], so that a folder, a test's map of strings and a sandbox
 //! work alike.
 
+pub mod brdf;
 mod bytes;
 pub mod camera_json;
 mod detect;

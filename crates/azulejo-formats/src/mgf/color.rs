@@ -205,6 +205,41 @@ impl Chroma {
     }
 }
 
+/// What linear RGB shows of a reflected spectrum, by the weight of each of its wavelengths, in nm;
+/// linear between them. White light has the same power at all wavelengths, so that equal weights
+/// of a spectrum that is the same everywhere are its grey. `None` unless the wavelengths rise and
+/// some of them are visible.
+pub(crate) fn rgb_weights(wavelengths: &[f32]) -> Option<Vec<[f64; 3]>> {
+    let rises = wavelengths.windows(2).all(|pair| pair[0] < pair[1]);
+    if wavelengths.len() < 2 || !rises {
+        return None;
+    }
+    let mut seen = vec![[0.0; 3]; wavelengths.len()];
+    let mut white = [0.0; 3];
+    for wavelength in VISIBLE {
+        let at = f64::from(wavelength);
+        let after = wavelengths.partition_point(|w| f64::from(*w) <= at);
+        let k = after.saturating_sub(1).min(wavelengths.len() - 2);
+        let (a, b) = (f64::from(wavelengths[k]), f64::from(wavelengths[k + 1]));
+        let t = (at - a) / (b - a);
+        if !(0.0..=1.0).contains(&t) {
+            continue;
+        }
+        for (c, curve) in curves_at(wavelength).into_iter().enumerate() {
+            seen[k][c] += curve * (1.0 - t);
+            seen[k + 1][c] += curve * t;
+            white[c] += curve;
+        }
+    }
+    let is_seen = white.iter().all(|sum| *sum > 0.0);
+    is_seen.then(|| {
+        let rgb = |xyz: &[f64; 3]| {
+            RGB_FROM_XYZ.map(|row| [0, 1, 2].map(|c| row[c] * xyz[c] / white[c]).iter().sum())
+        };
+        seen.iter().map(rgb).collect()
+    })
+}
+
 /// The curves at a wavelength of [`VISIBLE`], nm, linear between their entries.
 fn curves_at(wavelength: u32) -> [f64; 3] {
     let from_start = wavelength - VISIBLE.start();

@@ -19,6 +19,7 @@ mod tests;
 mod transform;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
+pub(crate) use color::rgb_weights;
 use reader::Reader;
 
 /// Reads a scene; `name` stands in messages, `files` gives what the file includes.
