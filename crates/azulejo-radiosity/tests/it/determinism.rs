@@ -123,7 +123,7 @@ fn a_deadline_ends_in_good_order() {
     };
     let progress = Progress::new();
     let begin = Instant::now();
-    progress.set_deadline(begin + Duration::from_millis(1500));
+    progress.set_deadline(begin + Duration::from_secs(4));
     let points: Vec<_> = (0..40)
         .map(|k| {
             at(
@@ -137,10 +137,10 @@ fn a_deadline_ends_in_good_order() {
     let found = probe(&scene, &tracer, &points, &pass, &progress).unwrap();
     let took = begin.elapsed();
     eprintln!(
-        "deadline of 1.5 s: {took:?}, error {:.1e}",
+        "deadline of 4 s: {took:?}, error {:.1e}",
         found.report.error
     );
-    assert!(took < Duration::from_secs(8), "{took:?}");
+    assert!(took < Duration::from_secs(20), "{took:?}");
     assert!(found.report.error > 1e-4, "{}", found.report.error);
     let truth = irradiance(
         &scene,

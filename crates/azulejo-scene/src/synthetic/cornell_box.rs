@@ -1,7 +1,10 @@
 //! The box of Cornell University, as published.
 
-use crate::{Camera, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units};
+use crate::{
+    Brdf, Camera, Material, MaterialId, Mesh, Object, Primitive, Rgb, Scene, Shape, Units,
+};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// What the tall block of the [`cornell_box`] is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +13,9 @@ pub enum CornellVariant {
     Diffuse,
     /// A mirror of reflectance 0.9.
     MirrorBlock,
+    /// Polished aluminium by He and Torrance, on a brushed floor by Ward, with a ball of rough gold
+    /// in the short block's place.
+    Glossy,
 }
 
 /// The box of the Program of Computer Graphics at Cornell University, with its published
@@ -36,8 +42,21 @@ pub fn cornell_box(variant: CornellVariant) -> Scene {
         CornellVariant::MirrorBlock => {
             scene.add_material(Material::mirror("mirror", Rgb::grey(0.9)))
         }
+        CornellVariant::Glossy => add_model(
+            &mut scene,
+            "aluminium",
+            "he_torrance sigma0 = 0.13 tau = 2.2 metal = aluminium",
+        ),
     };
-    add_cornell_room(&mut scene, white, red, green, light);
+    let floor = match variant {
+        CornellVariant::Glossy => add_model(
+            &mut scene,
+            "brushed",
+            "ward_gmd kd = (0.3, 0.25, 0.2) ks = 0.45 ax = 0.07 ay = 0.25",
+        ),
+        _ => white,
+    };
+    add_cornell_room(&mut scene, [floor, white, red, green, light]);
     let short_top = [
         [130, 165, 65],
         [82, 165, 225],
@@ -50,7 +69,19 @@ pub fn cornell_box(variant: CornellVariant) -> Scene {
         [314, 330, 456],
         [472, 330, 406],
     ];
-    add_cornell_block(&mut scene, "short", short_top, white);
+    if variant == CornellVariant::Glossy {
+        let gold = add_model(
+            &mut scene,
+            "gold",
+            "ggx_smith ax = 0.15 ay = 0.15 metal = gold",
+        );
+        let ball = Primitive::sphere(DVec3::new(185.0, 90.1, 169.0), 90.0, gold);
+        scene
+            .objects
+            .push(Object::new("ball", Shape::Primitive(ball)));
+    } else {
+        add_cornell_block(&mut scene, "short", short_top, white);
+    }
     add_cornell_block(&mut scene, "tall", tall_top, tall);
     scene.cameras.push(Camera {
         name: "front".into(),
@@ -61,6 +92,16 @@ pub fn cornell_box(variant: CornellVariant) -> Scene {
         size: Some((512, 512)),
     });
     scene
+}
+
+/// Adds a material of that reflection model.
+///
+/// # Panics
+/// If the text is none.
+fn add_model(scene: &mut Scene, name: &str, text: &str) -> MaterialId {
+    let brdf = text.parse().and_then(Brdf::new);
+    let brdf = brdf.unwrap_or_else(|problem| panic!("{text}: {problem}"));
+    scene.add_material(Material::with_brdf(name, Arc::new(brdf)))
 }
 
 type Quad = [DVec3; 4];
@@ -74,13 +115,7 @@ fn add_quad(scene: &mut Scene, name: impl Into<String>, quad: Quad, material: Ma
     scene.objects.push(Object::new(name, Shape::Mesh(mesh)));
 }
 
-fn add_cornell_room(
-    scene: &mut Scene,
-    white: MaterialId,
-    red: MaterialId,
-    green: MaterialId,
-    light: MaterialId,
-) {
+fn add_cornell_room(scene: &mut Scene, [ground, white, red, green, light]: [MaterialId; 5]) {
     let p = DVec3::new;
     let (height, depth) = (548.8, 559.2);
     let floor = [
@@ -101,7 +136,7 @@ fn add_cornell_room(
         p(213.0, height, 332.0),
         p(213.0, height, 227.0),
     ];
-    add_quad(scene, "floor", floor, white);
+    add_quad(scene, "floor", floor, ground);
     for k in 0..4 {
         // Four trapezoids around the lamp.
         let next = (k + 1) % 4;

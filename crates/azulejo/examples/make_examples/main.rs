@@ -21,6 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, scene) in [
         ("cornell", cornell_box(CornellVariant::Diffuse)),
         ("cornell-mirror", cornell_box(CornellVariant::MirrorBlock)),
+        ("cornell-glossy", cornell_box(CornellVariant::Glossy)),
         ("shapes", shapes()),
         ("studio", studio()),
         ("title", exact::title()?),
