@@ -65,7 +65,11 @@ fn by_reference(scene: &Scene, samples: u32, seed: u64) -> render::Reference {
 
 /// Root of the mean square difference over the mean of the truth.
 fn rmse(found: &Image, truth: &Image) -> f64 {
-    let pairs = found.pixels.iter().flatten().zip(truth.pixels.iter().flatten());
+    let pairs = found
+        .pixels
+        .iter()
+        .flatten()
+        .zip(truth.pixels.iter().flatten());
     let (mut squares, mut sum) = (0.0, 0.0);
     for (a, b) in pairs {
         squares += f64::from(a - b).powi(2);
@@ -85,7 +89,8 @@ fn measure(name: &str, scene: &Scene) {
     let known = truth.relative_error();
     line(format!("truth, {TRUTH} samples"), f64::NAN, known, f64::NAN);
     line(format!("reference, {TIMED} samples"), cost, noise, cost);
-    for (patches, gather, samples) in [(1_500, None, 64), (10_000, None, 64), (1_500, Some(64), 16)] {
+    for (patches, gather, samples) in [(1_500, None, 64), (10_000, None, 64), (1_500, Some(64), 16)]
+    {
         let (image, cpu) = timed(|| two_passes(scene, patches, gather, samples));
         let error = rmse(&image, &truth.image);
         let gathers = gather.map_or(String::new(), |n| format!(", gather {n}"));

@@ -4,7 +4,7 @@ use crate::{camera, primitive};
 use azulejo_render::{
     Reference, ReferencePass, SecondPass, radiance, reference, reference_radiance, render,
 };
-use azulejo_scene::brdf::{Brdf, Description};
+use azulejo_scene::brdf::{Brdf, Description, MODELS};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Light, LightKind, Material, Primitive, Rgb, Scene};
 use azulejo_trace::{Progress, Tracer};
@@ -221,4 +221,62 @@ fn pictures_carry_their_errors() {
         .flat_map(|(a, b)| (0..3).map(move |k| (a[k] - b[k]).abs() / (0.05 + b[k])));
     let worst = worst.fold(0.0, f32::max);
     assert!(worst < 0.1, "{worst}");
+}
+
+/// The white furnace of every model: under an even sky of radiance 1 a convex body shows its
+/// albedo from all sides, by brute force, and never more than 1 if the model says so.
+#[test]
+fn every_model_in_the_furnace() {
+    for info in MODELS {
+        for model in info.examples {
+            let brdf = brdf(model);
+            let mut scene = Scene::default();
+            let material = Material::with_brdf("model", brdf.clone());
+            let used = material.brdf.clone().expect("a model was given");
+            let material = scene.add_material(material);
+            primitive(&mut scene, Primitive::sphere(DVec3::ZERO, 1.0, material));
+            scene.lights.push(Light {
+                name: "sky".into(),
+                kind: LightKind::Ambient {
+                    radiance: Rgb::WHITE,
+                },
+            });
+            for degrees in [0.0, 45.0, 80.0] {
+                let (sin, cos) = f64::to_radians(degrees).sin_cos();
+                // The sphere's side that faces −x: the ray comes along x, the normal turns in y.
+                let ray = Ray::new(DVec3::new(-4.0, sin, 0.0), DVec3::X);
+                let (found, error) = furnace(&scene, ray);
+                let normal = DVec3::new(-cos, sin, 0.0);
+                let expected = used.albedo(in_frame(normal));
+                let what = format!("{model} at {degrees}°");
+                assert_within(found, expected, error * 4.5 + Rgb::grey(4e-3), &what);
+                if info.is_energy_safe {
+                    let excess = found - error * 4.5;
+                    assert!(excess.max_channel() < 1.0 + 1e-4, "{what}: {found:?}");
+                }
+            }
+        }
+    }
+}
+
+/// The direction −x in the frame that surfaces without texture coordinates have.
+fn in_frame(normal: DVec3) -> DVec3 {
+    let axis = if normal.x.abs() > 0.999 {
+        DVec3::Y
+    } else {
+        DVec3::X
+    };
+    let x = (axis - axis.dot(normal) * normal).normalize();
+    let wo = DVec3::NEG_X;
+    DVec3::new(wo.dot(x), wo.dot(normal.cross(x)), wo.dot(normal))
+}
+
+fn furnace(scene: &Scene, ray: Ray) -> (Rgb, Rgb) {
+    let options = ReferencePass {
+        samples_per_pixel: 4096,
+        ..ReferencePass::default()
+    };
+    let tracer = Tracer::new(scene);
+    let progress = Progress::new();
+    reference_radiance(scene, &tracer, &[ray], &options, &progress).unwrap()[0]
 }

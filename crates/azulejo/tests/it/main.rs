@@ -7,6 +7,7 @@ mod engines;
 mod exact;
 mod experiment;
 mod files;
+mod glossy;
 mod lettering;
 mod reading;
 mod rtrace;
