@@ -177,9 +177,7 @@ impl<'a> Shading<'a> {
         })?;
         let wi = match chosen {
             0 => Some(cosine_hemisphere(u[2], u[3])),
-            k => self.lobes[k - 1]?
-                .sample(self.wo, [u[1], u[2], u[3]])
-                .map(|s| s.wi),
+            k => self.lobes[k - 1]?.direction(self.wo, [u[1], u[2], u[3]]),
         }?;
         let direction = self.frame.to_world(wi);
         let pdf = self.density(wi);

@@ -112,7 +112,7 @@ impl Lobes {
     }
 
     /// A direction, `None` if the sample is lost below the surface. `u[0]` chooses the lobe.
-    pub(super) fn direction(&self, wo: DVec3, u: [f64; 3]) -> Option<DVec3> {
+    pub fn direction(&self, wo: DVec3, u: [f64; 3]) -> Option<DVec3> {
         let sum = self.likely(wo);
         let mut rest = u[0] * sum;
         let (part, share) = self.parts.iter().find_map(|p| {

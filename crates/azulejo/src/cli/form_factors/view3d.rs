@@ -279,8 +279,7 @@ pub fn write(
 fn emissivities(factors: &FormFactors, materials: &[Material]) -> Vec<f64> {
     let absorbed = |&m: &u32| {
         let material = &materials[m as usize];
-        let reflected = (0..3).map(|k| material.diffuse[k] + material.mirror[k]);
-        1.0 - reflected.sum::<f64>() / 3.0
+        1.0 - (material.diffuse + material.mirror + material.mean_glossy()).mean()
     };
     factors.materials.iter().map(absorbed).collect()
 }
