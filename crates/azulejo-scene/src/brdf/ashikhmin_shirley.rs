@@ -6,8 +6,8 @@
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
+use super::microfacet::{half, mirrored_by};
 use super::models::{Info, KD, KS, ParameterInfo};
-use super::vndf::{half, mirrored_by};
 use super::{Fresnel, Problem};
 use crate::Rgb;
 use glam::DVec3;

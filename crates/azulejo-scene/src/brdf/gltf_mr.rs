@@ -7,9 +7,10 @@
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
+use super::microfacet::{half, mirrored_by};
 use super::models::{Info, ParameterInfo};
 use super::smooth::Smooth;
-use super::vndf::{Ggx, half, mirrored_by};
+use super::vndf::Ggx;
 use super::{Fresnel, Problem};
 use crate::Rgb;
 use glam::DVec3;

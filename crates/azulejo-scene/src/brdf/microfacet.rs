@@ -68,6 +68,11 @@ impl Half {
     }
 }
 
+/// The normal of the facets that mirror `wo` to `wi`.
+pub(super) fn half(wo: DVec3, wi: DVec3) -> DVec3 {
+    (wo + wi).normalize_or(DVec3::Z)
+}
+
 /// The direction that a facet of normal `h`, unit, mirrors `wo` to. Where the facet is not seen
 /// from `wo` it comes out below the surface.
 pub(super) fn mirrored_by(wo: DVec3, h: DVec3) -> DVec3 {

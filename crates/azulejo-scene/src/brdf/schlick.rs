@@ -14,9 +14,9 @@
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
+use super::microfacet::{half, mirrored_by};
 use super::models::{Info, ParameterInfo};
 use super::smooth::Smooth;
-use super::vndf::{half, mirrored_by};
 use super::{Fresnel, Problem};
 use crate::Rgb;
 use glam::DVec3;

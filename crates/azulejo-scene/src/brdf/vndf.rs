@@ -51,13 +51,3 @@ impl Ggx {
         Spread::Glossy(2.0 * (self.ax * self.ay).sqrt().atan())
     }
 }
-
-/// The direction that a facet of normal `h` mirrors `wo` to.
-pub(super) fn mirrored_by(wo: DVec3, h: DVec3) -> DVec3 {
-    h * (2.0 * wo.dot(h)) - wo
-}
-
-/// The normal of the facets that mirror `wo` to `wi`.
-pub(super) fn half(wo: DVec3, wi: DVec3) -> DVec3 {
-    (wo + wi).normalize_or(DVec3::Z)
-}
