@@ -290,7 +290,7 @@ impl<'a> Walker<'a> {
     fn through_fog(&self, walk: &mut Walk, hit: &KernelHit) {
         if let Some((clear, added)) = self.scenery.fog(&walk.ray, hit) {
             walk.found += added;
-            walk.weight = walk.weight * clear;
+            walk.weight *= clear;
         }
     }
 

@@ -198,7 +198,8 @@ fn pictures_carry_their_errors() {
     let (rough, fine) = (picture(64, 1), picture(4096, 2));
     let pairs = rough.image.pixels.iter().zip(&fine.image.pixels);
     let squares = pairs.zip(&rough.error.pixels).flat_map(|((a, b), e)| {
-        (0..3).filter_map(move |k| (e[k] > 0.0).then(|| ((a[k] - b[k]) / e[k]).powi(2)))
+        let known = (0..3).filter(|&k| e[k] > 0.0);
+        known.map(|k| ((a[k] - b[k]) / e[k]).powi(2))
     });
     let squares: Vec<f32> = squares.collect();
     let mean = squares.iter().sum::<f32>() / squares.len() as f32;
