@@ -18,6 +18,7 @@ pub mod dxf;
 mod error;
 pub mod exr;
 mod files;
+mod gloss;
 pub mod gltf;
 pub mod grf;
 mod gzip;

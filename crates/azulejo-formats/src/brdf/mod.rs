@@ -1,16 +1,18 @@
-//! Files of reflection models: measured data.
+//! Files of reflection models: azulejo's text form ([`text`]), and measured data.
 //!
 //! [`read`] tells them apart by their content; names and their endings say nothing, because other
 //! programs call quite different things `.brdf`.
 
+pub(crate) mod inline;
 mod measured;
 pub mod merl;
 pub mod rgl;
 mod tensors;
+pub mod text;
 
 pub(crate) use measured::measured;
 
-use crate::{ReadError, Warning};
+use crate::{Files, ReadError, Warning};
 use azulejo_scene::brdf::Content;
 
 /// A file that was read, and what was skipped or doubtful in it.
@@ -22,16 +24,17 @@ pub struct Loaded {
     pub warnings: Vec<Warning>,
 }
 
-/// Reads a file of a reflection model. `name` is what messages call it.
+/// Reads a file of a reflection model. `name` is what messages call it, and where it lies; the
+/// files that it names come from `files`.
 ///
 /// # Errors
 /// No form that is known, or something that is wrong in it, with its place.
-pub fn read(bytes: &[u8], name: &str) -> Result<Loaded, ReadError> {
-    measured(bytes, name).unwrap_or_else(|| {
-        Err(ReadError::whole(
-            name,
-            "bytes of no form that is known",
-            "a reflection model measured by MERL (.binary) or RGL (.bsdf)",
-        ))
-    })
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+    match measured(bytes, name) {
+        Some(read) => read,
+        None => text::read(bytes, name, files),
+    }
 }
+
+#[cfg(test)]
+mod tests;

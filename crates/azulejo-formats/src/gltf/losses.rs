@@ -1,7 +1,7 @@
 //! What glTF cannot hold.
 
-use super::material::gltf_mr;
 use super::write_material::is_one_colour;
+use crate::gloss::{gltf_mr, is_repainted};
 use crate::tessellate::exact_counts;
 use azulejo_scene::{LightKind, Material, Mesh, Rgb, Scene, Shape};
 
@@ -43,11 +43,11 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "materials of which only the first picture is kept",
         ),
         (
-            materials(|m| m.brdf.is_some() && gltf_mr(m).is_none()),
-            "reflection models",
+            materials(|m| m.brdf.is_some() && (gltf_mr(m).is_none() || is_repainted(m))),
+            "reflection models that become the nearest metal",
         ),
         (
-            materials(|m| m.dielectric.is_none() && !is_one_colour(m)),
+            materials(|m| m.dielectric.is_none() && m.brdf.is_none() && !is_one_colour(m)),
             "materials that mirror another colour than they scatter",
         ),
         (

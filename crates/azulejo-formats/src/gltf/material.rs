@@ -1,13 +1,12 @@
-//! Materials: metallic-roughness to shares that are reflected diffusely and mirrored.
+//! Materials: metallic-roughness as a reflection model.
 
 use super::accessor::Data;
 use super::pictures::Pictures;
 use super::said::Said;
 use crate::Files;
+use crate::gloss::Gloss;
 use crate::materials::Materials;
-use crate::phong;
-use azulejo_scene::brdf::Description;
-use azulejo_scene::{Brdf, Dielectric, Material, MaterialId, Rgb, Texture};
+use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Texture};
 use glam::{DAffine2, DMat2, DVec2};
 use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material::AlphaMode;
@@ -15,7 +14,6 @@ use gltf_json::texture::Info;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use std::collections::HashMap;
-use std::sync::Arc;
 
 /// What primitives without a material reflect. glTF's own default is white, but nothing reflects
 /// all light.
@@ -24,8 +22,8 @@ const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 /// Index of refraction where no extension says one.
 const DEFAULT_IOR: f64 = 1.5;
 
-/// Below this roughness a metal is taken for a mirror.
-const MOST_MIRROR_ROUGHNESS: f64 = 0.1;
+/// Below this roughness glass is taken for clear without a word.
+const CLEAR: f64 = 0.1;
 
 /// From this share of transmitted light on, a surface is glass.
 const LEAST_TRANSMISSION: f64 = 0.5;
@@ -48,6 +46,7 @@ pub(super) struct Surfaces<'a> {
     root: &'a Root,
     pictures: Pictures<'a>,
     materials: Materials,
+    gloss: Gloss,
     known: HashMap<Option<usize>, Surface>,
 }
 
@@ -58,6 +57,7 @@ impl<'a> Surfaces<'a> {
             root: data.root,
             pictures: Pictures::new(data, files),
             materials: Materials::default(),
+            gloss: Gloss::default(),
             known: HashMap::new(),
         }
     }
@@ -81,6 +81,7 @@ impl<'a> Surfaces<'a> {
                     json: material,
                     index: key.unwrap_or(0),
                     pictures: &mut self.pictures,
+                    gloss: &mut self.gloss,
                     said,
                 };
                 let read = reader.material();
@@ -111,6 +112,7 @@ struct Reader<'r, 'a> {
     json: &'r gltf_json::Material,
     index: usize,
     pictures: &'r mut Pictures<'a>,
+    gloss: &'r mut Gloss,
     said: &'r mut Said,
 }
 
@@ -190,7 +192,7 @@ impl Reader<'_, '_> {
             }
             return false;
         }
-        if share(pbr.roughness_factor.0) >= MOST_MIRROR_ROUGHNESS {
+        if share(pbr.roughness_factor.0) >= CLEAR {
             self.say("frosted glass: taken as clear");
         }
         if transmission.transmission_texture.is_some() || pbr.base_color_texture.is_some() {
@@ -243,25 +245,28 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// A surface that no light passes: what smooth metal reflects is mirrored, the rest diffuse.
+    /// A surface that no light passes.
     fn opaque(&mut self, material: &mut Material) {
         let pbr = &self.json.pbr_metallic_roughness;
         let [r, g, b, alpha] = pbr.base_color_factor.0;
         let base = color([r, g, b]);
         let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
         let has_picture = pbr.base_color_texture.is_some();
-        material.diffuse = base;
         if pbr.metallic_roughness_texture.is_some() {
             self.say("picture of metal and roughness: not used, the surface is matt");
-        } else if metallic > 0.0 && roughness < MOST_MIRROR_ROUGHNESS {
-            material.diffuse = base * (1.0 - metallic);
-            material.mirror = base * metallic;
-            if has_picture {
-                self.say("picture of a mirror: colours what it scatters alone");
+            material.diffuse = base;
+        } else {
+            let metal = self.metal(base, metallic);
+            let gloss = &mut *self.gloss;
+            if let Err(message) = gloss.metallic_roughness(material, metal, metallic, roughness) {
+                self.say(message);
             }
-        } else if metallic > 0.0 || roughness < 1.0 {
-            self.say("glossy material: kept as brdf gltf_mr, all that it reflects is diffuse");
-            material.brdf = brdf(base, metallic, roughness);
+            // The picture multiplies what is scattered.
+            material.diffuse = Rgb::from([0, 1, 2].map(|k| match metal[k] {
+                0.0 => 0.0,
+                colored => material.diffuse[k] * (base[k] / colored),
+            }));
+            material.limit_reflectance();
         }
         let see_through = self.json.alpha_mode.as_ref().value() != Some(&AlphaMode::Opaque);
         if see_through && (alpha < 1.0 || has_picture) {
@@ -274,6 +279,17 @@ impl Reader<'_, '_> {
                 self.say(&problem);
             }
         }
+    }
+
+    /// The base colour of metals: the mean of the picture colours what they reflect.
+    fn metal(&mut self, base: Rgb, metallic: f64) -> Rgb {
+        let pbr = &self.json.pbr_metallic_roughness;
+        let picture = pbr.base_color_texture.as_ref().filter(|_| metallic > 0.0);
+        let mean = picture.and_then(|info| self.pictures.mean(info.index).ok());
+        if picture.is_some() {
+            self.say("picture of a metal: colours what it scatters, and its mean what it mirrors");
+        }
+        base * mean.unwrap_or(Rgb::WHITE)
     }
 
     /// What changes nothing here.
@@ -322,26 +338,6 @@ fn map_of(transform: &TextureTransform) -> DAffine2 {
     let (sin, cos) = f64::from(transform.rotation.0).sin_cos();
     let turn = DMat2::from_cols(DVec2::new(cos, -sin), DVec2::new(sin, cos));
     DAffine2::from_mat2_translation(turn * DMat2::from_diagonal(DVec2::new(x, y)), offset)
-}
-
-/// The reflection model of glTF.
-pub(super) fn brdf(base: Rgb, metallic: f64, roughness: f64) -> Option<Arc<Brdf>> {
-    let parameters = [
-        ("base", base.into()),
-        ("metallic", metallic.into()),
-        ("roughness", roughness.into()),
-    ];
-    let made = Brdf::new(Description::model("gltf_mr", parameters));
-    made.ok().map(Arc::new)
-}
-
-/// Metallic and roughness, if the material carries that model.
-pub(super) fn gltf_mr(material: &Material) -> Option<(f64, f64)> {
-    let Description::Model(model) = material.brdf.as_deref()?.description() else {
-        return None;
-    };
-    let value = |name: &str| phong::number(model, name);
-    (model.name == "gltf_mr").then_some((value("metallic")?, value("roughness")?))
 }
 
 /// `Checked` without panics.

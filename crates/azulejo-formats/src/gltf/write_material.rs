@@ -1,9 +1,9 @@
 //! Materials and pictures to glTF.
 
-use super::material::gltf_mr;
 use super::pack::Pack;
 use super::uri;
 use super::write::{factor_and_strength, named};
+use crate::gloss::{gltf_mr, model_of, slope};
 use crate::png;
 use azulejo_scene::{Dielectric, Image, Material, MaterialId, Rgb, Scene, Texture};
 use serde_json::{Map, Value, json};
@@ -145,13 +145,21 @@ fn metallic_roughness(base: Rgb, metallic: f64, roughness: f64) -> Value {
     })
 }
 
+/// Metals colour what they mirror; of other models glTF can say the nearest metal.
 fn opaque(m: &Material) -> Value {
-    if m.mirror.is_black() {
-        let (metallic, roughness) = gltf_mr(m).unwrap_or((0.0, 1.0));
-        return metallic_roughness(m.diffuse, metallic, roughness);
+    if let Some((base, metallic, roughness)) = gltf_mr(m) {
+        return metallic_roughness(base, metallic, roughness);
     }
-    let base = (m.diffuse + m.mirror).map(|c| c.min(1.0));
-    metallic_roughness(base, mirrored_share(m), 0.0)
+    let mirrored = m.mirror + m.mean_glossy();
+    if mirrored.is_black() {
+        return metallic_roughness(m.diffuse, 0.0, 1.0);
+    }
+    let base = (m.diffuse + mirrored).map(|c| c.min(1.0));
+    let share = mirrored.mean() / (m.diffuse + mirrored).mean();
+    let slope = model_of(m)
+        .filter(|_| m.glossy().is_some())
+        .map_or(0.0, slope);
+    metallic_roughness(base, share, slope.sqrt())
 }
 
 /// How much of what a surface reflects is mirrored.

@@ -1,14 +1,20 @@
 //! `brdf`: a file, or a model with its parameters.
 
 use super::entries::Entries;
-use super::lexer::Lexer;
 use super::parser::{Parsed, Parser};
-use azulejo_scene::brdf::{Description, Model, Parameter, Value, find};
+use crate::FileError;
+use crate::brdf::inline::{self, Part, Trouble};
+use crate::gloss::color;
+use azulejo_scene::brdf::{Description, Model, Problem, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;
 
-/// The word before a sum of models: `combination weight = w1 model1 ... weight = w2 model2 ...`.
-pub(super) const COMBINATION: &str = "combination";
+/// Distinct models that are more than matt or a mirror, in one document. Each takes milliseconds
+/// to make at worst, and a few bytes of a file to say.
+const MOST_MODELS: usize = 1 << 14;
+
+/// By how much the shares of a matt mirror may exceed 1, when they were rounded for a file.
+const ROUNDING: f64 = 1e-6;
 
 /// A reflection model as the file says it, and what it makes.
 #[derive(Clone, Debug)]
@@ -30,53 +36,41 @@ impl From<&Arc<Brdf>> for Reflection {
 /// Reflectances of surfaces that need no model.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Plain {
-    pub diffuse: Option<Rgb>,
+    pub diffuse: Rgb,
     pub mirror: Rgb,
-}
-
-/// A colour among the parameters of a model.
-pub(super) fn color(model: &Model, name: &str) -> Option<Rgb> {
-    match model.value(name)? {
-        Value::Number(grey) => Some(Rgb::grey(*grey)),
-        Value::Color(color) => Some(*color),
-        Value::Word(_) => None,
-    }
 }
 
 /// What a description says, if matt and mirror say all of it.
 pub(super) fn plain(description: &Description) -> Option<Plain> {
-    let parts = match description {
-        Description::Model(model) => std::slice::from_ref(model)
-            .iter()
-            .map(|m| (1.0, m))
-            .collect(),
-        Description::Combination(parts) => parts.iter().map(|(w, m)| (*w, m)).collect(),
-        Description::File { .. } => return None,
-    };
-    sum(parts)
-}
-
-fn sum(parts: Vec<(f64, &Model)>) -> Option<Plain> {
     let mut sum = Plain::default();
-    for (weight, model) in parts {
-        let name = find(&model.name).ok()?.name;
-        match name {
-            "diffuse" => {
-                let kd = weight * color(model, "kd").unwrap_or(Rgb::BLACK);
-                sum.diffuse = Some(sum.diffuse.unwrap_or(Rgb::BLACK) + kd);
-            }
-            "specular" => {
-                sum.mirror += weight * color(model, "ks").unwrap_or(Rgb::WHITE);
-                sum.diffuse = Some(sum.diffuse.unwrap_or(Rgb::BLACK));
-            }
+    let mut add = |weight: f64, model: &Model| {
+        match find(&model.name).ok()?.name {
+            "diffuse" => sum.diffuse += weight * color(model, "kd").unwrap_or(Rgb::BLACK),
+            "specular" => sum.mirror += weight * color(model, "ks").unwrap_or(Rgb::WHITE),
             _ => return None,
         }
+        Some(())
+    };
+    match description {
+        Description::Model(model) => add(1.0, model)?,
+        Description::Combination(parts) => {
+            parts
+                .iter()
+                .try_for_each(|(weight, model)| add(*weight, model))?;
+        }
+        Description::File { .. } => return None,
     }
     Some(sum)
 }
 
-fn is_model(word: &str) -> bool {
-    find(word).is_ok() || word.eq_ignore_ascii_case(COMBINATION)
+/// Whether a description says a diffuse reflectance, which a colour beside it multiplies.
+pub(super) fn says_diffuse(description: &Description) -> bool {
+    let says = |model: &Model| color(model, "kd").is_some() || model.name == "specular";
+    match description {
+        Description::Model(model) => says(model),
+        Description::Combination(parts) => parts.iter().any(|(_, model)| says(model)),
+        Description::File { content, .. } => content.is_some(),
+    }
 }
 
 impl<'a> Parser<'a, '_, '_> {
@@ -84,119 +78,143 @@ impl<'a> Parser<'a, '_, '_> {
     pub fn brdf(&mut self) -> Parsed<Arc<Reflection>> {
         let offset = self.lexer.skip_blank();
         let mut ahead = self.lexer;
-        let description = match ahead.word() {
-            Some(word) if word.eq_ignore_ascii_case(COMBINATION) => {
-                self.lexer = ahead;
-                Description::Combination(self.parts()?)
+        match ahead.word() {
+            Some(word) if inline::is_model(word) || inline::at_parameter(ahead) => {
+                let said = inline::description(&mut self.lexer);
+                let (description, parts) = said.map_err(|t| self.trouble(t))?;
+                self.reflection(offset, description, &parts)
             }
-            Some(word) if is_model(word) || at_parameter(ahead) => {
-                Description::Model(self.model()?)
+            _ => {
+                let path = self.file_name()?;
+                self.brdf_file(offset, path)
             }
-            _ => Description::File {
-                path: self.file_name()?.to_owned(),
-                content: None,
-            },
-        };
-        self.reflection(offset, description)
+        }
+    }
+
+    #[cold]
+    fn trouble(&mut self, trouble: Trouble) -> super::document::Fail {
+        self.fail(trouble.offset, trouble.found, trouble.expected)
     }
 
     /// The one copy of what a description makes.
-    pub fn reflection(
+    fn reflection(
         &mut self,
         offset: usize,
         description: Description,
+        parts: &[Part],
     ) -> Parsed<Arc<Reflection>> {
         let text = description.to_string();
         if let Some(known) = self.shared.reflections.get(&text) {
             return Ok(known.clone());
         }
-        let made = Arc::new(self.made(offset, description)?);
-        self.shared.reflections.insert(text, made.clone());
+        let made = match plain(&description) {
+            Some(plain) => {
+                self.check_plain(offset, plain, parts)?;
+                None
+            }
+            None => Some(self.made(offset, &description, parts)?),
+        };
+        Ok(self.keep(text, description, made))
+    }
+
+    fn keep(
+        &mut self,
+        text: String,
+        description: Description,
+        brdf: Option<Arc<Brdf>>,
+    ) -> Arc<Reflection> {
+        let reflection = Arc::new(Reflection { description, brdf });
+        self.shared.reflections.insert(text, reflection.clone());
+        reflection
+    }
+
+    /// A sum of a matt surface and a mirror may have weights of 1 for both.
+    fn check_plain(&mut self, offset: usize, plain: Plain, parts: &[Part]) -> Parsed<()> {
+        inline::check(parts).map_err(|t| self.trouble(t))?;
+        let sum = (plain.diffuse + plain.mirror).max_channel();
+        if sum <= 1.0 + ROUNDING {
+            return Ok(());
+        }
+        let what = "a reflectance".to_owned();
+        let (found, expected) = inline::in_words(&Problem::Energy { what, sum });
+        Err(self.fail(offset, found, expected))
+    }
+
+    fn made(
+        &mut self,
+        offset: usize,
+        description: &Description,
+        parts: &[Part],
+    ) -> Parsed<Arc<Brdf>> {
+        if self.shared.models == MOST_MODELS {
+            let expected = format!("at most {MOST_MODELS} different ones");
+            return Err(self.fail(offset, "one more reflection model", expected));
+        }
+        self.shared.models += 1;
+        let made = inline::made(description, parts).map_err(|t| self.trouble(t))?;
+        if let Some(doubt) = inline::doubts(&made) {
+            self.warn(offset, doubt);
+        }
         Ok(made)
-    }
-
-    fn made(&mut self, offset: usize, description: Description) -> Parsed<Reflection> {
-        let brdf = if plain(&description).is_some() {
-            None
-        } else {
-            match Brdf::new(description.clone()) {
-                Ok(brdf) => Some(Arc::new(brdf)),
-                Err(problem) => {
-                    self.warn(offset, problem.to_string());
-                    None
-                }
-            }
-        };
-        Ok(Reflection { description, brdf })
-    }
-
-    /// `weight = w` holds for the models behind it, up to the next weight.
-    fn parts(&mut self) -> Parsed<Vec<(f64, Model)>> {
-        let (mut parts, mut weight) = (Vec::new(), 1.0);
-        loop {
-            if at_parameter(self.lexer) {
-                self.expect_word("weight")?;
-                self.expect(b'=')?;
-                weight = self.number()?;
-            } else if self.lexer.peek_word().is_some_and(is_model) {
-                parts.push((weight, self.model()?));
-            } else {
-                return Ok(parts);
-            }
-        }
-    }
-
-    fn model(&mut self) -> Parsed<Model> {
-        let mut model = Model {
-            name: self.lexer.word().unwrap_or("").to_owned(),
-            parameters: Vec::new(),
-        };
-        while at_parameter(self.lexer) {
-            let mut ahead = self.lexer;
-            let name = ahead.word().unwrap_or("").to_owned();
-            if name.eq_ignore_ascii_case("weight") {
-                break;
-            }
-            self.lexer = ahead;
-            self.expect(b'=')?;
-            let value = self.parameter()?;
-            model.parameters.push(Parameter { name, value });
-        }
-        Ok(model)
     }
 
     /// The file that an extension names.
     pub fn take_brdf_file(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<Arc<Reflection>>> {
         let offset = entries.offset;
-        let Some(path) = self.take_text(entries, "brdf_file")? else {
-            return Ok(None);
-        };
-        let content = None;
-        let file = Description::File { path, content };
-        self.reflection(offset, file).map(Some)
+        match self.take_text(entries, "brdf_file")? {
+            Some(path) => self.brdf_file(offset, &path).map(Some),
+            None => Ok(None),
+        }
     }
 
-    fn parameter(&mut self) -> Parsed<Value> {
-        let offset = self.lexer.skip_blank();
-        if !self.lexer.at_number() && self.lexer.peek() != Some(b'(') {
-            return match self.lexer.word() {
-                Some(word) => Ok(Value::Word(word.to_owned())),
-                None => Err(self.unexpected("a number, (r, g, b), or a word")),
-            };
+    /// What a file holds; nothing, with a warning, of one that cannot be had.
+    fn brdf_file(&mut self, offset: usize, name: &str) -> Parsed<Arc<Reflection>> {
+        let here = self.shared.sources.get(self.file);
+        let path = match here {
+            Some(source) if source.path.contains('/') => super::parse::joined(&source.path, name),
+            _ => name.to_owned(),
+        };
+        let key = format!("\"{path}\"");
+        if let Some(known) = self.shared.reflections.get(&key) {
+            return Ok(known.clone());
         }
-        match self.number_or_list()?[..] {
-            [number] => Ok(Value::Number(number)),
-            [r, g, b] => Ok(Value::Color(Rgb::new(r, g, b))),
-            _ => Err(self.fail(offset, "a list", "a number or (r, g, b)")),
+        let content = match self.shared.files.read(&path) {
+            Ok(bytes) => Some(self.brdf_content(offset, &path, &bytes)?),
+            Err(problem) => {
+                self.warn(offset, missing(&path, &problem));
+                None
+            }
+        };
+        let description = Description::File { path, content };
+        let brdf = self.made(offset, &description, &[])?;
+        Ok(self.keep(key, description, Some(brdf)))
+    }
+
+    fn brdf_content(
+        &mut self,
+        offset: usize,
+        path: &str,
+        bytes: &[u8],
+    ) -> Parsed<Arc<azulejo_scene::brdf::Content>> {
+        match crate::brdf::read(bytes, path, self.shared.files) {
+            Ok(read) => {
+                for warning in read.warnings {
+                    self.warn(offset, format!("{warning}"));
+                }
+                Ok(Arc::new(read.content))
+            }
+            Err(mut error) => {
+                let line = self.place(offset).line;
+                let mut chain = self.fail(offset, "", "").included_from;
+                let shown = self.shared.sources.get(self.file).map(|s| s.shown.clone());
+                chain.push((shown.unwrap_or_default(), line));
+                error.included_from = chain;
+                Err(Box::new(error))
+            }
         }
     }
 }
 
-/// Whether `key = value` follows, and not the next definition of the same `def`.
-fn at_parameter(mut ahead: Lexer<'_>) -> bool {
-    ahead.word().is_some()
-        && ahead.eat(b'=')
-        && !["rgb", "brdf", "texture"]
-            .iter()
-            .any(|body| ahead.eat_word(body))
+fn missing(path: &str, problem: &FileError) -> String {
+    format!("the brdf \"{path}\" is left out, its surface is matt: {problem}")
 }

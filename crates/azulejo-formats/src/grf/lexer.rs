@@ -5,14 +5,14 @@
 
 /// A place in the text and what can be read from there. Copying it is how one looks ahead.
 #[derive(Clone, Copy)]
-pub(super) struct Lexer<'a> {
+pub(crate) struct Lexer<'a> {
     text: &'a str,
     pos: usize,
 }
 
 /// Why there is no number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum BadNumber {
+pub(crate) enum BadNumber {
     /// Something else stands there.
     Missing,
     /// It begins like a number.
@@ -320,7 +320,7 @@ fn shortened(text: &str) -> String {
 
 /// Line and column of byte offsets, quickest for offsets that grow.
 #[derive(Default)]
-pub(super) struct Locator {
+pub(crate) struct Locator {
     offset: usize,
     lines: u32,
     columns: u32,
@@ -356,7 +356,7 @@ impl Locator {
 const LONGEST_LINE: usize = 10_000;
 
 /// The line around an offset, if it is not absurdly long.
-pub(super) fn line_around(text: &str, offset: usize) -> Option<String> {
+pub(crate) fn line_around(text: &str, offset: usize) -> Option<String> {
     let is_end = |b: &u8| matches!(b, b'\n' | b'\r');
     let bytes = text.as_bytes();
     let from = offset.saturating_sub(LONGEST_LINE);

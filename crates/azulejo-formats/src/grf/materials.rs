@@ -1,10 +1,9 @@
 //! From what a file says about a surface to a material.
 
-use super::brdf::{Plain, Reflection, color, plain};
+use super::brdf::{Reflection, plain, says_diffuse};
 use super::document::MaterialNote;
 use azulejo_scene::brdf::Description;
-use azulejo_scene::{Brdf, Dielectric, Material, Rgb, TextureId};
-use std::sync::Arc;
+use azulejo_scene::{Dielectric, Material, Rgb, TextureId};
 
 /// Reflectance of surfaces about which a file says nothing.
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
@@ -23,39 +22,25 @@ pub(super) struct Surface {
 
 /// What a `brdf` makes.
 pub(super) fn surface(name: &str, reflection: &Reflection) -> Surface {
-    let mut surface = match &reflection.brdf {
-        Some(brdf) => modelled(brdf),
-        None => matt_or_mirror(&reflection.description),
+    let description = &reflection.description;
+    let mut material = match &reflection.brdf {
+        Some(brdf) => Material::with_brdf(name, brdf.clone()),
+        None => {
+            let said = plain(description).unwrap_or_default();
+            Material {
+                mirror: said.mirror,
+                ..Material::diffuse(name, said.diffuse)
+            }
+        }
     };
-    surface.material.name = name.to_owned();
-    if !surface.says_diffuse {
-        surface.material.diffuse = DEFAULT_REFLECTANCE;
+    let is_black = material.diffuse.is_black();
+    // Of a file that is not there nothing is known.
+    if matches!(description, Description::File { content: None, .. }) {
+        material.diffuse = DEFAULT_REFLECTANCE;
     }
-    surface
-}
-
-fn modelled(brdf: &Arc<Brdf>) -> Surface {
     Surface {
-        material: Material::with_brdf("", brdf.clone()),
-        says_diffuse: !matches!(brdf.description(), Description::File { content: None, .. }),
-    }
-}
-
-fn matt_or_mirror(description: &Description) -> Surface {
-    let said = match description {
-        Description::Model(model) => plain(description).unwrap_or(Plain {
-            diffuse: color(model, "kd"),
-            ..Plain::default()
-        }),
-        _ => plain(description).unwrap_or_default(),
-    };
-    Surface {
-        material: Material {
-            diffuse: said.diffuse.unwrap_or(Rgb::BLACK),
-            mirror: said.mirror,
-            ..Material::default()
-        },
-        says_diffuse: said.diffuse.is_some(),
+        material,
+        says_diffuse: says_diffuse(description) || !is_black,
     }
 }
 

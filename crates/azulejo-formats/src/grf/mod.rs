@@ -19,7 +19,7 @@ mod entries;
 mod extension;
 mod from_scene;
 mod irradiance;
-mod lexer;
+pub(crate) mod lexer;
 mod look;
 mod materials;
 mod mesh;

@@ -36,6 +36,8 @@ pub(super) struct Shared<'f> {
     pub included_bytes: usize,
     /// Every brdf of the document once, by its text.
     pub reflections: HashMap<String, Arc<Reflection>>,
+    /// How many of them are more than matt or a mirror.
+    pub models: usize,
     names: HashSet<Name>,
     scopes: Vec<Scope>,
 }
@@ -69,6 +71,7 @@ impl<'f> Shared<'f> {
             includes: 0,
             included_bytes: 0,
             reflections: HashMap::new(),
+            models: 0,
             names: HashSet::new(),
             scopes: vec![Scope::default()],
         }
@@ -254,19 +257,6 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
         self.warn(offset, "a colour or light is negative; read as 0");
         rgb.map(|x| x.max(0.0))
-    }
-
-    /// `( a , b ... )` of any length, or a number alone.
-    pub fn number_or_list(&mut self) -> Parsed<Vec<f64>> {
-        if !self.lexer.eat(b'(') {
-            return Ok(vec![self.number()?]);
-        }
-        let mut list = vec![self.number()?];
-        while !self.lexer.eat(b')') {
-            self.comma()?;
-            list.push(self.number()?);
-        }
-        Ok(list)
     }
 
     /// Goes one block or include deeper.

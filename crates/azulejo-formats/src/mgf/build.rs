@@ -1,6 +1,7 @@
 //! The scene as the statements build it: named groups, each with a mesh of the faces that stand
 //! directly in it.
 
+use crate::gloss::Gloss;
 use crate::materials::Materials;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{
@@ -29,6 +30,7 @@ pub(super) struct Corner {
 pub(super) struct Builder {
     scene: Scene,
     materials: Materials,
+    pub gloss: Gloss,
     path: String,
     groups: Vec<Group>,
 }
@@ -55,6 +57,7 @@ impl Builder {
                 ..Scene::default()
             },
             materials: Materials::default(),
+            gloss: Gloss::default(),
             path: String::new(),
             groups: vec![Group::default()],
         }

@@ -1,14 +1,16 @@
 //! MGF's materials as azulejo's.
 
 use super::color::Chroma;
+use crate::gloss::Gloss;
 use azulejo_scene::brdf::Description;
-use azulejo_scene::{Brdf, Dielectric, Material, MaterialId, Rgb};
+use azulejo_scene::{Dielectric, Material, MaterialId, Rgb};
 use std::f64::consts::PI;
-use std::sync::Arc;
 
-/// Surfaces up to this roughness (RMS facet slope) are taken as perfect mirrors: what they
-/// reflect is spread by about one degree.
-const SMOOTH: f64 = 0.01;
+/// Surfaces below this roughness (RMS facet slope) are mirrors.
+const SMOOTH: f64 = 1e-4;
+
+/// The roughest that a model takes.
+const MOST: f64 = 10.0;
 
 /// Reflectance of what a file names and does not define.
 const DEFAULT_REFLECTANCE: f64 = 0.5;
@@ -77,7 +79,12 @@ impl Surface {
 
     /// As one of azulejo's materials, and what is lost on the way. Of a closed surface nobody
     /// sees the back, which then emits nothing.
-    pub fn material(&self, name: &str, is_closed: bool) -> (Material, Vec<&'static str>) {
+    pub fn material(
+        &self,
+        name: &str,
+        is_closed: bool,
+        gloss: &mut Gloss,
+    ) -> (Material, Vec<&'static str>) {
         let mut losses = Vec::new();
         let [rd, td, rs, ts] = self.shares(&mut losses);
         let mut material = Material {
@@ -92,12 +99,11 @@ impl Surface {
         }
         if !ts.is_black() {
             self.glass(&mut material, rs, ts, &mut losses);
-        } else if self.rs.roughness <= SMOOTH {
+        } else if self.rs.roughness < SMOOTH {
             material.mirror = rs;
         } else if !rs.is_black() {
-            losses
-                .push("glossy reflection (rs with roughness) is kept but not evaluated: absorbed");
-            material.brdf = ward(self.rs.roughness, rs, rd);
+            let made = gloss.cover(&mut material, ward(self.rs.roughness.min(MOST), rs, rd));
+            losses.extend(made.err());
         }
         // The shares were made possible; this is for the last bit of their sums.
         material.limit_reflectance();
@@ -158,16 +164,15 @@ fn through_one_face(ior: f64, ts: Rgb) -> Rgb {
     ts.map(|share| (share.sqrt() / (1.0 - reflected)).min(1.0))
 }
 
-/// Ward's model (SIGGRAPH 1992), by the parameter names of GRF: MGF's roughness is its α.
-fn ward(roughness: f64, ks: Rgb, kd: Rgb) -> Option<Arc<Brdf>> {
+/// Ward's model in the form that keeps energy; MGF's roughness is its α.
+fn ward(roughness: f64, ks: Rgb, kd: Rgb) -> Description {
+    let [ks, kd] = [ks, kd].map(|share| share.map(|c| c.min(1.0)));
     let parameters = [
         ("ax", roughness.into()),
-        ("ay", roughness.into()),
         ("ks", ks.into()),
         ("kd", kd.into()),
     ];
-    let made = Brdf::new(Description::model("ward_gmd", parameters));
-    made.ok().map(Arc::new)
+    Description::model("ward_gmd", parameters)
 }
 
 #[cfg(test)]
@@ -183,7 +188,7 @@ mod tests {
     }
 
     fn check(surface: Surface, expected: Material, losses: &[&str]) {
-        let (found, lost) = surface.material("m", false);
+        let (found, lost) = surface.material("m", false, &mut Gloss::default());
         let close = |a: Rgb, b: Rgb| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
         assert!(
             close(found.diffuse, expected.diffuse)
@@ -212,9 +217,15 @@ mod tests {
             ..matt.clone()
         };
         check(surface(part(0.0, 0.0)), matt.clone(), &[]);
-        check(surface(part(0.2, 0.0)), mirror.clone(), &[]);
-        check(surface(part(0.2, 0.01)), mirror, &[]);
-        check(surface(part(0.2, 0.1)), matt, &["glossy"]);
+        check(surface(part(0.2, 0.0)), mirror, &[]);
+        check(surface(part(0.2, 0.1)), matt, &[]);
+        let glossy = surface(part(0.2, 0.1));
+        let (glossy, _) = glossy.material("m", false, &mut Gloss::default());
+        let model = glossy.brdf.map(|b| b.description().to_string());
+        assert_eq!(
+            model.as_deref(),
+            Some("ward_gmd ax = 0.1 ks = 0.2 kd = 0.3")
+        );
     }
 
     #[test]
@@ -277,6 +288,11 @@ mod tests {
         };
         check(lamp(false), expected(true), &["td"]);
         check(lamp(true), expected(false), &["td"]);
-        assert!(!lamp(false).material("m", true).0.emits_back);
+        assert!(
+            !lamp(false)
+                .material("m", true, &mut Gloss::default())
+                .0
+                .emits_back
+        );
     }
 }

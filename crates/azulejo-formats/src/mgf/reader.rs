@@ -209,7 +209,7 @@ impl<'r> Reader<'r> {
     /// The materials of a file that has nothing else: a library.
     fn keep_materials(&mut self) {
         for (name, surface) in self.surfaces.named() {
-            let (material, _) = surface.material(&text(name), false);
+            let (material, _) = surface.material(&text(name), false, &mut self.builder.gloss);
             self.builder.material(material);
         }
     }

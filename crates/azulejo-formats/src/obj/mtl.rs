@@ -2,7 +2,8 @@
 
 use super::cursor::Cursor;
 use super::placement::Placement;
-use crate::phong;
+use crate::gloss::Gloss;
+use crate::phong::Highlight;
 use crate::text::{shortened, text};
 use crate::textures::Textures;
 use crate::warnings::Warnings;
@@ -16,9 +17,6 @@ const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
 /// Index of refraction of glass that does not say its own.
 const DEFAULT_IOR: f64 = 1.5;
-
-/// Roughness up to which a metal is a mirror.
-const SMOOTH: f64 = 0.1;
 
 /// By how much shares that were scaled to a sum of 1 may exceed it.
 const ROUNDING: f64 = 1e-12;
@@ -46,6 +44,7 @@ pub(super) struct Library {
     pub materials: Vec<Material>,
     pub textures: Textures,
     by_name: HashMap<String, MaterialId>,
+    gloss: Gloss,
     /// Of the materials whose picture does not lie as the model's texture coordinates say.
     placements: HashMap<MaterialId, Placement>,
 }
@@ -306,7 +305,7 @@ impl Parser<'_> {
         match self.surface(&m) {
             Surface::Matt => self.matt(&m, &mut material),
             Surface::Mirror => self.mirror(&m, &mut material),
-            Surface::Metal(share) => self.metal(&m, share, &mut material),
+            Surface::Rough => self.rough(&m, &mut material),
             Surface::Glass(ior) => self.glass(&m, ior, &mut material),
         }
         material.textures.extend(m.map_kd);
@@ -333,17 +332,14 @@ impl Parser<'_> {
         self.warnings.add_whole(self.file, message);
     }
 
-    /// What `illum` makes of a surface, or `Pm`, which programs write that know no `illum`.
+    /// What `illum` makes of a surface, or `Pm` and `Pr`, which programs write that know no
+    /// `illum`.
     fn surface(&mut self, m: &Definition) -> Surface {
         let model = m.illum.unwrap_or(2.0);
         let ior = m.ni.filter(|ni| *ni > 1.0);
+        let is_rough = m.metallic.is_some_and(|share| share > 0.0) || m.roughness.is_some();
         match model as i64 {
-            0..=5
-                if m.metallic.is_some_and(|share| share > 0.0)
-                    && (model != 4.0 || ior.is_none()) =>
-            {
-                self.smooth_or_matt(m)
-            }
+            0..=5 if is_rough && (model != 4.0 || ior.is_none()) => Surface::Rough,
             0..=2 => Surface::Matt,
             3 | 5 => Surface::Mirror,
             4 if ior.is_none() => {
@@ -366,42 +362,47 @@ impl Parser<'_> {
         }
     }
 
-    /// A metal is a mirror if it is smooth. What scatters light around the mirrored direction is
-    /// nearer to matt than to a mirror.
-    fn smooth_or_matt(&mut self, m: &Definition) -> Surface {
-        if m.roughness.is_some_and(|r| r <= SMOOTH) {
-            Surface::Metal(m.metallic.unwrap_or(0.0).min(1.0))
-        } else {
-            let message = "metal (Pm) that is rough (Pr above 0.1, or none): matt";
-            self.warnings.add_whole(self.file, message);
-            Surface::Matt
-        }
-    }
-
-    fn metal(&mut self, m: &Definition, share: f64, material: &mut Material) {
-        let color = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
-        (material.diffuse, material.mirror) = (color * (1.0 - share), color * share);
-        if m.map_kd.is_some() {
-            let message = "picture (map_Kd) of a smooth metal: its Kd alone is mirrored";
+    /// `Pm` and `Pr` are glTF's metalness and roughness, of the base colour `Kd`.
+    fn rough(&mut self, m: &Definition, material: &mut Material) {
+        let base = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
+        let share = |given: Option<f64>, missing: f64| given.unwrap_or(missing).clamp(0.0, 1.0);
+        let (metallic, roughness) = (share(m.metallic, 0.0), share(m.roughness, 1.0));
+        if m.roughness.is_none() {
+            let message = "metal (Pm) without roughness (Pr): as rough as can be";
             self.warnings.add_whole(self.file, message);
         }
+        if m.map_kd.is_some() && metallic > 0.0 {
+            let message = "picture (map_Kd) of a metal: it reflects Kd alone";
+            self.warnings.add_whole(self.file, message);
+        }
+        let gloss = &mut self.library.gloss;
+        let made = gloss.metallic_roughness(material, base, metallic, roughness);
+        self.warn_if(made);
+        self.say_if_see_through(m);
     }
 
     fn matt(&mut self, m: &Definition, material: &mut Material) {
         material.diffuse = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
+        self.say_if_see_through(m);
+        if m.illum.unwrap_or(2.0) >= 2.0 {
+            // More than 1 is a highlight that is sharp and bright.
+            let ks = m.ks.unwrap_or_default();
+            let highlight = Highlight::half(m.ns.unwrap_or(1.0), ks);
+            let made = self.library.gloss.highlight(material, highlight);
+            self.warn_if(made);
+        }
+    }
+
+    fn say_if_see_through(&mut self, m: &Definition) {
         if m.opacity.is_some_and(|d| d < 1.0) {
             let message = "see-through material (d or Tr) with illum 0 to 2: opaque";
             self.warnings.add_whole(self.file, message);
         }
-        if m.roughness.is_some() && m.metallic.unwrap_or(0.0) <= 0.0 {
-            let message = "roughness (Pr) of what is no metal: not used, its Kd alone reflects";
+    }
+
+    fn warn_if(&mut self, made: Result<(), &'static str>) {
+        if let Err(message) = made {
             self.warnings.add_whole(self.file, message);
-        }
-        let ks = m.ks.unwrap_or_default();
-        if !ks.is_black() && m.illum.unwrap_or(2.0) >= 2.0 {
-            let message = "glossy material (Ks, Ns): kept as brdf phong, its Kd alone reflects";
-            self.warnings.add_whole(self.file, message);
-            material.brdf = phong::brdf(m.ns.unwrap_or(1.0), ks, material.diffuse);
         }
     }
 
@@ -458,8 +459,8 @@ impl Parser<'_> {
 enum Surface {
     Matt,
     Mirror,
-    /// With its metallic share, above 0.
-    Metal(f64),
+    /// By `Pm` and `Pr`.
+    Rough,
     /// With its index of refraction, above 1.
     Glass(f64),
 }

@@ -1,7 +1,8 @@
 //! Rules of OBJ and MTL, each by a small file.
 
 use super::read;
-use crate::phong;
+use crate::gloss::gltf_mr;
+use crate::phong::{Angle, Highlight};
 use crate::{Format, Loaded, Memory, Position, detect};
 use azulejo_scene::{Material, Mesh, Rgb, Shape};
 use glam::{DVec2, DVec3};
@@ -508,11 +509,6 @@ fn matt_materials() {
         &["colour as CIE xyz or spectrum: skipped"],
     );
     check_material(
-        "Pr 0.5",
-        Material::diffuse("", half),
-        &["roughness (Pr) of what is no metal: not used, its Kd alone reflects"],
-    );
-    check_material(
         "illum 9",
         Material::diffuse("", half),
         &["material \"m\" has an unknown illum: taken as matt"],
@@ -523,10 +519,15 @@ fn matt_materials() {
 fn glossy_materials_are_kept() {
     let (found, said) = material("Kd 0.25\nKs 0.5\nNs 20");
     assert_eq!(found.diffuse, Rgb::grey(0.25));
-    assert_eq!(phong::parse(&found), Some((20.0, Rgb::grey(0.5))));
+    let highlight = Highlight::of(&found).unwrap();
+    assert_eq!((highlight.angle, highlight.n), (Angle::Half, 20.0));
+    assert!((highlight.ks.r - 0.5).abs() < 1e-12);
+    assert_eq!(said, Vec::<String>::new());
+    let (scaled, said) = material("Kd 0.75\nKs 1\nNs 1");
+    assert!(scaled.diffuse.r < 0.75);
     assert_eq!(
         said,
-        ["glossy material (Ks, Ns): kept as brdf phong, its Kd alone reflects"]
+        ["glossy material that reflects more than it gets: all of it scaled down"]
     );
     check_material(
         "Kd 0.25\nKs 0.5\nillum 1",
@@ -659,6 +660,13 @@ fn pictures() {
     );
 }
 
+fn check_rough(mtl: &str, metallic: f64, roughness: f64, warnings: &[&str]) {
+    let (found, said) = material(mtl);
+    let expected = Some((Rgb::grey(0.5), metallic, roughness));
+    assert_eq!(gltf_mr(&found), expected, "{mtl}");
+    assert_eq!(said, warnings, "{mtl}");
+}
+
 #[test]
 fn metals() {
     let smooth = |share: f64| Material {
@@ -666,7 +674,7 @@ fn metals() {
         mirror: Rgb::grey(0.5 * share),
         ..Material::default()
     };
-    check_material("Kd 0.5\nPm 1\nPr 0.05", smooth(1.0), &[]);
+    check_material("Kd 0.5\nPm 1\nPr 0", smooth(1.0), &[]);
     check_material("Kd 0.5\nKs 0.5\nillum 3\nPm 0.25\nPr 0", smooth(0.25), &[]);
     check_material("Kd 0.5\nPm 1\nPr 0\nillum 4\nNi 1", smooth(1.0), &[]);
     check_material(
@@ -674,9 +682,11 @@ fn metals() {
         Material::dielectric("", 1.5),
         &[],
     );
-    let rough = "metal (Pm) that is rough (Pr above 0.1, or none): matt";
-    check_material("Kd 0.5\nPm 1\nPr 0.5\nillum 3", smooth(0.0), &[rough]);
-    check_material("Kd 0.5\nPm 1", smooth(0.0), &[rough]);
+    let silent = "metal (Pm) without roughness (Pr): as rough as can be";
+    check_rough("Kd 0.5\nPm 1\nPr 0.5\nillum 3", 1.0, 0.5, &[]);
+    check_rough("Kd 0.5\nPm 1", 1.0, 1.0, &[silent]);
+    check_rough("Kd 0.5\nPr 0.25", 0.0, 0.25, &[]);
+    check_material("Kd 0.5\nPr 1", smooth(0.0), &[]);
     check_material(
         "Kd 0.5\nPm 0\nPs 0\nPc 0.0\nPcr 0\naniso 0\nanisor 0",
         smooth(0.0),

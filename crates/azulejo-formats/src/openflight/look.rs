@@ -4,9 +4,11 @@ use super::document::Document;
 use super::fields::Fields;
 use super::palettes::{PaletteMaterial, Palettes};
 use super::warn::Notes;
+use crate::Files;
+use crate::gloss::Gloss;
 use crate::materials::Materials;
+use crate::phong::Highlight;
 use crate::textures::Textures;
-use crate::{Files, phong};
 use azulejo_scene::{Material, MaterialId, Rgb};
 use std::collections::HashMap;
 
@@ -112,6 +114,7 @@ impl Style {
 pub(super) struct Looks<'f> {
     files: &'f dyn Files,
     pub materials: Materials,
+    gloss: Gloss,
     pub textures: Textures,
     known: HashMap<Request, MaterialId>,
 }
@@ -131,6 +134,7 @@ impl<'f> Looks<'f> {
         Looks {
             files,
             materials: Materials::default(),
+            gloss: Gloss::default(),
             textures: Textures::default(),
             known: HashMap::new(),
         }
@@ -177,6 +181,15 @@ impl<'f> Looks<'f> {
         if !material.limit_reflectance() {
             notes.add("material that reflects more than it gets, or less than nothing: clamped");
         }
+        let entry = request
+            .material
+            .and_then(|index| palettes.materials.get(&index));
+        if let Some(entry) = entry {
+            let highlight = Highlight::half(entry.shininess, entry.specular);
+            if let Err(message) = self.gloss.highlight(&mut material, highlight) {
+                notes.add(message);
+            }
+        }
         if request.texture >= 0 {
             match palettes.textures.get(&request.texture) {
                 Some(file) => {
@@ -199,11 +212,5 @@ fn apply(entry: &PaletteMaterial, material: &mut Material, notes: &mut Notes) {
     material.emission = entry.emissive.map(|e| e.max(0.0));
     if entry.emissive != material.emission {
         notes.add("material that emits less than nothing: clamped to 0");
-    }
-    if !entry.specular.is_black() {
-        notes.add("glossy material: kept as brdf phong, its diffuse colour alone reflects");
-        let n = entry.shininess.max(0.0);
-        let diffuse = material.diffuse.map(|d| d.clamp(0.0, 1.0));
-        material.brdf = phong::brdf(n, entry.specular, diffuse);
     }
 }

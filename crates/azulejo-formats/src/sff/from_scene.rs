@@ -3,6 +3,7 @@
 use super::document::*;
 use super::lights;
 use super::{coons, shapes, textures};
+use crate::gloss::{color, model_of, number, slope};
 use azulejo_scene::math::Aabb;
 use azulejo_scene::rtrace::{Rtrace, RtraceSource, RtraceTexture};
 use azulejo_scene::{
@@ -545,7 +546,9 @@ fn view(scene: &Scene) -> View {
 
 /// A material as a surface: Kd and Ks are what it reflects, its colour is white or what it emits.
 fn surface(material: &Material) -> SurfaceRecord {
-    let unit = |c: Rgb| c.map(|v| v.clamp(0.0, 1.0));
+    if let Some(strauss) = strauss(material) {
+        return strauss;
+    }
     let glass = material.dielectric;
     let transparency = glass.map_or(Rgb::BLACK, |g| unit(g.transmittance));
     let is_emitter = material.is_emitter();
@@ -563,13 +566,51 @@ fn surface(material: &Material) -> SurfaceRecord {
             specular: if glass.is_some() {
                 Rgb::grey(0.05)
             } else {
-                material.mirror
+                specular(material)
             },
-            phong: 100.0,
+            phong: exponent(material),
             metal: 0.0,
             transparency,
         },
     }
+}
+
+fn unit(color: Rgb) -> Rgb {
+    color.map(|v| v.clamp(0.0, 1.0))
+}
+
+/// What a material mirrors, exactly or about: of a lobe along the normal, if it says so.
+fn specular(material: &Material) -> Rgb {
+    let lobe = model_of(material).filter(|m| m.name == "lewis");
+    let ks = lobe.and_then(|m| color(m, "ks"));
+    ks.unwrap_or_else(|| unit(material.mirror + material.mean_glossy()))
+}
+
+/// The exponent of a lobe about as wide as a material's.
+fn exponent(material: &Material) -> f64 {
+    let Some(model) = model_of(material).filter(|_| material.glossy().is_some()) else {
+        return 100.0;
+    };
+    let said = number(model, "n").filter(|_| model.name == "lewis");
+    // Angles to the mirrored light are about twice those to the half vector.
+    let near = || 0.25 * (2.0 / slope(model).powi(2) - 2.0);
+    said.unwrap_or_else(near).clamp(3.0, 300.0)
+}
+
+/// A surface of the second type, whose rule is Strauss' model.
+fn strauss(material: &Material) -> Option<SurfaceRecord> {
+    let model = model_of(material).filter(|m| m.name == "strauss")?;
+    let grey = |name: &str| Rgb::grey(number(model, name).unwrap_or(0.0));
+    Some(SurfaceRecord {
+        color: color(model, "color")?,
+        is_emitter: false,
+        is_unshadowed: false,
+        source: RtraceSource::Strauss {
+            smooth: grey("smoothness"),
+            metal: grey("metalness"),
+            transparency: grey("transparency"),
+        },
+    })
 }
 
 /// Degrees that are exactly this angle again, if there are any within rounding.

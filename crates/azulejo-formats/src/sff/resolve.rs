@@ -7,14 +7,15 @@ use super::textures::{Surroundings, TextureFiles};
 use super::tree::{Node, NodeKind, Tree};
 use super::typeset::{Desk, Typesetter};
 use super::{block, data, lines::Lines, open_beside, surfaces};
+use crate::gloss::Gloss;
 use crate::options::Budget;
 use crate::text::shortened;
 use crate::warnings::Warnings;
 use crate::{Files, ReadError, ReadOptions};
 use azulejo_scene::rtrace::{Rtrace, RtraceMaterial, RtraceSurface};
 use azulejo_scene::{
-    Camera, Csg, Exact, Light, LightKind, MaterialId, Object, Primitive, PrimitiveKind, Rgb, Scene,
-    Shape, Solid, Up,
+    Camera, Csg, Exact, Light, LightKind, Material, MaterialId, Object, Primitive, PrimitiveKind,
+    Rgb, Scene, Shape, Solid, Up,
 };
 use glam::DAffine3;
 use std::borrow::Cow;
@@ -40,6 +41,7 @@ pub(crate) fn resolve(
         sources,
         warnings,
         surfaces: document.surfaces.iter().map(surfaces::derived).collect(),
+        gloss: Gloss::default(),
         looks: HashMap::new(),
         chains: Chains::default(),
         typesetter: Typesetter::default(),
@@ -114,6 +116,7 @@ struct Resolver<'r, 's> {
     sources: &'r mut Sources<'s>,
     warnings: &'r mut Warnings,
     surfaces: Vec<RtraceSurface>,
+    gloss: Gloss,
     looks: HashMap<LookKey, MaterialId>,
     chains: Chains,
     typesetter: Typesetter,
@@ -453,9 +456,18 @@ impl Resolver<'_, '_> {
             surface: Some(first),
             ..given
         };
-        let mut material = surfaces::material(surface(first), 1.0, format!("surfaces {first}…"));
-        (material.diffuse, material.mirror) = (left, mirror);
-        (material.dielectric, material.emission) = (None, Rgb::BLACK);
+        let lobe = surfaces::lobe(surface(first).phong, mirror, Rgb::BLACK);
+        let mut material = Material {
+            mirror,
+            ..Material::diffuse(format!("surfaces {first}…"), left)
+        };
+        if !mirror.is_black() {
+            let made = self.gloss.cover(&mut material, lobe);
+            material.diffuse = left;
+            if let Err(message) = made {
+                self.warn(place, message);
+            }
+        }
         let of_rtrace = self.rtrace_material(tree, given, place)?;
         let material = self.push_material(material, of_rtrace);
         let (mut mesh, corners) = shapes::triangles(&data, under(placed), map, material);
@@ -545,17 +557,16 @@ impl Resolver<'_, '_> {
         }
         let of_rtrace = self.rtrace_material(tree, given, place)?;
         let name = format!("surface {surface}");
-        let material = surfaces::material(&numbers, ior, name);
+        let (material, made) = surfaces::material(&numbers, ior, name, &mut self.gloss);
+        if let Err(message) = made {
+            self.warn(place, message);
+        }
         let id = self.push_material(material, of_rtrace);
         self.looks.insert(key, id);
         Ok(id)
     }
 
-    fn push_material(
-        &mut self,
-        material: azulejo_scene::Material,
-        of_rtrace: RtraceMaterial,
-    ) -> MaterialId {
+    fn push_material(&mut self, material: Material, of_rtrace: RtraceMaterial) -> MaterialId {
         self.rtrace.materials.push(of_rtrace);
         self.scene.add_material(material)
     }

@@ -1,6 +1,9 @@
 //! Surfaces by the format's own rules, and as materials.
 
 use super::document::SurfaceRecord;
+use crate::gloss::Gloss;
+use crate::phong::Highlight;
+use azulejo_scene::brdf::Description;
 use azulejo_scene::rtrace::{RtraceSource, RtraceSurface};
 use azulejo_scene::{Dielectric, Material, Rgb};
 
@@ -72,18 +75,26 @@ pub(super) fn is_dimmed(surface: &RtraceSurface) -> bool {
 /// A surface as a material that makes no light of nothing.
 ///
 /// An emitter shines with its colour from both sides; what lets half of the light through, or
-/// more, is clear glass tinted by Kt C; anything else reflects Kd C diffusely and mirrors Ks, as
-/// Strauss' metals tint it, both scaled down where they are more than arrives.
-pub(super) fn material(surface: &RtraceSurface, ior: f64, name: String) -> Material {
+/// more, is clear glass tinted by Kt C; anything else is a model of [`reflection`].
+///
+/// # Errors
+/// Beside the material: a warning that the model is left out, and Ks is a mirror.
+pub(super) fn material(
+    surface: &RtraceSurface,
+    ior: f64,
+    name: String,
+    gloss: &mut Gloss,
+) -> (Material, Result<(), &'static str>) {
     if surface.is_emitter {
-        return Material {
+        let lamp = Material {
             emits_back: true,
             ..Material::emitter(name, surface.color)
         };
+        return (lamp, Ok(()));
     }
     if is_clear(surface) {
         let transmittance = surface.transparency * surface.color;
-        return Material {
+        let glass = Material {
             dielectric: Some(Dielectric {
                 ior,
                 transmittance,
@@ -91,18 +102,64 @@ pub(super) fn material(surface: &RtraceSurface, ior: f64, name: String) -> Mater
             }),
             ..Material::mirror(name, Rgb::WHITE)
         };
+        return (glass, Ok(()));
     }
     let mut material = Material {
         mirror: mirror(surface),
         ..Material::diffuse(name, surface.diffuse * surface.color)
     };
     material.limit_reflectance();
-    material
+    if material.mirror.is_black() {
+        return (material, Ok(()));
+    }
+    let model = reflection(surface, &material);
+    let made = gloss.cover(&mut material, model);
+    (material, made)
+}
+
+/// The model of a surface of which a material already has the reflectances: Strauss' own where
+/// its numbers are the same in all channels, otherwise a lobe of RTRACE's exponent around the
+/// mirrored direction.
+fn reflection(surface: &RtraceSurface, material: &Material) -> Description {
+    if let RtraceSource::Strauss {
+        smooth,
+        metal,
+        transparency,
+    } = surface.source
+        && [smooth, metal, transparency].iter().all(|c| c.is_grey())
+    {
+        let parameters = [
+            ("color", unit(surface.color)),
+            ("smoothness", unit(smooth)),
+            ("metalness", unit(metal)),
+            ("transparency", unit(surface.transparency)),
+        ];
+        return Description::model("strauss", parameters.map(|(name, c)| (name, c.into())));
+    }
+    lobe(surface.phong, material.mirror, material.diffuse)
+}
+
+/// A lobe around the mirrored direction of light.
+pub(super) fn lobe(n: f64, ks: Rgb, kd: Rgb) -> Description {
+    let [ks, kd] = [ks, kd].map(unit);
+    // The last bit of a sum must not refuse the model.
+    let ks = Rgb::from([0, 1, 2].map(|k| ks[k].min(1.0 - kd[k])));
+    Highlight::mirrored(n, Rgb::BLACK).description(kd, ks)
+}
+
+fn unit(color: Rgb) -> Rgb {
+    color.map(|c| c.clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn made(surface: &RtraceSurface, ior: f64) -> Material {
+        let (material, problem) = material(surface, ior, String::new(), &mut Gloss::default());
+        problem.unwrap();
+        material
+    }
 
     fn phong(ks: f64, metal: f64, kt: f64) -> RtraceSurface {
         derived(&SurfaceRecord {
@@ -122,9 +179,11 @@ mod tests {
     #[test]
     fn mirrors_are_tinted_by_metals_and_limited() {
         let check = |ks, metal, mirror: [f64; 3], diffuse_blue: f64| {
-            let m = material(&phong(ks, metal, 0.0), 1.0, String::new());
-            let far = m.mirror - Rgb::from(mirror);
-            assert!(far.map(f64::abs).max_channel() < 1e-12, "{:?}", m.mirror);
+            let m = made(&phong(ks, metal, 0.0), 1.0);
+            let lobe = Highlight::of(&m).unwrap();
+            assert_eq!((lobe.n, m.mirror), (30.0, Rgb::BLACK));
+            let far = lobe.reflectance() - Rgb::from(mirror);
+            assert!(far.map(f64::abs).max_channel() < 1e-12, "{lobe:?}");
             assert!(
                 (m.diffuse.b - diffuse_blue).abs() < 1e-12,
                 "{:?}",
@@ -140,12 +199,12 @@ mod tests {
 
     #[test]
     fn clear_surfaces_are_glass() {
-        let clear = material(&phong(0.1, 0.0, 0.8), 1.5, String::new());
+        let clear = made(&phong(0.1, 0.0, 0.8), 1.5);
         assert_eq!(clear.dielectric.unwrap().ior, 1.5);
         assert_eq!(clear.dielectric.unwrap().transmittance.b, 0.8);
         assert!(clear.diffuse.is_black());
         let dim = phong(0.1, 0.0, 0.2);
-        assert!(is_dimmed(&dim) && material(&dim, 1.5, String::new()).dielectric.is_none());
+        assert!(is_dimmed(&dim) && made(&dim, 1.5).dielectric.is_none());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::Position;
 use crate::bytes::Bytes;
+use crate::gloss::Gloss;
 use crate::text::text;
 use crate::warnings::Warnings;
 use azulejo_scene::Rgb;
@@ -26,6 +27,7 @@ pub(super) struct Chunk<'a> {
 pub(super) struct Walker<'w> {
     pub file: &'w str,
     pub warnings: Warnings,
+    pub gloss: Gloss,
 }
 
 impl<'a> Walker<'_> {

@@ -2,7 +2,7 @@
 
 use super::chunk::{Chunk, Walker, name, vector};
 use crate::bytes::Bytes;
-use crate::phong;
+use crate::phong::Highlight;
 use crate::text::shortened;
 use azulejo_scene::{Material, Rgb};
 use glam::{DAffine2, DMat2, DVec2};
@@ -95,18 +95,16 @@ impl Definition {
         material
     }
 
-    /// The highlight, kept as `phong` with the exponent 2^(10 × shininess).
+    /// The highlight, with the exponent 2^(10 × shininess).
     fn highlight(&self, material: &mut Material, walker: &mut Walker<'_>) {
         let strength = self.strength.unwrap_or(1.0);
         let Some(shininess) = self.shininess.or(self.strength) else {
             return;
         };
         let specular = strength * self.specular.unwrap_or_default().map(|x| x.min(1.0));
-        if !specular.is_black() {
-            let message = "glossy material: kept as brdf phong, its diffuse colour alone reflects";
+        let highlight = Highlight::mirrored((10.0 * shininess).exp2(), specular);
+        if let Err(message) = walker.gloss.highlight(material, highlight) {
             walker.warn(self.at, message);
-            let exponent = (10.0 * shininess).exp2();
-            material.brdf = phong::brdf(exponent, specular, material.diffuse);
         }
     }
 }

@@ -5,6 +5,7 @@ use super::chunk::{Chunk, Walker, name, vector};
 use super::keyframer::{self, Node};
 use super::material::Definition;
 use crate::bytes::Bytes;
+use crate::gloss::Gloss;
 use crate::warnings::Warnings;
 use azulejo_scene::Rgb;
 use glam::DVec3;
@@ -92,6 +93,7 @@ impl<'a, 'w> Parser<'a, 'w> {
             walker: Walker {
                 file,
                 warnings: Warnings::default(),
+                gloss: Gloss::default(),
             },
             model: Model::default(),
         }

@@ -1,5 +1,5 @@
 use super::read;
-use crate::phong;
+use crate::phong::Highlight;
 use crate::{Loaded, Memory, ReadOptions};
 use azulejo_scene::{LightKind, Mesh, Rgb, Shape, Up};
 use glam::{DVec2, DVec3};
@@ -287,17 +287,13 @@ fn gloss_glass_and_maps_are_said() {
         &[painted(&[of_material("glossy", &[0, 1])]), glossy],
         &[],
     ));
-    let found = phong::parse(&loaded.scene.materials[0]);
-    assert_eq!(found, Some((32.0, Rgb::grey(0.25))));
+    let found = Highlight::of(&loaded.scene.materials[0]);
+    assert_eq!(found, Some(Highlight::mirrored(32.0, Rgb::grey(0.25))));
     check_warnings(
         &loaded,
         &[
             ("bump map (chunk A230): skipped", 1),
             ("see-through material (chunk A050): opaque", 1),
-            (
-                "glossy material: kept as brdf phong, its diffuse colour alone reflects",
-                1,
-            ),
         ],
     );
 }

@@ -3,8 +3,9 @@
 use super::stage::Stage;
 use super::tree::Node;
 use super::world::child;
+use crate::ReadError;
+use crate::phong::Highlight;
 use crate::text::shortened;
-use crate::{ReadError, phong};
 use azulejo_scene::{Image, Material, Rgb, TextureId};
 use glam::{DAffine2, DMat2, DVec2};
 use std::collections::HashMap;
@@ -15,9 +16,6 @@ const DIFFUSE: Rgb = Rgb::grey(0.8);
 
 /// Factor between `shininess` and the exponent of a highlight: ISO/IEC 14772-1, 4.14.4.
 const SHININESS: f64 = 128.0;
-
-/// Metals rougher than this are no mirrors.
-const SMOOTH: f64 = 0.1;
 
 /// How a shape looks.
 #[derive(Debug)]
@@ -205,30 +203,28 @@ fn phong_material(stage: &mut Stage, node: &Node) -> Material {
         emission: node.color("emissiveColor", Rgb::BLACK),
         ..Material::diffuse("", diffuse * (1.0 - mirror))
     };
-    if !specular.is_black() {
-        let message = "glossy material (specularColor, shininess): kept as brdf phong, its diffuseColor alone reflects";
+    let exponent = SHININESS * node.number("shininess", 0.2).clamp(0.0, 1.0);
+    let highlight = Highlight::half(exponent, specular);
+    if let Err(message) = stage.gloss.highlight(&mut material, highlight) {
         stage.warn(&node.source, node.at, message);
-        let exponent = SHININESS * node.number("shininess", 0.2).clamp(0.0, 1.0);
-        material.brdf = phong::brdf(exponent, specular, diffuse);
     }
     material
 }
 
-/// Smooth metals are mirrors, everything else is matt.
+/// glTF's base colour, metalness and roughness.
 fn physical(stage: &mut Stage, node: &Node) -> Material {
+    let share = |name: &str| node.number(name, 1.0).clamp(0.0, 1.0);
     let base = node.color("baseColor", Rgb::WHITE);
-    let metallic = node.number("metallic", 1.0).clamp(0.0, 1.0);
-    let is_mirror = metallic > 0.0 && node.number("roughness", 1.0) <= SMOOTH;
-    let share = if is_mirror { metallic } else { 0.0 };
-    if metallic > 0.0 && !is_mirror {
-        let message = "rough metal (PhysicalMaterial): matt";
+    let mut material = Material {
+        emission: node.color("emissiveColor", Rgb::BLACK),
+        ..Material::default()
+    };
+    let (metallic, roughness) = (share("metallic"), share("roughness"));
+    let gloss = &mut stage.gloss;
+    if let Err(message) = gloss.metallic_roughness(&mut material, base, metallic, roughness) {
         stage.warn(&node.source, node.at, message);
     }
-    Material {
-        mirror: base * share,
-        emission: node.color("emissiveColor", Rgb::BLACK),
-        ..Material::diffuse("", base * (1.0 - share))
-    }
+    material
 }
 
 /// Finds the pictures of an appearance: its own, or since X3D 4 those of its material.

@@ -3,6 +3,7 @@
 use super::lexer::position;
 use super::look::Looks;
 use super::tree::Document;
+use crate::gloss::Gloss;
 use crate::materials::Materials;
 use crate::options::Budget;
 use crate::text::shortened;
@@ -121,6 +122,7 @@ pub(super) struct Stage<'a> {
     /// Objects, lights, cameras, background and fog. Materials and textures come at the end.
     pub scene: Scene,
     pub materials: Materials,
+    pub gloss: Gloss,
     pub textures: Textures,
     pub warnings: Warnings,
     budget: Budget,
@@ -151,6 +153,7 @@ impl<'a> Stage<'a> {
                 ..Scene::default()
             },
             materials: Materials::default(),
+            gloss: Gloss::default(),
             textures: Textures::default(),
             warnings: Warnings::default(),
             budget: Budget::new(options),

@@ -1,6 +1,7 @@
 //! Metallic-roughness and its extensions.
 
 use super::{read, triangle};
+use crate::gloss::gltf_mr;
 use crate::png;
 use azulejo_scene::{Dielectric, Material, Rgb, Scene};
 use glam::DVec2;
@@ -36,19 +37,18 @@ fn matt_mirrored_and_glossy() {
     let matt = material(&pbr(&format!("{colour},\"metallicFactor\":0")), &[]);
     assert_eq!(matt, Material::diffuse("", base));
     let json = pbr(&format!(
-        "{colour},\"metallicFactor\":0.75,\"roughnessFactor\":0.05"
+        "{colour},\"metallicFactor\":0.75,\"roughnessFactor\":0"
     ));
     let mirror = material(&json, &[]);
     assert_eq!((mirror.diffuse, mirror.mirror), (base * 0.25, base * 0.75));
     let json = pbr(&format!("{colour},\"roughnessFactor\":0.5"));
-    let metal = material(&json, &["glossy material"]);
-    assert_eq!((metal.diffuse, metal.mirror), (base, Rgb::BLACK));
+    let metal = material(&json, &[]);
+    assert_eq!((metal.diffuse, metal.mirror), (Rgb::BLACK, Rgb::BLACK));
+    assert_eq!(gltf_mr(&metal), Some((base, 1.0, 0.5)));
     let json = "\"name\":\"default\",\"alphaMode\":\"BLEND\"";
-    let default = material(json, &["glossy material"]);
-    assert_eq!(
-        (default.diffuse, default.name.as_str()),
-        (Rgb::WHITE, "default")
-    );
+    let default = material(json, &[]);
+    assert_eq!(gltf_mr(&default), Some((Rgb::WHITE, 1.0, 1.0)));
+    assert_eq!(default.name, "default");
 }
 
 #[test]
@@ -114,8 +114,13 @@ fn panes_and_bodies_of_glass() {
     };
     let found = glass(&format!("{},{volume}", transmits(1.0)), &[]);
     assert_eq!(found, (Some(body), Rgb::grey(0.5)));
-    let little = ["transmits less than half", "glossy"];
-    assert_eq!(glass(&transmits(0.25), &little), (None, Rgb::BLACK));
+    let little = ["transmits less than half"];
+    // Smooth plastic mirrors by Schlick's formula from 4 %: 4 + 96/21 % of even light.
+    let (glass, mirror) = glass(&transmits(0.25), &little);
+    assert!(
+        glass.is_none() && (mirror.r - 0.0857).abs() < 5e-3,
+        "{mirror:?}"
+    );
 }
 
 /// A texture of one row, as a data URI.

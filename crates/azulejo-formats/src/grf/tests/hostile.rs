@@ -89,7 +89,9 @@ fn looks_that_multiply() {
         .collect();
     let textures = "use texture t ".repeat(10_000);
     let mesh = triangle(&format!("{textures} use brdf {name} {faces}"));
-    let text = format!("def t = texture x def {name} = brdf ward kd = 1 begin {mesh} end");
+    let text = format!(
+        "def t = texture x def {name} = brdf ward kd = 0.5 ks = 0.5 ax = 0.1 begin {mesh} end"
+    );
     let scene = scene(&text);
     assert_eq!(scene.materials.len(), 2001);
     assert_eq!(scene.materials[1].textures.len(), 64);

@@ -1,5 +1,6 @@
 //! Tests of the format as a whole.
 
+mod brdfs;
 mod errors;
 mod exact_shapes;
 mod hostile;

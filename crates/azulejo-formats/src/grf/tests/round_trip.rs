@@ -25,7 +25,7 @@ fn documents() {
     check_document(CUBE);
     check_document(EVERYTHING);
     check_document(
-        &triangle("use color c (0,1,2) rgb (1,0,0) brdf ward ax = (1, 2, 3) texture \"a b\"")
+        &triangle("use color c (0,1,2) rgb (1,0,0) brdf ward ax = .1 ks = (.1, 0.2, 3e-1) texture \"a b\"")
             .replace(
                 "begin mesh",
                 "def c = rgb (1,1,1) def d = brdf \"x.binary\" begin mesh",

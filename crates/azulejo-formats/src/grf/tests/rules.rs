@@ -154,7 +154,7 @@ fn a_use_may_stand_before_its_definition() {
 #[test]
 fn several_definitions_under_one_def() {
     let text = format!(
-        "def a = brdf phong n = 3 kd = 0.25 b = rgb (0.5,0.5,0.5) begin {} end",
+        "def a = brdf lewis n = 3 ks = 0.25 kd = 0.25 b = rgb (0.5,0.5,0.5) begin {} end",
         triangle("use brdf a use color b")
     );
     assert_eq!(first_diffuse(&text), Rgb::grey(0.125));
@@ -223,13 +223,16 @@ fn brdf_models() {
     assert_eq!(made.diffuse, Rgb::grey(0.1));
 }
 
+/// The writer says a matt mirror as the sum of two models with weights of 1.
 #[test]
-fn impossible_reflectances_are_limited() {
-    let text = triangle("brdf combination weight = 1 diffuse kd = 1 weight = 1 specular ks = 1");
-    let scene = scene(&text);
-    assert_eq!(scene.materials[0].diffuse, Rgb::grey(0.5));
-    assert_eq!(scene.materials[0].mirror, Rgb::grey(0.5));
-    assert!(warnings(&text)[0].contains("more than arrives"));
+fn a_matt_mirror_is_plain() {
+    let text = "brdf combination weight = 1 diffuse kd = 0.75 weight = 1 specular ks = 0.25";
+    let made = scene(&triangle(text)).materials[0].clone();
+    assert_eq!(
+        (made.diffuse, made.mirror),
+        (Rgb::grey(0.75), Rgb::grey(0.25))
+    );
+    assert_eq!(made.brdf, None);
 }
 
 #[test]

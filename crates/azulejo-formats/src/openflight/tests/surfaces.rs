@@ -3,7 +3,8 @@
 use super::super::opcode::*;
 use super::writer::*;
 use super::{check_warned, load, load_with, only_mesh, said};
-use crate::phong;
+use crate::gloss::Gloss;
+use crate::phong::Highlight;
 use crate::{Memory, ReadOptions};
 use azulejo_scene::{Material, Rgb};
 use glam::{DVec2, DVec3};
@@ -286,10 +287,13 @@ fn materials_glow_and_shine() {
         .singles(72, &[20.0]);
     let expected = Material {
         name: "brick".into(),
-        brdf: phong::brdf(20.0, Rgb::new(1.0, 0.5, 0.25), Rgb::new(0.5, 0.25, 1.0)),
         ..matt(0.5, 0.25, 1.0)
     };
-    let warning = "glossy material: kept as brdf phong, its diffuse colour alone reflects";
+    let highlight = Highlight::half(20.0, Rgb::new(1.0, 0.5, 0.25));
+    let mut expected = expected;
+    let warning = "glossy material that reflects more than it gets: all of it scaled down";
+    let made = Gloss::default().highlight(&mut expected, highlight);
+    assert_eq!(made, Err(warning));
     check_material(&[glossy], lit(), expected, &[(warning, 1)]);
 }
 

@@ -1,6 +1,7 @@
 //! Materials, colours and pictures.
 
 use super::*;
+use crate::phong::{Angle, Highlight};
 use azulejo_scene::{Attribute, Material, Rgb};
 use glam::DVec2;
 
@@ -26,7 +27,9 @@ fn materials() {
         (shiny.name.as_str(), shiny.diffuse),
         ("m", Rgb::new(0.1, 0.2, 0.3))
     );
-    assert_eq!(crate::phong::parse(&shiny), Some((64.0, Rgb::grey(0.5))));
+    let highlight = Highlight::of(&shiny).unwrap();
+    assert_eq!((highlight.angle, highlight.n), (Angle::Half, 64.0));
+    assert!((highlight.ks.r - 0.5).abs() < 1e-12);
     let (scene, _) = look("material Material { emissiveColor 1 2 0 }", "solid FALSE");
     let lamp = &scene.materials[0];
     assert_eq!(
@@ -46,9 +49,11 @@ fn materials() {
         (Rgb::new(0.9, 0.8, 0.7), Rgb::BLACK)
     );
     let rough = material("material PhysicalMaterial { baseColor 0.9 0.8 0.7 }");
+    assert_eq!((rough.mirror, rough.diffuse), (Rgb::BLACK, Rgb::BLACK));
+    let model = rough.brdf.map(|b| b.description().to_string());
     assert_eq!(
-        (rough.mirror, rough.diffuse),
-        (Rgb::BLACK, Rgb::new(0.9, 0.8, 0.7))
+        model.as_deref(),
+        Some("gltf_mr base = (0.9, 0.8, 0.7) metallic = 1 roughness = 1")
     );
     let unlit = material("material UnlitMaterial { emissiveColor 0.5 0 0 }");
     assert_eq!(

@@ -2,7 +2,7 @@
 
 use super::node::Node;
 use super::walk::Walk;
-use crate::phong;
+use crate::phong::Highlight;
 use crate::text::shortened;
 use crate::vrml::look;
 use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
@@ -122,10 +122,10 @@ impl Walk<'_, '_, '_> {
         };
         material.limit_reflectance();
         let specular = color("specularColor").unwrap_or_default().map(share);
-        if !specular.is_black() {
-            let exponent = MOST_EXPONENT * share(number("shininess", 0.2));
-            material.brdf = phong::brdf(exponent, specular, material.diffuse);
-            self.warn(node, "glossy material (specularColor, shininess): kept as brdf phong, its diffuseColor alone reflects");
+        let exponent = MOST_EXPONENT * share(number("shininess", 0.2));
+        let highlight = Highlight::half(exponent, specular);
+        if let Err(message) = self.stage.gloss.highlight(&mut material, highlight) {
+            self.warn(node, message);
         }
         if number("transparency", 0.0) > 0.0 {
             self.warn(node, "see-through material (transparency): opaque");

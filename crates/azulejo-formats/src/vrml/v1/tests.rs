@@ -1,5 +1,6 @@
 //! VRML 1.0 as a whole.
 
+use crate::phong::{Angle, Highlight};
 use crate::vrml::read;
 use crate::{Files, Loaded, Lod, Memory, ReadOptions};
 use azulejo_scene::{LightKind, Material, Mesh, Object, Rgb, Shape};
@@ -331,8 +332,11 @@ fn what_materials_mean() {
         (Rgb::grey(0.75), Rgb::grey(0.25))
     );
     let glossy = of("specularColor 0.5 0.5 0.5 shininess 0.5");
-    assert_eq!(crate::phong::parse(&glossy), Some((64.0, Rgb::grey(0.5))));
-    check_warning(&body("specularColor 1 1 1"), "glossy", 1);
+    let highlight = Highlight::of(&glossy).unwrap();
+    assert_eq!((highlight.angle, highlight.n), (Angle::Half, 64.0));
+    assert!((highlight.ks.r - 0.5).abs() < 1e-12);
+    let bright = "specularColor 1 1 1 shininess 0";
+    check_warning(&body(bright), "more than it gets", 1);
     check_warning(&body("transparency 0.5"), "see-through", 1);
     check_warning(&body("transparency 1"), "left out", 1);
     check_warning(&body("reflSpecular 0 0 0"), "Material.reflSpecular", 1);

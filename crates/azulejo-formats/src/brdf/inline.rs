@@ -1,0 +1,309 @@
+//! A reflection model on one line, as GRF has it: `name key = value ...`.
+
+use crate::grf::lexer::{BadNumber, Lexer};
+use azulejo_scene::brdf::{Description, Model, Parameter, Problem, Value, find};
+use azulejo_scene::{Brdf, Rgb};
+use std::sync::Arc;
+
+/// The word before a sum of models: `combination weight = w1 model1 ... weight = w2 model2 ...`.
+pub(crate) const COMBINATION: &str = "combination";
+
+/// Models in one sum. Each takes about a millisecond to make.
+pub(crate) const MOST_PARTS: usize = 64;
+
+/// What is wrong at an offset of the text.
+#[derive(Clone, Debug)]
+pub(crate) struct Trouble {
+    pub offset: usize,
+    pub found: String,
+    pub expected: String,
+}
+
+pub(crate) type Said<T> = Result<T, Trouble>;
+
+/// Where a model stands in the text: its name, and each of its parameters.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Marks {
+    pub name: usize,
+    pub parameters: Vec<usize>,
+}
+
+/// A model on its way, with its weight and where it stands.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub weight: f64,
+    pub model: Model,
+    pub marks: Marks,
+}
+
+fn trouble(offset: usize, found: impl Into<String>, expected: impl Into<String>) -> Trouble {
+    Trouble {
+        offset,
+        found: found.into(),
+        expected: expected.into(),
+    }
+}
+
+/// Trouble with what comes next.
+pub(crate) fn unexpected(mut lexer: Lexer<'_>, expected: impl Into<String>) -> Trouble {
+    trouble(lexer.skip_blank(), lexer.describe(), expected)
+}
+
+/// Whether a word begins a description.
+pub(crate) fn is_model(word: &str) -> bool {
+    find(word).is_ok() || word.eq_ignore_ascii_case(COMBINATION)
+}
+
+/// Whether `key = value` follows, and not the next definition of the same `def` of GRF.
+pub(crate) fn at_parameter(mut ahead: Lexer<'_>) -> bool {
+    let bodies = ["rgb", "brdf", "texture"];
+    ahead.word().is_some() && ahead.eat(b'=') && !bodies.iter().any(|body| ahead.eat_word(body))
+}
+
+/// The model or the sum of models that comes next.
+pub(crate) fn description(lexer: &mut Lexer<'_>) -> Said<(Description, Vec<Part>)> {
+    let mut ahead = *lexer;
+    if ahead.eat_word(COMBINATION) {
+        *lexer = ahead;
+        let parts = parts(lexer)?;
+        let sum = parts.iter().map(|p| (p.weight, p.model.clone())).collect();
+        return Ok((Description::Combination(sum), parts));
+    }
+    let part = model(lexer, 1.0)?;
+    Ok((Description::Model(part.model.clone()), vec![part]))
+}
+
+/// `weight = w` holds for the models behind it, up to the next weight.
+fn parts(lexer: &mut Lexer<'_>) -> Said<Vec<Part>> {
+    let (mut parts, mut weight): (Vec<Part>, f64) = (Vec::new(), 1.0);
+    loop {
+        let mut ahead = *lexer;
+        if at_parameter(*lexer) && ahead.eat_word("weight") {
+            ahead.eat(b'=');
+            *lexer = ahead;
+            weight = number(lexer, "the weight of a model, from 0")?;
+            if weight < 0.0 {
+                let found = format!("a weight of {weight}");
+                return Err(trouble(ahead.skip_blank(), found, "a weight from 0 to 1"));
+            }
+            // Otherwise a weight that no model follows would be forgotten.
+            parts.push(part(lexer, weight, parts.len())?);
+        } else if lexer.peek_word().is_some_and(|word| find(word).is_ok()) {
+            parts.push(part(lexer, weight, parts.len())?);
+        } else {
+            return Ok(parts);
+        }
+    }
+}
+
+fn part(lexer: &mut Lexer<'_>, weight: f64, before: usize) -> Said<Part> {
+    if before < MOST_PARTS {
+        return model(lexer, weight);
+    }
+    let expected = format!("at most {MOST_PARTS} models in a combination");
+    Err(trouble(lexer.skip_blank(), "one more", expected))
+}
+
+/// `name key = value ...`
+fn model(lexer: &mut Lexer<'_>, weight: f64) -> Said<Part> {
+    let mut marks = Marks {
+        name: lexer.skip_blank(),
+        parameters: Vec::new(),
+    };
+    let Some(name) = lexer.word() else {
+        return Err(unexpected(*lexer, "the name of a reflection model"));
+    };
+    let mut model = Model {
+        name: name.to_owned(),
+        parameters: Vec::new(),
+    };
+    while at_parameter(*lexer) {
+        let mut ahead = *lexer;
+        let offset = ahead.skip_blank();
+        let name = ahead.word().unwrap_or_default();
+        if name.eq_ignore_ascii_case("weight") {
+            break;
+        }
+        ahead.eat(b'=');
+        *lexer = ahead;
+        let value = value(lexer)?;
+        marks.parameters.push(offset);
+        model.parameters.push(Parameter {
+            name: name.to_owned(),
+            value,
+        });
+        // More than any model takes: one of them is wrong, and the rest need not be kept.
+        if model.parameters.len() > MOST_PARTS {
+            break;
+        }
+    }
+    Ok(Part {
+        weight,
+        model,
+        marks,
+    })
+}
+
+/// A number, `(r, g, b)`, or a word.
+pub(crate) fn value(lexer: &mut Lexer<'_>) -> Said<Value> {
+    let expected = "a number, (r, g, b), or a word";
+    let offset = lexer.skip_blank();
+    if lexer.at_number() {
+        return number(lexer, expected).map(Value::Number);
+    }
+    if !lexer.eat(b'(') {
+        let word = lexer.word().map(|word| Value::Word(word.to_owned()));
+        return word.ok_or_else(|| unexpected(*lexer, expected));
+    }
+    let mut numbers = vec![number(lexer, "a number")?];
+    while !lexer.eat(b')') {
+        lexer.eat(b',');
+        numbers.push(number(lexer, "a number, or `)`")?);
+        if numbers.len() > 3 {
+            return Err(trouble(offset, "a longer list", "a number or (r, g, b)"));
+        }
+    }
+    match numbers[..] {
+        [number] => Ok(Value::Number(number)),
+        [r, g, b] => Ok(Value::Color(Rgb::new(r, g, b))),
+        _ => Err(trouble(offset, "two numbers", "a number or (r, g, b)")),
+    }
+}
+
+pub(crate) fn number(lexer: &mut Lexer<'_>, expected: &str) -> Said<f64> {
+    lexer.number().map_err(|bad| match bad {
+        BadNumber::TooLarge => unexpected(*lexer, format!("{expected} that is not so large")),
+        BadNumber::Missing | BadNumber::Malformed => unexpected(*lexer, expected),
+    })
+}
+
+/// What a description makes, or where it cannot.
+pub(crate) fn made(description: &Description, parts: &[Part]) -> Said<Arc<Brdf>> {
+    Brdf::new(description.clone())
+        .map(Arc::new)
+        .map_err(|problem| blame(&problem, parts))
+}
+
+/// Checks each model for itself.
+pub(crate) fn check(parts: &[Part]) -> Said<()> {
+    parts.iter().try_for_each(|part| {
+        let alone = Brdf::new(Description::Model(part.model.clone()));
+        alone.map(drop).map_err(|p| of_part(&p, part))
+    })
+}
+
+/// Finds the model and the parameter that a problem is about.
+fn blame(problem: &Problem, parts: &[Part]) -> Trouble {
+    match check(parts) {
+        Err(trouble) => trouble,
+        Ok(()) => {
+            let start = parts.first().map_or(0, |p| p.marks.name);
+            let (found, expected) = in_words(problem);
+            trouble(start, found, expected)
+        }
+    }
+}
+
+fn of_part(problem: &Problem, part: &Part) -> Trouble {
+    let (found, expected) = in_words(problem);
+    let is_called = |parameter: &Parameter, name: &str| {
+        let known = find(&part.model.name).ok();
+        let known = known.and_then(|i| i.all_parameters().find(|p| p.name == name));
+        parameter.name == name || known.is_some_and(|p| p.is_called(&parameter.name))
+    };
+    let mut all = part.model.parameters.iter();
+    let at = match problem {
+        Problem::Twice { name } => all.rposition(|p| is_called(p, name)),
+        Problem::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
+        Problem::Kind { name, .. } | Problem::Range { name, .. } => {
+            all.position(|p| is_called(p, name))
+        }
+        _ => None,
+    };
+    let offset = at.and_then(|k| part.marks.parameters.get(k));
+    trouble(*offset.unwrap_or(&part.marks.name), found, expected)
+}
+
+/// What was found and what was expected.
+pub(crate) fn in_words(problem: &Problem) -> (String, String) {
+    match problem {
+        Problem::UnknownModel { name, nearest } => (
+            format!("the reflection model `{name}`"),
+            format!("a known one; the nearest name is `{nearest}`"),
+        ),
+        Problem::UnknownParameter {
+            model,
+            name,
+            known,
+            nearest,
+        } => {
+            let nearest = nearest.map(|n| format!("; the nearest name is `{n}`"));
+            (
+                format!("the parameter `{name}` of `{model}`"),
+                format!("{}{}", known.join(", "), nearest.unwrap_or_default()),
+            )
+        }
+        Problem::Missing { model, name } => {
+            (format!("`{model}` without `{name}`"), format!("`{name}`"))
+        }
+        Problem::Twice { name } => (format!("`{name}` again"), "each parameter once".into()),
+        Problem::Kind { name, expected } => (
+            format!("another kind of value for `{name}`"),
+            expected.clone(),
+        ),
+        Problem::Range {
+            name,
+            value,
+            least,
+            most,
+        } => (
+            format!("`{name}` of {value}"),
+            format!("a number between {least} and {most}"),
+        ),
+        Problem::Energy { what, sum } => (
+            format!("{what} of {sum}"),
+            "at most 1: more would reflect more than arrives".into(),
+        ),
+        other => (other.to_string(), "a possible reflection model".into()),
+    }
+}
+
+/// Why a model should be looked at: it reflects more than arrives from some direction, or light
+/// may not be exchanged between its two directions.
+pub(crate) fn doubts(brdf: &Brdf) -> Option<String> {
+    let models: Vec<&Model> = match brdf.description() {
+        Description::Model(model) => vec![model],
+        Description::Combination(parts) => parts.iter().map(|(_, model)| model).collect(),
+        Description::File { .. } => Vec::new(),
+    };
+    let infos = || models.iter().filter_map(|m| find(&m.name).ok());
+    if let Some(info) = infos().find(|i| !i.is_reciprocal) {
+        return Some(format!(
+            "the brdf `{}` is not reciprocal: light and viewer may not be exchanged; `lewis` has the same highlight and is",
+            info.name
+        ));
+    }
+    if !models.is_empty() && infos().all(|i| i.is_energy_safe) {
+        return None;
+    }
+    let [angle, most] = steepest(brdf);
+    // By sampling the albedo is known to about a thousandth.
+    (most > 1.0 + 2e-3).then(|| {
+        format!("a brdf reflects {most:.2} of the light at {angle} degrees: scaled down where even light would grow")
+    })
+}
+
+/// The most that is reflected of light at 0, 60 or 85 degrees, behind that angle.
+fn steepest(brdf: &Brdf) -> [f64; 2] {
+    let at = |angle: f64| {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        [
+            angle,
+            brdf.albedo(glam::DVec3::new(sin, 0.0, cos)).max_channel(),
+        ]
+    };
+    let angles = [0.0, 60.0, 85.0].map(at);
+    angles
+        .into_iter()
+        .fold([0.0; 2], |a, b| if b[1] > a[1] { b } else { a })
+}

@@ -1,0 +1,455 @@
+//! The text form: `begin brdf`, one statement per line, `end brdf`; or a model on one line as it
+//! stands in a GRF file.
+//!
+//! ```text
+//! begin brdf
+//!   version 1
+//!   model cook_torrance
+//!   diffuse (0.10, 0.08, 0.05)
+//!   param m 0.2
+//!   fresnel conductor eta (0.16, 0.42, 1.56) k (3.5, 2.4, 1.9)
+//! end brdf
+//! ```
+//!
+//! Words, numbers, lists and comments are GRF's. `docs/formats/brdf.md` has the grammar.
+
+use super::inline::{self, MOST_PARTS, Marks, Part, Said, Trouble};
+use super::{Loaded, measured};
+use crate::files::beside;
+use crate::grf::lexer::{Lexer, Locator, line_around};
+use crate::text::text;
+use crate::{Files, Position, ReadError, Warning};
+use azulejo_scene::brdf::{Content, Description, Info, Model, Parameter, Value, find};
+use std::io::{self, Write};
+use std::sync::Arc;
+
+/// Blocks inside each other.
+const DEEPEST: usize = 16;
+
+/// Words that begin a statement.
+const STATEMENTS: &str =
+    "version, model, diffuse, specular, param, fresnel, wavelengths, weight, begin or end";
+
+/// Reads a file.
+///
+/// # Errors
+/// The first thing that is wrong, with its line; names with the known one that is most like them.
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+    let text = text(bytes);
+    let mut reader = Reader {
+        lexer: Lexer::new(&text),
+        name,
+        files,
+        layers: 0,
+        warnings: Vec::new(),
+        failed: None,
+    };
+    let read = reader.file();
+    let (mut warnings, failed) = (reader.warnings, reader.failed);
+    let description =
+        read.map_err(|trouble| failed.unwrap_or_else(|| error(&text, name, trouble)))?;
+    for warning in &mut warnings {
+        warning.file = name.to_owned();
+    }
+    Ok(Loaded {
+        content: Content::Text(description),
+        warnings,
+    })
+}
+
+fn error(text: &str, name: &str, trouble: Trouble) -> ReadError {
+    let (line, column) = Locator::default().locate(text, trouble.offset);
+    ReadError {
+        position: Position::Line(line, column),
+        source_line: line_around(text, trouble.offset),
+        ..ReadError::whole(name, trouble.found, trouble.expected)
+    }
+}
+
+struct Reader<'a> {
+    lexer: Lexer<'a>,
+    name: &'a str,
+    files: &'a dyn Files,
+    /// Models that were read.
+    layers: usize,
+    warnings: Vec<Warning>,
+    /// The error of another file.
+    failed: Option<ReadError>,
+}
+
+/// What a block says.
+#[derive(Default)]
+struct Block {
+    start: usize,
+    kind: Kind,
+    weight: f64,
+    parameters: Vec<(Parameter, usize)>,
+    layers: Vec<Part>,
+}
+
+#[derive(Default)]
+enum Kind {
+    #[default]
+    None,
+    Model(String, usize),
+    Layered,
+    Measured(Description),
+}
+
+impl Reader<'_> {
+    fn file(&mut self) -> Said<Description> {
+        let (description, parts) = match self.lexer.eat_word("begin") {
+            true => self.whole()?,
+            false => inline::description(&mut self.lexer)?,
+        };
+        if !matches!(description, Description::File { .. }) {
+            let brdf = inline::made(&description, &parts)?;
+            if let Some(doubt) = inline::doubts(&brdf) {
+                self.warn(0, doubt);
+            }
+        }
+        match self.lexer.peek() {
+            None => Ok(description),
+            Some(_) => Err(inline::unexpected(self.lexer, "the end of the file")),
+        }
+    }
+
+    fn warn(&mut self, offset: usize, message: impl Into<String>) {
+        let (line, column) = Locator::default().locate(self.lexer.text(), offset);
+        self.warnings.push(Warning {
+            file: String::new(),
+            position: Position::Line(line, column),
+            message: message.into(),
+            count: 1,
+        });
+    }
+
+    /// The outermost block, behind its `begin`.
+    fn whole(&mut self) -> Said<(Description, Vec<Part>)> {
+        let block = self.block(0)?;
+        let weight = block.weight;
+        if let Kind::Measured(file) = block.kind {
+            return Ok((file, Vec::new()));
+        }
+        let is_layered = matches!(block.kind, Kind::Layered);
+        let mut parts = self.parts(block)?;
+        if let ([part], false) = (&mut parts[..], is_layered || weight != 1.0) {
+            part.weight = 1.0;
+            return Ok((Description::Model(part.model.clone()), parts));
+        }
+        let sum = parts.iter().map(|p| (p.weight, p.model.clone())).collect();
+        Ok((Description::Combination(sum), parts))
+    }
+
+    /// A block behind `begin`, up to its `end brdf`.
+    fn block(&mut self, depth: usize) -> Said<Block> {
+        let mut block = Block {
+            start: self.lexer.skip_blank(),
+            weight: 1.0,
+            ..Block::default()
+        };
+        if !self.lexer.eat_word("brdf") {
+            return Err(inline::unexpected(self.lexer, "`brdf`"));
+        }
+        loop {
+            let mut ahead = self.lexer;
+            let offset = ahead.skip_blank();
+            let Some(word) = ahead.word() else {
+                return Err(inline::unexpected(self.lexer, STATEMENTS));
+            };
+            let before = std::mem::replace(&mut self.lexer, ahead);
+            match word.to_ascii_lowercase().as_str() {
+                "version" => self.version()?,
+                "model" => self.model(&mut block)?,
+                "diffuse" => self.parameter(&mut block, "kd", offset)?,
+                "specular" => self.parameter(&mut block, "ks", offset)?,
+                "wavelengths" => self.parameter(&mut block, "lambda", offset)?,
+                "param" => self.named(&mut block)?,
+                "fresnel" => self.fresnel(&mut block)?,
+                "weight" => block.weight = self.weight()?,
+                "begin" => self.layer(&mut block, depth)?,
+                "end" => {
+                    self.lexer.eat_word("brdf");
+                    return Ok(block);
+                }
+                _ => return Err(inline::unexpected(before, STATEMENTS)),
+            }
+        }
+    }
+
+    fn version(&mut self) -> Said<()> {
+        let before = self.lexer;
+        match inline::number(&mut self.lexer, "the version 1")? {
+            1.0 => Ok(()),
+            _ => Err(inline::unexpected(before, "the version 1")),
+        }
+    }
+
+    fn weight(&mut self) -> Said<f64> {
+        let before = self.lexer;
+        let weight = inline::number(&mut self.lexer, "a weight from 0 to 1")?;
+        if weight >= 0.0 {
+            return Ok(weight);
+        }
+        Err(inline::unexpected(before, "a weight from 0 to 1"))
+    }
+
+    /// `model name`, `model layered`, `model measured "file"`.
+    fn model(&mut self, block: &mut Block) -> Said<()> {
+        let before = self.lexer;
+        let offset = self.lexer.skip_blank();
+        if !matches!(block.kind, Kind::None) {
+            return Err(inline::unexpected(before, "one `model` in a block"));
+        }
+        let Some(name) = self.lexer.word() else {
+            return Err(inline::unexpected(before, "the name of a reflection model"));
+        };
+        block.kind = match name.to_ascii_lowercase().as_str() {
+            "layered" => Kind::Layered,
+            "measured" => Kind::Measured(self.measured()?),
+            _ => Kind::Model(name.to_owned(), offset),
+        };
+        Ok(())
+    }
+
+    /// Measured data in another file; one that is missing reflects nothing.
+    fn measured(&mut self) -> Said<Description> {
+        let offset = self.lexer.skip_blank();
+        let Some(path) = self.lexer.file_name() else {
+            return Err(inline::unexpected(
+                self.lexer,
+                "a file name, \"in double quotes\"",
+            ));
+        };
+        let file = beside(self.name, path);
+        let content = match self.files.read(&file) {
+            Err(problem) => {
+                self.warn(
+                    offset,
+                    format!("the brdf \"{path}\" is left out: {problem}"),
+                );
+                None
+            }
+            Ok(bytes) => match measured(&bytes, &file) {
+                Some(Ok(mut read)) => {
+                    self.warnings.append(&mut read.warnings);
+                    Some(Arc::new(read.content))
+                }
+                Some(Err(error)) => {
+                    self.failed = Some(error);
+                    return Err(inline::unexpected(self.lexer, "measured data"));
+                }
+                None => {
+                    return Err(Trouble {
+                        offset,
+                        found: format!("the file \"{path}\""),
+                        expected: "measured data: MERL .binary or RGL .bsdf".to_owned(),
+                    });
+                }
+            },
+        };
+        Ok(Description::File {
+            path: file,
+            content,
+        })
+    }
+
+    /// A statement that is a parameter by another name.
+    fn parameter(&mut self, block: &mut Block, name: &str, offset: usize) -> Said<()> {
+        let value = inline::value(&mut self.lexer)?;
+        self.push(block, name, value, offset)
+    }
+
+    /// `param name value`; a `=` between them is let through.
+    fn named(&mut self, block: &mut Block) -> Said<()> {
+        let offset = self.lexer.skip_blank();
+        let Some(name) = self.lexer.word() else {
+            return Err(inline::unexpected(self.lexer, "the name of a parameter"));
+        };
+        self.lexer.eat(b'=');
+        self.parameter(block, name, offset)
+    }
+
+    /// `fresnel conductor eta v k v`, `dielectric eta n`, `schlick f0 v tint v`, `metal name`,
+    /// `constant F v`.
+    fn fresnel(&mut self, block: &mut Block) -> Said<()> {
+        let before = self.lexer;
+        let offset = self.lexer.skip_blank();
+        let kind = self.lexer.word().unwrap_or_default().to_ascii_lowercase();
+        let names: &[&str] = match kind.as_str() {
+            "metal" => {
+                let value = inline::value(&mut self.lexer)?;
+                return self.push(block, "metal", value, offset);
+            }
+            "conductor" => &["eta", "k"],
+            "dielectric" => &["eta"],
+            "schlick" => &["f0", "tint"],
+            "constant" => &["F"],
+            _ => {
+                let kinds = "conductor, dielectric, schlick, metal or constant";
+                return Err(inline::unexpected(before, kinds));
+            }
+        };
+        let mut found = 0;
+        while let Some(name) = self.one_of(names) {
+            let value = inline::value(&mut self.lexer)?;
+            self.push(block, name, value, offset)?;
+            found += 1;
+        }
+        match found {
+            0 => Err(inline::unexpected(self.lexer, format!("`{}`", names[0]))),
+            _ => Ok(()),
+        }
+    }
+
+    fn one_of<'n>(&mut self, names: &[&'n str]) -> Option<&'n str> {
+        names.iter().copied().find(|name| self.lexer.eat_word(name))
+    }
+
+    fn push(&mut self, block: &mut Block, name: &str, value: Value, offset: usize) -> Said<()> {
+        // More than any model takes: one of them is wrong, and which is said at the end.
+        if block.parameters.len() <= MOST_PARTS {
+            let name = name.to_owned();
+            block.parameters.push((Parameter { name, value }, offset));
+        }
+        Ok(())
+    }
+
+    /// A block inside of a layered one.
+    fn layer(&mut self, block: &mut Block, depth: usize) -> Said<()> {
+        if !matches!(block.kind, Kind::Layered) {
+            let expected = "`model layered` before a block inside of a block";
+            return Err(inline::unexpected(self.lexer, expected));
+        }
+        if depth + 1 >= DEEPEST {
+            let expected = format!("at most {DEEPEST} blocks inside each other");
+            return Err(inline::unexpected(self.lexer, expected));
+        }
+        let layer = self.block(depth + 1)?;
+        let (weight, start) = (layer.weight, layer.start);
+        if matches!(layer.kind, Kind::Measured(_)) {
+            return Err(Trouble {
+                offset: start,
+                found: "measured data as a layer".to_owned(),
+                expected: "models alone in layers, and measured data in a file of its own".into(),
+            });
+        }
+        for mut part in self.parts(layer)? {
+            part.weight *= weight;
+            block.layers.push(part);
+        }
+        Ok(())
+    }
+
+    /// The models of a finished block, with weights inside of it.
+    fn parts(&mut self, block: Block) -> Said<Vec<Part>> {
+        let (name, offset) = match block.kind {
+            Kind::Model(name, offset) => (name, offset),
+            Kind::Layered if block.parameters.is_empty() => return Ok(block.layers),
+            Kind::Layered => {
+                let (parameter, offset) = &block.parameters[0];
+                return Err(Trouble {
+                    offset: *offset,
+                    found: format!("`{}` of layers", parameter.name),
+                    expected: "parameters inside of the blocks of the layers".to_owned(),
+                });
+            }
+            Kind::None | Kind::Measured(_) => {
+                return Err(Trouble {
+                    offset: block.start,
+                    found: "a block without `model`".to_owned(),
+                    expected: "`model` and the name of a reflection model".to_owned(),
+                });
+            }
+        };
+        self.layers += 1;
+        if self.layers > MOST_PARTS {
+            return Err(Trouble {
+                offset: block.start,
+                found: "one more layer".to_owned(),
+                expected: format!("at most {MOST_PARTS} layers"),
+            });
+        }
+        let mut marks = Marks {
+            name: offset,
+            parameters: Vec::new(),
+        };
+        let known = find(&name).ok();
+        let mut model = Model {
+            name,
+            parameters: Vec::new(),
+        };
+        for (parameter, offset) in block.parameters {
+            if let Some(info) = known.filter(|info| is_beside(info, &parameter.name)) {
+                let what = match &*parameter.name {
+                    "lambda" => "wavelengths",
+                    _ => "Fresnel term",
+                };
+                self.warn(offset, format!("`{}` has no {what}: not used", info.name));
+                continue;
+            }
+            marks.parameters.push(offset);
+            model.parameters.push(parameter);
+        }
+        Ok(vec![Part {
+            weight: 1.0,
+            model,
+            marks,
+        }])
+    }
+}
+
+/// Whether a file may say this of any model, though this one does not use it.
+fn is_beside(info: &'static Info, name: &str) -> bool {
+    let general = ["lambda", "eta", "k", "f0", "tint", "metal", "F"];
+    general.contains(&name) && !info.all_parameters().any(|p| p.is_called(name))
+}
+
+/// Writes a description: [`read`] gives it back, to the bit.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write(description: &Description, out: &mut dyn Write) -> io::Result<()> {
+    match description {
+        Description::Model(model) => block(out, model, None, ""),
+        Description::Combination(parts) => {
+            out.write_all(b"begin brdf\n  version 1\n  model layered\n")?;
+            for (weight, model) in parts {
+                block(out, model, Some(*weight), "  ")?;
+            }
+            out.write_all(b"end brdf\n")
+        }
+        Description::File { path, .. } => writeln!(
+            out,
+            "begin brdf\n  version 1\n  model measured \"{path}\"\nend brdf"
+        ),
+    }
+}
+
+fn block(out: &mut dyn Write, model: &Model, weight: Option<f64>, margin: &str) -> io::Result<()> {
+    writeln!(out, "{margin}begin brdf")?;
+    match weight {
+        Some(weight) => writeln!(out, "{margin}  weight {weight:?}")?,
+        None => writeln!(out, "{margin}  version 1")?,
+    }
+    writeln!(out, "{margin}  model {}", model.name)?;
+    for Parameter { name, value } in &model.parameters {
+        let statement = match name.as_str() {
+            "kd" => "diffuse".to_owned(),
+            "ks" => "specular".to_owned(),
+            _ => format!("param {name}"),
+        };
+        match value {
+            Value::Number(x) => writeln!(out, "{margin}  {statement} {x:?}")?,
+            Value::Color(c) => {
+                writeln!(
+                    out,
+                    "{margin}  {statement} ({:?}, {:?}, {:?})",
+                    c.r, c.g, c.b
+                )?;
+            }
+            Value::Word(word) => writeln!(out, "{margin}  {statement} {word}")?,
+        }
+    }
+    writeln!(out, "{margin}end brdf")
+}
