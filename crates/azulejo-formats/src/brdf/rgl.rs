@@ -67,10 +67,13 @@ impl<'a> Reader<'a> {
     ) -> Result<(Vec<usize>, Vec<f32>), ReadError> {
         let tensor = self.tensor(name)?;
         let (shape, offset) = (tensor.shape.clone(), tensor.offset);
-        let numbers = tensor.floats().filter(|_| shape.len() == dimensions);
+        let numbers = tensor.floats();
+        // Sizes of tensors without any element are bounded by nothing.
+        let numbers = numbers.filter(|n| shape.len() == dimensions && !n.is_empty());
         let mut numbers = numbers.ok_or_else(|| {
             let found = format!("`{name}` of {:?} elements {shape:?}", tensor.kind);
-            let expected = format!("floating-point numbers in {dimensions} dimensions");
+            let expected =
+                format!("floating-point numbers in {dimensions} dimensions, one or more");
             ReadError::at_byte(self.file, offset, found, expected)
         })?;
         let mut mended = 0;
@@ -288,6 +291,29 @@ pub(super) mod tests {
         for length in (0..bytes.len()).step_by(7) {
             assert!(read(&bytes[..length], "r").is_err(), "{length}");
         }
+    }
+
+    /// Whatever is wrong: an error or a model, and no panic.
+    #[test]
+    fn every_byte_may_be_another() {
+        let bytes = file(&fields());
+        for k in 0..bytes.len() {
+            for byte in [0, 1, 0x7f, 0x80, 0xff] {
+                let mut bytes = bytes.clone();
+                bytes[k] = byte;
+                let _ = read(&bytes, "r");
+            }
+        }
+    }
+
+    #[test]
+    fn tensors_without_elements_are_refused() {
+        let mut fields = fields();
+        fields[1] = ("phi_i", vec![0], Vec::new());
+        fields[7] = ("spectra", vec![0, 2, 3, 1 << 40, 1 << 40], Vec::new());
+        let error = read(&file(&fields), "r").err().map(|e| e.to_string());
+        let error = error.unwrap_or_default();
+        assert!(error.contains("`phi_i` of Float elements [0]"), "{error}");
     }
 
     #[test]
