@@ -5,12 +5,13 @@ use azulejo_formats::{Memory, grf};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    // The file includes itself, and one file that is there.
+    // The file includes itself, and files that are there.
     let files = Memory::new()
         .with(
             "lamp.grf",
             "light begin (0, 0, 1) (1, 0, 0) (0, 1, 0) end light",
         )
+        .with("a.brdf", "begin brdf model lewis param n 3 end brdf")
         .with("fuzz.grf", bytes);
     let Ok(loaded) = grf::read(bytes, "fuzz.grf", &files) else {
         return;

@@ -167,11 +167,15 @@ pub(crate) fn is_repainted(material: &Material) -> bool {
 /// wide has it; half of all slopes if the model does not say.
 pub(crate) fn slope(model: &Model) -> f64 {
     let of = |name: &str| number(model, name).filter(|x| *x > 0.0);
-    let exponent = of("n").map(|n| match &*model.name {
-        // Around the mirrored direction angles are twice those to the half vector.
-        "phong" | "lewis" => (2.0 / (4.0 * n + 2.0)).sqrt(),
-        _ => (2.0 / (n + 2.0)).sqrt(),
-    });
+    // Around the mirrored direction angles are twice those to the half vector.
+    let mirrored = |n: f64| (2.0 / (4.0 * n + 2.0)).sqrt();
+    let half = |n: f64| (2.0 / (n + 2.0)).sqrt();
+    let exponent = match &*model.name {
+        "phong" | "lewis" => of("n").map(mirrored),
+        "strauss" => Some(mirrored(3.0 / (1.0 - of("smoothness").unwrap_or(0.0)))),
+        "ashikhmin_shirley" => of("nu").map(|nu| half((nu * of("nv").unwrap_or(nu)).sqrt())),
+        _ => of("n").map(half),
+    };
     let sides = of("ax").map(|ax| (ax * of("ay").unwrap_or(ax)).sqrt());
     let waves = of("sigma").and_then(|sigma| Some(2.0 * sigma / of("tau")?));
     let roughness = of("roughness").map(|r| r * r);

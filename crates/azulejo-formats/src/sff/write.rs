@@ -2,6 +2,7 @@
 
 use super::from_scene::{self, is_lamp};
 use super::print::print;
+use crate::gloss::model_of;
 use crate::{ppe, ppf};
 use azulejo_scene::{
     Encoding, FillRule, LightKind, Material, Mesh, Object, PrimitiveKind, Scene, Shape, Solid,
@@ -95,11 +96,20 @@ pub fn losses(scene: &Scene) -> Vec<String> {
                 materials(|m| !m.textures.is_empty()),
                 "materials with pictures",
             ),
-            (materials(|m| m.brdf.is_some()), "reflection models"),
+            (
+                materials(|m| m.brdf.is_some() && !is_of_the_format(m)),
+                "reflection models that become a lobe about as wide",
+            ),
         ]);
     }
     let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
     counts.iter().filter_map(said).collect()
+}
+
+/// Whether the reflection model is that of one of the format's surfaces.
+fn is_of_the_format(material: &Material) -> bool {
+    let name = model_of(material).map(|m| m.name.as_str());
+    name == Some("strauss") || name == Some("lewis") && material.mirror.is_black()
 }
 
 fn is_lit(object: &Object) -> bool {
