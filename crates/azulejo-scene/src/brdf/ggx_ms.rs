@@ -112,8 +112,8 @@ const INTERVALS: usize = 64;
 #[derive(Debug)]
 struct Lost {
     alpha: f64,
-    /// At equal steps of ln(1 + μ/α) from the horizon to the normal, in which it is smooth for
-    /// any roughness α; μ = cos θ.
+    /// At equal steps of √ln(1 + μ/α) from the horizon to the normal, in which it is smooth for
+    /// any roughness α, at the horizon, too; μ = cos θ.
     table: Vec<f64>,
     /// ln(1 + 1/α), where the table ends.
     end: f64,
@@ -127,8 +127,8 @@ impl Lost {
         let points = gauss_legendre(64);
         let end = (1.0 / alpha).ln_1p();
         let cosine = |t: f64| (alpha * (t * end).exp_m1()).min(1.0);
-        let at = |k: usize| cosine(k as f64 / INTERVALS as f64);
-        let table = (0..=INTERVALS).map(|k| lost(facets, at(k), &points));
+        let at = |k: usize| cosine((k as f64 / INTERVALS as f64).powi(2));
+        let table = (0..=INTERVALS).map(|k| lost(facets, at(k)));
         let mut lost = Lost {
             alpha,
             table: table.collect(),
@@ -146,7 +146,7 @@ impl Lost {
 
     /// 1 − E, by cubic interpolation.
     fn at(&self, cos: f64) -> f64 {
-        let t = (cos / self.alpha).ln_1p() / self.end * INTERVALS as f64;
+        let t = ((cos / self.alpha).ln_1p() / self.end).sqrt() * INTERVALS as f64;
         let first = (t as usize).saturating_sub(1).min(INTERVALS - 3);
         let x = t - first as f64;
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.table[first + k]);
@@ -160,35 +160,23 @@ impl Lost {
 
 /// 1 − E at one cosine: the mean over the facets that are seen of the share that is shaded from
 /// where they mirror to.
-fn lost(facets: Ggx, cos: f64, points: &[(f64, f64)]) -> f64 {
-    const TURNS: usize = 48;
+fn lost(facets: Ggx, cos: f64) -> f64 {
+    const INCLINATIONS: usize = 256;
+    // Where a turn begins to be shaded there is an edge that fewer would miss.
+    const TURNS: usize = 128;
     let wo = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-    // Both halves of the turn are the same.
-    let turns = midpoints(TURNS).map(|u| lost_in_turn(facets, wo, 0.5 * u, points));
-    turns.sum::<f64>() / TURNS as f64
-}
-
-/// The same for facets that are inclined to one side, in the order of their inclination.
-fn lost_in_turn(facets: Ggx, wo: DVec3, turn: f64, points: &[(f64, f64)]) -> f64 {
-    let mirrored = |u: f64| mirrored_by(wo, facets.sample(wo, [u, turn, 0.0]));
-    // From somewhere on they all mirror to below the horizon, where all is lost.
-    let (mut above, mut below) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (above + below);
-        if mirrored(middle).z > 0.0 {
-            above = middle;
-        } else {
-            below = middle;
+    let shaded = |u1: f64, u2: f64| {
+        let wi = mirrored_by(wo, facets.sample(wo, [u1, u2, 0.0]));
+        if wi.z <= 0.0 {
+            return 1.0;
         }
-    }
-    // 1 − G₂/G₁ of Smith's shadows, where both cosines may be nearly 0.
-    let shaded = |u: f64| {
-        let wi = mirrored(u);
+        // 1 − G₂/G₁ of Smith's shadows, where both cosines may be nearly 0.
         let (o, i) = (wo.z * facets.stretch(wi), wi.z * facets.stretch(wo));
-        ((o - wo.z * wi.z) / (o + i)).clamp(0.0, 1.0)
+        (o - wo.z * wi.z) / (o + i)
     };
-    // Steep facets, which are shaded most, are few and come last: 1 − x⁴ sees them.
-    let term =
-        |&(x, weight): &(f64, f64)| weight * 4.0 * x.powi(3) * shaded(above * (1.0 - x.powi(4)));
-    above * points.iter().map(term).sum::<f64>() + (1.0 - above)
+    // Both halves of the turn are the same.
+    let turn = |u1: f64| midpoints(TURNS).map(|u| shaded(u1, 0.5 * u)).sum::<f64>();
+    // Steep facets, which are shaded most, are few and come last: u = 1 − x² sees them.
+    let term = |x: f64| 2.0 * x * turn(1.0 - x * x);
+    midpoints(INCLINATIONS).map(term).sum::<f64>() / (INCLINATIONS * TURNS) as f64
 }

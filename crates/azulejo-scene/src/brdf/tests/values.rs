@@ -86,8 +86,7 @@ fn matt_cylinders_side_by_side() {
 fn white_facets_that_reflect_again_lose_nothing() {
     for alpha in [0.01, 0.05, 0.3, 0.5, 1.0] {
         for theta in [0.0, 30.0, 60.0, 80.0, 89.0] {
-            // What nearly flat facets lose they lose at the very horizon.
-            let tolerance = if alpha < 0.05 { 2e-3 } else { 3e-5 };
+            let tolerance = if alpha < 0.05 { 2e-4 } else { 5e-5 };
             check_albedo(
                 &format!("ggx_ms ax = {alpha}"),
                 (theta, 20.0),
