@@ -77,6 +77,39 @@ pub fn write(width: u32, height: u32, rgb: &[u8], out: &mut dyn Write) -> io::Re
     Ok(writer.finish()?)
 }
 
+/// Writes a picture of at most 256 colours as PNG: `indices` holds one of `palette` per pixel, rows
+/// from the top; colours are sRGB.
+///
+/// # Errors
+/// What `out` says, and a picture without pixels.
+///
+/// # Panics
+/// If `indices` has not `width × height` bytes.
+pub fn write_indexed(
+    width: u32,
+    height: u32,
+    palette: &[[u8; 3]],
+    indices: &[u8],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    assert_eq!(
+        indices.len(),
+        width as usize * height as usize,
+        "one byte per pixel"
+    );
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_color(ColorType::Indexed);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_palette(palette.concat());
+    encoder.set_compression(Compression::High);
+    // Numbers of colours beside each other say nothing of each other.
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(indices)?;
+    Ok(writer.finish()?)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,6 +127,13 @@ mod tests {
         writer.write_image_data(data).unwrap();
         writer.finish().unwrap();
         file
+    }
+
+    #[test]
+    fn few_colours_are_written_as_such() {
+        let mut file = Vec::new();
+        write_indexed(2, 1, &[[255, 0, 0], [255; 3]], &[1, 0], &mut file).unwrap();
+        check(&file, [[1.0; 3], [1.0, 0.0, 0.0]]);
     }
 
     fn check(file: &[u8], expected: [[f32; 3]; 2]) {

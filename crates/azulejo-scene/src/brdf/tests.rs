@@ -2,7 +2,6 @@
 
 mod models;
 mod reference;
-mod values;
 
 use super::*;
 use check::direction;

@@ -1,5 +1,6 @@
 //! What can be typed. Values are typed here; what they mean is for the commands to say.
 
+use super::brdf::{BRDF_EXAMPLES, BrdfCommand};
 use super::engine::EngineArgs;
 use super::form_factors;
 use super::lettering::{
@@ -81,6 +82,13 @@ pub enum Command {
     /// Make a solid of a flat drawing, SVG or DXF
     #[command(after_help = EXTRUDE_EXAMPLES)]
     Extrude(ExtrudeArgs),
+    /// Reflection models: evaluate, draw, check and fit them
+    #[command(after_help = BRDF_EXAMPLES)]
+    Brdf {
+        /// What to do with them
+        #[command(subcommand)]
+        command: BrdfCommand,
+    },
     /// Print a completion script for a shell
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {

@@ -2,6 +2,7 @@
 //! libraries that do the work.
 
 mod args;
+mod brdf;
 mod clock;
 mod convert;
 mod engine;
@@ -61,6 +62,7 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli) -> Result<(), Failure> {
     let mut session = Session::start(cli.common)?;
     let report = match &cli.command {
+        Command::Brdf { command } => return brdf::run(command, session),
         Command::Completions { shell } => return generate::completions(*shell),
         Command::Man { folder } => return generate::manual(folder),
         Command::Info(args) => {

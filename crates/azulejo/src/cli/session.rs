@@ -53,6 +53,11 @@ impl Session {
         self.json
     }
 
+    /// Whether only errors and results are printed.
+    pub fn quiet(&self) -> bool {
+        self.quiet
+    }
+
     /// Refuses to mix a result with JSON when both would go to standard output.
     pub fn claim_stdout(&self, result_goes_there: bool) -> Result<(), Failure> {
         if self.json && result_goes_there {

@@ -264,6 +264,12 @@ fn the_program_explains_itself() {
         "font convert",
         "font sheet",
         "extrude",
+        "brdf",
+        "brdf list",
+        "brdf eval",
+        "brdf plot",
+        "brdf check",
+        "brdf fit",
         "completions",
         "man",
     ] {
@@ -278,7 +284,7 @@ fn the_program_explains_itself() {
     folder.ok("man .");
     let page = String::from_utf8(folder.read("azulejo-render.1")).unwrap();
     assert!(page.contains(".TH") && page.contains("exposure"));
-    assert_eq!(folder.names().len(), 15);
+    assert_eq!(folder.names().len(), 21);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod arrows;
 mod bad_input;
+mod brdf;
 mod commands;
 mod engines;
 mod exact;
