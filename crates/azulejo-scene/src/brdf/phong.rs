@@ -45,8 +45,8 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
 /// ks cosⁿ α/cos θi, α the angle to the mirrored direction.
 #[derive(Clone, Debug)]
 pub(super) struct Phong {
-    /// No reflectance: with ks = 1, n = 20, 0.29 of the light is reflected from the normal, but
-    /// 1.6 at 89°.
+    /// No reflectance: with ks = 1, n = 20, 0.29 is reflected of the light that comes along the
+    /// normal, but 1.6 of what comes at 89°.
     scale: Rgb,
     exponent: f64,
 }

@@ -2,6 +2,7 @@
 
 mod models;
 mod reference;
+mod values;
 
 use super::*;
 use check::direction;

@@ -186,7 +186,7 @@ fn near_mirrored(wo: DVec3, towards: DVec3) -> DVec3 {
 }
 
 /// Share of the light along `wo` that is reflected, what is mirrored exactly included, by
-/// adaptive quadrature; to about 1e-5.
+/// adaptive quadrature; to about 1e-5 unless lobes are narrower than half a degree.
 pub fn albedo(brdf: &Brdf, wo: DVec3) -> Rgb {
     if !(wo.z > 0.0) {
         return Rgb::BLACK;
