@@ -100,7 +100,9 @@ impl Facts {
             true => {
                 format!("rays, because about {rays:.0} of each patch promise the error soonest")
             }
-            false if self.is_specular => "rays, because mirrors, glass and gloss are followed".to_owned(),
+            false if self.is_specular => {
+                "rays, because mirrors, glass and gloss are followed".to_owned()
+            }
             false => "rays, because curved surfaces are sampled as they are".to_owned(),
         };
         (Engine::Rays, why)

@@ -5,7 +5,7 @@ use crate::SecondPass;
 use crate::boundary::Boundary;
 use crate::draws::Draws;
 use crate::scenery::{Arrived, Scenery, Shadows};
-use crate::shading::{Colors, Parts, mirrored};
+use crate::shading::{Colors, Parts, Shading, mirrored};
 use azulejo_scene::math::{Ray, reflect};
 use azulejo_scene::{Material, Rgb, Scene};
 use azulejo_trace::sampling::hash;
@@ -275,8 +275,7 @@ impl<'a> Path<'_, 'a> {
     fn scatter(&mut self, leg: &Leg, hit: &KernelHit, material: &'a Material) -> Rgb {
         let arrived = self.integrator.scenery.arrived(&leg.ray, hit);
         let Some(glass) = material.dielectric else {
-            self.mirror(leg, &arrived, material);
-            return self.gloss(leg, hit, &arrived, material);
+            return self.reflect(leg, hit, &arrived, material);
         };
         let Arrived {
             at,
@@ -297,21 +296,10 @@ impl<'a> Path<'_, 'a> {
         Rgb::BLACK
     }
 
-    /// Sends on what is mirrored exactly.
-    fn mirror(&mut self, leg: &Leg, arrived: &Arrived, material: &Material) {
-        let Arrived {
-            direction, smooth, ..
-        } = *arrived;
-        let share = mirrored(material, -direction.dot(smooth));
-        if !share.is_black() {
-            let way = Way::sharp((reflect(direction, smooth), share));
-            self.send(leg, arrived, way);
-        }
-    }
-
-    /// Looks at lamps and lights by way of the lobes, and sends the path on in a direction of
-    /// theirs; the two count the light of a lamp once.
-    fn gloss(
+    /// Sends the path on into the mirrored direction and one that is drawn from the lobes, at
+    /// first interfaces into both, later into one by chance; returns what the lobes show of lamps
+    /// and lights. Rays to lamps and rays from the lobes count a lamp once.
+    fn reflect(
         &mut self,
         leg: &Leg,
         hit: &KernelHit,
@@ -324,19 +312,45 @@ impl<'a> Path<'_, 'a> {
         };
         let scenery = &self.integrator.scenery;
         let shading = scenery.shading(hit, arrived, material, parts);
+        let Arrived {
+            direction, smooth, ..
+        } = *arrived;
+        let share = mirrored(material, -direction.dot(smooth));
+        let mirror = Way::sharp((reflect(direction, smooth), share));
         if shading.is_black() {
+            if !share.is_black() {
+                self.send(leg, arrived, mirror);
+            }
             return Rgb::BLACK;
         }
-        let [a, b]: [[f64; 4]; 2] = [(); 2].map(|()| [(); 4].map(|()| self.chance()));
-        if let Some(sample) = shading.sample(a) {
+        let divides = leg.depth < SPLIT_DEPTH || share.is_black();
+        let odds = match divides {
+            true => 0.0,
+            false => share.mean() / (share.mean() + shading.likely()),
+        };
+        if divides && !share.is_black() {
+            self.send(leg, arrived, mirror);
+        } else if !divides && self.chance() < odds {
+            self.send(leg, arrived, mirror.over(odds));
+            return self.lit(&shading, 1.0 - odds);
+        }
+        let u = [(); 4].map(|()| self.chance());
+        if let Some(sample) = shading.sample(u) {
             let way = Way {
                 direction: sample.wi,
-                share: sample.weight,
-                density: sample.pdf,
+                share: sample.weight / (1.0 - odds),
+                density: sample.pdf * (1.0 - odds),
             };
             self.send(leg, arrived, way);
         }
-        scenery.lit(&shading, b, 1.0, &mut self.scratch.shadows)
+        self.lit(&shading, 1.0 - odds)
+    }
+
+    /// What lobes show of lamps and lights; `by_chance` as for [`Scenery::lit`].
+    fn lit(&mut self, shading: &Shading, by_chance: f64) -> Rgb {
+        let u = [(); 4].map(|()| self.chance());
+        let scenery = &self.integrator.scenery;
+        scenery.lit(shading, u, by_chance, &mut self.scratch.shadows)
     }
 
     /// Makes the leg pending that goes on that way, unless roulette or the safety cap ends it.
@@ -373,6 +387,14 @@ struct Way {
 }
 
 impl Way {
+    /// The same, taken with that probability.
+    fn over(self, odds: f64) -> Way {
+        Way {
+            share: self.share / odds,
+            ..self
+        }
+    }
+
     fn sharp((direction, share): (DVec3, Rgb)) -> Way {
         Way {
             direction,

@@ -23,5 +23,5 @@ mod shading;
 mod tone;
 
 pub use pass::{SecondPass, radiance, render};
-pub use reference::{Reference, ReferencePass, reference, reference_radiance};
+pub use reference::{Reference, ReferencePass, reference, reference_radiance, relative_rmse};
 pub use tone::{REINHARD_WHITE, Tone, auto_exposure, srgb_from_linear, tone_map};

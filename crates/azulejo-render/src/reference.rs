@@ -60,19 +60,49 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Root of the mean square of the standard errors over the mean radiance, both over all
-    /// pixels and channels; 0 where all is black.
+    /// The relative RMSE that the picture is expected to have, as [`relative_rmse`] defines it,
+    /// from the standard errors.
     pub fn relative_error(&self) -> f64 {
-        let values = |image: &Image| -> Vec<f64> {
-            let all = image.pixels.iter().flatten();
-            all.map(|&v| f64::from(v)).collect()
-        };
-        let (errors, light) = (values(&self.error), values(&self.image));
-        let n = light.len().max(1) as f64;
-        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
-        let mean = light.iter().sum::<f64>() / n;
-        if mean > 0.0 { rms / mean } else { 0.0 }
+        let errors = self.error.pixels.iter().flatten();
+        let light = self.image.pixels.iter().flatten();
+        let dim = dim(&self.image);
+        let square = |(&e, &l): (&f32, &f32)| relative_square(e.into(), l.into(), dim);
+        root_mean(errors.zip(light).map(square))
     }
+}
+
+/// Root of the mean square of the relative error of a picture, over all pixels and channels; a
+/// tenth of the truth's mean radiance is added to what it is relative to, so that neither what is
+/// dark nor the edges of lamps alone decide. Of pictures of the same size; 0 for black ones.
+pub fn relative_rmse(found: &Image, truth: &Image) -> f64 {
+    let (a, b) = (found.pixels.iter().flatten(), truth.pixels.iter().flatten());
+    let dim = dim(truth);
+    root_mean(
+        a.zip(b)
+            .map(|(&a, &b)| relative_square(f64::from(a) - f64::from(b), b.into(), dim)),
+    )
+}
+
+/// A tenth of the mean radiance.
+fn dim(image: &Image) -> f64 {
+    let all = image.pixels.iter().flatten().map(|&v| f64::from(v));
+    0.1 * all.sum::<f64>() / (3 * image.pixels.len()).max(1) as f64
+}
+
+fn relative_square(error: f64, light: f64, dim: f64) -> f64 {
+    if error == 0.0 {
+        return 0.0;
+    }
+    error * error / (light * light + dim * dim)
+}
+
+fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0u32);
+    for square in squares {
+        sum += square;
+        count += 1;
+    }
+    (sum / f64::from(count.max(1))).sqrt()
 }
 
 /// A value and its standard error, as sums over samples.

@@ -163,6 +163,14 @@ struct Way {
 }
 
 impl Way {
+    /// The same, taken with that probability.
+    fn over(self, odds: f64) -> Way {
+        Way {
+            share: self.share / odds,
+            ..self
+        }
+    }
+
     fn sharp(direction: DVec3, share: Rgb, via: Via) -> Way {
         Way {
             direction,
@@ -181,7 +189,7 @@ impl Meeting<'_> {
         let direction = ray.direction.normalize();
         let facing = if at.entering { at.normal } else { -at.normal };
         let material = surfaces.material(self.hit.item);
-        let mut send = |way: Way| push(self.next(surfaces, &at, facing, way));
+        let send = |way: Way| push(self.next(surfaces, &at, facing, way));
         match material.dielectric {
             Some(glass) => {
                 let kept = self.at_glass(material, &glass, (direction, facing), &at, send);
@@ -190,23 +198,61 @@ impl Meeting<'_> {
                 }
             }
             None => {
-                let via = match self.path.via {
-                    Via::Direct => Via::Mirror(self.hit.item),
-                    _ => Via::Many,
-                };
-                if !material.mirror.is_black() {
-                    send(Way::sharp(reflect(direction, facing), material.mirror, via));
-                }
-                let glossy = material.glossy();
-                if let Some(way) = glossy.and_then(|lobes| {
-                    self.scattered(lobes, &surfaces.frame(&at, facing), direction)
-                }) {
-                    let gained = way.share * -1.0;
-                    send(way);
-                    push(Next::Kept(self.kept(gained)));
+                let sent = self.at_surface(surfaces, material, &at, (direction, facing), send);
+                if sent != material.mirror {
+                    push(Next::Kept(self.kept(material.mirror - sent)));
                 }
             }
         }
+    }
+
+    /// Sends what a surface mirrors and what its glossy lobes reflect; returns the share that was
+    /// sent on.
+    ///
+    /// At the first interface a path is divided in two where a surface does both; later it takes
+    /// one way by chance, or rooms of such surfaces would hold twice as many paths each time.
+    fn at_surface(
+        &self,
+        surfaces: &Surfaces,
+        material: &Material,
+        at: &Hit,
+        (direction, facing): (DVec3, DVec3),
+        mut send: impl FnMut(Way),
+    ) -> Rgb {
+        let via = match self.path.via {
+            Via::Direct => Via::Mirror(self.hit.item),
+            _ => Via::Many,
+        };
+        let mirror = Way::sharp(reflect(direction, facing), material.mirror, via);
+        let Some(lobes) = material.glossy() else {
+            send(mirror);
+            return material.mirror;
+        };
+        let frame = surfaces.frame(at, facing);
+        let wo = frame.to_local(-direction);
+        let mirrored = material.mirror.mean();
+        let divides = self.path.depth == 0 || mirrored == 0.0;
+        let odds = match divides {
+            true => 1.0,
+            false => mirrored / (mirrored + lobes.likely(wo)),
+        };
+        let takes_mirror = mirrored > 0.0 && (divides || self.chance(4) < odds);
+        let takes_lobe = divides || !takes_mirror;
+        let ways = [
+            takes_mirror.then(|| mirror.over(odds)),
+            takes_lobe
+                .then(|| self.scattered(lobes, &frame, wo))
+                .flatten()
+                .map(|way| way.over(if divides { 1.0 } else { 1.0 - odds })),
+        ];
+        let mut sent = Rgb::BLACK;
+        for (k, way) in ways.into_iter().flatten().enumerate() {
+            if let Some(way) = self.survivor(way, 5 + k as u32) {
+                sent += way.share;
+                send(way);
+            }
+        }
+        sent
     }
 
     /// The part that goes on in that way.
@@ -241,19 +287,23 @@ impl Meeting<'_> {
         uniform(&[self.key, dimension]).into()
     }
 
-    /// A direction drawn from glossy lobes; `None` if the path ends here.
-    fn scattered(&self, lobes: &Lobes, frame: &Frame, direction: DVec3) -> Option<Way> {
-        let wo = frame.to_local(-direction);
+    /// A direction drawn from glossy lobes; `None` if it is lost below the surface.
+    fn scattered(&self, lobes: &Lobes, frame: &Frame, wo: DVec3) -> Option<Way> {
         let sample = lobes.sample(wo, [0, 1, 2].map(|d| self.chance(d)))?;
-        let weight = (self.path.weight * sample.weight).max_channel();
-        let odds = (weight / (ROULETTE * self.heaviest)).min(1.0);
-        // A weight of zero has no odds at all.
-        (self.chance(3) < odds).then(|| Way {
+        Some(Way {
             direction: frame.to_world(sample.wi),
-            share: sample.weight / odds,
+            share: sample.weight,
             via: Via::Many,
             density: sample.pdf,
         })
+    }
+
+    /// Russian roulette: a way that carries little goes on by chance, and is heavier then.
+    fn survivor(&self, way: Way, dimension: u32) -> Option<Way> {
+        let weight = (self.path.weight * way.share).max_channel();
+        let odds = (weight / (ROULETTE * self.heaviest)).min(1.0);
+        // A weight of zero has no odds at all.
+        (self.chance(dimension) < odds).then(|| way.over(odds))
     }
 
     /// Sends what glass mirrors and passes; returns the share that it keeps.

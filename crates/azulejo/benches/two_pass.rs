@@ -2,8 +2,8 @@
 //!
 //! `cargo bench -p azulejo --bench two_pass`. For each scene one truth by `reference` with many
 //! samples; then the two passes and the reference at several costs, each with its CPU seconds and
-//! its RMSE against that truth, relative to the mean radiance. The last column is the time that
-//! the reference would take for the error of the line: its error falls with the root of its time.
+//! its relative RMSE against that truth. The last column is the time that the reference would take
+//! for the error of the line: its error falls with the root of its time.
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use azulejo::radiosity::{self, FirstPass};
@@ -25,7 +25,7 @@ const TIMED: u32 = 64;
 
 fn main() {
     println!(
-        "{:<10} {:<34} {:>9} {:>9} {:>12}",
+        "{:<8} {:<50} {:>8} {:>8} {:>12}",
         "scene", "how", "CPU s", "RMSE", "reference s"
     );
     for (name, variant) in [
@@ -63,28 +63,12 @@ fn by_reference(scene: &Scene, samples: u32, seed: u64) -> render::Reference {
         .expect("nobody cancels")
 }
 
-/// Root of the mean square difference over the mean of the truth.
-fn rmse(found: &Image, truth: &Image) -> f64 {
-    let pairs = found
-        .pixels
-        .iter()
-        .flatten()
-        .zip(truth.pixels.iter().flatten());
-    let (mut squares, mut sum) = (0.0, 0.0);
-    for (a, b) in pairs {
-        squares += f64::from(a - b).powi(2);
-        sum += f64::from(*b);
-    }
-    let n = (3 * truth.pixels.len()) as f64;
-    (squares / n).sqrt() / (sum / n)
-}
-
 fn measure(name: &str, scene: &Scene) {
     let truth = by_reference(scene, TRUTH, 1);
     let (noisy, cost) = timed(|| by_reference(scene, TIMED, 2).image);
-    let noise = rmse(&noisy, &truth.image);
+    let noise = render::relative_rmse(&noisy, &truth.image);
     let line = |how: String, cpu: f64, error: f64, equal: f64| {
-        println!("{name:<10} {how:<34} {cpu:>9.2} {error:>9.4} {equal:>12.1}");
+        println!("{name:<8} {how:<50} {cpu:>8.2} {error:>8.4} {equal:>12.1}");
     };
     let known = truth.relative_error();
     line(format!("truth, {TRUTH} samples"), f64::NAN, known, f64::NAN);
@@ -92,7 +76,7 @@ fn measure(name: &str, scene: &Scene) {
     for (patches, gather, samples) in [(1_500, None, 64), (10_000, None, 64), (1_500, Some(64), 16)]
     {
         let (image, cpu) = timed(|| two_passes(scene, patches, gather, samples));
-        let error = rmse(&image, &truth.image);
+        let error = render::relative_rmse(&image, &truth.image);
         let gathers = gather.map_or(String::new(), |n| format!(", gather {n}"));
         let how = format!("two passes, {patches} patches, {samples} samples{gathers}");
         line(how, cpu, error, cost * (noise / error).powi(2));

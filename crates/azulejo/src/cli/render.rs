@@ -87,7 +87,10 @@ fn truth(
         azulejo_render::reference(scene, &tracer, &camera, &options, progress)
     })?;
     let error = found.relative_error();
-    let words = format!("RMS standard error {} of the mean radiance", percent(error));
+    let words = format!(
+        "{} relative RMSE expected, from the pixels' standard errors",
+        percent(error)
+    );
     report.fact("error", number(error), "error", words);
     if let Some((output, format)) = errors {
         write_linear(&found.error, *format, output, session)?;

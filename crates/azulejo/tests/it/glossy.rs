@@ -55,14 +55,7 @@ fn two_passes_show_what_brute_force_shows() {
     for k in 0..3 {
         assert!((a[k] / b[k] - 1.0).abs() < 0.02, "{a:?}, expected {b:?}");
     }
-    let pairs = found
-        .pixels
-        .iter()
-        .flatten()
-        .zip(truth.image.pixels.iter().flatten());
-    let squares: f64 = pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum();
-    let n = (3 * truth.image.pixels.len()) as f64;
-    let rmse = (squares / n).sqrt() / b.mean();
+    let rmse = render::relative_rmse(&found, &truth.image);
     let known = truth.relative_error();
     assert!(rmse < 0.1 + 2.0 * known, "{rmse}, known to {known}");
 }
