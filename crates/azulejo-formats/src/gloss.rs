@@ -6,12 +6,12 @@ use azulejo_scene::{Brdf, Material, Rgb};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Distinct models of one file. Each takes a fraction of a millisecond to make, and a few bytes
-/// of a file to say.
-const MOST_MODELS: usize = 1 << 14;
+/// Distinct models of one file. Each takes a millisecond to make as a rule, forty at worst, and a few
+/// bytes of a file to say.
+const MOST_MODELS: usize = 1 << 12;
 
 /// The warning about more of them.
-const TOO_MANY: &str = "more glossy materials than 16384: matt";
+const TOO_MANY: &str = "more glossy materials than 4096: matt";
 
 /// The warning about what would create energy.
 const TOO_MUCH: &str = "glossy material that reflects more than it gets: all of it scaled down";

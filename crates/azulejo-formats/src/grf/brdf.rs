@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Distinct models that are more than matt or a mirror, in one document. Each takes milliseconds
 /// to make at worst, and a few bytes of a file to say.
-const MOST_MODELS: usize = 1 << 14;
+const MOST_MODELS: usize = 1 << 12;
 
 /// By how much the shares of a matt mirror may exceed 1, when they were rounded for a file.
 const ROUNDING: f64 = 1e-6;

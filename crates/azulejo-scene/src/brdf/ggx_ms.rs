@@ -106,7 +106,7 @@ impl Reflect for GgxMultiple {
 }
 
 /// Intervals of the table of what is lost.
-const INTERVALS: usize = 64;
+const INTERVALS: usize = 48;
 
 /// What white facets lose of light along a direction because it meets them again: 1 − E.
 #[derive(Debug)]
@@ -163,7 +163,7 @@ impl Lost {
 fn lost(facets: Ggx, cos: f64) -> f64 {
     const INCLINATIONS: usize = 256;
     // Where a turn begins to be shaded there is an edge that fewer would miss.
-    const TURNS: usize = 128;
+    const TURNS: usize = 64;
     let wo = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
     let shaded = |u1: f64, u2: f64| {
         let wi = mirrored_by(wo, facets.sample(wo, [u1, u2, 0.0]));

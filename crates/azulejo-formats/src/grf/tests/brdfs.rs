@@ -207,5 +207,5 @@ fn hostile_models() {
         .collect();
     let error = read(triangle(&faces).as_bytes(), "test.grf", &Memory::new());
     let said = error.map(|l| l.scene).unwrap_err().to_string();
-    assert!(said.contains("at most 16384 different ones"), "{said}");
+    assert!(said.contains("at most 4096 different ones"), "{said}");
 }
