@@ -114,6 +114,16 @@ fn measured_files_are_found_or_named() {
         missing.warnings[0].to_string(),
         "a.brdf:1:27: the brdf \"gold.binary\" is left out: there is no such file"
     );
+    // Found by fuzzing: without quotes a name may hold one, which could not be written.
+    must_fail(
+        "begin brdf model measured a\"b end brdf",
+        "in double quotes",
+    );
+    let odd = Description::File {
+        path: "a\"b".to_owned(),
+        content: None,
+    };
+    assert!(text::write(&odd, &mut Vec::new()).is_err());
     // A file that names itself is no measured data.
     let files = Memory::new().with("gold.binary", file);
     let error = read(file.as_bytes(), "a.brdf", &files)

@@ -215,11 +215,11 @@ impl Reader<'_> {
     /// Measured data in another file; one that is missing reflects nothing.
     fn measured(&mut self) -> Said<Description> {
         let offset = self.lexer.skip_blank();
-        let Some(path) = self.lexer.file_name() else {
-            return Err(inline::unexpected(
-                self.lexer,
-                "a file name, \"in double quotes\"",
-            ));
+        // Without quotes a name could hold one, which could not be written again.
+        let path = (self.lexer.peek() == Some(b'"')).then(|| self.lexer.file_name());
+        let Some(path) = path.flatten() else {
+            let expected = "a file name, \"in double quotes\"";
+            return Err(inline::unexpected(self.lexer, expected));
         };
         let file = beside(self.name, path);
         let content = match self.files.read(&file) {
@@ -408,7 +408,7 @@ fn is_beside(info: &'static Info, name: &str) -> bool {
 /// Writes a description: [`read`] gives it back, to the bit.
 ///
 /// # Errors
-/// Those of `out`.
+/// Those of `out`; a file name with quotes or line ends, which the form cannot say.
 pub fn write(description: &Description, out: &mut dyn Write) -> io::Result<()> {
     match description {
         Description::Model(model) => block(out, model, None, ""),
@@ -418,6 +418,10 @@ pub fn write(description: &Description, out: &mut dyn Write) -> io::Result<()> {
                 block(out, model, Some(*weight), "  ")?;
             }
             out.write_all(b"end brdf\n")
+        }
+        Description::File { path, .. } if path.contains(['"', '\n', '\r']) => {
+            let problem = format!("a file name that cannot stand in quotes: {path:?}");
+            Err(io::Error::new(io::ErrorKind::InvalidInput, problem))
         }
         Description::File { path, .. } => writeln!(
             out,
