@@ -1,6 +1,6 @@
 //! Reflection models from file to picture: two passes against brute force.
 
-use crate::support::Folder;
+use crate::support::{Folder, project};
 use azulejo::radiosity::{self, FirstPass};
 use azulejo::render::{self, ReferencePass, SecondPass};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
@@ -63,7 +63,9 @@ fn two_passes_show_what_brute_force_shows() {
 #[test]
 fn references_are_written_with_their_errors() {
     let folder = Folder::with_room();
-    let command = "render room.obj --reference --spp 8 --size 12x9 -o room.exr --error-image e.hdr";
+    let scene = std::fs::read(project().join("examples/cornell.grf")).unwrap();
+    folder.write("box.grf", scene);
+    let command = "render box.grf --reference --spp 64 --size 12x9 -o room.exr --error-image e.hdr";
     let report = folder.json(command);
     let error = report["error"].as_f64();
     assert!(error.is_some_and(|e| e > 0.0 && e < 1.0), "{report}");
