@@ -211,6 +211,7 @@ impl Shooter<'_> {
             return sums;
         }
         let mut glints = Glints::default();
+        let seed = hash(&[self.seed, s]);
         let share = 1.0 / f64::from(AMBIENT_RAYS);
         let rays = (0..REPLICATES as u32).flat_map(|r| (0..AMBIENT_RAYS).map(move |k| (r, k)));
         let mut paths: Vec<Path> = rays
@@ -220,11 +221,11 @@ impl Shooter<'_> {
             self.gatherer.surfaces(),
             &mut paths,
             scratch,
-            hash(&[self.seed, s]),
+            seed,
             |path, event| match event {
                 Event::Escape => sums[path.id as usize] += radiance * PI * path.weight,
                 Event::Surface { hit, .. } if has_beams => {
-                    glints.add_beams(self.gatherer, path, &hit, path.id, self.seed);
+                    glints.add_beams(self.gatherer, path, &hit, path.id, seed);
                 }
                 _ => {}
             },

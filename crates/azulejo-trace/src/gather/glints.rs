@@ -22,6 +22,9 @@ pub struct Glints {
     /// Whom each ray is for, and what it finds if nothing stands between.
     found: Vec<(u32, Rgb)>,
     blocked: Vec<bool>,
+    /// Looks taken since the last were settled, those that showed nothing included: what keys
+    /// random numbers must not depend on what earlier ones found.
+    taken: u32,
 }
 
 impl Glints {
@@ -31,7 +34,7 @@ impl Glints {
         let Some(gloss) = Gloss::new(gatherer, path, hit) else {
             return;
         };
-        let key = hash(&[seed, self.found.len() as u32]);
+        let key = self.key(seed);
         let u = [0, 1, 2].map(|d| f64::from(uniform(&[key, d])));
         if let Some(look) = gatherer.lights.look(gatherer.surfaces(), gloss.origin, u) {
             self.test(&gloss, tag, look.target, gloss.of_lamp(&look));
@@ -49,8 +52,15 @@ impl Glints {
         seed: u32,
     ) {
         if let Some(gloss) = Gloss::new(gatherer, path, hit) {
-            self.beams(&gloss, tag, hash(&[seed, self.found.len() as u32]));
+            let key = self.key(seed);
+            self.beams(&gloss, tag, key);
         }
+    }
+
+    /// Keys the random numbers of one look.
+    fn key(&mut self, seed: u32) -> u32 {
+        self.taken += 1;
+        hash(&[seed, self.taken])
     }
 
     fn beams(&mut self, gloss: &Gloss, tag: u32, key: u32) {
@@ -87,6 +97,7 @@ impl Glints {
     /// Tests all looks, tells of each that sees its light for whom it was and what it found, as
     /// exitance times the weight of the path, and forgets them.
     pub fn settle(&mut self, gatherer: &Gatherer, mut tell: impl FnMut(u32, Rgb)) {
+        self.taken = 0;
         if self.rays.is_empty() {
             return;
         }

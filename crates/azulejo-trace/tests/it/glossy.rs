@@ -105,10 +105,7 @@ fn a_lamp_in_a_glossy_floor() {
     let mut scene = Scene::default();
     let floor = scene.add_material(Material::with_brdf("floor", brdf()));
     let lamp = scene.add_material(Material::emitter("lamp", Rgb::grey(RADIANCE)));
-    scene.objects = vec![
-        sheet(FLOOR, floor),
-        sheet([LAMP[0], LAMP[1], LAMP[2]], lamp),
-    ];
+    scene.objects = vec![sheet(FLOOR, floor), sheet(LAMP, lamp)];
     let (mean, error) = gathered(&scene);
 
     let model = brdf();
@@ -126,6 +123,25 @@ fn a_lamp_in_a_glossy_floor() {
     assert!(
         (mean - expected).abs() < 4.0 * error + 1e-3 * expected && error < 0.02 * expected,
         "{mean} ± {error}, expected {expected}"
+    );
+}
+
+/// Looks at a lamp that shows nothing are followed by others: a second lamp whose dark side is
+/// all that the floor sees takes as many looks, and changes nothing.
+#[test]
+fn a_lamp_that_looks_away_changes_nothing() {
+    let mut scene = Scene::default();
+    let floor = scene.add_material(Material::with_brdf("floor", brdf()));
+    let lamp = scene.add_material(Material::emitter("lamp", Rgb::grey(RADIANCE)));
+    scene.objects = vec![sheet(FLOOR, floor), sheet(LAMP, lamp)];
+    let (alone, error) = gathered(&scene);
+    let above = DVec3::new(0.0, 0.0, 3.0);
+    let turned = [LAMP[0] + above, 4.0 * LAMP[2], 4.0 * LAMP[1]];
+    scene.objects.push(sheet(turned, lamp));
+    let (both, other) = gathered(&scene);
+    assert!(
+        (alone - both).abs() < 4.0 * error.hypot(other),
+        "{alone} ± {error} alone, {both} ± {other} beside another"
     );
 }
 
