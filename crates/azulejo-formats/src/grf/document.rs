@@ -258,9 +258,9 @@ impl<T: Copy + Default> Column<T> {
         self.values.is_empty()
     }
 
-    /// How many of `vertices` vertices have no value.
+    /// How many of `vertices` vertices have no value, or how many values no vertex.
     pub fn lacking(&self, vertices: usize) -> usize {
-        vertices - self.values.len() + self.missing.len()
+        vertices.abs_diff(self.values.len()) + self.missing.len()
     }
 
     /// The values, one per vertex, where none is missing.
