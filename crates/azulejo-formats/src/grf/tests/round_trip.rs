@@ -441,7 +441,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
-    fn scenes(scene in any_scene()) {
+    fn scenes(mut scene in any_scene()) {
+        for material in &mut scene.materials {
+            material.limit_reflectance();
+        }
         prop_assert_eq!(scene.validate(), Ok(()));
         let text = written(&scene);
         let back = match read(text.as_bytes(), "test.grf", &Memory::new()) {
