@@ -1,0 +1,3 @@
+//! The window's parts. Each shows state and returns commands.
+
+pub mod brdf;

@@ -1,0 +1,53 @@
+//! What the window says, in the languages of its sources: English, Spanish, Portuguese.
+//!
+//! The English text is the key: the code stays readable, and a text without translation is still
+//! a text. A test holds every text of the window to the tables.
+
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+mod brdf;
+
+/// A language of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Language {
+    /// English.
+    #[default]
+    English,
+    /// Spanish.
+    Spanish,
+    /// Portuguese.
+    Portuguese,
+}
+
+/// One text: English, Spanish, Portuguese.
+type Entry = [&'static str; 3];
+
+/// The tables, one for each part of the window.
+const TABLES: [&[Entry]; 1] = [brdf::TABLE];
+
+impl Language {
+    /// All of them.
+    pub const ALL: [Language; 3] = [Language::English, Language::Spanish, Language::Portuguese];
+
+    /// Its own name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Language::English => "English",
+            Language::Spanish => "Español",
+            Language::Portuguese => "Português",
+        }
+    }
+
+    /// `english` in this language; itself where there is no translation.
+    pub fn say(self, english: &'static str) -> &'static str {
+        static INDEX: OnceLock<HashMap<&str, &Entry>> = OnceLock::new();
+        let index = INDEX.get_or_init(|| {
+            let entries = TABLES.iter().flat_map(|table| table.iter());
+            entries.map(|entry| (entry[0], entry)).collect()
+        });
+        index.get(english).map_or(english, |e| e[self as usize])
+    }
+}
