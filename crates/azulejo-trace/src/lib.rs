@@ -11,7 +11,7 @@
 //! to look for lamps), [`follow`] (rays through mirrors and glass to all they see), and [`Gatherer`] (irradiance at points, for both passes).
 //! Triangles may be left to Embree instead ([`Kernel`]; feature `embree`).
 //! [`item_buffer`] asks the same of a raster: what a patch sees through the pixels of a hemicube.
-//! [`Progress`] counts long work and stops it.
+//! [`Progress`] counts long work, measures it, pauses and stops it.
 //!
 //! ```
 //! use azulejo_scene::{math::Ray, synthetic::cube_room};
@@ -55,7 +55,7 @@ pub use gather::{
     Gatherer, Glints, Glow, Places, RAYS_PER_FORMULA, REPLICATES,
 };
 pub use kernels::Kernel;
-pub use progress::{Cancelled, Progress};
+pub use progress::{Cancelled, Measure, Measured, Progress};
 pub use ray::{Hit, Item, KernelHit, KernelRay};
 pub use surfaces::Surfaces;
 pub use tracer::{Instance, Tracer};

@@ -1,21 +1,72 @@
-//! Reports and cancels long work.
+//! Reports, pauses and cancels long work.
 
+use std::collections::VecDeque;
+use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
-use std::{fmt, sync::Mutex};
 
-/// Counts work and stops it; shared between the worker threads and whoever watches.
+/// Most measures that are kept until somebody takes them; older ones are forgotten.
+const MOST_MEASURES: usize = 4096;
+
+/// Counts work, holds it and stops it; shared between the worker threads and whoever watches.
 ///
-/// A worker calls [`advance`](Progress::advance) once per patch row or tile: that both counts
-/// and asks whether to go on. A watcher reads [`done`](Progress::done), [`total`](Progress::total)
-/// and [`stage`](Progress::stage), and calls [`cancel`](Progress::cancel).
+/// A worker calls [`advance`](Progress::advance) once per patch row or tile: that counts, waits
+/// while the work is paused, and asks whether to go on. A watcher reads [`done`](Progress::done),
+/// [`total`](Progress::total), [`stage`](Progress::stage) and what was
+/// [measured](Progress::take_measures), and calls [`pause`](Progress::pause),
+/// [`resume`](Progress::resume) and [`cancel`](Progress::cancel).
 #[derive(Debug, Default)]
 pub struct Progress {
     cancelled: AtomicBool,
+    paused: AtomicBool,
     done: AtomicU64,
     total: AtomicU64,
     stage: Mutex<String>,
-    deadline: Mutex<Option<Instant>>,
+    clock: Mutex<Clock>,
+    /// The work was resumed or cancelled.
+    released: Condvar,
+    measures: Mutex<VecDeque<Measured>>,
+}
+
+/// What depends on the time.
+#[derive(Debug, Default)]
+struct Clock {
+    deadline: Option<Instant>,
+    /// Since when the work has been paused, or its deadline set if that is later.
+    paused: Option<Instant>,
+}
+
+/// How good an answer is so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Measure {
+    /// How far the light on patches is from being in balance. The systems of all replicates are
+    /// solved one after the other, and again if their rows are refined.
+    Residual {
+        /// Which of the independent replicates, from 0.
+        replicate: u32,
+        /// Bounces of light that were followed, from 1.
+        iteration: u32,
+        /// With a matrix the largest change of a patch in this bounce, relative to the brightest
+        /// patch; without, the power that is still to be shot, relative to what the first bounce
+        /// reflected. Falls to the solver's tolerance.
+        value: f64,
+    },
+    /// Estimated relative RMS error of the radiosity that patches reflect.
+    PatchError(f64),
+    /// Estimated relative RMS error of the irradiance that is gathered; the last one is the
+    /// answer's.
+    Error(f64),
+}
+
+/// A measure and when it was taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// When.
+    pub at: Instant,
+    /// What.
+    pub measure: Measure,
 }
 
 /// The work was cancelled before it was done.
@@ -30,52 +81,99 @@ impl fmt::Display for Cancelled {
 
 impl std::error::Error for Cancelled {}
 
+/// What a thread that panicked left is whole all the same: every change is one assignment.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Progress {
-    /// Nothing done yet, never cancelled, no deadline.
+    /// Nothing done yet, never paused or cancelled, no deadline.
     pub fn new() -> Progress {
         Progress::default()
     }
 
     /// Begins a stage of `total` steps; `stage` is a short verb for people ("form factors").
     pub fn begin(&self, stage: &str, total: u64) {
-        if let Ok(mut name) = self.stage.lock() {
-            stage.clone_into(&mut name);
-        }
+        stage.clone_into(&mut lock(&self.stage));
         self.done.store(0, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
 
-    /// Counts `steps` and says whether to go on.
+    /// Counts `steps` and says whether to go on; waits for that while the work is
+    /// [paused](Progress::pause).
     ///
     /// # Errors
     /// [`Cancelled`] once [`cancel`](Progress::cancel) was called.
     pub fn advance(&self, steps: u64) -> Result<(), Cancelled> {
         self.done.fetch_add(steps, Ordering::Relaxed);
-        if self.cancelled.load(Ordering::Relaxed) {
-            Err(Cancelled)
-        } else {
-            Ok(())
+        if self.is_paused() {
+            self.wait();
+        }
+        match self.is_cancelled() {
+            true => Err(Cancelled),
+            false => Ok(()),
         }
     }
 
-    /// Asks all work to stop at its next step.
+    /// Sleeps until the work is resumed or cancelled.
+    fn wait(&self) {
+        let is_held = |clock: &mut Clock| clock.paused.is_some() && !self.is_cancelled();
+        let clock = self.released.wait_while(lock(&self.clock), is_held);
+        drop(clock);
+    }
+
+    /// Asks all work to stop at its next step, at once if it is paused.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
+        // With the lock in hand nobody is between asking and falling asleep.
+        let _clock = lock(&self.clock);
+        self.released.notify_all();
+    }
+
+    /// Whether the work was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Makes all work sleep at its next step, until it is [resumed](Progress::resume) or
+    /// cancelled. The time until then does not count against a deadline.
+    ///
+    /// What sleeps are the threads that work, those of a pool too: work that may be paused beside
+    /// other work belongs in a thread pool of its own.
+    pub fn pause(&self) {
+        let mut clock = lock(&self.clock);
+        clock.paused.get_or_insert_with(Instant::now);
+        self.paused.store(true, Ordering::Relaxed);
+    }
+
+    /// Lets paused work go on.
+    pub fn resume(&self) {
+        let mut clock = lock(&self.clock);
+        if let Some(since) = clock.paused.take() {
+            clock.deadline = clock.deadline.and_then(|d| d.checked_add(since.elapsed()));
+        }
+        self.paused.store(false, Ordering::Relaxed);
+        self.released.notify_all();
+    }
+
+    /// Whether the work is paused, or about to be: a thread sleeps from its next step on.
+    pub fn is_paused(&self) -> bool {
+        self.paused.load(Ordering::Relaxed)
     }
 
     /// Sets the moment at which refinement should end with what it has; unlike
     /// [`cancel`](Progress::cancel), the work then finishes in good order.
     pub fn set_deadline(&self, deadline: Instant) {
-        if let Ok(mut d) = self.deadline.lock() {
-            *d = Some(deadline);
-        }
+        let mut clock = lock(&self.clock);
+        clock.deadline = Some(deadline);
+        clock.paused = clock.paused.map(|_| Instant::now());
     }
 
     /// Whether the deadline has passed.
     pub fn out_of_time(&self) -> bool {
-        self.deadline
-            .lock()
-            .is_ok_and(|d| d.is_some_and(|d| Instant::now() >= d))
+        let clock = lock(&self.clock);
+        let now = || clock.paused.unwrap_or_else(Instant::now);
+        clock.deadline.is_some_and(|d| now() >= d)
     }
 
     /// Steps of the current stage that are done.
@@ -90,6 +188,121 @@ impl Progress {
 
     /// Name of the current stage; empty before the first.
     pub fn stage(&self) -> String {
-        self.stage.lock().map(|s| s.clone()).unwrap_or_default()
+        lock(&self.stage).clone()
+    }
+
+    /// Tells whoever watches how good the answer is so far. Whether somebody does makes no
+    /// difference to the work.
+    pub fn measured(&self, measure: Measure) {
+        let mut measures = lock(&self.measures);
+        if measures.len() == MOST_MEASURES {
+            measures.pop_front();
+        }
+        measures.push_back(Measured {
+            at: Instant::now(),
+            measure,
+        });
+    }
+
+    /// What was measured since the last call, the oldest first; no more than the last 4096.
+    pub fn take_measures(&self) -> Vec<Measured> {
+        lock(&self.measures).drain(..).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread;
+    use std::time::Duration;
+
+    /// Longer than any thread needs to get to its next step, on a busy machine too.
+    const PATIENCE: Duration = Duration::from_secs(60);
+
+    fn wait_until(what: &str, is_so: impl Fn() -> bool) {
+        let start = Instant::now();
+        while !is_so() {
+            assert!(start.elapsed() < PATIENCE, "{what}");
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Several threads that work without end; `watch` must cancel them.
+    fn working(progress: &Progress, watch: impl FnOnce()) {
+        thread::scope(|scope| {
+            for _ in 0..3 {
+                scope.spawn(|| while progress.advance(1).is_ok() {});
+            }
+            wait_until("nothing is done", || progress.done() > 100);
+            watch();
+            progress.cancel();
+        });
+        assert!(progress.is_cancelled());
+    }
+
+    /// What is done once every thread has come to its next step.
+    fn standing(progress: &Progress) -> u64 {
+        let start = Instant::now();
+        let mut before = progress.done();
+        loop {
+            assert!(start.elapsed() < PATIENCE, "it does not stand still");
+            thread::sleep(Duration::from_millis(20));
+            match progress.done() {
+                now if now == before => return now,
+                now => before = now,
+            }
+        }
+    }
+
+    #[test]
+    fn paused_work_stands_still_and_goes_on() {
+        let progress = Progress::new();
+        working(&progress, || {
+            progress.pause();
+            assert!(progress.is_paused());
+            let held = standing(&progress);
+            progress.resume();
+            assert!(!progress.is_paused());
+            wait_until("it does not go on", || progress.done() > held + 100);
+        });
+    }
+
+    #[test]
+    fn paused_work_ends_when_it_is_cancelled() {
+        let progress = Progress::new();
+        // That the threads are joined is what is tested.
+        working(&progress, || {
+            progress.pause();
+            standing(&progress);
+        });
+        assert_eq!(progress.advance(1), Err(Cancelled));
+    }
+
+    #[test]
+    fn pauses_do_not_count_against_a_deadline() {
+        let progress = Progress::new();
+        let moment = Duration::from_millis(50);
+        progress.set_deadline(Instant::now() + Duration::from_secs(3600));
+        progress.pause();
+        progress.set_deadline(Instant::now() + moment);
+        thread::sleep(2 * moment);
+        assert!(!progress.out_of_time(), "the pause counts");
+        progress.resume();
+        wait_until("the deadline never comes", || progress.out_of_time());
+        progress.resume();
+        assert!(progress.out_of_time(), "there was nothing to resume");
+    }
+
+    #[test]
+    fn measures_are_taken_once_and_bounded() {
+        let progress = Progress::new();
+        assert!(progress.take_measures().is_empty());
+        let last = MOST_MEASURES + 3;
+        (0..=last).for_each(|k| progress.measured(Measure::Error(k as f64)));
+        let taken = progress.take_measures();
+        assert_eq!(taken.len(), MOST_MEASURES);
+        assert_eq!(taken[0].measure, Measure::Error(4.0));
+        assert!(taken.is_sorted_by_key(|m| m.at));
+        assert!(progress.take_measures().is_empty());
     }
 }

@@ -10,6 +10,9 @@
 //! | [`trace`] | what does a point see: rays against the scene |
 //! | [`radiosity`] | first pass: scene to irradiance on its vertices |
 //! | [`render`] | second pass: scene to image |
+//! | [`models`] | models as files: read, put together, written whole or not at all |
+//! | [`output`] | any file, written whole or not at all |
+//! | [`files`], [`machine`] | what the operating system says |
 //!
 //! The two passes do not know each other: they meet in data, the irradiance on the vertices.
 //! `examples/journey.rs` follows one vertex through all of it in seven lines.
@@ -19,6 +22,11 @@
 //! The feature `cli`, on by default, builds the command line and what it needs; a program that
 //! wants the libraries alone sets `default-features = false`. The feature `gpu` adds the module
 //! `gpu`: item buffers on graphics cards.
+
+pub mod files;
+pub mod machine;
+pub mod models;
+pub mod output;
 
 pub use azulejo_formats as formats;
 #[cfg(feature = "gpu")]

@@ -74,41 +74,10 @@ pub fn peak_memory() -> Option<u64> {
     None
 }
 
-/// Bytes of memory that the process may use: what the machine has, or what its container gets.
-pub fn machine_memory() -> Option<u64> {
-    let machine = std::fs::read_to_string("/proc/meminfo")
-        .ok()
-        .and_then(|text| total_of(&text));
-    let container = std::fs::read_to_string("/sys/fs/cgroup/memory.max")
-        .ok()
-        .and_then(|text| text.trim().parse().ok());
-    match (machine, container) {
-        (Some(a), Some(b)) => Some(u64::min(a, b)),
-        (a, b) => a.or(b),
-    }
-}
-
-/// `MemTotal` of Linux's `/proc/meminfo`, in bytes.
-fn total_of(meminfo: &str) -> Option<u64> {
-    let line = meminfo.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
-    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    kilobytes.checked_mul(1024)
-}
-
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
 
-    #[test]
-    fn memory_of_the_machine() {
-        assert_eq!(
-            total_of("MemTotal:       16384 kB\nMemFree: 1 kB\n"),
-            Some(16 << 20)
-        );
-        assert_eq!(total_of("MemFree: 1 kB\n"), None);
-    }
-
-    #[cfg(unix)]
     #[test]
     fn work_costs_processor_time() {
         let clock = Clock::start();

@@ -4,15 +4,15 @@ use super::args::ConvertArgs;
 use super::failure::Failure;
 use super::input;
 use super::report::{Report, count};
-use super::scene_output::SceneOutput;
 use super::session::Session;
+use azulejo::models::ModelOutput;
 
 /// Runs `convert`.
 pub fn run(args: &ConvertArgs, session: &mut Session) -> Result<Report, Failure> {
-    let output = SceneOutput::check(&args.output)?;
+    let output = ModelOutput::check(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     let scene = input::read_all(&args.input, session)?;
-    output.write(&scene, session)?;
+    session.write(&scene, &output)?;
     let mut report = Report::default();
     report.value("objects", scene.objects.len());
     report.value("materials", scene.materials.len());

@@ -1,5 +1,8 @@
 //! Why a command stops, and with which exit code.
 
+use azulejo::files::{Refused, reason};
+use azulejo::models::{ReadFailure, WriteFailure};
+use azulejo::output::OutputError;
 use azulejo_trace::Cancelled;
 use std::fmt;
 use std::io;
@@ -37,7 +40,7 @@ impl Failure {
             _ => Failure::Failed(format!(
                 "cannot {what} {}: {}",
                 path.display(),
-                plain(error)
+                reason(error)
             )),
         }
     }
@@ -49,15 +52,6 @@ impl Failure {
             Failure::Failed(_) | Failure::Cancelled => ExitCode::from(1),
             Failure::Misuse(_) => ExitCode::from(2),
         }
-    }
-}
-
-/// An operating system's error without the number that Rust appends.
-fn plain(error: &io::Error) -> String {
-    let text = error.to_string();
-    match text.find(" (os error") {
-        Some(end) => text[..end].to_string(),
-        None => text,
     }
 }
 
@@ -74,6 +68,42 @@ impl fmt::Display for Failure {
 impl From<Cancelled> for Failure {
     fn from(_: Cancelled) -> Failure {
         Failure::Cancelled
+    }
+}
+
+impl From<Refused> for Failure {
+    fn from(refused: Refused) -> Failure {
+        Failure::file(refused.deed, &refused.path, &refused.error)
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Failure {
+        match error {
+            OutputError::Cancelled => Failure::Cancelled,
+            OutputError::File(refused) => refused.into(),
+            other => Failure::failed(other),
+        }
+    }
+}
+
+impl From<ReadFailure> for Failure {
+    fn from(failure: ReadFailure) -> Failure {
+        match failure {
+            ReadFailure::Cancelled => Failure::Cancelled,
+            ReadFailure::File(refused) => refused.into(),
+            other => Failure::failed(other),
+        }
+    }
+}
+
+impl From<WriteFailure> for Failure {
+    fn from(failure: WriteFailure) -> Failure {
+        match failure {
+            WriteFailure::Output(error) => error.into(),
+            // Both are about the name that was typed.
+            other => Failure::misuse(other),
+        }
     }
 }
 

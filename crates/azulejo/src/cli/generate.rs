@@ -2,7 +2,7 @@
 
 use super::args::Cli;
 use super::failure::Failure;
-use super::output::Output;
+use azulejo::output::Output;
 use azulejo_trace::Progress;
 use clap::CommandFactory;
 use std::io::{self, Write};
@@ -35,5 +35,5 @@ fn page(command: clap::Command, folder: &Path) -> Result<(), Failure> {
     let mut text = Vec::new();
     page.render(&mut text)?;
     let output = Output::check(&folder.join(page.get_filename()))?;
-    output.write(&Progress::new(), |out| out.write_all(&text))
+    Ok(output.write(&Progress::new(), |out| out.write_all(&text))?)
 }

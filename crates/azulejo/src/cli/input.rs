@@ -2,19 +2,13 @@
 
 use super::args::{Input, Reading};
 use super::failure::Failure;
-use super::placement::{self, Placement};
+use super::placement::Placement;
 use super::session::Session;
 use super::values::UpArg;
-use azulejo_formats::{Folder, Loaded, ReadOptions, camera_json};
+use azulejo::models::{self, read_bytes};
+use azulejo_formats::{ReadOptions, camera_json};
 use azulejo_scene::{Scene, Units};
-use std::fs::{self, File};
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-
-/// Largest model that is read.
-const MAX_FILE: u64 = 4 << 30;
-/// The same for what has no length of its own: a pipe may never end.
-const MAX_STREAM: u64 = 1 << 30;
 
 /// Reads all models of a command, puts each in its place and merges them; says what was skipped.
 ///
@@ -27,7 +21,7 @@ pub fn read_all(input: &Input, session: &mut Session) -> Result<Scene, Failure> 
     }
     let mut placements = Placements::new(&input.reading.place, &input.scenes)?;
     let mut whole: Option<Scene> = None;
-    for (i, path) in input.scenes.iter().enumerate() {
+    for (path, branch) in input.scenes.iter().zip(branches(&input.scenes)) {
         let placement = placements.next(path);
         let mut model = read_one(path, &input.reading, session)?;
         if let Some(placement) = placement {
@@ -35,15 +29,17 @@ pub fn read_all(input: &Input, session: &mut Session) -> Result<Scene, Failure> 
             model.units.metres_per_unit = placement.unit.or(model.units.metres_per_unit);
         }
         let wanted = wanted_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
-        tell_adaptation(path, model.units, wanted, session);
+        for change in models::changes(model.units, wanted) {
+            session.note(&format!("{}: {change}", path.display()));
+        }
         let mut model = model.adapted(wanted);
         if let Some(placement) = placement {
             let map = placement.scene_from_model(model.bounds(), wanted.up);
             model = model.transformed(&map);
             model.validate().map_err(|e| unplaceable(path, &e))?;
         }
-        if let Some(branch) = branch_name(&input.scenes, i, placement) {
-            placement::name_branch(&mut model, &branch);
+        if let Some(branch) = placement.and_then(|p| p.name.clone()).or(branch) {
+            models::name_branch(&mut model, &branch);
         }
         match &mut whole {
             None => whole = Some(model),
@@ -80,51 +76,17 @@ fn wanted_units(reading: &Reading, units: Units) -> Units {
     }
 }
 
-fn tell_adaptation(path: &Path, from: Units, to: Units, session: &mut Session) {
-    let path = path.display();
-    if from.up != to.up {
-        session.note(&format!(
-            "{path}: turned from {:?} up to {:?} up",
-            from.up, to.up
-        ));
+/// The branches of several models, each named by its file; one file alone has no branch.
+fn branches(paths: &[PathBuf]) -> Vec<Option<String>> {
+    if paths.len() == 1 {
+        return vec![None];
     }
-    match (from.metres_per_unit, to.metres_per_unit) {
-        (Some(a), Some(b)) if a != b => {
-            session.note(&format!(
-                "{path}: scaled from units of {a} m to units of {b} m"
-            ));
-        }
-        (None, Some(b)) => {
-            session.note(&format!("{path}: does not say its unit; taken as {b} m"));
-        }
-        _ => {}
+    let mut names: Vec<Option<String>> = Vec::new();
+    for path in paths {
+        let is_taken = |name: &str| names.iter().flatten().any(|n| n == name);
+        names.push(Some(models::branch_name(path, is_taken)));
     }
-    if from.photometric != to.photometric {
-        let say = |is: bool| if is { "photometric" } else { "radiometric" };
-        let (a, b) = (say(from.photometric), say(to.photometric));
-        session.note(&format!(
-            "{path}: its light is {a} and is taken as {b}, number for number"
-        ));
-    }
-}
-
-/// A branch is named by its file, or as its placement says; one file alone has no branch.
-fn branch_name(paths: &[PathBuf], i: usize, placement: Option<&Placement>) -> Option<String> {
-    let stem = |path: &PathBuf| {
-        path.file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
-    };
-    let named = placement.and_then(|p| p.name.clone());
-    if named.is_some() || paths.len() == 1 {
-        return named;
-    }
-    let name = stem(&paths[i]);
-    match paths[..i].iter().filter(|p| stem(p) == name).count() {
-        0 => Some(name),
-        before => Some(format!("{name} {}", before + 1)),
-    }
+    names
 }
 
 /// Hands out placements: the first about a file for its first mention, and so on.
@@ -152,78 +114,23 @@ impl<'a> Placements<'a> {
 
 /// Reads one model; says what was skipped.
 fn read_one(path: &Path, reading: &Reading, session: &mut Session) -> Result<Scene, Failure> {
-    session.progress().begin("reading", 0);
-    let bytes = read_bytes(path)?;
-    session.progress().advance(0)?;
-    let mut folder = Folder::of_model(path);
-    for allowed in &reading.allow {
-        folder = folder.allow(allowed);
-    }
-    let options = ReadOptions {
-        lod: reading.lod,
-        most_elements: reading.most_elements,
-        ..ReadOptions::default()
+    let how = models::Reading {
+        options: ReadOptions {
+            lod: reading.lod,
+            most_elements: reading.most_elements,
+            ..ReadOptions::default()
+        },
+        allow: reading.allow.clone(),
     };
-    let name = path.to_string_lossy();
-    let Loaded { scene, warnings } =
-        azulejo_formats::read_with(&bytes, &name, &folder, &options).map_err(Failure::failed)?;
-    session.progress().advance(0)?;
-    warnings.iter().for_each(|w| session.warn(w));
-    if let Ok(format) = azulejo_formats::recognise(&bytes, &name) {
-        session.has_read(format);
-    }
-    match warnings.len() {
-        0 => Ok(scene),
+    let model = models::read(path, &how, session.progress())?;
+    model.warnings.iter().for_each(|w| session.warn(w));
+    session.has_read(model.format);
+    match model.warnings.len() {
+        0 => Ok(model.scene),
         n if reading.strict => Err(Failure::Failed(format!(
-            "{name}: {n} kinds of things were skipped or mended, and --strict forbids it"
+            "{}: {n} kinds of things were skipped or mended, and --strict forbids it",
+            path.display()
         ))),
-        _ => Ok(scene),
-    }
-}
-
-/// The bytes of a file, or of standard input for `-`.
-pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    let failed = |e: io::Error| Failure::file("read", path, &e);
-    if path == Path::new("-") {
-        return limited(io::stdin().lock(), 0, MAX_STREAM).map_err(failed);
-    }
-    let meta = fs::metadata(path).map_err(failed)?;
-    if meta.is_dir() {
-        let message = format!("{} is a directory, expected a file", path.display());
-        return Err(Failure::Failed(message));
-    }
-    let limit = if meta.is_file() { MAX_FILE } else { MAX_STREAM };
-    let file = File::open(path).map_err(failed)?;
-    limited(file, meta.len(), limit).map_err(failed)
-}
-
-/// Reads to the end, but no more than `limit` bytes; `length` is what to expect.
-fn limited(source: impl Read, length: u64, limit: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    if length <= limit {
-        bytes.try_reserve_exact(length as usize)?;
-        source.take(limit + 1).read_to_end(&mut bytes)?;
-    }
-    if length > limit || bytes.len() as u64 > limit {
-        let message = format!("larger than {limit} bytes");
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
-    }
-    Ok(bytes)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_has_no_end_is_refused() {
-        assert_eq!(limited(&b"1234"[..], 4, 4).unwrap(), b"1234");
-        for (length, limit) in [(0, 3), (9, 3)] {
-            let said = limited(&b"1234"[..], length, limit)
-                .unwrap_err()
-                .to_string();
-            assert!(said.contains("larger than 3 bytes"), "{said}");
-        }
-        assert!(limited(io::repeat(7), 0, 1000).is_err());
+        _ => Ok(model.scene),
     }
 }

@@ -1,7 +1,7 @@
 //! Ctrl-C: stops within a second and leaves no half file.
 
 use super::failure::Failure;
-use super::output;
+use azulejo::output;
 use azulejo_trace::Progress;
 use std::io::Write;
 use std::sync::Arc;

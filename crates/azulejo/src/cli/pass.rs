@@ -1,11 +1,11 @@
 //! The first pass as the command line runs it: options, solution, summary.
 
 use super::args::{Division, FirstPassArgs};
-use super::clock;
 use super::engine::Chosen;
 use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
 use super::session::Session;
+use azulejo::machine;
 use azulejo_radiosity::{Balance, FirstPass, Light, Method, PatchSize, SolveError};
 use azulejo_scene::{Rgb, Scene, Units};
 use azulejo_trace::Tracer;
@@ -24,15 +24,10 @@ pub fn options(args: &FirstPassArgs, chosen: &Chosen) -> FirstPass {
         rays: args.rays,
         bounces: args.bounces,
         seed: args.seed,
-        memory: args.memory.unwrap_or_else(memory_budget),
+        memory: args.memory.unwrap_or_else(machine::memory_budget),
         keep_mesh: args.keep_mesh,
         engine: chosen.engine.clone(),
     }
-}
-
-/// Half of what the machine has; 2 GiB where it does not say.
-pub fn memory_budget() -> u64 {
-    clock::machine_memory().map_or(2 << 30, |bytes| bytes / 2)
 }
 
 /// Solves under a progress bar.

@@ -1,8 +1,8 @@
 //! `--place FILE:translate=1,0,2,rotate=0,90,0,scale=2`: where one of several models goes.
 
 use super::values;
+use azulejo_scene::Up;
 use azulejo_scene::math::Aabb;
-use azulejo_scene::{Object, Scene, Up};
 use glam::{DAffine3, DMat3, DVec3};
 use std::path::Path;
 
@@ -165,29 +165,6 @@ fn scale(value: &str) -> Result<DVec3, String> {
         true => Err("a scale of 0 leaves nothing".into()),
         false => Ok(factors),
     }
-}
-
-/// Puts everything that has a name under a branch.
-pub fn name_branch(scene: &mut Scene, branch: &str) {
-    let under = |name: &mut String| {
-        let path = match name.is_empty() {
-            true => branch.to_owned(),
-            false => format!("{branch}/{name}"),
-        };
-        *name = path;
-    };
-    scene
-        .objects
-        .iter_mut()
-        .for_each(|Object { name, .. }| under(name));
-    scene
-        .lights
-        .iter_mut()
-        .for_each(|light| under(&mut light.name));
-    scene
-        .cameras
-        .iter_mut()
-        .for_each(|camera| under(&mut camera.name));
 }
 
 #[cfg(test)]

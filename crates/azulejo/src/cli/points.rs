@@ -1,9 +1,9 @@
 //! Points and rays from files, and rows of numbers to files.
 
 use super::failure::Failure;
-use super::input;
 use super::npy::{self, Array};
-use super::output::Output;
+use azulejo::models;
+use azulejo::output::Output;
 use azulejo_radiosity::PointNormal;
 use azulejo_scene::math::Ray;
 use azulejo_trace::Progress;
@@ -14,11 +14,11 @@ use std::path::Path;
 ///
 /// Normals are brought to length 1.
 pub fn read_points(points: &Path, normals: Option<&Path>) -> Result<Vec<PointNormal>, Failure> {
-    let bytes = input::read_bytes(points)?;
+    let bytes = models::read_bytes(points)?;
     let rows = match normals {
         Some(path) => paired(
             named(points, table(&bytes, 3))?,
-            named(path, table(&input::read_bytes(path)?, 3))?,
+            named(path, table(&models::read_bytes(path)?, 3))?,
             path,
         )?,
         None => named(points, table(&bytes, 6))?,
@@ -101,7 +101,7 @@ fn text_table(bytes: &[u8], columns: usize) -> Result<Vec<f64>, String> {
 
 /// Reads rays: eight little-endian f32 each, origin, tmin, direction, tmax.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray>, Failure> {
-    let bytes = input::read_bytes(path)?;
+    let bytes = models::read_bytes(path)?;
     named(path, rays(&bytes))
 }
 
@@ -161,7 +161,8 @@ pub fn write_rows(
             writeln!(out, "{}", words.join(" "))?;
         }
         Ok(())
-    })
+    })?;
+    Ok(())
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 
 use super::args::{LookName, Picture, RenderArgs, ToneName};
 use super::failure::Failure;
-use super::output::Output;
 use super::report::{Report, number, percent, short};
 use super::session::Session;
 use super::{input, look, pass, view};
+use azulejo::output::Output;
 use azulejo_formats::{exr, hdr, png};
 use azulejo_render::{ReferencePass, SecondPass, Tone};
 use azulejo_scene::{Image, Scene};
@@ -174,7 +174,8 @@ fn write_linear(
     output.write(session.progress(), |out| match format {
         Format::Hdr => hdr::write(image, out),
         _ => exr::write(image, out),
-    })
+    })?;
+    Ok(())
 }
 
 fn write(
@@ -187,12 +188,12 @@ fn write(
 ) -> Result<(), Failure> {
     let progress = session.progress();
     match format {
-        Format::Exr | Format::Hdr => write_linear(image, format, output, session),
+        Format::Exr | Format::Hdr => write_linear(image, format, output, session)?,
         Format::Png if args.look.look == LookName::Rtrace => {
             let pixels = azulejo_render::rtrace::bytes(image);
             output.write(progress, |out| {
                 png::write(image.width, image.height, &pixels, out)
-            })
+            })?;
         }
         Format::Png => {
             let factor = match args.picture.exposure {
@@ -208,7 +209,8 @@ fn write(
             let pixels = azulejo_render::tone_map(image, factor, tone(args.picture.tone));
             output.write(progress, |out| {
                 png::write(image.width, image.height, &pixels, out)
-            })
+            })?;
         }
     }
+    Ok(())
 }

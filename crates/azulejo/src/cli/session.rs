@@ -5,7 +5,9 @@ use super::clock::{self, Clock};
 use super::failure::Failure;
 use super::report::{self, Report};
 use super::{interrupt, watch};
+use azulejo::models::ModelOutput;
 use azulejo_formats::{Format, Warning};
+use azulejo_scene::Scene;
 use azulejo_trace::Progress;
 use serde_json::{Value, json};
 use std::fmt;
@@ -77,6 +79,16 @@ impl Session {
         if let Some(end) = time.and_then(|t| Instant::now().checked_add(t)) {
             self.progress.set_deadline(end);
         }
+    }
+
+    /// Writes a scene whole or not at all; says what of it the format does not keep.
+    pub fn write(&mut self, scene: &Scene, output: &ModelOutput) -> Result<(), Failure> {
+        let losses = output.write(scene, &self.progress)?;
+        if !losses.is_empty() {
+            let (name, losses) = (output.format().name, losses.join(", "));
+            self.note(&format!("{name} does not keep all: {losses}"));
+        }
+        Ok(())
     }
 
     /// Does long work under a progress bar, if a person is watching.

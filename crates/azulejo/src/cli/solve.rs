@@ -3,13 +3,13 @@
 use super::args::SolveArgs;
 use super::failure::Failure;
 use super::report::Report;
-use super::scene_output::SceneOutput;
 use super::session::Session;
 use super::{input, pass};
+use azulejo::models::ModelOutput;
 
 /// Runs `solve`.
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
-    let output = SceneOutput::check_lit(&args.output)?;
+    let output = ModelOutput::check_lit(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     let chosen = args.first_pass.engine.choose()?;
     let mut scene = input::read_all(&args.input, session)?;
@@ -18,7 +18,7 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let mut report = Report::default();
     pass::describe(&light.report, &chosen, scene.units, &mut report);
     scene.set_irradiance(light.irradiance);
-    output.write(&scene, session)?;
+    session.write(&scene, &output)?;
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
     Ok(report)

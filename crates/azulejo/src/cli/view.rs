@@ -2,8 +2,8 @@
 
 use super::args::View;
 use super::failure::Failure;
-use super::input;
 use super::values::UpArg;
+use azulejo::models;
 use azulejo_formats::camera_json;
 use azulejo_scene::{Camera, Scene};
 use glam::DVec3;
@@ -48,7 +48,7 @@ pub fn by_name_or_file(name: &str, scene: &Scene) -> Result<Camera, Failure> {
     }
     let path = Path::new(name);
     if path.exists() || name.to_ascii_lowercase().ends_with(".json") {
-        let bytes = input::read_bytes(path)?;
+        let bytes = models::read_bytes(path)?;
         return camera_json::read(&bytes, name).map_err(Failure::failed);
     }
     let known: Vec<String> = scene

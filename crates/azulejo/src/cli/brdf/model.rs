@@ -2,8 +2,8 @@
 
 use super::args::{Angles, ModelArgs};
 use crate::cli::failure::Failure;
-use crate::cli::input::read_bytes;
 use crate::cli::session::Session;
+use azulejo::models::read_bytes;
 use azulejo_formats::Folder;
 use azulejo_formats::brdf::Loaded;
 use azulejo_scene::Brdf;

@@ -1,6 +1,5 @@
 //! What the numbers were measured on.
 
-use crate::cli::clock::machine_memory;
 use crate::cli::engine::{card_name, embree_version};
 use crate::cli::report::bytes;
 use serde_json::{Value, json};
@@ -25,7 +24,7 @@ impl Machine {
         Machine {
             processor: processor(),
             threads: rayon::current_num_threads(),
-            memory: machine_memory(),
+            memory: azulejo::machine::memory(),
             embree: embree_version(),
             card: card_name(),
         }

@@ -3,7 +3,8 @@
 use super::suite::{EngineTable, Many, ReferenceTable, SceneTable, Source, Suite};
 use crate::cli::engine::{EngineArgs, EngineName, GpuName};
 use crate::cli::failure::Failure;
-use crate::cli::{input, values};
+use crate::cli::values;
+use azulejo::models;
 use azulejo_radiosity::form_factors::{Closure, MOST_RAYS};
 use clap::ValueEnum;
 use std::fmt;
@@ -225,7 +226,7 @@ fn choices(table: &SceneTable, source: &Source) -> Result<Vec<SceneChoice>, Fail
 fn model(file: &Spanned<String>, source: &Source) -> Result<Origin, Failure> {
     let folder = source.path.parent().unwrap_or(std::path::Path::new(""));
     let path = folder.join(file.get_ref());
-    let bytes = input::read_bytes(&path).map_err(|e| source.wrong(file.span().start, e))?;
+    let bytes = models::read_bytes(&path).map_err(|e| source.wrong(file.span().start, e))?;
     Ok(Origin::File(path, crc32fast::hash(&bytes)))
 }
 

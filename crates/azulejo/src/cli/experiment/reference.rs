@@ -4,7 +4,7 @@
 use super::metrics::Row;
 use crate::cli::failure::Failure;
 use crate::cli::npy;
-use crate::cli::output::Output;
+use azulejo::output::Output;
 use azulejo_scene::Rgb;
 use azulejo_trace::Progress;
 use std::path::{Path, PathBuf};

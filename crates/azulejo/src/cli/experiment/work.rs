@@ -7,7 +7,8 @@ use super::reference::{Reference, spread};
 use crate::cli::clock::{Clock, peak_memory};
 use crate::cli::engine::Chosen;
 use crate::cli::failure::Failure;
-use crate::cli::{input, pass};
+use crate::cli::pass;
+use azulejo::models;
 use azulejo_formats::{Folder, ReadOptions};
 use azulejo_radiosity::truth::{Case, cases};
 use azulejo_radiosity::{FormFactorOptions, FormFactors, PatchSize, Patches, faceted};
@@ -183,7 +184,7 @@ fn options(setting: &Setting, chosen: &Chosen) -> FormFactorOptions {
         analytic: setting.formulas,
         accuracy: setting.accuracy,
         closure: setting.closure,
-        memory: pass::memory_budget(),
+        memory: azulejo::machine::memory_budget(),
         ..default
     }
 }
@@ -195,7 +196,7 @@ fn scene(origin: &Origin) -> Result<Scene, Failure> {
         &Origin::CornellThesis(mirrors, detail) => synthetic::cornell_thesis_at(mirrors, detail),
         &Origin::Street(detail) => synthetic::street_at(detail),
         Origin::File(path, _) => {
-            let (bytes, name) = (input::read_bytes(path)?, path.to_string_lossy());
+            let (bytes, name) = (models::read_bytes(path)?, path.to_string_lossy());
             let (folder, options) = (Folder::of_model(path), ReadOptions::default());
             let read = azulejo_formats::read_with(&bytes, &name, &folder, &options);
             read.map_err(Failure::failed)?.scene

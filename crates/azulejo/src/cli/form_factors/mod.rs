@@ -10,11 +10,11 @@ mod view3d;
 
 use super::engine::Chosen;
 use super::failure::Failure;
-use super::output::Output;
 use super::report::{Report, bytes, count};
 use super::session::Session;
-use super::{clock, input, pass};
+use super::{input, pass};
 use args::{FormFactorArgs, FormatName};
+use azulejo::output::Output;
 use azulejo_formats::Format;
 use azulejo_formats::view3d::Layout;
 use azulejo_radiosity::form_factors::{Forecast, Journal, NoJournal, Plan};
@@ -151,7 +151,7 @@ fn grouped(
 
 fn options(args: &FormFactorArgs, chosen: &Chosen) -> FormFactorOptions {
     let default = FormFactorOptions::default();
-    let machine = || clock::machine_memory().unwrap_or(u64::MAX);
+    let machine = || azulejo::machine::memory().unwrap_or(u64::MAX);
     let engine = match (&chosen.engine, args.rays) {
         (Engine::Auto, Some(_)) => Engine::Rays,
         (engine, _) => engine.clone(),

@@ -3,9 +3,10 @@
 use super::args::FormFactorArgs;
 use super::groups;
 use crate::cli::failure::Failure;
+use crate::cli::pass;
 use crate::cli::report::{Report, number, percent};
 use crate::cli::session::Session;
-use crate::cli::{input, pass};
+use azulejo::models;
 use azulejo_formats::view3d::{Controls, Document, FactorHeader, Layout, Model, write_factors};
 use azulejo_formats::{Format, ReadOptions, recognise};
 use azulejo_radiosity::form_factors::{NoInterchange, Scaled};
@@ -51,7 +52,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Room>
         return Err(Failure::misuse(message));
     }
     session.progress().begin("reading", 0);
-    let bytes = input::read_bytes(path)?;
+    let bytes = models::read_bytes(path)?;
     let name = path.to_string_lossy();
     let read = Document::read(&bytes, &name, &ReadOptions::default());
     let (document, mut warnings) = read.map_err(Failure::failed)?;

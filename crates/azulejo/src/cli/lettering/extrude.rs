@@ -3,10 +3,10 @@
 use super::args::ExtrudeArgs;
 use super::solid;
 use crate::cli::failure::Failure;
-use crate::cli::input::read_bytes;
 use crate::cli::report::Report;
-use crate::cli::scene_output::SceneOutput;
 use crate::cli::session::Session;
+use azulejo::models::ModelOutput;
+use azulejo::models::read_bytes;
 use azulejo_formats::ReadOptions;
 use azulejo_formats::drawing::{self, Drawing};
 use azulejo_scene::{Material, MaterialId, Prism, Rgb};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Runs `extrude`.
 pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure> {
-    let output = SceneOutput::check(&args.output)?;
+    let output = ModelOutput::check(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     let path = args.drawing.display().to_string();
     let bytes = read_bytes(&args.drawing)?;

@@ -4,9 +4,9 @@ use super::args::{FontConvertArgs, FontPart};
 use super::typeface::FontFile;
 use super::values::Characters;
 use crate::cli::failure::Failure;
-use crate::cli::output::{self, Output};
 use crate::cli::report::{Report, count};
 use crate::cli::session::Session;
+use azulejo::output::{self, Output};
 use azulejo_formats::typeface::{Converted, Typeface, encoding_of};
 use azulejo_formats::{ppe, ppf};
 use std::path::Path;
@@ -20,11 +20,11 @@ pub fn run(args: &FontConvertArgs, session: &mut Session) -> Result<Report, Fail
     let mut drafts = Vec::new();
     if let Some(encoding) = &encoding {
         let mut draft = encoding.draft()?;
-        ppe::write(&converted.encoding, &mut draft).map_err(|e| draft.failure(&e))?;
+        ppe::write(&converted.encoding, &mut draft).map_err(|e| draft.error(e))?;
         drafts.push(draft);
     }
     let mut draft = font.draft()?;
-    ppf::write(&converted.font, &mut draft).map_err(|e| draft.failure(&e))?;
+    ppf::write(&converted.font, &mut draft).map_err(|e| draft.error(e))?;
     drafts.push(draft);
     output::commit(drafts, session.progress())?;
     Ok(report(args, &converted))

@@ -3,8 +3,8 @@
 use super::args::{FrameArgs, SurfaceArgs};
 use crate::cli::failure::Failure;
 use crate::cli::report::{self, Report, count};
-use crate::cli::scene_output::SceneOutput;
 use crate::cli::session::Session;
+use azulejo::models::ModelOutput;
 use azulejo_scene::{Exact, Material, Object, Prism, Rgb, Scene, Shape, Solid, TextFrame};
 use std::path::Path;
 
@@ -69,11 +69,11 @@ pub fn scene(name: &str, materials: Vec<Material>, prisms: Vec<Prism>) -> Result
 /// Writes the scene and says what is in it.
 pub fn write(
     scene: &Scene,
-    output: &SceneOutput,
+    output: &ModelOutput,
     path: &Path,
     session: &mut Session,
 ) -> Result<Report, Failure> {
-    output.write(scene, session)?;
+    session.write(scene, output)?;
     let prisms: usize = scene.objects.iter().map(prism_count).sum();
     let bounds = scene.bounds();
     let mut report = Report::default();

@@ -3,10 +3,10 @@
 use super::args::TextArgs;
 use super::{solid, typeface};
 use crate::cli::failure::Failure;
-use crate::cli::input::read_bytes;
 use crate::cli::report::Report;
-use crate::cli::scene_output::SceneOutput;
 use crate::cli::session::Session;
+use azulejo::models::ModelOutput;
+use azulejo::models::read_bytes;
 use azulejo_scene::Rgb;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ const LONGEST: usize = 1 << 20;
 
 /// Runs `text`.
 pub fn run(args: &TextArgs, session: &mut Session) -> Result<Report, Failure> {
-    let output = SceneOutput::check(&args.output)?;
+    let output = ModelOutput::check(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     let text = text(args)?;
     let glyphs = typeface::set(&text, &args.typeface, &args.lines, session)?;

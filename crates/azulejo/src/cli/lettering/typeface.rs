@@ -2,8 +2,8 @@
 
 use super::args::{LinesArgs, TypefaceArgs};
 use crate::cli::failure::Failure;
-use crate::cli::input::read_bytes;
 use crate::cli::session::Session;
+use azulejo::models::read_bytes;
 use azulejo_formats::typeface::{Typeface, encoding_of};
 use azulejo_formats::{ppe, ppf};
 use azulejo_scene::{Encoding, Font, Line, PlacedGlyph};

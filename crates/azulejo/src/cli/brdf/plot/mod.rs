@@ -11,9 +11,9 @@ mod sphere;
 use super::args::PlotArgs;
 use super::model;
 use crate::cli::failure::Failure;
-use crate::cli::output::Output;
 use crate::cli::report::Report;
 use crate::cli::session::Session;
+use azulejo::output::Output;
 use azulejo_scene::Brdf;
 use azulejo_scene::brdf::{Description, find};
 use azulejo_trace::Progress;
@@ -116,7 +116,7 @@ fn write(
     output: &Output,
     progress: &Progress,
 ) -> Result<(), Failure> {
-    match kind {
+    let written = match kind {
         Kind::Svg => {
             let text = sheet.svg();
             output.write(progress, |out| out.write_all(text.as_bytes()))
@@ -130,7 +130,8 @@ fn write(
                 azulejo_formats::png::write_indexed(width, height, &palette, &indices, out)
             })
         }
-    }
+    };
+    Ok(written?)
 }
 
 fn sheet(subject: &Subject) -> Result<Drawing, Failure> {

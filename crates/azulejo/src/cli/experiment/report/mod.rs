@@ -10,7 +10,7 @@ use super::machine::Machine;
 use super::record::{Found, Record};
 use super::suite::Suite;
 use crate::cli::failure::Failure;
-use crate::cli::output::{Output, commit};
+use azulejo::output::{Output, commit};
 use azulejo_trace::Progress;
 use std::io::Write;
 use std::path::Path;
@@ -50,10 +50,10 @@ pub fn write(
     for (name, text) in files {
         let mut draft = Output::check(&folder.join(name))?.draft()?;
         let written = draft.write_all(text.as_bytes());
-        written.map_err(|e| draft.failure(&e))?;
+        written.map_err(|e| draft.error(e))?;
         drafts.push(draft);
     }
-    commit(drafts, progress)
+    Ok(commit(drafts, progress)?)
 }
 
 fn json(suite: &Suite, machine: &Machine, records: &[&Record]) -> String {

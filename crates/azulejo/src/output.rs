@@ -3,9 +3,22 @@
 //! An [`Output`] is checked before the work begins and written after it: into a draft beside the
 //! target, which takes the target's place in one step. Whatever goes wrong on the way, an old
 //! file stays as it was and no half file is left behind.
+//!
+//! ```
+//! use azulejo::{output::Output, trace::Progress};
+//! use std::io::Write;
+//!
+//! let path = std::env::temp_dir().join(format!("azulejo-doc-{}.txt", std::process::id()));
+//! let output = Output::check(&path)?; // before the work begins
+//! output.write(&Progress::new(), |file| file.write_all(b"whole"))?;
+//! assert_eq!(std::fs::read(&path)?, b"whole");
+//! std::fs::remove_file(path)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-use super::failure::Failure;
-use azulejo_trace::Progress;
+use crate::files::Refused;
+use azulejo_trace::{Cancelled, Progress};
+use std::fmt;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -48,13 +61,51 @@ enum Sink {
     File(File),
 }
 
+/// Why nothing was written. `Display` says it to a person.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// The caller cancelled before the file took its place.
+    Cancelled,
+    /// The file could not be written: no room, no permission, no such folder.
+    File(Refused),
+}
+
+impl fmt::Display for OutputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            OutputError::Cancelled => Cancelled.fmt(f),
+            OutputError::File(refused) => refused.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for OutputError {}
+
+impl From<Cancelled> for OutputError {
+    fn from(_: Cancelled) -> OutputError {
+        OutputError::Cancelled
+    }
+}
+
+fn failed(path: &Path, error: io::Error) -> OutputError {
+    OutputError::File(Refused {
+        deed: "write",
+        path: path.to_owned(),
+        error,
+    })
+}
+
 impl Output {
     /// Checks that `path` can be written, without touching what is there; `-` is standard output.
-    pub fn check(path: &Path) -> Result<Output, Failure> {
+    ///
+    /// # Errors
+    /// [`OutputError::File`]: a directory, a folder that is not there or may not be written.
+    pub fn check(path: &Path) -> Result<Output, OutputError> {
         let place = if path == Path::new("-") {
             Place::Stdout
         } else {
-            place_of(path).map_err(|e| Failure::file("write", path, &e))?
+            place_of(path).map_err(|e| failed(path, e))?
         };
         let output = Output {
             path: path.to_owned(),
@@ -85,9 +136,12 @@ impl Output {
         &self.path
     }
 
-    /// Begins to write.
-    pub fn draft(&self) -> Result<Draft, Failure> {
-        let failed = |e: io::Error| Failure::file("write", &self.path, &e);
+    /// Begins to write; [`commit`] ends it.
+    ///
+    /// # Errors
+    /// As [`check`](Output::check).
+    pub fn draft(&self) -> Result<Draft, OutputError> {
+        let failed = |e: io::Error| failed(&self.path, e);
         let (sink, rename) = match &self.place {
             Place::Stdout => (Sink::Stdout(io::stdout()), None),
             Place::Device => {
@@ -107,13 +161,16 @@ impl Output {
     }
 
     /// Writes the whole file through `write` and puts it in its place.
+    ///
+    /// # Errors
+    /// [`OutputError`]; what was there before is then untouched.
     pub fn write(
         &self,
         progress: &Progress,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), OutputError> {
         let mut draft = self.draft()?;
-        write(&mut draft).map_err(|e| draft.failure(&e))?;
+        write(&mut draft).map_err(|e| draft.error(e))?;
         commit(vec![draft], progress)
     }
 }
@@ -158,13 +215,20 @@ fn lock_drafts() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
 
 /// Puts finished drafts in their places, all of them or none unless the disk itself fails
 /// between two renames. Nothing is put in place once `progress` is cancelled.
-pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), Failure> {
+///
+/// # Errors
+/// [`OutputError`].
+pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), OutputError> {
     for draft in &mut drafts {
         let finished = draft.finish();
-        finished.map_err(|e| draft.failure(&e))?;
+        finished.map_err(|e| draft.error(e))?;
     }
-    let mut open = lock_drafts();
+    // Whoever pauses the work must not be waited for with the lock in hand.
     progress.advance(0)?;
+    let mut open = lock_drafts();
+    if progress.is_cancelled() {
+        return Err(OutputError::Cancelled);
+    }
     for draft in &mut drafts {
         let Some((from, to)) = draft.rename.take() else {
             continue;
@@ -173,7 +237,7 @@ pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), Failure
         open.retain(|d| *d != from);
         if let Err(e) = renamed {
             let _ = fs::remove_file(&from);
-            return Err(draft.failure(&e));
+            return Err(draft.error(e));
         }
     }
     Ok(())
@@ -190,9 +254,9 @@ pub fn abandon_all() {
 }
 
 impl Draft {
-    /// The words for an error of writing this file.
-    pub fn failure(&self, error: &io::Error) -> Failure {
-        Failure::file("write", &self.output, error)
+    /// An error of writing this file.
+    pub fn error(&self, error: io::Error) -> OutputError {
+        failed(&self.output, error)
     }
 
     /// Everything on the disk, with the permissions of the file that it will replace.
@@ -303,7 +367,7 @@ mod tests {
         let progress = Progress::new();
         progress.cancel();
         let result = output.write(&progress, |w| w.write_all(b"whole"));
-        assert!(matches!(result, Err(Failure::Cancelled)));
+        assert!(matches!(result, Err(OutputError::Cancelled)));
         assert!(names(&folder).is_empty());
         fs::remove_dir_all(folder).unwrap();
     }
@@ -317,7 +381,7 @@ mod tests {
             folder.join(".."),
         ] {
             assert!(
-                matches!(Output::check(&bad), Err(Failure::Failed(_))),
+                matches!(Output::check(&bad), Err(OutputError::File(_))),
                 "{bad:?}"
             );
         }

@@ -1,0 +1,54 @@
+//! What the operating system says about files, in words for a person.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+/// The operating system refused something to do with a file.
+#[derive(Debug)]
+pub struct Refused {
+    /// What was to be done: "read", "write".
+    pub deed: &'static str,
+    /// The file, as the user named it.
+    pub path: PathBuf,
+    /// Why not.
+    pub error: io::Error,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (deed, path) = (self.deed, self.path.display());
+        write!(f, "cannot {deed} {path}: {}", reason(&self.error))
+    }
+}
+
+impl std::error::Error for Refused {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.error)
+    }
+}
+
+/// An operating system's error without the number that Rust appends.
+pub fn reason(error: &io::Error) -> String {
+    let text = error.to_string();
+    match text.find(" (os error") {
+        Some(end) => text[..end].to_string(),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_the_system_name_the_file_and_drop_the_number() {
+        let full = Refused {
+            deed: "write",
+            path: "a.grf".into(),
+            error: io::Error::from_raw_os_error(28),
+        };
+        let said = full.to_string();
+        assert_eq!(said, "cannot write a.grf: No space left on device");
+    }
+}

@@ -1,0 +1,29 @@
+//! Models as files: from a path to a scene, several scenes to one, and back to files.
+//!
+//! [`read`] reads one model of any format, with limits for what may be no model at all.
+//! [`changes`], [`branch_name`] and [`name_branch`] serve whoever puts several together: the first
+//! one's units become the whole's ([`Scene::adapted`](crate::scene::Scene::adapted)), and each
+//! gets a branch of its own in the tree of names. [`write`] writes a scene whole or not at all, in
+//! one of [`FORMATS`].
+//!
+//! ```
+//! use azulejo::{models, scene::synthetic::cube_room, trace::Progress};
+//!
+//! let path = std::env::temp_dir().join(format!("azulejo-doc-{}.grf", std::process::id()));
+//! let progress = Progress::new();
+//! let lost = models::write(&cube_room(), &path, &progress)?;
+//! assert!(lost.is_empty(), "GRF keeps all of it: {lost:?}");
+//! let model = models::read(&path, &models::Reading::default(), &progress)?;
+//! assert_eq!(model.format.name(), "GRF");
+//! assert_eq!(model.scene.objects.len(), cube_room().objects.len());
+//! std::fs::remove_file(path)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod merging;
+mod reading;
+mod written;
+
+pub use merging::{Change, branch_name, changes, name_branch};
+pub use reading::{MAX_FILE, MAX_STREAM, Model, ReadFailure, Reading, read, read_bytes};
+pub use written::{FORMATS, ModelOutput, WriteFailure, WrittenFormat, by_extension, write};

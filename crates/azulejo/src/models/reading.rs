@@ -1,0 +1,178 @@
+//! One model from its file.
+
+use crate::files::Refused;
+use azulejo_formats::{Folder, Format, Loaded, ReadError, ReadOptions, Warning};
+use azulejo_scene::Scene;
+use azulejo_trace::{Cancelled, Progress};
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// Largest file that is read, bytes.
+pub const MAX_FILE: u64 = 4 << 30;
+
+/// The same for what has no length of its own: a pipe may never end.
+pub const MAX_STREAM: u64 = 1 << 30;
+
+/// How a model is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// Choices for the format's reader.
+    pub options: ReadOptions,
+    /// Folders beside the model's own in which files that it names may lie.
+    pub allow: Vec<PathBuf>,
+}
+
+/// A model that was read.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Valid, in the axes and the unit of its file.
+    pub scene: Scene,
+    /// What was skipped, mended or guessed.
+    pub warnings: Vec<Warning>,
+    /// What it was.
+    pub format: Format,
+}
+
+/// Why there is no model, or no file to look for one in. `Display` says it to a person.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum ReadFailure {
+    /// The caller cancelled.
+    Cancelled,
+    /// The file could not be read, or is larger than [`MAX_FILE`] or [`MAX_STREAM`].
+    File(Refused),
+    /// There is a directory of this name.
+    Directory(PathBuf),
+    /// Its content is no model, or a damaged one.
+    Content(ReadError),
+}
+
+impl fmt::Display for ReadFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ReadFailure::Cancelled => Cancelled.fmt(f),
+            ReadFailure::File(refused) => refused.fmt(f),
+            ReadFailure::Directory(path) => {
+                write!(f, "{} is a directory, expected a file", path.display())
+            }
+            ReadFailure::Content(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for ReadFailure {}
+
+impl From<Cancelled> for ReadFailure {
+    fn from(_: Cancelled) -> ReadFailure {
+        ReadFailure::Cancelled
+    }
+}
+
+/// Reads one model, whatever its format; `-` is standard input.
+///
+/// The files that it names are looked for in its own folder and below, and where `reading` allows.
+/// Readers cannot be stopped half way: `progress` is asked before and after.
+///
+/// # Errors
+/// [`ReadFailure`].
+pub fn read(path: &Path, reading: &Reading, progress: &Progress) -> Result<Model, ReadFailure> {
+    progress.begin("reading", 0);
+    let bytes = read_bytes(path)?;
+    progress.advance(0)?;
+    let own = Folder::of_model(path);
+    let folder = reading
+        .allow
+        .iter()
+        .fold(own, |folder, more| folder.allow(more));
+    let name = path.to_string_lossy();
+    let content = ReadFailure::Content;
+    let Loaded { scene, warnings } =
+        azulejo_formats::read_with(&bytes, &name, &folder, &reading.options).map_err(content)?;
+    progress.advance(0)?;
+    let format = azulejo_formats::recognise(&bytes, &name)
+        .map_err(|e| content(ReadError::whole(name, e.looks_like, "a model")))?;
+    Ok(Model {
+        scene,
+        warnings,
+        format,
+    })
+}
+
+/// The bytes of a file, or of standard input for `-`.
+///
+/// # Errors
+/// [`ReadFailure::Directory`], and [`ReadFailure::File`] for what is too large too.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadFailure> {
+    let failed = |error: io::Error| {
+        ReadFailure::File(Refused {
+            deed: "read",
+            path: path.to_owned(),
+            error,
+        })
+    };
+    if path == Path::new("-") {
+        return limited(io::stdin().lock(), 0, MAX_STREAM).map_err(failed);
+    }
+    let meta = fs::metadata(path).map_err(failed)?;
+    if meta.is_dir() {
+        return Err(ReadFailure::Directory(path.to_owned()));
+    }
+    let limit = if meta.is_file() { MAX_FILE } else { MAX_STREAM };
+    let file = File::open(path).map_err(failed)?;
+    limited(file, meta.len(), limit).map_err(failed)
+}
+
+/// Reads to the end, but no more than `limit` bytes; `length` is what to expect.
+fn limited(source: impl Read, length: u64, limit: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    if length <= limit {
+        bytes.try_reserve_exact(length as usize)?;
+        source.take(limit + 1).read_to_end(&mut bytes)?;
+    }
+    if length > limit || bytes.len() as u64 > limit {
+        let message = format!("larger than {limit} bytes");
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_end_is_refused() {
+        assert_eq!(limited(&b"1234"[..], 4, 4).unwrap(), b"1234");
+        for (length, limit) in [(0, 3), (9, 3)] {
+            let said = limited(&b"1234"[..], length, limit)
+                .unwrap_err()
+                .to_string();
+            assert!(said.contains("larger than 3 bytes"), "{said}");
+        }
+        assert!(limited(io::repeat(7), 0, 1000).is_err());
+    }
+
+    #[test]
+    fn failures_say_what_was_there() {
+        let folder = std::env::temp_dir();
+        let missing = folder.join(format!("azulejo-missing-{}.obj", std::process::id()));
+        let picture = folder.join(format!("azulejo-picture-{}.obj", std::process::id()));
+        fs::write(&picture, b"\x89PNG").unwrap();
+        let reading = Reading::default();
+        for (path, said) in [
+            (&missing, "No such file or directory"),
+            (&folder, "is a directory, expected a file"),
+            (&picture, "found a PNG picture, expected a model in"),
+        ] {
+            let failure = read(path, &reading, &Progress::new()).unwrap_err();
+            assert!(failure.to_string().contains(said), "{failure}");
+        }
+        let progress = Progress::new();
+        progress.cancel();
+        let cancelled = read(&picture, &reading, &progress);
+        assert!(matches!(cancelled, Err(ReadFailure::Cancelled)));
+        fs::remove_file(picture).unwrap();
+    }
+}

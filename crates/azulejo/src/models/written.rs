@@ -1,0 +1,328 @@
+//! Scenes to files: the format by the extension, whole or not at all.
+
+use crate::output::{self, Output, OutputError};
+use azulejo_formats::{gltf, grf, obj, ply, sff, view3d};
+use azulejo_scene::Scene;
+use azulejo_trace::Progress;
+use std::fmt;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// A format that scenes are written in.
+#[derive(Debug)]
+pub struct WrittenFormat {
+    /// Its name for people.
+    pub name: &'static str,
+    /// The extension of its files, in small letters and without a dot.
+    pub extension: &'static str,
+    /// Whether it holds the irradiance on the vertices.
+    pub keeps_light: bool,
+    writer: Writer,
+    losses: fn(&Scene) -> Vec<String>,
+}
+
+#[derive(Debug)]
+enum Writer {
+    /// One file.
+    One(fn(&Scene, &mut dyn Write) -> io::Result<()>),
+    /// A file and one beside it, which has this extension and is named in the first.
+    Two(
+        &'static str,
+        fn(&Scene, &str, &mut dyn Write, &mut dyn Write) -> io::Result<()>,
+    ),
+    /// A file and those that it turns out to name, which begin with its own name.
+    Several(fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>),
+}
+
+/// Files by name.
+type NamedFiles = Vec<(String, Vec<u8>)>;
+
+/// All of them; the first is what goes to standard output.
+pub static FORMATS: [WrittenFormat; 7] = [
+    WrittenFormat {
+        name: "GRF",
+        extension: "grf",
+        writer: Writer::One(grf::write),
+        keeps_light: true,
+        losses: grf::losses,
+    },
+    WrittenFormat {
+        name: "OBJ",
+        extension: "obj",
+        writer: Writer::Two("mtl", obj::write),
+        keeps_light: false,
+        losses: obj::losses,
+    },
+    WrittenFormat {
+        name: "glTF",
+        extension: "glb",
+        writer: Writer::One(gltf::write),
+        keeps_light: true,
+        losses: gltf::losses,
+    },
+    WrittenFormat {
+        name: "glTF",
+        extension: "gltf",
+        writer: Writer::Two("bin", gltf::write_json),
+        keeps_light: true,
+        losses: gltf::losses,
+    },
+    WrittenFormat {
+        name: "PLY",
+        extension: "ply",
+        writer: Writer::One(ply::write),
+        keeps_light: true,
+        losses: ply::losses,
+    },
+    WrittenFormat {
+        name: "SFF",
+        extension: "sff",
+        writer: Writer::Several(sff::write),
+        keeps_light: false,
+        losses: sff::losses,
+    },
+    WrittenFormat {
+        name: "View3D",
+        extension: "vs3",
+        writer: Writer::One(view3d::write),
+        keeps_light: false,
+        losses: view3d::losses,
+    },
+];
+
+impl WrittenFormat {
+    /// What of a scene the format has no words for, each in words; empty if it keeps all.
+    pub fn losses(&self, scene: &Scene) -> Vec<String> {
+        (self.losses)(scene)
+    }
+}
+
+/// The format that goes with a path's extension, in whatever case; GRF for `-`, standard output.
+pub fn by_extension(path: &Path) -> Option<&'static WrittenFormat> {
+    match path.extension().and_then(|e| e.to_str()) {
+        None if path == Path::new("-") => FORMATS.first(),
+        None => None,
+        Some(extension) => FORMATS
+            .iter()
+            .find(|f| f.extension.eq_ignore_ascii_case(extension)),
+    }
+}
+
+/// The extensions of some formats, for a message.
+fn extensions(which: fn(&WrittenFormat) -> bool) -> String {
+    let some = FORMATS.iter().filter(|f| which(f));
+    let names: Vec<String> = some.map(|f| format!(".{}", f.extension)).collect();
+    names.join(", ")
+}
+
+/// Why a scene was not written. `Display` says it to a person.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum WriteFailure {
+    /// No format goes with the path's extension.
+    UnknownKind(PathBuf),
+    /// The format cannot hold the light, which was to be kept.
+    NoPlaceForLight {
+        /// Where it was to go.
+        path: PathBuf,
+        /// The name of the format.
+        format: &'static str,
+    },
+    /// The files could not be written, or the caller cancelled.
+    Output(OutputError),
+}
+
+impl fmt::Display for WriteFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WriteFailure::UnknownKind(path) => {
+                let (path, all) = (path.display(), extensions(|_| true));
+                write!(f, "{path}: unknown kind of model file, expected {all}")
+            }
+            WriteFailure::NoPlaceForLight { path, format } => {
+                let (path, lit) = (path.display(), extensions(|f| f.keeps_light));
+                write!(
+                    f,
+                    "{path}: {format} has no place for the light, expected {lit}"
+                )
+            }
+            WriteFailure::Output(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for WriteFailure {}
+
+impl From<OutputError> for WriteFailure {
+    fn from(error: OutputError) -> WriteFailure {
+        WriteFailure::Output(error)
+    }
+}
+
+/// Writes a scene in the format of the path's extension, whole or not at all; returns what of it
+/// the format does not keep, in words.
+///
+/// # Errors
+/// [`WriteFailure`]; what was there before is then untouched.
+pub fn write(scene: &Scene, path: &Path, progress: &Progress) -> Result<Vec<String>, WriteFailure> {
+    Ok(ModelOutput::check(path)?.write(scene, progress)?)
+}
+
+/// Where a scene goes, checked before the work begins.
+#[derive(Debug)]
+pub struct ModelOutput {
+    format: &'static WrittenFormat,
+    model: Output,
+}
+
+impl ModelOutput {
+    /// Chooses the format by extension and checks that the place can be written.
+    ///
+    /// # Errors
+    /// [`WriteFailure`].
+    pub fn check(path: &Path) -> Result<ModelOutput, WriteFailure> {
+        let format =
+            by_extension(path).ok_or_else(|| WriteFailure::UnknownKind(path.to_owned()))?;
+        if let Writer::Two(extension, _) = format.writer {
+            // Before the work begins; what is beside the model is written with it.
+            Output::check(&path.with_extension(extension))?;
+        }
+        Ok(ModelOutput {
+            format,
+            model: Output::check(path)?,
+        })
+    }
+
+    /// As [`check`](ModelOutput::check), but only formats that hold the light.
+    ///
+    /// # Errors
+    /// [`WriteFailure`].
+    pub fn check_lit(path: &Path) -> Result<ModelOutput, WriteFailure> {
+        let output = ModelOutput::check(path)?;
+        match output.format.keeps_light {
+            true => Ok(output),
+            false => Err(WriteFailure::NoPlaceForLight {
+                path: path.to_owned(),
+                format: output.format.name,
+            }),
+        }
+    }
+
+    /// The format that was chosen.
+    pub fn format(&self) -> &'static WrittenFormat {
+        self.format
+    }
+
+    /// Whether the scene goes to standard output.
+    pub fn is_stdout(&self) -> bool {
+        self.model.is_stdout()
+    }
+
+    /// Writes the scene whole or not at all, with the files that belong to it; returns what of it
+    /// the format does not keep, in words.
+    ///
+    /// # Errors
+    /// [`OutputError`]; what was there before is then untouched.
+    pub fn write(&self, scene: &Scene, progress: &Progress) -> Result<Vec<String>, OutputError> {
+        match &self.format.writer {
+            Writer::One(write) => self.model.write(progress, |out| write(scene, out))?,
+            Writer::Several(write) => self.write_several(*write, scene, progress)?,
+            Writer::Two(extension, write) => {
+                let companion = Output::check(&self.model.path().with_extension(extension))?;
+                let name = companion.path().file_name().unwrap_or_default();
+                let (mut first, mut second) = (self.model.draft()?, companion.draft()?);
+                write(scene, &name.to_string_lossy(), &mut first, &mut second)
+                    .map_err(|e| first.error(e))?;
+                output::commit(vec![second, first], progress)?;
+            }
+        }
+        Ok(self.format.losses(scene))
+    }
+
+    /// Writes a model and the files that it names, all of them or none.
+    fn write_several(
+        &self,
+        write: fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>,
+        scene: &Scene,
+        progress: &Progress,
+    ) -> Result<(), OutputError> {
+        let path = self.model.path();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let mut model = self.model.draft()?;
+        let named = write(scene, &stem, &mut model).map_err(|e| model.error(e))?;
+        let mut drafts = Vec::new();
+        for (name, bytes) in named {
+            let mut draft = Output::check(&path.with_file_name(name))?.draft()?;
+            draft.write_all(&bytes).map_err(|e| draft.error(e))?;
+            drafts.push(draft);
+        }
+        drafts.push(model);
+        output::commit(drafts, progress)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::synthetic::cube_room;
+    use std::fs;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("azulejo-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    fn check(name: &str, expected: Option<&str>) {
+        let found = by_extension(Path::new(name)).map(|f| f.extension);
+        assert_eq!(found, expected, "{name}");
+    }
+
+    #[test]
+    fn extensions_choose_formats() {
+        check("a.grf", Some("grf"));
+        check("a.b.GLB", Some("glb"));
+        check("-", Some("grf"));
+        check("grf", None);
+        check("a.3ds", None);
+    }
+
+    #[test]
+    fn every_format_is_written_whole_or_not_at_all() {
+        let folder = folder("formats");
+        let (room, progress) = (cube_room(), Progress::new());
+        for format in &FORMATS {
+            let path = folder.join(format!("room.{}", format.extension));
+            let losses = write(&room, &path, &progress).unwrap();
+            assert_eq!(losses, format.losses(&room), "{}", format.name);
+            let old = fs::read(&path).unwrap();
+            assert!(!old.is_empty());
+            let cancelled = Progress::new();
+            cancelled.cancel();
+            let result = write(&Scene::default(), &path, &cancelled);
+            assert!(matches!(
+                result,
+                Err(WriteFailure::Output(OutputError::Cancelled))
+            ));
+            assert_eq!(fs::read(&path).unwrap(), old, "{}", format.name);
+        }
+        let drafts = fs::read_dir(&folder).unwrap();
+        let is_draft = |e: &fs::DirEntry| e.file_name().to_string_lossy().ends_with(".tmp");
+        assert_eq!(drafts.flatten().filter(is_draft).count(), 0);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn what_cannot_be_written_says_what_can() {
+        let folder = folder("unwritten");
+        let unknown = ModelOutput::check(&folder.join("a.3ds")).unwrap_err();
+        let said = unknown.to_string();
+        assert!(said.contains("expected .grf, .obj, .glb"), "{said}");
+        let unlit = ModelOutput::check_lit(&folder.join("a.obj")).unwrap_err();
+        let said = unlit.to_string();
+        assert!(said.contains("OBJ has no place for the light"), "{said}");
+        assert!(said.contains("expected .grf, .glb, .gltf, .ply"), "{said}");
+        fs::remove_dir_all(folder).unwrap();
+    }
+}
