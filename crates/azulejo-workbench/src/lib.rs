@@ -3,6 +3,15 @@
 //! A window on everything below it. It has no maths of its own: it plots
 //! [`brdf`](azulejo::scene::brdf) and shows what the two passes return.
 
+pub mod app;
+pub mod command;
+pub mod document;
 pub mod gpu;
+pub mod history;
+pub mod jobs;
+pub mod light;
+pub mod preferences;
+pub mod recovery;
 pub mod ui;
+pub mod view;
 pub mod words;

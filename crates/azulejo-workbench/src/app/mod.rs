@@ -1,0 +1,564 @@
+//! The state of the workbench, and what each command does to it.
+//!
+//! Nothing here knows windows: a test or a script executes [`Command`]s and calls
+//! [`App::poll`] until the jobs are done.
+
+mod files;
+mod lighting;
+mod picture;
+#[cfg(test)]
+mod tests;
+
+pub use files::{OnDisk, Question};
+pub use lighting::Lighting;
+pub use picture::Picture;
+
+use crate::command::{Ask, Command, Selection};
+use crate::document::{Document, Edit, Id, Lettering, NewKind, NewShape};
+use crate::history::History;
+use crate::jobs::{Job, Jobs, Kind, News, Wake};
+use crate::light::Moment;
+use crate::preferences::Preferences;
+use crate::recovery::Recovery;
+use crate::view::{Backdrop, View, whole};
+use azulejo::formats::Warning;
+use azulejo::scene::Image;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What jobs find.
+pub enum Found {
+    /// A model from a file.
+    Model(Box<files::LoadedModel>),
+    /// A file that could not be read; others may follow.
+    NoModel(PathBuf, String),
+    /// The document is on the disk.
+    Saved(files::SavedModel),
+    /// A copy for recovery is on the disk.
+    Autosaved(u64),
+    /// Light, with more to come perhaps.
+    Light(Box<crate::document::Solution>, Moment),
+    /// A picture with so many paths per pixel.
+    Picture(Box<Image>, u32),
+    /// A picture for the background.
+    Backdrop(Box<Image>),
+    /// What a patch sees.
+    FormFactors(Box<lighting::SeenFromPatch>),
+    /// Something to tell.
+    Note(String),
+}
+
+/// How serious a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// Good to know.
+    Note,
+    /// Something was skipped or mended.
+    Warning,
+    /// Something was not done.
+    Error,
+}
+
+/// Something told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// How serious.
+    pub level: Level,
+    /// What.
+    pub text: String,
+    /// The object it is about.
+    pub about: Option<Id>,
+}
+
+/// Where a person's things are kept; nowhere in tests.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    /// The file of preferences.
+    pub preferences: Option<PathBuf>,
+    /// The folder of copies for recovery.
+    pub recovery: Option<PathBuf>,
+}
+
+impl Places {
+    /// Where this system keeps such things.
+    pub fn of_system() -> Places {
+        let places = directories::ProjectDirs::from("", "", "azulejo");
+        Places {
+            preferences: (places.as_ref()).map(|p| p.config_dir().join("workbench.toml")),
+            recovery: places.map(|p| p.data_local_dir().join("recovery")),
+        }
+    }
+}
+
+/// Everything there is.
+pub struct App {
+    /// What is being worked on.
+    pub document: Document,
+    /// What further commands are about.
+    pub selection: Selection,
+    /// How it is looked at.
+    pub view: View,
+    /// The light, its solver and how it settles.
+    pub lighting: Lighting,
+    /// The picture that is being refined, if there is one.
+    pub picture: Option<Picture>,
+    /// Where the document is kept.
+    pub file: Option<OnDisk>,
+    /// What was told, the last at the end.
+    pub messages: Vec<Message>,
+    /// A question that must be answered first.
+    pub question: Option<Question>,
+    /// A file that a dialog is asked for.
+    pub asking: Option<Ask>,
+    /// Choices that outlive the session.
+    pub preferences: Preferences,
+    /// Whether the window should close.
+    pub closing: bool,
+    /// Counts documents: whoever keeps something made from one keeps the number too.
+    revision: u64,
+    saved_revision: u64,
+    history: History<Version>,
+    /// The number that a document got last.
+    latest: u64,
+    jobs: Jobs<Found>,
+    recovery: Recovery,
+    preferences_file: Option<PathBuf>,
+    loading: Option<files::Loading>,
+    changed_at: Option<Instant>,
+}
+
+/// What undo brings back.
+#[derive(Clone, Debug)]
+struct Version {
+    document: Document,
+    selection: Vec<Id>,
+    revision: u64,
+}
+
+impl App {
+    /// Begins with nothing. `wake` asks for the window to be drawn.
+    pub fn new(preferences: Preferences, places: Places, wake: Wake) -> App {
+        let mut app = App {
+            document: Document::default(),
+            selection: Selection::default(),
+            view: View::default(),
+            lighting: Lighting::default(),
+            picture: None,
+            file: None,
+            messages: Vec::new(),
+            question: None,
+            asking: None,
+            preferences,
+            closing: false,
+            revision: 0,
+            saved_revision: 0,
+            history: History::default(),
+            latest: 0,
+            jobs: Jobs::new(wake),
+            recovery: places
+                .recovery
+                .map_or_else(Recovery::nowhere, Recovery::new),
+            preferences_file: places.preferences,
+            loading: None,
+            changed_at: None,
+        };
+        app.view.false_color.map = app.preferences.color_map;
+        app
+    }
+
+    /// An app for tests: English, nothing on the disk.
+    pub fn quiet() -> App {
+        let preferences = Preferences {
+            language: crate::words::Language::English,
+            autosave: 0,
+            ..Preferences::default()
+        };
+        App::new(preferences, Places::default(), Arc::new(|| ()))
+    }
+
+    /// Another way of asking for the window to be drawn.
+    pub fn set_wake(&mut self, wake: Wake) {
+        self.jobs.set_wake(wake);
+    }
+
+    /// Does what is asked for. What cannot be done is told in [`App::messages`].
+    pub fn execute(&mut self, command: Command) {
+        match command {
+            Command::New | Command::Open(_) | Command::Quit | Command::Recover(_)
+                if self.is_changed() =>
+            {
+                self.question = Some(Question::Unsaved(Box::new(command)));
+            }
+            Command::New => self.clear(),
+            Command::Open(paths) => self.load(paths, true),
+            Command::Add(paths) => self.load(paths, false),
+            Command::Save => self.save(false),
+            Command::SaveAnyway => self.save(true),
+            Command::SaveAs(path) => self.save_as(path),
+            Command::Export(path) => self.export(path),
+            Command::SavePicture(path) => self.save_picture(path),
+            Command::Ask(what) => self.asking = Some(what),
+            Command::Quit => self.close(),
+            Command::Discard => self.discard(),
+            Command::Dismiss => (self.question, self.asking) = (None, None),
+            Command::Recover(path) => self.recover(path),
+            Command::Forget(path) => self.recovery.forget(&path),
+            Command::Edit(edit, gesture) => self.edit(&edit, gesture),
+            Command::AddText {
+                text,
+                size,
+                depth,
+                font,
+            } => self.add_text(&text, size, depth, font),
+            Command::Undo => self.undo(),
+            Command::Redo => self.redo(),
+            Command::Select(selection) => self.select(selection),
+            Command::SelectAll => self.select_all(),
+            Command::Look(view) => self.look(*view),
+            Command::LoadBackdrop(path) => self.load_backdrop(path),
+            Command::SetLight(settings) => self.lighting.settings = settings,
+            Command::Solve => self.solve(),
+            Command::Pause => self.pause(true),
+            Command::Resume => self.pause(false),
+            Command::StopSolving => self.stop_solving(),
+            Command::DropLight => self.drop_light(),
+            Command::FormFactorsFrom(place) => self.form_factors_from(place),
+            Command::Picture { width, height } => self.draw_picture((width, height)),
+            Command::StopPicture => self.stop_picture(),
+            Command::Cancel(job) => self.cancel(job),
+            Command::SetPreferences(preferences) => self.set_preferences(*preferences),
+            Command::ClearMessages => self.messages.clear(),
+        }
+    }
+
+    /// Takes in what jobs found since the last time; whether there was anything. Called whenever
+    /// the window is drawn.
+    pub fn poll(&mut self) -> bool {
+        let mut any = false;
+        while let Some((job, news)) = self.jobs.next() {
+            any = true;
+            match news {
+                News::Found(found) => self.take(&job, found),
+                News::Ended(failure) => self.end(&job, failure),
+            }
+        }
+        self.autosave();
+        any
+    }
+
+    fn take(&mut self, job: &Job, found: Found) {
+        match found {
+            Found::Model(model) => self.take_model(job, *model),
+            Found::NoModel(path, why) => self.take_failure(&path, &why),
+            Found::Saved(saved) => self.take_saved(saved),
+            Found::Autosaved(revision) => self.recovery.done(revision),
+            Found::Light(solution, moment) => self.take_light(*solution, moment),
+            Found::Picture(image, samples) => self.take_picture(*image, samples),
+            Found::Backdrop(image) => self.take_backdrop(*image),
+            Found::FormFactors(seen) => self.lighting.seen = Some(*seen),
+            Found::Note(text) => self.tell(Level::Note, text),
+        }
+    }
+
+    fn end(&mut self, job: &Job, failure: Option<String>) {
+        if let Some(why) = failure {
+            match job.kind {
+                // The same words every few seconds help nobody.
+                Kind::Autosave => self.recovery.failed(),
+                _ => self.question = self.question.take().filter(Question::outlives_failure),
+            }
+            self.tell(Level::Error, format!("{}: {why}", job.title));
+        }
+        match job.kind {
+            Kind::Load => self.end_loading(),
+            Kind::Solve => self.end_solving(),
+            _ => {}
+        }
+    }
+
+    /// Adds a message.
+    pub fn tell(&mut self, level: Level, text: impl Into<String>) {
+        const MOST: usize = 1_000;
+        if self.messages.len() >= MOST {
+            self.messages.remove(0);
+        }
+        self.messages.push(Message {
+            level,
+            text: text.into(),
+            about: None,
+        });
+    }
+
+    fn tell_warning(&mut self, warning: &Warning, items: &[Id]) {
+        let text = warning.to_string();
+        let about = items.iter().copied().find(|&id| {
+            let name = self.document.name(id).unwrap_or_default();
+            let last = name.rsplit('/').next().unwrap_or_default();
+            !last.is_empty() && warning.message.contains(&format!("\"{last}\""))
+        });
+        self.tell(Level::Warning, text);
+        if let Some(message) = self.messages.last_mut() {
+            // Most warnings are about a file as a whole: then the way leads to its content.
+            message.about = about.or(items.first().copied());
+        }
+    }
+
+    /// Whether there is something that is not on the disk.
+    pub fn is_changed(&self) -> bool {
+        self.revision != self.saved_revision
+    }
+
+    /// Counts documents: changes whenever the document does, and back with undo.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// The jobs that go on.
+    pub fn jobs(&self) -> &[Job] {
+        self.jobs.running()
+    }
+
+    /// Whether a job of this kind goes on.
+    pub fn is_busy(&self, kind: Kind) -> bool {
+        self.jobs.of(kind).is_some()
+    }
+
+    /// What undo and redo would do.
+    pub fn undo_labels(&self) -> (Option<&'static str>, Option<&'static str>) {
+        (self.history.undo_label(), self.history.redo_label())
+    }
+
+    /// What was written before a crash and waits for an answer.
+    pub fn recoverable(&self) -> &[crate::recovery::Recoverable] {
+        self.recovery.found()
+    }
+
+    fn version(&self) -> Version {
+        Version {
+            document: self.document.clone(),
+            selection: self.selection.ids.clone(),
+            revision: self.revision,
+        }
+    }
+
+    fn edit(&mut self, edit: &Edit, gesture: Option<u64>) {
+        let before = self.version();
+        match edit.apply(&mut self.document) {
+            Ok(ids) => {
+                self.history.note(edit.label(), before, gesture);
+                self.changed();
+                self.select_after(edit, ids);
+            }
+            Err(refused) => self.tell(Level::Error, refused.to_string()),
+        }
+    }
+
+    fn select_after(&mut self, edit: &Edit, ids: Vec<Id>) {
+        match edit {
+            Edit::AddMaterial(_) => {
+                self.selection.material = Some((self.document.materials.len() - 1) as u32);
+            }
+            Edit::Delete(_) => self.selection.ids.retain(|&id| self.document.has(id)),
+            Edit::Duplicate(_) | Edit::AddShape(_) | Edit::AddLight(_) | Edit::AddCamera(_) => {
+                self.select(Selection {
+                    ids,
+                    ..Selection::default()
+                });
+            }
+            _ => {}
+        }
+        self.mend_selection();
+    }
+
+    /// The document is another one now.
+    fn changed(&mut self) {
+        self.revision = self.new_revision();
+        self.changed_at = Some(Instant::now());
+        self.lighting.document_changed(&self.document);
+        self.stop_picture();
+    }
+
+    /// A number that no document had before.
+    fn new_revision(&mut self) -> u64 {
+        self.latest += 1;
+        self.latest
+    }
+
+    fn undo(&mut self) {
+        let now = self.version();
+        if let Some(version) = self.history.undo(now) {
+            self.go_to(version);
+        }
+    }
+
+    fn redo(&mut self) {
+        let now = self.version();
+        if let Some(version) = self.history.redo(now) {
+            self.go_to(version);
+        }
+    }
+
+    fn go_to(&mut self, version: Version) {
+        self.document = version.document;
+        self.selection.ids = version.selection;
+        self.revision = version.revision;
+        self.changed_at = Some(Instant::now());
+        self.mend_selection();
+        self.lighting.document_changed(&self.document);
+        self.stop_picture();
+    }
+
+    fn select(&mut self, selection: Selection) {
+        self.selection = selection;
+        self.history.end_gesture();
+        self.mend_selection();
+        if self.selection.material.is_none()
+            && let [id] = self.selection.ids[..]
+            && let Some(item) = self.document.item(id)
+        {
+            // The material one sees is the one that one wants to edit.
+            self.selection.material = self.document.materials_of(item).first().copied();
+        }
+    }
+
+    fn select_all(&mut self) {
+        let document = &self.document;
+        let items = document.items.iter().map(|i| i.id);
+        let lights = document.lights.iter().map(|l| l.id);
+        self.selection.ids = items.chain(lights).collect();
+        self.selection.faces = None;
+    }
+
+    /// Forgets what is not there any more.
+    fn mend_selection(&mut self) {
+        let document = &self.document;
+        let selection = &mut self.selection;
+        selection.ids.retain(|&id| document.has(id));
+        if let Some((id, _)) = selection.faces
+            && document.item(id).is_none()
+        {
+            selection.faces = None;
+        }
+        if (selection.material).is_some_and(|m| m as usize >= document.materials.len()) {
+            selection.material = None;
+        }
+    }
+
+    fn add_text(&mut self, text: &str, size: f64, depth: f64, font: Option<PathBuf>) {
+        let bytes = font.as_deref().map(azulejo::models::read_bytes).transpose();
+        let lettering = bytes.map_err(|e| e.to_string()).and_then(|bytes| {
+            let name = font.as_deref().map(|p| p.to_string_lossy().into_owned());
+            let named = bytes.as_deref().zip(name.as_deref());
+            Lettering::set(text, depth, named).map_err(|e| e.to_string())
+        });
+        match lettering {
+            Ok(lettering) => {
+                let new = NewShape {
+                    kind: NewKind::Text(lettering),
+                    at: self.ground(),
+                    size,
+                    material: None,
+                };
+                self.edit(&Edit::AddShape(new), None);
+            }
+            Err(why) => self.tell(Level::Error, why),
+        }
+    }
+
+    /// The middle of the ground of what there is: where new things stand.
+    pub fn ground(&self) -> glam::DVec3 {
+        let bounds = self.document.bounds(None);
+        let up = self.document.units.up.axis();
+        bounds.centre() - up * (0.5 * bounds.size().dot(up))
+    }
+
+    /// A size that suits what there is, world units.
+    pub fn usual_size(&self) -> f64 {
+        let bounds = self.document.bounds(None);
+        match bounds.is_empty() || bounds.diagonal() <= 0.0 {
+            true => 1.0,
+            false => 0.25 * bounds.diagonal(),
+        }
+    }
+
+    fn look(&mut self, view: View) {
+        let moved = view.camera != self.view.camera;
+        let finite = {
+            let (x, y, z) = view.camera.axes();
+            x.is_finite() && y.is_finite() && z.is_finite() && view.camera.eye.is_finite()
+        };
+        // A view without direction would show nothing ever after.
+        if finite {
+            self.view = view;
+        }
+        if moved && let Some(picture) = &self.picture {
+            let size = picture.size;
+            self.draw_picture(size);
+        }
+    }
+
+    /// Looks at all there is.
+    fn look_at_all(&mut self) {
+        let own = self.document.cameras.first().map(|c| c.camera.clone());
+        let bounds = self.document.bounds(None);
+        let framing = || whole(bounds, self.document.units.up);
+        self.view.camera = own.unwrap_or_else(framing);
+    }
+
+    fn cancel(&mut self, id: u64) {
+        let kind = self.jobs.running().iter().find(|j| j.id == id).map(|j| j.kind);
+        self.jobs.cancel(id);
+        match kind {
+            Some(Kind::Load) => self.end_loading(),
+            Some(Kind::Solve) => self.end_solving(),
+            Some(Kind::Picture) => self.picture = None,
+            _ => {}
+        }
+    }
+
+    fn set_preferences(&mut self, preferences: Preferences) {
+        if preferences.color_map != self.preferences.color_map {
+            self.view.false_color.map = preferences.color_map;
+        }
+        self.preferences = preferences;
+        self.store_preferences();
+    }
+
+    fn store_preferences(&mut self) {
+        let Some(path) = &self.preferences_file else {
+            return;
+        };
+        if let Err(why) = self.preferences.store(path) {
+            self.tell(Level::Warning, why);
+        }
+    }
+
+    fn take_backdrop(&mut self, image: Image) {
+        let fit = match &self.view.backdrop {
+            Backdrop::Image(_, fit) => *fit,
+            _ => Default::default(),
+        };
+        self.view.backdrop = Backdrop::Image(Arc::new(image), fit);
+    }
+
+    fn clear(&mut self) {
+        self.replace(Document::default(), None);
+    }
+
+    /// Another document takes the place of this one, history and light included.
+    fn replace(&mut self, document: Document, file: Option<OnDisk>) {
+        self.stop_solving();
+        self.stop_picture();
+        self.document = document;
+        self.file = file;
+        self.history = History::default();
+        self.selection = Selection::default();
+        self.revision = self.new_revision();
+        self.saved_revision = self.revision;
+        self.changed_at = None;
+        self.recovery.clear();
+        self.lighting.replaced(&self.document);
+        self.look_at_all();
+    }
+}

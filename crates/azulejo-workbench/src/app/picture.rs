@@ -1,0 +1,214 @@
+//! A picture of what the viewport shows, by rays, better and better.
+
+use super::{App, Found, Level};
+use crate::document::{Document, Solution};
+use crate::jobs::{Kind, Outbox, on_own_threads};
+use azulejo::formats::{exr, png};
+use azulejo::render::{SecondPass, Tone, auto_exposure, render, tone_map};
+use azulejo::scene::{Camera, Image, Scene};
+use azulejo::trace::{Progress, Tracer};
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The picture as far as it is.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Pixels of the finished picture, width then height.
+    pub size: (u32, u32),
+    /// Linear radiance; `None` before the first pass over the picture. It may be a coarse one.
+    pub image: Option<Arc<Image>>,
+    /// Paths per pixel so far.
+    pub samples: u32,
+}
+
+/// More pixels than this are not drawn while one waits.
+const MOST_PIXELS: u64 = 1 << 26;
+/// Rays of final gathers where no light was solved: noisy, but not dark.
+const GATHER: u32 = 8;
+
+impl App {
+    /// Draws from the view's camera, and goes on refining.
+    pub(super) fn draw_picture(&mut self, size: (u32, u32)) {
+        let pixels = u64::from(size.0) * u64::from(size.1);
+        if !(1..=MOST_PIXELS).contains(&pixels) {
+            let text = format!("a picture of {} × {} pixels is too large", size.0, size.1);
+            self.tell(Level::Error, text);
+            return;
+        }
+        self.jobs.cancel_kind(Kind::Picture);
+        let last = self.picture.take().filter(|p| p.size == size);
+        self.picture = Some(Picture {
+            size,
+            // The old one stays until there is a new one: nothing flickers.
+            image: last.and_then(|p| p.image),
+            samples: 0,
+        });
+        let work = Work {
+            document: self.document.clone(),
+            solution: self.lighting.solution.clone(),
+            camera: self.view.camera.clone(),
+            size,
+            most: self.preferences.picture_samples,
+        };
+        let threads = self.preferences.threads;
+        self.jobs.start(Kind::Picture, "picture", move |progress, outbox| {
+            on_own_threads(threads, || work.run(progress, outbox));
+            Ok(())
+        });
+    }
+
+    pub(super) fn stop_picture(&mut self) {
+        self.jobs.cancel_kind(Kind::Picture);
+        self.picture = None;
+    }
+
+    pub(super) fn take_picture(&mut self, image: Image, samples: u32) {
+        if let Some(picture) = &mut self.picture {
+            picture.image = Some(Arc::new(image));
+            picture.samples = samples;
+        }
+    }
+
+    /// Writes the picture as it is: PNG as it is shown, EXR and HDR as linear radiance.
+    pub(super) fn save_picture(&mut self, path: PathBuf) {
+        self.asking = None;
+        let picture = self.picture.as_ref().filter(|p| p.samples > 0);
+        let Some(image) = picture.and_then(|p| p.image.clone()) else {
+            self.tell(Level::Error, "there is no picture yet: draw one first");
+            return;
+        };
+        let path = match path.extension() {
+            Some(_) => path,
+            None => path.with_extension("png"),
+        };
+        let exposure = self.view.exposure;
+        let title = path.display().to_string();
+        let Some(output) = self.output(&path) else {
+            return;
+        };
+        self.jobs.start(Kind::Save, title, move |progress, outbox| {
+            let extension = path.extension().and_then(|e| e.to_str());
+            let kind = extension.map(str::to_ascii_lowercase);
+            output
+                .write(progress, |out| {
+                    write_picture(&image, kind.as_deref(), exposure, out)
+                })
+                .map_err(|e| e.to_string())?;
+            outbox.send(Found::Note(format!("saved {}", path.display())));
+            Ok(())
+        });
+    }
+}
+
+fn write_picture(
+    image: &Image,
+    kind: Option<&str>,
+    exposure: Option<f64>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    match kind {
+        Some("exr") => exr::write(image, out),
+        Some("hdr") => azulejo::formats::hdr::write(image, out),
+        Some("png") => {
+            let pixels = shown(image, exposure);
+            png::write(image.width, image.height, &pixels, out)
+        }
+        _ => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "unknown kind of picture, expected .png, .exr or .hdr",
+        )),
+    }
+}
+
+/// The picture as it is shown: 8-bit sRGB, three bytes a pixel.
+pub fn shown(image: &Image, exposure: Option<f64>) -> Vec<u8> {
+    let exposure = exposure.unwrap_or_else(|| auto_exposure(image));
+    tone_map(image, exposure, Tone::default())
+}
+
+/// What a picture is made of.
+struct Work {
+    document: Document,
+    solution: Option<Arc<Solution>>,
+    camera: Camera,
+    size: (u32, u32),
+    most: u32,
+}
+
+impl Work {
+    /// Coarse at once, then pass after pass, each of as many paths as all before it.
+    fn run(&self, progress: &Progress, outbox: &Outbox<Found>) {
+        let (scene, is_lit) = self.document.lit_scene(self.solution.as_deref());
+        let tracer = Tracer::new(&scene);
+        let draw = |size: (u32, u32), samples: u32, seed: u64| {
+            let options = SecondPass {
+                size,
+                samples_per_pixel: samples,
+                gather: (!is_lit).then_some(GATHER),
+                seed,
+                ..SecondPass::default()
+            };
+            self.draw(&scene, &tracer, &options, progress)
+        };
+        let coarse = (self.size.0.div_ceil(4), self.size.1.div_ceil(4));
+        let Some(first) = draw(coarse, 1, 0) else {
+            return;
+        };
+        outbox.send(Found::Picture(Box::new(first), 0));
+        let mut sum: Option<Image> = None;
+        let (mut done, mut next) = (0, 1);
+        while done < self.most {
+            let samples = next.min(self.most - done);
+            let Some(image) = draw(self.size, samples, u64::from(done) + 1) else {
+                return;
+            };
+            let mean = match sum.take() {
+                None => image,
+                Some(before) => blend(before, done, &image, samples),
+            };
+            done += samples;
+            next = done;
+            outbox.send(Found::Picture(Box::new(mean.clone()), done));
+            sum = Some(mean);
+        }
+    }
+
+    /// `None` once it is cancelled.
+    fn draw(
+        &self,
+        scene: &Scene,
+        tracer: &Tracer,
+        options: &SecondPass,
+        progress: &Progress,
+    ) -> Option<Image> {
+        render(scene, tracer, &self.camera, options, progress).ok()
+    }
+}
+
+/// The mean of two pictures of so many paths per pixel.
+fn blend(mut a: Image, na: u32, b: &Image, nb: u32) -> Image {
+    let share = nb as f32 / (na + nb) as f32;
+    for (x, y) in a.pixels.iter_mut().zip(&b.pixels) {
+        for (x, y) in x.iter_mut().zip(y) {
+            *x += share * (y - *x);
+        }
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_blend_is_the_mean_of_all_paths() {
+        let image = |v: f32| Image {
+            width: 1,
+            height: 1,
+            pixels: vec![[v, 2.0 * v, 0.0]],
+        };
+        let mean = blend(image(1.0), 3, &image(5.0), 1);
+        assert_eq!(mean.pixels, [[2.0, 4.0, 0.0]]);
+    }
+}

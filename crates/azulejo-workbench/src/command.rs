@@ -1,0 +1,161 @@
+//! All that a person can ask for.
+
+use crate::document::{Edit, Id};
+use crate::light::LightSettings;
+use crate::preferences::Preferences;
+use crate::view::View;
+use azulejo::scene::MaterialId;
+use std::path::PathBuf;
+
+/// One wish. Menus, keys, the mouse, scripts and tests all speak in these.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// An empty document.
+    New,
+    /// Reads files into a new document.
+    Open(Vec<PathBuf>),
+    /// Reads files into this document.
+    Add(Vec<PathBuf>),
+    /// Writes the document where it came from.
+    Save,
+    /// Writes it, whatever happened to the file meanwhile.
+    SaveAnyway,
+    /// Writes it elsewhere and stays there.
+    SaveAs(PathBuf),
+    /// Writes a copy, in the format of its extension.
+    Export(PathBuf),
+    /// Writes the picture that is being refined.
+    SavePicture(PathBuf),
+    /// Asks for a file by a dialog.
+    Ask(Ask),
+    /// Leaves, after asking about unsaved changes.
+    Quit,
+    /// What was asked for goes on although changes are lost.
+    Discard,
+    /// What was asked for does not go on; an open question is closed.
+    Dismiss,
+    /// Opens what was written before a crash.
+    Recover(PathBuf),
+    /// Deletes what was written before a crash.
+    Forget(PathBuf),
+
+    /// Changes the document. Edits of one gesture are one step of undo.
+    Edit(Edit, Option<u64>),
+    /// Adds solid letters: text, size, depth in ems, a font file or azulejo's own.
+    AddText {
+        /// What to write.
+        text: String,
+        /// World units of an em.
+        size: f64,
+        /// Ems.
+        depth: f64,
+        /// A font file of any kind.
+        font: Option<PathBuf>,
+    },
+    /// Takes the last edit back.
+    Undo,
+    /// Makes it again.
+    Redo,
+
+    /// What further commands are about.
+    Select(Selection),
+    /// Everything there is.
+    SelectAll,
+
+    /// How the model is looked at.
+    Look(Box<View>),
+    /// Puts a picture from a file behind the model.
+    LoadBackdrop(PathBuf),
+
+    /// How light is solved.
+    SetLight(LightSettings),
+    /// Solves the light.
+    Solve,
+    /// The solver rests.
+    Pause,
+    /// The solver goes on.
+    Resume,
+    /// The solver ends; what it found stays.
+    StopSolving,
+    /// Takes the light off the model.
+    DropLight,
+    /// Finds what the patch at a place sees.
+    FormFactorsFrom(PatchAt),
+
+    /// Draws a picture from here, at this size, and refines it.
+    Picture {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+    /// No picture any more.
+    StopPicture,
+
+    /// Cancels a job.
+    Cancel(u64),
+    /// Choices that outlive the session.
+    SetPreferences(Box<Preferences>),
+    /// Takes messages off the list.
+    ClearMessages,
+}
+
+/// A place on a surface, and its side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PatchAt {
+    /// The object.
+    pub item: Id,
+    /// World position.
+    pub position: glam::DVec3,
+    /// Unit normal of the side.
+    pub normal: glam::DVec3,
+}
+
+/// What further commands are about.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Objects, lights, cameras.
+    pub ids: Vec<Id>,
+    /// Faces of one mesh.
+    pub faces: Option<(Id, Vec<u32>)>,
+    /// A material, to be edited.
+    pub material: Option<MaterialId>,
+}
+
+impl Selection {
+    /// One object, light or camera.
+    pub fn one(id: Id) -> Selection {
+        Selection {
+            ids: vec![id],
+            ..Selection::default()
+        }
+    }
+
+    /// Whether nothing is selected but perhaps a material.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty() && self.faces.is_none()
+    }
+}
+
+/// What a file is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// Models to open.
+    Open,
+    /// Models to add.
+    Add,
+    /// Where to save.
+    SaveAs,
+    /// Where to export.
+    Export,
+    /// Where the picture goes.
+    SavePicture,
+    /// A picture for the background.
+    Backdrop,
+    /// A typeface.
+    Font,
+    /// A reflection model to load into the selected material.
+    LoadBrdf,
+    /// Where the selected material's reflection model goes.
+    SaveBrdf,
+}

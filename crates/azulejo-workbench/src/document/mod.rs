@@ -1,0 +1,355 @@
+//! What is being worked on, as plain data that is cheap to copy.
+//!
+//! A [`Document`] holds what a [`Scene`] holds, but shares it: shapes and materials stand behind
+//! [`Arc`]s and an object keeps its placement beside its shape. So a copy of the whole document
+//! is a list of pointers, undo is the document before, and dragging an object moves one matrix
+//! however many triangles hang on it.
+
+mod edit;
+mod make;
+mod solution;
+#[cfg(test)]
+mod tests;
+
+pub use edit::{Edit, Refused};
+pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
+pub use solution::Solution;
+
+use azulejo::formats::Format;
+use azulejo::scene::math::Aabb;
+use azulejo::scene::{
+    Camera, Fog, Light, Material, MaterialId, Object, Rgb, Rtrace, Scene, Shape, Texture, Units,
+};
+use glam::{DAffine3, DVec3};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Names one thing of a document for as long as it exists, undo and redo included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Id(pub u64);
+
+/// A model that is being lit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Document {
+    /// Where things come from; what is made by hand has none.
+    pub branches: Vec<Branch>,
+    /// What has a surface.
+    pub items: Vec<Item>,
+    /// What surfaces refer to by [`MaterialId`].
+    pub materials: Vec<Arc<Material>>,
+    /// What materials refer to.
+    pub textures: Vec<Arc<Texture>>,
+    /// Lights without area.
+    pub lights: Vec<Lamp>,
+    /// Saved viewpoints.
+    pub cameras: Vec<Viewpoint>,
+    /// Radiance where there is no surface.
+    pub background: Option<Rgb>,
+    /// What hides far surfaces.
+    pub fog: Option<Fog>,
+    /// What the numbers mean.
+    pub units: Units,
+    /// RTRACE's numbers; they describe one file as it was and do not outlive other objects.
+    pub rtrace: Option<Arc<Rtrace>>,
+    /// The number of the next [`Id`].
+    next: u64,
+}
+
+/// One file's content in a document.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Branch {
+    /// What its objects' names begin with.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+    /// Its format, if it was recognised.
+    pub format: Option<Format>,
+}
+
+/// An object: a shape and where it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    /// Its name for good.
+    pub id: Id,
+    /// Its name for people; groups of a file are parts of it, as in `house/kitchen/table`.
+    pub name: String,
+    /// Index of its file in [`Document::branches`].
+    pub branch: Option<usize>,
+    /// Whether the viewport leaves it out. It goes on casting and receiving light.
+    pub hidden: bool,
+    /// Its geometry before it is placed.
+    pub shape: Arc<Shape>,
+    /// Where it stands; identity for what comes from a file.
+    pub placement: DAffine3,
+}
+
+/// A light without area.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lamp {
+    /// Its name for good.
+    pub id: Id,
+    /// Index of its file in [`Document::branches`].
+    pub branch: Option<usize>,
+    /// What it is.
+    pub light: Light,
+}
+
+/// A saved viewpoint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// Its name for good.
+    pub id: Id,
+    /// Index of its file in [`Document::branches`].
+    pub branch: Option<usize>,
+    /// What it sees.
+    pub camera: Camera,
+}
+
+impl Item {
+    /// The smallest box around it, in the world.
+    pub fn bounds(&self) -> Aabb {
+        placed_bounds(bounds_of(&self.shape), &self.placement)
+    }
+
+    /// The object as a scene has it: placed.
+    pub fn object(&self) -> Object {
+        let mut shape = Shape::clone(&self.shape);
+        if self.placement != DAffine3::IDENTITY {
+            match &mut shape {
+                Shape::Mesh(mesh) => mesh.transform(&self.placement),
+                Shape::Primitive(p) => p.transform(&self.placement),
+                Shape::Exact(exact) => exact.transform(&self.placement),
+            }
+        }
+        Object::new(self.name.clone(), shape)
+    }
+}
+
+/// The smallest box around a shape where it was made.
+fn bounds_of(shape: &Shape) -> Aabb {
+    match shape {
+        Shape::Mesh(mesh) => mesh.bounds(),
+        Shape::Primitive(primitive) => primitive.bounds(),
+        Shape::Exact(exact) => exact.bounds(),
+    }
+}
+
+/// A box around a box under a map.
+fn placed_bounds(bounds: Aabb, map: &DAffine3) -> Aabb {
+    if bounds.is_empty() || *map == DAffine3::IDENTITY {
+        return bounds;
+    }
+    let corner = |k: u32| {
+        let pick = |bit: u32, low: f64, high: f64| if k & bit == 0 { low } else { high };
+        map.transform_point3(DVec3::new(
+            pick(1, bounds.min.x, bounds.max.x),
+            pick(2, bounds.min.y, bounds.max.y),
+            pick(4, bounds.min.z, bounds.max.z),
+        ))
+    };
+    Aabb::around((0..8).map(corner))
+}
+
+impl Document {
+    /// A document of one scene. Nothing is copied.
+    pub fn of_scene(scene: Scene, branch: Option<Branch>) -> Document {
+        let mut document = Document {
+            units: scene.units,
+            rtrace: None,
+            ..Document::default()
+        };
+        let rtrace = scene.rtrace.clone();
+        document.append(scene, branch);
+        document.rtrace = rtrace.map(|numbers| Arc::new(*numbers));
+        document
+    }
+
+    /// Adds a scene that already has this document's units, as [`Scene::merge`] does; returns the
+    /// new objects.
+    pub fn append(&mut self, scene: Scene, branch: Option<Branch>) -> Vec<Id> {
+        let branch = branch.map(|b| {
+            self.branches.push(b);
+            self.branches.len() - 1
+        });
+        let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
+        self.rtrace = None;
+        self.textures
+            .extend(scene.textures.into_iter().map(Arc::new));
+        for mut material in scene.materials {
+            material.textures.iter_mut().for_each(|t| *t += textures);
+            self.materials.push(Arc::new(material));
+        }
+        let mut ids = Vec::new();
+        for mut object in scene.objects {
+            if materials > 0 {
+                map_materials(&mut object.shape, &mut |m| m + materials);
+            }
+            ids.push(self.push_shape(object.name, object.shape, branch));
+        }
+        for light in scene.lights {
+            let id = self.new_id();
+            self.lights.push(Lamp { id, branch, light });
+        }
+        for camera in scene.cameras {
+            let id = self.new_id();
+            self.cameras.push(Viewpoint { id, branch, camera });
+        }
+        self.background = self.background.or(scene.background);
+        self.fog = self.fog.or(scene.fog);
+        ids
+    }
+
+    /// Adds an object where it was made.
+    fn push_shape(&mut self, name: String, shape: Shape, branch: Option<usize>) -> Id {
+        let id = self.new_id();
+        self.items.push(Item {
+            id,
+            name,
+            branch,
+            hidden: false,
+            shape: Arc::new(shape),
+            placement: DAffine3::IDENTITY,
+        });
+        id
+    }
+
+    fn new_id(&mut self) -> Id {
+        self.next += 1;
+        Id(self.next)
+    }
+
+    /// The scene that the passes read: everything, in its place, without light on it.
+    pub fn scene(&self) -> Scene {
+        self.scene_of(|item| {
+            let mut object = item.object();
+            solution::strip(&mut object.shape);
+            object
+        })
+    }
+
+    /// The scene with the light of a solution on it, if that is still this document's; whether
+    /// it was.
+    pub fn lit_scene(&self, solution: Option<&Solution>) -> (Scene, bool) {
+        match solution.filter(|s| s.is_of(self)) {
+            None => (self.scene(), false),
+            Some(solution) => {
+                let lit = self.scene_of(|item| match solution.shape(item.id) {
+                    Some(shape) => Object::new(item.name.clone(), Shape::clone(shape)),
+                    None => item.object(),
+                });
+                (lit, true)
+            }
+        }
+    }
+
+    fn scene_of(&self, object: impl Fn(&Item) -> Object) -> Scene {
+        Scene {
+            objects: self.items.iter().map(object).collect(),
+            materials: self
+                .materials
+                .iter()
+                .map(|m| Material::clone(m))
+                .collect(),
+            textures: self.textures.iter().map(|t| Texture::clone(t)).collect(),
+            lights: self.lights.iter().map(|l| l.light.clone()).collect(),
+            cameras: self.cameras.iter().map(|c| c.camera.clone()).collect(),
+            background: self.background,
+            fog: self.fog,
+            units: self.units,
+            rtrace: self.rtrace.as_deref().cloned().map(Box::new),
+        }
+    }
+
+    /// The object of this name for good.
+    pub fn item(&self, id: Id) -> Option<&Item> {
+        self.items.iter().find(|i| i.id == id)
+    }
+
+    /// The light of this name for good.
+    pub fn lamp(&self, id: Id) -> Option<&Lamp> {
+        self.lights.iter().find(|l| l.id == id)
+    }
+
+    /// The viewpoint of this name for good.
+    pub fn viewpoint(&self, id: Id) -> Option<&Viewpoint> {
+        self.cameras.iter().find(|c| c.id == id)
+    }
+
+    /// Whether anything of this document has the name for good.
+    pub fn has(&self, id: Id) -> bool {
+        self.item(id).is_some() || self.lamp(id).is_some() || self.viewpoint(id).is_some()
+    }
+
+    /// Its name for people.
+    pub fn name(&self, id: Id) -> Option<&str> {
+        let item = self.item(id).map(|i| i.name.as_str());
+        let lamp = || self.lamp(id).map(|l| l.light.name.as_str());
+        let camera = || self.viewpoint(id).map(|c| c.camera.name.as_str());
+        item.or_else(lamp).or_else(camera)
+    }
+
+    /// The smallest box around all objects, or around those of `ids`.
+    pub fn bounds(&self, ids: Option<&[Id]>) -> Aabb {
+        let items = self.items.iter();
+        let wanted = items.filter(|i| ids.is_none_or(|ids| ids.contains(&i.id)));
+        wanted.fold(Aabb::EMPTY, |all, item| all.union(item.bounds()))
+    }
+
+    /// The materials of an object, each once, in the order of its faces.
+    pub fn materials_of(&self, item: &Item) -> Vec<MaterialId> {
+        let mut found = Vec::new();
+        let mut note = |m: MaterialId| {
+            if !found.contains(&m) {
+                found.push(m);
+            }
+        };
+        match &*item.shape {
+            Shape::Mesh(mesh) => {
+                // Runs of faces share a material; each run is looked up once.
+                let mut last = None;
+                for &m in &mesh.face_materials {
+                    if last != Some(m) {
+                        note(m);
+                        last = Some(m);
+                    }
+                }
+            }
+            Shape::Primitive(p) => note(p.material),
+            Shape::Exact(exact) => exact.leaves().iter().for_each(|l| note(l.material())),
+        }
+        found
+    }
+
+    /// How many polygons its meshes have, and one for each exact shape.
+    pub fn face_count(&self) -> usize {
+        let faces = |item: &Item| match &*item.shape {
+            Shape::Mesh(mesh) => mesh.faces.len(),
+            Shape::Primitive(_) => 1,
+            Shape::Exact(exact) => exact.leaves().len(),
+        };
+        self.items.iter().map(faces).sum()
+    }
+
+    /// Whether anything shines.
+    pub fn has_light(&self) -> bool {
+        let shines = |m: MaterialId| {
+            let material = self.materials.get(m as usize);
+            material.is_some_and(|m| m.is_emitter())
+        };
+        !self.lights.is_empty()
+            || (self.materials.iter().any(|m| m.is_emitter())
+                && (self.items.iter()).any(|i| self.materials_of(i).into_iter().any(shines)))
+    }
+}
+
+/// Changes every material that a shape refers to.
+fn map_materials(shape: &mut Shape, change: &mut impl FnMut(MaterialId) -> MaterialId) {
+    match shape {
+        Shape::Mesh(mesh) => mesh
+            .face_materials
+            .iter_mut()
+            .for_each(|m| *m = change(*m)),
+        Shape::Primitive(p) => p.material = change(p.material),
+        Shape::Exact(exact) => exact.map_materials(change),
+    }
+}

@@ -1,0 +1,286 @@
+//! Long work in threads of its own.
+//!
+//! A job owns what it reads, reports through its [`Progress`], and sends what it found through
+//! one channel, which the window empties each time it is drawn. A job that panics is a job that
+//! failed: the window stays.
+
+use azulejo::trace::Progress;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Instant;
+
+/// Asks for the window to be drawn.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// What a job is about; of some kinds there is one at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Reading models.
+    Load,
+    /// Writing something that a person asked for.
+    Save,
+    /// Writing what is recovered after a crash.
+    Autosave,
+    /// The first pass.
+    Solve,
+    /// The second pass.
+    Picture,
+    /// What one patch sees.
+    FormFactors,
+}
+
+/// Work that goes on.
+#[derive(Debug)]
+pub struct Job {
+    /// Its number.
+    pub id: u64,
+    /// What it is about.
+    pub kind: Kind,
+    /// What it works on, for people.
+    pub title: String,
+    /// How far it is; cancels and pauses it too.
+    pub progress: Arc<Progress>,
+    /// When it began.
+    pub started: Instant,
+}
+
+/// A message of a job.
+pub enum News<T> {
+    /// Something that it found, with more to come.
+    Found(T),
+    /// It ended; with a reason, if it failed.
+    Ended(Option<String>),
+}
+
+/// What a job sends through.
+pub struct Outbox<T> {
+    id: u64,
+    sender: Sender<(u64, News<T>)>,
+    wake: Wake,
+}
+
+impl<T> Outbox<T> {
+    /// Sends something that was found.
+    pub fn send(&self, found: T) {
+        self.post(News::Found(found));
+    }
+
+    fn post(&self, news: News<T>) {
+        // The window may be gone; then nobody waits for the news.
+        let _ = self.sender.send((self.id, news));
+        (self.wake)();
+    }
+}
+
+/// All work that goes on.
+pub struct Jobs<T> {
+    running: Vec<Job>,
+    sender: Sender<(u64, News<T>)>,
+    receiver: Receiver<(u64, News<T>)>,
+    wake: Wake,
+    next: u64,
+}
+
+impl<T: Send + 'static> Jobs<T> {
+    /// None yet.
+    pub fn new(wake: Wake) -> Jobs<T> {
+        let (sender, receiver) = channel();
+        Jobs {
+            running: Vec::new(),
+            sender,
+            receiver,
+            wake,
+            next: 0,
+        }
+    }
+
+    /// Another way of asking for the window to be drawn, for the jobs that begin from now on.
+    pub fn set_wake(&mut self, wake: Wake) {
+        self.wake = wake;
+    }
+
+    /// Starts `work` in a thread of its own; returns its number. An error it returns is told.
+    pub fn start(
+        &mut self,
+        kind: Kind,
+        title: impl Into<String>,
+        work: impl FnOnce(&Progress, &Outbox<T>) -> Result<(), String> + Send + 'static,
+    ) -> u64 {
+        self.next += 1;
+        let (id, progress) = (self.next, Arc::new(Progress::new()));
+        let outbox = Outbox {
+            id,
+            sender: self.sender.clone(),
+            wake: Arc::clone(&self.wake),
+        };
+        self.running.push(Job {
+            id,
+            kind,
+            title: title.into(),
+            progress: Arc::clone(&progress),
+            started: Instant::now(),
+        });
+        let run = move || {
+            let result = catch_unwind(AssertUnwindSafe(|| work(&progress, &outbox)));
+            let end = match result {
+                Ok(done) => done.err(),
+                Err(panic) => Some(said(&*panic)),
+            };
+            outbox.post(News::Ended(end));
+        };
+        let spawned = std::thread::Builder::new().name(format!("{kind:?}")).spawn(run);
+        if let Err(error) = spawned {
+            let message = format!("no thread for it: {error}");
+            let _ = self.sender.send((id, News::Ended(Some(message))));
+        }
+        id
+    }
+
+    /// The next message, if there is one, with the job that sent it. A cancelled job is not heard.
+    pub fn next(&mut self) -> Option<(Job, News<T>)> {
+        loop {
+            let (id, news) = self.receiver.try_recv().ok()?;
+            let Some(at) = self.running.iter().position(|j| j.id == id) else {
+                continue;
+            };
+            let job = match news {
+                News::Found(_) => self.running[at].copy(),
+                News::Ended(_) => self.running.remove(at),
+            };
+            return Some((job, news));
+        }
+    }
+
+    /// The jobs that go on.
+    pub fn running(&self) -> &[Job] {
+        &self.running
+    }
+
+    /// The first job of a kind.
+    pub fn of(&self, kind: Kind) -> Option<&Job> {
+        self.running.iter().find(|j| j.kind == kind)
+    }
+
+    /// Cancels a job; nothing of it is heard any more.
+    pub fn cancel(&mut self, id: u64) {
+        self.forget(|job| job.id == id);
+    }
+
+    /// Cancels all jobs of a kind.
+    pub fn cancel_kind(&mut self, kind: Kind) {
+        self.forget(|job| job.kind == kind);
+    }
+
+    fn forget(&mut self, which: impl Fn(&Job) -> bool) {
+        self.running.retain(|job| {
+            let goes = which(job);
+            if goes {
+                job.progress.cancel();
+            }
+            !goes
+        });
+    }
+}
+
+impl<T> Drop for Jobs<T> {
+    fn drop(&mut self) {
+        self.running.iter().for_each(|job| job.progress.cancel());
+    }
+}
+
+impl Job {
+    fn copy(&self) -> Job {
+        Job {
+            id: self.id,
+            kind: self.kind,
+            title: self.title.clone(),
+            progress: Arc::clone(&self.progress),
+            started: self.started,
+        }
+    }
+}
+
+/// What a panic said.
+fn said(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!(
+        "a fault of azulejo itself: {}; please report it",
+        text.unwrap_or("unknown")
+    )
+}
+
+/// Runs `work` on threads of its own, fewer than there are: the window needs one too, and workers
+/// that pause must not hold up anybody else.
+pub fn on_own_threads<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = match most {
+        0 => all.saturating_sub(1).max(1),
+        most => most.min(all),
+    };
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, News<T>) {
+        let begin = Instant::now();
+        loop {
+            if let Some(found) = jobs.next() {
+                return found;
+            }
+            assert!(begin.elapsed() < Duration::from_secs(60), "no news");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn what_is_found_arrives_in_order_and_then_the_end() {
+        let mut jobs = Jobs::new(Arc::new(|| ()));
+        jobs.start(Kind::Load, "two", |_, out| {
+            out.send(1);
+            out.send(2);
+            Ok(())
+        });
+        for expected in [1, 2] {
+            assert!(matches!(wait(&mut jobs).1, News::Found(n) if n == expected));
+        }
+        assert!(matches!(wait(&mut jobs).1, News::Ended(None)));
+        assert!(jobs.running().is_empty());
+    }
+
+    #[test]
+    fn a_panic_is_a_failure_and_not_the_end_of_the_window() {
+        let mut jobs = Jobs::<()>::new(Arc::new(|| ()));
+        jobs.start(Kind::Solve, "fault", |_, _| panic!("on purpose"));
+        let (job, News::Ended(Some(why))) = wait(&mut jobs) else {
+            unreachable!("it cannot end well")
+        };
+        assert_eq!(job.kind, Kind::Solve);
+        assert!(why.contains("on purpose"), "{why}");
+    }
+
+    #[test]
+    fn a_cancelled_job_is_stopped_and_not_heard() {
+        let mut jobs = Jobs::new(Arc::new(|| ()));
+        let (tell, told) = channel();
+        let id = jobs.start(Kind::Solve, "endless", move |progress, out| {
+            while progress.advance(1).is_ok() {
+                std::thread::yield_now();
+            }
+            out.send(7);
+            tell.send(()).map_err(|e| e.to_string())
+        });
+        jobs.cancel(id);
+        told.recv_timeout(Duration::from_secs(60)).unwrap();
+        std::thread::sleep(Duration::from_millis(20));
+        assert!(jobs.next().is_none());
+    }
+}

@@ -1,0 +1,229 @@
+//! What survives a crash.
+//!
+//! While a document has changes that are not saved, a copy of it is written now and then into a
+//! folder of the person's, beside a note of where it came from. Each session holds a lock on its
+//! note as long as it lives; copies whose lock is free are of sessions that ended badly, and are
+//! offered.
+
+use serde::{Deserialize, Serialize};
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// A copy that a session left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recoverable {
+    /// The copy, GRF.
+    pub copy: PathBuf,
+    /// The file that was worked on, if there was one.
+    pub original: Option<PathBuf>,
+    /// When it was written, seconds since 1970.
+    pub written: u64,
+}
+
+/// The note beside a copy.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Note {
+    original: Option<PathBuf>,
+}
+
+/// Copies of this session and of those before it.
+#[derive(Debug, Default)]
+pub struct Recovery {
+    folder: Option<PathBuf>,
+    /// This session's name; made with its first copy.
+    session: Option<Session>,
+    found: Vec<Recoverable>,
+    /// The document that was copied last.
+    copied: Option<u64>,
+    /// No copy before this, after one that failed.
+    not_before: Option<Instant>,
+}
+
+#[derive(Debug)]
+struct Session {
+    copy: PathBuf,
+    note: PathBuf,
+    /// Locked as long as the session lives.
+    _lock: File,
+}
+
+/// How long nothing is tried after a copy failed.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+impl Recovery {
+    /// Writes nothing and finds nothing.
+    pub fn nowhere() -> Recovery {
+        Recovery::default()
+    }
+
+    /// Copies go into `folder`; finds what sessions left there.
+    pub fn new(folder: PathBuf) -> Recovery {
+        Recovery {
+            found: left_behind(&folder),
+            folder: Some(folder),
+            ..Recovery::default()
+        }
+    }
+
+    /// What sessions left behind.
+    pub fn found(&self) -> &[Recoverable] {
+        &self.found
+    }
+
+    /// Where the next copy of a document goes, if one is due.
+    pub fn due(&mut self, revision: u64, original: Option<&Path>) -> Option<PathBuf> {
+        let waits = self.not_before.is_some_and(|t| Instant::now() < t);
+        if waits || self.copied == Some(revision) {
+            return None;
+        }
+        if self.session.is_none() {
+            self.session = self.folder.as_deref().and_then(Session::begin);
+        }
+        let session = self.session.as_ref()?;
+        session.write_note(original);
+        Some(session.copy.clone())
+    }
+
+    /// A copy is on the disk.
+    pub fn done(&mut self, revision: u64) {
+        self.copied = Some(revision);
+    }
+
+    /// A copy could not be written.
+    pub fn failed(&mut self) {
+        self.not_before = Some(Instant::now() + PATIENCE);
+    }
+
+    /// The document is safe: no copy is needed.
+    pub fn clear(&mut self) {
+        self.copied = None;
+        if let Some(session) = self.session.take() {
+            remove(&session.copy);
+        }
+    }
+
+    /// Takes a copy off the list, and off the disk.
+    pub fn forget(&mut self, copy: &Path) {
+        self.found.retain(|f| {
+            let goes = f.copy == copy;
+            if goes {
+                remove(&f.copy);
+            }
+            !goes
+        });
+    }
+}
+
+impl Drop for Recovery {
+    /// A session that ends in good order leaves nothing behind.
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            self.clear();
+        }
+    }
+}
+
+impl Session {
+    fn begin(folder: &Path) -> Option<Session> {
+        std::fs::create_dir_all(folder).ok()?;
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).ok()?;
+        let name = format!("{}-{}", std::process::id(), now.as_nanos());
+        let note = folder.join(format!("{name}.toml"));
+        let mut options = OpenOptions::new();
+        let lock = options.write(true).create_new(true).open(&note).ok()?;
+        lock.try_lock().ok()?;
+        Some(Session {
+            copy: folder.join(format!("{name}.grf")),
+            note,
+            _lock: lock,
+        })
+    }
+
+    fn write_note(&self, original: Option<&Path>) {
+        let note = Note {
+            original: original.map(Path::to_owned),
+        };
+        // Without a note the copy is still found; only its name is lost.
+        if let Ok(text) = toml::to_string(&note) {
+            let file = OpenOptions::new().write(true).truncate(true).open(&self.note);
+            let _ = file.and_then(|mut f| f.write_all(text.as_bytes()));
+        }
+    }
+}
+
+fn remove(copy: &Path) {
+    let _ = std::fs::remove_file(copy);
+    let _ = std::fs::remove_file(copy.with_extension("toml"));
+}
+
+/// Copies in `folder` that belong to no session that lives, the newest first. Notes without a
+/// copy are removed.
+fn left_behind(folder: &Path) -> Vec<Recoverable> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let paths = entries.flatten().map(|e| e.path());
+    let notes = paths.filter(|p| p.extension().is_some_and(|e| e == "toml"));
+    let mut found: Vec<Recoverable> = notes.filter_map(|note| orphan(&note)).collect();
+    found.sort_by(|a, b| b.written.cmp(&a.written).then(a.copy.cmp(&b.copy)));
+    found
+}
+
+fn orphan(note: &Path) -> Option<Recoverable> {
+    let file = File::open(note).ok()?;
+    file.try_lock_shared().ok()?;
+    let copy = note.with_extension("grf");
+    let Ok(meta) = std::fs::metadata(&copy) else {
+        let _ = std::fs::remove_file(note);
+        return None;
+    };
+    let text = std::fs::read_to_string(note).unwrap_or_default();
+    let said: Note = toml::from_str(&text).unwrap_or_default();
+    let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+    Some(Recoverable {
+        copy,
+        original: said.original,
+        written: written.as_secs(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_of_dead_sessions_are_found_and_those_of_the_living_are_not() {
+        let folder = std::env::temp_dir().join(format!("azulejo-rec-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        let mut alive = Recovery::new(folder.clone());
+        let copy = alive.due(1, Some(Path::new("/a/room.3ds"))).unwrap();
+        std::fs::write(&copy, "GRF").unwrap();
+        alive.done(1);
+        assert_eq!(alive.due(1, None), None);
+        assert_eq!(alive.due(2, Some(Path::new("/a/room.3ds"))), Some(copy.clone()));
+        assert_eq!(Recovery::new(folder.clone()).found(), []);
+
+        // It dies: its lock goes, its files stay.
+        alive.session = None;
+        let mut next = Recovery::new(folder.clone());
+        let found = next.found().to_vec();
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].original.as_deref(), Some(Path::new("/a/room.3ds")));
+        next.forget(&copy);
+        assert!(next.found().is_empty() && !copy.exists());
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn a_copy_that_failed_is_not_tried_again_at_once() {
+        let folder = std::env::temp_dir().join(format!("azulejo-rec2-{}", std::process::id()));
+        let mut recovery = Recovery::new(folder.clone());
+        assert!(recovery.due(1, None).is_some());
+        recovery.failed();
+        assert_eq!(recovery.due(1, None), None);
+        drop(recovery);
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}

@@ -1,0 +1,427 @@
+//! What menus and keys can do: one table for both, and for the page that lists the keys.
+
+use crate::app::App;
+use crate::command::{Ask, Command, Selection};
+use crate::document::{Edit, NewKind, NewLight, NewLightKind, NewShape};
+use crate::jobs::Kind;
+use crate::view::{Shading, Side};
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+/// A wish with a name, perhaps a key, and a time when it makes sense.
+pub struct Action {
+    /// Where it stands.
+    pub menu: Menu,
+    /// Its English name.
+    pub label: &'static str,
+    /// Its key.
+    pub key: Option<KeyboardShortcut>,
+    /// What it does now; `None` where it makes no sense.
+    pub wish: fn(&App) -> Option<Wish>,
+}
+
+/// What an action asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wish {
+    /// Of the app.
+    Do(Command),
+    /// Of the window alone.
+    Show(Panel),
+}
+
+/// What only the window knows of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Panel {
+    /// The keys.
+    Keys,
+    /// The preferences.
+    Preferences,
+    /// The dialog that asks for letters.
+    Text,
+    /// What azulejo is.
+    About,
+    /// The list of messages.
+    Messages,
+    /// The picture in the place of the viewport.
+    Picture,
+    /// The name of what is selected.
+    Rename,
+}
+
+/// The menus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Menu {
+    /// Files.
+    File,
+    /// Changes.
+    Edit,
+    /// New things.
+    Add,
+    /// Looks.
+    View,
+    /// What surfaces show.
+    Shading,
+    /// Light.
+    Light,
+    /// Help.
+    Help,
+}
+
+impl Menu {
+    /// All of them, in the order of the bar; shadings stand in the menu of looks.
+    pub const ALL: [Menu; 7] = [
+        Menu::File,
+        Menu::Edit,
+        Menu::Add,
+        Menu::View,
+        Menu::Shading,
+        Menu::Light,
+        Menu::Help,
+    ];
+
+    /// Its English name.
+    pub fn label(self, language: crate::words::Language) -> &'static str {
+        match self {
+            Menu::File => language.say("File"),
+            Menu::Edit => language.say("Edit"),
+            Menu::Add => language.say("Add"),
+            Menu::View => language.say("View"),
+            Menu::Shading => language.say("Shading"),
+            Menu::Light => language.say("Light"),
+            Menu::Help => language.say("Help"),
+        }
+    }
+}
+
+const fn key(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::NONE, key))
+}
+
+const fn ctrl(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::COMMAND, key))
+}
+
+const fn shift(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::SHIFT, key))
+}
+
+const fn ctrl_shift(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(
+        Modifiers::COMMAND.plus(Modifiers::SHIFT),
+        key,
+    ))
+}
+
+const fn action(
+    menu: Menu,
+    label: &'static str,
+    key: Option<KeyboardShortcut>,
+    wish: fn(&App) -> Option<Wish>,
+) -> Action {
+    Action {
+        menu,
+        label,
+        key,
+        wish,
+    }
+}
+
+fn done(command: Command) -> Option<Wish> {
+    Some(Wish::Do(command))
+}
+
+fn when(holds: bool, command: Command) -> Option<Wish> {
+    holds.then_some(Wish::Do(command))
+}
+
+fn edit(edit: Edit) -> Option<Wish> {
+    done(Command::Edit(edit, None))
+}
+
+fn selected(app: &App, make: impl Fn(Vec<crate::document::Id>) -> Edit) -> Option<Wish> {
+    let ids = &app.selection.ids;
+    (!ids.is_empty()).then(|| Wish::Do(Command::Edit(make(ids.clone()), None)))
+}
+
+fn shape(app: &App, kind: NewKind) -> Option<Wish> {
+    let size = app.usual_size();
+    let bounds = app.document.bounds(None);
+    let up = app.document.units.up.axis();
+    let at = match kind {
+        // A lamp hangs a little below the top of what there is: under a ceiling, not in it.
+        NewKind::AreaLight => {
+            bounds.centre() + up * (0.48 * bounds.size().dot(up)).max(0.5 * size)
+        }
+        _ => app.ground(),
+    };
+    edit(Edit::AddShape(NewShape {
+        kind,
+        at,
+        size,
+        material: None,
+    }))
+}
+
+fn light(app: &App, kind: NewLightKind) -> Option<Wish> {
+    let bounds = app.document.bounds(None);
+    let up = app.document.units.up.axis();
+    let height = match bounds.is_empty() {
+        true => 1.0,
+        false => 0.4 * bounds.size().dot(up),
+    };
+    edit(Edit::AddLight(NewLight {
+        kind,
+        at: bounds.centre() + height * up,
+        toward: app.ground(),
+    }))
+}
+
+fn look(app: &App, change: impl FnOnce(&mut crate::view::View)) -> Option<Wish> {
+    let mut view = app.view.clone();
+    change(&mut view);
+    done(Command::Look(Box::new(view)))
+}
+
+fn shade(app: &App, shading: Shading) -> Option<Wish> {
+    look(app, |view| view.shading = shading)
+}
+
+fn from(app: &App, side: Side) -> Option<Wish> {
+    let bounds = app.document.bounds(None);
+    let up = app.document.units.up;
+    look(app, |view| view.look_from(side, bounds, up))
+}
+
+/// All of them, in the order of the menus.
+pub const ACTIONS: &[Action] = &[
+    action(Menu::File, "New", ctrl(Key::N), |_| done(Command::New)),
+    action(Menu::File, "Open…", ctrl(Key::O), |_| {
+        done(Command::Ask(Ask::Open))
+    }),
+    action(Menu::File, "Add…", ctrl_shift(Key::O), |_| {
+        done(Command::Ask(Ask::Add))
+    }),
+    action(Menu::File, "Save", ctrl(Key::S), |a| {
+        when(!a.document.items.is_empty() || a.is_changed(), Command::Save)
+    }),
+    action(Menu::File, "Save as…", ctrl_shift(Key::S), |_| {
+        done(Command::Ask(Ask::SaveAs))
+    }),
+    action(Menu::File, "Export…", ctrl(Key::E), |_| {
+        done(Command::Ask(Ask::Export))
+    }),
+    action(Menu::File, "Save picture…", ctrl_shift(Key::P), |a| {
+        when(a.picture.is_some(), Command::Ask(Ask::SavePicture))
+    }),
+    action(Menu::File, "Preferences…", ctrl(Key::Comma), |_| {
+        Some(Wish::Show(Panel::Preferences))
+    }),
+    action(Menu::File, "Quit", ctrl(Key::Q), |_| done(Command::Quit)),
+    action(Menu::Edit, "Undo", ctrl(Key::Z), |a| {
+        when(a.undo_labels().0.is_some(), Command::Undo)
+    }),
+    action(Menu::Edit, "Redo", ctrl_shift(Key::Z), |a| {
+        when(a.undo_labels().1.is_some(), Command::Redo)
+    }),
+    action(Menu::Edit, "Select all", ctrl(Key::A), |_| {
+        done(Command::SelectAll)
+    }),
+    action(Menu::Edit, "Select nothing", ctrl_shift(Key::A), |_| {
+        done(Command::Select(Selection::default()))
+    }),
+    action(Menu::Edit, "Duplicate", ctrl(Key::D), |a| {
+        selected(a, Edit::Duplicate)
+    }),
+    action(Menu::Edit, "Delete", key(Key::Delete), |a| {
+        selected(a, Edit::Delete)
+    }),
+    action(Menu::Edit, "Rename…", key(Key::F2), |a| {
+        (a.selection.ids.len() == 1).then_some(Wish::Show(Panel::Rename))
+    }),
+    action(Menu::Edit, "Hide", key(Key::H), |a| {
+        selected(a, |ids| Edit::Hide(ids, true))
+    }),
+    action(Menu::Edit, "Show all", shift(Key::H), |a| {
+        let hidden = a.document.items.iter().filter(|i| i.hidden);
+        let ids: Vec<_> = hidden.map(|i| i.id).collect();
+        when(!ids.is_empty(), Command::Edit(Edit::Hide(ids, false), None))
+    }),
+    action(Menu::Add, "Box", None, |a| shape(a, NewKind::Cuboid)),
+    action(Menu::Add, "Sphere", None, |a| shape(a, NewKind::Sphere)),
+    action(Menu::Add, "Cylinder", None, |a| shape(a, NewKind::Cylinder)),
+    action(Menu::Add, "Cone", None, |a| shape(a, NewKind::Cone)),
+    action(Menu::Add, "Square", None, |a| shape(a, NewKind::Square)),
+    action(Menu::Add, "Text…", None, |_| Some(Wish::Show(Panel::Text))),
+    action(Menu::Add, "Area light", ctrl(Key::L), |a| {
+        shape(a, NewKind::AreaLight)
+    }),
+    action(Menu::Add, "Point light", None, |a| {
+        light(a, NewLightKind::Point)
+    }),
+    action(Menu::Add, "Spot light", None, |a| {
+        light(a, NewLightKind::Spot)
+    }),
+    action(Menu::Add, "Sun", None, |a| {
+        light(a, NewLightKind::Directional)
+    }),
+    action(Menu::Add, "Sky", None, |a| light(a, NewLightKind::Ambient)),
+    action(Menu::Add, "Camera from this view", ctrl(Key::K), |a| {
+        edit(Edit::AddCamera(a.view.camera.clone()))
+    }),
+    action(Menu::Add, "Material", ctrl(Key::M), |_| {
+        let white = azulejo::scene::Material::diffuse("material", azulejo::scene::Rgb::grey(0.7));
+        edit(Edit::AddMaterial(white))
+    }),
+    action(Menu::View, "Frame all", key(Key::Home), |a| {
+        let bounds = a.document.bounds(None);
+        look(a, |view| view.frame(bounds))
+    }),
+    action(Menu::View, "Frame selection", key(Key::Period), |a| {
+        let bounds = a.document.bounds(Some(&a.selection.ids));
+        match bounds.is_empty() {
+            true => None,
+            false => look(a, |view| view.frame(bounds)),
+        }
+    }),
+    action(Menu::View, "From the front", key(Key::Num1), |a| {
+        from(a, Side::Front)
+    }),
+    action(Menu::View, "From behind", shift(Key::Num1), |a| {
+        from(a, Side::Back)
+    }),
+    action(Menu::View, "From the right", key(Key::Num3), |a| {
+        from(a, Side::Right)
+    }),
+    action(Menu::View, "From the left", shift(Key::Num3), |a| {
+        from(a, Side::Left)
+    }),
+    action(Menu::View, "From above", key(Key::Num7), |a| {
+        from(a, Side::Top)
+    }),
+    action(Menu::View, "From below", shift(Key::Num7), |a| {
+        from(a, Side::Bottom)
+    }),
+    action(Menu::View, "From the corner", key(Key::Num0), |a| {
+        from(a, Side::Corner)
+    }),
+    action(Menu::View, "Lights and cameras", key(Key::L), |a| {
+        look(a, |view| view.signs = !view.signs)
+    }),
+    action(Menu::View, "Grid", key(Key::G), |a| {
+        look(a, |view| view.grid = !view.grid)
+    }),
+    action(Menu::View, "Fog", None, |a| {
+        look(a, |view| view.fog = !view.fog)
+    }),
+    action(Menu::View, "Picture by rays", key(Key::F12), |_| {
+        Some(Wish::Show(Panel::Picture))
+    }),
+    action(Menu::Shading, "Points", ctrl(Key::Num1), |a| {
+        shade(a, Shading::Points)
+    }),
+    action(Menu::Shading, "Lines", ctrl(Key::Num2), |a| {
+        shade(a, Shading::Lines)
+    }),
+    action(Menu::Shading, "Hidden lines", ctrl(Key::Num3), |a| {
+        shade(a, Shading::HiddenLines)
+    }),
+    action(Menu::Shading, "Flat", ctrl(Key::Num4), |a| {
+        shade(a, Shading::Flat)
+    }),
+    action(Menu::Shading, "Gouraud", ctrl(Key::Num5), |a| {
+        shade(a, Shading::Gouraud)
+    }),
+    action(Menu::Shading, "Textured", ctrl(Key::Num6), |a| {
+        shade(a, Shading::Textured)
+    }),
+    action(Menu::Shading, "Irradiance", ctrl(Key::Num7), |a| {
+        shade(a, Shading::Irradiance)
+    }),
+    action(Menu::Shading, "False colours", ctrl(Key::Num8), |a| {
+        shade(a, Shading::FalseColor)
+    }),
+    action(Menu::Shading, "Patches", ctrl(Key::Num9), |a| {
+        shade(a, Shading::Patches)
+    }),
+    action(Menu::Shading, "Form factors of a patch", ctrl(Key::Num0), |a| {
+        shade(a, Shading::FormFactors)
+    }),
+    action(Menu::Shading, "Normals and backs", ctrl(Key::Minus), |a| {
+        shade(a, Shading::Normals)
+    }),
+    action(Menu::Light, "Solve", key(Key::F5), |a| {
+        when(!a.is_busy(Kind::Solve), Command::Solve)
+    }),
+    action(Menu::Light, "Pause", key(Key::F6), |a| {
+        let runs = a.is_busy(Kind::Solve) && !a.lighting.is_paused;
+        when(runs, Command::Pause)
+    }),
+    action(Menu::Light, "Go on", shift(Key::F6), |a| {
+        let rests = a.is_busy(Kind::Solve) && a.lighting.is_paused;
+        when(rests, Command::Resume)
+    }),
+    action(Menu::Light, "Stop", key(Key::F7), |a| {
+        when(a.is_busy(Kind::Solve), Command::StopSolving)
+    }),
+    action(Menu::Light, "Take the light off", None, |a| {
+        when(a.lighting.solution.is_some(), Command::DropLight)
+    }),
+    action(Menu::Help, "Keys", key(Key::Questionmark), |_| {
+        Some(Wish::Show(Panel::Keys))
+    }),
+    action(Menu::Help, "Messages", key(Key::F8), |_| {
+        Some(Wish::Show(Panel::Messages))
+    }),
+    action(Menu::Help, "About azulejo", None, |_| {
+        Some(Wish::Show(Panel::About))
+    }),
+];
+
+/// The actions whose keys were pressed. Keys alone are for texts while one is being written.
+pub fn pressed(context: &egui::Context, app: &App) -> Vec<Wish> {
+    let writes = context.text_edit_focused();
+    let mut wishes = Vec::new();
+    // Keys with more modifiers first: Ctrl+Z would take Ctrl+Shift+Z too.
+    let mut keyed: Vec<(&Action, KeyboardShortcut)> =
+        ACTIONS.iter().filter_map(|a| Some((a, a.key?))).collect();
+    keyed.sort_by_key(|(_, k)| !k.modifiers.shift);
+    for (action, key) in keyed {
+        let is_plain = !key.modifiers.command && !is_function(key.logical_key);
+        if writes && is_plain {
+            continue;
+        }
+        if context.input_mut(|input| input.consume_shortcut(&key)) {
+            wishes.extend((action.wish)(app));
+        }
+    }
+    wishes
+}
+
+fn is_function(key: Key) -> bool {
+    let name = key.name();
+    name.len() > 1 && name.starts_with('F') && name[1..].bytes().all(|b| b.is_ascii_digit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn no_key_means_two_things_and_no_name_stands_twice() {
+        let keys: Vec<_> = ACTIONS.iter().filter_map(|a| a.key).collect();
+        let distinct: HashSet<_> = keys.iter().map(|k| format!("{k:?}")).collect();
+        assert_eq!(distinct.len(), keys.len());
+        let names: HashSet<_> = ACTIONS.iter().map(|a| a.label).collect();
+        assert_eq!(names.len(), ACTIONS.len());
+    }
+
+    #[test]
+    fn every_action_knows_when_it_makes_no_sense() {
+        let app = App::quiet();
+        let of = |label: &str| ACTIONS.iter().find(|a| a.label == label).unwrap();
+        for label in ["Undo", "Redo", "Delete", "Pause", "Stop", "Show all"] {
+            assert_eq!((of(label).wish)(&app), None, "{label}");
+        }
+        assert!(ACTIONS.iter().any(|a| (a.wish)(&app).is_some()));
+    }
+}

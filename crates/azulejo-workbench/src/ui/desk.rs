@@ -1,0 +1,54 @@
+//! What every part of the window is given.
+
+use crate::app::App;
+use crate::command::{Command, Selection};
+use crate::document::{Edit, Id};
+use crate::words::Language;
+
+/// The state to show, and the wishes that come of it.
+pub struct Desk<'a> {
+    /// What there is.
+    pub app: &'a App,
+    /// The language to say it in.
+    pub language: Language,
+    /// The drag that goes on, if one does: its edits are one step of undo.
+    pub gesture: Option<u64>,
+    /// What was asked for.
+    pub wishes: Vec<Command>,
+}
+
+impl Desk<'_> {
+    /// `english` in the window's language.
+    pub fn say(&self, english: &'static str) -> &'static str {
+        self.language.say(english)
+    }
+
+    /// Asks for something.
+    pub fn wish(&mut self, command: Command) {
+        self.wishes.push(command);
+    }
+
+    /// Asks for a change of the document.
+    pub fn edit(&mut self, edit: Edit) {
+        self.wishes.push(Command::Edit(edit, self.gesture));
+    }
+
+    /// Selects one thing, or adds it to the selection, or takes it away.
+    pub fn select(&mut self, id: Id, adds: bool) {
+        let mut selection = match adds {
+            true => self.app.selection.clone(),
+            false => Selection::default(),
+        };
+        selection.faces = None;
+        match selection.ids.iter().position(|&i| i == id) {
+            Some(at) => {
+                selection.ids.remove(at);
+            }
+            None => selection.ids.push(id),
+        }
+        if !adds {
+            selection.material = None;
+        }
+        self.wish(Command::Select(selection));
+    }
+}
