@@ -58,4 +58,4 @@ pub use detect::{Format, Unrecognised, detect, read, read_with, recognise};
 pub use error::{Loaded, Position, ReadError, Warning};
 pub use files::{FileError, Files, Folder, Memory};
 pub use options::{Lod, ReadOptions};
-pub use picture::PictureError;
+pub use picture::{PictureError, decode as read_picture};

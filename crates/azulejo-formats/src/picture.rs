@@ -8,7 +8,7 @@ use std::fmt;
 ///
 /// # Errors
 /// [`PictureError`]: another format, damaged, or larger than its bytes justify.
-pub(crate) fn decode(bytes: &[u8]) -> Result<Image, PictureError> {
+pub fn decode(bytes: &[u8]) -> Result<Image, PictureError> {
     match bytes {
         [0xff, 0xd8, ..] => jpeg::read(bytes),
         [b'#', b'?', ..] => hdr::read(bytes),

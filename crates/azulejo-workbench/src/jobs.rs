@@ -129,7 +129,9 @@ impl<T: Send + 'static> Jobs<T> {
             };
             outbox.post(News::Ended(end));
         };
-        let spawned = std::thread::Builder::new().name(format!("{kind:?}")).spawn(run);
+        let spawned = std::thread::Builder::new()
+            .name(format!("{kind:?}"))
+            .spawn(run);
         if let Err(error) = spawned {
             let message = format!("no thread for it: {error}");
             let _ = self.sender.send((id, News::Ended(Some(message))));

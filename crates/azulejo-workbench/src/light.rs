@@ -108,7 +108,9 @@ pub fn solve_document(
     outbox: &Outbox<crate::app::Found>,
 ) -> Result<(), String> {
     let begin = Instant::now();
-    let deadline = settings.time.map(|t| begin + Duration::from_secs_f64(t.clamp(0.0, 1e6)));
+    let deadline = settings
+        .time
+        .map(|t| begin + Duration::from_secs_f64(t.clamp(0.0, 1e6)));
     if let Some(deadline) = deadline {
         progress.set_deadline(deadline);
     }
@@ -132,8 +134,12 @@ pub fn solve_document(
             error: light.report.error,
             residual: light.report.residual,
         };
-        let solution =
-            Solution::new(document.clone(), scene.clone(), light.irradiance, light.report);
+        let solution = Solution::new(
+            document.clone(),
+            scene.clone(),
+            light.irradiance,
+            light.report,
+        );
         outbox.send(crate::app::Found::Light(Box::new(solution), moment));
         if progress.out_of_time() {
             break;

@@ -5,7 +5,6 @@ use crate::words::Language;
 use azulejo::output::Output;
 use azulejo::trace::Progress;
 use serde::{Deserialize, Serialize};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Bright or dark.

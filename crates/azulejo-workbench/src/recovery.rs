@@ -60,11 +60,10 @@ impl Recovery {
 
     /// Copies go into `folder`; finds what sessions left there.
     pub fn new(folder: PathBuf) -> Recovery {
-        Recovery {
-            found: left_behind(&folder),
-            folder: Some(folder),
-            ..Recovery::default()
-        }
+        let mut recovery = Recovery::nowhere();
+        recovery.found = left_behind(&folder);
+        recovery.folder = Some(folder);
+        recovery
     }
 
     /// What sessions left behind.
@@ -147,7 +146,10 @@ impl Session {
         };
         // Without a note the copy is still found; only its name is lost.
         if let Ok(text) = toml::to_string(&note) {
-            let file = OpenOptions::new().write(true).truncate(true).open(&self.note);
+            let file = OpenOptions::new()
+                .write(true)
+                .truncate(true)
+                .open(&self.note);
             let _ = file.and_then(|mut f| f.write_all(text.as_bytes()));
         }
     }
@@ -202,7 +204,10 @@ mod tests {
         std::fs::write(&copy, "GRF").unwrap();
         alive.done(1);
         assert_eq!(alive.due(1, None), None);
-        assert_eq!(alive.due(2, Some(Path::new("/a/room.3ds"))), Some(copy.clone()));
+        assert_eq!(
+            alive.due(2, Some(Path::new("/a/room.3ds"))),
+            Some(copy.clone())
+        );
         assert_eq!(Recovery::new(folder.clone()).found(), []);
 
         // It dies: its lock goes, its files stay.

@@ -100,7 +100,11 @@ impl App {
         let keeps = !replaces && !self.document.items.is_empty();
         let units = keeps.then_some(self.document.units);
         let branches = self.document.branches.iter().map(|b| b.name.clone());
-        let taken: Vec<String> = if keeps { branches.collect() } else { Vec::new() };
+        let taken: Vec<String> = if keeps {
+            branches.collect()
+        } else {
+            Vec::new()
+        };
         let title = match &paths[..] {
             [one] => one.display().to_string(),
             several => format!("{} files", several.len()),
@@ -234,7 +238,10 @@ impl App {
         self.tell(Level::Note, format!("saved {name}{light}"));
         if !saved.losses.is_empty() {
             let losses = saved.losses.join(", ");
-            self.tell(Level::Warning, format!("{name} does not keep all: {losses}"));
+            self.tell(
+                Level::Warning,
+                format!("{name} does not keep all: {losses}"),
+            );
         }
         self.preferences.note_recent(&saved.path);
         self.store_preferences();
@@ -311,12 +318,13 @@ impl App {
         let (document, revision) = (self.document.clone(), self.revision);
         let solution = self.lighting.solution.clone();
         let title = "copy for recovery";
-        self.jobs.start(Kind::Autosave, title, move |progress, outbox| {
-            let (scene, _) = document.lit_scene(solution.as_deref());
-            models::write(&scene, &path, progress).map_err(|e| e.to_string())?;
-            outbox.send(Found::Autosaved(revision));
-            Ok(())
-        });
+        self.jobs
+            .start(Kind::Autosave, title, move |progress, outbox| {
+                let (scene, _) = document.lit_scene(solution.as_deref());
+                models::write(&scene, &path, progress).map_err(|e| e.to_string())?;
+                outbox.send(Found::Autosaved(revision));
+                Ok(())
+            });
     }
 
     /// When the window should be drawn again although nothing happens: for a copy that is due.
@@ -349,7 +357,7 @@ impl App {
         let title = path.display().to_string();
         self.jobs.start(Kind::Load, title, move |_, outbox| {
             let bytes = models::read_bytes(&path).map_err(|e| e.to_string())?;
-            let image = azulejo::formats::picture(&bytes).map_err(|e| e.to_string())?;
+            let image = azulejo::formats::read_picture(&bytes).map_err(|e| e.to_string())?;
             outbox.send(Found::Backdrop(Box::new(image)));
             Ok(())
         });

@@ -110,11 +110,12 @@ impl App {
         self.lighting.is_paused = false;
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        self.jobs.start(Kind::Solve, "light", move |progress, outbox| {
-            on_own_threads(threads, || {
-                solve_document(&document, &settings, progress, outbox)
-            })
-        });
+        self.jobs
+            .start(Kind::Solve, "light", move |progress, outbox| {
+                on_own_threads(threads, || {
+                    solve_document(&document, &settings, progress, outbox)
+                })
+            });
     }
 
     pub(super) fn pause(&mut self, rest: bool) {

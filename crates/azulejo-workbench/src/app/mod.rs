@@ -507,7 +507,12 @@ impl App {
     }
 
     fn cancel(&mut self, id: u64) {
-        let kind = self.jobs.running().iter().find(|j| j.id == id).map(|j| j.kind);
+        let kind = self
+            .jobs
+            .running()
+            .iter()
+            .find(|j| j.id == id)
+            .map(|j| j.kind);
         self.jobs.cancel(id);
         match kind {
             Some(Kind::Load) => self.end_loading(),

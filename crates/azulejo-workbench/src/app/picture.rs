@@ -52,10 +52,11 @@ impl App {
             most: self.preferences.picture_samples,
         };
         let threads = self.preferences.threads;
-        self.jobs.start(Kind::Picture, "picture", move |progress, outbox| {
-            on_own_threads(threads, || work.run(progress, outbox));
-            Ok(())
-        });
+        self.jobs
+            .start(Kind::Picture, "picture", move |progress, outbox| {
+                on_own_threads(threads, || work.run(progress, outbox));
+                Ok(())
+            });
     }
 
     pub(super) fn stop_picture(&mut self) {

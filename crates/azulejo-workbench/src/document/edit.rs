@@ -1,9 +1,7 @@
 //! All the ways in which a document changes.
 
 use super::{Document, Id, Item, Lamp, NewLight, NewShape, Viewpoint, map_materials};
-use azulejo::scene::{
-    Camera, Fog, Light, Material, MaterialId, Rgb, Scene, Shape, Units,
-};
+use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Rgb, Scene, Shape, Units};
 use glam::DAffine3;
 use std::collections::BTreeSet;
 use std::fmt;
@@ -223,7 +221,9 @@ impl Document {
         if !taken.contains(name) {
             return name.to_owned();
         }
-        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+        let stem = name
+            .trim_end_matches(|c: char| c.is_ascii_digit())
+            .trim_end();
         let numbered = (2u64..).map(|n| format!("{stem} {n}"));
         let mut free = numbered.filter(|candidate| !taken.contains(candidate.as_str()));
         free.next().unwrap_or_default()

@@ -110,11 +110,16 @@ impl Lettering {
     /// No text or too much, no positive depth, a font that cannot be read or lacks a character.
     pub fn set(text: &str, depth: f64, font: Option<(&[u8], &str)>) -> Result<Lettering, Refused> {
         if text.trim().is_empty() || text.len() > LONGEST {
-            let message = format!("{} bytes of text, expected 1 to {LONGEST}", text.trim().len());
+            let message = format!(
+                "{} bytes of text, expected 1 to {LONGEST}",
+                text.trim().len()
+            );
             return Err(Refused(message));
         }
         if !(depth > 0.0 && depth.is_finite()) {
-            return Err(Refused(format!("letters {depth} deep, expected more than 0")));
+            return Err(Refused(format!(
+                "letters {depth} deep, expected more than 0"
+            )));
         }
         let (bytes, name) = font.unwrap_or((TYPEFACE, "dejavu-serif.ppf"));
         let lines = if is_ppf(bytes) {
@@ -214,15 +219,19 @@ impl NewShape {
         let (s, r) = (self.size, 0.5 * self.size);
         let column = DVec3::new(r, r, s);
         match &self.kind {
-            NewKind::Cuboid => {
-                primitive(PrimitiveKind::Cuboid, DVec3::splat(s), DVec3::new(-r, -r, 0.0))
-            }
+            NewKind::Cuboid => primitive(
+                PrimitiveKind::Cuboid,
+                DVec3::splat(s),
+                DVec3::new(-r, -r, 0.0),
+            ),
             NewKind::Sphere => primitive(PrimitiveKind::Sphere, DVec3::splat(r), r * DVec3::Z),
             NewKind::Cylinder => primitive(PrimitiveKind::Cylinder, column, DVec3::ZERO),
             NewKind::Cone => primitive(PrimitiveKind::Cone { top: 0.0 }, column, DVec3::ZERO),
-            NewKind::Square => {
-                primitive(PrimitiveKind::Square, DVec3::splat(s), DVec3::new(-r, -r, 0.0))
-            }
+            NewKind::Square => primitive(
+                PrimitiveKind::Square,
+                DVec3::splat(s),
+                DVec3::new(-r, -r, 0.0),
+            ),
             // Turned about x, so that the front looks down.
             NewKind::AreaLight => primitive(
                 PrimitiveKind::Square,

@@ -245,11 +245,7 @@ impl Document {
     fn scene_of(&self, object: impl Fn(&Item) -> Object) -> Scene {
         Scene {
             objects: self.items.iter().map(object).collect(),
-            materials: self
-                .materials
-                .iter()
-                .map(|m| Material::clone(m))
-                .collect(),
+            materials: self.materials.iter().map(|m| Material::clone(m)).collect(),
             textures: self.textures.iter().map(|t| Texture::clone(t)).collect(),
             lights: self.lights.iter().map(|l| l.light.clone()).collect(),
             cameras: self.cameras.iter().map(|c| c.camera.clone()).collect(),
@@ -345,10 +341,7 @@ impl Document {
 /// Changes every material that a shape refers to.
 fn map_materials(shape: &mut Shape, change: &mut impl FnMut(MaterialId) -> MaterialId) {
     match shape {
-        Shape::Mesh(mesh) => mesh
-            .face_materials
-            .iter_mut()
-            .for_each(|m| *m = change(*m)),
+        Shape::Mesh(mesh) => mesh.face_materials.iter_mut().for_each(|m| *m = change(*m)),
         Shape::Primitive(p) => p.material = change(p.material),
         Shape::Exact(exact) => exact.map_materials(change),
     }

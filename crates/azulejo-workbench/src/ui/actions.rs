@@ -148,9 +148,7 @@ fn shape(app: &App, kind: NewKind) -> Option<Wish> {
     let up = app.document.units.up.axis();
     let at = match kind {
         // A lamp hangs a little below the top of what there is: under a ceiling, not in it.
-        NewKind::AreaLight => {
-            bounds.centre() + up * (0.48 * bounds.size().dot(up)).max(0.5 * size)
-        }
+        NewKind::AreaLight => bounds.centre() + up * (0.48 * bounds.size().dot(up)).max(0.5 * size),
         _ => app.ground(),
     };
     edit(Edit::AddShape(NewShape {
@@ -201,7 +199,10 @@ pub const ACTIONS: &[Action] = &[
         done(Command::Ask(Ask::Add))
     }),
     action(Menu::File, "Save", ctrl(Key::S), |a| {
-        when(!a.document.items.is_empty() || a.is_changed(), Command::Save)
+        when(
+            !a.document.items.is_empty() || a.is_changed(),
+            Command::Save,
+        )
     }),
     action(Menu::File, "Save as…", ctrl_shift(Key::S), |_| {
         done(Command::Ask(Ask::SaveAs))
@@ -250,7 +251,9 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Add, "Cylinder", None, |a| shape(a, NewKind::Cylinder)),
     action(Menu::Add, "Cone", None, |a| shape(a, NewKind::Cone)),
     action(Menu::Add, "Square", None, |a| shape(a, NewKind::Square)),
-    action(Menu::Add, "Text…", None, |_| Some(Wish::Show(Panel::Text))),
+    action(Menu::Add, "Text…", None, |_| {
+        Some(Wish::Show(Panel::Text))
+    }),
     action(Menu::Add, "Area light", ctrl(Key::L), |a| {
         shape(a, NewKind::AreaLight)
     }),
@@ -342,9 +345,12 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Shading, "Patches", ctrl(Key::Num9), |a| {
         shade(a, Shading::Patches)
     }),
-    action(Menu::Shading, "Form factors of a patch", ctrl(Key::Num0), |a| {
-        shade(a, Shading::FormFactors)
-    }),
+    action(
+        Menu::Shading,
+        "Form factors of a patch",
+        ctrl(Key::Num0),
+        |a| shade(a, Shading::FormFactors),
+    ),
     action(Menu::Shading, "Normals and backs", ctrl(Key::Minus), |a| {
         shade(a, Shading::Normals)
     }),

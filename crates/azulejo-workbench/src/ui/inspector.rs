@@ -3,9 +3,7 @@
 use super::desk::Desk;
 use crate::command::{Command, Selection};
 use crate::document::{Document, Edit, Item, Lamp, Viewpoint};
-use azulejo::scene::{
-    Camera, Light, LightKind, MaterialId, PrimitiveKind, Rgb, Shape, Units,
-};
+use azulejo::scene::{Camera, Light, LightKind, MaterialId, PrimitiveKind, Rgb, Shape, Units};
 use egui::{DragValue, Grid, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::sync::Arc;
@@ -48,7 +46,10 @@ fn nothing(ui: &mut Ui, desk: &mut Desk) {
         row(desk.say("Faces"), document.face_count().to_string());
         row(desk.say("Lights"), document.lights.len().to_string());
         let size = document.bounds(None).size();
-        row(desk.say("Size"), format!("{:.4} × {:.4} × {:.4}", size.x, size.y, size.z));
+        row(
+            desk.say("Size"),
+            format!("{:.4} × {:.4} × {:.4}", size.x, size.y, size.z),
+        );
     });
     units(ui, desk);
 }
@@ -60,9 +61,10 @@ fn units(ui: &mut Ui, desk: &mut Desk) {
     ui.horizontal(|ui| {
         ui.label(desk.say("One unit is"));
         let mut metres = units.metres();
+        let speed = 0.01 * metres;
         let drag = DragValue::new(&mut metres)
             .range(1e-9..=1e9)
-            .speed(0.01 * metres)
+            .speed(speed)
             .suffix(" m");
         if ui.add(drag.update_while_editing(false)).changed() {
             units.metres_per_unit = Some(metres);
@@ -148,7 +150,10 @@ fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool {
     ui.label(name);
     let mut changed = false;
     ui.horizontal(|ui| {
-        for (axis, x) in ["x", "y", "z"].into_iter().zip([&mut v.x, &mut v.y, &mut v.z]) {
+        for (axis, x) in ["x", "y", "z"]
+            .into_iter()
+            .zip([&mut v.x, &mut v.y, &mut v.z])
+        {
             let drag = DragValue::new(x)
                 .speed(speed)
                 .max_decimals(6)
@@ -156,11 +161,7 @@ fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool {
                 .update_while_editing(false);
             let response = ui.add_sized([96.0, ui.spacing().interact_size.y], drag);
             response.widget_info(|| {
-                egui::WidgetInfo::labeled(
-                    egui::WidgetType::DragValue,
-                    true,
-                    format!("{name} {axis}"),
-                )
+                egui::WidgetInfo::labeled(egui::Role::SpinButton, true, format!("{name} {axis}"))
             });
             changed |= response.changed();
         }
@@ -175,8 +176,7 @@ fn speed(document: &Document) -> f64 {
 }
 
 fn placement(ui: &mut Ui, desk: &mut Desk, item: &Item) {
-    let (mut scale, rotation, mut translation) =
-        item.placement.to_scale_rotation_translation();
+    let (mut scale, rotation, mut translation) = item.placement.to_scale_rotation_translation();
     let angles = DVec3::from(rotation.to_euler(EulerRot::XYZ)).map(f64::to_degrees);
     let mut turned = angles;
     let is_plain = {
@@ -247,7 +247,10 @@ fn assign(ui: &mut Ui, desk: &mut Desk) {
     ui.label(desk.say("Materials"));
     for &material in used.iter().take(20) {
         let is_it = selection.material == Some(material);
-        if ui.selectable_label(is_it, named(document, material)).clicked() {
+        if ui
+            .selectable_label(is_it, named(document, material))
+            .clicked()
+        {
             let mut selection = selection.clone();
             selection.material = Some(material);
             desk.wish(Command::Select(selection));
@@ -265,7 +268,10 @@ fn assign(ui: &mut Ui, desk: &mut Desk) {
         })
         .show_ui(ui, |ui| {
             for k in 0..document.materials.len() as MaterialId {
-                if ui.selectable_label(used == [k], named(document, k)).clicked() {
+                if ui
+                    .selectable_label(used == [k], named(document, k))
+                    .clicked()
+                {
                     chosen = Some(k);
                 }
             }
@@ -315,9 +321,7 @@ pub fn light_color(ui: &mut Ui, desk: &Desk, name: &str, unit: &str, light: &mut
             .suffix(format!(" {unit}"))
             .update_while_editing(false);
         let response = ui.add(drag);
-        response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::WidgetType::DragValue, true, name)
-        });
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, true, name));
         changed |= response.changed();
     });
     let _ = desk;
@@ -333,49 +337,51 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
     let units = desk.app.document.units;
     let step = speed(&desk.app.document);
     let mut changed = false;
-    Grid::new("light").num_columns(2).show(ui, |ui| match &mut light.kind {
-        LightKind::Point {
-            position,
-            intensity,
-        } => {
-            changed |= vector(ui, desk.say("Position"), position, step);
-            let name = desk.say("Intensity");
-            ui.label(name);
-            changed |= light_color(ui, desk, name, unit(units, "W/sr", "cd"), intensity);
-            ui.end_row();
-        }
-        LightKind::Spot {
-            position,
-            direction,
-            intensity,
-            inner,
-            outer,
-        } => {
-            changed |= vector(ui, desk.say("Position"), position, step);
-            changed |= unit_vector(ui, desk.say("Direction"), direction);
-            let name = desk.say("Intensity");
-            ui.label(name);
-            changed |= light_color(ui, desk, name, unit(units, "W/sr", "cd"), intensity);
-            ui.end_row();
-            changed |= cone(ui, desk, inner, outer);
-        }
-        LightKind::Directional {
-            direction,
-            irradiance,
-        } => {
-            changed |= unit_vector(ui, desk.say("Direction"), direction);
-            let name = desk.say("Irradiance");
-            ui.label(name);
-            changed |= light_color(ui, desk, name, unit(units, "W/m²", "lx"), irradiance);
-            ui.end_row();
-        }
-        LightKind::Ambient { radiance } => {
-            let name = desk.say("Radiance");
-            ui.label(name);
-            changed |= light_color(ui, desk, name, unit(units, "W/(sr·m²)", "cd/m²"), radiance);
-            ui.end_row();
-        }
-    });
+    Grid::new("light")
+        .num_columns(2)
+        .show(ui, |ui| match &mut light.kind {
+            LightKind::Point {
+                position,
+                intensity,
+            } => {
+                changed |= vector(ui, desk.say("Position"), position, step);
+                let name = desk.say("Intensity");
+                ui.label(name);
+                changed |= light_color(ui, desk, name, unit(units, "W/sr", "cd"), intensity);
+                ui.end_row();
+            }
+            LightKind::Spot {
+                position,
+                direction,
+                intensity,
+                inner,
+                outer,
+            } => {
+                changed |= vector(ui, desk.say("Position"), position, step);
+                changed |= unit_vector(ui, desk.say("Direction"), direction);
+                let name = desk.say("Intensity");
+                ui.label(name);
+                changed |= light_color(ui, desk, name, unit(units, "W/sr", "cd"), intensity);
+                ui.end_row();
+                changed |= cone(ui, desk, inner, outer);
+            }
+            LightKind::Directional {
+                direction,
+                irradiance,
+            } => {
+                changed |= unit_vector(ui, desk.say("Direction"), direction);
+                let name = desk.say("Irradiance");
+                ui.label(name);
+                changed |= light_color(ui, desk, name, unit(units, "W/m²", "lx"), irradiance);
+                ui.end_row();
+            }
+            LightKind::Ambient { radiance } => {
+                let name = desk.say("Radiance");
+                ui.label(name);
+                changed |= light_color(ui, desk, name, unit(units, "W/(sr·m²)", "cd/m²"), radiance);
+                ui.end_row();
+            }
+        });
     ui.weak(attenuation(&light, desk));
     if changed {
         desk.edit(Edit::SetLight(lamp.id, light));

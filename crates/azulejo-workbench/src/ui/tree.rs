@@ -250,7 +250,7 @@ impl Tree {
         let name = format!("{} {label}", if is_open { "−" } else { "+" });
         let toggle = ui.add(egui::Button::new(arrow).small().frame(false));
         toggle.widget_info(|| {
-            egui::WidgetInfo::selected(egui::WidgetType::CollapsingHeader, true, is_open, &name)
+            egui::WidgetInfo::selected(egui::Role::DisclosureTriangle, true, is_open, &name)
         });
         if toggle.clicked() {
             match is_open {
