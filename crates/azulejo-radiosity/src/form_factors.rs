@@ -9,7 +9,7 @@
 //!
 //! [`form_factors`] does all of it, in this order. [`FormFactors::grouped`] and
 //! [`FormFactors::truncate`] make smaller matrices of the result, [`FormFactors::interchange`] one
-//! with all reflections in it.
+//! with all reflections in it. [`form_factors_from`] finds one row alone.
 
 mod analytic;
 mod balance;
@@ -24,6 +24,7 @@ mod kinship;
 mod matrix;
 mod merge;
 mod near;
+mod one_row;
 mod options;
 mod rows;
 mod shaft;
@@ -47,6 +48,7 @@ pub use forecast::Forecast;
 pub use journal::{Journal, NoJournal, Stage};
 pub use kinship::Kinship;
 pub use matrix::{FormFactors, Moved, Rest, Truncated};
+pub use one_row::{Factor, FactorsFrom, form_factors_from};
 pub use options::{Closure, FormFactorOptions, MOST_RAYS};
 use rows::Tracing;
 use sides::Sides;

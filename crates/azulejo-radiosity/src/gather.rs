@@ -3,7 +3,7 @@
 use azulejo_scene::Rgb;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
-    Progress, REPLICATES,
+    Measure, Progress, REPLICATES,
 };
 use rayon::prelude::*;
 
@@ -119,6 +119,19 @@ pub fn gather(
     seed: u32,
     progress: &Progress,
 ) -> Result<Gathering, Cancelled> {
+    gather_watched(gatherer, light, points, effort, seed, progress, &mut |_| ())
+}
+
+/// As [`gather`]; shows what there is after each pass but the last.
+pub(crate) fn gather_watched(
+    gatherer: &Gatherer,
+    light: &impl DiffuseLight,
+    points: &[GatherPoint],
+    effort: Effort,
+    seed: u32,
+    progress: &Progress,
+    watch: &mut dyn FnMut(&Gathering),
+) -> Result<Gathering, Cancelled> {
     let task = Task {
         gatherer,
         light,
@@ -137,11 +150,11 @@ pub fn gather(
         spent: vec![0; points.len()],
     };
     task.raise(&mut all, &vec![rays; points.len()])?;
-    let Some(goal) = effort.error else {
-        return Ok(all);
-    };
-    while !progress.out_of_time() {
-        if all.relative_error() <= goal {
+    loop {
+        let error = all.relative_error();
+        progress.measured(Measure::Error(error));
+        let Some(goal) = effort.error else { break };
+        if progress.out_of_time() || error <= goal {
             break;
         }
         let variances = relative_variances(&all.gathered);
@@ -149,6 +162,7 @@ pub fn gather(
         if totals == all.spent {
             break;
         }
+        watch(&all);
         task.raise(&mut all, &totals)?;
     }
     Ok(all)

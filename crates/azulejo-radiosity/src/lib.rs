@@ -36,15 +36,20 @@ pub mod stochastic;
 pub mod system;
 pub mod truth;
 pub mod vertices;
+mod watch;
 
 pub use engine::{DrawnBy, Engine, Hemicube, Ran};
-pub use form_factors::{Closure, FormFactorOptions, FormFactors, form_factors};
+pub use form_factors::{
+    Closure, Factor, FactorsFrom, FormFactorOptions, FormFactors, form_factors, form_factors_from,
+};
 pub use patch::{
     DisplayVertex, FaceId, GivenVertex, PatchPoint, PatchSize, Patches, Polygon, RefinedShape,
 };
 pub use solve::{
     Estimate, FirstPass, Light, Method, PointNormal, Probed, Report, SolveError, probe, solve,
+    solve_watched,
 };
 pub use solved::{PatchRadiosity, radiosity};
 pub use stand_in::{CHORD_ERROR, faceted};
 pub use system::Balance;
+pub use watch::{Preview, Settled};

@@ -22,7 +22,7 @@ use crate::system::{Found, System};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Gathered, Gatherer, Glints, Progress, REPLICATES};
+use azulejo_trace::{Cancelled, Gathered, Gatherer, Glints, Measure, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -99,7 +99,9 @@ pub fn refine(
     let mut spent = Spent::default();
     for _ in 0..MOST_ROUNDS {
         let strengths = strengths(&rows, system, patches);
-        if progress.out_of_time() || reached(&rows, &strengths) <= goal.error * goal.error {
+        let reached = reached(&rows, &strengths);
+        progress.measured(Measure::PatchError(reached.sqrt()));
+        if progress.out_of_time() || reached <= goal.error * goal.error {
             break;
         }
         let totals = allot(&rows, &strengths, costs, goal.error, most);

@@ -1,13 +1,14 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
 use crate::engine::{Engine, Ran};
-use crate::gather::{Effort, MOST_RAYS, gather};
+use crate::gather::{Effort, MOST_RAYS, gather, gather_watched};
 use crate::patch::PatchSize;
 use crate::refine::Goal;
 use crate::solved::Solved;
 use crate::stand_in::StandIn;
 use crate::system::Balance;
 use crate::vertices;
+use crate::watch::{Preview, Watcher};
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, Tracer};
@@ -233,8 +234,59 @@ pub fn solve(
     pass: &FirstPass,
     progress: &Progress,
 ) -> Result<Light, SolveError> {
+    solve_for(None, scene, tracer, pass, progress)
+}
+
+/// As [`solve`], and shows the light while it settles: as soon as the patches are solved, and
+/// after each pass over the vertices, but at most once a second. The last pass is not shown, for
+/// it is what is returned, the same to the bit as by [`solve`].
+///
+/// The solver waits while `watch` is at work; a preview costs about as much as a copy of the
+/// divided scene.
+///
+/// # Errors
+/// As [`solve`].
+///
+/// ```
+/// use azulejo_radiosity::{FirstPass, PatchSize, solve_watched};
+/// use azulejo_scene::synthetic::{CornellVariant, cornell_box};
+/// use azulejo_trace::{Progress, Tracer};
+///
+/// let mut scene = cornell_box(CornellVariant::Diffuse);
+/// let (tracer, given) = (Tracer::new(&scene), scene.clone());
+/// let pass = FirstPass { size: PatchSize::Count(100), ..FirstPass::default() };
+/// let mut shown = 0;
+/// let light = solve_watched(&given, &tracer, &pass, &Progress::new(), &mut |preview| {
+///     scene.set_irradiance(preview.irradiance);
+///     shown += 1;
+/// })?;
+/// assert!(shown > 0);
+/// scene.set_irradiance(light.irradiance);
+/// # Ok::<(), azulejo_radiosity::SolveError>(())
+/// ```
+pub fn solve_watched(
+    scene: &Scene,
+    tracer: &Tracer,
+    pass: &FirstPass,
+    progress: &Progress,
+    watch: &mut dyn FnMut(Preview),
+) -> Result<Light, SolveError> {
+    solve_for(Some(watch), scene, tracer, pass, progress)
+}
+
+fn solve_for(
+    watch: Option<&mut dyn FnMut(Preview)>,
+    scene: &Scene,
+    tracer: &Tracer,
+    pass: &FirstPass,
+    progress: &Progress,
+) -> Result<Light, SolveError> {
     let stand_in = StandIn::new(scene, tracer, pass.size);
-    let solved = Solved::new(&stand_in, pass, progress)?;
+    let mut watcher = Watcher::new(watch, &stand_in, pass.keep_mesh);
+    let solved = Solved::new(&stand_in, pass, progress, &mut |patches, found| {
+        watcher.see_patches(patches, found);
+    })?;
+    watcher.see_patches(&solved.patches, &solved.found);
     let targets = vertices::targets(
         scene,
         &solved.patches,
@@ -243,13 +295,14 @@ pub fn solve(
     );
     let light = solved.light(pass);
     let seed = hash(&[pass.key(), 1]);
-    let found = gather(
+    let found = gather_watched(
         &solved.gatherer,
         &light,
         &targets.points,
         pass.effort(),
         seed,
         progress,
+        &mut |found| watcher.see_vertices(&targets, &solved.patches, found),
     )?;
     let irradiance = targets.irradiance(&stand_in.scene, &solved.patches, &found);
     Ok(Light {
@@ -300,7 +353,7 @@ pub fn probe(
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
     let stand_in = StandIn::new(scene, tracer, pass.size);
-    let solved = Solved::new(&stand_in, pass, progress)?;
+    let solved = Solved::new(&stand_in, pass, progress, &mut |_, _| ())?;
     let points = stand_in.on_polygons(points);
     let light = solved.light(pass);
     let place = |(i, p): (usize, &PointNormal)| GatherPoint {

@@ -13,7 +13,7 @@ use crate::stochastic;
 use crate::system::{Found, System};
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Gathered, Gatherer, Progress, Surfaces, Tracer};
+use azulejo_trace::{Gathered, Gatherer, Measure, Progress, Surfaces, Tracer};
 use std::f64::consts::PI;
 
 /// The radiosity of every patch.
@@ -37,7 +37,7 @@ pub fn radiosity(
     progress: &Progress,
 ) -> Result<PatchRadiosity, SolveError> {
     let stand_in = StandIn::new(scene, tracer, pass.size);
-    let solved = Solved::new(&stand_in, pass, progress)?;
+    let solved = Solved::new(&stand_in, pass, progress, &mut |_, _| ())?;
     let nothing = Gathering {
         gathered: Vec::new(),
         spent: Vec::new(),
@@ -62,11 +62,15 @@ pub(crate) struct Solved<'a> {
     ran: Ran,
 }
 
+/// Is shown a solution that is going to be refined.
+pub(crate) type Watch<'a> = &'a mut dyn FnMut(&Patches, &Found);
+
 impl<'a> Solved<'a> {
     pub fn new(
         stand_in: &'a StandIn,
         pass: &FirstPass,
         progress: &Progress,
+        watch: Watch,
     ) -> Result<Solved<'a>, SolveError> {
         let (scene, tracer) = (stand_in.scene.as_ref(), stand_in.tracer.as_ref());
         if !scene.has_light() {
@@ -89,7 +93,7 @@ impl<'a> Solved<'a> {
             seed,
         };
         let (found, spent, method, ran) = if expected <= pass.memory {
-            let (found, spent, ran) = parts.matrix(pass, progress)?;
+            let (found, spent, ran) = parts.matrix(pass, progress, watch)?;
             (found, spent, Method::Matrix, ran)
         } else {
             let found = stochastic::solve(
@@ -108,6 +112,7 @@ impl<'a> Solved<'a> {
                 parts.shot(pass, expected),
             )
         };
+        progress.measured(Measure::PatchError(found.error(&patches)));
         Ok(Solved {
             gatherer,
             patches,
@@ -203,6 +208,7 @@ impl Parts<'_> {
         &self,
         pass: &FirstPass,
         progress: &Progress,
+        watch: Watch,
     ) -> Result<(Found, Spent, Ran), SolveError> {
         let &Parts {
             gatherer,
@@ -232,6 +238,7 @@ impl Parts<'_> {
         if coarse.error(patches) <= goal.error || progress.out_of_time() {
             return Ok((coarse, Spent::default(), ran));
         }
+        watch(patches, &coarse);
         let spent = refine(
             &mut system,
             &coarse,

@@ -52,7 +52,7 @@ fn area(scene: &Scene) -> f64 {
 
 /// A scene of polygons and primitives, and its tracer: the caller's own where that is possible.
 pub(crate) struct StandIn<'a> {
-    given: &'a Scene,
+    pub given: &'a Scene,
     pub scene: Cow<'a, Scene>,
     pub tracer: Cow<'a, Tracer>,
 }

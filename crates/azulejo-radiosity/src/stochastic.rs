@@ -108,6 +108,7 @@ pub fn solve(
             let power = shooter.total(&unshot).max_channel();
             state.residual = if first > 0.0 { power / first } else { 0.0 };
             shots += state.residual;
+            progress.measured(state.measure(r));
             if state.residual <= REST
                 || shots > MOST_SHOTS
                 || bounces.is_some_and(|most| state.iterations >= most)

@@ -11,7 +11,7 @@ use crate::matrix::Matrix;
 use crate::patch::Patches;
 use crate::row::{Entry, Row, Side, side};
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::{Cancelled, DirectLight, Gathered, Gatherer, Progress, REPLICATES};
+use azulejo_trace::{Cancelled, DirectLight, Gathered, Gatherer, Measure, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -63,6 +63,17 @@ pub struct Convergence {
     pub iterations: u32,
     /// Largest change of a patch in the last iteration, relative to the largest R.
     pub residual: f64,
+}
+
+impl Convergence {
+    /// How far one replicate has come, for whoever watches.
+    pub(crate) fn measure(&self, replicate: usize) -> Measure {
+        Measure::Residual {
+            replicate: replicate as u32,
+            iteration: self.iterations,
+            value: self.residual,
+        }
+    }
 }
 
 impl System {
@@ -214,6 +225,7 @@ impl System {
             }
             state.iterations += 1;
             state.residual = if largest > 0.0 { change / largest } else { 0.0 };
+            progress.measured(state.measure(replicate));
             if state.residual <= tolerance {
                 break;
             }

@@ -64,7 +64,7 @@ pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bo
     targets
 }
 
-/// Irradiance of all display vertices, and its standard error.
+/// Irradiance of all display vertices, and its standard error or nothing.
 struct Values<'a> {
     irradiance: &'a [Rgb],
     error: &'a [Rgb],
@@ -73,21 +73,44 @@ struct Values<'a> {
 impl Targets {
     /// What was gathered at the points, on the objects of the scene that was divided.
     pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &Gathering) -> Irradiance {
-        let values: Vec<Rgb> = found
-            .gathered
-            .iter()
-            .map(Gathered::mean)
-            .map(positive)
-            .collect();
+        let means = found.gathered.iter().map(Gathered::mean);
+        let values: Vec<Rgb> = means.map(positive).collect();
         let light = Values {
             irradiance: &values,
             error: &found.standard_errors(),
         };
-        let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
-            Shape::Mesh(mesh) if self.is_kept[object] => {
-                given(patches, object as u32, mesh, &light)
+        self.of_objects(scene, patches, &light)
+    }
+
+    /// The same from the irradiance of the sides of patches, as the mean of those that meet at a
+    /// vertex by their areas: coarse, without highlights or contact shadows, and without errors.
+    pub fn interpolated(&self, scene: &Scene, patches: &Patches, incident: &[Rgb]) -> Irradiance {
+        let at = |(vertex, &is_turned): (usize, &bool)| {
+            let around = patches.patches_at(vertex).iter();
+            let (mut sum, mut areas) = (Rgb::BLACK, 0.0);
+            for &p in around {
+                let area = patches.area(p as usize);
+                sum += incident[side(p, !is_turned) as usize] * area;
+                areas += area;
             }
-            _ => self.refined(scene, patches, object as u32, &light),
+            if areas > 0.0 {
+                positive(sum / areas)
+            } else {
+                Rgb::BLACK
+            }
+        };
+        let values: Vec<Rgb> = self.is_turned.iter().enumerate().map(at).collect();
+        let light = Values {
+            irradiance: &values,
+            error: &[],
+        };
+        self.of_objects(scene, patches, &light)
+    }
+
+    fn of_objects(&self, scene: &Scene, patches: &Patches, light: &Values) -> Irradiance {
+        let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
+            Shape::Mesh(mesh) if self.is_kept[object] => given(patches, object as u32, mesh, light),
+            _ => self.refined(scene, patches, object as u32, light),
         };
         Irradiance {
             objects: scene.objects.iter().enumerate().map(of_object).collect(),
@@ -103,7 +126,7 @@ impl Targets {
     ) -> ObjectIrradiance {
         let range = patches.vertices_of(object);
         let values = light.irradiance[range.clone()].to_vec();
-        let errors = light.error[range.clone()].to_vec();
+        let errors = light.error.get(range.clone()).unwrap_or(&[]).to_vec();
         match patches.refined(object, scene) {
             RefinedShape::Mesh(mut mesh) => {
                 turn_faces(&mut mesh, &self.is_turned[range]);
@@ -135,7 +158,9 @@ fn given(patches: &Patches, object: u32, mesh: &Mesh, light: &Values) -> ObjectI
             if total > 0.0 { sum / total } else { Rgb::BLACK }
         };
         irradiance.push(mean(light.irradiance));
-        error.push(mean(light.error));
+        if !light.error.is_empty() {
+            error.push(mean(light.error));
+        }
     }
     ObjectIrradiance::Vertices { irradiance, error }
 }

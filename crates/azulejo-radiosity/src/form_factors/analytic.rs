@@ -74,7 +74,7 @@ impl Prepared<'_> {
         Ok(factors)
     }
 
-    fn looker(&self, rays: u32) -> Estimator<'_> {
+    pub(super) fn looker(&self, rays: u32) -> Estimator<'_> {
         Estimator::new(
             &Engine::Rays,
             &self.gatherer,

@@ -177,7 +177,7 @@ fn transposed(
 }
 
 /// For each column that the formula knows, its estimate or the rays', whichever is better known.
-fn better(exact: &[Exact], rays: &[Exact]) -> Vec<Exact> {
+pub(super) fn better(exact: &[Exact], rays: &[Exact]) -> Vec<Exact> {
     let mut chosen = Vec::with_capacity(exact.len());
     union(
         exact,
@@ -196,7 +196,7 @@ fn better(exact: &[Exact], rays: &[Exact]) -> Vec<Exact> {
 }
 
 /// Sums of two rows of independent estimates, without the zeros.
-fn sum(a: &[Exact], b: &[Exact]) -> Vec<Exact> {
+pub(super) fn sum(a: &[Exact], b: &[Exact]) -> Vec<Exact> {
     let mut row = Vec::with_capacity(a.len() + b.len());
     union(
         a,

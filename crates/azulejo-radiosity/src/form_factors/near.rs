@@ -69,6 +69,34 @@ pub(super) fn exact(
     Ok(exact)
 }
 
+/// Exact estimates of all pairs of one row, for which there are formulas.
+pub(super) fn exact_row(
+    sides: &Sides,
+    surfaces: &Surfaces,
+    row: usize,
+    seed: u32,
+    progress: &Progress,
+) -> Result<ExactRow, Cancelled> {
+    let rows = Rows::new(sides, surfaces);
+    let occluders = Occluders::new(sides.patches, surfaces.scene);
+    let others: Vec<usize> = (0..sides.len())
+        .filter(|&j| j != row && rows.within(row, j, f64::INFINITY))
+        .collect();
+    progress.begin("formulas", others.len() as u64);
+    let estimate = |&j: &usize| {
+        progress.advance(1)?;
+        // A pair has one estimate, whichever of its rows asks.
+        let (first, second) = (row.min(j) as u32, row.max(j) as u32);
+        let (value, error) = rows.estimate(first, second, surfaces, &occluders, seed);
+        Ok(Exact {
+            column: j as u32,
+            value,
+            error,
+        })
+    };
+    others.par_iter().map(estimate).collect()
+}
+
 /// A flat row, with its corners counter-clockwise from the side that it is.
 struct Facet {
     polygon: Vec<DVec3>,

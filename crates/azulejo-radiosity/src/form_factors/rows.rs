@@ -70,7 +70,7 @@ const BLOCK: [usize; 2] = [64, 256];
 const BLOCK_RAYS: usize = 1 << 23;
 
 /// Degrees of freedom of the spread of four replicates.
-const SPREAD_FREEDOM: f64 = 3.0;
+pub(super) const SPREAD_FREEDOM: f64 = 3.0;
 
 /// How rows are found.
 pub(super) struct Tracing<'a> {
@@ -111,7 +111,7 @@ impl Tracing<'_> {
         Ok(rows.map(|(i, row)| self.ray_row(i, row)).collect())
     }
 
-    fn noise(&self) -> Noise {
+    pub fn noise(&self) -> Noise {
         match self.estimator.rays() {
             _ if self.estimator.is_drawn() => Noise::Unknown,
             rays => Noise::Hits {

@@ -10,6 +10,17 @@ const MOST_TURN: f64 = 0.07;
 /// Pieces of a curved patch in either direction.
 const MOST_STEPS: u32 = 16;
 
+impl Patches {
+    /// Triangles that show all patches, each with the number of its patch, counter-clockwise from
+    /// its front; curved ones turn by no more than 4° along an edge. Some may have no area, at a
+    /// pole.
+    pub fn triangles(&self) -> Vec<(u32, [DVec3; 3])> {
+        let facets = Facets::new(self);
+        let of = |i: usize| facets.of(i).into_iter().map(move |t| (i as u32, t));
+        (0..self.len()).flat_map(of).collect()
+    }
+}
+
 /// How finely the curved patches of each object are cut. All of an object are cut alike, so that
 /// neighbours share their corners.
 pub(crate) struct Facets<'a> {

@@ -3,7 +3,7 @@
 //! [`read`] reads one model of any format, with limits for what may be no model at all.
 //! [`changes`], [`branch_name`] and [`name_branch`] serve whoever puts several together: the first
 //! one's units become the whole's ([`Scene::adapted`](crate::scene::Scene::adapted)), and each
-//! gets a branch of its own in the tree of names. [`write`] writes a scene whole or not at all, in
+//! gets a branch of its own in the tree of names. [`write()`] writes a scene whole or not at all, in
 //! one of [`FORMATS`].
 //!
 //! ```
