@@ -6,6 +6,8 @@ use azulejo_radiosity::{
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{Object, Rgb, Scene, Shape};
 use azulejo_trace::{Measure, Progress, Tracer};
+use std::thread;
+use std::time::Duration;
 
 fn pass() -> FirstPass {
     FirstPass {
@@ -151,4 +153,31 @@ fn light_that_was_never_there_is_not_shown() {
     });
     assert!(result.is_err());
     assert_eq!(shown, 0);
+}
+
+#[test]
+fn a_solution_that_was_paused_goes_on_to_the_same_light() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let tracer = Tracer::new(&scene);
+    let plain = solve(&scene, &tracer, &pass(), &Progress::new()).unwrap();
+    let progress = Progress::new();
+    progress.pause();
+    let paused = thread::scope(|scope| {
+        // Threads of its own: those that all tests share must not sleep.
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        let solve = || solve(&scene, &tracer, &pass(), &progress).unwrap();
+        let solver = scope.spawn(move || pool.install(solve));
+        for _ in 0..3 {
+            thread::sleep(Duration::from_millis(30));
+            assert!(!solver.is_finished(), "it does not wait");
+            progress.resume();
+            progress.pause();
+        }
+        progress.resume();
+        solver.join().unwrap()
+    });
+    assert_eq!(paused, plain);
 }
