@@ -1,1 +1,44 @@
 //! Pictures of a scene by the graphics card, or by a driver that does without one.
+//!
+//! Data in, picture out: a [`Frame`] says what is to be seen and how, a [`Renderer`] draws it into
+//! a texture of its own, which egui shows and [`Renderer::read`] reads back. Nothing here knows
+//! the document or the window.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | `frame`, `overlay` | what is to be drawn, as plain data |
+//! | `view` | from the world to the picture, in `f64` |
+//! | `walk`, `geometry` | polygons to vertices and triangles, and these to the card |
+//! | `pictures`, `blocks` | textures and numbers to the card |
+//! | `pipelines`, `draw.wgsl` | what the card runs |
+//! | `pass`, `renderer`, `target` | the order of drawing, and what is drawn into |
+//! | `display` | polygons of exact shapes, as fine as the view shows |
+//! | `device`, `error` | opening a card, and what can go wrong |
+
+mod blocks;
+mod color_map;
+mod device;
+mod display;
+mod error;
+mod frame;
+mod geometry;
+mod overlay;
+mod pass;
+mod pictures;
+mod pipelines;
+mod renderer;
+mod target;
+#[cfg(test)]
+mod tests;
+mod view;
+mod walk;
+
+pub use color_map::ColorMap;
+pub use device::Headless;
+pub use display::{chord_error, display_mesh};
+pub use error::GpuError;
+pub use frame::{Background, Drawn, FaceValues, Fit, Frame, Picture, Quantity, Scale, Shading};
+pub use overlay::{Ink, Line, Overlay, Triangle};
+pub use renderer::{Renderer, Shown, Statistics};
+pub use target::Pixels;
+pub use view::View;

@@ -1,0 +1,106 @@
+//! Colours for numbers, in order of lightness, so that they can be told apart without colour
+//! vision and on paper.
+
+mod tables;
+
+use serde::{Deserialize, Serialize};
+
+/// A map from 0..=1 to colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ColorMap {
+    /// From violet over green to yellow.
+    #[default]
+    Viridis,
+    /// From blue over grey to yellow: the same to people who confuse red and green.
+    Cividis,
+    /// From black over purple to white.
+    Magma,
+    /// From black to white.
+    Grey,
+}
+
+impl ColorMap {
+    /// All of them.
+    pub const ALL: [ColorMap; 4] = [
+        ColorMap::Viridis,
+        ColorMap::Cividis,
+        ColorMap::Magma,
+        ColorMap::Grey,
+    ];
+
+    /// Its name, which is the same in all languages but for the last.
+    pub fn name(self) -> &'static str {
+        match self {
+            ColorMap::Viridis => "Viridis",
+            ColorMap::Cividis => "Cividis",
+            ColorMap::Magma => "Magma",
+            ColorMap::Grey => "Grey",
+        }
+    }
+
+    /// The sRGB colour of `t`, clamped to 0..=1; NaN counts as 0.
+    pub fn color(self, t: f64) -> [u8; 3] {
+        self.entry((t.clamp(0.0, 1.0) * 255.0).round() as u8)
+    }
+
+    /// All 256 colours as RGBA, opaque.
+    pub(super) fn texels(self) -> Vec<u8> {
+        let texel = |i| {
+            let [r, g, b] = self.entry(i);
+            [r, g, b, 255]
+        };
+        (0..=255).flat_map(texel).collect()
+    }
+
+    fn entry(self, i: u8) -> [u8; 3] {
+        let table = match self {
+            ColorMap::Viridis => &tables::VIRIDIS,
+            ColorMap::Cividis => &tables::CIVIDIS,
+            ColorMap::Magma => &tables::MAGMA,
+            ColorMap::Grey => return [i; 3],
+        };
+        let [_, r, g, b] = table[usize::from(i)].to_be_bytes();
+        [r, g, b]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// CIE lightness L* of an sRGB colour, D65.
+    fn lightness(color: [u8; 3]) -> f64 {
+        let linear = color.map(|x| {
+            let x = f64::from(x) / 255.0;
+            if x <= 0.04045 {
+                x / 12.92
+            } else {
+                ((x + 0.055) / 1.055).powf(2.4)
+            }
+        });
+        let y = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+        116.0 * y.cbrt() - 16.0
+    }
+
+    #[test]
+    fn every_map_grows_lighter() {
+        for map in ColorMap::ALL {
+            let light: Vec<f64> = (0..=16)
+                .map(|k| lightness(map.color(f64::from(k) / 16.0)))
+                .collect();
+            assert!(
+                light.windows(2).all(|w| w[1] > w[0] + 1.0),
+                "{map:?} {light:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn ends_are_those_that_were_published() {
+        assert_eq!(ColorMap::Viridis.color(0.0), [68, 1, 84]);
+        assert_eq!(ColorMap::Viridis.color(2.0), [253, 231, 37]);
+        assert_eq!(ColorMap::Cividis.color(f64::NAN), [0, 34, 78]);
+        assert_eq!(ColorMap::Magma.color(1.0), [252, 253, 191]);
+    }
+}

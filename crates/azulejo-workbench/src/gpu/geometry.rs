@@ -1,0 +1,489 @@
+//! Meshes in the card's memory.
+//!
+//! What a mode of shading does not need is not there; what it needs is brought when it is first
+//! asked for.
+
+use super::GpuError;
+use super::frame::{Drawn, FaceValues};
+use super::pipelines::Attributes;
+use super::walk::{Piece, walk};
+use azulejo::scene::math::Aabb;
+use azulejo::scene::{MaterialId, Mesh, Rgb};
+use bytemuck::Pod;
+use glam::{DVec3, Vec3};
+use std::ops::Range;
+
+/// How much may be on its way to the card before it is waited for.
+const MOST_UNDER_WAY: u64 = 64 << 20;
+/// Most triangles of selected faces that are shown.
+const MOST_SELECTED: usize = 1 << 22;
+/// The largest number of light as it is stored: far below the largest half float, 65504.
+const BRIGHTEST: f64 = 16384.0;
+
+/// What vertices carry beside their positions, and what else is drawn of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Streams {
+    pub normals: bool,
+    pub light: bool,
+    pub colors: bool,
+    pub uvs: bool,
+    pub edges: bool,
+    /// Triangles that share no vertices, so that each face has numbers of its own.
+    pub facets: Facets,
+}
+
+/// The numbers of faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Facets {
+    #[default]
+    None,
+    /// The mean irradiance of their corners.
+    Light,
+    /// What the frame brings.
+    Values,
+}
+
+/// A mesh in the card's memory.
+#[derive(Debug)]
+pub struct Geometry {
+    /// What positions are relative to.
+    pub origin: DVec3,
+    /// All positions are within it around the origin.
+    pub radius: f64,
+    pub pieces: Vec<Buffers>,
+    /// Irradiance of the light number 1; 0 for a mesh without light.
+    pub light_scale: f64,
+    /// What the facet number 1 stands for.
+    pub facet_scale: f64,
+    pub selection: Option<Selection>,
+    /// The frame that drew it last.
+    pub used: u64,
+    light_key: Option<u64>,
+    facet_key: Option<(Facets, u64)>,
+}
+
+/// A piece of a mesh in the card's memory.
+#[derive(Debug)]
+pub struct Buffers {
+    pub centre: Vec3,
+    pub radius: f32,
+    pub ranges: Vec<(MaterialId, Range<u32>)>,
+    pub vertex_count: u32,
+    pub edge_ends: u32,
+    pub positions: wgpu::Buffer,
+    pub triangles: wgpu::Buffer,
+    pub normals: Option<wgpu::Buffer>,
+    pub light: Option<wgpu::Buffer>,
+    pub colors: Option<wgpu::Buffer>,
+    pub uvs: Option<wgpu::Buffer>,
+    pub edges: Option<wgpu::Buffer>,
+    pub facets: Option<wgpu::Buffer>,
+    pub facet_values: Option<wgpu::Buffer>,
+}
+
+/// Selected faces in the card's memory.
+#[derive(Debug)]
+pub struct Selection {
+    pub positions: wgpu::Buffer,
+    pub vertex_count: u32,
+    faces: Vec<u32>,
+}
+
+/// The way to the card.
+pub struct Loader<'a> {
+    pub device: &'a wgpu::Device,
+    pub queue: &'a wgpu::Queue,
+    /// Bytes brought in all.
+    pub bytes: u64,
+    under_way: u64,
+}
+
+impl<'a> Loader<'a> {
+    pub fn new(device: &'a wgpu::Device, queue: &'a wgpu::Queue) -> Loader<'a> {
+        Loader {
+            device,
+            queue,
+            bytes: 0,
+            under_way: 0,
+        }
+    }
+
+    fn load<T: Pod>(&mut self, usage: wgpu::BufferUsages, data: &[T]) -> wgpu::Buffer {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("geometry"),
+            size: (bytes.len() as u64).max(4),
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        self.bytes += bytes.len() as u64;
+        self.under_way += bytes.len() as u64;
+        if self.under_way > MOST_UNDER_WAY {
+            self.queue.submit([]);
+            // A lost device is heard of elsewhere.
+            let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
+            self.under_way = 0;
+        }
+        buffer
+    }
+
+    fn vertices<T: Pod>(&mut self, data: impl Iterator<Item = T>) -> wgpu::Buffer {
+        self.load(wgpu::BufferUsages::VERTEX, &data.collect::<Vec<T>>())
+    }
+}
+
+impl Geometry {
+    /// An empty one for a mesh, to be loaded.
+    pub fn new(mesh: &Mesh) -> Geometry {
+        let bounds = mesh.bounds();
+        Geometry {
+            origin: bounds.centre(),
+            radius: 0.5 * bounds.diagonal(),
+            pieces: Vec::new(),
+            light_scale: 0.0,
+            facet_scale: 0.0,
+            selection: None,
+            used: 0,
+            light_key: None,
+            facet_key: None,
+        }
+    }
+
+    /// Brings what `wanted` names and is not there, or is there of another revision.
+    pub fn hold(
+        &mut self,
+        drawn: &Drawn,
+        wanted: Streams,
+        loader: &mut Loader,
+    ) -> Result<(), GpuError> {
+        let mesh = drawn.mesh;
+        let source = Source::new(drawn, wanted.facets);
+        if self.light_key != Some(drawn.light_key) {
+            self.pieces.iter_mut().for_each(|p| p.light = None);
+            self.light_key = Some(drawn.light_key);
+            self.light_scale = brightest(mesh) / BRIGHTEST;
+        }
+        let facet_key = source.key(drawn).map(|key| (wanted.facets, key));
+        if facet_key.is_some() && self.facet_key != facet_key {
+            self.pieces.iter_mut().for_each(|p| p.facet_values = None);
+            self.facet_key = facet_key;
+            self.facet_scale = source.brightest() / BRIGHTEST;
+        }
+        let wanted = Streams {
+            normals: wanted.normals && mesh.normals.is_some(),
+            light: wanted.light && is_solved(mesh),
+            colors: wanted.colors && mesh.colors.len() == mesh.positions.len(),
+            uvs: wanted.uvs && mesh.uvs.is_some(),
+            ..wanted
+        };
+        let is_there = self.pieces.iter().all(|p| p.has(wanted));
+        if is_there && (mesh.faces.is_empty() || !self.pieces.is_empty()) {
+            return Ok(());
+        }
+        let mut number = 0;
+        walk(mesh, wanted.edges, |piece| {
+            if number == self.pieces.len() {
+                let buffers = Buffers::new(mesh, self.origin, piece, loader);
+                self.pieces.push(buffers);
+            }
+            let scales = [self.light_scale, self.facet_scale];
+            let origin = self.origin;
+            let buffers = &mut self.pieces[number];
+            buffers.complete(mesh, piece, wanted, loader, scales[0]);
+            if wanted.facets != Facets::None {
+                buffers.complete_facets(mesh, piece, origin, &source, scales[1], loader);
+            }
+            number += 1;
+            Ok(())
+        })
+    }
+
+    /// Which attributes have a value for each vertex.
+    pub fn attributes(&self) -> Attributes {
+        self.pieces
+            .first()
+            .map_or(Attributes::default(), |p| Attributes {
+                normals: p.normals.is_some(),
+                light: p.light.is_some(),
+                colors: p.colors.is_some(),
+                uvs: p.uvs.is_some(),
+            })
+    }
+
+    /// Frees triangles that share no vertices: they are the largest thing that a mode asks for.
+    pub fn drop_facets(&mut self) {
+        for piece in &mut self.pieces {
+            (piece.facets, piece.facet_values) = (None, None);
+        }
+        self.facet_key = None;
+    }
+
+    /// Brings the selected faces, if they changed.
+    pub fn select(&mut self, drawn: &Drawn, loader: &mut Loader) {
+        let faces = drawn.selected_faces;
+        if faces.is_empty() {
+            self.selection = None;
+        } else if self.selection.as_ref().is_none_or(|s| s.faces != faces) {
+            self.selection = Some(Selection::new(drawn.mesh, self.origin, faces, loader));
+        }
+    }
+}
+
+impl Selection {
+    fn new(mesh: &Mesh, origin: DVec3, faces: &[u32], loader: &mut Loader) -> Selection {
+        let mut corners: Vec<[f32; 3]> = Vec::new();
+        let mut triangles = Vec::new();
+        let known = faces.iter().map(|&f| f as usize);
+        for face in known.filter(|&f| f < mesh.faces.len()) {
+            triangles.clear();
+            mesh.triangulate_into(face, &mut triangles);
+            let vertices = mesh.faces.get(face);
+            let all = triangles.iter().flatten();
+            corners.extend(all.map(|&k| relative(mesh, vertices[k as usize], origin)));
+            if corners.len() > 3 * MOST_SELECTED {
+                break;
+            }
+        }
+        Selection {
+            vertex_count: corners.len() as u32,
+            positions: loader.load(wgpu::BufferUsages::VERTEX, &corners),
+            faces: faces.to_vec(),
+        }
+    }
+}
+
+impl Buffers {
+    fn new(mesh: &Mesh, origin: DVec3, piece: &Piece, loader: &mut Loader) -> Buffers {
+        let at = |v: &[u32; 2]| relative(mesh, v[0], origin);
+        let bounds = piece.vertices.iter().map(|v| mesh.positions[v[0] as usize]);
+        let bounds = Aabb::around(bounds);
+        Buffers {
+            centre: (bounds.centre() - origin).as_vec3(),
+            radius: (0.5 * bounds.diagonal()) as f32,
+            ranges: piece.ranges.clone(),
+            vertex_count: piece.vertices.len() as u32,
+            edge_ends: 0,
+            positions: loader.vertices(piece.vertices.iter().map(at)),
+            triangles: loader.load(wgpu::BufferUsages::INDEX, &piece.triangles),
+            normals: None,
+            light: None,
+            colors: None,
+            uvs: None,
+            edges: None,
+            facets: None,
+            facet_values: None,
+        }
+    }
+
+    fn has(&self, wanted: Streams) -> bool {
+        let facets = self.facets.is_some() && self.facet_values.is_some();
+        (!wanted.normals || self.normals.is_some())
+            && (!wanted.light || self.light.is_some())
+            && (!wanted.colors || self.colors.is_some())
+            && (!wanted.uvs || self.uvs.is_some())
+            && (!wanted.edges || self.edges.is_some())
+            && (wanted.facets == Facets::None || facets)
+    }
+
+    fn complete(
+        &mut self,
+        mesh: &Mesh,
+        piece: &Piece,
+        wanted: Streams,
+        loader: &mut Loader,
+        light_scale: f64,
+    ) {
+        let vertices = piece.vertices.iter();
+        if let (true, None, Some(normals)) = (wanted.normals, &self.normals, &mesh.normals) {
+            let packed = |v: &[u32; 2]| octahedral(normals.at(v[1] as usize, v[0]));
+            self.normals = Some(loader.vertices(vertices.clone().map(packed)));
+        }
+        if let (true, None, Some(uvs)) = (wanted.uvs, &self.uvs, &mesh.uvs) {
+            let uv = |v: &[u32; 2]| uvs.at(v[1] as usize, v[0]).as_vec2().to_array();
+            self.uvs = Some(loader.vertices(vertices.clone().map(uv)));
+        }
+        if wanted.light && self.light.is_none() {
+            let packed = |v: &[u32; 2]| halves(mesh.irradiance[v[0] as usize], light_scale);
+            self.light = Some(loader.vertices(vertices.clone().map(packed)));
+        }
+        if wanted.colors && self.colors.is_none() {
+            let packed = |v: &[u32; 2]| bytes(mesh.colors[v[0] as usize]);
+            self.colors = Some(loader.vertices(vertices.map(packed)));
+        }
+        if wanted.edges && self.edges.is_none() {
+            self.edge_ends = piece.edges.len() as u32;
+            self.edges = Some(loader.load(wgpu::BufferUsages::INDEX, &piece.edges));
+        }
+    }
+
+    fn complete_facets(
+        &mut self,
+        mesh: &Mesh,
+        piece: &Piece,
+        origin: DVec3,
+        source: &Source,
+        scale: f64,
+        loader: &mut Loader,
+    ) {
+        if self.facets.is_none() {
+            let corner = |&t: &u32| relative(mesh, piece.vertices[t as usize][0], origin);
+            self.facets = Some(loader.vertices(piece.triangles.iter().map(corner)));
+        }
+        if self.facet_values.is_none() {
+            let packed = |&face: &u32| [source.packed(face, scale); 3];
+            self.facet_values = Some(loader.vertices(piece.faces.iter().map(packed)));
+        }
+    }
+}
+
+/// Where the numbers of faces come from.
+enum Source<'a> {
+    None,
+    Light(&'a Mesh),
+    Values(FaceValues<'a>),
+}
+
+impl<'a> Source<'a> {
+    fn new(drawn: &Drawn<'a>, facets: Facets) -> Source<'a> {
+        match (facets, drawn.face_values) {
+            (Facets::Light, _) if is_solved(drawn.mesh) => Source::Light(drawn.mesh),
+            (Facets::Values, Some(values)) => Source::Values(values),
+            _ => Source::None,
+        }
+    }
+
+    fn key(&self, drawn: &Drawn) -> Option<u64> {
+        match self {
+            // Where nothing is known, another mode's numbers must not stay.
+            Source::None => Some(u64::MAX),
+            Source::Light(_) => Some(drawn.light_key),
+            Source::Values(values) => Some(values.key),
+        }
+    }
+
+    fn brightest(&self) -> f64 {
+        match self {
+            Source::None => 0.0,
+            Source::Light(mesh) => brightest(mesh),
+            Source::Values(values) => {
+                let finite = values.values.iter().filter(|v| v.is_finite());
+                positive(f64::from(finite.fold(0f32, |most, &v| most.max(v))))
+            }
+        }
+    }
+
+    /// The number of a face, and whether it is known.
+    fn packed(&self, face: u32, scale: f64) -> [u16; 4] {
+        let unknown = [0; 4];
+        match self {
+            Source::None => unknown,
+            Source::Light(mesh) => {
+                let corners = mesh.faces.get(face as usize);
+                let all = corners.iter().map(|&v| mesh.irradiance[v as usize]);
+                halves(all.sum::<Rgb>() / corners.len() as f64, scale)
+            }
+            Source::Values(values) => match values.values.get(face as usize) {
+                Some(v) if v.is_finite() => halves(Rgb::grey(f64::from(*v)), scale),
+                _ => unknown,
+            },
+        }
+    }
+}
+
+/// Whether every vertex has irradiance.
+pub fn is_solved(mesh: &Mesh) -> bool {
+    !mesh.irradiance.is_empty() && mesh.irradiance.len() == mesh.positions.len()
+}
+
+fn brightest(mesh: &Mesh) -> f64 {
+    if !is_solved(mesh) {
+        return 0.0;
+    }
+    let channels = mesh.irradiance.iter().map(|e| e.max_channel());
+    let most = channels.filter(|e| e.is_finite()).fold(0.0, f64::max);
+    positive(most)
+}
+
+/// Darkness is a solution too: it is counted in ones.
+fn positive(most: f64) -> f64 {
+    if most > 0.0 { most } else { 1.0 }
+}
+
+fn relative(mesh: &Mesh, vertex: u32, origin: DVec3) -> [f32; 3] {
+    (mesh.positions[vertex as usize] - origin)
+        .as_vec3()
+        .to_array()
+}
+
+/// Light in units of `scale` as half floats; the fourth says that it is known.
+fn halves(light: Rgb, scale: f64) -> [u16; 4] {
+    let part = |x: f64| half(if scale > 0.0 { (x / scale) as f32 } else { 0.0 });
+    [part(light.r), part(light.g), part(light.b), half(1.0)]
+}
+
+/// The nearest half float of 0..=65504; 0 for what is less and for NaN.
+fn half(x: f32) -> u16 {
+    let x = if x > 0.0 { x.min(65504.0) } else { 0.0 };
+    // 2^-112 takes the bias of the exponent from 127 to 15, and small numbers to subnormal ones.
+    let bits = (x * f32::from_bits(0x0780_0000)).to_bits();
+    ((bits + 0xfff + (bits >> 13 & 1)) >> 13) as u16
+}
+
+fn bytes(color: Rgb) -> [u8; 4] {
+    let byte = |x: f64| (255.0 * x.clamp(0.0, 1.0)).round() as u8;
+    [byte(color.r), byte(color.g), byte(color.b), 255]
+}
+
+/// A unit vector as a point of the unfolded octahedron: Meyer et al., *On Floating-Point Normal
+/// Vectors*, EGSR 2010. Within 4e-5 rad.
+fn octahedral(n: DVec3) -> [i16; 2] {
+    let p = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(f64::MIN_POSITIVE);
+    let fold = |x: f64, y: f64| (1.0 - y.abs()) * 1f64.copysign(x);
+    let (x, y) = if p.z < 0.0 {
+        (fold(p.x, p.y), fold(p.y, p.x))
+    } else {
+        (p.x, p.y)
+    };
+    [x, y].map(|k| (32767.0 * k).round() as i16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The value of a half float >= 0.
+    fn value(half: u16) -> f64 {
+        let (exponent, fraction) = (i32::from(half >> 10), f64::from(half & 0x3ff));
+        match exponent {
+            0 => fraction * 2f64.powi(-24),
+            _ => (1024.0 + fraction) * 2f64.powi(exponent - 25),
+        }
+    }
+
+    #[test]
+    fn half_floats_are_the_nearest() {
+        for x in [0.0, 6e-8, 1e-5, 0.1, 1.0, 2049.0, 16384.0, 65504.0] {
+            let step = (x * 2f64.powi(-11)).max(2f64.powi(-25));
+            assert!((value(half(x as f32)) - x).abs() <= 1.01 * step, "{x}");
+        }
+        assert_eq!(half(1e9), half(65504.0));
+        assert_eq!((half(-1.0), half(f32::NAN)), (0, 0));
+    }
+
+    #[test]
+    fn normals_survive_their_packing() {
+        for k in 0..200 {
+            let (z, a) = (f64::from(k) / 99.5 - 1.0, f64::from(k) * 2.4);
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            let n = DVec3::new(r * a.cos(), r * a.sin(), z);
+            let [x, y] = octahedral(n).map(|k| f64::from(k) / 32767.0);
+            let mut back = DVec3::new(x, y, 1.0 - x.abs() - y.abs());
+            if back.z < 0.0 {
+                let fold = |x: f64, y: f64| (1.0 - y.abs()) * 1f64.copysign(x);
+                (back.x, back.y) = (fold(x, y), fold(y, x));
+            }
+            assert!(back.normalize().dot(n) > 1.0 - 1e-8, "{n} {back}");
+        }
+    }
+}

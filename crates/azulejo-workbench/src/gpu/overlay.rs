@@ -1,0 +1,252 @@
+//! Lines and triangles beside the model: gizmos, lamps, cameras, marks.
+
+use super::view::View;
+use azulejo::scene::math::Aabb;
+use glam::{DAffine3, DVec2, DVec3, DVec4};
+use std::f64::consts::TAU;
+
+/// By how much things that are tested for depth are drawn nearer, so that they lie on surfaces.
+const NEARER: f64 = 1.0008;
+/// Pieces of a circle.
+const PIECES: u32 = 48;
+
+/// How something of an overlay looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ink {
+    /// sRGB and opacity.
+    pub color: [u8; 4],
+    /// Width of lines, pixels.
+    pub width: f32,
+    /// Whether it shows through surfaces.
+    pub on_top: bool,
+}
+
+impl Ink {
+    /// Opaque lines of some width that surfaces hide.
+    pub fn new([r, g, b]: [u8; 3], width: f32) -> Ink {
+        Ink {
+            color: [r, g, b, 255],
+            width,
+            on_top: false,
+        }
+    }
+
+    /// The same through surfaces.
+    pub fn on_top(self) -> Ink {
+        Ink {
+            on_top: true,
+            ..self
+        }
+    }
+}
+
+/// A line in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// One end.
+    pub from: DVec3,
+    /// The other.
+    pub to: DVec3,
+    /// How it looks.
+    pub ink: Ink,
+}
+
+/// A triangle in the world, seen from both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// Its corners.
+    pub corners: [DVec3; 3],
+    /// How it looks.
+    pub ink: Ink,
+}
+
+/// What is drawn beside the model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlay {
+    /// Lines.
+    pub lines: Vec<Line>,
+    /// Triangles, drawn in their order, before the lines.
+    pub triangles: Vec<Triangle>,
+}
+
+impl Overlay {
+    /// Nothing.
+    pub fn none() -> &'static Overlay {
+        const NONE: &Overlay = &Overlay {
+            lines: Vec::new(),
+            triangles: Vec::new(),
+        };
+        NONE
+    }
+
+    /// A line.
+    pub fn line(&mut self, from: DVec3, to: DVec3, ink: Ink) {
+        self.lines.push(Line { from, to, ink });
+    }
+
+    /// Lines through points; back to the first if it is closed.
+    pub fn polyline(&mut self, points: &[DVec3], is_closed: bool, ink: Ink) {
+        points.windows(2).for_each(|w| self.line(w[0], w[1], ink));
+        if let (true, [first, .., last]) = (is_closed, points) {
+            self.line(*last, *first, ink);
+        }
+    }
+
+    /// A triangle.
+    pub fn triangle(&mut self, corners: [DVec3; 3], ink: Ink) {
+        self.triangles.push(Triangle { corners, ink });
+    }
+
+    /// A filled parallelogram.
+    pub fn parallelogram(&mut self, corner: DVec3, a: DVec3, b: DVec3, ink: Ink) {
+        let opposite = corner + a + b;
+        self.triangle([corner, corner + a, opposite], ink);
+        self.triangle([corner, opposite, corner + b], ink);
+    }
+
+    /// A line with a filled head at its end, an eighth of its length.
+    pub fn arrow(&mut self, from: DVec3, to: DVec3, ink: Ink) {
+        let along = to - from;
+        let neck = to - 0.125 * along;
+        self.line(from, neck, ink);
+        let ring = ring(neck, along, 0.04 * along.length(), 12);
+        for k in 0..ring.len() {
+            let next = ring[(k + 1) % ring.len()];
+            self.triangle([ring[k], next, to], ink);
+            self.triangle([ring[k], next, neck], ink);
+        }
+    }
+
+    /// The edges of a placed box.
+    pub fn cuboid(&mut self, bounds: Aabb, world_from_object: DAffine3, ink: Ink) {
+        if bounds.is_empty() {
+            return;
+        }
+        let corner = |k: usize| {
+            let pick = |axis: usize| {
+                let side = if k >> axis & 1 == 0 {
+                    bounds.min
+                } else {
+                    bounds.max
+                };
+                side[axis]
+            };
+            world_from_object.transform_point3(DVec3::new(pick(0), pick(1), pick(2)))
+        };
+        for k in 0..8 {
+            for axis in [1, 2, 4] {
+                if k & axis == 0 {
+                    self.line(corner(k), corner(k | axis), ink);
+                }
+            }
+        }
+    }
+
+    /// A circle around a normal of any length.
+    pub fn circle(&mut self, centre: DVec3, normal: DVec3, radius: f64, ink: Ink) {
+        self.polyline(&ring(centre, normal, radius, PIECES), true, ink);
+    }
+
+    /// The cone of a spot light: `half_angle` from its axis, radians, at most a right angle;
+    /// `along` reaches from the apex to its base.
+    pub fn cone(&mut self, apex: DVec3, along: DVec3, half_angle: f64, ink: Ink) {
+        // Towards a right angle the base would be infinite: there the rays have a fixed length.
+        let (sin, cos) = half_angle.clamp(0.0, 0.5 * TAU).sin_cos();
+        let length = along.length();
+        let base = ring(apex + cos * along, along, sin * length, PIECES);
+        self.polyline(&base, true, ink);
+        for k in (0..base.len()).step_by(PIECES as usize / 8) {
+            self.line(apex, base[k], ink);
+        }
+    }
+
+    /// Three lines along the axes through a point, each as long as `size`.
+    pub fn cross(&mut self, centre: DVec3, size: f64, ink: Ink) {
+        for axis in DVec3::AXES {
+            self.line(centre - 0.5 * size * axis, centre + 0.5 * size * axis, ink);
+        }
+    }
+
+    /// Centres and radii of spheres around all lines and triangles.
+    pub(super) fn spheres(&self) -> impl Iterator<Item = (DVec3, f64)> {
+        let lines = self.lines.iter().map(|l| around(&[l.from, l.to]));
+        lines.chain(self.triangles.iter().map(|t| around(&t.corners)))
+    }
+}
+
+/// Centre and radius of a sphere around points.
+fn around(points: &[DVec3]) -> (DVec3, f64) {
+    let centre = points.iter().sum::<DVec3>() / points.len() as f64;
+    let distances = points.iter().map(|p| p.distance(centre));
+    (centre, distances.fold(0.0, f64::max))
+}
+
+/// Points on a circle around an axis.
+fn ring(centre: DVec3, axis: DVec3, radius: f64, pieces: u32) -> Vec<DVec3> {
+    let axis = axis.try_normalize().unwrap_or(DVec3::Z);
+    let (x, y) = axis.any_orthonormal_pair();
+    let point = |k: u32| {
+        let (sin, cos) = (TAU * f64::from(k) / f64::from(pieces)).sin_cos();
+        centre + radius * (cos * x + sin * y)
+    };
+    (0..pieces).map(point).collect()
+}
+
+/// Corners of triangles in clip coordinates, five words each: four of the position, one of the
+/// colour. What surfaces hide comes first; also says how many corners these are.
+pub(super) fn corners(overlay: &Overlay, view: &View) -> (Vec<u32>, u32) {
+    let mut words = Vec::new();
+    let mut hidden = 0;
+    for on_top in [false, true] {
+        let nearer = if on_top { 1.0 } else { NEARER };
+        for t in overlay.triangles.iter().filter(|t| t.ink.on_top == on_top) {
+            let clip = t.corners.map(|p| view.clip(view.to_view(p)));
+            clip.iter()
+                .for_each(|&c| push(&mut words, c, nearer, t.ink));
+        }
+        for line in overlay.lines.iter().filter(|l| l.ink.on_top == on_top) {
+            if let Some([a, b, c, d]) = ribbon(line, view) {
+                for corner in [a, b, c, c, b, d] {
+                    push(&mut words, corner, nearer, line.ink);
+                }
+            }
+        }
+        if !on_top {
+            hidden = (words.len() / WORDS) as u32;
+        }
+    }
+    (words, hidden)
+}
+
+/// Words of a corner.
+pub(super) const WORDS: usize = 5;
+
+fn push(words: &mut Vec<u32>, clip: DVec4, nearer: f64, ink: Ink) {
+    let z = (clip.z * nearer).min(clip.w.max(clip.z));
+    let place = DVec4::new(clip.x, clip.y, z, clip.w).as_vec4();
+    words.extend(place.to_array().map(f32::to_bits));
+    words.push(u32::from_le_bytes(ink.color));
+}
+
+/// The four corners of a line of some width; `None` behind the near plane.
+fn ribbon(line: &Line, view: &View) -> Option<[DVec4; 4]> {
+    let (mut a, mut b) = (view.to_view(line.from), view.to_view(line.to));
+    let near = -view.near();
+    if a.z > near && b.z > near || !(a + b).is_finite() {
+        return None;
+    }
+    if a.z > near {
+        a = a.lerp(b, (near - a.z) / (b.z - a.z));
+    } else if b.z > near {
+        b = b.lerp(a, (near - b.z) / (a.z - b.z));
+    }
+    let (a, b) = (view.clip(a), view.clip(b));
+    let pixel = |c: DVec4| DVec2::new(c.x, c.y) / c.w * 0.5 * view.size();
+    let along = (pixel(b) - pixel(a)).try_normalize().unwrap_or(DVec2::X);
+    let aside = along.perp() * f64::from(line.ink.width) / view.size();
+    let moved = |c: DVec4, side: f64| {
+        let offset = side * c.w * aside;
+        DVec4::new(c.x + offset.x, c.y + offset.y, c.z, c.w)
+    };
+    Some([moved(a, 1.0), moved(a, -1.0), moved(b, 1.0), moved(b, -1.0)])
+}

@@ -1,0 +1,332 @@
+//! What the card runs: pipelines of draw.wgsl, each made when it is first wanted.
+
+use super::overlay::WORDS;
+use super::pictures::{sampler_binding, texture_binding};
+use super::target::{COLOR, DEPTH};
+use std::collections::HashMap;
+
+/// A pipeline by what it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Way {
+    pub stage: Stage,
+    pub samples: u32,
+    /// What is left out, seen from the card: with mirrored objects the fronts.
+    pub culled: Option<wgpu::Face>,
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    Background,
+    /// Triangles over shared vertices, by the function for their pixels.
+    Surface {
+        shade: &'static str,
+        has: Attributes,
+        is_glass: bool,
+    },
+    /// Triangles of their own.
+    Facets {
+        shade: &'static str,
+        is_glass: bool,
+    },
+    /// Faces that only hide lines.
+    Hiding,
+    /// Edges; faint ones in front of light.
+    Edges {
+        is_faint: bool,
+    },
+    Points,
+    Chosen,
+    Ink {
+        on_top: bool,
+    },
+}
+
+/// Which attributes have a value for each vertex; the others have one for all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Attributes {
+    pub normals: bool,
+    pub light: bool,
+    pub colors: bool,
+    pub uvs: bool,
+}
+
+pub struct Pipelines {
+    shader: wgpu::ShaderModule,
+    pub frame: wgpu::BindGroupLayout,
+    /// One number block at an offset: objects, and materials.
+    pub block: wgpu::BindGroupLayout,
+    with_all: wgpu::PipelineLayout,
+    with_object: wgpu::PipelineLayout,
+    with_frame: wgpu::PipelineLayout,
+    made: HashMap<Way, wgpu::RenderPipeline>,
+}
+
+impl Pipelines {
+    pub fn new(device: &wgpu::Device, picture: &wgpu::BindGroupLayout) -> Pipelines {
+        let frame = frame_layout(device);
+        let block = block_layout(device);
+        let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                bind_group_layouts: groups,
+                ..wgpu::PipelineLayoutDescriptor::default()
+            })
+        };
+        Pipelines {
+            shader: device.create_shader_module(wgpu::include_wgsl!("draw.wgsl")),
+            with_all: layout(&[Some(&frame), Some(&block), Some(&block), Some(picture)]),
+            with_object: layout(&[Some(&frame), Some(&block)]),
+            with_frame: layout(&[Some(&frame)]),
+            frame,
+            block,
+            made: HashMap::new(),
+        }
+    }
+
+    /// Makes a pipeline that is not there yet.
+    pub fn prepare(&mut self, device: &wgpu::Device, way: Way) {
+        if !self.made.contains_key(&way) {
+            let pipeline = self.make(device, way);
+            self.made.insert(way, pipeline);
+        }
+    }
+
+    /// A pipeline that was prepared.
+    pub fn get(&self, way: Way) -> Option<&wgpu::RenderPipeline> {
+        self.made.get(&way)
+    }
+
+    fn make(&self, device: &wgpu::Device, way: Way) -> wgpu::RenderPipeline {
+        let recipe = Recipe::of(way.stage);
+        let layout = match way.stage {
+            Stage::Surface { .. } | Stage::Facets { .. } => &self.with_all,
+            Stage::Background | Stage::Ink { .. } => &self.with_frame,
+            _ => &self.with_object,
+        };
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(recipe.shade),
+            layout: Some(layout),
+            vertex: wgpu::VertexState {
+                module: &self.shader,
+                entry_point: Some(recipe.corner),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &recipe.buffers,
+            },
+            primitive: wgpu::PrimitiveState {
+                topology: recipe.topology,
+                cull_mode: way.culled,
+                ..wgpu::PrimitiveState::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH,
+                depth_write_enabled: Some(recipe.writes_depth),
+                depth_compare: Some(recipe.compare),
+                stencil: wgpu::StencilState::default(),
+                bias: recipe.bias,
+            }),
+            multisample: wgpu::MultisampleState {
+                count: way.samples,
+                ..wgpu::MultisampleState::default()
+            },
+            fragment: Some(wgpu::FragmentState {
+                module: &self.shader,
+                entry_point: Some(recipe.shade),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(wgpu::ColorTargetState {
+                    format: COLOR,
+                    blend: recipe.blends.then_some(wgpu::BlendState::ALPHA_BLENDING),
+                    write_mask: wgpu::ColorWrites::ALL,
+                })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// What stages differ in.
+struct Recipe {
+    corner: &'static str,
+    shade: &'static str,
+    buffers: Vec<Option<wgpu::VertexBufferLayout<'static>>>,
+    topology: wgpu::PrimitiveTopology,
+    compare: wgpu::CompareFunction,
+    writes_depth: bool,
+    blends: bool,
+    bias: wgpu::DepthBiasState,
+}
+
+impl Recipe {
+    fn of(stage: Stage) -> Recipe {
+        use wgpu::CompareFunction::{Always, Greater, GreaterEqual};
+        use wgpu::PrimitiveTopology as Topology;
+        let usual = Recipe {
+            corner: "same_place",
+            shade: "line",
+            buffers: vec![Some(position(wgpu::VertexStepMode::Vertex))],
+            topology: Topology::TriangleList,
+            compare: Greater,
+            writes_depth: true,
+            blends: false,
+            bias: wgpu::DepthBiasState::default(),
+        };
+        match stage {
+            Stage::Background => Recipe {
+                corner: "whole_picture",
+                shade: "background",
+                buffers: Vec::new(),
+                compare: Always,
+                writes_depth: false,
+                ..usual
+            },
+            Stage::Surface {
+                shade,
+                has,
+                is_glass,
+            } => Recipe {
+                corner: "surface",
+                shade,
+                buffers: surface(has),
+                writes_depth: !is_glass,
+                blends: is_glass,
+                ..usual
+            },
+            Stage::Facets { shade, is_glass } => Recipe {
+                corner: "surface",
+                shade,
+                buffers: surface(Attributes {
+                    light: true,
+                    ..Attributes::default()
+                }),
+                writes_depth: !is_glass,
+                blends: is_glass,
+                bias: backward(),
+                ..usual
+            },
+            Stage::Hiding => Recipe {
+                shade: "hidden",
+                bias: backward(),
+                ..usual
+            },
+            Stage::Edges { is_faint } => Recipe {
+                corner: "edge",
+                topology: Topology::LineList,
+                compare: GreaterEqual,
+                blends: is_faint,
+                ..usual
+            },
+            Stage::Points => Recipe {
+                corner: "dot_corner",
+                topology: Topology::TriangleStrip,
+                buffers: vec![Some(position(wgpu::VertexStepMode::Instance))],
+                ..usual
+            },
+            Stage::Chosen => Recipe {
+                corner: "edge",
+                shade: "chosen",
+                compare: GreaterEqual,
+                writes_depth: false,
+                blends: true,
+                ..usual
+            },
+            Stage::Ink { on_top } => Recipe {
+                corner: "inked",
+                shade: "ink",
+                buffers: vec![Some(inked())],
+                compare: if on_top { Always } else { GreaterEqual },
+                writes_depth: false,
+                blends: true,
+                ..usual
+            },
+        }
+    }
+}
+
+/// Away from the eye, more on steep faces: their depth changes within the width of a line.
+fn backward() -> wgpu::DepthBiasState {
+    wgpu::DepthBiasState {
+        constant: -32,
+        slope_scale: -1.5,
+        clamp: 0.0,
+    }
+}
+
+fn position(step_mode: wgpu::VertexStepMode) -> wgpu::VertexBufferLayout<'static> {
+    wgpu::VertexBufferLayout {
+        array_stride: 12,
+        step_mode,
+        attributes: &const { wgpu::vertex_attr_array![0 => Float32x3] },
+    }
+}
+
+fn inked() -> wgpu::VertexBufferLayout<'static> {
+    wgpu::VertexBufferLayout {
+        array_stride: 4 * WORDS as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &const { wgpu::vertex_attr_array![0 => Float32x4, 1 => Unorm8x4] },
+    }
+}
+
+/// Five buffers; those that are not there hold one value for all.
+fn surface(has: Attributes) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
+    let optional = |is_there, array_stride, attributes| {
+        Some(wgpu::VertexBufferLayout {
+            array_stride,
+            step_mode: match is_there {
+                true => wgpu::VertexStepMode::Vertex,
+                false => wgpu::VertexStepMode::Instance,
+            },
+            attributes,
+        })
+    };
+    let normals = &const { wgpu::vertex_attr_array![1 => Snorm16x2] };
+    let light = &const { wgpu::vertex_attr_array![2 => Float16x4] };
+    let colors = &const { wgpu::vertex_attr_array![3 => Unorm8x4] };
+    let uvs = &const { wgpu::vertex_attr_array![4 => Float32x2] };
+    vec![
+        Some(position(wgpu::VertexStepMode::Vertex)),
+        optional(has.normals, 4, normals),
+        optional(has.light, 8, light),
+        optional(has.colors, 4, colors),
+        optional(has.uvs, 8, uvs),
+    ]
+}
+
+fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty,
+        count: None,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("frame"),
+        entries: &[
+            entry(0, uniform(false)),
+            entry(1, texture_binding()),
+            entry(2, sampler_binding()),
+            entry(3, texture_binding()),
+            entry(4, sampler_binding()),
+        ],
+    })
+}
+
+fn block_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("block"),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty: uniform(true),
+            count: None,
+        }],
+    })
+}
+
+fn uniform(has_dynamic_offset: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset,
+        min_binding_size: None,
+    }
+}

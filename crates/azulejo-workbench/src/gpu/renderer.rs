@@ -1,0 +1,464 @@
+//! From a frame to its picture.
+
+use super::blocks::{self, Blocks};
+use super::device::{Listener, guarded};
+use super::frame::{Background, Drawn, Frame, Picture};
+use super::geometry::{Facets, Geometry, Loader};
+use super::overlay;
+use super::pass::{Encoder, Plan, Seen};
+use super::pictures::Pictures;
+use super::pipelines::Pipelines;
+use super::target::{COLOR, Pixels, SAMPLES, Target};
+use super::view::View;
+use super::{ColorMap, GpuError};
+use std::collections::HashMap;
+
+/// What was not drawn for so many frames is freed.
+const PATIENCE: u64 = 240;
+
+/// Draws frames into a texture of its own.
+///
+/// Meshes stay in the card's memory by their keys. After an error they are brought again by the
+/// next frame; after [`GpuError::Lost`] a new renderer with a new device is needed.
+pub struct Renderer {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    listener: Listener,
+    can_smooth: bool,
+    pipelines: Pipelines,
+    pictures: Pictures,
+    geometries: HashMap<u64, Geometry>,
+    target: Option<Target>,
+    frame_block: wgpu::Buffer,
+    object_blocks: Blocks,
+    material_blocks: Blocks,
+    color_map: (ColorMap, wgpu::TextureView),
+    constants: Constants,
+    number: u64,
+    statistics: Statistics,
+}
+
+/// One value for all vertices of meshes that lack an attribute.
+pub struct Constants {
+    pub zeros: wgpu::Buffer,
+    pub ones: wgpu::Buffer,
+}
+
+/// The picture of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// sRGB bytes in the format `Rgba8Unorm`, opaque, as egui takes them.
+    pub view: &'a wgpu::TextureView,
+    /// Whether the view is another one than that of the frame before, so that it must be
+    /// registered again.
+    pub is_new: bool,
+}
+
+/// What the last frame took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Objects that can be in the picture.
+    pub objects: usize,
+    /// Bytes brought to the card for this frame, uniforms and overlay left out.
+    pub bytes_loaded: u64,
+    /// Meshes in the card's memory.
+    pub meshes_held: usize,
+}
+
+impl Renderer {
+    /// A renderer on a card. It listens to the device's end and to its errors, of which wgpu
+    /// would panic.
+    ///
+    /// # Errors
+    /// [`GpuError::Rejected`] if the driver does not take the shaders, [`GpuError::Lost`].
+    pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Renderer, GpuError> {
+        let listener = Listener::new(&device);
+        listener.check()?;
+        let can_smooth = guarded(&device, || {
+            Target::new(&device, [4, 4], SAMPLES);
+            Ok(())
+        });
+        guarded(&device.clone(), || {
+            Ok(Renderer::build(device, queue, listener, can_smooth.is_ok()))
+        })
+    }
+
+    fn build(
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        listener: Listener,
+        can_smooth: bool,
+    ) -> Renderer {
+        let pictures = Pictures::new(&device, &queue);
+        let pipelines = Pipelines::new(&device, pictures.layout());
+        let frame_block = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("frame"),
+            size: 4 * blocks::FRAME_WORDS as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Renderer {
+            object_blocks: Blocks::new(&device, &pipelines.block, 1),
+            material_blocks: Blocks::new(&device, &pipelines.block, 1),
+            color_map: load_map(&device, &queue, ColorMap::default()),
+            constants: Constants::new(&device, &queue),
+            geometries: HashMap::new(),
+            target: None,
+            number: 0,
+            statistics: Statistics::default(),
+            device,
+            queue,
+            listener,
+            can_smooth,
+            pipelines,
+            pictures,
+            frame_block,
+        }
+    }
+
+    /// Draws a frame.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`] (after what is not in the frame was
+    /// freed), [`GpuError::Lost`], [`GpuError::Rejected`].
+    pub fn draw(&mut self, frame: &Frame) -> Result<Shown<'_>, GpuError> {
+        self.listener.check()?;
+        let size = frame.size.map(|n| n.max(1));
+        let most = self.device.limits().max_texture_dimension_2d;
+        if size[0].max(size[1]) > most {
+            return Err(GpuError::TooLarge { asked: size, most });
+        }
+        let device = self.device.clone();
+        let mut outcome = guarded(&device, || self.try_draw(frame, size));
+        if outcome == Err(GpuError::OutOfMemory) {
+            // Once more with nothing in the card's memory but what this frame needs.
+            self.forget();
+            outcome = guarded(&device, || self.try_draw(frame, size));
+        }
+        if outcome.is_err() {
+            self.forget();
+            // If the device is lost, that is the reason for whatever else went wrong. It is told
+            // while polling, and polling a lost device says no more.
+            let _ = device.poll(wgpu::PollType::Poll);
+            self.listener.check()?;
+        }
+        let is_new = outcome?;
+        self.listener.check()?;
+        let view = self.target.as_ref().map(|t| &t.view);
+        let view = view.ok_or(GpuError::OutOfMemory)?;
+        Ok(Shown { view, is_new })
+    }
+
+    /// Reads the last picture back.
+    ///
+    /// # Errors
+    /// [`GpuError::Rejected`] before the first picture, and the errors of [`draw`](Self::draw).
+    pub fn read(&self) -> Result<Pixels, GpuError> {
+        self.listener.check()?;
+        let target = self.target.as_ref().ok_or_else(|| GpuError::Rejected {
+            reason: "nothing was drawn yet".to_owned(),
+        })?;
+        guarded(&self.device, || target.read(&self.device, &self.queue))
+    }
+
+    /// What the last frame took.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// Frees everything that comes with frames.
+    pub fn forget(&mut self) {
+        self.geometries.clear();
+        self.pictures.free_before(u64::MAX);
+        self.target = None;
+    }
+
+    /// Ends the card as if it were unplugged.
+    #[cfg(test)]
+    pub(super) fn destroy(&self) {
+        self.device.destroy();
+    }
+
+    /// Whether the view is new.
+    fn try_draw(&mut self, frame: &Frame, size: [u32; 2]) -> Result<bool, GpuError> {
+        self.number += 1;
+        let is_new = self.resize(frame, size);
+        let plan = Plan::of(frame.shading);
+        if self.color_map.0 != frame.scale.map {
+            self.color_map = load_map(&self.device, &self.queue, frame.scale.map);
+        }
+        let view = self.view(frame, size);
+        let seen = self.load(frame, &view, &plan)?;
+        let textures = self.load_textures(frame, &plan);
+        let backdrop = self.load_backdrop(frame);
+        let objects = self.object_blocks(frame, &view, &seen, &plan);
+        let materials: Vec<_> = materials(frame).map(blocks::material).collect();
+        let layout = &self.pipelines.block;
+        self.object_blocks
+            .write(&self.device, &self.queue, layout, &objects);
+        self.material_blocks
+            .write(&self.device, &self.queue, layout, &materials);
+        let picture = backdrop.as_ref().and(background_size(&frame.background));
+        let block = blocks::frame(frame, &view, picture);
+        self.queue
+            .write_buffer(&self.frame_block, 0, bytemuck::cast_slice(&block));
+        let group = self.frame_group(backdrop.as_ref());
+        let (ink, hidden_ink) = self.load_overlay(frame, &view);
+        let Some(target) = &self.target else {
+            return Err(GpuError::OutOfMemory);
+        };
+        let mut encoder = Encoder {
+            frame,
+            view,
+            plan,
+            device: &self.device,
+            pipelines: &mut self.pipelines,
+            pictures: &self.pictures,
+            geometries: &self.geometries,
+            objects: &self.object_blocks,
+            materials: &self.material_blocks,
+            constants: &self.constants,
+            frame_group: &group,
+            textures: &textures,
+            seen: &seen,
+            ink: &ink,
+            hidden_ink,
+            samples: target.samples,
+        };
+        encoder.prepare();
+        let mut commands = self.device.create_command_encoder(&Default::default());
+        encoder.encode(target.begin(&mut commands));
+        self.queue.submit([commands.finish()]);
+        self.free(&plan);
+        Ok(is_new)
+    }
+
+    /// Makes textures of the right kind; says whether they are new.
+    fn resize(&mut self, frame: &Frame, size: [u32; 2]) -> bool {
+        let samples = match frame.antialiasing && self.can_smooth {
+            true => SAMPLES,
+            false => 1,
+        };
+        let fits = |t: &Target| t.size == size && t.samples == samples;
+        let is_new = !self.target.as_ref().is_some_and(fits);
+        if is_new {
+            // The old textures go first.
+            self.target = None;
+            self.target = Some(Target::new(&self.device, size, samples));
+        }
+        is_new
+    }
+
+    fn view(&mut self, frame: &Frame, size: [u32; 2]) -> View {
+        for drawn in frame.objects {
+            let geometry = self.geometries.entry(drawn.key);
+            geometry.or_insert_with(|| Geometry::new(drawn.mesh)).used = self.number;
+        }
+        let objects = frame.objects.iter().filter_map(|drawn| {
+            let geometry = self.geometries.get(&drawn.key)?;
+            Some(sphere(drawn, geometry))
+        });
+        let marks = frame.overlay.spheres();
+        View::new(frame.camera, size).around(objects.chain(marks))
+    }
+
+    /// Brings what can be in the picture.
+    fn load(&mut self, frame: &Frame, view: &View, plan: &Plan) -> Result<Vec<Seen>, GpuError> {
+        let mut loader = Loader::new(&self.device, &self.queue);
+        let mut seen = Vec::new();
+        for (index, drawn) in frame.objects.iter().enumerate() {
+            let Some(geometry) = self.geometries.get_mut(&drawn.key) else {
+                continue;
+            };
+            let (centre, radius) = sphere(drawn, geometry);
+            if drawn.mesh.faces.is_empty() || !view.sees(view.to_view(centre), radius) {
+                continue;
+            }
+            geometry.hold(drawn, plan.streams, &mut loader)?;
+            geometry.select(drawn, &mut loader);
+            seen.push(Seen {
+                index,
+                view_from: view.view_from(&drawn.world_from_object, geometry.origin),
+                stretch: stretch(drawn),
+            });
+        }
+        self.statistics = Statistics {
+            objects: seen.len(),
+            bytes_loaded: loader.bytes,
+            meshes_held: self.geometries.len(),
+        };
+        Ok(seen)
+    }
+
+    /// Of each material the key of its texture.
+    fn load_textures(&mut self, frame: &Frame, plan: &Plan) -> Vec<Option<Vec<u64>>> {
+        let pictures = &mut self.pictures;
+        let mut key = |textures: &[u32]| {
+            let known = textures
+                .iter()
+                .filter_map(|&t| frame.textures.get(t as usize));
+            let used: Vec<Picture> = known.copied().collect();
+            pictures.hold(&self.device, &self.queue, &used, self.number)
+        };
+        let all = materials(frame).map(|m| m.filter(|_| plan.streams.uvs));
+        all.map(|m| m.and_then(|m| key(&m.textures))).collect()
+    }
+
+    fn load_backdrop(&mut self, frame: &Frame) -> Option<Vec<u64>> {
+        let Background::Image { picture, .. } = frame.background else {
+            return None;
+        };
+        self.pictures
+            .hold(&self.device, &self.queue, &[picture], self.number)
+    }
+
+    fn load_overlay(&self, frame: &Frame, view: &View) -> (wgpu::Buffer, u32) {
+        let (words, hidden) = overlay::corners(frame.overlay, view);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("overlay"),
+            size: (4 * words.len() as u64).max(4),
+            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue
+            .write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
+        (buffer, hidden)
+    }
+
+    fn object_blocks(
+        &self,
+        frame: &Frame,
+        view: &View,
+        seen: &[Seen],
+        plan: &Plan,
+    ) -> Vec<[f32; blocks::WORDS]> {
+        let [r, g, b] = frame.selection_color.map(|x| f32::from(x) / 255.0);
+        let block = |s: &Seen| {
+            let drawn = &frame.objects[s.index];
+            let geometry = self.geometries.get(&drawn.key)?;
+            let tint = [r, g, b, f32::from(u8::from(drawn.is_selected))];
+            let scale = match plan.streams.facets {
+                Facets::None => geometry.light_scale,
+                Facets::Light | Facets::Values => geometry.facet_scale,
+            };
+            Some(blocks::object(view, &s.view_from, geometry, tint, scale))
+        };
+        let none = [0.0; blocks::WORDS];
+        seen.iter().map(|s| block(s).unwrap_or(none)).collect()
+    }
+
+    fn frame_group(&mut self, backdrop: Option<&Vec<u64>>) -> wgpu::BindGroup {
+        let sampler = wgpu::BindingResource::Sampler(self.pictures.sampler());
+        let resources = [
+            self.frame_block.as_entire_binding(),
+            wgpu::BindingResource::TextureView(self.pictures.view(backdrop)),
+            sampler.clone(),
+            wgpu::BindingResource::TextureView(&self.color_map.1),
+            sampler,
+        ];
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &self.pipelines.frame,
+            entries: &entries,
+        })
+    }
+
+    fn free(&mut self, plan: &Plan) {
+        let oldest = self.number.saturating_sub(PATIENCE);
+        self.geometries.retain(|_, g| g.used >= oldest);
+        self.pictures.free_before(oldest);
+        if plan.streams.facets == Facets::None {
+            self.geometries.values_mut().for_each(Geometry::drop_facets);
+        }
+    }
+}
+
+impl Constants {
+    fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Constants {
+        let make = |bytes: [u8; 16]| {
+            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("constant attribute"),
+                size: 16,
+                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            queue.write_buffer(&buffer, 0, &bytes);
+            buffer
+        };
+        Constants {
+            zeros: make([0; 16]),
+            ones: make([255; 16]),
+        }
+    }
+}
+
+/// The frame's materials, and last what stands for those that are not there.
+fn materials<'a>(
+    frame: &'a Frame,
+) -> impl Iterator<Item = Option<&'a azulejo::scene::Material>> + use<'a> {
+    frame.materials.iter().map(|&m| Some(m)).chain([None])
+}
+
+/// A sphere around a placed mesh.
+fn sphere(drawn: &Drawn, geometry: &Geometry) -> (glam::DVec3, f64) {
+    let centre = drawn.world_from_object.transform_point3(geometry.origin);
+    (centre, geometry.radius * stretch(drawn))
+}
+
+/// By how much an object's place makes lengths longer, at most.
+fn stretch(drawn: &Drawn) -> f64 {
+    let m = drawn.world_from_object.matrix3;
+    let columns = [m.x_axis, m.y_axis, m.z_axis];
+    let is_rigid = columns.iter().all(|c| (c.length() - 1.0).abs() < 1e-6)
+        && (m.determinant().abs() - 1.0).abs() < 1e-6;
+    // The longest image of a unit vector is no longer than the matrix's Frobenius norm.
+    let norm = columns
+        .iter()
+        .map(|c| c.length_squared())
+        .sum::<f64>()
+        .sqrt();
+    if is_rigid { 1.0 } else { norm }
+}
+
+fn background_size(background: &Background) -> Option<[u32; 2]> {
+    match background {
+        Background::Image { picture, .. } => picture.image.map(|i| [i.width, i.height]),
+        _ => None,
+    }
+}
+
+fn load_map(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    map: ColorMap,
+) -> (ColorMap, wgpu::TextureView) {
+    let size = wgpu::Extent3d {
+        width: 256,
+        height: 1,
+        depth_or_array_layers: 1,
+    };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("colour map"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: COLOR,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let rows = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * 256),
+        rows_per_image: None,
+    };
+    queue.write_texture(texture.as_image_copy(), &map.texels(), rows, size);
+    (
+        map,
+        texture.create_view(&wgpu::TextureViewDescriptor::default()),
+    )
+}
