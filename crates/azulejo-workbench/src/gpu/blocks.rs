@@ -1,8 +1,9 @@
 //! Numbers for the shaders: of the frame, of each object, of each material.
 
-use super::frame::{Background, Fit, Frame, Quantity};
+use super::frame::{Background, Frame, Quantity};
 use super::geometry::Geometry;
-use super::view::View;
+use super::projection::Projection;
+use crate::view::{Fit, Shading};
 use azulejo::render::{REINHARD_WHITE, Tone};
 use azulejo::scene::{Material, Rgb};
 use glam::{DAffine3, DMat3, DVec3, Mat4};
@@ -110,7 +111,7 @@ impl<const N: usize> Words<N> {
 }
 
 /// The frame's numbers. `picture` is the size of the background's picture, if there is one.
-pub fn frame(frame: &Frame, view: &View, picture: Option<[u32; 2]>) -> [f32; FRAME_WORDS] {
+pub fn frame(frame: &Frame, view: &Projection, picture: Option<[u32; 2]>) -> [f32; FRAME_WORDS] {
     let size = view.size();
     let tone = match frame.tone {
         Tone::Linear => 0.0,
@@ -157,7 +158,7 @@ pub fn frame(frame: &Frame, view: &View, picture: Option<[u32; 2]>) -> [f32; FRA
 /// Lines over light are faint, lest they hide it.
 fn line_opacity(frame: &Frame) -> f32 {
     match frame.shading {
-        super::Shading::Patches => 0.45,
+        Shading::Patches => 0.45,
         _ => 1.0,
     }
 }
@@ -169,7 +170,7 @@ fn backdrop(background: &Background, has_picture: bool) -> ([u8; 3], [u8; 3], f3
         Background::Image { fit, around, .. } => {
             let kind = match (has_picture, fit) {
                 (false, _) => 0.0,
-                (true, Fit::Centred) => 1.0,
+                (true, Fit::Centered) => 1.0,
                 (true, Fit::Scaled) => 2.0,
                 (true, Fit::Tiled) => 3.0,
             };
@@ -187,7 +188,7 @@ fn placement(background: &Background, picture: Option<[u32; 2]>, size: [f32; 2])
     match fit {
         Fit::Scaled => [1.0 / size[0], 1.0 / size[1], 0.0, 0.0],
         Fit::Tiled => [1.0 / picture[0], 1.0 / picture[1], 0.0, 0.0],
-        Fit::Centred => {
+        Fit::Centered => {
             // Whole pixels, so that the picture stays sharp.
             let offset = |k: usize| -(0.5 * (size[k] - picture[k])).floor() / picture[k];
             [1.0 / picture[0], 1.0 / picture[1], offset(0), offset(1)]
@@ -197,7 +198,7 @@ fn placement(background: &Background, picture: Option<[u32; 2]>, size: [f32; 2])
 
 /// An object's numbers. `light_scale`: what its light is counted in; 0 where there is none.
 pub fn object(
-    view: &View,
+    view: &Projection,
     view_from: &DAffine3,
     geometry: &Geometry,
     tint: [f32; 4],

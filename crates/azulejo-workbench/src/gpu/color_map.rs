@@ -3,42 +3,9 @@
 
 mod tables;
 
-use serde::{Deserialize, Serialize};
-
-/// A map from 0..=1 to colours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ColorMap {
-    /// From violet over green to yellow.
-    #[default]
-    Viridis,
-    /// From blue over grey to yellow: the same to people who confuse red and green.
-    Cividis,
-    /// From black over purple to white.
-    Magma,
-    /// From black to white.
-    Grey,
-}
+use crate::view::ColorMap;
 
 impl ColorMap {
-    /// All of them.
-    pub const ALL: [ColorMap; 4] = [
-        ColorMap::Viridis,
-        ColorMap::Cividis,
-        ColorMap::Magma,
-        ColorMap::Grey,
-    ];
-
-    /// Its name, which is the same in all languages but for the last.
-    pub fn name(self) -> &'static str {
-        match self {
-            ColorMap::Viridis => "Viridis",
-            ColorMap::Cividis => "Cividis",
-            ColorMap::Magma => "Magma",
-            ColorMap::Grey => "Grey",
-        }
-    }
-
     /// The sRGB colour of `t`, clamped to 0..=1; NaN counts as 0.
     pub fn color(self, t: f64) -> [u8; 3] {
         self.entry((t.clamp(0.0, 1.0) * 255.0).round() as u8)

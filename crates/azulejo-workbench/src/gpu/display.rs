@@ -1,6 +1,6 @@
 //! Polygons of shapes for the eye: exact surfaces as finely as the picture shows them.
 
-use super::view::View;
+use super::projection::Projection;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Mesh, Primitive, Rgb, Shape, SurfaceGrid, SurfaceLight};
 use std::borrow::Cow;
@@ -15,7 +15,7 @@ const COARSEST: f64 = 1.0 / 64.0;
 ///
 /// A power of two, so that a shape is tessellated anew only when the view comes twice as near.
 /// For a placed shape `bounds` are those in the world.
-pub fn chord_error(bounds: Aabb, view: &View) -> f64 {
+pub fn chord_error(bounds: Aabb, view: &Projection) -> f64 {
     let size = bounds.diagonal();
     if !(size > 0.0 && size.is_finite()) {
         return 1.0;
@@ -85,7 +85,7 @@ mod tests {
     use azulejo::scene::{Camera, PrimitiveKind};
     use glam::{DAffine3, DVec3};
 
-    fn view(distance: f64) -> View {
+    fn view(distance: f64) -> Projection {
         let camera = Camera {
             name: String::new(),
             eye: DVec3::new(0.0, 0.0, distance),
@@ -94,7 +94,7 @@ mod tests {
             vertical_fov: 0.7,
             size: None,
         };
-        View::new(&camera, [800, 600])
+        Projection::new(&camera, [800, 600])
     }
 
     fn ball() -> Shape {

@@ -1,6 +1,7 @@
 //! What is to be drawn, as plain data.
 
-use super::{ColorMap, Overlay};
+use super::Overlay;
+use crate::view::{ColorMap, Fit, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::{Camera, Fog, Image, Material, Mesh};
 use glam::DAffine3;
@@ -125,52 +126,6 @@ pub struct Picture<'a> {
     pub image: Option<&'a Image>,
 }
 
-/// How surfaces are shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Shading {
-    /// The vertices.
-    Points,
-    /// The edges of the polygons.
-    Lines,
-    /// The edges that no face hides.
-    HiddenLines,
-    /// Faces, each of one shade, under a lamp at the eye.
-    Flat,
-    /// Smooth shades under a lamp at the eye.
-    #[default]
-    Gouraud,
-    /// The same, with textures.
-    Textured,
-    /// The solution: ρE/π and what is emitted, exposed and tone-mapped.
-    Irradiance,
-    /// The irradiance as colours of a scale, with isolines.
-    FalseColor,
-    /// The faces of the mesh with their edges, each with the mean of its light.
-    Patches,
-    /// A number per face as colours of a scale.
-    FormFactors,
-    /// Directions as colours; backs are red.
-    Normals,
-}
-
-impl Shading {
-    /// All of them.
-    pub const ALL: [Shading; 11] = [
-        Shading::Points,
-        Shading::Lines,
-        Shading::HiddenLines,
-        Shading::Flat,
-        Shading::Gouraud,
-        Shading::Textured,
-        Shading::Irradiance,
-        Shading::FalseColor,
-        Shading::Patches,
-        Shading::FormFactors,
-        Shading::Normals,
-    ];
-}
-
 /// Which number of a colour counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -254,17 +209,4 @@ pub enum Background<'a> {
         /// What is seen around it.
         around: [u8; 3],
     },
-}
-
-/// How a picture fills the view.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Fit {
-    /// Stretched to the edges.
-    #[default]
-    Scaled,
-    /// Pixel by pixel in the middle.
-    Centred,
-    /// Repeated from the upper left corner.
-    Tiled,
 }

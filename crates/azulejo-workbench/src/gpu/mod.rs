@@ -7,7 +7,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | `frame`, `overlay` | what is to be drawn, as plain data |
-//! | `view` | from the world to the picture, in `f64` |
+//! | `projection` | from the world to the picture, in `f64` |
 //! | `walk`, `geometry` | polygons to vertices and triangles, and these to the card |
 //! | `pictures`, `blocks` | textures and numbers to the card |
 //! | `pipelines`, `draw.wgsl` | what the card runs |
@@ -26,19 +26,18 @@ mod overlay;
 mod pass;
 mod pictures;
 mod pipelines;
+mod projection;
 mod renderer;
 mod target;
 #[cfg(test)]
 mod tests;
-mod view;
 mod walk;
 
-pub use color_map::ColorMap;
 pub use device::Headless;
 pub use display::{chord_error, display_mesh};
 pub use error::GpuError;
-pub use frame::{Background, Drawn, FaceValues, Fit, Frame, Picture, Quantity, Scale, Shading};
+pub use frame::{Background, Drawn, FaceValues, Frame, Picture, Quantity, Scale};
 pub use overlay::{Ink, Line, Overlay, Triangle};
+pub use projection::Projection;
 pub use renderer::{Renderer, Shown, Statistics};
 pub use target::Pixels;
-pub use view::View;

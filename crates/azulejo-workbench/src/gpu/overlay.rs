@@ -1,6 +1,6 @@
 //! Lines and triangles beside the model: gizmos, lamps, cameras, marks.
 
-use super::view::View;
+use super::projection::Projection;
 use azulejo::scene::math::Aabb;
 use glam::{DAffine3, DVec2, DVec3, DVec4};
 use std::f64::consts::TAU;
@@ -194,7 +194,7 @@ fn ring(centre: DVec3, axis: DVec3, radius: f64, pieces: u32) -> Vec<DVec3> {
 
 /// Corners of triangles in clip coordinates, five words each: four of the position, one of the
 /// colour. What surfaces hide comes first; also says how many corners these are.
-pub(super) fn corners(overlay: &Overlay, view: &View) -> (Vec<u32>, u32) {
+pub(super) fn corners(overlay: &Overlay, view: &Projection) -> (Vec<u32>, u32) {
     let mut words = Vec::new();
     let mut hidden = 0;
     for on_top in [false, true] {
@@ -229,7 +229,7 @@ fn push(words: &mut Vec<u32>, clip: DVec4, nearer: f64, ink: Ink) {
 }
 
 /// The four corners of a line of some width; `None` behind the near plane.
-fn ribbon(line: &Line, view: &View) -> Option<[DVec4; 4]> {
+fn ribbon(line: &Line, view: &Projection) -> Option<[DVec4; 4]> {
     let (mut a, mut b) = (view.to_view(line.from), view.to_view(line.to));
     let near = -view.near();
     if a.z > near && b.z > near || !(a + b).is_finite() {

@@ -1,13 +1,14 @@
 //! The order in which a frame is drawn.
 
 use super::blocks::{self, Blocks};
-use super::frame::{Drawn, Frame, Shading};
+use super::frame::{Drawn, Frame};
 use super::geometry::{Buffers, Facets, Geometry, Streams};
 use super::overlay::WORDS;
 use super::pictures::Pictures;
 use super::pipelines::{Attributes, Pipelines, Stage, Way};
+use super::projection::Projection;
 use super::renderer::Constants;
-use super::view::View;
+use crate::view::Shading;
 use glam::DAffine3;
 use std::collections::HashMap;
 
@@ -109,7 +110,7 @@ pub struct Seen {
 /// All that a pass reads.
 pub struct Encoder<'a> {
     pub frame: &'a Frame<'a>,
-    pub view: View,
+    pub view: Projection,
     pub plan: Plan,
     pub device: &'a wgpu::Device,
     pub pipelines: &'a mut Pipelines,

@@ -1,5 +1,6 @@
 //! From a frame to its picture.
 
+use super::GpuError;
 use super::blocks::{self, Blocks};
 use super::device::{Listener, guarded};
 use super::frame::{Background, Drawn, Frame, Picture};
@@ -8,9 +9,9 @@ use super::overlay;
 use super::pass::{Encoder, Plan, Seen};
 use super::pictures::Pictures;
 use super::pipelines::Pipelines;
+use super::projection::Projection;
 use super::target::{COLOR, Pixels, SAMPLES, Target};
-use super::view::View;
-use super::{ColorMap, GpuError};
+use crate::view::ColorMap;
 use std::collections::HashMap;
 
 /// What was not drawn for so many frames is freed.
@@ -249,7 +250,7 @@ impl Renderer {
         is_new
     }
 
-    fn view(&mut self, frame: &Frame, size: [u32; 2]) -> View {
+    fn view(&mut self, frame: &Frame, size: [u32; 2]) -> Projection {
         for drawn in frame.objects {
             let geometry = self.geometries.entry(drawn.key);
             geometry.or_insert_with(|| Geometry::new(drawn.mesh)).used = self.number;
@@ -259,11 +260,16 @@ impl Renderer {
             Some(sphere(drawn, geometry))
         });
         let marks = frame.overlay.spheres();
-        View::new(frame.camera, size).around(objects.chain(marks))
+        Projection::new(frame.camera, size).around(objects.chain(marks))
     }
 
     /// Brings what can be in the picture.
-    fn load(&mut self, frame: &Frame, view: &View, plan: &Plan) -> Result<Vec<Seen>, GpuError> {
+    fn load(
+        &mut self,
+        frame: &Frame,
+        view: &Projection,
+        plan: &Plan,
+    ) -> Result<Vec<Seen>, GpuError> {
         let mut loader = Loader::new(&self.device, &self.queue);
         let mut seen = Vec::new();
         for (index, drawn) in frame.objects.iter().enumerate() {
@@ -312,7 +318,7 @@ impl Renderer {
             .hold(&self.device, &self.queue, &[picture], self.number)
     }
 
-    fn load_overlay(&self, frame: &Frame, view: &View) -> (wgpu::Buffer, u32) {
+    fn load_overlay(&self, frame: &Frame, view: &Projection) -> (wgpu::Buffer, u32) {
         let (words, hidden) = overlay::corners(frame.overlay, view);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("overlay"),
@@ -328,7 +334,7 @@ impl Renderer {
     fn object_blocks(
         &self,
         frame: &Frame,
-        view: &View,
+        view: &Projection,
         seen: &[Seen],
         plan: &Plan,
     ) -> Vec<[f32; blocks::WORDS]> {

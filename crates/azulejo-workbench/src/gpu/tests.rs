@@ -1,6 +1,7 @@
 //! Pictures, looked at pixel by pixel, on every driver that is there.
 
 use super::*;
+use crate::view::{ColorMap, Fit, Shading};
 use azulejo::render::{Tone, srgb_from_linear};
 use azulejo::scene::{Attribute, Camera, Fog, Image, Material, Mesh, Primitive, Rgb, SurfaceGrid};
 use glam::{DAffine3, DVec2, DVec3};
@@ -206,12 +207,22 @@ fn false_colours_are_those_of_the_map() {
             let linear = draw_one(renderer, &mesh, &[&white], |f| {
                 (f.shading, f.scale) = (Shading::FalseColor, scale);
             });
-            assert_near(linear.color(32, 32), map.color(0.25), 2, map.name());
+            assert_near(
+                linear.color(32, 32),
+                map.color(0.25),
+                2,
+                &format!("{map:?}"),
+            );
             (scale.low, scale.high, scale.is_logarithmic) = (0.1, 1000.0, true);
             let logarithmic = draw_one(renderer, &mesh, &[&white], |f| {
                 (f.shading, f.scale) = (Shading::FalseColor, scale);
             });
-            assert_near(logarithmic.color(32, 32), map.color(0.5), 2, map.name());
+            assert_near(
+                logarithmic.color(32, 32),
+                map.color(0.5),
+                2,
+                &format!("{map:?}"),
+            );
         }
     });
 }
@@ -455,8 +466,8 @@ fn backgrounds_fill_the_picture_as_told() {
         assert_near(at(gradient, 3, 15), [152; 3], 2, "gradient");
         assert_near(at(image(Fit::Scaled), 16, 16), [255, 0, 0], 40, "scaled");
         assert_near(at(image(Fit::Scaled), 48, 48), [0, 255, 255], 40, "scaled");
-        assert_near(at(image(Fit::Centred), 3, 3), [9, 99, 9], 1, "centred");
-        assert_near(at(image(Fit::Centred), 31, 31), [255, 0, 0], 2, "centred");
+        assert_near(at(image(Fit::Centered), 3, 3), [9, 99, 9], 1, "centred");
+        assert_near(at(image(Fit::Centered), 31, 31), [255, 0, 0], 2, "centred");
         assert_near(at(image(Fit::Tiled), 0, 0), [255, 0, 0], 2, "tiled");
         assert_near(at(image(Fit::Tiled), 2, 3), [0, 0, 255], 2, "tiled");
     });

@@ -13,7 +13,7 @@ const NEAREST_SHARE: f64 = 2e-5;
 /// Space of the view: x right, y up, z backward, the eye at the origin. The depth is the near
 /// distance over the distance: 1 at the near plane, 0 infinitely far.
 #[derive(Clone, Copy, Debug)]
-pub struct View {
+pub struct Projection {
     eye: DVec3,
     /// Rows: right, up, backward.
     view_from_world: DMat3,
@@ -23,17 +23,17 @@ pub struct View {
     size: DVec2,
 }
 
-impl View {
+impl Projection {
     /// The view of a camera. A camera that makes no sense (no direction, `up` along the view, no
     /// field of view) is put right in some way.
-    pub fn new(camera: &Camera, size: [u32; 2]) -> View {
+    pub fn new(camera: &Camera, size: [u32; 2]) -> Projection {
         let (forward, up) = (camera.target - camera.eye, camera.up);
         let forward = forward.try_normalize().unwrap_or(-DVec3::Z);
         let right = forward.cross(up).try_normalize();
         let right = right.unwrap_or_else(|| forward.any_orthonormal_vector());
         let size = DVec2::new(f64::from(size[0].max(1)), f64::from(size[1].max(1)));
         let half = (0.5 * camera.vertical_fov).clamp(1e-4, 1.55).tan();
-        View {
+        Projection {
             eye: camera.eye,
             view_from_world: DMat3::from_cols(right, right.cross(forward), -forward).transpose(),
             near: 1e-3,
@@ -44,7 +44,7 @@ impl View {
 
     /// The same view with its near plane as far as spheres (centre, radius) allow. The far plane is
     /// infinitely far.
-    pub fn around(mut self, spheres: impl IntoIterator<Item = (DVec3, f64)>) -> View {
+    pub fn around(mut self, spheres: impl IntoIterator<Item = (DVec3, f64)>) -> Projection {
         let (mut nearest, mut farthest) = (f64::INFINITY, 0f64);
         for (centre, radius) in spheres {
             let depth = -self.to_view(centre).z;
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_ray_goes_where_its_points_are_projected() {
-        let view = View::new(&camera(), [300, 200]);
+        let view = Projection::new(&camera(), [300, 200]);
         for pixel in [(150.0, 100.0), (0.0, 0.0), (290.0, 33.0)] {
             let pixel = DVec2::from(pixel);
             let back = view.project(view.ray(pixel).at(7.0)).expect("in front");
@@ -163,14 +163,14 @@ mod tests {
     #[test]
     fn the_ray_is_the_cameras() {
         let (camera, pixel) = (camera(), DVec2::new(30.0, 40.0));
-        let ray = View::new(&camera, [300, 200]).ray(pixel);
+        let ray = Projection::new(&camera, [300, 200]).ray(pixel);
         let expected = camera.ray(0.1, 0.2, 1.5);
         assert!((ray.direction - expected.direction).length() < 1e-12);
     }
 
     #[test]
     fn spheres_are_left_out_only_outside_the_picture() {
-        let view = View::new(&camera(), [300, 200]);
+        let view = Projection::new(&camera(), [300, 200]);
         let check = |pixel: (f64, f64), radius: f64, expected: bool| {
             let ray = view.ray(pixel.into());
             let centre = view.to_view(ray.at(10.0));
@@ -187,8 +187,8 @@ mod tests {
     fn cameras_without_sense_still_have_finite_axes() {
         let mut camera = camera();
         camera.up = camera.target - camera.eye;
-        assert!(View::new(&camera, [0, 0]).rotation().is_finite());
+        assert!(Projection::new(&camera, [0, 0]).rotation().is_finite());
         camera.target = camera.eye;
-        assert!(View::new(&camera, [1, 1]).rotation().is_finite());
+        assert!(Projection::new(&camera, [1, 1]).rotation().is_finite());
     }
 }
