@@ -12,6 +12,7 @@ pub mod jobs;
 pub mod light;
 pub mod preferences;
 pub mod recovery;
+pub mod script;
 pub mod ui;
 pub mod view;
 pub mod words;

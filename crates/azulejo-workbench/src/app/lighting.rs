@@ -41,6 +41,8 @@ pub struct Range {
 /// Form factors of one patch.
 #[derive(Clone, Debug)]
 pub struct SeenFromPatch {
+    /// Counts: no two answers have the same.
+    pub number: u64,
     /// The object that the patch is of.
     pub item: Id,
     /// The patches.

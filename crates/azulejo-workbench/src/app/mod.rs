@@ -11,7 +11,7 @@ mod tests;
 
 pub use files::{OnDisk, Question};
 pub use lighting::Lighting;
-pub use picture::Picture;
+pub use picture::{Picture, shown};
 
 use crate::command::{Ask, Command, Selection};
 use crate::document::{Document, Edit, Id, Lettering, NewKind, NewShape};

@@ -256,6 +256,18 @@ impl Document {
         }
     }
 
+    /// The scene of what shines alone.
+    pub fn lamps_scene(&self) -> Scene {
+        let mut lamps = self.clone();
+        let shines = |m: MaterialId| {
+            let material = self.materials.get(m as usize);
+            material.is_some_and(|m| m.is_emitter())
+        };
+        (lamps.items).retain(|item| self.materials_of(item).into_iter().any(shines));
+        lamps.rtrace = None;
+        lamps.scene()
+    }
+
     /// The object of this name for good.
     pub fn item(&self, id: Id) -> Option<&Item> {
         self.items.iter().find(|i| i.id == id)

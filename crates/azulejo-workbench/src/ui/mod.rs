@@ -1,8 +1,20 @@
 //! The window's parts. Each shows state and returns commands.
+//!
+//! [`Workbench`] is all of them around one [`App`]: what eframe draws, what tests click, what
+//! scripts drive.
 
 pub mod actions;
 pub mod brdf;
 pub mod desk;
+pub mod dialogs;
 pub mod inspector;
+pub mod light;
+pub mod looks;
+pub mod menu;
+pub mod messages;
 pub mod paint;
 pub mod tree;
+pub mod viewport;
+mod workbench;
+
+pub use workbench::{Rescued, Tab, Workbench};

@@ -1,0 +1,288 @@
+//! Lines to steps.
+
+use crate::gpu::Shading;
+use crate::ui::Tab;
+use crate::view::Side;
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// One step of a script.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// `size W H`: the window, points.
+    Size(f32, f32),
+    /// `open FILE`, `add FILE`: one file each.
+    Open(PathBuf),
+    /// See [`Step::Open`].
+    Add(PathBuf),
+    /// `action NAME`: an entry of a menu by its English name.
+    Action(String),
+    /// `select NAME`, `select all`, `select nothing`: all objects, lights and cameras whose name,
+    /// or its last part, is this.
+    Select(String),
+    /// `rename NAME`: what is selected.
+    Rename(String),
+    /// `move X Y Z`, `scale F`, `turn X Y Z` in degrees: what is selected.
+    Move(DVec3),
+    /// See [`Step::Move`].
+    Scale(f64),
+    /// See [`Step::Move`].
+    Turn(DVec3),
+    /// `material new NAME`: a material, given to what is selected.
+    MaterialNew(String),
+    /// `material brdf DESCRIPTION`: a reflection model for the selected material.
+    MaterialBrdf(String),
+    /// `material color R G B`: a matt surface for the selected material, linear.
+    MaterialColor(DVec3),
+    /// `material emit R G B`: emission for the selected material, W/(sr·m²) or cd/m².
+    MaterialEmit(DVec3),
+    /// `shading NAME`, as `irradiance` or `false_color`.
+    Shading(Shading),
+    /// `view front`, `back`, `left`, `right`, `top`, `bottom`, `corner`, `all`.
+    View(Option<Side>),
+    /// `camera EX EY EZ TX TY TZ`: from where, at what.
+    Camera(DVec3, DVec3),
+    /// `tab object`, `material`, `light`, `view`.
+    Tab(Tab),
+    /// `patches N`: how finely the light is solved.
+    Patches(u32),
+    /// `solve` or `solve 5%`: to an error.
+    Solve(Option<f64>),
+    /// `picture N`: by rays, until N paths per pixel.
+    Picture(u32),
+    /// `save FILE`, `export FILE`, `save-picture FILE`.
+    Save(PathBuf),
+    /// See [`Step::Save`].
+    Export(PathBuf),
+    /// See [`Step::Save`].
+    SavePicture(PathBuf),
+    /// `screenshot FILE`: the window, PNG.
+    Screenshot(PathBuf),
+    /// `wait SECONDS`, or `wait` until no job goes on.
+    Wait(Option<f64>),
+    /// `quit`.
+    Quit,
+}
+
+/// Reads a script; an error names the line, what was found and what was expected.
+///
+/// # Errors
+/// As above, for people.
+pub fn parse(text: &str, name: &str) -> Result<Vec<(usize, Step)>, String> {
+    let mut steps = Vec::new();
+    for (k, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let step = step(line).map_err(|e| format!("{name}:{}: {e}", k + 1))?;
+        steps.push((k + 1, step));
+    }
+    Ok(steps)
+}
+
+fn step(line: &str) -> Result<Step, String> {
+    let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    let rest = rest.trim();
+    let path = || match rest {
+        "" => Err(format!("{word} names no file")),
+        some => Ok(PathBuf::from(some)),
+    };
+    Ok(match word {
+        "size" => {
+            let [w, h] = numbers(rest)?;
+            if !(100.0..=16_384.0).contains(&w) || !(100.0..=16_384.0).contains(&h) {
+                return Err(format!("a window of {w} × {h}, expected 100 to 16384"));
+            }
+            Step::Size(w as f32, h as f32)
+        }
+        "open" => Step::Open(path()?),
+        "add" => Step::Add(path()?),
+        "action" => Step::Action(action(rest)?),
+        "select" => Step::Select(rest.to_owned()),
+        "rename" => Step::Rename(rest.to_owned()),
+        "move" => Step::Move(vector(rest)?),
+        "scale" => Step::Scale(numbers::<1>(rest)?[0]),
+        "turn" => Step::Turn(vector(rest)?),
+        "material" => material(rest)?,
+        "shading" => Step::Shading(shading(rest)?),
+        "view" => Step::View(side(rest)?),
+        "camera" => {
+            let [a, b, c, d, e, f] = numbers(rest)?;
+            Step::Camera(DVec3::new(a, b, c), DVec3::new(d, e, f))
+        }
+        "tab" => Step::Tab(tab(rest)?),
+        "patches" => Step::Patches(whole(rest, 10_000_000)?),
+        "solve" => Step::Solve(error(rest)?),
+        "picture" => Step::Picture(whole(rest, 65_536)?),
+        "save" => Step::Save(path()?),
+        "export" => Step::Export(path()?),
+        "save-picture" => Step::SavePicture(path()?),
+        "screenshot" => Step::Screenshot(path()?),
+        "wait" => Step::Wait(match rest {
+            "" => None,
+            some => Some(numbers::<1>(some)?[0].clamp(0.0, 3_600.0)),
+        }),
+        "quit" => Step::Quit,
+        other => {
+            return Err(format!(
+                "unknown step \"{other}\", expected one of {}",
+                STEPS.join(", ")
+            ));
+        }
+    })
+}
+
+const STEPS: [&str; 23] = [
+    "size", "open", "add", "action", "select", "rename", "move", "scale", "turn", "material",
+    "shading", "view", "camera", "tab", "patches", "solve", "picture", "save", "export",
+    "save-picture", "screenshot", "wait", "quit",
+];
+
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let wrong = || format!("\"{text}\" is not {N} numbers");
+    let parsed: Option<Vec<f64>> = words
+        .iter()
+        .map(|w| w.parse().ok().filter(|x: &f64| x.is_finite()))
+        .collect();
+    parsed.and_then(|v| v.try_into().ok()).ok_or_else(wrong)
+}
+
+fn vector(text: &str) -> Result<DVec3, String> {
+    numbers::<3>(text).map(DVec3::from)
+}
+
+fn whole(text: &str, most: u32) -> Result<u32, String> {
+    let n: Option<u32> = text.parse().ok();
+    n.filter(|n| (1..=most).contains(n))
+        .ok_or_else(|| format!("\"{text}\" is not a number from 1 to {most}"))
+}
+
+fn error(text: &str) -> Result<Option<f64>, String> {
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let value = text.strip_suffix('%').and_then(|t| t.trim().parse().ok());
+    let valid = value.filter(|p: &f64| (0.01..=100.0).contains(p));
+    valid
+        .map(|p| Some(p / 100.0))
+        .ok_or_else(|| format!("\"{text}\" is not an error, expected as in 5%"))
+}
+
+/// An action that exists.
+fn action(name: &str) -> Result<String, String> {
+    let known = crate::ui::actions::ACTIONS.iter().map(|a| a.label);
+    match known.clone().any(|label| label == name) {
+        true => Ok(name.to_owned()),
+        false => {
+            let all: Vec<&str> = known.collect();
+            Err(format!("no action \"{name}\", expected one of {}", all.join(", ")))
+        }
+    }
+}
+
+fn material(text: &str) -> Result<Step, String> {
+    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    match word {
+        "new" => Ok(Step::MaterialNew(rest.trim().to_owned())),
+        "brdf" => Ok(Step::MaterialBrdf(rest.trim().to_owned())),
+        "color" => Ok(Step::MaterialColor(vector(rest)?)),
+        "emit" => Ok(Step::MaterialEmit(vector(rest)?)),
+        other => Err(format!(
+            "material \"{other}\", expected new, brdf, color or emit"
+        )),
+    }
+}
+
+/// The word of a shading, in scripts and in preferences.
+pub fn shading_word(shading: Shading) -> String {
+    // Derived from the name: one place less to forget.
+    let mut word = String::new();
+    for c in format!("{shading:?}").chars() {
+        if c.is_ascii_uppercase() && !word.is_empty() {
+            word.push('_');
+        }
+        word.push(c.to_ascii_lowercase());
+    }
+    word
+}
+
+fn shading(text: &str) -> Result<Shading, String> {
+    let found = Shading::ALL.into_iter().find(|s| shading_word(*s) == text);
+    found.ok_or_else(|| {
+        let all: Vec<String> = Shading::ALL.into_iter().map(shading_word).collect();
+        format!("no shading \"{text}\", expected one of {}", all.join(", "))
+    })
+}
+
+fn side(text: &str) -> Result<Option<Side>, String> {
+    Ok(Some(match text {
+        "front" => Side::Front,
+        "back" => Side::Back,
+        "left" => Side::Left,
+        "right" => Side::Right,
+        "top" => Side::Top,
+        "bottom" => Side::Bottom,
+        "corner" => Side::Corner,
+        "all" => return Ok(None),
+        other => {
+            return Err(format!(
+                "no view \"{other}\", expected front, back, left, right, top, bottom, corner, all"
+            ));
+        }
+    }))
+}
+
+fn tab(text: &str) -> Result<Tab, String> {
+    let found = Tab::ALL
+        .into_iter()
+        .find(|t| format!("{t:?}").to_ascii_lowercase() == text);
+    found.ok_or_else(|| format!("no tab \"{text}\", expected object, material, light or view"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scripts_are_read() {
+        let text = "# a remark\n\nopen a b.3ds\naction Area light\nsolve 5%\nmove 1 -2 0.5\n\
+                    material brdf ward_duer ks=0.3\nshading false_color\ntab light\nwait\nquit";
+        let steps = parse(text, "s.txt").unwrap();
+        let expected = [
+            Step::Open("a b.3ds".into()),
+            Step::Action("Area light".into()),
+            Step::Solve(Some(0.05)),
+            Step::Move(DVec3::new(1.0, -2.0, 0.5)),
+            Step::MaterialBrdf("ward_duer ks=0.3".into()),
+            Step::Shading(Shading::FalseColor),
+            Step::Tab(Tab::Light),
+            Step::Wait(None),
+            Step::Quit,
+        ];
+        assert!(steps.iter().map(|(_, s)| s).eq(&expected), "{steps:?}");
+        assert_eq!(steps[0].0, 3);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        for (line, said) in [
+            ("dance", "unknown step \"dance\""),
+            ("open", "open names no file"),
+            ("move 1 2", "\"1 2\" is not 3 numbers"),
+            ("move 1 2 nan", "is not 3 numbers"),
+            ("solve 5", "expected as in 5%"),
+            ("action Fly", "no action \"Fly\""),
+            ("shading pink", "no shading \"pink\""),
+            ("patches 0", "is not a number from 1"),
+            ("material wood", "expected new, brdf, color or emit"),
+            ("tab left", "no tab \"left\""),
+            ("size 1 1", "expected 100 to 16384"),
+        ] {
+            let error = parse(&format!("quit\n{line}"), "s.txt").unwrap_err();
+            assert!(error.starts_with("s.txt:2: "), "{error}");
+            assert!(error.contains(said), "{error}");
+        }
+    }
+}

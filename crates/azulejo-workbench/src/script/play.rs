@@ -1,0 +1,379 @@
+//! Steps in a window, one after the other.
+
+use super::parse::Step;
+use crate::app::{App, Level};
+use crate::command::{Command, Selection};
+use crate::document::{Edit, Id};
+use crate::ui::Workbench;
+use crate::ui::actions::ACTIONS;
+use crate::ui::brdf::with_description;
+use azulejo::output::Output;
+use azulejo::scene::brdf::Description;
+use azulejo::scene::{Camera, Material, Rgb};
+use azulejo::trace::Progress;
+use egui::{UserData, ViewportCommand};
+use glam::{DAffine3, DMat3, DVec3};
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Plays a script in a window.
+pub struct Player {
+    steps: VecDeque<(usize, Step)>,
+    name: String,
+    waits: Option<Wait>,
+    /// Messages that were told before the step.
+    told: usize,
+    line: usize,
+    outcome: Arc<Mutex<Option<Result<(), String>>>>,
+}
+
+/// What a step waits for.
+enum Wait {
+    /// No job goes on.
+    Jobs,
+    /// So many frames more, in which the window settles.
+    Frames(u32),
+    /// A moment.
+    Until(Instant),
+    /// So many paths per pixel.
+    Samples(u32),
+    /// The picture of the window; asked for since then.
+    Screenshot(PathBuf, Instant),
+}
+
+/// Frames in which layout settles and threads deliver.
+const SETTLE: u32 = 4;
+/// A screenshot that does not come.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+impl Player {
+    /// Plays `steps` of the script `name`, which stands in messages. Steps that are files are
+    /// relative to where the program runs.
+    pub fn new(steps: Vec<(usize, Step)>, name: &str) -> Player {
+        Player {
+            steps: steps.into(),
+            name: name.to_owned(),
+            waits: Some(Wait::Frames(SETTLE)),
+            told: 0,
+            line: 0,
+            outcome: Arc::default(),
+        }
+    }
+
+    /// Where the end of the script will stand: `Ok`, or why it failed.
+    pub fn outcome(&self) -> Arc<Mutex<Option<Result<(), String>>>> {
+        Arc::clone(&self.outcome)
+    }
+
+    /// Goes on as far as a frame allows; `false` at the end.
+    pub fn step(&mut self, window: &mut Workbench, context: &egui::Context) -> bool {
+        if let Some(why) = self.failure(&window.app) {
+            return self.end(Err(why));
+        }
+        match self.still_waits(window, context) {
+            Ok(true) => return true,
+            Ok(false) => self.waits = None,
+            Err(why) => return self.end(Err(why)),
+        }
+        let Some((line, step)) = self.steps.pop_front() else {
+            return self.end(Ok(()));
+        };
+        self.line = line;
+        self.told = window.app.messages.len();
+        if step == Step::Quit {
+            window.app.execute(Command::Discard);
+            window.app.closing = true;
+            return self.end(Ok(()));
+        }
+        match self.begin(step, window, context) {
+            Ok(wait) => self.waits = Some(wait),
+            Err(why) => return self.end(Err(why)),
+        }
+        true
+    }
+
+    fn end(&mut self, result: Result<(), String>) -> bool {
+        let result = result.map_err(|why| format!("{}:{}: {why}", self.name, self.line));
+        if let Ok(mut outcome) = self.outcome.lock() {
+            *outcome = Some(result);
+        }
+        false
+    }
+
+    /// An error that was told since the step began.
+    fn failure(&self, app: &App) -> Option<String> {
+        let new = app.messages.get(self.told..)?;
+        let error = new.iter().find(|m| m.level == Level::Error)?;
+        Some(error.text.clone())
+    }
+
+    fn still_waits(&mut self, window: &Workbench, context: &egui::Context) -> Result<bool, String> {
+        let app = &window.app;
+        Ok(match &mut self.waits {
+            None => false,
+            Some(Wait::Jobs) => !app.jobs().is_empty(),
+            Some(Wait::Frames(left)) => {
+                *left = left.saturating_sub(1);
+                *left > 0
+            }
+            Some(Wait::Until(moment)) => Instant::now() < *moment,
+            Some(Wait::Samples(wanted)) => {
+                let found = app.picture.as_ref().map(|p| p.samples);
+                found.is_some_and(|n| n < *wanted) && !app.jobs().is_empty()
+            }
+            Some(Wait::Screenshot(path, since)) => {
+                let image = context.input(|i| {
+                    i.events.iter().find_map(|e| match e {
+                        egui::Event::Screenshot { image, .. } => Some(Arc::clone(image)),
+                        _ => None,
+                    })
+                });
+                match image {
+                    Some(image) => {
+                        write_png(path, &image)?;
+                        false
+                    }
+                    None if since.elapsed() > PATIENCE => {
+                        return Err("the window gives no picture of itself".into());
+                    }
+                    None => true,
+                }
+            }
+        })
+    }
+
+    fn begin(
+        &self,
+        step: Step,
+        window: &mut Workbench,
+        context: &egui::Context,
+    ) -> Result<Wait, String> {
+        let settle = Wait::Frames(SETTLE);
+        match step {
+            Step::Size(w, h) => {
+                context.send_viewport_cmd(ViewportCommand::InnerSize(egui::vec2(w, h)));
+            }
+            Step::Screenshot(path) => {
+                let ask = ViewportCommand::Screenshot(UserData::default());
+                context.send_viewport_cmd(ask);
+                return Ok(Wait::Screenshot(path, Instant::now()));
+            }
+            Step::Wait(None) => return Ok(Wait::Jobs),
+            Step::Wait(Some(seconds)) => {
+                let until = Instant::now() + Duration::from_secs_f64(seconds);
+                return Ok(Wait::Until(until));
+            }
+            Step::Tab(tab) => window.tab = tab,
+            Step::Action(name) => {
+                let action = ACTIONS.iter().find(|a| a.label == name);
+                let wish = action.and_then(|a| (a.wish)(&window.app));
+                let wish = wish.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
+                window.fulfil(wish);
+            }
+            Step::Picture(samples) => {
+                let (width, height) = window.viewport_size();
+                window.app.execute(Command::Picture { width, height });
+                return Ok(Wait::Samples(samples));
+            }
+            other => return run(&mut window.app, other),
+        }
+        Ok(settle)
+    }
+}
+
+/// Steps that need no window.
+fn run(app: &mut App, step: Step) -> Result<Wait, String> {
+    let settle = Ok(Wait::Frames(SETTLE));
+    match step {
+        Step::Open(path) => {
+            app.execute(Command::Open(vec![path]));
+            return Ok(Wait::Jobs);
+        }
+        Step::Add(path) => {
+            app.execute(Command::Add(vec![path]));
+            return Ok(Wait::Jobs);
+        }
+        Step::Save(path) => {
+            app.execute(Command::SaveAs(path));
+            return Ok(Wait::Jobs);
+        }
+        Step::Export(path) => {
+            app.execute(Command::Export(path));
+            return Ok(Wait::Jobs);
+        }
+        Step::SavePicture(path) => {
+            app.execute(Command::SavePicture(path));
+            return settle;
+        }
+        Step::Solve(error) => {
+            if let Some(error) = error {
+                let settings = crate::light::LightSettings {
+                    error,
+                    ..app.lighting.settings
+                };
+                app.execute(Command::SetLight(settings));
+            }
+            app.execute(Command::Solve);
+            return Ok(Wait::Jobs);
+        }
+        Step::Patches(patches) => {
+            let settings = crate::light::LightSettings {
+                patches,
+                ..app.lighting.settings
+            };
+            app.execute(Command::SetLight(settings));
+        }
+        Step::Select(name) => select(app, &name)?,
+        Step::Shading(shading) => look(app, |view| view.shading = shading),
+        Step::View(side) => {
+            let (bounds, up) = (app.document.bounds(None), app.document.units.up);
+            look(app, |view| match side {
+                Some(side) => view.look_from(side, bounds, up),
+                None => view.frame(bounds),
+            });
+        }
+        Step::Camera(eye, target) => look(app, |view| {
+            view.camera = Camera {
+                eye,
+                target,
+                ..view.camera.clone()
+            };
+        }),
+        other => return change(app, other).map(|()| Wait::Frames(SETTLE)),
+    }
+    settle
+}
+
+/// Steps that change the document.
+fn change(app: &mut App, step: Step) -> Result<(), String> {
+    let ids = app.selection.ids.clone();
+    let edit = match step {
+        Step::Rename(name) => match ids[..] {
+            [id] => Edit::Rename(id, name),
+            _ => return Err(format!("{} things are selected, expected one", ids.len())),
+        },
+        Step::Move(by) => Edit::Transform(some(ids)?, DAffine3::from_translation(by)),
+        Step::Scale(factor) => {
+            let map = DAffine3::from_scale(DVec3::splat(factor));
+            Edit::Transform(some(ids)?, about(app, map))
+        }
+        Step::Turn(degrees) => {
+            let [x, y, z] = degrees.to_array().map(f64::to_radians);
+            let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y);
+            let turn = turn * DMat3::from_rotation_x(x);
+            Edit::Transform(some(ids)?, about(app, DAffine3::from_mat3(turn)))
+        }
+        Step::MaterialNew(name) => {
+            let white = Material::diffuse(name, Rgb::grey(0.7));
+            app.execute(Command::Edit(Edit::AddMaterial(white), None));
+            let new = (app.document.materials.len() - 1) as u32;
+            app.execute(Command::Edit(Edit::Assign(some(ids.clone())?, new), None));
+            app.execute(Command::Select(Selection {
+                ids,
+                material: Some(new),
+                ..Selection::default()
+            }));
+            return Ok(());
+        }
+        Step::MaterialBrdf(text) => {
+            let description: Description = text.parse().map_err(|e| format!("{e}"))?;
+            return set_material(app, |material| {
+                with_description(material, description).map_err(|e| e.to_string())
+            });
+        }
+        Step::MaterialColor(c) => {
+            return set_material(app, |m| {
+                Ok(Material {
+                    emission: m.emission,
+                    emits_back: m.emits_back,
+                    ..Material::diffuse(m.name.clone(), Rgb::new(c.x, c.y, c.z))
+                })
+            });
+        }
+        Step::MaterialEmit(c) => {
+            return set_material(app, |m| {
+                Ok(Material {
+                    emission: Rgb::new(c.x, c.y, c.z),
+                    ..m.clone()
+                })
+            });
+        }
+        other => return Err(format!("{other:?} is not a step of the document")),
+    };
+    app.execute(Command::Edit(edit, None));
+    Ok(())
+}
+
+fn some(ids: Vec<Id>) -> Result<Vec<Id>, String> {
+    match ids.is_empty() {
+        true => Err("nothing is selected".into()),
+        false => Ok(ids),
+    }
+}
+
+/// A map about the middle of what is selected.
+fn about(app: &App, map: DAffine3) -> DAffine3 {
+    let centre = app.document.bounds(Some(&app.selection.ids)).centre();
+    DAffine3::from_translation(centre) * map * DAffine3::from_translation(-centre)
+}
+
+fn set_material(
+    app: &mut App,
+    change: impl FnOnce(&Material) -> Result<Material, String>,
+) -> Result<(), String> {
+    let id = app.selection.material.ok_or("no material is selected")?;
+    let old = app.document.materials.get(id as usize);
+    let new = change(old.ok_or("the material is gone")?)?;
+    app.execute(Command::Edit(Edit::SetMaterial(id, new), None));
+    Ok(())
+}
+
+fn look(app: &mut App, change: impl FnOnce(&mut crate::view::View)) {
+    let mut view = app.view.clone();
+    change(&mut view);
+    app.execute(Command::Look(Box::new(view)));
+}
+
+fn select(app: &mut App, name: &str) -> Result<(), String> {
+    match name {
+        "all" => app.execute(Command::SelectAll),
+        "nothing" => app.execute(Command::Select(Selection::default())),
+        name => {
+            let ids = named(app, name);
+            if ids.is_empty() {
+                return Err(format!("nothing is called \"{name}\""));
+            }
+            app.execute(Command::Select(Selection {
+                ids,
+                ..Selection::default()
+            }));
+        }
+    }
+    Ok(())
+}
+
+/// Everything whose name, or the last part of it, is this.
+fn named(app: &App, name: &str) -> Vec<Id> {
+    let document = &app.document;
+    let items = document.items.iter().map(|i| (i.id, &i.name));
+    let lights = document.lights.iter().map(|l| (l.id, &l.light.name));
+    let cameras = document.cameras.iter().map(|c| (c.id, &c.camera.name));
+    let all = items.chain(lights).chain(cameras);
+    let is_it = |n: &str| n == name || n.rsplit('/').next() == Some(name);
+    all.filter(|(_, n)| is_it(n)).map(|(id, _)| id).collect()
+}
+
+fn write_png(path: &Path, image: &egui::ColorImage) -> Result<(), String> {
+    let [width, height] = image.size.map(|n| n as u32);
+    let rgb: Vec<u8> = (image.pixels.iter())
+        .flat_map(|p| [p.r(), p.g(), p.b()])
+        .collect();
+    let output = Output::check(path).map_err(|e| e.to_string())?;
+    output
+        .write(&Progress::new(), |out| {
+            azulejo::formats::png::write(width, height, &rgb, out)
+        })
+        .map_err(|e| e.to_string())
+}

@@ -1,0 +1,529 @@
+//! Windows over the window: questions, files, letters, preferences, keys.
+
+use super::actions::{ACTIONS, Menu};
+use super::desk::Desk;
+use crate::app::Question;
+use crate::command::{Ask, Command};
+use crate::preferences::{Preferences, Theme};
+use crate::gpu::ColorMap;
+use crate::words::Language;
+use azulejo::models::FORMATS;
+use egui::{DragValue, Grid, Id, Modal, Slider, Ui};
+use egui_file_dialog::{DialogState, FileDialog};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What dialogs remember while they are open.
+#[derive(Default)]
+pub struct Dialogs {
+    files: Option<(Ask, FileDialog)>,
+    /// The last folder that something was chosen in.
+    folder: Option<PathBuf>,
+    /// The letters that are being asked for.
+    pub text: Option<TextDialog>,
+    /// Whether the preferences are open.
+    pub preferences: bool,
+    /// Whether the keys are shown.
+    pub keys: bool,
+    /// Whether azulejo says what it is.
+    pub about: bool,
+    /// Whether what a crash left was answered.
+    asked_recovery: bool,
+}
+
+/// The letters that are being asked for.
+#[derive(Clone, Debug)]
+pub struct TextDialog {
+    text: String,
+    size: f64,
+    depth: f64,
+    font: Option<PathBuf>,
+}
+
+/// What was chosen for whom the app does not serve itself.
+pub enum Chosen {
+    /// A reflection model to read.
+    LoadBrdf(PathBuf),
+    /// Where a reflection model goes.
+    SaveBrdf(PathBuf),
+}
+
+impl TextDialog {
+    /// Letters that suit the model.
+    pub fn new(size: f64) -> TextDialog {
+        TextDialog {
+            text: String::new(),
+            size,
+            depth: 0.25,
+            font: None,
+        }
+    }
+}
+
+/// Extensions of models that are read, for the dialog; content decides in the end.
+const MODELS: [&str; 27] = [
+    "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
+    "sff", "scn", "grf", "vs3", "gz", "3DS", "DXF", "OBJ", "FLT", "WRL", "X3D", "STL", "SFF", "PLY",
+];
+
+impl Dialogs {
+    /// Draws what is open; returns a file that was chosen for somebody else.
+    pub fn show(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
+        self.question(ui, desk);
+        self.recovery(ui, desk);
+        self.ask_text(ui, desk);
+        self.show_preferences(ui, desk);
+        self.show_keys(ui, desk);
+        self.show_about(ui, desk);
+        self.ask_file(ui, desk)
+    }
+
+    /// Whether something is open that keys belong to.
+    pub fn is_open(&self) -> bool {
+        self.files.is_some()
+            || self.text.is_some()
+            || self.preferences
+            || self.keys
+            || self.about
+    }
+
+    fn question(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        let Some(question) = desk.app.question.clone() else {
+            return;
+        };
+        // While a save goes on or its place is chosen the question waits.
+        if desk.app.is_busy(crate::jobs::Kind::Save) || desk.app.asking.is_some() {
+            return;
+        }
+        let modal = Modal::new(Id::new("question")).show(ui.ctx(), |ui| {
+            ui.set_width(380.0);
+            match &question {
+                Question::Unsaved(_) => {
+                    ui.heading(desk.say("Changes are not saved"));
+                    ui.label(desk.say("What you do next would lose them."));
+                    ui.horizontal(|ui| {
+                        if ui.button(desk.say("Save")).clicked() {
+                            desk.wish(Command::Save);
+                        }
+                        if ui.button(desk.say("Lose the changes")).clicked() {
+                            desk.wish(Command::Discard);
+                        }
+                        if ui.button(desk.say("Cancel")).clicked() {
+                            desk.wish(Command::Dismiss);
+                        }
+                    });
+                }
+                Question::ChangedOnDisk(path) => {
+                    ui.heading(desk.say("The file has changed on the disk"));
+                    ui.label(path.display().to_string());
+                    ui.label(desk.say("Somebody wrote it since it was opened here."));
+                    ui.horizontal(|ui| {
+                        if ui.button(desk.say("Keep mine and write over it")).clicked() {
+                            desk.wish(Command::SaveAnyway);
+                        }
+                        if ui.button(desk.say("Read it again")).clicked() {
+                            desk.wish(Command::Discard);
+                        }
+                        if ui.button(desk.say("Cancel")).clicked() {
+                            desk.wish(Command::Dismiss);
+                        }
+                    });
+                }
+            }
+        });
+        if modal.should_close() {
+            desk.wish(Command::Dismiss);
+        }
+    }
+
+    fn recovery(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        let found = desk.app.recoverable();
+        if self.asked_recovery || found.is_empty() {
+            return;
+        }
+        let modal = Modal::new(Id::new("recovery")).show(ui.ctx(), |ui| {
+            ui.set_width(460.0);
+            ui.heading(desk.say("azulejo did not end well last time"));
+            ui.label(desk.say("What was being worked on was kept:"));
+            for one in found {
+                ui.horizontal(|ui| {
+                    let name = one.original.as_deref().and_then(Path::file_name);
+                    let name = name.map(|n| n.to_string_lossy().into_owned());
+                    ui.label(name.unwrap_or_else(|| desk.say("without name").into()));
+                    ui.weak(age(one.written, desk));
+                    if ui.button(desk.say("Recover")).clicked() {
+                        desk.wish(Command::Recover(one.copy.clone()));
+                        self.asked_recovery = true;
+                    }
+                    if ui.button(desk.say("Delete it")).clicked() {
+                        desk.wish(Command::Forget(one.copy.clone()));
+                    }
+                });
+            }
+            if ui.button(desk.say("Ask me later")).clicked() {
+                self.asked_recovery = true;
+            }
+        });
+        self.asked_recovery |= modal.should_close();
+    }
+
+    fn ask_text(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        let Some(dialog) = &mut self.text else {
+            return;
+        };
+        let mut done = false;
+        let mut asks_font = false;
+        let modal = Modal::new(Id::new("letters")).show(ui.ctx(), |ui| {
+            ui.set_width(380.0);
+            ui.heading(desk.say("Solid letters"));
+            let label = ui.label(desk.say("Text"));
+            ui.add(
+                egui::TextEdit::multiline(&mut dialog.text)
+                    .desired_rows(2)
+                    .desired_width(f32::INFINITY),
+            )
+            .labelled_by(label.id);
+            Grid::new("letters").num_columns(2).show(ui, |ui| {
+                let label = ui.label(desk.say("Size of an em"));
+                let speed = 0.01 * dialog.size;
+                let drag = DragValue::new(&mut dialog.size).range(1e-9..=1e9);
+                ui.add(drag.speed(speed)).labelled_by(label.id);
+                ui.end_row();
+                let label = ui.label(desk.say("Depth, ems"));
+                let drag = DragValue::new(&mut dialog.depth).range(1e-3..=1e3);
+                ui.add(drag.speed(0.01)).labelled_by(label.id);
+                ui.end_row();
+                ui.label(desk.say("Typeface"));
+                let name = dialog.font.as_deref().and_then(Path::file_name);
+                let name = name.map(|n| n.to_string_lossy().into_owned());
+                asks_font = ui
+                    .button(name.unwrap_or_else(|| "DejaVu Serif".into()))
+                    .clicked();
+                ui.end_row();
+            });
+            ui.horizontal(|ui| {
+                let ready = !dialog.text.trim().is_empty();
+                if ui
+                    .add_enabled(ready, egui::Button::new(desk.say("Add the letters")))
+                    .clicked()
+                {
+                    desk.wish(Command::AddText {
+                        text: dialog.text.clone(),
+                        size: dialog.size,
+                        depth: dialog.depth,
+                        font: dialog.font.clone(),
+                    });
+                    done = true;
+                }
+                done |= ui.button(desk.say("Cancel")).clicked();
+            });
+        });
+        if asks_font {
+            desk.wish(Command::Ask(Ask::Font));
+        } else if done || (modal.should_close() && self.files.is_none()) {
+            self.text = None;
+        }
+    }
+
+    fn show_preferences(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        if !self.preferences {
+            return;
+        }
+        let old = &desk.app.preferences;
+        let mut new = old.clone();
+        let mut is_done = false;
+        let modal = Modal::new(Id::new("preferences")).show(ui.ctx(), |ui| {
+            ui.set_width(420.0);
+            ui.heading(desk.say("Preferences"));
+            Grid::new("preferences")
+                .num_columns(2)
+                .spacing([16.0, 6.0])
+                .show(ui, |ui| preference_rows(ui, desk, &mut new));
+            is_done = ui.button(desk.say("Close")).clicked();
+        });
+        if new != *old {
+            desk.wish(Command::SetPreferences(Box::new(new)));
+        }
+        self.preferences = !(is_done || modal.should_close());
+    }
+
+    fn show_keys(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        if !self.keys {
+            return;
+        }
+        let mut is_done = false;
+        let modal = Modal::new(Id::new("keys")).show(ui.ctx(), |ui| {
+            ui.set_width(640.0);
+            ui.heading(desk.say("Keys and mouse"));
+            egui::ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
+                mouse_help(ui, desk);
+                key_help(ui, desk);
+            });
+            is_done = ui.button(desk.say("Close")).clicked();
+        });
+        self.keys = !(is_done || modal.should_close());
+    }
+
+    fn show_about(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        if !self.about {
+            return;
+        }
+        let mut is_done = false;
+        let modal = Modal::new(Id::new("about")).show(ui.ctx(), |ui| {
+            ui.set_width(380.0);
+            ui.heading(format!("azulejo {}", env!("CARGO_PKG_VERSION")));
+            ui.label(desk.say("Global illumination for the models people already have."));
+            is_done = ui.button(desk.say("Close")).clicked();
+        });
+        self.about = !(is_done || modal.should_close());
+    }
+
+    fn ask_file(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
+        if let Some(what) = desk.app.asking
+            && self.files.as_ref().is_none_or(|(open, _)| *open != what)
+        {
+            self.files = Some((what, self.open(what, desk)));
+        }
+        let (what, dialog) = self.files.as_mut()?;
+        let what = *what;
+        dialog.update(ui.ctx());
+        let paths = match dialog.state() {
+            DialogState::Open => return None,
+            DialogState::Picked(path) => vec![path.clone()],
+            DialogState::PickedMultiple(paths) => paths.clone(),
+            DialogState::Closed | DialogState::Cancelled => Vec::new(),
+        };
+        self.files = None;
+        desk.wish(match desk.app.question {
+            // What waits for a name to save under is not given up by choosing one.
+            Some(_) if !paths.is_empty() => Command::Select(desk.app.selection.clone()),
+            _ => Command::Dismiss,
+        });
+        let first = paths.first()?.clone();
+        self.folder = first.parent().map(Path::to_owned);
+        self.chosen(what, first, paths, desk)
+    }
+
+    fn chosen(
+        &mut self,
+        what: Ask,
+        first: PathBuf,
+        all: Vec<PathBuf>,
+        desk: &mut Desk,
+    ) -> Option<Chosen> {
+        desk.wish(match what {
+            Ask::Open => Command::Open(all),
+            Ask::Add => Command::Add(all),
+            Ask::SaveAs => Command::SaveAs(first),
+            Ask::Export => Command::Export(first),
+            Ask::SavePicture => Command::SavePicture(first),
+            Ask::Backdrop => Command::LoadBackdrop(first),
+            Ask::Font => {
+                if let Some(text) = &mut self.text {
+                    text.font = Some(first);
+                }
+                return None;
+            }
+            Ask::LoadBrdf => return Some(Chosen::LoadBrdf(first)),
+            Ask::SaveBrdf => return Some(Chosen::SaveBrdf(first)),
+        });
+        None
+    }
+
+    /// The dialog for a file.
+    fn open(&self, what: Ask, desk: &Desk) -> FileDialog {
+        let file = desk.app.file.as_ref().map(|f| f.path.as_path());
+        let branch = desk.app.document.branches.first().map(|b| b.path.as_path());
+        let known = file.or(branch);
+        let folder = self.folder.clone();
+        let folder = folder.or_else(|| known.and_then(Path::parent).map(Path::to_owned));
+        let stem = known.and_then(Path::file_stem).unwrap_or_default();
+        let stem = match stem.is_empty() {
+            true => "azulejo".to_owned(),
+            false => stem.to_string_lossy().into_owned(),
+        };
+        let mut dialog = FileDialog::new()
+            .default_size([680.0, 420.0])
+            .title(title(what, desk))
+            .as_modal(true)
+            .show_devices(false);
+        if let Some(folder) = folder.filter(|f| f.is_dir()) {
+            dialog = dialog.initial_directory(folder);
+        }
+        match what {
+            Ask::Open | Ask::Add => {
+                let models = desk.say("Models");
+                dialog = dialog
+                    .add_file_filter_extensions(models, MODELS.to_vec())
+                    .default_file_filter(models);
+                dialog.pick_multiple();
+            }
+            Ask::SaveAs => {
+                dialog = dialog
+                    .default_file_name(&format!("{stem}.grf"))
+                    .allow_path_edit_to_save_file_without_extension(true);
+                dialog.save_file();
+            }
+            Ask::Export => {
+                dialog = dialog.default_file_name(&format!("{stem}.glb"));
+                for format in &FORMATS {
+                    dialog = dialog.add_save_extension(format.name, format.extension);
+                }
+                dialog.save_file();
+            }
+            Ask::SavePicture => {
+                dialog = dialog.default_file_name(&format!("{stem}.png"));
+                dialog.save_file();
+            }
+            Ask::SaveBrdf => {
+                dialog = dialog.default_file_name("material.brdf");
+                dialog.save_file();
+            }
+            Ask::Backdrop => {
+                let pictures = desk.say("Pictures");
+                dialog = dialog
+                    .add_file_filter_extensions(pictures, vec!["png", "jpg", "jpeg", "hdr"])
+                    .default_file_filter(pictures);
+                dialog.pick_file();
+            }
+            Ask::Font | Ask::LoadBrdf => dialog.pick_file(),
+        }
+        dialog
+    }
+}
+
+fn title(what: Ask, desk: &Desk) -> &'static str {
+    match what {
+        Ask::Open => desk.say("Open models"),
+        Ask::Add => desk.say("Add models"),
+        Ask::SaveAs => desk.say("Save as GRF"),
+        Ask::Export => desk.say("Export a copy"),
+        Ask::SavePicture => desk.say("Save the picture"),
+        Ask::Backdrop => desk.say("A picture for the background"),
+        Ask::Font => desk.say("A typeface"),
+        Ask::LoadBrdf => desk.say("Load a reflection model"),
+        Ask::SaveBrdf => desk.say("Save the reflection model"),
+    }
+}
+
+/// How long ago something was written.
+fn age(written: u64, desk: &Desk) -> String {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let seconds = now.map_or(0, |d| d.as_secs().saturating_sub(written));
+    match seconds {
+        0..3_600 => format!("{} min", seconds / 60),
+        3_600..86_400 => format!("{} h", seconds / 3_600),
+        _ => format!("{} {}", seconds / 86_400, desk.say("days")),
+    }
+}
+
+fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
+    let say = |text| desk.say(text);
+    ui.label(say("Language"));
+    egui::ComboBox::new("language", "")
+        .selected_text(new.language.name())
+        .show_ui(ui, |ui| {
+            for language in Language::ALL {
+                ui.selectable_value(&mut new.language, language, language.name());
+            }
+        });
+    ui.end_row();
+    ui.label(say("Theme"));
+    ui.horizontal(|ui| {
+        ui.selectable_value(&mut new.theme, Theme::System, say("as the desktop"));
+        ui.selectable_value(&mut new.theme, Theme::Light, say("bright"));
+        ui.selectable_value(&mut new.theme, Theme::Dark, say("dark"));
+    });
+    ui.end_row();
+    let label = ui.label(say("Size of texts"));
+    let slider = Slider::new(&mut new.scale, 0.5..=3.0).step_by(0.1);
+    ui.add(slider.update_while_editing(false))
+        .labelled_by(label.id);
+    ui.end_row();
+    ui.label(say("Colour map"));
+    egui::ComboBox::new("map", "")
+        .selected_text(map_name(new.color_map, desk))
+        .show_ui(ui, |ui| {
+            for map in ColorMap::ALL {
+                ui.selectable_value(&mut new.color_map, map, map_name(map, desk));
+            }
+        });
+    ui.end_row();
+    let label = ui.label(say("Copy for recovery after"));
+    let drag = DragValue::new(&mut new.autosave).range(0..=3_600).suffix(" s");
+    ui.add(drag)
+        .on_hover_text(say("0 s: never"))
+        .labelled_by(label.id);
+    ui.end_row();
+    let label = ui.label(say("Threads"));
+    let drag = DragValue::new(&mut new.threads).range(0..=256);
+    ui.add(drag)
+        .on_hover_text(say("0: all but one, which the window keeps"))
+        .labelled_by(label.id);
+    ui.end_row();
+    let label = ui.label(say("Paths per pixel of a picture"));
+    let drag = DragValue::new(&mut new.picture_samples).range(1..=65_536);
+    ui.add(drag).labelled_by(label.id);
+    ui.end_row();
+}
+
+/// Its name.
+pub fn map_name(map: ColorMap, desk: &Desk) -> &'static str {
+    match map {
+        ColorMap::Viridis => "viridis",
+        ColorMap::Cividis => "cividis",
+        ColorMap::Magma => "magma",
+        ColorMap::Grey => desk.say("grey"),
+    }
+}
+
+fn mouse_help(ui: &mut Ui, desk: &Desk) {
+    let rows = [
+        (desk.say("Drag"), desk.say("turn around the middle of the view")),
+        (desk.say("Right or middle drag, or Shift and drag"), desk.say("shift the view")),
+        (desk.say("Wheel, or Ctrl and drag"), desk.say("nearer and further")),
+        (desk.say("Click"), desk.say("select an object; with Ctrl, one more; with Alt, a face")),
+        (desk.say("Double click"), desk.say("look at the object")),
+        (desk.say("W A S D, R F"), desk.say("fly forward, left, back, right, up, down")),
+        (desk.say("Arrows"), desk.say("turn the head")),
+        (desk.say("Drag an arrow of the selection"), desk.say("move it along the axis")),
+    ];
+    Grid::new("mouse").num_columns(2).striped(true).show(ui, |ui| {
+        for (what, does) in rows {
+            ui.strong(what);
+            ui.label(does);
+            ui.end_row();
+        }
+    });
+}
+
+fn key_help(ui: &mut Ui, desk: &Desk) {
+    for menu in Menu::ALL {
+        let keyed: Vec<_> = (ACTIONS.iter())
+            .filter(|a| a.menu == menu && a.key.is_some())
+            .collect();
+        if keyed.is_empty() {
+            continue;
+        }
+        ui.add_space(8.0);
+        ui.strong(menu.label(desk.language));
+        Grid::new(("keys", menu.label(desk.language)))
+            .num_columns(2)
+            .striped(true)
+            .show(ui, |ui| {
+                for action in keyed {
+                    let key = action.key.map(|k| ui.ctx().format_shortcut(&k));
+                    ui.monospace(key.unwrap_or_default());
+                    ui.label(desk.say(action.label));
+                    ui.end_row();
+                }
+            });
+    }
+}
+
+/// A picture on the screen.
+pub fn pixels(image: &azulejo::scene::Image, exposure: Option<f64>) -> Arc<egui::ColorImage> {
+    let bytes = crate::app::shown(image, exposure);
+    let size = [image.width as usize, image.height as usize];
+    Arc::new(egui::ColorImage::from_rgb(size, &bytes))
+}

@@ -1,0 +1,186 @@
+//! How the model is looked at: shading, false colours, background, fog.
+
+use super::desk::Desk;
+use super::dialogs::map_name;
+use crate::command::{Ask, Command};
+use crate::document::Edit;
+use crate::gpu::{ColorMap, Fit};
+use crate::view::{Backdrop, COLORS, View, linear};
+use azulejo::scene::{Fog, Rgb};
+use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
+
+/// Draws the tab.
+pub fn show(ui: &mut Ui, desk: &mut Desk) {
+    let old = &desk.app.view;
+    let mut view = old.clone();
+    exposure(ui, desk, &mut view);
+    ui.separator();
+    false_colors(ui, desk, &mut view);
+    ui.separator();
+    background(ui, desk, &mut view);
+    ui.separator();
+    fog(ui, desk, &mut view);
+    ui.separator();
+    ui.checkbox(&mut view.signs, desk.say("Lights and cameras"));
+    ui.checkbox(&mut view.grid, desk.say("Grid"));
+    let mut degrees = view.camera.vertical_fov.to_degrees();
+    ui.horizontal(|ui| {
+        let label = ui.label(desk.say("Field of view"));
+        let slider = Slider::new(&mut degrees, 5.0..=120.0).suffix("°");
+        if ui.add(slider).labelled_by(label.id).changed() {
+            view.camera.vertical_fov = degrees.to_radians();
+        }
+    });
+    if view != *old {
+        desk.wish(Command::Look(Box::new(view)));
+    }
+}
+
+fn exposure(ui: &mut Ui, desk: &Desk, view: &mut View) {
+    ui.horizontal(|ui| {
+        let mut auto = view.exposure.is_none();
+        if ui.checkbox(&mut auto, desk.say("Exposure by itself")).changed() {
+            view.exposure = (!auto).then_some(super::viewport::auto_exposure(desk.app));
+        }
+        if let Some(exposure) = &mut view.exposure {
+            let slider = Slider::new(exposure, 1e-4..=1e4).logarithmic(true);
+            let response = ui.add(slider);
+            response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Slider, true, desk.say("Exposure"))
+            });
+        }
+    });
+}
+
+fn false_colors(ui: &mut Ui, desk: &Desk, view: &mut View) {
+    ui.strong(desk.say("False colours"));
+    let colors = &mut view.false_color;
+    ComboBox::new("false map", desk.say("Colour map"))
+        .selected_text(map_name(colors.map, desk))
+        .show_ui(ui, |ui| {
+            for map in ColorMap::ALL {
+                ui.selectable_value(&mut colors.map, map, map_name(map, desk));
+            }
+        });
+    let found = desk.app.lighting.range;
+    let mut auto = colors.range.is_none();
+    if ui.checkbox(&mut auto, desk.say("Range by itself")).changed() {
+        let now = found.map_or((0.0, 1.0), |r| (r.low, r.usual));
+        colors.range = (!auto).then_some(now);
+    }
+    if let Some((low, high)) = &mut colors.range {
+        ui.horizontal(|ui| {
+            let speed = (0.01 * (*high - *low).abs()).max(1e-6);
+            let label = ui.label(desk.say("from"));
+            ui.add(DragValue::new(low).speed(speed).range(0.0..=1e12))
+                .labelled_by(label.id);
+            let label = ui.label(desk.say("to"));
+            ui.add(DragValue::new(high).speed(speed).range(0.0..=1e12))
+                .labelled_by(label.id);
+        });
+    }
+    ui.checkbox(&mut colors.logarithmic, desk.say("Logarithmic"));
+    ui.horizontal(|ui| {
+        let label = ui.label(desk.say("Bands between isolines"));
+        ui.add(DragValue::new(&mut colors.isolines).range(0..=64))
+            .labelled_by(label.id);
+    });
+}
+
+fn background(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
+    ui.strong(desk.say("Background"));
+    if ui
+        .radio(view.backdrop == Backdrop::Scene, desk.say("the scene's own"))
+        .clicked()
+    {
+        view.backdrop = Backdrop::Scene;
+    }
+    if view.backdrop == Backdrop::Scene {
+        own_background(ui, desk);
+    }
+    ui.horizontal_wrapped(|ui| {
+        for (name, [r, g, b]) in COLORS {
+            let (rect, response) = ui.allocate_exact_size(egui::vec2(20.0, 20.0), Sense::click());
+            let name = desk.say(name);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+            ui.painter().rect_filled(rect, 3.0, Color32::from_rgb(r, g, b));
+            if view.backdrop == Backdrop::Color([r, g, b]) || response.has_focus() {
+                let stroke = ui.visuals().selection.stroke;
+                ui.painter()
+                    .rect_stroke(rect, 3.0, stroke, egui::StrokeKind::Outside);
+            }
+            if response.on_hover_text(name).clicked() {
+                view.backdrop = Backdrop::Color([r, g, b]);
+            }
+        }
+        let mut any = match view.backdrop {
+            Backdrop::Color(color) => color,
+            _ => [64, 64, 64],
+        };
+        let any_color = ui.color_edit_button_srgb(&mut any);
+        if any_color.on_hover_text(desk.say("any colour")).changed() {
+            view.backdrop = Backdrop::Color(any);
+        }
+    });
+    ui.horizontal(|ui| {
+        if ui.button(desk.say("Picture…")).clicked() {
+            desk.wish(Command::Ask(Ask::Backdrop));
+        }
+        if let Backdrop::Image(_, fit) = &mut view.backdrop {
+            ui.selectable_value(fit, Fit::Scaled, desk.say("scaled"));
+            ui.selectable_value(fit, Fit::Centred, desk.say("centred"));
+            ui.selectable_value(fit, Fit::Tiled, desk.say("tiled"));
+        }
+    });
+}
+
+/// The background that is saved with the scene.
+fn own_background(ui: &mut Ui, desk: &mut Desk) {
+    let old = desk.app.document.background;
+    let mut has = old.is_some();
+    ui.horizontal(|ui| {
+        if ui.checkbox(&mut has, desk.say("saved with the scene")).changed() {
+            let quiet = linear([64, 96, 160]);
+            desk.edit(Edit::SetBackground(has.then_some(quiet)));
+        }
+        if let Some(radiance) = old {
+            let mut color = radiance.to_f32();
+            if ui.color_edit_button_rgb(&mut color).changed() {
+                let radiance = Rgb::from(color.map(f64::from));
+                desk.edit(Edit::SetBackground(Some(radiance)));
+            }
+        }
+    });
+}
+
+fn fog(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
+    let old = desk.app.document.fog;
+    let mut has = old.is_some();
+    let reach = desk.app.document.bounds(None).diagonal().max(1e-3);
+    if ui.checkbox(&mut has, desk.say("Fog in the scene")).changed() {
+        let fog = Fog {
+            color: linear([160, 170, 180]),
+            visibility: 3.0 * reach,
+            exponential: true,
+        };
+        desk.edit(Edit::SetFog(has.then_some(fog)));
+    }
+    let Some(mut fog) = old else { return };
+    let before = fog;
+    ui.horizontal(|ui| {
+        let mut color = fog.color.to_f32();
+        if ui.color_edit_button_rgb(&mut color).changed() {
+            fog.color = Rgb::from(color.map(f64::from));
+        }
+        let label = ui.label(desk.say("Nothing is seen beyond"));
+        let drag = DragValue::new(&mut fog.visibility)
+            .range(1e-6..=1e12)
+            .speed(0.01 * reach);
+        ui.add(drag).labelled_by(label.id);
+    });
+    ui.checkbox(&mut fog.exponential, desk.say("Exponential, as in real fog"));
+    ui.checkbox(&mut view.fog, desk.say("Show it here"));
+    if fog != before {
+        desk.edit(Edit::SetFog(Some(fog)));
+    }
+}

@@ -1,0 +1,110 @@
+//! What was told, and what goes on.
+
+use super::desk::Desk;
+use crate::app::Level;
+use crate::command::{Command, Selection};
+use egui::{Align, Color32, Layout, ProgressBar, RichText, ScrollArea, Ui};
+
+/// Draws the list of messages. One that is about an object leads there.
+pub fn show(ui: &mut Ui, desk: &mut Desk) {
+    let app = desk.app;
+    ui.horizontal(|ui| {
+        ui.strong(desk.say("Messages"));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.small_button(desk.say("Clear")).clicked() {
+                desk.wish(Command::ClearMessages);
+            }
+        });
+    });
+    let height = ui.text_style_height(&egui::TextStyle::Body);
+    ScrollArea::vertical()
+        .auto_shrink([false, false])
+        .stick_to_bottom(true)
+        .show_rows(ui, height, app.messages.len(), |ui, range| {
+            for message in &app.messages[range] {
+                let text = RichText::new(message.text.replace('\n', " "));
+                let text = match color(message.level, ui) {
+                    Some(color) => text.color(color),
+                    None => text,
+                };
+                let known = message.about.filter(|&id| app.document.has(id));
+                match known {
+                    None => {
+                        ui.add(egui::Label::new(text).truncate())
+                            .on_hover_text(&message.text);
+                    }
+                    Some(id) => {
+                        let link = ui.add(egui::Link::new(text));
+                        if link.on_hover_text(&message.text).clicked() {
+                            desk.wish(Command::Select(Selection::one(id)));
+                        }
+                    }
+                }
+            }
+        });
+}
+
+fn color(level: Level, ui: &Ui) -> Option<Color32> {
+    match level {
+        Level::Note => None,
+        Level::Warning => Some(ui.visuals().warn_fg_color),
+        Level::Error => Some(ui.visuals().error_fg_color),
+    }
+}
+
+/// Draws the line at the bottom: jobs, the last message, `probe` of what is under the mouse.
+pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
+    let mut asks_messages = false;
+    ui.horizontal(|ui| {
+        for job in desk.app.jobs() {
+            let progress = &job.progress;
+            let (done, total) = (progress.done(), progress.total());
+            let stage = progress.stage();
+            let share = match total {
+                0 => 0.0,
+                total => (done as f32 / total as f32).min(1.0),
+            };
+            ui.label(short(&job.title));
+            let bar = ProgressBar::new(share).desired_width(120.0);
+            ui.add(bar.text(RichText::new(stage).small()));
+            let cancel = ui.small_button("✖").on_hover_text(desk.say("Cancel"));
+            if cancel.clicked() {
+                desk.wish(Command::Cancel(job.id));
+            }
+            ui.separator();
+        }
+        let problems = desk.app.messages.iter();
+        let problems = problems.filter(|m| m.level >= Level::Warning).count();
+        if problems > 0 {
+            let text = format!("⚠ {problems}");
+            let text = RichText::new(text).color(ui.visuals().warn_fg_color);
+            let hover = desk.say("Messages");
+            asks_messages = ui.add(egui::Button::new(text).frame(false)).on_hover_text(hover).clicked();
+        }
+        match (probe, desk.app.messages.last()) {
+            (Some(probe), _) => {
+                ui.label(probe);
+            }
+            (None, Some(last)) => {
+                let text = RichText::new(last.text.replace('\n', " "));
+                let text = match color(last.level, ui) {
+                    Some(color) => text.color(color),
+                    None => text.weak(),
+                };
+                ui.add(egui::Label::new(text).truncate()).on_hover_text(&last.text);
+            }
+            (None, None) => {}
+        }
+    });
+    asks_messages
+}
+
+/// A title that leaves room for others: the end of a path says most.
+fn short(title: &str) -> String {
+    const MOST: usize = 32;
+    let count = title.chars().count();
+    match count > MOST {
+        true => format!("…{}", title.chars().skip(count - MOST).collect::<String>()),
+        false => title.to_owned(),
+    }
+}

@@ -1,0 +1,57 @@
+//! The picture by rays in the place of the viewport.
+
+use crate::app::App;
+use crate::ui::dialogs::pixels;
+use azulejo::scene::Image;
+use egui::{Color32, Rect, TextureHandle, TextureOptions, Ui, Vec2};
+use std::sync::Arc;
+
+/// The picture as a texture.
+#[derive(Default)]
+pub struct Shown {
+    texture: Option<TextureHandle>,
+    made_of: Option<(Arc<Image>, Option<f64>)>,
+}
+
+impl Shown {
+    /// Paints the picture as far as it is, as large as fits.
+    pub fn show(&mut self, ui: &Ui, rect: Rect, app: &App) {
+        ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
+        let Some(picture) = &app.picture else { return };
+        if let Some(image) = &picture.image {
+            self.refresh(ui, image, app.view.exposure);
+        } else {
+            self.made_of = None;
+        }
+        if let (Some(texture), Some(_)) = (&self.texture, &self.made_of) {
+            let size = Vec2::new(picture.size.0 as f32, picture.size.1 as f32);
+            let scale = (rect.width() / size.x).min(rect.height() / size.y);
+            let place = Rect::from_center_size(rect.center(), scale * size);
+            let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            ui.painter().image(texture.id(), place, whole, Color32::WHITE);
+        }
+        let text = format!("{} / {}", picture.samples, app.preferences.picture_samples);
+        let at = rect.right_bottom() - Vec2::splat(8.0);
+        let font = egui::FontId::monospace(12.0);
+        ui.painter()
+            .text(at, egui::Align2::RIGHT_BOTTOM, text, font, Color32::WHITE);
+    }
+
+    fn refresh(&mut self, ui: &Ui, image: &Arc<Image>, exposure: Option<f64>) {
+        let is_same = self.made_of.as_ref().is_some_and(|(old, old_exposure)| {
+            Arc::ptr_eq(old, image) && *old_exposure == exposure
+        });
+        if is_same {
+            return;
+        }
+        let pixels = pixels(image, exposure);
+        match &mut self.texture {
+            Some(texture) => texture.set(pixels, TextureOptions::LINEAR),
+            None => {
+                let context = ui.ctx();
+                self.texture = Some(context.load_texture("picture", pixels, TextureOptions::LINEAR));
+            }
+        }
+        self.made_of = Some((Arc::clone(image), exposure));
+    }
+}

@@ -1,0 +1,71 @@
+//! What is under the mouse, in one line.
+
+use super::legend::number;
+use super::stage::{Entry, Stage};
+use super::{Desk, irradiance_unit};
+use crate::gpu::{Drawn, Hit, pick};
+use azulejo::scene::math::Ray;
+use azulejo::scene::{Material, Rgb};
+use std::f64::consts::PI;
+
+/// The object, the place, the material and the light where a ray meets the model.
+pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
+    let entries = stage.entries().iter();
+    let drawn: Vec<Drawn> = entries
+        .map(|e| Drawn {
+            world_from_object: e.placement,
+            ..Drawn::new(0, e.mesh())
+        })
+        .collect();
+    let hit = pick(&drawn, ray)?;
+    let entry = &stage.entries()[hit.object];
+    let document = &desk.app.document;
+    let name = document.name(entry.id).unwrap_or_default();
+    let p = hit.position;
+    let mut text = format!(
+        "{name} · {} {} · ({}, {}, {})",
+        desk.say("face"),
+        hit.face,
+        number(p.x),
+        number(p.y),
+        number(p.z)
+    );
+    let id = entry.mesh().face_materials.get(hit.face as usize);
+    let material = id.and_then(|&m| document.materials.get(m as usize));
+    if let (Some(material), Some(id)) = (material, id) {
+        let name = match material.name.as_str() {
+            "" => format!("#{id}"),
+            name => name.to_owned(),
+        };
+        text += &format!(" · {name}");
+        text += &light(desk, entry, &hit, material).unwrap_or_default();
+    }
+    Some(text)
+}
+
+/// Irradiance with its standard error, and the radiance that leaves.
+fn light(desk: &Desk, entry: &Entry, hit: &Hit, material: &Material) -> Option<String> {
+    let (irradiance, error) = entry.light(hit.corners, hit.weights)?;
+    let radiance = material.emission + material.diffuse * irradiance / PI;
+    let app = desk.app;
+    let radiance_unit = match app.document.units.photometric {
+        true => "cd/m²",
+        false => "W/(sr·m²)",
+    };
+    Some(format!(
+        " · E = {} ± {} {} · L = {} {radiance_unit}",
+        value(irradiance),
+        value(error),
+        irradiance_unit(app),
+        value(radiance)
+    ))
+}
+
+/// One number where the channels agree, three where they do not.
+fn value(c: Rgb) -> String {
+    let (low, high) = (c.r.min(c.g).min(c.b), c.max_channel());
+    match high - low <= 5e-3 * high.abs() {
+        true => number(c.luminance()),
+        false => format!("({}, {}, {})", number(c.r), number(c.g), number(c.b)),
+    }
+}

@@ -1,0 +1,147 @@
+//! What stands beside the model: lights, cameras, a grid, axes.
+
+use crate::app::App;
+use crate::gpu::{Ink, Overlay};
+use azulejo::scene::math::Aabb;
+use azulejo::scene::{Camera, LightKind, Up};
+use glam::DVec3;
+
+/// Yellow for light, blue for cameras, grey for the ground.
+const LIGHT: [u8; 3] = [255, 214, 64];
+const CAMERA: [u8; 3] = [96, 170, 255];
+const GROUND: [u8; 3] = [128, 128, 128];
+const CHOSEN: [u8; 3] = [255, 150, 30];
+
+/// Everything beside the model.
+pub fn overlay(app: &App) -> Overlay {
+    let mut overlay = Overlay::default();
+    let bounds = app.document.bounds(None);
+    let size = match bounds.is_empty() {
+        true => 1.0,
+        false => bounds.diagonal().max(1e-9),
+    };
+    if app.view.grid || bounds.is_empty() {
+        grid(&mut overlay, bounds, app.document.units.up);
+    }
+    if app.view.signs {
+        for lamp in &app.document.lights {
+            let ink = ink(LIGHT, app.selection.ids.contains(&lamp.id));
+            light(&mut overlay, &lamp.light.kind, bounds, size, ink);
+        }
+        for view in &app.document.cameras {
+            let ink = ink(CAMERA, app.selection.ids.contains(&view.id));
+            camera(&mut overlay, &view.camera, size, ink);
+        }
+    }
+    overlay
+}
+
+fn ink(color: [u8; 3], is_selected: bool) -> Ink {
+    match is_selected {
+        true => Ink::new(CHOSEN, 2.5),
+        false => Ink::new(color, 1.5),
+    }
+}
+
+/// Where a light is drawn: those without a place hang above the model.
+pub fn light_place(kind: &LightKind, bounds: Aabb) -> DVec3 {
+    match *kind {
+        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => position,
+        LightKind::Directional { direction, .. } => {
+            bounds.centre() - direction * (0.7 * bounds.diagonal().max(1.0))
+        }
+        LightKind::Ambient { .. } => bounds.centre() + DVec3::ONE * (0.4 * bounds.diagonal()),
+    }
+}
+
+fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: Ink) {
+    let at = light_place(kind, bounds);
+    let reach = 0.04 * size;
+    match *kind {
+        LightKind::Point { .. } => star(overlay, at, reach, ink),
+        LightKind::Spot {
+            direction, outer, ..
+        } => {
+            star(overlay, at, 0.5 * reach, ink);
+            // A cone wider than a plane has no drawing; its axis has.
+            let angle = outer.min(1.4);
+            overlay.cone(at, direction * (4.0 * reach), angle, ink);
+            overlay.arrow(at, at + direction * (4.0 * reach), ink);
+        }
+        LightKind::Directional { direction, .. } => {
+            let (u, v) = direction.any_orthonormal_pair();
+            for shift in [DVec3::ZERO, u, -u, v, -v] {
+                let from = at + reach * shift;
+                overlay.arrow(from, from + direction * (4.0 * reach), ink);
+            }
+        }
+        LightKind::Ambient { .. } => {
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                overlay.circle(at, axis, reach, ink);
+            }
+        }
+    }
+}
+
+fn star(overlay: &mut Overlay, at: DVec3, reach: f64, ink: Ink) {
+    overlay.cross(at, 2.0 * reach, ink);
+    for s in [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0)] {
+        let d = s * (0.4 * reach);
+        overlay.line(at - d, at + d, ink);
+    }
+}
+
+/// A pyramid with the eye as its tip.
+fn camera(overlay: &mut Overlay, camera: &Camera, size: f64, ink: Ink) {
+    let (right, up, forward) = camera.axes();
+    let reach = 0.08 * size;
+    let half = reach * (0.5 * camera.vertical_fov).tan().min(2.0);
+    let aspect = camera.size.map_or(4.0 / 3.0, |(w, h)| f64::from(w) / f64::from(h.max(1)));
+    let corner = |x: f64, y: f64| {
+        camera.eye + reach * forward + half * (aspect * x * right + y * up)
+    };
+    let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    overlay.polyline(&corners, true, ink);
+    for p in corners {
+        overlay.line(camera.eye, p, ink);
+    }
+    overlay.polyline(&[corners[3], corner(0.0, 1.6), corners[2]], false, ink);
+}
+
+/// Squares of a round size on the ground, and the axes.
+fn grid(overlay: &mut Overlay, bounds: Aabb, up: Up) {
+    let (size, centre, ground) = match bounds.is_empty() {
+        true => (4.0, DVec3::ZERO, 0.0),
+        false => {
+            let axis = up.axis();
+            let low = bounds.min.dot(axis);
+            (bounds.diagonal().max(1e-6), bounds.centre(), low)
+        }
+    };
+    let step = 10f64.powf((0.2 * size).log10().floor());
+    let step = if size / step > 25.0 { 5.0 * step } else { step };
+    let (u, v) = match up {
+        Up::Y => (DVec3::X, DVec3::Z),
+        Up::Z => (DVec3::X, DVec3::Y),
+    };
+    let count = ((0.75 * size / step).ceil() as i32).clamp(2, 40);
+    let origin = |axis: DVec3| (centre.dot(axis) / step).round() * step;
+    let at = |i: f64, j: f64| {
+        (origin(u) + i * step) * u + (origin(v) + j * step) * v + ground * up.axis()
+    };
+    let far = f64::from(count);
+    let thin = Ink::new(GROUND, 1.0);
+    for k in -count..=count {
+        let k = f64::from(k);
+        overlay.line(at(k, -far), at(k, far), thin);
+        overlay.line(at(-far, k), at(far, k), thin);
+    }
+    let axes = [
+        (DVec3::X, [224, 82, 74]),
+        (DVec3::Y, [130, 196, 72]),
+        (DVec3::Z, [84, 146, 236]),
+    ];
+    for (axis, color) in axes {
+        overlay.arrow(DVec3::ZERO, 0.25 * size * axis, Ink::new(color, 2.0));
+    }
+}

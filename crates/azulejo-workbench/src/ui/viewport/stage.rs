@@ -1,0 +1,205 @@
+//! What of the document stands on the stage: the polygons to draw for each object.
+
+use crate::app::App;
+use crate::document::{Id, Item};
+use crate::gpu::{Drawn, FaceValues, View, chord_error, display_mesh};
+use azulejo::scene::{Mesh, Rgb, Shape, Texture};
+use glam::DAffine3;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Polygons of objects, kept as long as neither shape nor distance ask for others.
+#[derive(Default)]
+pub struct Stage {
+    entries: Vec<Entry>,
+    textures: HashMap<*const Texture, (u64, Arc<Texture>)>,
+    seen: Option<(u64, Arc<Mesh>, Vec<f32>)>,
+    next: u64,
+}
+
+/// One object on the stage.
+pub struct Entry {
+    /// Which.
+    pub id: Id,
+    shape: Arc<Shape>,
+    /// Polygons of an exact shape.
+    made: Option<Mesh>,
+    chord_error: f64,
+    is_lit: bool,
+    key: u64,
+    /// Where the polygons stand.
+    pub placement: DAffine3,
+}
+
+impl Entry {
+    /// The polygons.
+    pub fn mesh(&self) -> &Mesh {
+        match (&self.made, &*self.shape) {
+            (Some(mesh), _) => mesh,
+            (None, Shape::Mesh(mesh)) => mesh,
+            (None, Shape::Exact(exact)) => exact.skin.as_deref().unwrap_or(&EMPTY),
+            (None, Shape::Primitive(_)) => &EMPTY,
+        }
+    }
+
+    /// Irradiance and its standard error at a place of a triangle; `None` where it is not solved.
+    pub fn light(&self, corners: [u32; 3], weights: [f64; 3]) -> Option<(Rgb, Rgb)> {
+        let mesh = self.mesh();
+        if !self.is_lit || mesh.irradiance.len() != mesh.positions.len() {
+            return None;
+        }
+        let mean = |values: &[Rgb]| {
+            let mut sum = Rgb::BLACK;
+            for (corner, weight) in corners.iter().zip(weights) {
+                sum += values.get(*corner as usize).copied().unwrap_or_default() * weight;
+            }
+            sum
+        };
+        Some((mean(&mesh.irradiance), mean(&mesh.irradiance_error)))
+    }
+}
+
+static EMPTY: Mesh = Mesh {
+    positions: Vec::new(),
+    normals: None,
+    uvs: None,
+    colors: Vec::new(),
+    irradiance: Vec::new(),
+    irradiance_error: Vec::new(),
+    faces: azulejo::scene::Faces {
+        starts: Vec::new(),
+        corners: Vec::new(),
+    },
+    face_materials: Vec::new(),
+    smoothing: Vec::new(),
+};
+
+impl Stage {
+    /// Brings on the stage what the document has, as the view asks for it.
+    pub fn update(&mut self, app: &App, view: &View) {
+        let mut old: HashMap<Id, Entry> = self.entries.drain(..).map(|e| (e.id, e)).collect();
+        for item in app.document.items.iter().filter(|i| !i.hidden) {
+            let entry = self.entry(app, item, view, old.remove(&item.id));
+            self.entries.push(entry);
+        }
+        self.keep_textures(app);
+        self.keep_seen(app);
+    }
+
+    fn entry(&mut self, app: &App, item: &Item, view: &View, old: Option<Entry>) -> Entry {
+        let lit = match super::shows_light(app.view.shading) {
+            true => app.lighting.solution.as_ref().and_then(|s| s.shown(item)),
+            false => None,
+        };
+        let is_lit = lit.is_some();
+        let shape = lit.unwrap_or(&item.shape);
+        // What the solver returns stands in its place already.
+        let placement = match is_lit {
+            true => DAffine3::IDENTITY,
+            false => item.placement,
+        };
+        let error = match &**shape {
+            Shape::Mesh(_) => 1.0,
+            _ => chord_error(item.bounds(), view) / mean_scale(&placement),
+        };
+        if let Some(mut old) = old
+            && Arc::ptr_eq(&old.shape, shape)
+            && old.is_lit == is_lit
+            && old.chord_error == error
+        {
+            old.placement = placement;
+            return old;
+        }
+        self.next += 1;
+        let made = match display_mesh(shape, error, is_lit) {
+            Cow::Borrowed(_) => None,
+            Cow::Owned(mesh) => Some(mesh),
+        };
+        Entry {
+            id: item.id,
+            shape: Arc::clone(shape),
+            made,
+            chord_error: error,
+            is_lit,
+            key: self.next,
+            placement,
+        }
+    }
+
+    fn keep_textures(&mut self, app: &App) {
+        let textures = &app.document.textures;
+        (self.textures).retain(|_, (_, kept)| textures.iter().any(|t| Arc::ptr_eq(t, kept)));
+        for texture in textures {
+            let next = &mut self.next;
+            self.textures.entry(Arc::as_ptr(texture)).or_insert_with(|| {
+                *next += 1;
+                (*next, Arc::clone(texture))
+            });
+        }
+    }
+
+    fn keep_seen(&mut self, app: &App) {
+        let Some(seen) = &app.lighting.seen else {
+            self.seen = None;
+            return;
+        };
+        let is_same = self.seen.as_ref().is_some_and(|(_, mesh, values)| {
+            Arc::ptr_eq(mesh, &seen.patches) && values.len() == seen.factors.len()
+        });
+        if !is_same || self.seen.as_ref().is_some_and(|s| s.0 != seen.number) {
+            let values = seen.factors.iter().map(|&f| f as f32).collect();
+            self.seen = Some((seen.number, Arc::clone(&seen.patches), values));
+        }
+    }
+
+    /// The key of a texture's picture.
+    pub fn texture_key(&self, texture: &Arc<Texture>) -> u64 {
+        let found = self.textures.get(&Arc::as_ptr(texture));
+        found.map_or(0, |(key, _)| *key)
+    }
+
+    /// What is on the stage.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// What is to be drawn; in the order of [`entries`](Stage::entries), unless form factors
+    /// are shown, whose patches stand for everything.
+    pub fn drawn<'a>(&'a self, app: &'a App, shows_factors: bool) -> Vec<Drawn<'a>> {
+        if shows_factors && let Some((number, mesh, values)) = &self.seen {
+            // Keys of objects count up from 1, those of patches down from the end.
+            let mut drawn = Drawn::new(u64::MAX - number, mesh);
+            drawn.face_values = Some(FaceValues {
+                key: *number,
+                values,
+            });
+            return vec![drawn];
+        }
+        self.entries.iter().map(|e| self.one(app, e)).collect()
+    }
+
+    fn one<'a>(&'a self, app: &'a App, entry: &'a Entry) -> Drawn<'a> {
+        let selection = &app.selection;
+        let faces = match &selection.faces {
+            Some((id, faces)) if *id == entry.id => faces.as_slice(),
+            _ => &[],
+        };
+        Drawn {
+            world_from_object: entry.placement,
+            is_selected: selection.ids.contains(&entry.id) && faces.is_empty(),
+            selected_faces: faces,
+            ..Drawn::new(entry.key, entry.mesh())
+        }
+    }
+}
+
+/// How much a map enlarges, on the whole.
+fn mean_scale(map: &DAffine3) -> f64 {
+    let scale = map.matrix3.determinant().abs().cbrt();
+    match scale > 0.0 && scale.is_finite() {
+        // Powers of two, so that a drag does not tessellate anew at each step.
+        true => 2f64.powi(scale.log2().round() as i32),
+        false => 1.0,
+    }
+}

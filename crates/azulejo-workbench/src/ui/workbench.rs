@@ -1,0 +1,474 @@
+//! The window: all its parts around one app.
+
+use super::actions::{self, Panel, Wish};
+use super::brdf::{Answer, Editor, PreviewLight, Shown, apply_file, with_description};
+use super::desk::Desk;
+use super::dialogs::{Chosen, Dialogs, TextDialog};
+use super::tree::Tree;
+use super::viewport::{Loss, Viewport};
+use super::{inspector, light, looks, menu, messages};
+use crate::app::{App, Level};
+use crate::command::{Ask, Command};
+use crate::document::Edit;
+use crate::preferences::Theme;
+use crate::script::Player;
+use azulejo::output::Output;
+use azulejo::trace::Progress;
+use egui::{CentralPanel, Panel as Side, Ui, ViewportCommand};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::Duration;
+
+/// What the panel at the right shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tab {
+    /// What is selected.
+    #[default]
+    Object,
+    /// The material that is edited.
+    Material,
+    /// The solver.
+    Light,
+    /// The view.
+    View,
+}
+
+impl Tab {
+    /// All of them.
+    pub const ALL: [Tab; 4] = [Tab::Object, Tab::Material, Tab::Light, Tab::View];
+}
+
+/// The window.
+pub struct Workbench {
+    /// What there is.
+    pub app: App,
+    /// The panel at the right.
+    pub tab: Tab,
+    viewport: Viewport,
+    tree: Tree,
+    dialogs: Dialogs,
+    materials: Materials,
+    shows_messages: bool,
+    /// Counts presses of the mouse: each is one gesture.
+    press: u64,
+    player: Option<Player>,
+    was_focused: bool,
+    dressed: Option<(Theme, f32)>,
+    title: String,
+    /// Where the app goes when the graphics card is lost.
+    rescue: Option<Sender<Box<Rescued>>>,
+}
+
+/// What is left of a window whose graphics card is gone.
+pub struct Rescued {
+    /// Everything that was worked on.
+    pub app: App,
+    /// The script, as far as it came.
+    pub player: Option<Player>,
+    /// Why.
+    pub loss: Loss,
+}
+
+impl Workbench {
+    /// A window without a graphics card: everything but the picture of the model.
+    pub fn new(app: App) -> Workbench {
+        Workbench {
+            app,
+            tab: Tab::default(),
+            viewport: Viewport::default(),
+            tree: Tree::default(),
+            dialogs: Dialogs::default(),
+            materials: Materials::default(),
+            shows_messages: false,
+            press: 0,
+            player: None,
+            was_focused: true,
+            dressed: None,
+            title: String::new(),
+            rescue: None,
+        }
+    }
+
+    /// A window of eframe.
+    ///
+    /// # Errors
+    /// [`Loss`]: the card cannot draw.
+    pub fn in_window(
+        mut app: App,
+        context: &eframe::CreationContext<'_>,
+    ) -> Result<Workbench, Loss> {
+        let egui = context.egui_ctx.clone();
+        app.set_wake(Arc::new(move || egui.request_repaint()));
+        let viewport = match &context.wgpu_render_state {
+            Some(state) => Viewport::on(state)?,
+            None => Viewport::default(),
+        };
+        Ok(Workbench {
+            viewport,
+            ..Workbench::new(app)
+        })
+    }
+
+    /// Plays a script.
+    pub fn play(&mut self, player: Player) {
+        self.player = Some(player);
+    }
+
+    /// Where the app goes when the graphics card is lost.
+    pub fn rescue_to(&mut self, rescue: Sender<Box<Rescued>>) {
+        self.rescue = Some(rescue);
+    }
+
+    /// The size of the viewport, pixels.
+    pub fn viewport_size(&self) -> (u32, u32) {
+        self.viewport.size()
+    }
+
+    /// One frame.
+    pub fn show(&mut self, ui: &mut Ui) {
+        self.app.poll();
+        self.dress(ui.ctx());
+        self.take_drops(ui.ctx());
+        let mut wishes = Vec::new();
+        if !self.dialogs.is_open() && self.app.question.is_none() {
+            wishes = actions::pressed(ui.ctx(), &self.app);
+        }
+        let (commands, loss) = self.parts(ui, &mut wishes);
+        let acted = !commands.is_empty() || !wishes.is_empty();
+        commands.into_iter().for_each(|c| self.app.execute(c));
+        wishes.into_iter().for_each(|w| self.fulfil(w));
+        if let Some(loss) = loss {
+            self.lose(ui.ctx(), loss);
+        }
+        self.step_script(ui.ctx());
+        self.keep_time(ui.ctx(), acted);
+        self.mind_window(ui.ctx());
+    }
+
+    /// All parts of the window.
+    fn parts(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) -> (Vec<Command>, Option<Loss>) {
+        let Workbench {
+            app,
+            viewport,
+            tree,
+            dialogs,
+            ..
+        } = self;
+        if ui.input(|i| i.pointer.any_pressed()) {
+            self.press += 1;
+        }
+        let mut desk = Desk {
+            language: app.preferences.language,
+            gesture: ui.input(|i| i.pointer.any_down()).then_some(self.press),
+            app,
+            wishes: Vec::new(),
+        };
+        Side::top("menu").show(ui, |ui| {
+            wishes.extend(menu::show(ui, &mut desk));
+            wishes.extend(menu::tools(ui, &mut desk));
+        });
+        Side::bottom("status").show(ui, |ui| {
+            if messages::status(ui, &mut desk, viewport.probe()) {
+                wishes.push(Wish::Show(Panel::Messages));
+            }
+        });
+        if self.shows_messages {
+            Side::bottom("messages")
+                .resizable(true)
+                .default_size(130.0)
+                .show(ui, |ui| messages::show(ui, &mut desk));
+        }
+        Side::left("tree")
+            .resizable(true)
+            .default_size(220.0)
+            .show(ui, |ui| tree.show(ui, &mut desk));
+        Side::right("panel")
+            .resizable(true)
+            .default_size(380.0)
+            .show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    for tab in Tab::ALL {
+                        ui.selectable_value(&mut self.tab, tab, tab_name(tab, &desk));
+                    }
+                });
+                ui.separator();
+                egui::ScrollArea::vertical()
+                    .id_salt(self.tab as u8)
+                    .auto_shrink([false, false])
+                    .show(ui, |ui| match self.tab {
+                        Tab::Object => inspector::show(ui, &mut desk),
+                        Tab::Material => edit_material(
+                            ui,
+                            &mut desk,
+                            &mut self.materials,
+                        ),
+                        Tab::Light => light::show(ui, &mut desk),
+                        Tab::View => looks::show(ui, &mut desk),
+                    });
+            });
+        let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut desk));
+        let chosen = dialogs.show(ui, &mut desk);
+        let commands = desk.wishes;
+        if let Some(chosen) = chosen {
+            self.take_file(chosen);
+        }
+        (commands, shown.inner.err())
+    }
+
+    /// Does what an action asks for.
+    pub fn fulfil(&mut self, wish: Wish) {
+        match wish {
+            Wish::Do(command) => self.app.execute(command),
+            Wish::Show(Panel::Keys) => self.dialogs.keys = true,
+            Wish::Show(Panel::Preferences) => self.dialogs.preferences = true,
+            Wish::Show(Panel::About) => self.dialogs.about = true,
+            Wish::Show(Panel::Messages) => self.shows_messages = !self.shows_messages,
+            Wish::Show(Panel::Text) => {
+                let size = 0.25 * self.app.usual_size();
+                self.dialogs.text = Some(TextDialog::new(size));
+            }
+            Wish::Show(Panel::Rename) => self.tree.begin_rename(&self.app),
+            Wish::Show(Panel::Picture) => {
+                let (width, height) = self.viewport.size();
+                self.app.execute(match self.app.picture {
+                    Some(_) => Command::StopPicture,
+                    None => Command::Picture { width, height },
+                });
+            }
+        }
+    }
+
+    /// A file that was chosen for the editor of reflection models.
+    fn take_file(&mut self, chosen: Chosen) {
+        let done = match chosen {
+            Chosen::LoadBrdf(path) => self.load_brdf(&path),
+            Chosen::SaveBrdf(path) => self.save_brdf(&path),
+        };
+        if let Err(why) = done {
+            self.app.tell(Level::Error, why);
+        }
+    }
+
+    /// Gives the selected material the reflection model of a file.
+    ///
+    /// # Errors
+    /// Why not, for people.
+    pub fn load_brdf(&mut self, path: &Path) -> Result<(), String> {
+        let id = self.app.selection.material;
+        let id = id.ok_or("no material is selected")?;
+        let material = self.app.document.materials.get(id as usize);
+        let material = material.ok_or("there is no such material any more")?;
+        let bytes = azulejo::models::read_bytes(path).map_err(|e| e.to_string())?;
+        let file = apply_file(&bytes, path)?;
+        let new = with_description(material, file.description).map_err(|e| e.to_string())?;
+        for warning in file.warnings {
+            self.app.tell(Level::Warning, warning);
+        }
+        let edit = Edit::SetMaterial(id, new);
+        self.app.execute(Command::Edit(edit, None));
+        Ok(())
+    }
+
+    fn save_brdf(&mut self, path: &Path) -> Result<(), String> {
+        let text = self.materials.saving.take().ok_or("nothing waits to be saved")?;
+        let path = match path.extension() {
+            Some(_) => path.to_owned(),
+            None => path.with_extension("brdf"),
+        };
+        let output = Output::check(&path).map_err(|e| e.to_string())?;
+        output
+            .write(&Progress::new(), |out| out.write_all(text.as_bytes()))
+            .map_err(|e| e.to_string())?;
+        let note = format!("saved {}", path.display());
+        self.app.tell(Level::Note, note);
+        Ok(())
+    }
+
+    fn take_drops(&mut self, context: &egui::Context) {
+        let dropped = context.input(|i| i.raw.dropped_files.clone());
+        let paths: Vec<_> = dropped.into_iter().filter_map(|f| f.path).collect();
+        if paths.is_empty() {
+            return;
+        }
+        let is_empty = self.app.document.items.is_empty();
+        self.app.execute(match is_empty {
+            true => Command::Open(paths),
+            false => Command::Add(paths),
+        });
+    }
+
+    fn dress(&mut self, context: &egui::Context) {
+        let wanted = (self.app.preferences.theme, self.app.preferences.scale);
+        if self.dressed == Some(wanted) {
+            return;
+        }
+        context.set_theme(match wanted.0 {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Light => egui::ThemePreference::Light,
+            Theme::Dark => egui::ThemePreference::Dark,
+        });
+        context.set_zoom_factor(wanted.1);
+        self.dressed = Some(wanted);
+    }
+
+    /// Gives the app to whoever opens another window, and closes this one.
+    fn lose(&mut self, context: &egui::Context, loss: Loss) {
+        let Some(rescue) = self.rescue.take() else {
+            self.app.tell(Level::Error, loss.0.to_string());
+            self.viewport = Viewport::default();
+            return;
+        };
+        let app = std::mem::replace(&mut self.app, App::quiet());
+        let _ = rescue.send(Box::new(Rescued {
+            app,
+            player: self.player.take(),
+            loss,
+        }));
+        context.send_viewport_cmd(ViewportCommand::Close);
+    }
+
+    fn step_script(&mut self, context: &egui::Context) {
+        if let Some(mut player) = self.player.take() {
+            if player.step(self, context) {
+                self.player = Some(player);
+            }
+            context.request_repaint();
+        }
+    }
+
+    /// When the next frame is due: at once after a command, now and then while jobs go on.
+    fn keep_time(&mut self, context: &egui::Context, acted: bool) {
+        if acted {
+            context.request_repaint();
+        }
+        if self.app.jobs().iter().any(|j| !j.progress.is_paused()) {
+            context.request_repaint_after(Duration::from_millis(100));
+        }
+        if let Some(rest) = self.app.wakes_in() {
+            context.request_repaint_after(rest);
+        }
+    }
+
+    fn mind_window(&mut self, context: &egui::Context) {
+        let (asks_close, focused) = context.input(|i| {
+            let viewport = i.viewport();
+            (viewport.close_requested(), viewport.focused.unwrap_or(true))
+        });
+        if asks_close && !self.app.closing && self.rescue.is_some() && self.app.is_changed() {
+            context.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.app.execute(Command::Quit);
+        }
+        if self.app.closing {
+            context.send_viewport_cmd(ViewportCommand::Close);
+        }
+        if focused && !self.was_focused {
+            self.app.check_disk();
+        }
+        self.was_focused = focused;
+        let title = title(&self.app);
+        if title != self.title {
+            context.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+}
+
+impl eframe::App for Workbench {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        self.show(ui);
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        false
+    }
+}
+
+/// The file, a mark for changes, and who shows it.
+fn title(app: &App) -> String {
+    let file = app.file.as_ref().and_then(|f| f.path.file_name());
+    let branch = app.document.branches.first().map(|b| b.name.clone());
+    let name = file.map(|n| n.to_string_lossy().into_owned()).or(branch);
+    let mark = if app.is_changed() { "• " } else { "" };
+    match name {
+        Some(name) => format!("{mark}{name} – azulejo"),
+        None => format!("{mark}azulejo"),
+    }
+}
+
+fn tab_name(tab: Tab, desk: &Desk) -> &'static str {
+    match tab {
+        Tab::Object => desk.say("Object"),
+        Tab::Material => desk.say("Material"),
+        Tab::Light => desk.say("Light"),
+        Tab::View => desk.say("View"),
+    }
+}
+
+/// The editor of materials, and what it is shown.
+#[derive(Default)]
+struct Materials {
+    editor: Editor,
+    preview: Option<(u64, PreviewLight)>,
+    /// A reflection model that waits for a place to be saved.
+    saving: Option<String>,
+    /// Counts finished changes: each is one step of undo.
+    changes: u64,
+}
+
+/// The editor of the selected material.
+fn edit_material(ui: &mut Ui, desk: &mut Desk, own: &mut Materials) {
+    let app = desk.app;
+    let chosen = app.selection.material;
+    let Some((id, material)) = chosen.and_then(|id| {
+        let material = app.document.materials.get(id as usize)?;
+        Some((id, material))
+    }) else {
+        ui.weak(desk.say("Select an object, or a material in the tree."));
+        return;
+    };
+    if (own.preview.as_ref()).is_none_or(|(of, _)| *of != app.revision()) {
+        own.preview = Some((app.revision(), preview_light(desk)));
+    }
+    let Some((_, light)) = &own.preview else {
+        return;
+    };
+    let shown = Shown {
+        key: u64::from(id),
+        material,
+        others: &app.document.materials,
+        light,
+        is_photometric: app.document.units.photometric,
+    };
+    match own.editor.ui(ui, desk.language, &shown) {
+        None => {}
+        Some(Answer::Change {
+            material,
+            is_finished,
+        }) => {
+            // Presses of the mouse count up from 0, finished changes down from the end.
+            let gesture = Some(u64::MAX - own.changes);
+            desk.wish(Command::Edit(Edit::SetMaterial(id, material), gesture));
+            own.changes += u64::from(is_finished);
+        }
+        Some(Answer::Load) => desk.wish(Command::Ask(Ask::LoadBrdf)),
+        Some(Answer::Save(text)) => {
+            own.saving = Some(text);
+            desk.wish(Command::Ask(Ask::SaveBrdf));
+        }
+    }
+}
+
+/// The scene's own light, at the selection or in the middle.
+fn preview_light(desk: &Desk) -> PreviewLight {
+    let document = &desk.app.document;
+    if !document.has_light() {
+        return PreviewLight::studio();
+    }
+    let chosen = document.bounds(Some(&desk.app.selection.ids));
+    let at = match chosen.is_empty() {
+        true => document.bounds(None).centre(),
+        false => chosen.centre(),
+    };
+    PreviewLight::of_scene(&document.lamps_scene(), at)
+}
