@@ -1,10 +1,19 @@
 //! The first pass as the window runs it.
 
-use crate::document::{Document, Solution};
+use crate::app::Found;
+use crate::command::PatchAt;
+use crate::document::{Document, Id, Solution};
 use crate::jobs::Outbox;
-use azulejo::radiosity::{Engine, FirstPass, Hemicube, PatchSize, SolveError, solve};
+use azulejo::radiosity::form_factors::{Factor, Plan};
+use azulejo::radiosity::{
+    Engine, FirstPass, FormFactorOptions, Hemicube, PatchSize, Preview, SolveError, solve_watched,
+};
+use azulejo::scene::Mesh;
+use azulejo::scene::math::Ray;
 use azulejo::trace::{Progress, Tracer};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Who computes form factors.
@@ -61,6 +70,20 @@ pub struct LightSettings {
     pub bounces: Option<u32>,
 }
 
+impl LightSettings {
+    /// As the library takes them.
+    pub fn first_pass(&self) -> FirstPass {
+        FirstPass {
+            engine: self.engine.engine(),
+            size: PatchSize::Count(self.patches.max(1) as usize),
+            error: Some(self.error),
+            bounces: self.bounces,
+            memory: azulejo::machine::memory_budget(),
+            ..FirstPass::default()
+        }
+    }
+}
+
 impl Default for LightSettings {
     fn default() -> LightSettings {
         LightSettings {
@@ -73,31 +96,7 @@ impl Default for LightSettings {
     }
 }
 
-/// One moment of a solution on its way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
-    /// Seconds since the solver began.
-    pub seconds: f64,
-    /// Estimated relative error of irradiance.
-    pub error: f64,
-    /// Change of the last bounce.
-    pub residual: f64,
-}
-
-/// The errors of the drafts that come before the answer: each costs about a quarter of the next.
-fn drafts(goal: f64) -> Vec<f64> {
-    const FIRST: f64 = 0.25;
-    let mut errors: Vec<f64> = std::iter::successors(Some(goal), |e| Some(2.0 * e))
-        .take_while(|&e| e < FIRST)
-        .collect();
-    errors.reverse();
-    match errors.is_empty() {
-        true => vec![goal],
-        false => errors,
-    }
-}
-
-/// Solves a document's light, better and better; sends every solution with its moment.
+/// Solves a document's light; sends it as it settles, and at the end.
 ///
 /// # Errors
 /// The solver's own, in words.
@@ -105,57 +104,97 @@ pub fn solve_document(
     document: &Document,
     settings: &LightSettings,
     progress: &Progress,
-    outbox: &Outbox<crate::app::Found>,
+    outbox: &Outbox<Found>,
 ) -> Result<(), String> {
-    let begin = Instant::now();
-    let deadline = settings
-        .time
-        .map(|t| begin + Duration::from_secs_f64(t.clamp(0.0, 1e6)));
-    if let Some(deadline) = deadline {
-        progress.set_deadline(deadline);
+    if let Some(seconds) = settings.time {
+        let time = Duration::from_secs_f64(seconds.clamp(0.0, 1e6));
+        progress.set_deadline(Instant::now() + time);
     }
     let scene = document.scene();
     let tracer = Tracer::new(&scene);
-    for error in drafts(settings.error) {
-        let pass = FirstPass {
-            engine: settings.engine.engine(),
-            size: PatchSize::Count(settings.patches.max(1) as usize),
-            error: Some(error),
-            bounces: settings.bounces,
-            memory: azulejo::machine::memory_budget(),
-            ..FirstPass::default()
-        };
-        let light = match solve(&scene, &tracer, &pass, progress) {
-            Err(SolveError::Cancelled) => return Ok(()),
-            other => other.map_err(|e| e.to_string())?,
-        };
-        let moment = Moment {
-            seconds: begin.elapsed().as_secs_f64(),
-            error: light.report.error,
-            residual: light.report.residual,
-        };
-        let solution = Solution::new(
-            document.clone(),
-            scene.clone(),
-            light.irradiance,
-            light.report,
-        );
-        outbox.send(crate::app::Found::Light(Box::new(solution), moment));
-        if progress.out_of_time() {
-            break;
+    let send = |irradiance, report| {
+        let solution = Solution::new(document.clone(), scene.clone(), irradiance, report);
+        outbox.send(Found::Light(Box::new(solution)));
+    };
+    let pass = settings.first_pass();
+    let mut watch = |preview: Preview| send(preview.irradiance, None);
+    match solve_watched(&scene, &tracer, &pass, progress, &mut watch) {
+        Err(SolveError::Cancelled) => Ok(()),
+        Err(other) => Err(other.to_string()),
+        Ok(light) => {
+            send(light.irradiance, Some(light.report));
+            Ok(())
         }
     }
-    Ok(())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// What one patch sees.
+#[derive(Clone, Debug)]
+pub struct SeenFromPatch {
+    /// Counts: no two answers have the same.
+    pub number: u64,
+    /// The object that the patch is of.
+    pub item: Id,
+    /// Triangles that show the patches, each a face.
+    pub patches: Arc<Mesh>,
+    /// F from the picked patch to the patch of each face.
+    pub factors: Vec<f64>,
+    /// The sum over all patches: what is missing to 1 goes outside.
+    pub sum: f64,
+}
 
-    #[test]
-    fn drafts_end_at_the_goal() {
-        assert_eq!(drafts(0.5), [0.5]);
-        assert_eq!(drafts(0.05), [0.2, 0.1, 0.05]);
-        assert_eq!(drafts(0.25), [0.25]);
+/// Finds what the patch at a place sees, with the patches that the solver would make.
+///
+/// # Errors
+/// In words: no surface, too many patches, no patch at that place.
+pub fn seen_from(
+    document: &Document,
+    settings: &LightSettings,
+    place: &PatchAt,
+    progress: &Progress,
+) -> Result<Option<SeenFromPatch>, String> {
+    let scene = document.scene();
+    let tracer = Tracer::new(&scene);
+    let pass = settings.first_pass();
+    let options = FormFactorOptions {
+        size: pass.size,
+        engine: pass.engine,
+        ..FormFactorOptions::default()
+    };
+    let plan = Plan::new(&scene, &tracer, &options).map_err(|e| e.to_string())?;
+    // From a little in front of the surface back to it.
+    let step = 1e-4 * scene.bounds().diagonal() * place.normal;
+    let ray = Ray::new(place.position + step, -step);
+    let Some(picked) = plan.patch_at(&ray) else {
+        return Err("there is no patch at that place".into());
+    };
+    let Ok(factors) = plan.row(picked, progress) else {
+        return Ok(None);
+    };
+    Ok(Some(SeenFromPatch::new(place.item, &plan, picked, &factors)))
+}
+
+impl SeenFromPatch {
+    fn new(item: Id, plan: &Plan, picked: usize, factors: &[Factor]) -> SeenFromPatch {
+        static NUMBER: AtomicU64 = AtomicU64::new(1);
+        let mut mesh = Mesh::default();
+        let mut values = Vec::new();
+        for (patch, corners) in plan.patches.triangles() {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners);
+            mesh.push_face(&[first, first + 1, first + 2], 0);
+            values.push(match patch as usize == picked {
+                // It shows itself as what is not known.
+                true => f64::NAN,
+                false => factors.get(patch as usize).map_or(0.0, |f| f.value),
+            });
+        }
+        SeenFromPatch {
+            number: NUMBER.fetch_add(1, Ordering::Relaxed),
+            item,
+            patches: Arc::new(mesh),
+            factors: values,
+            sum: factors.iter().map(|f| f.value).sum(),
+        }
     }
 }

@@ -1,12 +1,14 @@
 //! The light: its solver, its moments, and whose light it is.
 
-use super::{App, Level};
+use super::{App, Found, Level};
 use crate::command::PatchAt;
-use crate::document::{Document, Id, Solution};
+use crate::document::{Document, Solution};
 use crate::jobs::{Kind, on_own_threads};
-use crate::light::{LightSettings, Moment, solve_document};
-use azulejo::scene::{Mesh, Rgb, Shape};
+use crate::light::{LightSettings, SeenFromPatch, seen_from, solve_document};
+use azulejo::scene::{Rgb, Shape};
+use azulejo::trace::Measured;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// The light of the document.
 #[derive(Clone, Debug, Default)]
@@ -17,8 +19,10 @@ pub struct Lighting {
     pub solution: Option<Arc<Solution>>,
     /// Whether that is the light of the document as it is now.
     pub is_current: bool,
-    /// How the solution settled, from its beginning.
-    pub moments: Vec<Moment>,
+    /// What the solver measured since it began.
+    pub measures: Vec<Measured>,
+    /// When it began.
+    pub began: Option<Instant>,
     /// Whether the solver rests.
     pub is_paused: bool,
     /// Irradiance that is shown: least, most, and what nearly all is below.
@@ -36,21 +40,6 @@ pub struct Range {
     pub high: f64,
     /// What 19 of 20 vertices are below.
     pub usual: f64,
-}
-
-/// Form factors of one patch.
-#[derive(Clone, Debug)]
-pub struct SeenFromPatch {
-    /// Counts: no two answers have the same.
-    pub number: u64,
-    /// The object that the patch is of.
-    pub item: Id,
-    /// The patches.
-    pub patches: Arc<Mesh>,
-    /// F from the picked patch to each of them.
-    pub factors: Vec<f64>,
-    /// The picked one.
-    pub picked: usize,
 }
 
 impl Lighting {
@@ -108,7 +97,8 @@ impl App {
             return;
         }
         self.jobs.cancel_kind(Kind::Solve);
-        self.lighting.moments.clear();
+        self.lighting.measures.clear();
+        self.lighting.began = Some(Instant::now());
         self.lighting.is_paused = false;
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
@@ -140,8 +130,17 @@ impl App {
         self.lighting.is_paused = false;
     }
 
-    pub(super) fn take_light(&mut self, solution: Solution, moment: Moment) {
-        self.lighting.moments.push(moment);
+    /// Takes in what the solver measured meanwhile.
+    pub(super) fn take_measures(&mut self) {
+        const MOST: usize = 100_000;
+        if let Some(job) = self.jobs.of(Kind::Solve) {
+            let new = job.progress.take_measures();
+            let room = MOST.saturating_sub(self.lighting.measures.len());
+            self.lighting.measures.extend(new.into_iter().take(room));
+        }
+    }
+
+    pub(super) fn take_light(&mut self, solution: Solution) {
         self.lighting.set(solution, &self.document);
         self.lit();
     }
@@ -149,7 +148,7 @@ impl App {
     /// The light is another one: what is on the disk is not all there is, and pictures are old.
     fn lit(&mut self) {
         self.revision = self.new_revision();
-        self.changed_at = Some(std::time::Instant::now());
+        self.changed_at = Some(Instant::now());
         if let Some(picture) = &self.picture {
             let size = picture.size;
             self.draw_picture(size);
@@ -161,13 +160,24 @@ impl App {
         if self.lighting.solution.take().is_some() {
             self.lighting.is_current = false;
             self.lighting.range = None;
-            self.lighting.moments.clear();
+            self.lighting.measures.clear();
             self.lit();
         }
     }
 
     /// Finds what the patch at a place sees, with the patches that the solver would make.
     pub(super) fn form_factors_from(&mut self, place: PatchAt) {
-        let _ = place;
+        self.jobs.cancel_kind(Kind::FormFactors);
+        let (document, settings) = (self.document.clone(), self.lighting.settings);
+        let threads = self.preferences.threads;
+        self.jobs.start(Kind::FormFactors, "form factors", move |progress, outbox| {
+            let seen = on_own_threads(threads, || {
+                seen_from(&document, &settings, &place, progress)
+            })?;
+            if let Some(seen) = seen {
+                outbox.send(Found::FormFactors(Box::new(seen)));
+            }
+            Ok(())
+        });
     }
 }

@@ -17,7 +17,6 @@ use crate::command::{Ask, Command, Selection};
 use crate::document::{Document, Edit, Id, Lettering, NewKind, NewShape};
 use crate::history::History;
 use crate::jobs::{Job, Jobs, Kind, News, Wake};
-use crate::light::Moment;
 use crate::preferences::Preferences;
 use crate::recovery::Recovery;
 use crate::view::{Backdrop, View, whole};
@@ -38,13 +37,13 @@ pub enum Found {
     /// A copy for recovery is on the disk.
     Autosaved(u64),
     /// Light, with more to come perhaps.
-    Light(Box<crate::document::Solution>, Moment),
+    Light(Box<crate::document::Solution>),
     /// A picture with so many paths per pixel.
     Picture(Box<Image>, u32),
     /// A picture for the background.
     Backdrop(Box<Image>),
     /// What a patch sees.
-    FormFactors(Box<lighting::SeenFromPatch>),
+    FormFactors(Box<crate::light::SeenFromPatch>),
     /// Something to tell.
     Note(String),
 }
@@ -236,6 +235,7 @@ impl App {
     /// the window is drawn.
     pub fn poll(&mut self) -> bool {
         let mut any = false;
+        self.take_measures();
         while let Some((job, news)) = self.jobs.next() {
             any = true;
             match news {
@@ -253,7 +253,7 @@ impl App {
             Found::NoModel(path, why) => self.take_failure(&path, &why),
             Found::Saved(saved) => self.take_saved(saved),
             Found::Autosaved(revision) => self.recovery.done(revision),
-            Found::Light(solution, moment) => self.take_light(*solution, moment),
+            Found::Light(solution) => self.take_light(*solution),
             Found::Picture(image, samples) => self.take_picture(*image, samples),
             Found::Backdrop(image) => self.take_backdrop(*image),
             Found::FormFactors(seen) => self.lighting.seen = Some(*seen),

@@ -14,17 +14,18 @@ pub struct Solution {
     of: Document,
     /// One placed, lit shape for each object of the document.
     shapes: Vec<(Id, Arc<Shape>)>,
-    /// How it was found; `None` where the light came with the file.
+    /// How it was found; `None` where it settles yet, or came with the file.
     pub report: Option<Report>,
 }
 
 impl Solution {
-    /// What the first pass found for `scene`, which was made from `document`.
+    /// What the first pass found for `scene`, which was made from `document`; with its report once
+    /// it is done.
     pub fn new(
         document: Document,
         mut scene: Scene,
         irradiance: Irradiance,
-        report: Report,
+        report: Option<Report>,
     ) -> Solution {
         scene.set_irradiance(irradiance);
         let ids = document.items.iter().map(|i| i.id);
@@ -32,7 +33,7 @@ impl Solution {
         Solution {
             shapes: ids.zip(shapes).collect(),
             of: document,
-            report: Some(report),
+            report,
         }
     }
 
