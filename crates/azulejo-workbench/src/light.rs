@@ -179,7 +179,7 @@ impl SeenFromPatch {
         static NUMBER: AtomicU64 = AtomicU64::new(1);
         let mut mesh = Mesh::default();
         let mut values = Vec::new();
-        for (patch, corners) in plan.patches.triangles() {
+        for (patch, corners) in plan.patches().triangles() {
             let first = mesh.positions.len() as u32;
             mesh.positions.extend(corners);
             mesh.push_face(&[first, first + 1, first + 2], 0);

@@ -11,10 +11,11 @@ use azulejo::output::Output;
 use azulejo::scene::brdf::Description;
 use azulejo::scene::{Camera, Material, Rgb};
 use azulejo::trace::Progress;
-use egui::{UserData, ViewportCommand};
+use egui::{ColorImage, ScreenshotCallback, ViewportCommand};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -40,7 +41,7 @@ enum Wait {
     /// So many paths per pixel.
     Samples(u32),
     /// The picture of the window; asked for since then.
-    Screenshot(PathBuf, Instant),
+    Screenshot(PathBuf, Instant, Receiver<Arc<ColorImage>>),
 }
 
 /// Frames in which layout settles and threads deliver.
@@ -72,7 +73,7 @@ impl Player {
         if let Some(why) = self.failure(&window.app) {
             return self.end(Err(why));
         }
-        match self.still_waits(window, context) {
+        match self.still_waits(window) {
             Ok(true) => return true,
             Ok(false) => self.waits = None,
             Err(why) => return self.end(Err(why)),
@@ -109,7 +110,7 @@ impl Player {
         Some(error.text.clone())
     }
 
-    fn still_waits(&mut self, window: &Workbench, context: &egui::Context) -> Result<bool, String> {
+    fn still_waits(&mut self, window: &Workbench) -> Result<bool, String> {
         let app = &window.app;
         Ok(match &mut self.waits {
             None => false,
@@ -123,24 +124,16 @@ impl Player {
                 let found = app.picture.as_ref().map(|p| p.samples);
                 found.is_some_and(|n| n < *wanted) && !app.jobs().is_empty()
             }
-            Some(Wait::Screenshot(path, since)) => {
-                let image = context.input(|i| {
-                    i.events.iter().find_map(|e| match e {
-                        egui::Event::Screenshot { image, .. } => Some(Arc::clone(image)),
-                        _ => None,
-                    })
-                });
-                match image {
-                    Some(image) => {
-                        write_png(path, &image)?;
-                        false
-                    }
-                    None if since.elapsed() > PATIENCE => {
-                        return Err("the window gives no picture of itself".into());
-                    }
-                    None => true,
+            Some(Wait::Screenshot(path, since, picture)) => match picture.try_recv() {
+                Ok(image) => {
+                    write_png(path, &image)?;
+                    false
                 }
-            }
+                Err(_) if since.elapsed() > PATIENCE => {
+                    return Err("the window gives no picture of itself".into());
+                }
+                Err(_) => true,
+            },
         })
     }
 
@@ -156,9 +149,13 @@ impl Player {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(egui::vec2(w, h)));
             }
             Step::Screenshot(path) => {
-                let ask = ViewportCommand::Screenshot(UserData::default());
-                context.send_viewport_cmd(ask);
-                return Ok(Wait::Screenshot(path, Instant::now()));
+                let (send, picture) = channel();
+                let callback = ScreenshotCallback::new(move |image| {
+                    // The script may have ended meanwhile.
+                    let _ = send.send(image);
+                });
+                context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
+                return Ok(Wait::Screenshot(path, Instant::now(), picture));
             }
             Step::Wait(None) => return Ok(Wait::Jobs),
             Step::Wait(Some(seconds)) => {
@@ -365,7 +362,7 @@ fn named(app: &App, name: &str) -> Vec<Id> {
     all.filter(|(_, n)| is_it(n)).map(|(id, _)| id).collect()
 }
 
-fn write_png(path: &Path, image: &egui::ColorImage) -> Result<(), String> {
+fn write_png(path: &Path, image: &ColorImage) -> Result<(), String> {
     let [width, height] = image.size.map(|n| n as u32);
     let rgb: Vec<u8> = (image.pixels.iter())
         .flat_map(|p| [p.r(), p.g(), p.b()])

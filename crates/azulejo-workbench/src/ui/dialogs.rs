@@ -7,9 +7,8 @@ use crate::command::{Ask, Command};
 use crate::preferences::{Preferences, Theme};
 use crate::gpu::ColorMap;
 use crate::words::Language;
-use azulejo::models::FORMATS;
 use egui::{DragValue, Grid, Id, Modal, Slider, Ui};
-use egui_file_dialog::{DialogState, FileDialog};
+use egui_file::{FileDialog, State};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -17,6 +16,8 @@ use std::sync::Arc;
 #[derive(Default)]
 pub struct Dialogs {
     files: Option<(Ask, FileDialog)>,
+    /// A place to save at where there is a file already.
+    replacing: Option<(Ask, PathBuf)>,
     /// The last folder that something was chosen in.
     folder: Option<PathBuf>,
     /// The letters that are being asked for.
@@ -61,9 +62,9 @@ impl TextDialog {
 }
 
 /// Extensions of models that are read, for the dialog; content decides in the end.
-const MODELS: [&str; 27] = [
+const MODELS: [&str; 18] = [
     "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
-    "sff", "scn", "grf", "vs3", "gz", "3DS", "DXF", "OBJ", "FLT", "WRL", "X3D", "STL", "SFF", "PLY",
+    "sff", "scn", "grf", "vs3", "gz",
 ];
 
 impl Dialogs {
@@ -81,6 +82,7 @@ impl Dialogs {
     /// Whether something is open that keys belong to.
     pub fn is_open(&self) -> bool {
         self.files.is_some()
+            || self.replacing.is_some()
             || self.text.is_some()
             || self.preferences
             || self.keys
@@ -95,7 +97,7 @@ impl Dialogs {
         if desk.app.is_busy(crate::jobs::Kind::Save) || desk.app.asking.is_some() {
             return;
         }
-        let modal = Modal::new(Id::new("question")).show(ui.ctx(), |ui| {
+        let modal = Modal::new(Id::unique("question")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             match &question {
                 Question::Unsaved(_) => {
@@ -141,7 +143,7 @@ impl Dialogs {
         if self.asked_recovery || found.is_empty() {
             return;
         }
-        let modal = Modal::new(Id::new("recovery")).show(ui.ctx(), |ui| {
+        let modal = Modal::new(Id::unique("recovery")).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
             ui.heading(desk.say("azulejo did not end well last time"));
             ui.label(desk.say("What was being worked on was kept:"));
@@ -173,7 +175,7 @@ impl Dialogs {
         };
         let mut done = false;
         let mut asks_font = false;
-        let modal = Modal::new(Id::new("letters")).show(ui.ctx(), |ui| {
+        let modal = Modal::new(Id::unique("letters")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             ui.heading(desk.say("Solid letters"));
             let label = ui.label(desk.say("Text"));
@@ -232,7 +234,7 @@ impl Dialogs {
         let old = &desk.app.preferences;
         let mut new = old.clone();
         let mut is_done = false;
-        let modal = Modal::new(Id::new("preferences")).show(ui.ctx(), |ui| {
+        let modal = Modal::new(Id::unique("preferences")).show(ui.ctx(), |ui| {
             ui.set_width(420.0);
             ui.heading(desk.say("Preferences"));
             Grid::new("preferences")
@@ -252,7 +254,7 @@ impl Dialogs {
             return;
         }
         let mut is_done = false;
-        let modal = Modal::new(Id::new("keys")).show(ui.ctx(), |ui| {
+        let modal = Modal::new(Id::unique("keys")).show(ui.ctx(), |ui| {
             ui.set_width(640.0);
             ui.heading(desk.say("Keys and mouse"));
             egui::ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
@@ -269,7 +271,7 @@ impl Dialogs {
             return;
         }
         let mut is_done = false;
-        let modal = Modal::new(Id::new("about")).show(ui.ctx(), |ui| {
+        let modal = Modal::new(Id::unique("about")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             ui.heading(format!("azulejo {}", env!("CARGO_PKG_VERSION")));
             ui.label(desk.say("Global illumination for the models people already have."));
@@ -284,24 +286,63 @@ impl Dialogs {
         {
             self.files = Some((what, self.open(what, desk)));
         }
+        if let Some(chosen) = self.ask_replace(ui, desk) {
+            return Some(chosen);
+        }
         let (what, dialog) = self.files.as_mut()?;
         let what = *what;
-        dialog.update(ui.ctx());
-        let paths = match dialog.state() {
-            DialogState::Open => return None,
-            DialogState::Picked(path) => vec![path.clone()],
-            DialogState::PickedMultiple(paths) => paths.clone(),
-            DialogState::Closed | DialogState::Cancelled => Vec::new(),
+        dialog.show(ui.ctx());
+        let paths: Vec<PathBuf> = match dialog.state() {
+            State::Open => return None,
+            State::Selected if dialog.has_multi_select() => {
+                dialog.selection().into_iter().map(Path::to_owned).collect()
+            }
+            State::Selected => dialog.path().map(Path::to_owned).into_iter().collect(),
+            State::Closed | State::Cancelled => Vec::new(),
         };
+        self.folder = Some(dialog.directory().to_owned());
         self.files = None;
-        desk.wish(match desk.app.question {
-            // What waits for a name to save under is not given up by choosing one.
-            Some(_) if !paths.is_empty() => Command::Select(desk.app.selection.clone()),
-            _ => Command::Dismiss,
-        });
-        let first = paths.first()?.clone();
-        self.folder = first.parent().map(Path::to_owned);
+        let Some(first) = paths.first().cloned() else {
+            desk.wish(Command::Dismiss);
+            return None;
+        };
+        let own = desk.app.file.as_ref().map(|f| &f.path);
+        if saves(what) && first.exists() && own != Some(&first) {
+            self.replacing = Some((what, first));
+            return None;
+        }
         self.chosen(what, first, paths, desk)
+    }
+
+    /// Asks before a file is written over.
+    fn ask_replace(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
+        let (what, path) = self.replacing.clone()?;
+        let mut answer = None;
+        let modal = Modal::new(Id::unique("replace")).show(ui.ctx(), |ui| {
+            ui.set_width(380.0);
+            ui.heading(desk.say("There is a file of this name"));
+            ui.label(path.display().to_string());
+            ui.horizontal(|ui| {
+                if ui.button(desk.say("Replace it")).clicked() {
+                    answer = Some(true);
+                }
+                if ui.button(desk.say("Cancel")).clicked() {
+                    answer = Some(false);
+                }
+            });
+        });
+        if modal.should_close() {
+            answer = Some(false);
+        }
+        let replaces = answer?;
+        self.replacing = None;
+        match replaces {
+            true => self.chosen(what, path.clone(), vec![path], desk),
+            false => {
+                desk.wish(Command::Dismiss);
+                None
+            }
+        }
     }
 
     fn chosen(
@@ -337,58 +378,60 @@ impl Dialogs {
         let known = file.or(branch);
         let folder = self.folder.clone();
         let folder = folder.or_else(|| known.and_then(Path::parent).map(Path::to_owned));
+        let folder = folder.filter(|f| f.is_dir());
+        let folder = folder.or_else(|| std::env::current_dir().ok());
         let stem = known.and_then(Path::file_stem).unwrap_or_default();
         let stem = match stem.is_empty() {
             true => "azulejo".to_owned(),
             false => stem.to_string_lossy().into_owned(),
         };
-        let mut dialog = FileDialog::new()
-            .default_size([680.0, 420.0])
+        let dialog = match what {
+            Ask::Open | Ask::Add => FileDialog::open_file().multi_select(true),
+            Ask::Backdrop | Ask::Font | Ask::LoadBrdf => FileDialog::open_file(),
+            Ask::SaveAs => FileDialog::save_file().default_filename(format!("{stem}.grf")),
+            Ask::Export => FileDialog::save_file().default_filename(format!("{stem}.glb")),
+            Ask::SavePicture => FileDialog::save_file().default_filename(format!("{stem}.png")),
+            Ask::SaveBrdf => FileDialog::save_file().default_filename("material.brdf"),
+        };
+        let mut dialog = dialog
+            .id(Id::unique("files"))
+            .initial_path(folder.unwrap_or_default())
             .title(title(what, desk))
-            .as_modal(true)
-            .show_devices(false);
-        if let Some(folder) = folder.filter(|f| f.is_dir()) {
-            dialog = dialog.initial_directory(folder);
-        }
-        match what {
-            Ask::Open | Ask::Add => {
-                let models = desk.say("Models");
-                dialog = dialog
-                    .add_file_filter_extensions(models, MODELS.to_vec())
-                    .default_file_filter(models);
-                dialog.pick_multiple();
-            }
-            Ask::SaveAs => {
-                dialog = dialog
-                    .default_file_name(&format!("{stem}.grf"))
-                    .allow_path_edit_to_save_file_without_extension(true);
-                dialog.save_file();
-            }
-            Ask::Export => {
-                dialog = dialog.default_file_name(&format!("{stem}.glb"));
-                for format in &FORMATS {
-                    dialog = dialog.add_save_extension(format.name, format.extension);
-                }
-                dialog.save_file();
-            }
-            Ask::SavePicture => {
-                dialog = dialog.default_file_name(&format!("{stem}.png"));
-                dialog.save_file();
-            }
-            Ask::SaveBrdf => {
-                dialog = dialog.default_file_name("material.brdf");
-                dialog.save_file();
-            }
-            Ask::Backdrop => {
-                let pictures = desk.say("Pictures");
-                dialog = dialog
-                    .add_file_filter_extensions(pictures, vec!["png", "jpg", "jpeg", "hdr"])
-                    .default_file_filter(pictures);
-                dialog.pick_file();
-            }
-            Ask::Font | Ask::LoadBrdf => dialog.pick_file(),
-        }
+            .default_size([640.0, 420.0])
+            .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
+            .show_rename(false)
+            .keep_on_top(true)
+            .show_files_filter(Box::new(move |path| is_offered(what, path)))
+            .open_button_text(desk.say("Open").into())
+            .save_button_text(desk.say("Save").into())
+            .cancel_button_text(desk.say("Cancel").into())
+            .new_folder_button_text(desk.say("New folder").into())
+            .new_folder_name_text(desk.say("New folder").into())
+            .refresh_button_hover_text(desk.say("Look again").into())
+            .parent_folder_button_hover_text(desk.say("Folder above").into())
+            .file_label_text(desk.say("File:").into())
+            .show_hidden_checkbox_text(desk.say("Hidden ones too").into());
+        dialog.open();
         dialog
+    }
+}
+
+fn saves(what: Ask) -> bool {
+    matches!(
+        what,
+        Ask::SaveAs | Ask::Export | Ask::SavePicture | Ask::SaveBrdf
+    )
+}
+
+/// Whether a file is worth a line in the dialog.
+fn is_offered(what: Ask, path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let extension = extension.to_ascii_lowercase();
+    match what {
+        Ask::Open | Ask::Add | Ask::SaveAs | Ask::Export => MODELS.contains(&extension.as_str()),
+        Ask::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
+        Ask::SavePicture => ["png", "exr", "hdr"].contains(&extension.as_str()),
+        Ask::Font | Ask::LoadBrdf | Ask::SaveBrdf => true,
     }
 }
 

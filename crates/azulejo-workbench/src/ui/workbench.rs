@@ -287,7 +287,7 @@ impl Workbench {
 
     fn take_drops(&mut self, context: &egui::Context) {
         let dropped = context.input(|i| i.raw.dropped_files.clone());
-        let paths: Vec<_> = dropped.into_iter().filter_map(|f| f.path).collect();
+        let paths: Vec<_> = dropped.iter().map(|f| f.path().to_owned()).collect();
         if paths.is_empty() {
             return;
         }

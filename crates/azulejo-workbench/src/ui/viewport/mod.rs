@@ -3,6 +3,8 @@
 mod gizmo;
 mod legend;
 mod navigate;
+mod pick;
+mod picture;
 mod probe;
 mod screen;
 mod signs;
@@ -15,7 +17,8 @@ use super::desk::Desk;
 use crate::app::App;
 use crate::command::{Command, PatchAt, Selection};
 use crate::document::{Edit, Id};
-use crate::gpu::{Background, Drawn, Frame, Picture, Quantity, Scale, Shading, View, pick};
+use crate::gpu::{Background, Drawn, Frame, Picture, Quantity, Scale, Shading, View};
+use pick::{Hit, pick};
 use crate::view::Backdrop;
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Material, Shape};
@@ -43,7 +46,7 @@ pub struct Viewport {
     size: [u32; 2],
 }
 
-mod picture;
+
 
 /// Whether surfaces show what was solved.
 pub fn shows_light(shading: Shading) -> bool {
@@ -312,7 +315,7 @@ impl Viewport {
         })
     }
 
-    fn hit(&self, ray: &Ray) -> Option<crate::gpu::Hit> {
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
         let entries = self.stage.entries().iter();
         let drawn: Vec<Drawn> = entries
             .map(|e| Drawn {

@@ -3,7 +3,8 @@
 use super::legend::number;
 use super::stage::{Entry, Stage};
 use super::{Desk, irradiance_unit};
-use crate::gpu::{Drawn, Hit, pick};
+use super::pick::{Hit, pick};
+use crate::gpu::Drawn;
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Material, Rgb};
 use std::f64::consts::PI;
