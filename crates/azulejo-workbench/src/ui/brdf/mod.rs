@@ -1,1 +1,300 @@
-//! The editor of reflection models.
+//! The editor of reflection models: what a surface does with light, in numbers and in pictures.
+//!
+//! It has no maths of its own: it evaluates [`azulejo::scene::brdf`] and draws what comes out.
+//! What takes longer than a frame is found in threads of the editor's own; meanwhile the last
+//! result stays. An [`Editor`] holds no part of the document: it is shown a material and answers
+//! with another, or asks for a file.
+//!
+//! ```no_run
+//! use azulejo_workbench::ui::brdf::{Answer, Editor, PreviewLight, Shown};
+//! use azulejo_workbench::words::Language;
+//! use std::sync::Arc;
+//!
+//! let light = PreviewLight::studio();
+//! let (mut editor, material) = (Editor::default(), Arc::default());
+//! let mut panel = |ui: &mut eframe::egui::Ui| {
+//!     let shown = Shown { key: 7, material: &material, others: &[], light: &light, is_photometric: false };
+//!     match editor.ui(ui, Language::English, &shown) {
+//!         // All changes up to one that is finished are one step of undo.
+//!         Some(Answer::Change { material, is_finished }) => {}
+//!         // Ask for a file, then `apply_file` and `with_description`.
+//!         Some(Answer::Load) => {}
+//!         Some(Answer::Save(text)) => {}
+//!         None => {}
+//!     }
+//! };
+//! ```
+
+mod badges;
+mod body;
+mod catalog;
+mod compare;
+mod curve;
+mod draft;
+mod fields;
+mod file;
+mod latest;
+mod light;
+mod model;
+mod optics;
+mod parameter;
+mod plots;
+mod polar;
+mod shapes;
+mod side;
+mod sphere;
+mod surface;
+mod theme;
+mod view;
+
+#[cfg(test)]
+mod tests;
+
+pub use file::{ModelFile, apply_file, with_description};
+pub use light::{Lamp, PreviewLight};
+
+use crate::words::Language;
+use azulejo::scene::brdf::{Description, Value};
+use azulejo::scene::{Material, Rgb};
+use compare::Compared;
+use draft::Draft;
+use eframe::egui;
+use eframe::egui::{TextEdit, Ui};
+use side::{Side, Workers};
+use std::sync::Arc;
+use surface::Kind;
+use view::View;
+
+/// What the editor is shown.
+#[derive(Clone, Copy)]
+pub struct Shown<'a> {
+    /// Which material it is. What is half typed is forgotten where another comes.
+    pub key: u64,
+    /// The material as the document has it.
+    pub material: &'a Arc<Material>,
+    /// What it may be compared with.
+    pub others: &'a [Arc<Material>],
+    /// What shines on the preview sphere.
+    pub light: &'a PreviewLight,
+    /// Whether light is in cd/m² instead of W/(sr·m²).
+    pub is_photometric: bool,
+}
+
+/// What a person did.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// The material changed.
+    Change {
+        /// What it is now; possible in every scene.
+        material: Material,
+        /// Whether the change is done. Where it is not (a slider is being dragged), others
+        /// follow, the last of them finished: all of them together are one step of undo.
+        is_finished: bool,
+    },
+    /// A file of a reflection model is to be loaded.
+    Load,
+    /// This text is to be saved as one.
+    Save(String),
+}
+
+/// The editor: what a person has chosen to see, and what was found in the background.
+pub struct Editor {
+    key: Option<u64>,
+    /// The kind that was chosen last: a black surface may be any.
+    kind: Kind,
+    /// The name while it is typed.
+    name: Option<String>,
+    /// The colour of what emits nothing at the moment.
+    emitted: Rgb,
+    draft: Option<Draft>,
+    /// A description that was left for another kind of surface, to come back to.
+    left: Option<Description>,
+    /// Whether an unfinished change was answered.
+    is_open: bool,
+    /// Why the model cannot be saved.
+    trouble: Option<String>,
+    compared: Option<Compared>,
+    view: View,
+    sides: [Side; 2],
+    workers: Workers,
+}
+
+impl Default for Editor {
+    fn default() -> Editor {
+        Editor {
+            key: None,
+            kind: Kind::Matt,
+            name: None,
+            emitted: Rgb::WHITE,
+            draft: None,
+            left: None,
+            is_open: false,
+            trouble: None,
+            compared: None,
+            view: View::default(),
+            sides: Default::default(),
+            workers: Workers::default(),
+        }
+    }
+}
+
+impl Editor {
+    /// Shows a material; the answer, if a person did something.
+    ///
+    /// Expects the document to have taken the change of the frame before: where it has not, the
+    /// document wins.
+    pub fn ui(&mut self, ui: &mut Ui, language: Language, shown: &Shown) -> Option<Answer> {
+        self.follow(shown);
+        let mut material = Material::clone(shown.material);
+        let mut answer = None;
+        self.head(ui, language, shown, &mut material, &mut answer);
+        match self.kind {
+            Kind::Model => self.model(ui, language, &mut material),
+            kind => surface::fields(ui, language, kind, &mut material),
+        }
+        surface::emission(
+            ui,
+            language,
+            shown.is_photometric,
+            &mut material,
+            &mut self.emitted,
+        );
+        ui.separator();
+        self.pictures(ui, language, shown);
+        answer.or_else(|| self.changed(ui, shown, material))
+    }
+
+    /// Takes notice of another material, or of one that others changed.
+    fn follow(&mut self, shown: &Shown) {
+        if self.key != Some(shown.key) {
+            *self = Editor {
+                key: Some(shown.key),
+                compared: self.compared.take(),
+                view: self.view.clone(),
+                sides: std::mem::take(&mut self.sides),
+                workers: std::mem::take(&mut self.workers),
+                ..Editor::default()
+            };
+        }
+        if !self.kind.suits(shown.material) {
+            self.kind = Kind::of(shown.material);
+        }
+        match &shown.material.brdf {
+            None => self.draft = None,
+            Some(brdf) if self.draft.as_ref().is_some_and(|d| d.is_of(brdf)) => {}
+            Some(brdf) => self.draft = Some(Draft::new(brdf.clone())),
+        }
+    }
+
+    /// Name, kind, and files.
+    fn head(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        shown: &Shown,
+        material: &mut Material,
+        answer: &mut Option<Answer>,
+    ) {
+        self.name_field(ui, language, material);
+        let kind = self.kind.choose(ui, language);
+        if kind != self.kind {
+            self.become_kind(kind, material);
+        }
+        theme::row(ui, language.say("Model file"), "", |ui, _| {
+            if ui.button(language.say("Load…")).clicked() {
+                *answer = Some(Answer::Load);
+            }
+            let model = shown.material.brdf.as_ref();
+            let button = egui::Button::new(language.say("Save…"));
+            if let Some(brdf) = model.filter(|_| ui.add_enabled(model.is_some(), button).clicked())
+            {
+                let saved = file::saved(brdf.description());
+                self.trouble = saved.as_ref().err().cloned();
+                *answer = saved.ok().map(Answer::Save);
+            }
+        });
+        if let Some(trouble) = &self.trouble {
+            theme::problem(ui, trouble);
+        }
+    }
+
+    fn name_field(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
+        theme::row(ui, language.say("Name"), "", |ui, label| {
+            let mut name = self.name.take().unwrap_or_else(|| material.name.clone());
+            let field = TextEdit::singleline(&mut name).desired_width(ui.available_width());
+            let response = ui.add(field).accessible_name(label);
+            if response.has_focus() {
+                self.name = Some(name);
+            } else if response.lost_focus() && !ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+                material.name = name;
+            }
+        });
+    }
+
+    fn become_kind(&mut self, kind: Kind, material: &mut Material) {
+        if let Some(draft) = self.draft.take() {
+            self.left = Some(draft.description);
+        }
+        kind.give(material);
+        if kind == Kind::Model {
+            let matt = Value::from(material.diffuse);
+            let matt = || Description::model("diffuse", [("kd", matt)]);
+            let description = self.left.take().unwrap_or_else(matt);
+            if let Ok(model) = with_description(material, description) {
+                *material = model;
+            }
+        }
+        self.kind = Kind::of(material);
+    }
+
+    fn model(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
+        if let Some(draft) = &mut self.draft {
+            model::description(ui, language, &mut draft.description);
+            if let Some(brdf) = draft.made(ui.ctx()) {
+                *material = file::with_brdf(material, brdf);
+            }
+            draft.say(ui, language);
+        }
+    }
+
+    /// The answer, if the material is another than before.
+    fn changed(&mut self, ui: &Ui, shown: &Shown, material: Material) -> Option<Answer> {
+        let is_busy = self.draft.as_ref().is_some_and(Draft::is_busy);
+        let is_finished = !is_busy && !ui.input(|i| i.pointer.any_down());
+        if !draft::is_same_material(&material, shown.material) {
+            self.is_open = !is_finished;
+            return Some(Answer::Change {
+                material,
+                is_finished,
+            });
+        }
+        if !(self.is_open && is_finished) {
+            return None;
+        }
+        self.is_open = false;
+        Some(Answer::Change {
+            material,
+            is_finished,
+        })
+    }
+
+    fn pictures(&mut self, ui: &mut Ui, language: Language, shown: &Shown) {
+        compare::choose(ui, language, &mut self.compared, shown.others);
+        let other = compare::current(&mut self.compared, shown.others);
+        let first = shown.material;
+        let mut names = vec![compare::name(language, first)];
+        self.sides[0].ask(ui.ctx(), &self.workers, first, shown.light, &self.view);
+        if let Some((name, other)) = other {
+            self.sides[1].ask(ui.ctx(), &self.workers, other, shown.light, &self.view);
+            names.push(name.to_owned());
+        }
+        let count = names.len();
+        plots::show(
+            ui,
+            language,
+            &mut self.view,
+            &mut self.sides[..count],
+            &names,
+        );
+    }
+}

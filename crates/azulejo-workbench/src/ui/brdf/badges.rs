@@ -1,0 +1,151 @@
+//! What a model keeps of what nature does, measured: reciprocity and energy.
+
+use super::optics::Optics;
+use crate::words::Language;
+use azulejo::scene::Rgb;
+use azulejo::scene::brdf::check::{self, ANGLES, AZIMUTH};
+use azulejo::trace::{Cancelled, Progress};
+use eframe::egui;
+use eframe::egui::{Color32, RichText, Ui};
+
+/// Pairs of directions that are exchanged, and how many at a time.
+const PAIRS: u32 = 2_000;
+
+/// Larger relative differences are not rounding.
+const SAME: f64 = 1e-9;
+
+/// What quadrature may leave of an albedo of 1.
+const BRIGHT: f64 = 1.0 + 1e-3;
+
+/// What was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Measures {
+    /// The largest relative difference when light and eye are exchanged.
+    pub exchanged: f64,
+    /// Angles in degrees, each with the share that is reflected by the channel that reflects most.
+    pub albedos: Vec<(f64, f64)>,
+}
+
+impl Measures {
+    /// The most that is reflected, with the angle in degrees.
+    fn most(&self) -> (f64, f64) {
+        let all = self.albedos.iter().map(|&(angle, albedo)| (albedo, angle));
+        all.fold(
+            (0.0, 0.0),
+            |most, found| if found.0 > most.0 { found } else { most },
+        )
+    }
+}
+
+/// Measures a surface.
+pub(super) fn measure(
+    optics: &Optics,
+    progress: &Progress,
+    show: &mut dyn FnMut(Measures),
+) -> Result<(), Cancelled> {
+    let reflector = optics.reflector();
+    let mut exchanged = 0f64;
+    for part in reflector.parts() {
+        progress.advance(1)?;
+        exchanged = exchanged.max(check::reciprocity(part, PAIRS).largest);
+    }
+    let mut albedos = Vec::new();
+    for angle in ANGLES {
+        let wo = check::direction(angle, AZIMUTH);
+        let mut sum = Rgb::BLACK;
+        for part in reflector.parts() {
+            progress.advance(1)?;
+            sum += check::albedo(part, wo);
+        }
+        albedos.push((angle, sum.max_channel()));
+    }
+    show(Measures { exchanged, albedos });
+    Ok(())
+}
+
+/// Shows both badges.
+pub(super) fn badges(ui: &mut Ui, language: Language, measures: &Measures) {
+    reciprocity(ui, language, measures);
+    energy(ui, language, measures);
+}
+
+fn reciprocity(ui: &mut Ui, language: Language, measures: &Measures) {
+    let holds = measures.exchanged <= SAME;
+    let words = match holds {
+        true => language.say("reciprocal"),
+        false => language.say("not reciprocal"),
+    };
+    let about =
+        language.say("Light and eye exchanged, for many pairs of directions: f differs by at most");
+    badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
+}
+
+fn energy(ui: &mut Ui, language: Language, measures: &Measures) {
+    let (most, angle) = measures.most();
+    let holds = most <= BRIGHT;
+    let words = match holds {
+        true => language.say("energy at most"),
+        false => language.say("creates energy:"),
+    };
+    let at = language.say("at");
+    let mut about = language
+        .say("Share of the light that is reflected, by its angle:")
+        .to_owned();
+    for (angle, albedo) in &measures.albedos {
+        about += &format!("\n{angle}°  {albedo:.4}");
+    }
+    badge(ui, holds, &format!("{words} {most:.2} {at} {angle}°")).on_hover_text(about);
+}
+
+/// A mark and words: colour says nothing that they do not.
+fn badge(ui: &mut Ui, holds: bool, words: &str) -> egui::Response {
+    let (mark, fill) = match (holds, ui.visuals().dark_mode) {
+        (true, true) => ("✔", Color32::from_rgb(0, 70, 105)),
+        (true, false) => ("✔", Color32::from_rgb(205, 228, 243)),
+        (false, true) => ("⚠", Color32::from_rgb(120, 60, 0)),
+        (false, false) => ("⚠", Color32::from_rgb(250, 220, 190)),
+    };
+    let frame = egui::Frame::new()
+        .fill(fill)
+        .corner_radius(6)
+        .inner_margin(egui::Margin::symmetric(6, 2));
+    frame
+        .show(ui, |ui| {
+            ui.label(
+                RichText::new(format!("{mark} {words}")).color(ui.visuals().strong_text_color()),
+            )
+        })
+        .inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo::scene::{Brdf, Material};
+    use std::sync::Arc;
+
+    fn measured(text: &str) -> Measures {
+        let brdf = Arc::new(Brdf::new(text.parse().unwrap()).unwrap());
+        let material = Material {
+            brdf: Some(brdf),
+            ..Material::default()
+        };
+        let mut found = None;
+        measure(&Optics::of(&material), &Progress::new(), &mut |m| {
+            found = Some(m)
+        })
+        .unwrap();
+        found.unwrap()
+    }
+
+    #[test]
+    fn measures_tell_models_apart() {
+        let lewis = measured("lewis kd = 0.3 ks = 0.6 n = 20");
+        assert!(
+            lewis.exchanged <= SAME && lewis.most().0 <= BRIGHT,
+            "{lewis:?}"
+        );
+        assert!(measured("phong kd = 0.3 ks = 0.4 n = 10").exchanged > 0.1);
+        assert!(measured("lafortune ks = 0.5 cx = 0.9 cy = 0.8 cz = 0.7 n = 5").exchanged <= SAME);
+    }
+}

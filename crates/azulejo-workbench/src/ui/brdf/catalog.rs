@@ -1,0 +1,269 @@
+//! The models in the order in which people choose, and what becomes of parameters then.
+
+use crate::words::Language;
+use azulejo::scene::brdf::{
+    Description, FRESNEL, Info, MODELS, Model, Parameter, ParameterInfo, Value, WAVELENGTHS, find,
+};
+use azulejo::scene::{Brdf, Rgb};
+
+/// Models that are alike.
+pub(super) struct Group {
+    pub title: fn(Language) -> &'static str,
+    names: &'static [&'static str],
+}
+
+/// All groups; the last takes what is in no other.
+pub(super) const GROUPS: [Group; 6] = [
+    Group {
+        title: |l| l.say("Matt"),
+        names: &["diffuse", "oren_nayar", "eon", "burley_diffuse", "minnaert"],
+    },
+    Group {
+        title: |l| l.say("Smooth"),
+        names: &["specular", "fresnel_conductor", "fresnel_dielectric"],
+    },
+    Group {
+        title: |l| l.say("Cosine lobes"),
+        names: &["phong", "lewis", "blinn", "ashikhmin_shirley", "lafortune"],
+    },
+    Group {
+        title: |l| l.say("Microfacets"),
+        names: &[
+            "ggx_smith",
+            "ggx_ms",
+            "beckmann_smith",
+            "cook_torrance",
+            "torrance_sparrow_gauss",
+            "ward",
+            "ward_duer",
+            "ward_gmd",
+            "beard_maxwell",
+        ],
+    },
+    Group {
+        title: |l| l.say("Waves and cylinders"),
+        names: &["he_torrance", "he_torrance_mirror", "poulin_fournier"],
+    },
+    Group {
+        title: |l| l.say("By impression"),
+        names: &[],
+    },
+];
+
+impl Group {
+    /// Its models.
+    pub fn models(&self) -> impl Iterator<Item = &'static Info> {
+        let is_last = self.names.is_empty();
+        let named = |name: &str| GROUPS.iter().any(|g| g.names.contains(&name));
+        let rest = MODELS
+            .iter()
+            .copied()
+            .filter(move |m| is_last && !named(m.name));
+        self.names
+            .iter()
+            .filter_map(|name| find(name).ok())
+            .chain(rest)
+    }
+}
+
+/// An example of a model; the first always is there.
+pub(super) fn example(info: &Info, k: usize) -> Option<Model> {
+    match info.examples.get(k)?.parse() {
+        Ok(Description::Model(model)) => Some(model),
+        _ => None,
+    }
+}
+
+/// Another model with the parameters of the old one as far as both have them and they make sense;
+/// what else it needs comes from its first example.
+pub(super) fn switched(old: &Model, info: &'static Info) -> Model {
+    let example = example(info, 0).unwrap_or_default();
+    let old_info = find(&old.name).ok();
+    let mut model = example.clone();
+    for parameter in info.all_parameters() {
+        // The same letter may mean something else; the same words do not.
+        let is_same = |p: &ParameterInfo| p.name == parameter.name && p.about == parameter.about;
+        let had = old_info.is_some_and(|i| i.all_parameters().any(|p| is_same(p)));
+        if let (true, Some(value)) = (had, old.value(parameter.name)) {
+            set(&mut model, parameter, Some(value.clone()));
+        }
+    }
+    match Brdf::new(Description::Model(model.clone())) {
+        Ok(_) => model,
+        Err(_) => example,
+    }
+}
+
+/// Gives a parameter a value, or takes it away.
+pub(super) fn set(model: &mut Model, info: &ParameterInfo, value: Option<Value>) {
+    let at = model
+        .parameters
+        .iter()
+        .position(|p| info.is_called(&p.name));
+    match (at, value) {
+        (Some(at), Some(value)) => model.parameters[at].value = value,
+        (Some(at), None) => drop(model.parameters.remove(at)),
+        (None, Some(value)) => model.parameters.push(Parameter {
+            name: info.name.to_owned(),
+            value,
+        }),
+        (None, None) => {}
+    }
+}
+
+/// The value that a parameter has where none is given.
+pub(super) fn fallback(model: &Model, info: &ParameterInfo) -> Value {
+    let exemplary = || {
+        let models = find(&model.name).ok()?;
+        let examples = (0..models.examples.len()).filter_map(|k| example(models, k));
+        examples
+            .into_iter()
+            .find_map(|m| m.value(info.name).cloned())
+    };
+    match (info.name, info.default) {
+        (_, Some(default)) => Value::Number(default),
+        ("lambda", _) => Value::Color(WAVELENGTHS),
+        ("ay", _) => model.value("ax").cloned().unwrap_or(Value::Number(0.2)),
+        _ => exemplary().unwrap_or(Value::Number(info.least.max(info.most.min(0.5)))),
+    }
+}
+
+/// A term of Fresnel's, as a model is told of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Term {
+    /// All light is reflected.
+    None,
+    /// By the name of a metal.
+    Metal,
+    /// By indices of refraction.
+    Index,
+    /// By the reflectance at normal incidence.
+    Schlick,
+    /// The same at all angles.
+    Constant,
+}
+
+impl Term {
+    pub const ALL: [Term; 5] = [
+        Term::None,
+        Term::Metal,
+        Term::Index,
+        Term::Schlick,
+        Term::Constant,
+    ];
+
+    /// The one that a model has.
+    pub fn of(model: &Model) -> Term {
+        let has = |names: &[&str]| names.iter().any(|n| given(model, n).is_some());
+        match () {
+            () if has(&["metal"]) => Term::Metal,
+            () if has(&["eta", "k"]) => Term::Index,
+            () if has(&["f0", "tint"]) => Term::Schlick,
+            () if has(&["F"]) => Term::Constant,
+            () => Term::None,
+        }
+    }
+
+    /// Gives a model this one instead of its own.
+    pub fn choose(self, model: &mut Model) {
+        FRESNEL.iter().for_each(|info| set(model, info, None));
+        let (name, value) = match self {
+            Term::None => return,
+            Term::Metal => ("metal", Value::Word("gold".to_owned())),
+            Term::Index => ("eta", Value::Number(1.5)),
+            Term::Schlick => ("f0", Value::Number(0.04)),
+            Term::Constant => ("F", Value::Number(1.0)),
+        };
+        if let Some(info) = fresnel(name) {
+            set(model, info, Some(value));
+        }
+    }
+}
+
+/// A parameter of Fresnel's terms.
+pub(super) fn fresnel(name: &str) -> Option<&'static ParameterInfo> {
+    FRESNEL.iter().find(|p| p.name == name)
+}
+
+/// The value that a model gives to a parameter of Fresnel's terms.
+fn given<'a>(model: &'a Model, name: &str) -> Option<&'a Value> {
+    let info = fresnel(name)?;
+    let found = model.parameters.iter().find(|p| info.is_called(&p.name));
+    found.map(|p| &p.value)
+}
+
+/// A value as a colour.
+pub(super) fn as_color(value: &Value) -> Rgb {
+    match value {
+        Value::Number(number) => Rgb::grey(*number),
+        Value::Color(color) => *color,
+        Value::Word(_) => Rgb::BLACK,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_model_is_in_one_group() {
+        let mut all: Vec<&str> = GROUPS
+            .iter()
+            .flat_map(|g| g.models().map(|m| m.name))
+            .collect();
+        assert_eq!(all.len(), MODELS.len());
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), MODELS.len());
+    }
+
+    #[test]
+    fn every_model_follows_every_other() {
+        for old in MODELS {
+            for info in MODELS {
+                let model = switched(&example(old, 0).unwrap(), info);
+                let arguments = Brdf::new(Description::Model(model.clone()));
+                assert!(arguments.is_ok(), "{} to {model}: {arguments:?}", old.name);
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_are_kept_where_they_mean_the_same() {
+        let check = |old: &str, name: &str, expected: &str| {
+            let Description::Model(old) = old.parse().unwrap() else {
+                panic!("{old}")
+            };
+            assert_eq!(switched(&old, find(name).unwrap()).to_string(), expected);
+        };
+        check(
+            "blinn kd = (0.1, 0.2, 0.3) ks = 0.5 n = 77",
+            "lewis",
+            "lewis kd = (0.1, 0.2, 0.3) ks = 0.5 n = 77",
+        );
+        check(
+            "ggx_smith ax = 0.3 metal = gold",
+            "beckmann_smith",
+            "beckmann_smith ax = 0.3 ay = 0.4 metal = gold",
+        );
+        // k of Minnaert is no index of refraction.
+        check(
+            "minnaert kd = 0.5 k = 7",
+            "fresnel_conductor",
+            "fresnel_conductor eta = (0.2, 0.42, 1.3) k = (3.1, 2.35, 1.8)",
+        );
+    }
+
+    #[test]
+    fn terms_replace_each_other() {
+        let mut model = example(find("ggx_smith").unwrap(), 0).unwrap();
+        assert_eq!(Term::of(&model), Term::Metal);
+        for term in Term::ALL {
+            term.choose(&mut model);
+            assert_eq!(Term::of(&model), term);
+            assert!(Brdf::new(Description::Model(model.clone())).is_ok());
+        }
+        let gltf = example(find("gltf_mr").unwrap(), 1).unwrap();
+        assert!(!find(&gltf.name).unwrap().has_fresnel);
+    }
+}

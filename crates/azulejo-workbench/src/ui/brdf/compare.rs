@@ -1,0 +1,116 @@
+//! What a material is compared with.
+
+use super::catalog::{GROUPS, example};
+use super::file::with_description;
+use super::theme::row;
+use crate::words::Language;
+use azulejo::scene::Material;
+use azulejo::scene::brdf::{Description, Info, find};
+use eframe::egui::{ComboBox, RichText, Ui};
+use std::sync::Arc;
+
+/// The other side.
+pub(super) struct Compared {
+    name: String,
+    material: Arc<Material>,
+    /// Where it is among the scene's materials, unless it is the example of a model.
+    index: Option<usize>,
+}
+
+/// Lets a person choose.
+pub(super) fn choose(
+    ui: &mut Ui,
+    language: Language,
+    compared: &mut Option<Compared>,
+    others: &[Arc<Material>],
+) {
+    let none = language.say("nothing");
+    let chosen = compared.as_ref().map_or(none, |c| &c.name).to_owned();
+    let about = language.say("Both are shown in the same plots; the second is dashed.");
+    row(ui, language.say("Compare with"), about, |ui, label| {
+        let combo = ComboBox::from_id_salt("compare")
+            .selected_text(&chosen)
+            .width(220.0)
+            .height(420.0)
+            .truncate();
+        let shown = combo.show_ui(ui, |ui| {
+            if ui.selectable_label(compared.is_none(), none).clicked() {
+                *compared = None;
+            }
+            if let Some(new) = entries(ui, language, others) {
+                *compared = Some(new);
+            }
+        });
+        shown.response.accessible_name(label);
+    });
+}
+
+/// Materials of the scene, and the first example of each model.
+fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<Compared> {
+    let mut chosen = None;
+    if !others.is_empty() {
+        ui.label(RichText::new(language.say("Materials of the scene")).strong());
+    }
+    for (index, material) in others.iter().enumerate() {
+        let name = name(language, material);
+        if ui
+            .push_id(index, |ui| ui.selectable_label(false, format!("   {name}")))
+            .inner
+            .clicked()
+        {
+            chosen = Some(Compared {
+                name,
+                material: material.clone(),
+                index: Some(index),
+            });
+        }
+    }
+    for group in &GROUPS {
+        ui.label(RichText::new((group.title)(language)).strong());
+        for info in group.models() {
+            let entry = ui.selectable_label(false, format!("   {}", language.say(info.title)));
+            let about = info.examples.first().copied().unwrap_or_default();
+            if entry.on_hover_text(about).clicked() {
+                chosen = exemplary(language, info);
+            }
+        }
+    }
+    chosen
+}
+
+fn exemplary(language: Language, info: &'static Info) -> Option<Compared> {
+    let description = Description::Model(example(info, 0)?);
+    let material = with_description(&Material::default(), description).ok()?;
+    Some(Compared {
+        name: language.say(info.title).to_owned(),
+        material: Arc::new(material),
+        index: None,
+    })
+}
+
+/// The other side as it is now: a material of the scene may have changed, or gone.
+pub(super) fn current<'a>(
+    compared: &'a mut Option<Compared>,
+    others: &[Arc<Material>],
+) -> Option<(&'a str, &'a Material)> {
+    let compared = compared.as_mut()?;
+    let now = compared.index.and_then(|k| others.get(k));
+    if let Some(now) = now.filter(|m| m.name == compared.material.name) {
+        compared.material = now.clone();
+    }
+    Some((&compared.name, &compared.material))
+}
+
+/// What a material is called: its name, or that of its model.
+pub(super) fn name(language: Language, material: &Material) -> String {
+    if !material.name.is_empty() {
+        return material.name.clone();
+    }
+    match material.brdf.as_ref().map(|brdf| brdf.description()) {
+        Some(Description::Model(model)) => find(&model.name).map_or(model.name.clone(), |info| {
+            language.say(info.title).to_owned()
+        }),
+        Some(Description::File { path, .. }) => path.clone(),
+        _ => language.say("without name").to_owned(),
+    }
+}

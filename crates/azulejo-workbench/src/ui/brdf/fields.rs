@@ -1,0 +1,122 @@
+//! Fields for numbers and colours.
+
+use super::theme::row;
+use azulejo::scene::Rgb;
+use eframe::egui::{DragValue, Slider, SliderClamping, Ui, vec2};
+
+/// Numbers that a field takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span<'a> {
+    /// The least that is possible.
+    pub least: f64,
+    /// The most.
+    pub most: f64,
+    /// Empty for plain numbers.
+    pub unit: &'a str,
+    /// Whether a typed number outside is put back; otherwise it stays, and somebody must say that
+    /// it is impossible.
+    pub is_strict: bool,
+}
+
+/// Shares of light.
+pub(super) const SHARE: Span = Span {
+    least: 0.0,
+    most: 1.0,
+    unit: "",
+    is_strict: true,
+};
+
+impl Span<'_> {
+    /// The same up to another number.
+    pub fn up_to(self, most: f64) -> Self {
+        Span { most, ..self }
+    }
+
+    fn range(&self) -> std::ops::RangeInclusive<f64> {
+        self.least..=self.most
+    }
+
+    /// Whether steps grow with the number.
+    fn is_logarithmic(&self) -> bool {
+        self.most > 20.0 * self.least.abs().max(1.0)
+            || (self.least > 0.0 && self.most > 20.0 * self.least)
+    }
+
+    fn suffix(&self) -> String {
+        match self.unit {
+            "" => String::new(),
+            "degrees" => "°".to_owned(),
+            unit => format!(" {unit}"),
+        }
+    }
+}
+
+/// A slider with a number behind it, called `name`.
+pub(super) fn number(ui: &mut Ui, name: &str, span: Span, value: &mut f64) {
+    let clamping = match span.is_strict {
+        true => SliderClamping::Always,
+        false => SliderClamping::Never,
+    };
+    let slider = Slider::new(value, span.range())
+        .logarithmic(span.is_logarithmic())
+        .smallest_positive(1e-2)
+        .clamping(clamping)
+        .suffix(span.suffix())
+        .max_decimals(6)
+        .update_while_editing(false);
+    ui.add(slider).accessible_name(name);
+}
+
+/// A row of a number.
+pub(super) fn number_row(ui: &mut Ui, name: &str, about: &str, span: Span, value: &mut f64) {
+    row(ui, name, about, |ui, name| number(ui, name, span, value));
+}
+
+/// A button with the colour, and three numbers.
+pub(super) fn color(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
+    if span.least >= 0.0 && span.most <= 1.0 {
+        swatch(ui, name, color);
+    }
+    channels(ui, name, span, color);
+}
+
+/// The colour, which opens a picker.
+pub(super) fn swatch(ui: &mut Ui, name: &str, color: &mut Rgb) {
+    let mut linear = color.to_f32();
+    let button = ui.color_edit_button_rgb(&mut linear).accessible_name(name);
+    if button.changed() {
+        *color = Rgb::from(linear.map(|x| rounded(f64::from(x))));
+    }
+}
+
+/// Pickers know 256 steps; more digits say nothing.
+fn rounded(x: f64) -> f64 {
+    (1e4 * x).round() / 1e4
+}
+
+/// Three numbers.
+fn channels(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
+    for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
+        let value = &mut color[channel];
+        let drag = DragValue::new(value)
+            .speed(0.002 * (span.most - span.least).min(1.0))
+            .max_decimals(4)
+            .prefix(format!("{letter} "))
+            .suffix(span.suffix())
+            .min_size(vec2(58.0, 0.0))
+            .update_while_editing(false);
+        let drag = match span.is_strict {
+            true => drag.range(span.range()),
+            false => drag,
+        };
+        let response = ui.add(drag).accessible_name(format!("{name} {letter}"));
+        if response.dragged() {
+            *value = value.clamp(span.least, span.most);
+        }
+    }
+}
+
+/// A row of a colour.
+pub(super) fn color_row(ui: &mut Ui, name: &str, about: &str, span: Span, value: &mut Rgb) {
+    row(ui, name, about, |ui, name| color(ui, name, span, value));
+}

@@ -1,0 +1,305 @@
+//! The light that the preview sphere stands in.
+
+use azulejo::scene::{Light, LightKind, Material, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// The most lamps that are kept; the others become ambient light.
+const MOST: usize = 6;
+
+/// What shines on the preview sphere: a scene's lights as they are seen from one place, or a
+/// studio. The axis y points up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PreviewLight {
+    /// Lamps, far away.
+    pub lamps: Vec<Lamp>,
+    /// Radiance from everywhere else, W/(sr·m²).
+    pub ambient: Rgb,
+}
+
+/// A lamp far away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lamp {
+    /// Unit vector to it.
+    pub toward: DVec3,
+    /// Irradiance on a surface that faces it, W/m².
+    pub irradiance: Rgb,
+    /// Half the angle under which it is seen, radians; 0 for lights without area.
+    pub half_angle: f64,
+}
+
+impl PreviewLight {
+    /// A large lamp from the left and a dim sky.
+    pub fn studio() -> PreviewLight {
+        PreviewLight {
+            lamps: vec![Lamp {
+                toward: DVec3::new(-0.5, 0.75, 0.6).normalize(),
+                irradiance: Rgb::grey(PI),
+                half_angle: 0.2,
+            }],
+            ambient: Rgb::grey(0.25),
+        }
+    }
+
+    /// The lights of a scene as they are seen from `at`: lights without area, and what shines by
+    /// itself, each object as one lamp. What stands between is not looked at. Goes through all
+    /// faces of the scene once: to be kept as long as the scene stays.
+    pub fn of_scene(scene: &Scene, at: DVec3) -> PreviewLight {
+        let mut light = PreviewLight {
+            lamps: Vec::new(),
+            ambient: Rgb::BLACK,
+        };
+        scene.lights.iter().for_each(|l| light.add(l, at));
+        let emitters = scene.objects.iter().filter_map(|o| emitter(scene, o, at));
+        light.lamps.extend(emitters);
+        light
+            .lamps
+            .retain(|l| l.irradiance.max_channel() > 0.0 && l.toward.is_finite());
+        if scene.units.up == Up::Z {
+            light
+                .lamps
+                .iter_mut()
+                .for_each(|l| l.toward = y_up(l.toward));
+        }
+        light.reduced()
+    }
+
+    fn add(&mut self, light: &Light, at: DVec3) {
+        let (toward, irradiance) = match light.kind {
+            LightKind::Ambient { radiance } => {
+                self.ambient += radiance;
+                return;
+            }
+            LightKind::Directional {
+                direction,
+                irradiance,
+            } => (-direction, irradiance),
+            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+                let toward = (position - at).normalize_or(DVec3::Y);
+                let square = position.distance_squared(at).max(f64::MIN_POSITIVE);
+                (toward, light.kind.intensity_toward(-toward) / square)
+            }
+        };
+        self.lamps.push(Lamp {
+            toward,
+            irradiance,
+            half_angle: 0.0,
+        });
+    }
+
+    /// The brightest lamps; the light of the others comes from everywhere.
+    fn reduced(mut self) -> PreviewLight {
+        let brightness = |l: &Lamp| l.irradiance.luminance();
+        self.lamps
+            .sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
+        let rest = self.lamps.split_off(self.lamps.len().min(MOST));
+        self.ambient += rest.iter().map(|l| l.irradiance).sum::<Rgb>() / (4.0 * PI);
+        self
+    }
+
+    /// Whether there is none.
+    pub fn is_dark(&self) -> bool {
+        !(self.strength() > 0.0)
+    }
+
+    /// Irradiance on a surface that faces all of it, luminance, W/m².
+    pub(super) fn strength(&self) -> f64 {
+        let lamps: Rgb = self.lamps.iter().map(|l| l.irradiance).sum();
+        (lamps + self.ambient * PI).luminance()
+    }
+}
+
+fn y_up(v: DVec3) -> DVec3 {
+    DVec3::new(v.x, v.z, -v.y)
+}
+
+/// Light of an object from one place: area over square of the distance, summed over its parts.
+#[derive(Default)]
+struct Sum {
+    irradiance: Rgb,
+    /// Directions, weighted with solid angles.
+    toward: DVec3,
+    /// Solid angle, sr.
+    angle: f64,
+}
+
+impl Sum {
+    /// Adds an area that is seen under `angle`, sr.
+    fn add(&mut self, toward: DVec3, angle: f64, radiance: Rgb) {
+        self.irradiance += radiance * angle;
+        self.toward += toward * angle;
+        self.angle += angle;
+    }
+
+    fn lamp(self) -> Option<Lamp> {
+        let toward = self.toward.try_normalize()?;
+        let cos = 1.0 - self.angle.min(TAU) / TAU;
+        Some(Lamp {
+            toward,
+            irradiance: self.irradiance,
+            half_angle: cos.acos(),
+        })
+    }
+}
+
+fn emitter(scene: &Scene, object: &Object, at: DVec3) -> Option<Lamp> {
+    let material = |id: u32| scene.materials.get(id as usize).filter(|m| m.is_emitter());
+    let mut sum = Sum::default();
+    match &object.shape {
+        Shape::Mesh(mesh) => {
+            for (face, &id) in mesh.face_materials.iter().enumerate() {
+                let Some(material) = material(id) else {
+                    continue;
+                };
+                let corners = mesh.face_positions(face);
+                let centre = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+                flat(&mut sum, centre - at, mesh.face_area_vector(face), material);
+            }
+        }
+        Shape::Primitive(p) if p.kind == PrimitiveKind::Square => {
+            let place = p.world_from_object;
+            let area = place.matrix3.x_axis.cross(place.matrix3.y_axis);
+            let centre = place.transform_point3(DVec3::new(0.5, 0.5, 0.0));
+            flat(&mut sum, centre - at, area, material(p.material)?);
+        }
+        Shape::Primitive(p) => round(&mut sum, object, at, material(p.material)?),
+        Shape::Exact(exact) => {
+            let leaves = exact.leaves();
+            let shining = leaves.iter().find_map(|l| material(l.material()))?;
+            round(&mut sum, object, at, shining);
+        }
+    }
+    sum.lamp()
+}
+
+/// A flat part, `away` from the place, with its area as the length of its normal.
+fn flat(sum: &mut Sum, away: DVec3, area: DVec3, material: &Material) {
+    let square = away.length_squared().max(area.length() / TAU);
+    let toward = away.normalize_or(DVec3::Y);
+    let facing = -toward.dot(area);
+    if facing > 0.0 || material.emits_back {
+        sum.add(
+            toward,
+            facing.abs() / square.max(f64::MIN_POSITIVE),
+            material.emission,
+        );
+    }
+}
+
+/// A body about as wide as its box.
+fn round(sum: &mut Sum, object: &Object, at: DVec3, material: &Material) {
+    let bounds = object.bounds();
+    let radius = bounds.diagonal() / 12f64.sqrt();
+    let away = bounds.centre() - at;
+    let square = away.length_squared().max(radius * radius);
+    let angle = PI * radius * radius / square.max(f64::MIN_POSITIVE);
+    sum.add(away.normalize_or(DVec3::Y), angle, material.emission);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo::scene::{Mesh, Primitive};
+    use glam::DAffine3;
+
+    fn light(kind: LightKind) -> Light {
+        Light {
+            name: String::new(),
+            kind,
+        }
+    }
+
+    #[test]
+    fn lights_fall_with_the_square_of_the_distance() {
+        let position = DVec3::new(0.0, 2.0, 0.0);
+        let point = LightKind::Point {
+            position,
+            intensity: Rgb::grey(8.0),
+        };
+        let sky = LightKind::Ambient {
+            radiance: Rgb::grey(0.5),
+        };
+        let scene = Scene {
+            lights: vec![light(point), light(sky)],
+            ..Scene::default()
+        };
+        let found = PreviewLight::of_scene(&scene, DVec3::ZERO);
+        let lamp = Lamp {
+            toward: DVec3::Y,
+            irradiance: Rgb::grey(2.0),
+            half_angle: 0.0,
+        };
+        assert_eq!(
+            found,
+            PreviewLight {
+                lamps: vec![lamp],
+                ambient: Rgb::grey(0.5)
+            }
+        );
+        assert!(
+            !found.is_dark() && PreviewLight::of_scene(&Scene::default(), DVec3::ZERO).is_dark()
+        );
+    }
+
+    /// A square of side 1, 10 above the place, facing down, as a primitive or a mesh.
+    fn under(shape: Shape, up: Up) -> PreviewLight {
+        let mut scene = Scene {
+            objects: vec![Object::new("lamp", shape)],
+            ..Scene::default()
+        };
+        scene.units.up = up;
+        scene.add_material(Material::emitter("", Rgb::grey(50.0)));
+        PreviewLight::of_scene(&scene, DVec3::new(0.5, 0.0, 0.5))
+    }
+
+    #[test]
+    fn areas_shine_as_their_solid_angle_says() {
+        let place =
+            DAffine3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y, DVec3::new(0.0, 10.0, 0.0));
+        let square = Primitive {
+            kind: PrimitiveKind::Square,
+            world_from_object: place,
+            material: 0,
+            light: None,
+        };
+        let mut mesh = Mesh::default();
+        mesh.positions = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[x, z]| DVec3::new(x, 10.0, z))
+            .to_vec();
+        mesh.push_face(&[0, 1, 2, 3], 0);
+        for shape in [Shape::Primitive(square), Shape::Mesh(mesh)] {
+            let found = under(shape.clone(), Up::Y);
+            let [lamp] = found.lamps[..] else {
+                panic!("{found:?}")
+            };
+            assert!((lamp.irradiance.r - 0.5).abs() < 1e-3, "{lamp:?}");
+            assert!((lamp.toward - DVec3::Y).length() < 1e-9);
+            // Where z is up, what lies in y is in front.
+            let turned = under(shape, Up::Z).lamps[0].toward;
+            assert!((turned - DVec3::NEG_Z).length() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn what_is_not_kept_as_a_lamp_becomes_ambient() {
+        let sun = |irradiance| {
+            light(LightKind::Directional {
+                direction: DVec3::NEG_Y,
+                irradiance: Rgb::grey(irradiance),
+            })
+        };
+        let lights = (1..=8).map(|k| sun(f64::from(k))).collect();
+        let found = PreviewLight::of_scene(
+            &Scene {
+                lights,
+                ..Scene::default()
+            },
+            DVec3::ZERO,
+        );
+        assert_eq!(
+            (found.lamps.len(), found.lamps[0].irradiance.r),
+            (MOST, 8.0)
+        );
+        assert!((found.ambient.r - 3.0 / (4.0 * PI)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,197 @@
+//! The parameters of one model.
+
+use super::catalog::{self, Term, as_color, fallback, set};
+use super::fields::{Span, color, number};
+use super::theme::row;
+use crate::words::Language;
+use azulejo::scene::brdf::{Info, Kind, METALS, Model, ParameterInfo, Value, find, find_metal};
+use eframe::egui::{ComboBox, Ui};
+
+/// Shows all parameters of a model that is known.
+pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {
+    let Ok(info) = find(&model.name) else {
+        return;
+    };
+    for parameter in info.parameters {
+        ui.push_id(parameter.name, |ui| one(ui, language, model, parameter));
+    }
+    if info.has_fresnel {
+        fresnel(ui, language, info, model);
+    }
+}
+
+/// What a parameter does, in which range.
+fn about(language: Language, info: &ParameterInfo) -> String {
+    let words = language.say(info.about);
+    let (from, to, unit) = (info.least, info.most, language.say(info.unit));
+    match info.kind {
+        Kind::Word => words.to_owned(),
+        _ => format!("{words}\n{from} … {to} {unit}"),
+    }
+}
+
+fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static ParameterInfo) {
+    let given = model.value(info.name).cloned();
+    row(ui, info.name, &about(language, info), |ui, name| {
+        let is_optional = !info.is_needed && info.default.is_none();
+        let mut is_given = given.is_some();
+        if is_optional {
+            let words = language.say("Given; otherwise the model has its own value.");
+            let check = ui.checkbox(&mut is_given, "").on_hover_text(words);
+            check.accessible_name(format!("{name} ?"));
+            if !is_given {
+                ui.weak(language.say("as the model has it"));
+                return set(model, info, None);
+            }
+        }
+        let old = given.clone().unwrap_or_else(|| fallback(model, info));
+        let mut new = old.clone();
+        value(ui, language, name, info, &mut new);
+        // A default that nobody touches is not written.
+        if new != old || (is_optional && given.is_none()) {
+            set(model, info, Some(new));
+        }
+    });
+}
+
+/// The fields of a value.
+fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, value: &mut Value) {
+    let span = Span {
+        least: info.least,
+        most: info.most,
+        unit: language.say(info.unit),
+        is_strict: false,
+    };
+    match (info.kind, &mut *value) {
+        (Kind::Word, Value::Word(word)) => metal(ui, name, word),
+        (Kind::Number, Value::Number(x)) => number(ui, name, span, x),
+        (Kind::Color, _) => shade(ui, language, name, span, value),
+        // Of another kind than the model takes: a fresh value of the right one.
+        (Kind::Word, _) => *value = Value::Word("gold".to_owned()),
+        (Kind::Number, _) => *value = Value::Number(as_color(value).r),
+    }
+}
+
+/// One number for all channels, or three.
+fn shade(ui: &mut Ui, language: Language, name: &str, span: Span, value: &mut Value) {
+    let mut is_color = matches!(value, Value::Color(_));
+    let words = language.say("One number for each of red, green and blue.");
+    let toggle = ui.toggle_value(&mut is_color, "RGB").on_hover_text(words);
+    let toggle = toggle.accessible_name(format!("{name} RGB"));
+    let shown = as_color(value);
+    if toggle.changed() {
+        *value = match is_color {
+            true => Value::Color(shown),
+            false => Value::Number(shown.mean()),
+        };
+        return;
+    }
+    match value {
+        Value::Number(x) => {
+            ui.spacing_mut().slider_width -= 40.0;
+            number(ui, name, span, x);
+        }
+        Value::Color(rgb) => color(ui, name, span, rgb),
+        Value::Word(_) => *value = Value::Number(span.least),
+    }
+}
+
+/// A metal by name.
+fn metal(ui: &mut Ui, name: &str, word: &mut String) {
+    let known = find_metal(word).map_or(&**word, |m| m.name).to_owned();
+    let combo = ComboBox::from_id_salt("metal")
+        .selected_text(&known)
+        .width(140.0);
+    let shown = combo.show_ui(ui, |ui| {
+        for metal in METALS {
+            let entry = ui.selectable_label(metal.name == known, metal.name);
+            if entry.on_hover_text(metal.source).clicked() {
+                metal.name.clone_into(word);
+            }
+        }
+    });
+    shown.response.accessible_name(name);
+}
+
+/// The Fresnel term.
+fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
+    let term = Term::of(model);
+    let about = language.say("How much the smooth boundary of a facet mirrors, by the angle.");
+    let mut chosen = term;
+    row(ui, language.say("Fresnel"), about, |ui, name| {
+        let words = |t| term_words(language, t);
+        let combo = ComboBox::from_id_salt(("fresnel", info.name))
+            .selected_text(words(term))
+            .width(210.0);
+        let shown = combo.show_ui(ui, |ui| {
+            for t in Term::ALL {
+                ui.selectable_value(&mut chosen, t, words(t));
+            }
+        });
+        shown.response.accessible_name(name);
+    });
+    if chosen != term {
+        return chosen.choose(model);
+    }
+    let names: &[&str] = match term {
+        Term::None => &[],
+        Term::Metal => &["metal"],
+        Term::Index => &["eta", "k"],
+        Term::Schlick => &["f0", "tint"],
+        Term::Constant => &["F"],
+    };
+    for info in names.iter().filter_map(|name| catalog::fresnel(name)) {
+        // What stands for a term is needed, the others may be left out.
+        let is_first = names.first() == Some(&info.name);
+        ui.push_id(info.name, |ui| match is_first {
+            true => needed(ui, language, model, info),
+            false => one(ui, language, model, info),
+        });
+    }
+    if term == Term::Index {
+        copied(ui, language, model);
+    }
+}
+
+fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static ParameterInfo) {
+    let old = model
+        .value(info.name)
+        .cloned()
+        .unwrap_or_else(|| fallback(model, info));
+    let mut new = old.clone();
+    row(ui, info.name, &about(language, info), |ui, name| {
+        value(ui, language, name, info, &mut new)
+    });
+    if new != old {
+        set(model, info, Some(new));
+    }
+}
+
+/// The numbers of a metal of the table, to begin with.
+fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
+    row(ui, "", "", |ui, _| {
+        ui.menu_button(language.say("Numbers of a metal"), |ui| {
+            for metal in METALS {
+                let entry = ui.button(metal.name).on_hover_text(metal.source);
+                if entry.clicked() {
+                    for (name, color) in [("eta", metal.eta), ("k", metal.k)] {
+                        if let Some(info) = catalog::fresnel(name) {
+                            set(model, info, Some(Value::Color(color)));
+                        }
+                    }
+                    ui.close();
+                }
+            }
+        });
+    });
+}
+
+fn term_words(language: Language, term: Term) -> &'static str {
+    match term {
+        Term::None => language.say("all light is reflected"),
+        Term::Metal => language.say("a metal by name"),
+        Term::Index => language.say("indices of refraction"),
+        Term::Schlick => language.say("Schlick, from normal incidence"),
+        Term::Constant => language.say("the same at all angles"),
+    }
+}

@@ -1,0 +1,117 @@
+//! All pictures of one surface, or of two beside each other.
+
+use super::badges::badges;
+use super::body;
+use super::curve;
+use super::polar;
+use super::shapes::{Curve, Lobes, largest_albedo_difference, largest_difference};
+use super::side::Side;
+use super::theme::{lines, short};
+use super::view::View;
+use crate::words::Language;
+use eframe::egui;
+use eframe::egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
+
+/// Shows what is known; `names` are those of the sides that are compared.
+pub(super) fn show(
+    ui: &mut Ui,
+    language: Language,
+    view: &mut View,
+    sides: &mut [Side],
+    names: &[String],
+) {
+    for (k, side) in sides.iter_mut().enumerate() {
+        if names.len() > 1 {
+            name(ui, k, &names[k]);
+        }
+        marks(ui, language, side);
+        pictures(ui, language, view, side, k);
+    }
+    ui.add_space(4.0);
+    let lobes: Vec<&Lobes> = sides
+        .iter()
+        .filter_map(|s| s.lobes.found())
+        .map(|f| &f.1)
+        .collect();
+    ui.strong(language.say("Lobes in the plane of incidence"));
+    let slices: Vec<_> = lobes.iter().map(|l| &l.slices[..]).collect();
+    polar::draw(ui, language, view, &slices);
+    view.ui(ui, language);
+    ui.add_space(4.0);
+    ui.strong(language.say("Reflected share against the angle"));
+    let curves: Vec<&Curve> = sides
+        .iter()
+        .filter_map(|s| s.albedo.found())
+        .map(|f| &f.1)
+        .collect();
+    curve::draw(ui, language, &curves);
+    difference(ui, language, &lobes, &curves);
+}
+
+/// A model's name with the line that it has in the plots.
+fn name(ui: &mut Ui, index: usize, name: &str) {
+    ui.horizontal(|ui| {
+        let (place, _) = ui.allocate_exact_size(vec2(30.0, 10.0), Sense::hover());
+        let ends = [place.left_center(), place.right_center()];
+        let color = ui.visuals().strong_text_color();
+        match index {
+            0 => drop(ui.painter().line_segment(ends, Stroke::new(2.0, color))),
+            _ => drop(ui.painter().extend(Shape::dashed_line(
+                &ends,
+                Stroke::new(2.0, color),
+                5.0,
+                3.0,
+            ))),
+        }
+        ui.add(egui::Label::new(egui::RichText::new(name).strong()).truncate());
+    });
+}
+
+/// Badges, and a sign that more is to come.
+fn marks(ui: &mut Ui, language: Language, side: &Side) {
+    ui.horizontal_wrapped(|ui| {
+        if let Some((_, measures)) = side.measures.found() {
+            badges(ui, language, measures);
+        }
+        if side.is_behind() {
+            ui.add(egui::Spinner::new().size(14.0)).on_hover_text(
+                language.say("Being computed; until then the last result is shown."),
+            );
+        }
+        // As high as badges, so that nothing moves when they come.
+        ui.allocate_exact_size(vec2(0.0, 22.0), Sense::hover());
+    });
+}
+
+/// The sphere, and the lobe as a body.
+fn pictures(ui: &mut Ui, language: Language, view: &mut View, side: &mut Side, index: usize) {
+    ui.horizontal(|ui| {
+        let size = (0.4 * ui.available_width()).clamp(80.0, 160.0);
+        side.sphere(ui, language, size);
+        let size = vec2(ui.available_width().max(80.0), size);
+        match side.lobes.found() {
+            Some((_, lobes)) => {
+                let top = body::top(view, &lobes.body).max(f64::MIN_POSITIVE);
+                body::draw(ui, language, view, &lobes.body, top, size, index);
+            }
+            None => drop(ui.allocate_exact_size(size, Sense::hover())),
+        }
+    });
+}
+
+/// How far two models are from each other.
+fn difference(ui: &mut Ui, language: Language, lobes: &[&Lobes], curves: &[&Curve]) {
+    let ([a, b], [c, d]) = (lobes, curves) else {
+        return;
+    };
+    let [lobe, lobe_at] = <[f64; 2]>::from(largest_difference(&a.body, &b.body));
+    let [share, share_at] = <[f64; 2]>::from(largest_albedo_difference(c, d));
+    let at = language.say("at");
+    let (words, reflected, unit) = (
+        language.say("Largest difference:"),
+        language.say("reflected share"),
+        language.say("1/sr"),
+    );
+    let color: Color32 = lines(ui)[1];
+    ui.colored_label(color, format!("{words} f·cos θ {} {unit} {at} {lobe_at:.0}°, {reflected} {share:.3} {at} {share_at:.0}°", short(lobe)));
+}

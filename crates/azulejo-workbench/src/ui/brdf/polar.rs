@@ -1,0 +1,236 @@
+//! Lobes in the plane of incidence.
+
+use super::shapes::Slice;
+use super::theme::{brightness, grid, lines, short};
+use super::view::{Quantity, Scale, View};
+use crate::words::Language;
+use eframe::egui;
+use eframe::egui::{Align2, Color32, Ui};
+use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text};
+
+/// Shares below are not worth a line.
+const SEEN: f64 = 5e-4;
+
+/// Draws the lobes of one model, or of two: the second is dashed.
+pub(super) fn draw(ui: &mut Ui, language: Language, view: &View, models: &[&[Slice]]) {
+    let values = models
+        .iter()
+        .flat_map(|slices| slices.iter().flat_map(|s| drawn(view, s)));
+    let top = values.map(|v| v.1).fold(0.0, f64::max);
+    let dial = Dial {
+        view,
+        top: if top > 0.0 { top } else { 1.0 },
+        grid: grid(ui),
+        ink: ui.visuals().weak_text_color(),
+        colors: lines(ui),
+    };
+    let (name, unit) = (quantity(view), language.say("1/sr"));
+    let height = (0.56 * ui.available_width()).clamp(120.0, 230.0);
+    let plot = Plot::new("polar")
+        .height(height)
+        .data_aspect(1.0)
+        .show_axes(false)
+        .show_grid(false)
+        .show_x(false)
+        .show_y(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .set_margin_fraction(egui::Vec2::ZERO)
+        .include_x(-1.25)
+        .include_x(1.25)
+        .include_y(-0.16)
+        .include_y(1.17)
+        .label_formatter(|at| dial.words(at, name, unit));
+    let shown = plot.show(ui, |plot| {
+        dial.paper(plot);
+        for (slices, is_dashed) in models.iter().zip([false, true]) {
+            for (k, slice) in slices.iter().enumerate().rev() {
+                dial.slice(plot, slice, k, is_dashed);
+            }
+        }
+    });
+    let words = language.say("Lobes in the plane of incidence");
+    let scale = match view.scale {
+        Scale::Linear => language.say("linear"),
+        Scale::Logarithmic => language.say("logarithmic"),
+    };
+    let words = format!("{words}: {name}, {unit}, {scale}");
+    let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, &words);
+    shown.response.widget_info(info);
+}
+
+/// What the radius is.
+pub(super) fn quantity(view: &View) -> &'static str {
+    match view.quantity {
+        Quantity::WithCosine => "f·cos θ",
+        Quantity::Alone => "f",
+    }
+}
+
+/// Angles with the values that are drawn there.
+fn drawn(view: &View, slice: &Slice) -> impl Iterator<Item = (f64, f64)> {
+    let value = |&(angle, f): &(f64, _)| {
+        let cos = angle.to_radians().cos();
+        (angle, view.value(brightness(f), cos))
+    };
+    slice.points.iter().map(value)
+}
+
+/// The half circle, and what its radius means.
+struct Dial<'a> {
+    view: &'a View,
+    /// The value at the radius.
+    top: f64,
+    grid: Color32,
+    ink: Color32,
+    colors: [Color32; 5],
+}
+
+/// A place at an angle to the normal in degrees, at a share of the radius.
+fn at(degrees: f64, share: f64) -> [f64; 2] {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    [share * sin, share * cos]
+}
+
+impl Dial<'_> {
+    fn line(&self, plot: &mut PlotUi, points: Vec<[f64; 2]>, color: Color32) {
+        let line = Line::new("", PlotPoints::from(points))
+            .color(color)
+            .width(1.0);
+        plot.line(line.allow_hover(false));
+    }
+
+    fn text(
+        &self,
+        plot: &mut PlotUi,
+        place: [f64; 2],
+        words: &str,
+        color: Color32,
+        anchor: Align2,
+    ) {
+        let text = egui::RichText::new(words).size(10.0);
+        let place = PlotPoint::new(place[0], place[1]);
+        plot.text(
+            Text::new("", place, text)
+                .color(color)
+                .anchor(anchor)
+                .allow_hover(false),
+        );
+    }
+
+    /// Spokes, rings with their values, and the surface.
+    fn paper(&self, plot: &mut PlotUi) {
+        for k in -2..=2 {
+            self.line(
+                plot,
+                vec![[0.0, 0.0], at(30.0 * f64::from(k), 1.0)],
+                self.grid,
+            );
+        }
+        for value in self.view.rings(self.top) {
+            let share = self.view.share(value, self.top);
+            let arc = (-45..=45).map(|k| at(2.0 * f64::from(k), share)).collect();
+            self.line(plot, arc, self.grid);
+            self.text(
+                plot,
+                [share, -0.02],
+                &short(value),
+                self.ink,
+                Align2::CENTER_TOP,
+            );
+        }
+        self.line(plot, vec![[-1.05, 0.0], [1.05, 0.0]], self.ink);
+    }
+
+    /// One lobe, with where its light comes from.
+    fn slice(&self, plot: &mut PlotUi, slice: &Slice, k: usize, is_dashed: bool) {
+        let color = self.colors[k % self.colors.len()];
+        let style = match is_dashed {
+            true => LineStyle::dashed_dense(),
+            false => LineStyle::Solid,
+        };
+        let place = |(angle, value)| at(angle, self.view.share(value, self.top));
+        let ends = std::iter::once([0.0; 2]);
+        let points = ends
+            .clone()
+            .chain(drawn(self.view, slice).map(place))
+            .chain(ends);
+        let width = if k == 0 { 2.4 } else { 1.2 };
+        let name = format!("{}°", short(slice.incidence));
+        let line = Line::new(&name, PlotPoints::from(points.collect::<Vec<_>>()));
+        plot.line(
+            line.id((k, is_dashed))
+                .color(color)
+                .width(width)
+                .style(style),
+        );
+        let mirrored = brightness(slice.mirrored);
+        if mirrored > SEEN {
+            let points = PlotPoints::from(vec![[0.0; 2], at(slice.incidence, 1.0)]);
+            let style = LineStyle::Dotted {
+                spacing: if is_dashed { 9.0 } else { 5.0 },
+            };
+            plot.line(
+                Line::new("", points)
+                    .color(color)
+                    .width(1.6)
+                    .style(style)
+                    .allow_hover(false),
+            );
+        }
+        if !is_dashed {
+            self.light(plot, slice.incidence, &name, color, width);
+            if mirrored > SEEN {
+                let words = format!("{:.1} %", 100.0 * mirrored);
+                self.text(
+                    plot,
+                    at(slice.incidence, 1.03),
+                    &words,
+                    color,
+                    Align2::LEFT_BOTTOM,
+                );
+            }
+        }
+    }
+
+    /// Where light comes from, and its angle.
+    fn light(&self, plot: &mut PlotUi, incidence: f64, name: &str, color: Color32, width: f32) {
+        let points = PlotPoints::from(vec![at(-incidence, 1.02), at(-incidence, 1.09)]);
+        plot.line(
+            Line::new("", points)
+                .color(color)
+                .width(width)
+                .allow_hover(false),
+        );
+        let anchor = if incidence < 10.0 {
+            Align2::CENTER_BOTTOM
+        } else {
+            Align2::RIGHT_BOTTOM
+        };
+        self.text(plot, at(-incidence, 1.09), name, color, anchor);
+    }
+
+    /// What is at the pointer.
+    fn words(&self, position: &HoverPosition, quantity: &str, unit: &str) -> Option<String> {
+        let HoverPosition::NearDataPoint {
+            plot_name,
+            position,
+            ..
+        } = position
+        else {
+            return None;
+        };
+        let share = position.x.hypot(position.y);
+        let angle = position.x.atan2(position.y).to_degrees();
+        let value = self.view.unshare(share, self.top);
+        (!plot_name.is_empty()).then(|| {
+            format!(
+                "{plot_name} → {angle:.0}°\n{quantity} = {} {unit}",
+                short(value)
+            )
+        })
+    }
+}

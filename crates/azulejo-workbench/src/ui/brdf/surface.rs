@@ -1,0 +1,252 @@
+//! What kind of surface a material is, and the numbers of each kind.
+
+use super::fields::{SHARE, Span, color_row, number_row};
+use super::theme::row;
+use crate::words::Language;
+use azulejo::scene::{Dielectric, Material, Rgb};
+use eframe::egui::{ComboBox, DragValue, Ui};
+
+/// Kinds of surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Matt,
+    Mirror,
+    MattAndMirror,
+    Glass,
+    Model,
+}
+
+impl Kind {
+    const ALL: [Kind; 5] = [
+        Kind::Matt,
+        Kind::Mirror,
+        Kind::MattAndMirror,
+        Kind::Glass,
+        Kind::Model,
+    ];
+
+    /// What a material is.
+    pub fn of(material: &Material) -> Kind {
+        match (&material.dielectric, &material.brdf) {
+            (Some(_), _) => Kind::Glass,
+            (None, Some(_)) => Kind::Model,
+            _ if material.mirror.is_black() => Kind::Matt,
+            _ if material.diffuse.is_black() => Kind::Mirror,
+            _ => Kind::MattAndMirror,
+        }
+    }
+
+    /// Whether a material may be shown as this kind: a black one is a dark mirror as well as a
+    /// dark wall, and its fields must not change while a person drags them to zero.
+    pub fn suits(self, material: &Material) -> bool {
+        let plain = material.dielectric.is_none() && material.brdf.is_none();
+        match self {
+            Kind::Matt => plain && material.mirror.is_black(),
+            Kind::Mirror => plain && material.diffuse.is_black(),
+            Kind::MattAndMirror => plain,
+            Kind::Glass | Kind::Model => Kind::of(material) == self,
+        }
+    }
+
+    fn words(self, language: Language) -> &'static str {
+        match self {
+            Kind::Matt => language.say("Matt surface"),
+            Kind::Mirror => language.say("Mirror"),
+            Kind::MattAndMirror => language.say("Matt and mirror"),
+            Kind::Glass => language.say("Glass"),
+            Kind::Model => language.say("Reflection model"),
+        }
+    }
+
+    /// Makes a material this kind, as much like what it was as can be; a model is left to the
+    /// caller.
+    pub fn give(self, material: &mut Material) {
+        let color = |c: Rgb, other: f64| if c.is_black() { Rgb::grey(other) } else { c };
+        let (diffuse, mirror) = (material.diffuse, material.mirror);
+        (material.dielectric, material.brdf) = (None, None);
+        (material.diffuse, material.mirror) = match self {
+            Kind::Matt | Kind::Model => (color(diffuse, 0.5), Rgb::BLACK),
+            Kind::Mirror => (Rgb::BLACK, color(mirror, 0.9)),
+            Kind::MattAndMirror => (color(diffuse, 0.5) * 0.9, color(mirror, 1.0) * 0.1),
+            Kind::Glass => (Rgb::BLACK, Rgb::WHITE),
+        };
+        if self == Kind::Glass {
+            material.dielectric = Some(Dielectric {
+                ior: 1.5,
+                transmittance: Rgb::WHITE,
+                thin: false,
+            });
+        }
+        // Halves that together reflect too much are what a model may leave.
+        material.limit_reflectance();
+    }
+
+    /// Lets a person choose another.
+    pub fn choose(self, ui: &mut Ui, language: Language) -> Kind {
+        let mut chosen = self;
+        row(
+            ui,
+            language.say("Surface"),
+            language.say("What happens to light that arrives."),
+            |ui, name| {
+                let combo = ComboBox::from_id_salt("kind")
+                    .selected_text(self.words(language))
+                    .width(170.0);
+                let shown = combo.show_ui(ui, |ui| {
+                    for kind in Kind::ALL {
+                        ui.selectable_value(&mut chosen, kind, kind.words(language));
+                    }
+                });
+                shown.response.accessible_name(name);
+            },
+        );
+        chosen
+    }
+}
+
+/// The numbers of what is no model.
+pub(super) fn fields(ui: &mut Ui, language: Language, kind: Kind, material: &mut Material) {
+    let room = |other: Rgb| 1.0 - other.max_channel();
+    if matches!(kind, Kind::Matt | Kind::MattAndMirror) {
+        let about = language.say("Share of light that is reflected in all directions alike; with what is mirrored at most 1.");
+        let span = SHARE.up_to(room(material.mirror));
+        color_row(
+            ui,
+            language.say("Diffuse"),
+            about,
+            span,
+            &mut material.diffuse,
+        );
+    }
+    if matches!(kind, Kind::Mirror | Kind::MattAndMirror) {
+        let about = language
+            .say("Share of light that is mirrored exactly; with what is diffuse at most 1.");
+        let span = SHARE.up_to(room(material.diffuse));
+        color_row(
+            ui,
+            language.say("Mirrored"),
+            about,
+            span,
+            &mut material.mirror,
+        );
+    }
+    if let Some(glass) = &mut material.dielectric {
+        glass_fields(ui, language, glass, &mut material.mirror);
+    }
+    if kind != Kind::Model {
+        material.diffuse = material.diffuse.map(|x| x.clamp(0.0, 1.0));
+        material.mirror = material.mirror.map(|x| x.clamp(0.0, 1.0));
+    }
+}
+
+fn glass_fields(ui: &mut Ui, language: Language, glass: &mut Dielectric, mirror: &mut Rgb) {
+    let about = language.say("Index of refraction of the body relative to what is outside: water 1.33, glass 1.5, diamond 2.4.");
+    let span = Span {
+        least: 0.3,
+        most: 4.0,
+        ..SHARE
+    };
+    number_row(ui, language.say("Refraction"), about, span, &mut glass.ior);
+    let about = language.say("Scales the light that passes; white for clear glass.");
+    color_row(
+        ui,
+        language.say("Passes"),
+        about,
+        SHARE,
+        &mut glass.transmittance,
+    );
+    let about = language.say("Scales the light that is mirrored; white by Fresnel's equations.");
+    color_row(ui, language.say("Mirrored"), about, SHARE, mirror);
+    let about = language.say("A whole pane, both surfaces of it in one face.");
+    row(ui, "", "", |ui, _| {
+        ui.checkbox(&mut glass.thin, language.say("thin pane"))
+            .on_hover_text(about)
+    });
+}
+
+/// What a surface emits: a strength and a colour; `last` is the colour while the strength is zero.
+pub(super) fn emission(
+    ui: &mut Ui,
+    language: Language,
+    is_photometric: bool,
+    material: &mut Material,
+    last: &mut Rgb,
+) {
+    let mut strength = material.emission.max_channel();
+    if strength > 0.0 {
+        *last = material.emission / strength;
+    }
+    let old = (strength, *last);
+    let mut shade = *last;
+    let unit = match is_photometric {
+        true => " cd/m²",
+        false => " W/(sr·m²)",
+    };
+    let about =
+        language.say("Radiance of the front, of the channel that is brightest; 0 for no light.");
+    row(ui, language.say("Emission"), about, |ui, name| {
+        let speed = (0.01 * strength).max(0.01);
+        let drag = DragValue::new(&mut strength)
+            .range(0.0..=1e12)
+            .speed(speed)
+            .max_decimals(4)
+            .suffix(unit)
+            .update_while_editing(false);
+        ui.add(drag).accessible_name(name);
+        if strength > 0.0 {
+            ui.checkbox(&mut material.emits_back, language.say("from both sides"));
+        }
+    });
+    if strength > 0.0 {
+        let about = language.say("Colour of the light that is emitted.");
+        color_row(ui, language.say("Its colour"), about, SHARE, &mut shade);
+    }
+    if (strength, shade) == old {
+        return;
+    }
+    if shade.is_black() {
+        shade = Rgb::WHITE;
+    }
+    *last = shade / shade.max_channel();
+    material.emission = *last * strength;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo::scene::Brdf;
+    use std::sync::Arc;
+
+    #[test]
+    fn every_kind_becomes_every_other() {
+        let brdf = Brdf::new(
+            "gltf_mr base = 1 metallic = 0.5 roughness = 1"
+                .parse()
+                .unwrap(),
+        )
+        .unwrap();
+        let model = Material::with_brdf("", Arc::new(brdf));
+        let start = [
+            Material::default(),
+            Material::mirror("", Rgb::WHITE),
+            Material::pane("", 1.5),
+            model,
+        ];
+        for material in start {
+            for kind in [Kind::Matt, Kind::Mirror, Kind::MattAndMirror, Kind::Glass] {
+                let mut material = material.clone();
+                kind.give(&mut material);
+                assert_eq!(Kind::of(&material), kind);
+                assert!(kind.suits(&material));
+                assert!(material.limit_reflectance(), "{kind:?} of {material:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_dark_mirror_stays_one() {
+        let black = Material::default();
+        assert!(Kind::Mirror.suits(&black) && Kind::Matt.suits(&black));
+        assert!(!Kind::Mirror.suits(&Material::diffuse("", Rgb::WHITE)));
+    }
+}

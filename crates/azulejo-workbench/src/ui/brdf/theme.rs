@@ -1,0 +1,119 @@
+//! Colours and rows that all parts of the editor share.
+
+use azulejo::scene::Rgb;
+use eframe::egui;
+use eframe::egui::{Align, Color32, Layout, RichText, Ui, vec2};
+
+/// Width of the names before the fields.
+const NAMES: f32 = 84.0;
+
+/// Colours that people with any colour vision tell apart (Okabe and Ito 2008), as dark as the
+/// paper allows.
+pub(super) fn lines(ui: &Ui) -> [Color32; 5] {
+    let rgb = |[r, g, b]: [u8; 3]| Color32::from_rgb(r, g, b);
+    match ui.visuals().dark_mode {
+        true => [
+            [86, 180, 233],
+            [230, 159, 0],
+            [0, 178, 130],
+            [219, 141, 182],
+            [240, 228, 66],
+        ],
+        false => [
+            [0, 114, 178],
+            [213, 94, 0],
+            [0, 138, 100],
+            [187, 90, 145],
+            [176, 117, 0],
+        ],
+    }
+    .map(rgb)
+}
+
+/// Lines of red, green and blue; they are also drawn in different ways.
+pub(super) fn channels(ui: &Ui) -> [Color32; 3] {
+    let [blue, orange, green, ..] = lines(ui);
+    [orange, green, blue]
+}
+
+/// Lines of a plot that are not its subject.
+pub(super) fn grid(ui: &Ui) -> Color32 {
+    ui.visuals().weak_text_color().gamma_multiply(0.45)
+}
+
+/// What is drawn of a colour.
+pub(super) fn brightness(value: Rgb) -> f64 {
+    value.luminance()
+}
+
+/// A number of three digits for an axis.
+pub(super) fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        x if !(1e-3..1e5).contains(&x) => format!("{value:.0e}"),
+        x => {
+            let digits = (2 - x.log10().floor() as i32).clamp(0, 5) as usize;
+            let text = format!("{value:.digits$}");
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+                false => text,
+            }
+        }
+    }
+}
+
+/// A name with words about it, and its fields behind; they get the name for those who cannot see
+/// it beside them.
+pub(super) fn row<R>(
+    ui: &mut Ui,
+    name: &str,
+    about: &str,
+    fields: impl FnOnce(&mut Ui, &str) -> R,
+) -> R {
+    ui.horizontal(|ui| {
+        let size = vec2(NAMES, ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(NAMES);
+            let label = ui.add(egui::Label::new(name).truncate());
+            if !about.is_empty() {
+                label.on_hover_text(about);
+            }
+        });
+        ui.spacing_mut().slider_width = (ui.available_width() - 80.0).clamp(60.0, 260.0);
+        fields(ui, name)
+    })
+    .inner
+}
+
+/// What is wrong, in words with a mark.
+pub(super) fn problem(ui: &mut Ui, words: &str) {
+    let color = ui.visuals().error_fg_color;
+    ui.add(egui::Label::new(RichText::new(format!("⚠ {words}")).color(color)).wrap());
+}
+
+/// What should be known, in words with a mark.
+pub(super) fn notice(ui: &mut Ui, words: &str) {
+    let color = ui.visuals().warn_fg_color;
+    ui.add(egui::Label::new(RichText::new(format!("ℹ {words}")).color(color)).wrap());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (0.5, "0.5"),
+            (12.34, "12.3"),
+            (1234.0, "1234"),
+            (0.01, "0.01"),
+            (1e-4, "1e-4"),
+            (100.0, "100"),
+            (2e5, "2e5"),
+        ] {
+            assert_eq!(short(value), expected);
+        }
+    }
+}
