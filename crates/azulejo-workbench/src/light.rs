@@ -171,7 +171,9 @@ pub fn seen_from(
     let Ok(factors) = plan.row(picked, progress) else {
         return Ok(None);
     };
-    Ok(Some(SeenFromPatch::new(place.item, &plan, picked, &factors)))
+    Ok(Some(SeenFromPatch::new(
+        place.item, &plan, picked, &factors,
+    )))
 }
 
 impl SeenFromPatch {

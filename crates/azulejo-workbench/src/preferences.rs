@@ -1,6 +1,6 @@
 //! What a person chose once, kept between sessions.
 
-use crate::gpu::ColorMap;
+use crate::view::ColorMap;
 use crate::words::Language;
 use azulejo::output::Output;
 use azulejo::trace::Progress;

@@ -1,10 +1,106 @@
 //! How the model is looked at: nothing here changes it.
 
-use crate::gpu::{ColorMap, Fit, Shading};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, Image, Rgb, Up};
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// What the viewport shows of surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shading {
+    /// Vertices.
+    Points,
+    /// Edges.
+    Lines,
+    /// Edges that no surface covers.
+    HiddenLines,
+    /// One shade a face.
+    Flat,
+    /// Shades that run over edges.
+    #[default]
+    Gouraud,
+    /// With pictures on surfaces.
+    Textured,
+    /// The light that was solved.
+    Irradiance,
+    /// Irradiance by a colour map.
+    FalseColor,
+    /// The patches that the solver divided surfaces into.
+    Patches,
+    /// What a picked patch sees.
+    FormFactors,
+    /// Directions of surfaces, and their backs.
+    Normals,
+}
+
+impl Shading {
+    /// All of them, in the order of menus.
+    pub const ALL: [Shading; 11] = [
+        Shading::Points,
+        Shading::Lines,
+        Shading::HiddenLines,
+        Shading::Flat,
+        Shading::Gouraud,
+        Shading::Textured,
+        Shading::Irradiance,
+        Shading::FalseColor,
+        Shading::Patches,
+        Shading::FormFactors,
+        Shading::Normals,
+    ];
+
+    /// Its name in scripts.
+    pub fn word(self) -> &'static str {
+        match self {
+            Shading::Points => "points",
+            Shading::Lines => "lines",
+            Shading::HiddenLines => "hidden-lines",
+            Shading::Flat => "flat",
+            Shading::Gouraud => "gouraud",
+            Shading::Textured => "textured",
+            Shading::Irradiance => "irradiance",
+            Shading::FalseColor => "false-color",
+            Shading::Patches => "patches",
+            Shading::FormFactors => "form-factors",
+            Shading::Normals => "normals",
+        }
+    }
+
+    /// Whether it shows what was solved.
+    pub fn shows_light(self) -> bool {
+        matches!(
+            self,
+            Shading::Irradiance | Shading::FalseColor | Shading::Patches
+        )
+    }
+}
+
+/// A colour map that reads the same to the colour-blind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ColorMap {
+    /// Blue, green, yellow.
+    #[default]
+    Viridis,
+    /// Blue to yellow, made for all kinds of colour vision.
+    Cividis,
+    /// Black, purple, white.
+    Magma,
+    /// Black to white.
+    Grey,
+}
+
+impl ColorMap {
+    /// All of them.
+    pub const ALL: [ColorMap; 4] = [
+        ColorMap::Viridis,
+        ColorMap::Cividis,
+        ColorMap::Magma,
+        ColorMap::Grey,
+    ];
+}
 
 /// How values become colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +136,18 @@ pub enum Backdrop {
     Color([u8; 3]),
     /// A picture.
     Image(Arc<Image>, Fit),
+}
+
+/// How a picture fills the background.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fit {
+    /// As large as the viewport.
+    #[default]
+    Scaled,
+    /// In the middle, in its own size.
+    Centered,
+    /// Again and again.
+    Tiled,
 }
 
 /// The 16 colours of the first personal computers, by name, sRGB.

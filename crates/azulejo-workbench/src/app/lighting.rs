@@ -170,14 +170,18 @@ impl App {
         self.jobs.cancel_kind(Kind::FormFactors);
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        self.jobs.start(Kind::FormFactors, "form factors", move |progress, outbox| {
-            let seen = on_own_threads(threads, || {
-                seen_from(&document, &settings, &place, progress)
-            })?;
-            if let Some(seen) = seen {
-                outbox.send(Found::FormFactors(Box::new(seen)));
-            }
-            Ok(())
-        });
+        self.jobs.start(
+            Kind::FormFactors,
+            "form factors",
+            move |progress, outbox| {
+                let seen = on_own_threads(threads, || {
+                    seen_from(&document, &settings, &place, progress)
+                })?;
+                if let Some(seen) = seen {
+                    outbox.send(Found::FormFactors(Box::new(seen)));
+                }
+                Ok(())
+            },
+        );
     }
 }

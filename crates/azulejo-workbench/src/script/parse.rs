@@ -1,8 +1,7 @@
 //! Lines to steps.
 
-use crate::gpu::Shading;
 use crate::ui::Tab;
-use crate::view::Side;
+use crate::view::{Shading, Side};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -36,7 +35,7 @@ pub enum Step {
     MaterialColor(DVec3),
     /// `material emit R G B`: emission for the selected material, W/(sr·m²) or cd/m².
     MaterialEmit(DVec3),
-    /// `shading NAME`, as `irradiance` or `false_color`.
+    /// `shading NAME`, as `irradiance` or `false-color`.
     Shading(Shading),
     /// `view front`, `back`, `left`, `right`, `top`, `bottom`, `corner`, `all`.
     View(Option<Side>),
@@ -134,9 +133,29 @@ fn step(line: &str) -> Result<Step, String> {
 }
 
 const STEPS: [&str; 23] = [
-    "size", "open", "add", "action", "select", "rename", "move", "scale", "turn", "material",
-    "shading", "view", "camera", "tab", "patches", "solve", "picture", "save", "export",
-    "save-picture", "screenshot", "wait", "quit",
+    "size",
+    "open",
+    "add",
+    "action",
+    "select",
+    "rename",
+    "move",
+    "scale",
+    "turn",
+    "material",
+    "shading",
+    "view",
+    "camera",
+    "tab",
+    "patches",
+    "solve",
+    "picture",
+    "save",
+    "export",
+    "save-picture",
+    "screenshot",
+    "wait",
+    "quit",
 ];
 
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
@@ -177,7 +196,10 @@ fn action(name: &str) -> Result<String, String> {
         true => Ok(name.to_owned()),
         false => {
             let all: Vec<&str> = known.collect();
-            Err(format!("no action \"{name}\", expected one of {}", all.join(", ")))
+            Err(format!(
+                "no action \"{name}\", expected one of {}",
+                all.join(", ")
+            ))
         }
     }
 }
@@ -195,23 +217,10 @@ fn material(text: &str) -> Result<Step, String> {
     }
 }
 
-/// The word of a shading, in scripts and in preferences.
-pub fn shading_word(shading: Shading) -> String {
-    // Derived from the name: one place less to forget.
-    let mut word = String::new();
-    for c in format!("{shading:?}").chars() {
-        if c.is_ascii_uppercase() && !word.is_empty() {
-            word.push('_');
-        }
-        word.push(c.to_ascii_lowercase());
-    }
-    word
-}
-
 fn shading(text: &str) -> Result<Shading, String> {
-    let found = Shading::ALL.into_iter().find(|s| shading_word(*s) == text);
+    let found = Shading::ALL.into_iter().find(|s| s.word() == text);
     found.ok_or_else(|| {
-        let all: Vec<String> = Shading::ALL.into_iter().map(shading_word).collect();
+        let all: Vec<&str> = Shading::ALL.into_iter().map(Shading::word).collect();
         format!("no shading \"{text}\", expected one of {}", all.join(", "))
     })
 }
@@ -248,7 +257,7 @@ mod tests {
     #[test]
     fn scripts_are_read() {
         let text = "# a remark\n\nopen a b.3ds\naction Area light\nsolve 5%\nmove 1 -2 0.5\n\
-                    material brdf ward_duer ks=0.3\nshading false_color\ntab light\nwait\nquit";
+                    material brdf ward_duer ks=0.3\nshading false-color\ntab light\nwait\nquit";
         let steps = parse(text, "s.txt").unwrap();
         let expected = [
             Step::Open("a b.3ds".into()),

@@ -4,8 +4,7 @@ use crate::app::App;
 use crate::command::{Ask, Command, Selection};
 use crate::document::{Edit, NewKind, NewLight, NewLightKind, NewShape};
 use crate::jobs::Kind;
-use crate::gpu::Shading;
-use crate::view::Side;
+use crate::view::{Shading, Side};
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 /// A wish with a name, perhaps a key, and a time when it makes sense.

@@ -5,7 +5,7 @@ use super::desk::Desk;
 use crate::app::Question;
 use crate::command::{Ask, Command};
 use crate::preferences::{Preferences, Theme};
-use crate::gpu::ColorMap;
+use crate::view::ColorMap;
 use crate::words::Language;
 use egui::{DragValue, Grid, Id, Modal, Slider, Ui};
 use egui_file::{FileDialog, State};
@@ -257,10 +257,12 @@ impl Dialogs {
         let modal = Modal::new(Id::unique("keys")).show(ui.ctx(), |ui| {
             ui.set_width(640.0);
             ui.heading(desk.say("Keys and mouse"));
-            egui::ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
-                mouse_help(ui, desk);
-                key_help(ui, desk);
-            });
+            egui::ScrollArea::vertical()
+                .max_height(460.0)
+                .show(ui, |ui| {
+                    mouse_help(ui, desk);
+                    key_help(ui, desk);
+                });
             is_done = ui.button(desk.say("Close")).clicked();
         });
         self.keys = !(is_done || modal.should_close());
@@ -493,7 +495,9 @@ fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
         });
     ui.end_row();
     let label = ui.label(say("Copy for recovery after"));
-    let drag = DragValue::new(&mut new.autosave).range(0..=3_600).suffix(" s");
+    let drag = DragValue::new(&mut new.autosave)
+        .range(0..=3_600)
+        .suffix(" s");
     ui.add(drag)
         .on_hover_text(say("0 s: never"))
         .labelled_by(label.id);
@@ -522,22 +526,43 @@ pub fn map_name(map: ColorMap, desk: &Desk) -> &'static str {
 
 fn mouse_help(ui: &mut Ui, desk: &Desk) {
     let rows = [
-        (desk.say("Drag"), desk.say("turn around the middle of the view")),
-        (desk.say("Right or middle drag, or Shift and drag"), desk.say("shift the view")),
-        (desk.say("Wheel, or Ctrl and drag"), desk.say("nearer and further")),
-        (desk.say("Click"), desk.say("select an object; with Ctrl, one more; with Alt, a face")),
+        (
+            desk.say("Drag"),
+            desk.say("turn around the middle of the view"),
+        ),
+        (
+            desk.say("Right or middle drag, or Shift and drag"),
+            desk.say("shift the view"),
+        ),
+        (
+            desk.say("Wheel, or Ctrl and drag"),
+            desk.say("nearer and further"),
+        ),
+        (
+            desk.say("Click"),
+            desk.say("select an object; with Ctrl, one more; with Alt, a face"),
+        ),
         (desk.say("Double click"), desk.say("look at the object")),
-        (desk.say("W A S D, R F"), desk.say("fly forward, left, back, right, up, down")),
+        (
+            desk.say("W A S D, R F"),
+            desk.say("fly forward, left, back, right, up, down"),
+        ),
         (desk.say("Arrows"), desk.say("turn the head")),
-        (desk.say("Drag an arrow of the selection"), desk.say("move it along the axis")),
+        (
+            desk.say("Drag an arrow of the selection"),
+            desk.say("move it along the axis"),
+        ),
     ];
-    Grid::new("mouse").num_columns(2).striped(true).show(ui, |ui| {
-        for (what, does) in rows {
-            ui.strong(what);
-            ui.label(does);
-            ui.end_row();
-        }
-    });
+    Grid::new("mouse")
+        .num_columns(2)
+        .striped(true)
+        .show(ui, |ui| {
+            for (what, does) in rows {
+                ui.strong(what);
+                ui.label(does);
+                ui.end_row();
+            }
+        });
 }
 
 fn key_help(ui: &mut Ui, desk: &Desk) {

@@ -21,12 +21,19 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
         });
     Grid::new("solver").num_columns(2).show(ui, |ui| {
         let label = ui.label(desk.say("Patches"));
-        ui.add(DragValue::new(&mut new.patches).range(1..=10_000_000).speed(50))
-            .labelled_by(label.id);
+        ui.add(
+            DragValue::new(&mut new.patches)
+                .range(1..=10_000_000)
+                .speed(50),
+        )
+        .labelled_by(label.id);
         ui.end_row();
         let label = ui.label(desk.say("Error aimed at"));
         let mut percent = 100.0 * new.error;
-        let drag = DragValue::new(&mut percent).range(0.1..=100.0).speed(0.1).suffix(" %");
+        let drag = DragValue::new(&mut percent)
+            .range(0.1..=100.0)
+            .speed(0.1)
+            .suffix(" %");
         if ui.add(drag).labelled_by(label.id).changed() {
             new.error = percent / 100.0;
         }

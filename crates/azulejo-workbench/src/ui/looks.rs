@@ -4,8 +4,7 @@ use super::desk::Desk;
 use super::dialogs::map_name;
 use crate::command::{Ask, Command};
 use crate::document::Edit;
-use crate::gpu::{ColorMap, Fit};
-use crate::view::{Backdrop, COLORS, View, linear};
+use crate::view::{Backdrop, COLORS, ColorMap, Fit, View, linear};
 use azulejo::scene::{Fog, Rgb};
 use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
 
@@ -39,7 +38,10 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
 fn exposure(ui: &mut Ui, desk: &Desk, view: &mut View) {
     ui.horizontal(|ui| {
         let mut auto = view.exposure.is_none();
-        if ui.checkbox(&mut auto, desk.say("Exposure by itself")).changed() {
+        if ui
+            .checkbox(&mut auto, desk.say("Exposure by itself"))
+            .changed()
+        {
             view.exposure = (!auto).then_some(super::viewport::auto_exposure(desk.app));
         }
         if let Some(exposure) = &mut view.exposure {
@@ -64,7 +66,10 @@ fn false_colors(ui: &mut Ui, desk: &Desk, view: &mut View) {
         });
     let found = desk.app.lighting.range;
     let mut auto = colors.range.is_none();
-    if ui.checkbox(&mut auto, desk.say("Range by itself")).changed() {
+    if ui
+        .checkbox(&mut auto, desk.say("Range by itself"))
+        .changed()
+    {
         let now = found.map_or((0.0, 1.0), |r| (r.low, r.usual));
         colors.range = (!auto).then_some(now);
     }
@@ -90,7 +95,10 @@ fn false_colors(ui: &mut Ui, desk: &Desk, view: &mut View) {
 fn background(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
     ui.strong(desk.say("Background"));
     if ui
-        .radio(view.backdrop == Backdrop::Scene, desk.say("the scene's own"))
+        .radio(
+            view.backdrop == Backdrop::Scene,
+            desk.say("the scene's own"),
+        )
         .clicked()
     {
         view.backdrop = Backdrop::Scene;
@@ -103,7 +111,8 @@ fn background(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
             let (rect, response) = ui.allocate_exact_size(egui::vec2(20.0, 20.0), Sense::click());
             let name = desk.say(name);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-            ui.painter().rect_filled(rect, 3.0, Color32::from_rgb(r, g, b));
+            ui.painter()
+                .rect_filled(rect, 3.0, Color32::from_rgb(r, g, b));
             if view.backdrop == Backdrop::Color([r, g, b]) || response.has_focus() {
                 let stroke = ui.visuals().selection.stroke;
                 ui.painter()
@@ -128,7 +137,7 @@ fn background(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
         }
         if let Backdrop::Image(_, fit) = &mut view.backdrop {
             ui.selectable_value(fit, Fit::Scaled, desk.say("scaled"));
-            ui.selectable_value(fit, Fit::Centred, desk.say("centred"));
+            ui.selectable_value(fit, Fit::Centered, desk.say("centred"));
             ui.selectable_value(fit, Fit::Tiled, desk.say("tiled"));
         }
     });
@@ -139,7 +148,10 @@ fn own_background(ui: &mut Ui, desk: &mut Desk) {
     let old = desk.app.document.background;
     let mut has = old.is_some();
     ui.horizontal(|ui| {
-        if ui.checkbox(&mut has, desk.say("saved with the scene")).changed() {
+        if ui
+            .checkbox(&mut has, desk.say("saved with the scene"))
+            .changed()
+        {
             let quiet = linear([64, 96, 160]);
             desk.edit(Edit::SetBackground(has.then_some(quiet)));
         }
@@ -157,7 +169,10 @@ fn fog(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
     let old = desk.app.document.fog;
     let mut has = old.is_some();
     let reach = desk.app.document.bounds(None).diagonal().max(1e-3);
-    if ui.checkbox(&mut has, desk.say("Fog in the scene")).changed() {
+    if ui
+        .checkbox(&mut has, desk.say("Fog in the scene"))
+        .changed()
+    {
         let fog = Fog {
             color: linear([160, 170, 180]),
             visibility: 3.0 * reach,
@@ -178,7 +193,10 @@ fn fog(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
             .speed(0.01 * reach);
         ui.add(drag).labelled_by(label.id);
     });
-    ui.checkbox(&mut fog.exponential, desk.say("Exponential, as in real fog"));
+    ui.checkbox(
+        &mut fog.exponential,
+        desk.say("Exponential, as in real fog"),
+    );
     ui.checkbox(&mut view.fog, desk.say("Show it here"));
     if fog != before {
         desk.edit(Edit::SetFog(Some(fog)));

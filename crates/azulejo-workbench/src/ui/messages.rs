@@ -79,7 +79,10 @@ pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
             let text = format!("⚠ {problems}");
             let text = RichText::new(text).color(ui.visuals().warn_fg_color);
             let hover = desk.say("Messages");
-            asks_messages = ui.add(egui::Button::new(text).frame(false)).on_hover_text(hover).clicked();
+            asks_messages = ui
+                .add(egui::Button::new(text).frame(false))
+                .on_hover_text(hover)
+                .clicked();
         }
         match (probe, desk.app.messages.last()) {
             (Some(probe), _) => {
@@ -91,7 +94,8 @@ pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
                     Some(color) => text.color(color),
                     None => text.weak(),
                 };
-                ui.add(egui::Label::new(text).truncate()).on_hover_text(&last.text);
+                ui.add(egui::Label::new(text).truncate())
+                    .on_hover_text(&last.text);
             }
             (None, None) => {}
         }

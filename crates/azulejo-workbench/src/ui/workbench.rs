@@ -198,11 +198,7 @@ impl Workbench {
                     .auto_shrink([false, false])
                     .show(ui, |ui| match self.tab {
                         Tab::Object => inspector::show(ui, &mut desk),
-                        Tab::Material => edit_material(
-                            ui,
-                            &mut desk,
-                            &mut self.materials,
-                        ),
+                        Tab::Material => edit_material(ui, &mut desk, &mut self.materials),
                         Tab::Light => light::show(ui, &mut desk),
                         Tab::View => looks::show(ui, &mut desk),
                     });
@@ -271,7 +267,11 @@ impl Workbench {
     }
 
     fn save_brdf(&mut self, path: &Path) -> Result<(), String> {
-        let text = self.materials.saving.take().ok_or("nothing waits to be saved")?;
+        let text = self
+            .materials
+            .saving
+            .take()
+            .ok_or("nothing waits to be saved")?;
         let path = match path.extension() {
             Some(_) => path.to_owned(),
             None => path.with_extension("brdf"),

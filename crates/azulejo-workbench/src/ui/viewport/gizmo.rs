@@ -1,6 +1,6 @@
 //! Handles that move, turn and scale what is selected.
 
-use crate::gpu::View;
+use crate::gpu::Projection;
 use egui::{Color32, Painter, Pos2, Rect, Stroke, Vec2};
 use glam::{DAffine3, DVec2, DVec3};
 
@@ -42,7 +42,7 @@ const COLORS: [Color32; 3] = [
 /// The handles of a selection whose middle is `centre`, in a viewport.
 pub struct Gizmo<'a> {
     /// The view, in points of the viewport.
-    pub view: &'a View,
+    pub view: &'a Projection,
     /// Where the viewport is on the screen.
     pub rect: Rect,
     /// The middle of what is selected.
@@ -98,7 +98,9 @@ impl Gizmo<'_> {
             let pieces = lines.windows(2).map(|w| to_segment(mouse, w[0], w[1]));
             pieces.fold(f32::INFINITY, f32::min)
         };
-        let nearest = (0..3).map(|k| (k, distance(k))).min_by(|a, b| a.1.total_cmp(&b.1));
+        let nearest = (0..3)
+            .map(|k| (k, distance(k)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
         nearest.filter(|(_, d)| *d < NEAR).map(|(k, _)| grip(k))
     }
 
@@ -175,7 +177,11 @@ impl Gizmo<'_> {
     fn around(&self, grip: &Grip, mouse: Pos2) -> Option<f64> {
         let middle = self.on_screen(grip.centre)?;
         let v = mouse - middle;
-        let toward_eye = self.view.ray(in_view(middle, self.rect)).direction.dot(AXES[grip.axis]);
+        let toward_eye = self
+            .view
+            .ray(in_view(middle, self.rect))
+            .direction
+            .dot(AXES[grip.axis]);
         let angle = f64::from(v.y).atan2(f64::from(v.x));
         // Angles on the screen run clockwise; seen from behind, the axis turns the other way.
         Some(if toward_eye < 0.0 { -angle } else { angle })
@@ -210,11 +216,7 @@ fn to_segment(p: Pos2, a: Pos2, b: Pos2) -> f32 {
 fn tip(painter: &Painter, from: Pos2, to: Pos2, color: Color32) {
     let along = (to - from).normalized();
     let across = along.rot90();
-    let points = vec![
-        to + 10.0 * along,
-        to + 5.0 * across,
-        to - 5.0 * across,
-    ];
+    let points = vec![to + 10.0 * along, to + 5.0 * across, to - 5.0 * across];
     painter.add(egui::Shape::convex_polygon(points, color, Stroke::NONE));
 }
 
@@ -223,7 +225,7 @@ mod tests {
     use super::*;
     use azulejo::scene::Camera;
 
-    fn view() -> View {
+    fn view() -> Projection {
         let camera = Camera {
             name: String::new(),
             eye: DVec3::new(0.0, 0.0, 10.0),
@@ -232,10 +234,10 @@ mod tests {
             vertical_fov: 0.6,
             size: None,
         };
-        View::new(&camera, [400, 400])
+        Projection::new(&camera, [400, 400])
     }
 
-    fn gizmo(view: &View, mode: Mode) -> Gizmo<'_> {
+    fn gizmo(view: &Projection, mode: Mode) -> Gizmo<'_> {
         Gizmo {
             view,
             rect: Rect::from_min_size(Pos2::new(50.0, 20.0), Vec2::splat(400.0)),
@@ -254,7 +256,9 @@ mod tests {
         assert_eq!(grip.axis, 0);
         for x in [0.7, 1.5, -2.0] {
             let before = grip.centre.x;
-            let map = gizmo.drag(&mut grip, to(DVec3::new(x + 0.5, 0.1, 0.0))).unwrap();
+            let map = gizmo
+                .drag(&mut grip, to(DVec3::new(x + 0.5, 0.1, 0.0)))
+                .unwrap();
             let moved = map.transform_point3(DVec3::ZERO);
             assert!((before + moved.x - x).abs() < 1e-4, "{moved}");
             assert!(moved.y.abs() < 1e-9 && moved.z.abs() < 1e-9);
@@ -267,13 +271,18 @@ mod tests {
         let gizmo = gizmo(&view, Mode::Turn);
         let at = |degrees: f64| {
             let (s, c) = degrees.to_radians().sin_cos();
-            gizmo.on_screen(gizmo.reach() * DVec3::new(c, s, 0.0)).unwrap()
+            gizmo
+                .on_screen(gizmo.reach() * DVec3::new(c, s, 0.0))
+                .unwrap()
         };
         let mut grip = gizmo.grip_at(at(40.0)).unwrap();
         assert_eq!(grip.axis, 2);
         let map = gizmo.drag(&mut grip, at(70.0)).unwrap();
         let turned = map.transform_vector3(DVec3::X);
-        assert!((turned.y.atan2(turned.x).to_degrees() - 30.0).abs() < 0.1, "{turned}");
+        assert!(
+            (turned.y.atan2(turned.x).to_degrees() - 30.0).abs() < 0.1,
+            "{turned}"
+        );
     }
 
     #[test]
@@ -283,7 +292,9 @@ mod tests {
         gizmo.centre = DVec3::new(1.0, 0.0, 0.0);
         let to = |p: DVec3| gizmo.on_screen(p).unwrap();
         let mut grip = gizmo.grip_at(to(DVec3::new(1.0, 0.5, 0.0))).unwrap();
-        let map = gizmo.drag(&mut grip, to(DVec3::new(1.0, 1.0, 0.0))).unwrap();
+        let map = gizmo
+            .drag(&mut grip, to(DVec3::new(1.0, 1.0, 0.0)))
+            .unwrap();
         assert!((map.transform_point3(gizmo.centre) - gizmo.centre).length() < 1e-9);
         let grown = map.transform_vector3(DVec3::Y).y;
         assert!((grown - 2.0).abs() < 1e-3, "{grown}");

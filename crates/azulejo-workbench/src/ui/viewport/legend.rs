@@ -10,7 +10,10 @@ pub fn paint(painter: &Painter, rect: Rect, scale: &Scale, unit: &str) {
         Pos2::new(rect.min.x + 12.0, rect.max.y - height - 14.0),
         Vec2::new(16.0, height),
     );
-    let panel = Rect::from_min_max(bar.min - Vec2::new(6.0, 24.0), bar.max + Vec2::new(78.0, 8.0));
+    let panel = Rect::from_min_max(
+        bar.min - Vec2::new(6.0, 24.0),
+        bar.max + Vec2::new(78.0, 8.0),
+    );
     painter.rect_filled(panel, 4.0, Color32::from_black_alpha(150));
     let steps = 64;
     for k in 0..steps {
@@ -19,7 +22,11 @@ pub fn paint(painter: &Painter, rect: Rect, scale: &Scale, unit: &str) {
         let top = bar.max.y - (k + 1) as f32 / steps as f32 * height;
         let size = Vec2::new(bar.width(), height / steps as f32 + 0.5);
         let color = Color32::from_rgb(r, g, b);
-        painter.rect_filled(Rect::from_min_size(Pos2::new(bar.min.x, top), size), 0.0, color);
+        painter.rect_filled(
+            Rect::from_min_size(Pos2::new(bar.min.x, top), size),
+            0.0,
+            color,
+        );
     }
     let font = FontId::proportional(11.0);
     let white = Color32::WHITE;
@@ -29,7 +36,13 @@ pub fn paint(painter: &Painter, rect: Rect, scale: &Scale, unit: &str) {
         let place = f64::from(k) / 4.0;
         let y = bar.max.y - place as f32 * height;
         let text = number(scale.value(place));
-        painter.text(Pos2::new(bar.max.x + 8.0, y), Align2::LEFT_CENTER, text, font.clone(), white);
+        painter.text(
+            Pos2::new(bar.max.x + 8.0, y),
+            Align2::LEFT_CENTER,
+            text,
+            font.clone(),
+            white,
+        );
         let tick = [Pos2::new(bar.max.x, y), Pos2::new(bar.max.x + 5.0, y)];
         painter.line_segment(tick, Stroke::new(1.0, white));
     }

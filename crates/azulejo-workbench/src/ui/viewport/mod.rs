@@ -17,14 +17,14 @@ use super::desk::Desk;
 use crate::app::App;
 use crate::command::{Command, PatchAt, Selection};
 use crate::document::{Edit, Id};
-use crate::gpu::{Background, Drawn, Frame, Picture, Quantity, Scale, Shading, View};
-use pick::{Hit, pick};
-use crate::view::Backdrop;
+use crate::gpu::{Background, Drawn, Frame, Picture, Projection, Quantity, Scale};
+use crate::view::{Backdrop, Shading};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Material, Shape};
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
 use gizmo::{Gizmo, Grip};
 use glam::{DAffine3, DVec2};
+use pick::{Hit, pick};
 use screen::{Screen, Stamp};
 use stage::Stage;
 
@@ -44,16 +44,6 @@ pub struct Viewport {
     probed_at: Option<(Pos2, u64)>,
     /// Pixels.
     size: [u32; 2],
-}
-
-
-
-/// Whether surfaces show what was solved.
-pub fn shows_light(shading: Shading) -> bool {
-    matches!(
-        shading,
-        Shading::Irradiance | Shading::FalseColor | Shading::Patches
-    )
 }
 
 /// Exposure that shows the usual irradiance on a grey surface as a bright middle.
@@ -104,8 +94,9 @@ impl Viewport {
         let pixels = rect.size() * ui.ctx().pixels_per_point();
         self.size = [pixels.x.round() as u32, pixels.y.round() as u32];
         let view = self.view(ui, &response, desk);
-        let points = View::new(&view.camera, [rect.width() as u32, rect.height() as u32]);
-        self.stage.update(desk.app, &View::new(&view.camera, self.size));
+        let points = Projection::new(&view.camera, [rect.width() as u32, rect.height() as u32]);
+        self.stage
+            .update(desk.app, &Projection::new(&view.camera, self.size));
         if desk.app.picture.is_some() {
             self.picture.show(ui, rect, desk.app);
         } else {
@@ -185,7 +176,7 @@ impl Viewport {
         ui: &Ui,
         rect: Rect,
         response: &Response,
-        view: &View,
+        view: &Projection,
         desk: &mut Desk,
     ) {
         let Some(centre) = self.handle_place(desk.app) else {
@@ -246,7 +237,7 @@ impl Viewport {
         ui: &Ui,
         rect: Rect,
         response: &Response,
-        view: &View,
+        view: &Projection,
         desk: &mut Desk,
     ) {
         let Some(mouse) = response.hover_pos() else {
@@ -280,7 +271,7 @@ impl Viewport {
         mouse: Pos2,
         rect: Rect,
         ray: &Ray,
-        view: &View,
+        view: &Projection,
         desk: &mut Desk,
     ) {
         let modifiers = ui.input(|i| i.modifiers);
@@ -367,7 +358,7 @@ impl Viewport {
     }
 
     /// The light or camera whose sign is under the mouse.
-    fn sign_at(&self, mouse: Pos2, rect: Rect, view: &View, app: &App) -> Option<Id> {
+    fn sign_at(&self, mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<Id> {
         const NEAR: f32 = 12.0;
         if !app.view.signs {
             return None;
@@ -404,11 +395,11 @@ impl Viewport {
         if let Some(hint) = self.hint(desk) {
             let at = rect.center_top() + Vec2::new(0.0, 10.0);
             let font = egui::FontId::proportional(13.0);
-            let galley = ui.painter().layout_no_wrap(hint.into(), font, Color32::WHITE);
-            let place = Rect::from_center_size(
-                at + Vec2::new(0.0, 0.5 * galley.size().y),
-                galley.size(),
-            );
+            let galley = ui
+                .painter()
+                .layout_no_wrap(hint.into(), font, Color32::WHITE);
+            let place =
+                Rect::from_center_size(at + Vec2::new(0.0, 0.5 * galley.size().y), galley.size());
             let back = Color32::from_black_alpha(160);
             ui.painter().rect_filled(place.expand(5.0), 4.0, back);
             ui.painter().galley(place.min, galley, Color32::WHITE);
@@ -427,9 +418,9 @@ impl Viewport {
             None
         } else if shading == Shading::FormFactors && lighting.seen.is_none() {
             Some(desk.say("Click a surface: its form factors become colours."))
-        } else if shows_light(shading) && lighting.solution.is_none() {
+        } else if shading.shows_light() && lighting.solution.is_none() {
             Some(desk.say("Not solved yet: press F5."))
-        } else if shows_light(shading) && !lighting.is_current {
+        } else if shading.shows_light() && !lighting.is_current {
             Some(desk.say("This light is from before the last changes: press F5."))
         } else {
             None
@@ -513,4 +504,3 @@ fn background<'a>(app: &App, backdrop: &'a Backdrop, is_dark: bool) -> Backgroun
         },
     }
 }
-

@@ -1,8 +1,8 @@
 //! The triangle that a ray meets first.
 
 use crate::gpu::Drawn;
+use azulejo::scene::Mesh;
 use azulejo::scene::math::Ray;
-use azulejo::scene::{Mesh};
 use glam::DVec3;
 
 /// Where a ray meets what is drawn.
@@ -31,7 +31,10 @@ pub fn pick(drawn: &[Drawn], ray: &Ray) -> Option<Hit> {
 
 fn one(object: usize, drawn: &Drawn, ray: &Ray) -> Option<Hit> {
     let inverse = drawn.world_from_object.inverse();
-    let local = Ray::new(inverse.transform_point3(ray.origin), inverse.transform_vector3(ray.direction));
+    let local = Ray::new(
+        inverse.transform_point3(ray.origin),
+        inverse.transform_vector3(ray.direction),
+    );
     let mesh: &Mesh = drawn.mesh;
     let mut best: Option<(f64, u32, [u32; 3], [f64; 3])> = None;
     let mut triangles = Vec::new();
@@ -44,7 +47,9 @@ fn one(object: usize, drawn: &Drawn, ray: &Ray) -> Option<Hit> {
             let (e1, e2) = (p[1] - p[0], p[2] - p[0]);
             let q = local.direction.cross(e2);
             let det = e1.dot(q);
-            if det == 0.0 { continue; }
+            if det == 0.0 {
+                continue;
+            }
             let s = local.origin - p[0];
             let u = s.dot(q) / det;
             let r = s.cross(e1);
@@ -57,8 +62,20 @@ fn one(object: usize, drawn: &Drawn, ray: &Ray) -> Option<Hit> {
     }
     let (t, face, corners, weights) = best?;
     let position = ray.at(t);
-    let p = corners.map(|v| drawn.world_from_object.transform_point3(mesh.positions[v as usize]));
+    let p = corners.map(|v| {
+        drawn
+            .world_from_object
+            .transform_point3(mesh.positions[v as usize])
+    });
     let n = (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
     let normal = if n.dot(ray.direction) > 0.0 { -n } else { n };
-    Some(Hit { object, face, corners, weights, position, normal, t })
+    Some(Hit {
+        object,
+        face,
+        corners,
+        weights,
+        position,
+        normal,
+        t,
+    })
 }

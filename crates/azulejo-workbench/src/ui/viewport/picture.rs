@@ -28,7 +28,8 @@ impl Shown {
             let scale = (rect.width() / size.x).min(rect.height() / size.y);
             let place = Rect::from_center_size(rect.center(), scale * size);
             let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(texture.id(), place, whole, Color32::WHITE);
+            ui.painter()
+                .image(texture.id(), place, whole, Color32::WHITE);
         }
         let text = format!("{} / {}", picture.samples, app.preferences.picture_samples);
         let at = rect.right_bottom() - Vec2::splat(8.0);
@@ -49,7 +50,8 @@ impl Shown {
             Some(texture) => texture.set(pixels, TextureOptions::LINEAR),
             None => {
                 let context = ui.ctx();
-                self.texture = Some(context.load_texture("picture", pixels, TextureOptions::LINEAR));
+                self.texture =
+                    Some(context.load_texture("picture", pixels, TextureOptions::LINEAR));
             }
         }
         self.made_of = Some((Arc::clone(image), exposure));

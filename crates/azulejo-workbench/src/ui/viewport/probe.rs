@@ -1,9 +1,9 @@
 //! What is under the mouse, in one line.
 
 use super::legend::number;
+use super::pick::{Hit, pick};
 use super::stage::{Entry, Stage};
 use super::{Desk, irradiance_unit};
-use super::pick::{Hit, pick};
 use crate::gpu::Drawn;
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Material, Rgb};

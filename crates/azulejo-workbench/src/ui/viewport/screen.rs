@@ -44,13 +44,7 @@ impl Screen {
     }
 
     /// Draws a frame, unless it is the last one again, and shows it.
-    pub fn draw(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        stamp: Stamp,
-        frame: &Frame,
-    ) -> Result<(), Loss> {
+    pub fn draw(&mut self, ui: &Ui, rect: Rect, stamp: Stamp, frame: &Frame) -> Result<(), Loss> {
         let key = (stamp, ui.visuals().dark_mode);
         if self.drawn.as_ref() != Some(&key) {
             match self.renderer.draw(frame) {

@@ -85,7 +85,12 @@ fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: 
 
 fn star(overlay: &mut Overlay, at: DVec3, reach: f64, ink: Ink) {
     overlay.cross(at, 2.0 * reach, ink);
-    for s in [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0)] {
+    for s in [
+        DVec3::ONE,
+        DVec3::new(-1.0, 1.0, 1.0),
+        DVec3::new(1.0, -1.0, 1.0),
+        DVec3::new(1.0, 1.0, -1.0),
+    ] {
         let d = s * (0.4 * reach);
         overlay.line(at - d, at + d, ink);
     }
@@ -96,11 +101,17 @@ fn camera(overlay: &mut Overlay, camera: &Camera, size: f64, ink: Ink) {
     let (right, up, forward) = camera.axes();
     let reach = 0.08 * size;
     let half = reach * (0.5 * camera.vertical_fov).tan().min(2.0);
-    let aspect = camera.size.map_or(4.0 / 3.0, |(w, h)| f64::from(w) / f64::from(h.max(1)));
-    let corner = |x: f64, y: f64| {
-        camera.eye + reach * forward + half * (aspect * x * right + y * up)
-    };
-    let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let aspect = camera
+        .size
+        .map_or(4.0 / 3.0, |(w, h)| f64::from(w) / f64::from(h.max(1)));
+    let corner =
+        |x: f64, y: f64| camera.eye + reach * forward + half * (aspect * x * right + y * up);
+    let corners = [
+        corner(-1.0, -1.0),
+        corner(1.0, -1.0),
+        corner(1.0, 1.0),
+        corner(-1.0, 1.0),
+    ];
     overlay.polyline(&corners, true, ink);
     for p in corners {
         overlay.line(camera.eye, p, ink);

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::document::{Id, Item};
-use crate::gpu::{Drawn, FaceValues, View, chord_error, display_mesh};
+use crate::gpu::{Drawn, FaceValues, Projection, chord_error, display_mesh};
 use azulejo::scene::{Mesh, Rgb, Shape, Texture};
 use glam::DAffine3;
 use std::borrow::Cow;
@@ -77,7 +77,7 @@ static EMPTY: Mesh = Mesh {
 
 impl Stage {
     /// Brings on the stage what the document has, as the view asks for it.
-    pub fn update(&mut self, app: &App, view: &View) {
+    pub fn update(&mut self, app: &App, view: &Projection) {
         let mut old: HashMap<Id, Entry> = self.entries.drain(..).map(|e| (e.id, e)).collect();
         for item in app.document.items.iter().filter(|i| !i.hidden) {
             let entry = self.entry(app, item, view, old.remove(&item.id));
@@ -87,8 +87,8 @@ impl Stage {
         self.keep_seen(app);
     }
 
-    fn entry(&mut self, app: &App, item: &Item, view: &View, old: Option<Entry>) -> Entry {
-        let lit = match super::shows_light(app.view.shading) {
+    fn entry(&mut self, app: &App, item: &Item, view: &Projection, old: Option<Entry>) -> Entry {
+        let lit = match app.view.shading.shows_light() {
             true => app.lighting.solution.as_ref().and_then(|s| s.shown(item)),
             false => None,
         };
@@ -132,10 +132,12 @@ impl Stage {
         (self.textures).retain(|_, (_, kept)| textures.iter().any(|t| Arc::ptr_eq(t, kept)));
         for texture in textures {
             let next = &mut self.next;
-            self.textures.entry(Arc::as_ptr(texture)).or_insert_with(|| {
-                *next += 1;
-                (*next, Arc::clone(texture))
-            });
+            self.textures
+                .entry(Arc::as_ptr(texture))
+                .or_insert_with(|| {
+                    *next += 1;
+                    (*next, Arc::clone(texture))
+                });
         }
     }
 
