@@ -413,13 +413,7 @@ impl App {
         self.selection = selection;
         self.history.end_gesture();
         self.mend_selection();
-        if self.selection.material.is_none()
-            && let [id] = self.selection.ids[..]
-            && let Some(item) = self.document.item(id)
-        {
-            // The material one sees is the one that one wants to edit.
-            self.selection.material = self.document.materials_of(item).first().copied();
-        }
+        self.find_material();
     }
 
     fn select_all(&mut self) {
@@ -428,6 +422,17 @@ impl App {
         let lights = document.lights.iter().map(|l| l.id);
         self.selection.ids = items.chain(lights).collect();
         self.selection.faces = None;
+        self.find_material();
+    }
+
+    /// The material of what is selected is the one that one wants to edit.
+    fn find_material(&mut self) {
+        let items = self.selection.ids.iter();
+        let mut items = items.filter_map(|&id| self.document.item(id));
+        if self.selection.material.is_none() {
+            let first = items.find_map(|item| item.materials().first().copied());
+            self.selection.material = first;
+        }
     }
 
     /// Forgets what is not there any more.

@@ -3,7 +3,7 @@
 use super::{Document, Id, Item, Lamp, NewLight, NewShape, Viewpoint, map_materials};
 use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Rgb, Scene, Shape, Units};
 use glam::DAffine3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::fmt;
 use std::sync::Arc;
 
@@ -139,7 +139,8 @@ fn is_placement(map: &DAffine3) -> bool {
 
 impl Document {
     fn item_mut(&mut self, id: Id) -> Option<&mut Item> {
-        self.items.iter_mut().find(|i| i.id == id)
+        let at = self.items.binary_search_by_key(&id, |i| i.id).ok()?;
+        self.items.get_mut(at)
     }
 
     fn rename(&mut self, id: Id, name: &str) -> Edited {
@@ -233,16 +234,17 @@ impl Document {
         if !is_placement(map) {
             return refuse("the transform flattens what it moves, expected factors other than 0");
         }
+        let chosen: HashSet<Id> = ids.iter().copied().collect();
         let mut moved = self.clone();
-        for item in moved.items.iter_mut().filter(|i| ids.contains(&i.id)) {
+        for item in moved.items.iter_mut().filter(|i| chosen.contains(&i.id)) {
             item.placement = *map * item.placement;
             if !is_placement(&item.placement) {
                 return refuse("the transform leaves the range of numbers");
             }
         }
         // Lights and cameras know themselves how they move.
-        let lights = self.lights.iter().filter(|l| ids.contains(&l.id));
-        let cameras = self.cameras.iter().filter(|c| ids.contains(&c.id));
+        let lights = self.lights.iter().filter(|l| chosen.contains(&l.id));
+        let cameras = self.cameras.iter().filter(|c| chosen.contains(&c.id));
         let carried = Scene {
             lights: lights.map(|l| l.light.clone()).collect(),
             cameras: cameras.map(|c| c.camera.clone()).collect(),
@@ -250,11 +252,11 @@ impl Document {
         }
         .transformed(map);
         carried.validate().or_else(refuse)?;
-        let places = (moved.lights.iter_mut()).filter(|l| ids.contains(&l.id));
+        let places = (moved.lights.iter_mut()).filter(|l| chosen.contains(&l.id));
         places
             .zip(carried.lights)
             .for_each(|(lamp, light)| lamp.light = light);
-        let places = (moved.cameras.iter_mut()).filter(|c| ids.contains(&c.id));
+        let places = (moved.cameras.iter_mut()).filter(|c| chosen.contains(&c.id));
         places
             .zip(carried.cameras)
             .for_each(|(view, camera)| view.camera = camera);
@@ -294,7 +296,7 @@ impl Document {
             ..Scene::default()
         };
         alone.validate().or_else(refuse)?;
-        item.shape = Arc::clone(shape);
+        item.set_shape(Arc::clone(shape));
         self.rtrace = None;
         Ok(vec![id])
     }
@@ -388,7 +390,7 @@ impl Document {
         self.known_material(material)?;
         let named = self.items.iter_mut().filter(|i| ids.contains(&i.id));
         for item in named {
-            map_materials(Arc::make_mut(&mut item.shape), &mut |_| material);
+            item.change_shape(|shape| map_materials(shape, &mut |_| material));
         }
         self.rtrace = None;
         Ok(ids.to_vec())
@@ -405,11 +407,13 @@ impl Document {
         if faces.iter().any(|&f| f as usize >= mesh.faces.len()) {
             return missing("face");
         }
-        if let Shape::Mesh(mesh) = Arc::make_mut(&mut item.shape) {
-            for &face in faces {
-                mesh.face_materials[face as usize] = material;
+        item.change_shape(|shape| {
+            if let Shape::Mesh(mesh) = shape {
+                for &face in faces {
+                    mesh.face_materials[face as usize] = material;
+                }
             }
-        }
+        });
         self.rtrace = None;
         Ok(vec![id])
     }
@@ -454,7 +458,7 @@ impl Document {
         for item in &other.items {
             let mut item = item.clone();
             if materials > 0 {
-                map_materials(Arc::make_mut(&mut item.shape), &mut |m| m + materials);
+                item.change_shape(|shape| map_materials(shape, &mut |m| m + materials));
             }
             item.id = self.new_id();
             item.branch = branch(item.branch);

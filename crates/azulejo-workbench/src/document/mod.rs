@@ -21,6 +21,7 @@ use azulejo::scene::{
     Camera, Fog, Light, Material, MaterialId, Object, Rgb, Rtrace, Scene, Shape, Texture, Units,
 };
 use glam::{DAffine3, DVec3};
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -77,8 +78,10 @@ pub struct Item {
     pub branch: Option<usize>,
     /// Whether the viewport leaves it out. It goes on casting and receiving light.
     pub hidden: bool,
-    /// Its geometry before it is placed.
+    /// Its geometry before it is placed; [`Item::set_shape`] changes it.
     pub shape: Arc<Shape>,
+    /// What is asked of the shape in every frame, found once.
+    facts: Arc<Facts>,
     /// Where it stands; identity for what comes from a file.
     pub placement: DAffine3,
 }
@@ -105,10 +108,51 @@ pub struct Viewpoint {
     pub camera: Camera,
 }
 
+/// Finds a thing by its name for good: names count up, and what is added goes to the end.
+fn in_order<T>(things: &[T], id: Id, of: impl Fn(&T) -> Id) -> Option<&T> {
+    let at = things.binary_search_by_key(&id, of).ok()?;
+    things.get(at)
+}
+
+/// What takes a walk over all faces to find.
+#[derive(Debug, PartialEq)]
+struct Facts {
+    /// The box around the shape where it was made.
+    bounds: Aabb,
+    /// Its materials, each once, in the order of its faces.
+    materials: Vec<MaterialId>,
+}
+
+impl Facts {
+    fn of(shape: &Shape) -> Facts {
+        Facts {
+            bounds: bounds_of(shape),
+            materials: materials_of(shape),
+        }
+    }
+}
+
 impl Item {
     /// The smallest box around it, in the world.
     pub fn bounds(&self) -> Aabb {
-        placed_bounds(bounds_of(&self.shape), &self.placement)
+        placed_bounds(self.facts.bounds, &self.placement)
+    }
+
+    /// Its materials, each once, in the order of its faces.
+    pub fn materials(&self) -> &[MaterialId] {
+        &self.facts.materials
+    }
+
+    /// Gives it another shape.
+    pub fn set_shape(&mut self, shape: Arc<Shape>) {
+        self.facts = Arc::new(Facts::of(&shape));
+        self.shape = shape;
+    }
+
+    /// Changes its shape; a shape that others have too is copied first.
+    fn change_shape(&mut self, change: impl FnOnce(&mut Shape)) {
+        change(Arc::make_mut(&mut self.shape));
+        self.facts = Arc::new(Facts::of(&self.shape));
     }
 
     /// The object as a scene has it: placed.
@@ -123,6 +167,31 @@ impl Item {
         }
         Object::new(self.name.clone(), shape)
     }
+}
+
+/// The materials of a shape, each once, in the order of its faces.
+fn materials_of(shape: &Shape) -> Vec<MaterialId> {
+    let (mut found, mut seen) = (Vec::new(), HashSet::new());
+    let mut note = |m: MaterialId| {
+        if seen.insert(m) {
+            found.push(m);
+        }
+    };
+    match shape {
+        Shape::Mesh(mesh) => {
+            // Runs of faces share a material; each run is looked up once.
+            let mut last = None;
+            for &m in &mesh.face_materials {
+                if last != Some(m) {
+                    note(m);
+                    last = Some(m);
+                }
+            }
+        }
+        Shape::Primitive(p) => note(p.material),
+        Shape::Exact(exact) => exact.leaves().iter().for_each(|l| note(l.material())),
+    }
+    found
 }
 
 /// The smallest box around a shape where it was made.
@@ -207,6 +276,7 @@ impl Document {
             name,
             branch,
             hidden: false,
+            facts: Arc::new(Facts::of(&shape)),
             shape: Arc::new(shape),
             placement: DAffine3::IDENTITY,
         });
@@ -263,24 +333,24 @@ impl Document {
             let material = self.materials.get(m as usize);
             material.is_some_and(|m| m.is_emitter())
         };
-        (lamps.items).retain(|item| self.materials_of(item).into_iter().any(shines));
+        (lamps.items).retain(|item| item.materials().iter().any(|&m| shines(m)));
         lamps.rtrace = None;
         lamps.scene()
     }
 
     /// The object of this name for good.
     pub fn item(&self, id: Id) -> Option<&Item> {
-        self.items.iter().find(|i| i.id == id)
+        in_order(&self.items, id, |i| i.id)
     }
 
     /// The light of this name for good.
     pub fn lamp(&self, id: Id) -> Option<&Lamp> {
-        self.lights.iter().find(|l| l.id == id)
+        in_order(&self.lights, id, |l| l.id)
     }
 
     /// The viewpoint of this name for good.
     pub fn viewpoint(&self, id: Id) -> Option<&Viewpoint> {
-        self.cameras.iter().find(|c| c.id == id)
+        in_order(&self.cameras, id, |c| c.id)
     }
 
     /// Whether anything of this document has the name for good.
@@ -298,34 +368,14 @@ impl Document {
 
     /// The smallest box around all objects, or around those of `ids`.
     pub fn bounds(&self, ids: Option<&[Id]>) -> Aabb {
-        let items = self.items.iter();
-        let wanted = items.filter(|i| ids.is_none_or(|ids| ids.contains(&i.id)));
-        wanted.fold(Aabb::EMPTY, |all, item| all.union(item.bounds()))
-    }
-
-    /// The materials of an object, each once, in the order of its faces.
-    pub fn materials_of(&self, item: &Item) -> Vec<MaterialId> {
-        let mut found = Vec::new();
-        let mut note = |m: MaterialId| {
-            if !found.contains(&m) {
-                found.push(m);
+        let around = |all: Aabb, item: &Item| all.union(item.bounds());
+        match ids {
+            None => self.items.iter().fold(Aabb::EMPTY, around),
+            Some(ids) => {
+                let items = ids.iter().filter_map(|&id| self.item(id));
+                items.fold(Aabb::EMPTY, around)
             }
-        };
-        match &*item.shape {
-            Shape::Mesh(mesh) => {
-                // Runs of faces share a material; each run is looked up once.
-                let mut last = None;
-                for &m in &mesh.face_materials {
-                    if last != Some(m) {
-                        note(m);
-                        last = Some(m);
-                    }
-                }
-            }
-            Shape::Primitive(p) => note(p.material),
-            Shape::Exact(exact) => exact.leaves().iter().for_each(|l| note(l.material())),
         }
-        found
     }
 
     /// How many polygons its meshes have, and one for each exact shape.
@@ -346,7 +396,7 @@ impl Document {
         };
         !self.lights.is_empty()
             || (self.materials.iter().any(|m| m.is_emitter())
-                && (self.items.iter()).any(|i| self.materials_of(i).into_iter().any(shines)))
+                && (self.items.iter()).any(|i| i.materials().iter().any(|&m| shines(m))))
     }
 }
 

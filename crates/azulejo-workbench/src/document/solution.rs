@@ -58,8 +58,7 @@ impl Solution {
 
     /// The placed, lit shape of an object, if the solver knew it.
     pub fn shape(&self, id: Id) -> Option<&Arc<Shape>> {
-        let found = self.shapes.iter().find(|(i, _)| *i == id);
-        found.map(|(_, shape)| shape)
+        super::in_order(&self.shapes, id, |(i, _)| *i).map(|(_, shape)| shape)
     }
 
     /// The shape to show for an object: its lit one, as long as it stands where it was lit.

@@ -565,8 +565,21 @@ fn mouse_help(ui: &mut Ui, desk: &Desk) {
         });
 }
 
+/// Two columns of menus with their keys.
 fn key_help(ui: &mut Ui, desk: &Desk) {
-    for menu in Menu::ALL {
+    let half = Menu::ALL.len() / 2;
+    ui.columns(2, |columns| {
+        for (column, menus) in columns
+            .iter_mut()
+            .zip([&Menu::ALL[..half], &Menu::ALL[half..]])
+        {
+            key_column(column, desk, menus);
+        }
+    });
+}
+
+fn key_column(ui: &mut Ui, desk: &Desk, menus: &[Menu]) {
+    for &menu in menus {
         let keyed: Vec<_> = (ACTIONS.iter())
             .filter(|a| a.menu == menu && a.key.is_some())
             .collect();

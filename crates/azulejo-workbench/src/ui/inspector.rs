@@ -177,7 +177,8 @@ fn speed(document: &Document) -> f64 {
 
 fn placement(ui: &mut Ui, desk: &mut Desk, item: &Item) {
     let (mut scale, rotation, mut translation) = item.placement.to_scale_rotation_translation();
-    let angles = DVec3::from(rotation.to_euler(EulerRot::XYZ)).map(f64::to_degrees);
+    // Adding 0 takes the sign from a negative zero.
+    let angles = DVec3::from(rotation.to_euler(EulerRot::XYZ)).map(|a| a.to_degrees() + 0.0);
     let mut turned = angles;
     let is_plain = {
         let again = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
@@ -236,7 +237,7 @@ fn assign(ui: &mut Ui, desk: &mut Desk) {
     let mut used: Vec<MaterialId> = Vec::new();
     for id in &selection.ids {
         if let Some(item) = document.item(*id) {
-            used.extend(document.materials_of(item));
+            used.extend(item.materials());
         }
     }
     used.sort_unstable();

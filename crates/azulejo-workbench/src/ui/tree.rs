@@ -20,6 +20,8 @@ pub struct Tree {
     /// The rows, of which document and filter.
     rows: Vec<Row>,
     made_of: Option<(u64, String)>,
+    /// What is selected.
+    selected: HashSet<Id>,
     /// What the rows should be scrolled to.
     reveal: Option<Id>,
     last_selected: Option<Id>,
@@ -174,6 +176,7 @@ impl Tree {
                 .desired_width(f32::INFINITY),
         );
         self.refresh(desk);
+        self.selected = desk.app.selection.ids.iter().copied().collect();
         self.follow_selection(desk.app);
         let visible: Vec<usize> = (0..self.rows.len())
             .filter(|&k| {
@@ -258,7 +261,7 @@ impl Tree {
                 false => self.closed.remove(path),
             };
         }
-        let all = !ids.is_empty() && ids.iter().all(|id| desk.app.selection.ids.contains(id));
+        let all = !ids.is_empty() && ids.iter().all(|id| self.selected.contains(id));
         let text = RichText::new(label).strong();
         if ui.selectable_label(all, text).clicked() && !ids.is_empty() {
             desk.wish(Command::Select(Selection {
@@ -333,7 +336,7 @@ impl Tree {
             Leaf::Camera(_) => "📷 ",
             _ => "",
         };
-        let is_selected = desk.app.selection.ids.contains(&id);
+        let is_selected = self.selected.contains(&id);
         let label = match row.label.as_str() {
             "" => format!("{sign}{}", desk.say("without name")),
             name => format!("{sign}{name}"),

@@ -89,6 +89,9 @@ pub enum Command {
         #[command(subcommand)]
         command: BrdfCommand,
     },
+    /// Open the workbench: a window to look at models, light them and save them
+    #[command(after_help = VIEW_EXAMPLES)]
+    View(WorkbenchArgs),
     /// Print a completion script for a shell
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {
@@ -102,6 +105,23 @@ pub enum Command {
         #[arg(value_name = "DIR", value_hint = ValueHint::DirPath)]
         folder: PathBuf,
     },
+}
+
+/// What the workbench is started with.
+#[derive(Debug, Args)]
+pub struct WorkbenchArgs {
+    /// Models to open
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+    /// Play a list of steps, one a line
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub script: Option<PathBuf>,
+    /// Write a picture of the window, PNG, when all is loaded and the script is done, and end
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub screenshot: Option<PathBuf>,
+    /// Neither read nor write preferences and copies for recovery
+    #[arg(long)]
+    pub no_preferences: bool,
 }
 
 /// Which models to read.
@@ -477,6 +497,14 @@ Examples:
   azulejo experiment examples/experiments/truths.toml -o report
   azulejo experiment examples/experiments/diffuse.toml --list
   azulejo experiment examples/experiments/mirrors.toml -o report --only hybrid";
+
+const VIEW_EXAMPLES: &str = "\
+Examples:
+  azulejo view room.3ds lamp.glb
+  azulejo view --script steps.txt --screenshot out.png
+
+The workbench is a program of its own beside this one. To build it, in azulejo's folder:
+  cargo build --release -p azulejo-workbench";
 
 const COMPLETIONS_EXAMPLES: &str = "\
 Examples:

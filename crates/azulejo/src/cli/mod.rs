@@ -29,6 +29,7 @@ mod solve;
 mod values;
 mod view;
 mod watch;
+mod workbench;
 
 use args::{Cli, Command, Common};
 use clap::Parser;
@@ -63,6 +64,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Brdf { command } => return brdf::run(command, session),
         Command::Completions { shell } => return generate::completions(*shell),
         Command::Man { folder } => return generate::manual(folder),
+        Command::View(args) => return workbench::run(args),
         Command::Info(args) => {
             let report = info::run(args, &mut session)?;
             return session.print(report);

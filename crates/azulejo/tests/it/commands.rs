@@ -272,6 +272,7 @@ fn the_program_explains_itself() {
         "brdf fit",
         "completions",
         "man",
+        "view",
     ] {
         let help = folder.ok(&format!("{command} --help")).out;
         assert!(help.contains("Examples:"), "{command}");
@@ -284,7 +285,7 @@ fn the_program_explains_itself() {
     folder.ok("man .");
     let page = String::from_utf8(folder.read("azulejo-render.1")).unwrap();
     assert!(page.contains(".TH") && page.contains("exposure"));
-    assert_eq!(folder.names().len(), 21);
+    assert_eq!(folder.names().len(), 22);
 }
 
 #[test]

@@ -16,6 +16,7 @@ mod support;
 #[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
 mod tiny_font;
 mod view3d;
+mod workbench;
 
 #[cfg(unix)]
 mod form_factors;

@@ -6,7 +6,7 @@ use crate::gpu::{Drawn, FaceValues, Projection, chord_error, display_mesh};
 use azulejo::scene::{Mesh, Rgb, Shape, Texture};
 use glam::DAffine3;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Polygons of objects, kept as long as neither shape nor distance ask for others.
@@ -178,10 +178,12 @@ impl Stage {
             });
             return vec![drawn];
         }
-        self.entries.iter().map(|e| self.one(app, e)).collect()
+        let selected: HashSet<Id> = app.selection.ids.iter().copied().collect();
+        let one = |e| self.one(app, e, &selected);
+        self.entries.iter().map(one).collect()
     }
 
-    fn one<'a>(&'a self, app: &'a App, entry: &'a Entry) -> Drawn<'a> {
+    fn one<'a>(&'a self, app: &'a App, entry: &'a Entry, selected: &HashSet<Id>) -> Drawn<'a> {
         let selection = &app.selection;
         let faces = match &selection.faces {
             Some((id, faces)) if *id == entry.id => faces.as_slice(),
@@ -189,7 +191,7 @@ impl Stage {
         };
         Drawn {
             world_from_object: entry.placement,
-            is_selected: selection.ids.contains(&entry.id) && faces.is_empty(),
+            is_selected: selected.contains(&entry.id) && faces.is_empty(),
             selected_faces: faces,
             ..Drawn::new(entry.key, entry.mesh())
         }
