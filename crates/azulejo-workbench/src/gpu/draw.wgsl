@@ -232,19 +232,24 @@ fn hint(n: vec3f, place: vec3f) -> vec3f {
     return material.mirror * sky + vec3f(material.gloss * highlight);
 }
 
-// Linear colour under a lamp at the eye and a soft sky.
+// Linear colour under a lamp at the eye and a soft sky. The lamp hangs a little over the left
+// shoulder, so that faces which look at the eye differ.
 fn lamp_at_eye(base: vec3f, n: vec3f, place: vec3f, front: bool) -> vec3f {
-    let facing = max(dot(n, normalize(-place)), 0.0);
+    let lamp = normalize(normalize(-place) + vec3f(-0.35, 0.3, 0.0));
+    let facing = max(dot(n, lamp), 0.0);
     let sky = 0.5 + 0.5 * dot(n, frame.up);
-    let c = base * (0.12 + 0.28 * sky + 0.6 * facing) + hint(n, place);
-    let e = emitted(front);
+    let e = material.emission;
     let most = max(e.r, max(e.g, e.b));
-    return select(c, e / max(most, 1e-30), most > 0.0);
+    let hue = e / max(most, 1e-30);
+    // The back of a lamp, and what is black, must still be found.
+    let matt = base + 0.1 * hue + 0.015;
+    let c = matt * (0.12 + 0.28 * sky + 0.6 * facing) + hint(n, place);
+    return select(c, hue, any(emitted(front) > vec3f(0.0)));
 }
 
 // Weakens what is not solved and hatches it.
 fn hatched(color: vec3f, clip: vec4f) -> vec3f {
-    let pale = mix(vec3f(luminance(color)), color, 0.35) * 0.55;
+    let pale = mix(vec3f(luminance(color)), color, 0.35) * 0.7;
     let stripe = fract((clip.x + clip.y) / 10.0);
     return pale * select(1.0, 0.6, stripe < 0.25);
 }
@@ -335,7 +340,9 @@ fn lit(in: Varying, paint: vec3f, n: vec3f, front: bool) -> vec3f {
     let c = tone_mapped(mix(frame.fog, radiance, through));
     let shown = srgb(max(c, through * 0.25 * hint(n, in.place)));
     let lamp = in_fog(lamp_at_eye(rho, n, in.place, front), in.place);
-    let known = object.is_solved > 0.5 && in.light.a > 0.5 && front;
+    // Light is known on fronts; glass has none that could be shown, on either side.
+    let has_side = front || material.opacity < 1.0;
+    let known = object.is_solved > 0.5 && in.light.a > 0.5 && has_side;
     let shines = any(emitted(front) > vec3f(0.0));
     return select(hatched(srgb(lamp), in.clip), shown, known || shines);
 }

@@ -13,6 +13,7 @@
 //! | `pipelines`, `draw.wgsl` | what the card runs |
 //! | `pass`, `renderer`, `target` | the order of drawing, and what is drawn into |
 //! | `display` | polygons of exact shapes, as fine as the view shows |
+//! | `pick` | what a ray or a rectangle meets |
 //! | `device`, `error` | opening a card, and what can go wrong |
 
 mod blocks;
@@ -24,6 +25,7 @@ mod frame;
 mod geometry;
 mod overlay;
 mod pass;
+mod pick;
 mod pictures;
 mod pipelines;
 mod projection;
@@ -38,6 +40,7 @@ pub use display::{chord_error, display_mesh};
 pub use error::GpuError;
 pub use frame::{Background, Drawn, FaceValues, Frame, Picture, Quantity, Scale};
 pub use overlay::{Ink, Line, Overlay, Triangle};
+pub use pick::{Pick, pick, pick_rectangle};
 pub use projection::Projection;
 pub use renderer::{Renderer, Shown, Statistics};
 pub use target::Pixels;

@@ -200,7 +200,11 @@ impl Recipe {
                 }),
                 writes_depth: !is_glass,
                 blends: is_glass,
-                bias: backward(),
+                // Only where edges lie on them: at outlines it lets backs shine through.
+                bias: match shade {
+                    "patches" => backward(),
+                    _ => usual.bias,
+                },
                 ..usual
             },
             Stage::Hiding => Recipe {
@@ -246,7 +250,7 @@ impl Recipe {
 fn backward() -> wgpu::DepthBiasState {
     wgpu::DepthBiasState {
         constant: -32,
-        slope_scale: -1.5,
+        slope_scale: -1.0,
         clamp: 0.0,
     }
 }
