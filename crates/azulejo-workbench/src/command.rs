@@ -1,6 +1,6 @@
 //! All that a person can ask for.
 
-use crate::document::{Edit, Id};
+use crate::document::{Edit, Id, NewKind, NewLightKind};
 use crate::light::LightSettings;
 use crate::preferences::Preferences;
 use crate::view::View;
@@ -41,6 +41,10 @@ pub enum Command {
 
     /// Changes the document. Edits of one gesture are one step of undo.
     Edit(Edit, Option<u64>),
+    /// Adds a shape where it suits the model, in a size that does.
+    AddShape(NewKind),
+    /// Adds a light above what there is.
+    AddLight(NewLightKind),
     /// Adds solid letters: text, size, depth in ems, a font file or azulejo's own.
     AddText {
         /// What to write.

@@ -5,6 +5,7 @@ use crate::command::PatchAt;
 use crate::document::{Document, Solution};
 use crate::jobs::{Kind, on_own_threads};
 use crate::light::{LightSettings, SeenFromPatch, seen_from, solve_document};
+use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
 use azulejo::trace::Measured;
 use std::sync::Arc;
@@ -95,6 +96,10 @@ impl App {
             let text = "nothing shines: add a light, or give a material emission";
             self.tell(Level::Error, text);
             return;
+        }
+        if !self.view.shading.shows_light() {
+            // Whoever solves light wants to see it.
+            self.view.shading = Shading::Irradiance;
         }
         self.jobs.cancel_kind(Kind::Solve);
         self.lighting.measures.clear();

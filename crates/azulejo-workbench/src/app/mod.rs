@@ -3,6 +3,7 @@
 //! Nothing here knows windows: a test or a script executes [`Command`]s and calls
 //! [`App::poll`] until the jobs are done.
 
+mod adding;
 mod files;
 mod lighting;
 mod picture;
@@ -14,7 +15,7 @@ pub use lighting::Lighting;
 pub use picture::{Picture, shown};
 
 use crate::command::{Ask, Command, Selection};
-use crate::document::{Document, Edit, Id, Lettering, NewKind, NewShape};
+use crate::document::{Document, Edit, Id};
 use crate::history::History;
 use crate::jobs::{Job, Jobs, Kind, News, Wake};
 use crate::preferences::Preferences;
@@ -204,6 +205,8 @@ impl App {
             Command::Recover(path) => self.recover(path),
             Command::Forget(path) => self.recovery.forget(&path),
             Command::Edit(edit, gesture) => self.edit(&edit, gesture),
+            Command::AddShape(kind) => self.add_shape(kind),
+            Command::AddLight(kind) => self.add_light(kind),
             Command::AddText {
                 text,
                 size,
@@ -447,43 +450,6 @@ impl App {
         }
         if (selection.material).is_some_and(|m| m as usize >= document.materials.len()) {
             selection.material = None;
-        }
-    }
-
-    fn add_text(&mut self, text: &str, size: f64, depth: f64, font: Option<PathBuf>) {
-        let bytes = font.as_deref().map(azulejo::models::read_bytes).transpose();
-        let lettering = bytes.map_err(|e| e.to_string()).and_then(|bytes| {
-            let name = font.as_deref().map(|p| p.to_string_lossy().into_owned());
-            let named = bytes.as_deref().zip(name.as_deref());
-            Lettering::set(text, depth, named).map_err(|e| e.to_string())
-        });
-        match lettering {
-            Ok(lettering) => {
-                let new = NewShape {
-                    kind: NewKind::Text(lettering),
-                    at: self.ground(),
-                    size,
-                    material: None,
-                };
-                self.edit(&Edit::AddShape(new), None);
-            }
-            Err(why) => self.tell(Level::Error, why),
-        }
-    }
-
-    /// The middle of the ground of what there is: where new things stand.
-    pub fn ground(&self) -> glam::DVec3 {
-        let bounds = self.document.bounds(None);
-        let up = self.document.units.up.axis();
-        bounds.centre() - up * (0.5 * bounds.size().dot(up))
-    }
-
-    /// A size that suits what there is, world units.
-    pub fn usual_size(&self) -> f64 {
-        let bounds = self.document.bounds(None);
-        match bounds.is_empty() || bounds.diagonal() <= 0.0 {
-            true => 1.0,
-            false => 0.25 * bounds.diagonal(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::command::{Ask, Command, Selection};
-use crate::document::{Edit, NewKind, NewLight, NewLightKind, NewShape};
+use crate::document::{Edit, NewKind, NewLightKind};
 use crate::jobs::Kind;
 use crate::view::{Shading, Side};
 use egui::{Key, KeyboardShortcut, Modifiers};
@@ -142,37 +142,6 @@ fn selected(app: &App, make: impl Fn(Vec<crate::document::Id>) -> Edit) -> Optio
     (!ids.is_empty()).then(|| Wish::Do(Command::Edit(make(ids.clone()), None)))
 }
 
-fn shape(app: &App, kind: NewKind) -> Option<Wish> {
-    let size = app.usual_size();
-    let bounds = app.document.bounds(None);
-    let up = app.document.units.up.axis();
-    let at = match kind {
-        // A lamp hangs a little below the top of what there is: under a ceiling, not in it.
-        NewKind::AreaLight => bounds.centre() + up * (0.48 * bounds.size().dot(up)).max(0.5 * size),
-        _ => app.ground(),
-    };
-    edit(Edit::AddShape(NewShape {
-        kind,
-        at,
-        size,
-        material: None,
-    }))
-}
-
-fn light(app: &App, kind: NewLightKind) -> Option<Wish> {
-    let bounds = app.document.bounds(None);
-    let up = app.document.units.up.axis();
-    let height = match bounds.is_empty() {
-        true => 1.0,
-        false => 0.4 * bounds.size().dot(up),
-    };
-    edit(Edit::AddLight(NewLight {
-        kind,
-        at: bounds.centre() + height * up,
-        toward: app.ground(),
-    }))
-}
-
 fn look(app: &App, change: impl FnOnce(&mut crate::view::View)) -> Option<Wish> {
     let mut view = app.view.clone();
     change(&mut view);
@@ -246,27 +215,27 @@ pub const ACTIONS: &[Action] = &[
         let ids: Vec<_> = hidden.map(|i| i.id).collect();
         when(!ids.is_empty(), Command::Edit(Edit::Hide(ids, false), None))
     }),
-    action(Menu::Add, "Box", None, |a| shape(a, NewKind::Cuboid)),
-    action(Menu::Add, "Sphere", None, |a| shape(a, NewKind::Sphere)),
-    action(Menu::Add, "Cylinder", None, |a| shape(a, NewKind::Cylinder)),
-    action(Menu::Add, "Cone", None, |a| shape(a, NewKind::Cone)),
-    action(Menu::Add, "Square", None, |a| shape(a, NewKind::Square)),
+    action(Menu::Add, "Box", None, |_| done(Command::AddShape(NewKind::Cuboid))),
+    action(Menu::Add, "Sphere", None, |_| done(Command::AddShape(NewKind::Sphere))),
+    action(Menu::Add, "Cylinder", None, |_| done(Command::AddShape(NewKind::Cylinder))),
+    action(Menu::Add, "Cone", None, |_| done(Command::AddShape(NewKind::Cone))),
+    action(Menu::Add, "Square", None, |_| done(Command::AddShape(NewKind::Square))),
     action(Menu::Add, "Text…", None, |_| {
         Some(Wish::Show(Panel::Text))
     }),
-    action(Menu::Add, "Area light", ctrl(Key::L), |a| {
-        shape(a, NewKind::AreaLight)
+    action(Menu::Add, "Area light", ctrl(Key::L), |_| {
+        done(Command::AddShape(NewKind::AreaLight))
     }),
-    action(Menu::Add, "Point light", None, |a| {
-        light(a, NewLightKind::Point)
+    action(Menu::Add, "Point light", None, |_| {
+        done(Command::AddLight(NewLightKind::Point))
     }),
-    action(Menu::Add, "Spot light", None, |a| {
-        light(a, NewLightKind::Spot)
+    action(Menu::Add, "Spot light", None, |_| {
+        done(Command::AddLight(NewLightKind::Spot))
     }),
-    action(Menu::Add, "Sun", None, |a| {
-        light(a, NewLightKind::Directional)
+    action(Menu::Add, "Sun", None, |_| {
+        done(Command::AddLight(NewLightKind::Directional))
     }),
-    action(Menu::Add, "Sky", None, |a| light(a, NewLightKind::Ambient)),
+    action(Menu::Add, "Sky", None, |_| done(Command::AddLight(NewLightKind::Ambient))),
     action(Menu::Add, "Camera from this view", ctrl(Key::K), |a| {
         edit(Edit::AddCamera(a.view.camera.clone()))
     }),

@@ -98,6 +98,9 @@ pub fn tools(ui: &mut Ui, desk: &mut Desk) -> Vec<Wish> {
         shading(ui, desk, &mut wishes);
         wishes.extend(tool(ui, desk, "Frame all"));
         wishes.extend(tool(ui, desk, "Picture by rays"));
+        if desk.app.picture.is_some() {
+            wishes.extend(tool(ui, desk, "Save picture…"));
+        }
         ui.separator();
         let solver = match (desk.app.is_busy(Kind::Solve), desk.app.lighting.is_paused) {
             (false, _) => &["Solve"][..],

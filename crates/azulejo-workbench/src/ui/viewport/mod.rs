@@ -3,7 +3,6 @@
 mod gizmo;
 mod legend;
 mod navigate;
-mod pick;
 mod picture;
 mod probe;
 mod screen;
@@ -17,14 +16,15 @@ use super::desk::Desk;
 use crate::app::App;
 use crate::command::{Command, PatchAt, Selection};
 use crate::document::{Edit, Id};
-use crate::gpu::{Background, Drawn, Frame, Picture, Projection, Quantity, Scale};
+use crate::gpu::{
+    Background, Drawn, Frame, Pick, Picture, Projection, Quantity, Scale, pick,
+};
 use crate::view::{Backdrop, Shading};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Material, Shape};
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
 use gizmo::{Gizmo, Grip};
 use glam::{DAffine3, DVec2};
-use pick::{Hit, pick};
 use screen::{Screen, Stamp};
 use stage::Stage;
 
@@ -287,7 +287,7 @@ impl Viewport {
         }
         let found = self.sign_at(mouse, rect, view, desk.app).or_else(|| {
             let drawn = self.stage.drawn(desk.app, false);
-            let hit = pick(&drawn, ray)?;
+            let hit = pick(&drawn, ray, false)?;
             Some(self.stage.entries()[hit.object].id)
         });
         match found {
@@ -302,11 +302,11 @@ impl Viewport {
         Some(PatchAt {
             item: entry.id,
             position: hit.position,
-            normal: hit.normal,
+            normal: entry.normal(hit.vertices, ray),
         })
     }
 
-    fn hit(&self, ray: &Ray) -> Option<Hit> {
+    fn hit(&self, ray: &Ray) -> Option<Pick> {
         let entries = self.stage.entries().iter();
         let drawn: Vec<Drawn> = entries
             .map(|e| Drawn {
@@ -314,7 +314,7 @@ impl Viewport {
                 ..Drawn::new(0, e.mesh())
             })
             .collect();
-        pick(&drawn, ray)
+        pick(&drawn, ray, false)
     }
 
     /// Adds a face to the selection, or takes it away. Faces are those of the model, whatever the
@@ -335,7 +335,7 @@ impl Viewport {
             })
             .collect();
         let drawn: Vec<Drawn> = meshes.iter().map(|(_, d)| *d).collect();
-        let Some(hit) = pick(&drawn, ray) else {
+        let Some(hit) = pick(&drawn, ray, false) else {
             return;
         };
         let id = meshes[hit.object].0;
@@ -343,13 +343,13 @@ impl Viewport {
             Some((old, faces)) if *old == id => faces.clone(),
             _ => Vec::new(),
         };
-        match faces.iter().position(|&f| f == hit.face) {
+        match faces.iter().position(|&f| f as usize == hit.face) {
             Some(at) => {
                 faces.remove(at);
             }
-            None => faces.push(hit.face),
+            None => faces.push(hit.face as u32),
         }
-        let material = drawn[hit.object].mesh.face_materials.get(hit.face as usize);
+        let material = drawn[hit.object].mesh.face_materials.get(hit.face);
         desk.wish(Command::Select(Selection {
             ids: vec![id],
             faces: (!faces.is_empty()).then_some((id, faces)),

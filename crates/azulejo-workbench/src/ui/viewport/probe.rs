@@ -18,7 +18,7 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
             ..Drawn::new(0, e.mesh())
         })
         .collect();
-    let hit = pick(&drawn, ray)?;
+    let hit = pick(&drawn, ray, false)?;
     let entry = &stage.entries()[hit.object];
     let document = &desk.app.document;
     let name = document.name(entry.id).unwrap_or_default();
@@ -31,7 +31,7 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
         number(p.y),
         number(p.z)
     );
-    let id = entry.mesh().face_materials.get(hit.face as usize);
+    let id = entry.mesh().face_materials.get(hit.face);
     let material = id.and_then(|&m| document.materials.get(m as usize));
     if let (Some(material), Some(id)) = (material, id) {
         let name = match material.name.as_str() {
@@ -45,8 +45,8 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
 }
 
 /// Irradiance with its standard error, and the radiance that leaves.
-fn light(desk: &Desk, entry: &Entry, hit: &Hit, material: &Material) -> Option<String> {
-    let (irradiance, error) = entry.light(hit.corners, hit.weights)?;
+fn light(desk: &Desk, entry: &Entry, hit: &Pick, material: &Material) -> Option<String> {
+    let (irradiance, error) = entry.light(hit.vertices, hit.barycentric)?;
     let radiance = material.emission + material.diffuse * irradiance / PI;
     let app = desk.app;
     let radiance_unit = match app.document.units.photometric {

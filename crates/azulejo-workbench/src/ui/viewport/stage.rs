@@ -3,8 +3,9 @@
 use crate::app::App;
 use crate::document::{Id, Item};
 use crate::gpu::{Drawn, FaceValues, Projection, chord_error, display_mesh};
+use azulejo::scene::math::Ray;
 use azulejo::scene::{Mesh, Rgb, Shape, Texture};
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -43,15 +44,26 @@ impl Entry {
         }
     }
 
+    /// Unit normal of the side of a triangle that a ray meets.
+    pub fn normal(&self, corners: [u32; 3], ray: &Ray) -> DVec3 {
+        let mesh = self.mesh();
+        let [a, b, c] = corners.map(|v| {
+            let p = mesh.positions.get(v as usize).copied();
+            self.placement.transform_point3(p.unwrap_or_default())
+        });
+        let n = (b - a).cross(c - a).normalize_or_zero();
+        if n.dot(ray.direction) > 0.0 { -n } else { n }
+    }
+
     /// Irradiance and its standard error at a place of a triangle; `None` where it is not solved.
-    pub fn light(&self, corners: [u32; 3], weights: [f64; 3]) -> Option<(Rgb, Rgb)> {
+    pub fn light(&self, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Rgb)> {
         let mesh = self.mesh();
         if !self.is_lit || mesh.irradiance.len() != mesh.positions.len() {
             return None;
         }
         let mean = |values: &[Rgb]| {
             let mut sum = Rgb::BLACK;
-            for (corner, weight) in corners.iter().zip(weights) {
+            for (corner, weight) in corners.iter().zip(weights.to_array()) {
                 sum += values.get(*corner as usize).copied().unwrap_or_default() * weight;
             }
             sum

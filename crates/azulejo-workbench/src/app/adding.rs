@@ -1,0 +1,123 @@
+//! New things, put where they suit what is there.
+
+use super::{App, Level};
+use crate::document::{Edit, Lettering, NewKind, NewLight, NewLightKind, NewShape};
+use crate::gpu::{Drawn, display_mesh, pick};
+use azulejo::scene::math::Ray;
+use azulejo::scene::{Mesh, Shape};
+use glam::DVec3;
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+impl App {
+    /// Adds a shape on the ground; a lamp under the ceiling, or above what has none.
+    pub(super) fn add_shape(&mut self, kind: NewKind) {
+        let size = self.usual_size();
+        let at = match kind {
+            NewKind::AreaLight => self.lamp_place(size),
+            _ => self.ground(),
+        };
+        let new = NewShape {
+            kind,
+            at,
+            size,
+            material: None,
+        };
+        self.edit(&Edit::AddShape(new), None);
+    }
+
+    pub(super) fn add_light(&mut self, kind: NewLightKind) {
+        let new = NewLight {
+            kind,
+            at: self.lamp_place(self.usual_size()),
+            toward: self.ground(),
+        };
+        self.edit(&Edit::AddLight(new), None);
+    }
+
+    pub(super) fn add_text(&mut self, text: &str, size: f64, depth: f64, font: Option<PathBuf>) {
+        let bytes = font.as_deref().map(azulejo::models::read_bytes).transpose();
+        let lettering = bytes.map_err(|e| e.to_string()).and_then(|bytes| {
+            let name = font.as_deref().map(|p| p.to_string_lossy().into_owned());
+            let named = bytes.as_deref().zip(name.as_deref());
+            Lettering::set(text, depth, named).map_err(|e| e.to_string())
+        });
+        match lettering {
+            Ok(lettering) => {
+                let new = NewShape {
+                    kind: NewKind::Text(lettering),
+                    at: self.ground(),
+                    size,
+                    material: None,
+                };
+                self.edit(&Edit::AddShape(new), None);
+            }
+            Err(why) => self.tell(Level::Error, why),
+        }
+    }
+
+    /// The middle of the ground of what there is: where new things stand.
+    pub fn ground(&self) -> DVec3 {
+        let bounds = self.document.bounds(None);
+        let up = self.document.units.up.axis();
+        bounds.centre() - up * (0.5 * bounds.size().dot(up))
+    }
+
+    /// A size that suits what there is, world units.
+    pub fn usual_size(&self) -> f64 {
+        let bounds = self.document.bounds(None);
+        match bounds.is_empty() || bounds.diagonal() <= 0.0 {
+            true => 1.0,
+            false => 0.25 * bounds.diagonal(),
+        }
+    }
+
+    /// Where a lamp lights most: a little under the ceiling of a room, and well above what is no
+    /// room.
+    fn lamp_place(&self, size: f64) -> DVec3 {
+        let bounds = self.document.bounds(None);
+        let up = self.document.units.up.axis();
+        if bounds.is_empty() {
+            return size * up;
+        }
+        let half = 0.5 * bounds.size().dot(up);
+        let height = match self.is_room() {
+            true => 0.96 * half,
+            false => half + size,
+        };
+        bounds.centre() + height * up
+    }
+
+    /// Whether one who floats in the middle of everything has a floor and a ceiling at the ends
+    /// of the model, and walls at most of its sides.
+    fn is_room(&self) -> bool {
+        let bounds = self.document.bounds(None);
+        let meshes: Vec<(Cow<Mesh>, glam::DAffine3)> = (self.document.items.iter())
+            .map(|item| {
+                let error = 0.02 * bounds.diagonal().max(f64::MIN_POSITIVE);
+                let mesh = match &*item.shape {
+                    Shape::Mesh(mesh) => Cow::Borrowed(mesh),
+                    other => display_mesh(other, error, false),
+                };
+                (mesh, item.placement)
+            })
+            .collect();
+        let drawn: Vec<Drawn> = (meshes.iter())
+            .map(|(mesh, placement)| Drawn {
+                world_from_object: *placement,
+                ..Drawn::new(0, mesh)
+            })
+            .collect();
+        let up = self.document.units.up.axis();
+        let (side, front) = up.any_orthonormal_pair();
+        let ends_there = |direction: DVec3| {
+            let ray = Ray::new(bounds.centre(), direction);
+            let reach = 0.5 * bounds.size().dot(direction.abs());
+            pick(&drawn, &ray, false).is_some_and(|hit| hit.distance > 0.9 * reach)
+        };
+        let walls = [side, -side, front, -front];
+        ends_there(up)
+            && ends_there(-up)
+            && walls.into_iter().filter(|&w| ends_there(w)).count() >= 3
+    }
+}
