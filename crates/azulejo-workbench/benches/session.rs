@@ -54,8 +54,14 @@ fn large_model(folder: &Path) {
     frame(&mut window);
     let first = begin.elapsed() - read;
     println!("{triangles} triangles, {:.1} MB as a scene", mega(bytes));
-    println!("  reading the file                {:>8.2} s", read.as_secs_f64());
-    println!("  from there to the first picture {:>8.2} s", first.as_secs_f64());
+    println!(
+        "  reading the file                {:>8.2} s",
+        read.as_secs_f64()
+    );
+    println!(
+        "  from there to the first picture {:>8.2} s",
+        first.as_secs_f64()
+    );
     let orbit: Vec<Duration> = (0..20).map(|_| orbited(&mut window)).collect();
     println!("  a picture while orbiting        {}", spread(orbit));
     let still: Vec<Duration> = (0..20).map(|_| frame(&mut window)).collect();
@@ -148,7 +154,8 @@ fn write_large(path: &Path) -> (usize, u64) {
     for j in 0..=SIDE {
         for i in 0..=SIDE {
             let (x, z) = (f64::from(i) / 100.0, f64::from(j) / 100.0);
-            mesh.positions.push(DVec3::new(x, 0.3 * (x * 3.0).sin() * (z * 2.0).cos(), z));
+            mesh.positions
+                .push(DVec3::new(x, 0.3 * (x * 3.0).sin() * (z * 2.0).cos(), z));
         }
     }
     let row = SIDE + 1;
@@ -191,6 +198,9 @@ fn mega(bytes: u64) -> f64 {
 /// Bytes of memory that the process holds, as Linux says.
 fn resident() -> u64 {
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
-    let pages = text.split_whitespace().nth(1).and_then(|w| w.parse::<u64>().ok());
+    let pages = text
+        .split_whitespace()
+        .nth(1)
+        .and_then(|w| w.parse::<u64>().ok());
     4096 * pages.unwrap_or(0)
 }

@@ -215,11 +215,21 @@ pub const ACTIONS: &[Action] = &[
         let ids: Vec<_> = hidden.map(|i| i.id).collect();
         when(!ids.is_empty(), Command::Edit(Edit::Hide(ids, false), None))
     }),
-    action(Menu::Add, "Box", None, |_| done(Command::AddShape(NewKind::Cuboid))),
-    action(Menu::Add, "Sphere", None, |_| done(Command::AddShape(NewKind::Sphere))),
-    action(Menu::Add, "Cylinder", None, |_| done(Command::AddShape(NewKind::Cylinder))),
-    action(Menu::Add, "Cone", None, |_| done(Command::AddShape(NewKind::Cone))),
-    action(Menu::Add, "Square", None, |_| done(Command::AddShape(NewKind::Square))),
+    action(Menu::Add, "Box", None, |_| {
+        done(Command::AddShape(NewKind::Cuboid))
+    }),
+    action(Menu::Add, "Sphere", None, |_| {
+        done(Command::AddShape(NewKind::Sphere))
+    }),
+    action(Menu::Add, "Cylinder", None, |_| {
+        done(Command::AddShape(NewKind::Cylinder))
+    }),
+    action(Menu::Add, "Cone", None, |_| {
+        done(Command::AddShape(NewKind::Cone))
+    }),
+    action(Menu::Add, "Square", None, |_| {
+        done(Command::AddShape(NewKind::Square))
+    }),
     action(Menu::Add, "Text…", None, |_| {
         Some(Wish::Show(Panel::Text))
     }),
@@ -235,7 +245,9 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Add, "Sun", None, |_| {
         done(Command::AddLight(NewLightKind::Directional))
     }),
-    action(Menu::Add, "Sky", None, |_| done(Command::AddLight(NewLightKind::Ambient))),
+    action(Menu::Add, "Sky", None, |_| {
+        done(Command::AddLight(NewLightKind::Ambient))
+    }),
     action(Menu::Add, "Camera from this view", ctrl(Key::K), |a| {
         edit(Edit::AddCamera(a.view.camera.clone()))
     }),

@@ -16,9 +16,7 @@ use super::desk::Desk;
 use crate::app::App;
 use crate::command::{Command, PatchAt, Selection};
 use crate::document::{Edit, Id};
-use crate::gpu::{
-    Background, Drawn, Frame, Pick, Picture, Projection, Quantity, Scale, pick,
-};
+use crate::gpu::{Background, Drawn, Frame, Pick, Picture, Projection, Quantity, Scale, pick};
 use crate::view::{Backdrop, Shading};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Material, Shape};

@@ -1,10 +1,10 @@
 //! What is under the mouse, in one line.
 
 use super::legend::number;
-use super::pick::{Hit, pick};
+
 use super::stage::{Entry, Stage};
 use super::{Desk, irradiance_unit};
-use crate::gpu::Drawn;
+use crate::gpu::{Drawn, Pick, pick};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Material, Rgb};
 use std::f64::consts::PI;
