@@ -162,6 +162,15 @@ impl Renderer {
         guarded(&self.device, || target.read(&self.device, &self.queue))
     }
 
+    /// Whether the card is the processor: then pictures without [`Frame::antialiasing`] come about
+    /// three times as fast.
+    pub fn is_software(&self) -> bool {
+        let info = self.device.adapter_info();
+        let name = info.name.to_lowercase();
+        let known = ["llvmpipe", "softpipe", "swiftshader"];
+        info.device_type == wgpu::DeviceType::Cpu || known.iter().any(|k| name.contains(k))
+    }
+
     /// What the last frame took.
     pub fn statistics(&self) -> Statistics {
         self.statistics
