@@ -6,6 +6,7 @@ use azulejo_workbench::preferences::Preferences;
 use azulejo_workbench::script::{self, Player, Step};
 use azulejo_workbench::ui::{Rescued, Workbench};
 use clap::Parser;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -28,8 +29,8 @@ struct Arguments {
     no_preferences: bool,
 }
 
-/// How often a window is opened again whose graphics card was lost.
-const MOST_LOSSES: u32 = 3;
+/// How often a window is opened again that could not stay.
+const MOST_FALLS: u32 = 3;
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
@@ -106,22 +107,28 @@ fn app(arguments: &Arguments) -> App {
     app
 }
 
-/// Opens the window; and again, with all that was worked on, when the graphics card is lost.
+/// Opens the window; and again, with all that was worked on, when the graphics card is lost or
+/// something in the window panics.
 fn windows(app: App, player: Option<Player>) -> Result<(), String> {
-    let mut next = Some((app, player));
-    for losses in 0..=MOST_LOSSES {
-        let Some((mut app, player)) = next.take() else {
-            break;
-        };
-        if losses > 0 {
-            let text = "the graphics card was lost; the window was opened again";
-            app.tell(azulejo_workbench::app::Level::Warning, text);
-        }
+    let (mut app, mut player) = (app, player);
+    for _ in 0..=MOST_FALLS {
         let (rescue, rescued) = channel::<Box<Rescued>>();
-        window(app, player, rescue)?;
-        next = rescued.try_recv().ok().map(|r| (r.app, r.player));
+        let opened = catch_unwind(AssertUnwindSafe(|| window(app, player, rescue)));
+        let Ok(left) = rescued.try_recv() else {
+            return opened.unwrap_or_else(|_| Err("the window fell before it was open".into()));
+        };
+        (app, player) = (left.app, left.player);
+        let text = match left.loss {
+            Some(loss) => format!("{}; the window was opened again", loss.0),
+            None => "something went wrong in the window, and it was opened again; save under \
+                     another name"
+                .into(),
+        };
+        app.tell(azulejo_workbench::app::Level::Warning, text);
     }
-    Ok(())
+    // Dropping the app would throw the copies for recovery away.
+    std::mem::forget(app);
+    Err("the window cannot stay open; what was worked on is offered at the next start".into())
 }
 
 fn window(

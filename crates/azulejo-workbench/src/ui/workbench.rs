@@ -56,18 +56,28 @@ pub struct Workbench {
     was_focused: bool,
     dressed: Option<(Theme, f32)>,
     title: String,
-    /// Where the app goes when the graphics card is lost.
+    /// Where the app goes when the window cannot stay.
     rescue: Option<Sender<Box<Rescued>>>,
 }
 
-/// What is left of a window whose graphics card is gone.
+/// What is left of a window that could not stay open.
 pub struct Rescued {
     /// Everything that was worked on.
     pub app: App,
     /// The script, as far as it came.
     pub player: Option<Player>,
-    /// Why.
-    pub loss: Loss,
+    /// Why, if the window knew.
+    pub loss: Option<Loss>,
+}
+
+/// A window that falls lets go of nothing: drivers and their libraries panic when a card is pulled
+/// out, and so may we.
+impl Drop for Workbench {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.hand_over(None);
+        }
+    }
 }
 
 impl Workbench {
@@ -104,10 +114,9 @@ impl Workbench {
             Some(state) => Viewport::on(state)?,
             None => Viewport::default(),
         };
-        Ok(Workbench {
-            viewport,
-            ..Workbench::new(app)
-        })
+        let mut window = Workbench::new(app);
+        window.viewport = viewport;
+        Ok(window)
     }
 
     /// Plays a script.
@@ -314,18 +323,22 @@ impl Workbench {
 
     /// Gives the app to whoever opens another window, and closes this one.
     fn lose(&mut self, context: &egui::Context, loss: Loss) {
-        let Some(rescue) = self.rescue.take() else {
+        if self.rescue.is_none() {
             self.app.tell(Level::Error, loss.0.to_string());
             self.viewport = Viewport::default();
             return;
-        };
-        let app = std::mem::replace(&mut self.app, App::quiet());
-        let _ = rescue.send(Box::new(Rescued {
-            app,
-            player: self.player.take(),
-            loss,
-        }));
+        }
+        self.hand_over(Some(loss));
         context.send_viewport_cmd(ViewportCommand::Close);
+    }
+
+    /// Gives everything that was worked on to whoever opens the next window.
+    fn hand_over(&mut self, loss: Option<Loss>) {
+        if let Some(rescue) = self.rescue.take() {
+            let app = std::mem::replace(&mut self.app, App::quiet());
+            let player = self.player.take();
+            let _ = rescue.send(Box::new(Rescued { app, player, loss }));
+        }
     }
 
     fn step_script(&mut self, context: &egui::Context) {
