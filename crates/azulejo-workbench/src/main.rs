@@ -107,28 +107,41 @@ fn app(arguments: &Arguments) -> App {
     app
 }
 
-/// Opens the window; and again, with all that was worked on, when the graphics card is lost or
-/// something in the window panics.
+/// Opens the window; and again, with all that was worked on, when the graphics card is lost.
+///
+/// Where something panics the toolkit cannot open another one: then what was worked on is written
+/// for the next start.
 fn windows(app: App, player: Option<Player>) -> Result<(), String> {
     let (mut app, mut player) = (app, player);
     for _ in 0..=MOST_FALLS {
         let (rescue, rescued) = channel::<Box<Rescued>>();
         let opened = catch_unwind(AssertUnwindSafe(|| window(app, player, rescue)));
-        let Ok(left) = rescued.try_recv() else {
-            return opened.unwrap_or_else(|_| Err("the window fell before it was open".into()));
-        };
-        (app, player) = (left.app, left.player);
-        let text = match left.loss {
-            Some(loss) => format!("{}; the window was opened again", loss.0),
-            None => "something went wrong in the window, and it was opened again; save under \
-                     another name"
-                .into(),
-        };
+        let left = rescued.try_recv().ok();
+        match (opened, left) {
+            (Ok(result), None) => return result,
+            (Err(_), None) => return Err("the window fell before it was open".into()),
+            (Err(_), Some(left)) => return Err(keep(left.app)),
+            (Ok(_), Some(left)) => (app, player) = (left.app, left.player),
+        }
+        let text = "the graphics card was lost, and the window was opened again";
         app.tell(azulejo_workbench::app::Level::Warning, text);
     }
-    // Dropping the app would throw the copies for recovery away.
+    Err(keep(app))
+}
+
+/// Writes what was worked on for the next start; says so.
+fn keep(mut app: App) -> String {
+    let kept = app.keep_for_next_start();
+    // Ending in good order would take the copy away.
     std::mem::forget(app);
-    Err("the window cannot stay open; what was worked on is offered at the next start".into())
+    match kept {
+        Ok(Some(path)) => format!(
+            "something went wrong in the window; what was worked on is kept in {}",
+            path.display()
+        ),
+        Ok(None) => "something went wrong in the window; all was saved".into(),
+        Err(why) => format!("something went wrong in the window, and no copy could be kept: {why}"),
+    }
 }
 
 fn window(

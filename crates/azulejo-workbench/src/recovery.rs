@@ -77,6 +77,11 @@ impl Recovery {
         if waits || self.copied == Some(revision) {
             return None;
         }
+        self.place(original)
+    }
+
+    /// Where copies of this session go; `None` where nothing is kept.
+    pub fn place(&mut self, original: Option<&Path>) -> Option<PathBuf> {
         if self.session.is_none() {
             self.session = self.folder.as_deref().and_then(Session::begin);
         }

@@ -327,6 +327,26 @@ impl App {
             });
     }
 
+    /// Writes a copy for recovery now, whatever time it is, and waits for it; returns where it is,
+    /// `None` if there is nothing that is not on the disk.
+    ///
+    /// # Errors
+    /// Why it cannot be written, in words.
+    pub fn keep_for_next_start(&mut self) -> Result<Option<PathBuf>, String> {
+        if !self.is_changed() {
+            return Ok(None);
+        }
+        let original = self.file.as_ref().map(|f| f.path.as_path());
+        let path = self.recovery.place(original).unwrap_or_else(|| {
+            let name = format!("azulejo-kept-{}.grf", std::process::id());
+            std::env::temp_dir().join(name)
+        });
+        let (scene, _) = self.document.lit_scene(self.lighting.solution.as_deref());
+        models::write(&scene, &path, &Progress::new()).map_err(|e| e.to_string())?;
+        self.recovery.done(self.revision);
+        Ok(Some(path))
+    }
+
     /// When the window should be drawn again although nothing happens: for a copy that is due.
     pub fn wakes_in(&self) -> Option<Duration> {
         let patience = Duration::from_secs(u64::from(self.preferences.autosave));

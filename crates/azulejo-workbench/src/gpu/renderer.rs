@@ -171,6 +171,16 @@ impl Renderer {
         info.device_type == wgpu::DeviceType::Cpu || known.iter().any(|k| name.contains(k))
     }
 
+    /// Whether the card is still there.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`].
+    pub fn check(&self) -> Result<(), GpuError> {
+        // What happened to the device is told when it is asked.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.listener.check()
+    }
+
     /// What the last frame took.
     pub fn statistics(&self) -> Statistics {
         self.statistics

@@ -56,6 +56,8 @@ pub struct Workbench {
     was_focused: bool,
     dressed: Option<(Theme, f32)>,
     title: String,
+    /// Whether the window closes because somebody wants it to.
+    leaves: bool,
     /// Where the app goes when the window cannot stay.
     rescue: Option<Sender<Box<Rescued>>>,
 }
@@ -74,7 +76,7 @@ pub struct Rescued {
 /// out, and so may we.
 impl Drop for Workbench {
     fn drop(&mut self) {
-        if std::thread::panicking() {
+        if !self.leaves {
             self.hand_over(None);
         }
     }
@@ -96,6 +98,7 @@ impl Workbench {
             was_focused: true,
             dressed: None,
             title: String::new(),
+            leaves: false,
             rescue: None,
         }
     }
@@ -136,6 +139,11 @@ impl Workbench {
 
     /// One frame.
     pub fn show(&mut self, ui: &mut Ui) {
+        if let Err(loss) = self.viewport.check() {
+            // Before anything is painted: egui cannot paint on what is gone, and would panic.
+            self.lose(ui.ctx(), loss);
+            return;
+        }
         self.app.poll();
         self.dress(ui.ctx());
         self.take_drops(ui.ctx());
@@ -368,11 +376,15 @@ impl Workbench {
             let viewport = i.viewport();
             (viewport.close_requested(), viewport.focused.unwrap_or(true))
         });
-        if asks_close && !self.app.closing && self.rescue.is_some() && self.app.is_changed() {
+        let is_lost = self.rescue.is_none();
+        if asks_close && !self.app.closing && !is_lost && self.app.is_changed() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
             self.app.execute(Command::Quit);
+        } else if asks_close {
+            self.leaves = true;
         }
         if self.app.closing {
+            self.leaves = true;
             context.send_viewport_cmd(ViewportCommand::Close);
         }
         if focused && !self.was_focused {

@@ -70,6 +70,14 @@ impl Viewport {
         })
     }
 
+    /// Whether there is a card, or none was expected.
+    ///
+    /// # Errors
+    /// [`Loss`].
+    pub fn check(&self) -> Result<(), Loss> {
+        self.screen.as_ref().map_or(Ok(()), Screen::check)
+    }
+
     /// What is under the mouse.
     pub fn probe(&self) -> Option<&str> {
         self.probe.as_deref()

@@ -43,6 +43,14 @@ impl Screen {
         })
     }
 
+    /// Whether the card is still there.
+    pub fn check(&self) -> Result<(), Loss> {
+        match self.renderer.check() {
+            Err(lost @ GpuError::Lost { .. }) => Err(Loss(lost)),
+            _ => Ok(()),
+        }
+    }
+
     /// Draws a frame, unless it is the last one again, and shows it.
     pub fn draw(&mut self, ui: &Ui, rect: Rect, stamp: Stamp, frame: &Frame) -> Result<(), Loss> {
         let key = (stamp, ui.visuals().dark_mode);
