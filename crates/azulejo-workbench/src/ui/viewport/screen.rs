@@ -5,6 +5,7 @@ use crate::gpu::{Frame, GpuError, Renderer, Scale};
 use crate::view::View;
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Rect, TextureId, Ui};
+use std::time::Duration;
 
 /// The graphics card is gone.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,12 +22,25 @@ pub struct Stamp {
     pub scale: Scale,
 }
 
+/// What the picture on the screen is.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawing {
+    stamp: Stamp,
+    is_dark: bool,
+    is_smooth: bool,
+}
+
+/// Where the processor draws, smooth edges of more triangles than this take too long.
+const MOST_SMOOTH: usize = 200_000;
+/// How long a view rests until its edges are smoothed there.
+const REST: Duration = Duration::from_millis(150);
+
 /// A renderer and its picture.
 pub struct Screen {
     state: RenderState,
     renderer: Renderer,
     texture: Option<TextureId>,
-    drawn: Option<(Stamp, bool)>,
+    drawn: Option<Drawing>,
     /// What could not be drawn, until something changes.
     failure: Option<GpuError>,
 }
@@ -53,9 +67,18 @@ impl Screen {
 
     /// Draws a frame, unless it is the last one again, and shows it.
     pub fn draw(&mut self, ui: &Ui, rect: Rect, stamp: Stamp, frame: &Frame) -> Result<(), Loss> {
-        let key = (stamp, ui.visuals().dark_mode);
-        if self.drawn.as_ref() != Some(&key) {
-            match self.renderer.draw(frame) {
+        let is_smooth = self.smooths(ui, &stamp, frame);
+        let drawing = Drawing {
+            stamp,
+            is_dark: ui.visuals().dark_mode,
+            is_smooth,
+        };
+        if self.drawn.as_ref() != Some(&drawing) {
+            let frame = Frame {
+                antialiasing: is_smooth,
+                ..frame.clone()
+            };
+            match self.renderer.draw(&frame) {
                 Ok(shown) => {
                     let (view, is_new) = (shown.view.clone(), shown.is_new);
                     self.failure = None;
@@ -64,7 +87,7 @@ impl Screen {
                 Err(lost @ GpuError::Lost { .. }) => return Err(Loss(lost)),
                 Err(other) => self.failure = Some(other),
             }
-            self.drawn = Some(key);
+            self.drawn = Some(drawing);
         }
         let painter = ui.painter();
         if let Some(failure) = &self.failure {
@@ -78,6 +101,28 @@ impl Screen {
             painter.image(texture, rect, whole, Color32::WHITE);
         }
         Ok(())
+    }
+
+    /// Whether edges are to be smoothed: always by a card; by the processor once the view rests,
+    /// because it takes three times as long.
+    fn smooths(&self, ui: &Ui, stamp: &Stamp, frame: &Frame) -> bool {
+        if !self.renderer.is_software() {
+            return true;
+        }
+        let triangles = frame.objects.iter().map(|o| o.mesh.faces.triangle_count());
+        if triangles.sum::<usize>() > MOST_SMOOTH {
+            return false;
+        }
+        let Some(last) = &self.drawn else {
+            return true;
+        };
+        let moves = last.stamp.view.camera != stamp.view.camera;
+        if moves {
+            ui.ctx().request_repaint_after(REST);
+            return false;
+        }
+        // Other events come meanwhile; those that change nothing leave it as it is.
+        last.is_smooth || !ui.input(|i| i.pointer.any_down())
     }
 
     fn register(&mut self, view: &wgpu::TextureView, is_new: bool) {
