@@ -28,6 +28,8 @@ pub enum Command {
     SavePicture(PathBuf),
     /// Asks for a file by a dialog.
     Ask(Ask),
+    /// The dialog was answered.
+    Answered,
     /// Leaves, after asking about unsaved changes.
     Quit,
     /// What was asked for goes on although changes are lost.

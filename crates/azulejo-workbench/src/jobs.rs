@@ -18,6 +18,8 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 pub enum Kind {
     /// Reading models.
     Load,
+    /// Reading a picture for the background.
+    Backdrop,
     /// Writing something that a person asked for.
     Save,
     /// Writing what is recovered after a crash.

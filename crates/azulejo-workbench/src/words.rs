@@ -8,6 +8,15 @@ use std::collections::HashMap;
 use std::sync::OnceLock;
 
 mod brdf;
+mod dialogs;
+mod inspector;
+mod light;
+mod looks;
+mod menu;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod viewport;
 
 /// A language of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,7 +35,16 @@ pub enum Language {
 type Entry = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Entry]; 1] = [brdf::TABLE];
+const TABLES: [&[Entry]; 8] = [
+    menu::TABLE,
+    tree::TABLE,
+    viewport::TABLE,
+    inspector::TABLE,
+    brdf::TABLE,
+    light::TABLE,
+    looks::TABLE,
+    dialogs::TABLE,
+];
 
 impl Language {
     /// All of them.

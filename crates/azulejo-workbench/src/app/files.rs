@@ -1,6 +1,6 @@
 //! Opening, saving, recovering.
 
-use super::{App, Found, Level};
+use super::{App, Found, Level, State};
 use crate::command::{Ask, Command};
 use crate::document::{Branch, Document, Edit, Solution};
 use crate::jobs::{Job, Kind};
@@ -69,8 +69,8 @@ pub struct LoadedModel {
 pub struct SavedModel {
     path: PathBuf,
     losses: Vec<String>,
-    /// The document, if the path is now its own; else it was an export.
-    revision: Option<u64>,
+    /// What was written, if the path is now the document's own; else it was an export.
+    state: Option<State>,
     lit: bool,
 }
 
@@ -78,8 +78,12 @@ pub struct SavedModel {
 pub(super) struct Loading {
     /// Whether the first of them takes the place of the document.
     replaces: bool,
-    /// What the document becomes once changes are saved elsewhere.
+    /// Whether it is what was written before a crash.
     recovered: bool,
+    /// The edits that were made when it began, or whose loss was agreed to.
+    edits: u64,
+    /// What was asked for.
+    command: Command,
 }
 
 impl App {
@@ -93,11 +97,17 @@ impl App {
 
     fn begin_loading(&mut self, paths: Vec<PathBuf>, replaces: bool, recovered: bool) {
         self.jobs.cancel_kind(Kind::Load);
+        let command = match recovered {
+            true => Command::Recover(paths[0].clone()),
+            false => Command::Open(paths.clone()),
+        };
         self.loading = Some(Loading {
             replaces,
             recovered,
+            edits: self.edits,
+            command,
         });
-        let keeps = !replaces && !self.document.items.is_empty();
+        let keeps = !replaces && !self.document.is_empty();
         let units = keeps.then_some(self.document.units);
         let branches = self.document.branches.iter().map(|b| b.name.clone());
         let taken: Vec<String> = if keeps {
@@ -129,11 +139,16 @@ impl App {
             warnings,
             notes,
         } = model;
-        let loading = self.loading.get_or_insert(Loading {
-            replaces: false,
-            recovered: false,
-        });
+        let Some(loading) = &mut self.loading else {
+            return;
+        };
         let (replaces, recovered) = (loading.replaces, loading.recovered);
+        if replaces && loading.edits != self.edits {
+            // Nobody agreed to lose what was done while the file was read.
+            self.question = Some(Question::Unsaved(Box::new(loading.command.clone())));
+            self.jobs.cancel(job.id);
+            return self.end_loading();
+        }
         loading.replaces = false;
         let before = self.document.items.len();
         let summary = summary(&document, &path, job.started.elapsed());
@@ -201,8 +216,8 @@ impl App {
             Some(_) => path,
             None => path.with_extension("grf"),
         };
-        let revision = Some(self.revision);
-        self.write(path, revision);
+        let state = Some(self.state());
+        self.write(path, state);
     }
 
     /// Saves a copy; the document keeps its name.
@@ -211,7 +226,7 @@ impl App {
         self.write(path, None);
     }
 
-    fn write(&mut self, path: PathBuf, revision: Option<u64>) {
+    fn write(&mut self, path: PathBuf, state: Option<State>) {
         let document = self.document.clone();
         let solution = self.lighting.solution.clone();
         let title = path.display().to_string();
@@ -221,7 +236,7 @@ impl App {
             outbox.send(Found::Saved(SavedModel {
                 path,
                 losses,
-                revision,
+                state,
                 lit,
             }));
             Ok(())
@@ -245,11 +260,13 @@ impl App {
         }
         self.preferences.note_recent(&saved.path);
         self.store_preferences();
-        if let Some(revision) = saved.revision {
+        // What took this document's place meanwhile does not belong there.
+        let own = saved.state.filter(|s| s.revision >= self.began);
+        if let Some(state) = own {
             self.file = Some(OnDisk::now(&saved.path));
-            self.saved_revision = revision;
+            self.saved = state;
             if !self.is_changed() {
-                self.recovery.clear();
+                self.forget_copy();
                 self.go_on_after_save();
             }
         }
@@ -265,21 +282,22 @@ impl App {
     /// Does what was asked for although changes are lost.
     pub(super) fn discard(&mut self) {
         match self.question.take() {
-            Some(Question::Unsaved(command)) => {
-                self.saved_revision = self.revision;
-                self.execute(*command);
-            }
-            Some(Question::ChangedOnDisk(path)) => {
-                self.saved_revision = self.revision;
-                self.load(vec![path], true);
-            }
+            // As long as the other document is not there, this one is not lost.
+            Some(Question::Unsaved(command)) => self.perform(*command),
+            Some(Question::ChangedOnDisk(path)) => self.load(vec![path], true),
             None => {}
         }
     }
 
     pub(super) fn close(&mut self) {
-        self.recovery.clear();
+        self.forget_copy();
         self.closing = true;
+    }
+
+    /// The document is safe, or given up: no copy of it is needed.
+    pub(super) fn forget_copy(&mut self) {
+        self.jobs.cancel_kind(Kind::Autosave);
+        self.recovery.clear();
     }
 
     /// Opens what was written before a crash.
@@ -293,11 +311,13 @@ impl App {
         let original = found.and_then(|f| f.original.clone());
         self.recovery.forget(copy);
         self.file = original.map(|path| OnDisk { path, stamp: None });
-        if let Some(branch) = self.document.branches.first_mut()
-            && let Some(file) = &self.file
-        {
-            branch.path.clone_from(&file.path);
-            branch.name = models::branch_name(&file.path, |_| false);
+        match (&self.file, self.document.branches.first_mut()) {
+            (Some(file), Some(branch)) => {
+                branch.path.clone_from(&file.path);
+                branch.name = models::branch_name(&file.path, |_| false);
+            }
+            // The copy's own name says nothing to anybody.
+            _ => self.document.leave_files(),
         }
         self.revision = self.new_revision();
         self.changed_at = Some(Instant::now());
@@ -358,7 +378,9 @@ impl App {
     /// Asks what to do if somebody else wrote the file; called when the window is looked at again.
     pub fn check_disk(&mut self) {
         let Some(file) = &self.file else { return };
-        if self.question.is_some() || !file.has_changed() || self.is_busy(Kind::Save) {
+        // One that was never read here is asked about when it is written.
+        let was_read = file.stamp.is_some();
+        if self.question.is_some() || !was_read || !file.has_changed() || self.is_busy(Kind::Save) {
             return;
         }
         let path = file.path.clone();
@@ -375,7 +397,7 @@ impl App {
     pub(super) fn load_backdrop(&mut self, path: PathBuf) {
         self.asking = None;
         let title = path.display().to_string();
-        self.jobs.start(Kind::Load, title, move |_, outbox| {
+        self.jobs.start(Kind::Backdrop, title, move |_, outbox| {
             let bytes = models::read_bytes(&path).map_err(|e| e.to_string())?;
             let image = azulejo::formats::read_picture(&bytes).map_err(|e| e.to_string())?;
             outbox.send(Found::Backdrop(Box::new(image)));

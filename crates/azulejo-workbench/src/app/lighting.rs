@@ -153,6 +153,7 @@ impl App {
     /// The light is another one: what is on the disk is not all there is, and pictures are old.
     fn lit(&mut self) {
         self.revision = self.new_revision();
+        self.light = self.revision;
         self.changed_at = Some(Instant::now());
         if let Some(picture) = &self.picture {
             let size = picture.size;

@@ -22,7 +22,7 @@ use crate::preferences::Preferences;
 use crate::recovery::Recovery;
 use crate::view::{Backdrop, View, whole};
 use azulejo::formats::Warning;
-use azulejo::scene::Image;
+use azulejo::scene::{Image, Shape};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -117,7 +117,14 @@ pub struct App {
     pub closing: bool,
     /// Counts documents: whoever keeps something made from one keeps the number too.
     revision: u64,
-    saved_revision: u64,
+    /// The number of the light that is on it.
+    light: u64,
+    /// What is on the disk.
+    saved: State,
+    /// The revision with which this document began.
+    began: u64,
+    /// Counts edits, and what takes them back.
+    edits: u64,
     history: History<Version>,
     /// The number that a document got last.
     latest: u64,
@@ -126,6 +133,14 @@ pub struct App {
     preferences_file: Option<PathBuf>,
     loading: Option<files::Loading>,
     changed_at: Option<Instant>,
+}
+
+/// A revision of the document, and which light is on it: undo brings a revision back, but never
+/// an earlier light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct State {
+    revision: u64,
+    light: u64,
 }
 
 /// What undo brings back.
@@ -152,7 +167,10 @@ impl App {
             preferences,
             closing: false,
             revision: 0,
-            saved_revision: 0,
+            light: 0,
+            saved: State::default(),
+            began: 0,
+            edits: 0,
             history: History::default(),
             latest: 0,
             jobs: Jobs::new(wake),
@@ -190,6 +208,13 @@ impl App {
             {
                 self.question = Some(Question::Unsaved(Box::new(command)));
             }
+            command => self.perform(command),
+        }
+    }
+
+    /// Does it, whatever is lost by it.
+    fn perform(&mut self, command: Command) {
+        match command {
             Command::New => self.clear(),
             Command::Open(paths) => self.load(paths, true),
             Command::Add(paths) => self.load(paths, false),
@@ -199,6 +224,7 @@ impl App {
             Command::Export(path) => self.export(path),
             Command::SavePicture(path) => self.save_picture(path),
             Command::Ask(what) => self.asking = Some(what),
+            Command::Answered => self.asking = None,
             Command::Quit => self.close(),
             Command::Discard => self.discard(),
             Command::Dismiss => (self.question, self.asking) = (None, None),
@@ -309,7 +335,7 @@ impl App {
 
     /// Whether there is something that is not on the disk.
     pub fn is_changed(&self) -> bool {
-        self.revision != self.saved_revision
+        self.state() != self.saved
     }
 
     /// Counts documents: changes whenever the document does, and back with undo.
@@ -335,6 +361,13 @@ impl App {
     /// What was written before a crash and waits for an answer.
     pub fn recoverable(&self) -> &[crate::recovery::Recoverable] {
         self.recovery.found()
+    }
+
+    fn state(&self) -> State {
+        State {
+            revision: self.revision,
+            light: self.light,
+        }
     }
 
     fn version(&self) -> Version {
@@ -377,6 +410,12 @@ impl App {
     /// The document is another one now.
     fn changed(&mut self) {
         self.revision = self.new_revision();
+        self.edited();
+    }
+
+    /// What follows from every change of the document.
+    fn edited(&mut self) {
+        self.edits += 1;
         self.changed_at = Some(Instant::now());
         self.lighting.document_changed(&self.document);
         self.stop_picture();
@@ -406,10 +445,8 @@ impl App {
         self.document = version.document;
         self.selection.ids = version.selection;
         self.revision = version.revision;
-        self.changed_at = Some(Instant::now());
         self.mend_selection();
-        self.lighting.document_changed(&self.document);
-        self.stop_picture();
+        self.edited();
     }
 
     fn select(&mut self, selection: Selection) {
@@ -443,11 +480,11 @@ impl App {
         let document = &self.document;
         let selection = &mut self.selection;
         selection.ids.retain(|&id| document.has(id));
-        if let Some((id, _)) = selection.faces
-            && document.item(id).is_none()
-        {
-            selection.faces = None;
-        }
+        let has_faces = |(id, faces): &(Id, Vec<u32>)| match document.item(*id).map(|i| &*i.shape) {
+            Some(Shape::Mesh(mesh)) => faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
+            _ => false,
+        };
+        selection.faces = selection.faces.take().filter(has_faces);
         if (selection.material).is_some_and(|m| m as usize >= document.materials.len()) {
             selection.material = None;
         }
@@ -519,6 +556,8 @@ impl App {
     }
 
     fn clear(&mut self) {
+        self.jobs.cancel_kind(Kind::Load);
+        self.end_loading();
         self.replace(Document::default(), None);
     }
 
@@ -531,9 +570,10 @@ impl App {
         self.history = History::default();
         self.selection = Selection::default();
         self.revision = self.new_revision();
-        self.saved_revision = self.revision;
+        self.began = self.revision;
+        self.saved = self.state();
         self.changed_at = None;
-        self.recovery.clear();
+        self.forget_copy();
         self.lighting.replaced(&self.document);
         self.look_at_all();
     }

@@ -1,7 +1,7 @@
 //! All the ways in which a document changes.
 
 use super::{Document, Id, Item, Lamp, NewLight, NewShape, Viewpoint, map_materials};
-use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Rgb, Scene, Shape, Units};
+use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Object, Rgb, Scene, Shape, Units};
 use glam::DAffine3;
 use std::collections::{BTreeSet, HashSet};
 use std::fmt;
@@ -48,7 +48,7 @@ pub enum Edit {
     SetFog(Option<Fog>),
     /// What the numbers mean. Nothing is scaled.
     SetUnits(Units),
-    /// Adds another document's things, which has the same units.
+    /// Adds another document's things, which has the same units; an empty one takes them over.
     Append(Box<Document>),
 }
 
@@ -102,7 +102,7 @@ impl Edit {
             Edit::Rename(id, name) => document.rename(*id, name),
             Edit::Hide(ids, hidden) => Ok(document.hide(ids, *hidden)),
             Edit::Delete(ids) => document.delete(ids),
-            Edit::Duplicate(ids) => Ok(document.duplicate(ids)),
+            Edit::Duplicate(ids) => document.duplicate(ids),
             Edit::Transform(ids, map) => document.transform(ids, map),
             Edit::Place(id, placement) => document.place(*id, placement),
             Edit::AddShape(new) => document.add_shape(new),
@@ -131,10 +131,17 @@ fn missing<T>(what: &str) -> Result<T, Refused> {
     refuse(format_args!("there is no such {what} any more"))
 }
 
-/// Whether a map keeps shapes what they are: finite, and flattening nothing.
+/// Factors beyond this, or below its inverse, are of no unit of length.
+const MOST_SCALE: f64 = 1e12;
+
+/// Whether a map keeps shapes what they are: finite, flattening nothing, and no further from a
+/// turn than numbers can tell.
 fn is_placement(map: &DAffine3) -> bool {
-    let det = map.matrix3.determinant();
-    map.is_finite() && det.is_finite() && det.abs() > f64::MIN_POSITIVE
+    let m = &map.matrix3;
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length());
+    let sane = |length: f64| (1.0 / MOST_SCALE..=MOST_SCALE).contains(&length);
+    let flatness = m.determinant().abs() / (x * y * z);
+    map.is_finite() && [x, y, z].into_iter().all(sane) && flatness > 1e-9
 }
 
 impl Document {
@@ -177,7 +184,10 @@ impl Document {
         Ok(Vec::new())
     }
 
-    fn duplicate(&mut self, ids: &[Id]) -> Vec<Id> {
+    fn duplicate(&mut self, ids: &[Id]) -> Edited {
+        if !ids.iter().any(|&id| self.has(id)) {
+            return refuse("nothing is selected, select what to duplicate");
+        }
         let items: Vec<Item> = (self.items.iter())
             .filter(|i| ids.contains(&i.id))
             .cloned()
@@ -210,7 +220,7 @@ impl Document {
             copies.push(view.id);
             self.cameras.push(view);
         }
-        copies
+        Ok(copies)
     }
 
     /// `name` with the first number behind it that no object, light or camera has.
@@ -238,9 +248,7 @@ impl Document {
         let mut moved = self.clone();
         for item in moved.items.iter_mut().filter(|i| chosen.contains(&i.id)) {
             item.placement = *map * item.placement;
-            if !is_placement(&item.placement) {
-                return refuse("the transform leaves the range of numbers");
-            }
+            self.check_placed(item)?;
         }
         // Lights and cameras know themselves how they move.
         let lights = self.lights.iter().filter(|l| chosen.contains(&l.id));
@@ -269,36 +277,67 @@ impl Document {
         if !is_placement(placement) {
             return refuse("the transform flattens the object, expected factors other than 0");
         }
-        let Some(item) = self.item_mut(id) else {
+        let Some(mut item) = self.item(id).cloned() else {
             return missing("object");
         };
         item.placement = *placement;
+        self.replace_item(item)
+    }
+
+    /// Puts an object in the place of the one of its name for good.
+    fn replace_item(&mut self, item: Item) -> Edited {
+        self.check_placed(&item)?;
+        let id = item.id;
+        if let Some(old) = self.item_mut(id) {
+            *old = item;
+        }
         self.rtrace = None;
         Ok(vec![id])
+    }
+
+    /// Whether numbers can tell where an object stands, and what it is there.
+    fn check_placed(&self, item: &Item) -> Result<(), Refused> {
+        let bounds = item.bounds();
+        let is_there = bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite());
+        if !is_placement(&item.placement) || !is_there {
+            return refuse("the object leaves the range of numbers");
+        }
+        match &*item.shape {
+            Shape::Mesh(_) => Ok(()),
+            _ => self.check_object(item.object()),
+        }
+    }
+
+    /// Whether an object would be valid with these materials.
+    fn check_object(&self, object: Object) -> Result<(), Refused> {
+        let alone = Scene {
+            objects: vec![object],
+            materials: vec![Material::default(); self.materials.len()],
+            ..Scene::default()
+        };
+        alone.validate().or_else(|e| refuse(e.problem))
     }
 
     fn add_shape(&mut self, new: &NewShape) -> Edited {
-        let (name, shape) = new.make(self)?;
+        let mut made = self.clone();
+        let (name, shape) = new.make(&mut made)?;
         let name = self.fresh_name(&name);
-        self.rtrace = None;
-        Ok(vec![self.push_shape(name, shape, None)])
+        let id = made.push_shape(name, shape, None);
+        made.items
+            .last()
+            .map_or(Ok(()), |item| made.check_placed(item))?;
+        made.rtrace = None;
+        *self = made;
+        Ok(vec![id])
     }
 
     fn set_shape(&mut self, id: Id, shape: &Arc<Shape>) -> Edited {
-        let materials = self.materials.clone();
-        let Some(item) = self.item_mut(id) else {
+        let Some(mut item) = self.item(id).cloned() else {
             return missing("object");
         };
-        let alone = Scene {
-            objects: vec![azulejo::scene::Object::new("", Shape::clone(shape))],
-            materials: materials.iter().map(|m| Material::clone(m)).collect(),
-            textures: vec![Default::default(); highest_texture(&materials)],
-            ..Scene::default()
-        };
-        alone.validate().or_else(refuse)?;
+        self.check_object(Object::new("", Shape::clone(shape)))?;
         item.set_shape(Arc::clone(shape));
-        self.rtrace = None;
-        Ok(vec![id])
+        self.replace_item(item)
     }
 
     fn add_light(&mut self, new: &NewLight) -> Edited {
@@ -441,6 +480,9 @@ impl Document {
 
     /// Adds what another document holds; its names for good become ones of this document.
     fn append_document(&mut self, other: &Document) -> Vec<Id> {
+        if self.is_empty() {
+            self.units = other.units;
+        }
         let (branches, materials) = (self.branches.len(), self.materials.len() as u32);
         let textures = self.textures.len() as u32;
         let branch = |b: Option<usize>| b.map(|b| b + branches);
@@ -486,12 +528,6 @@ impl Document {
         self.rtrace = None;
         ids
     }
-}
-
-/// How many textures the materials need at least.
-fn highest_texture(materials: &[Arc<Material>]) -> usize {
-    let named = materials.iter().flat_map(|m| m.textures.iter());
-    named.max().map_or(0, |&t| t as usize + 1)
 }
 
 fn check_light(light: &Light) -> Result<(), Refused> {

@@ -9,7 +9,7 @@ mod edit;
 mod make;
 mod solution;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use edit::{Edit, Refused};
 pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
@@ -336,6 +336,19 @@ impl Document {
         (lamps.items).retain(|item| item.materials().iter().any(|&m| shines(m)));
         lamps.rtrace = None;
         lamps.scene()
+    }
+
+    /// Whether there is nothing in it that has a place.
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty() && self.lights.is_empty() && self.cameras.is_empty()
+    }
+
+    /// Everything is as if it was made by hand.
+    pub(crate) fn leave_files(&mut self) {
+        self.branches.clear();
+        self.items.iter_mut().for_each(|i| i.branch = None);
+        self.lights.iter_mut().for_each(|l| l.branch = None);
+        self.cameras.iter_mut().for_each(|c| c.branch = None);
     }
 
     /// The object of this name for good.

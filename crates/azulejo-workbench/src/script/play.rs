@@ -105,6 +105,9 @@ impl Player {
 
     /// An error that was told since the step began.
     fn failure(&self, app: &App) -> Option<String> {
+        if app.question.is_some() {
+            return Some("a question came up, and a script has no answer: save first".into());
+        }
         let new = app.messages.get(self.told..)?;
         let error = new.iter().find(|m| m.level == Level::Error)?;
         Some(error.text.clone())

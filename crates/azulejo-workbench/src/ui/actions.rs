@@ -373,7 +373,8 @@ pub fn pressed(context: &egui::Context, app: &App) -> Vec<Wish> {
     keyed.sort_by_key(|(_, k)| !k.modifiers.shift);
     for (action, key) in keyed {
         let is_plain = !key.modifiers.command && !is_function(key.logical_key);
-        if writes && is_plain {
+        // A text has its own ways to select all and to undo.
+        if writes && (is_plain || action.menu == Menu::Edit) {
             continue;
         }
         if context.input_mut(|input| input.consume_shortcut(&key)) {

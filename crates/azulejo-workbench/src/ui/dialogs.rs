@@ -284,6 +284,7 @@ impl Dialogs {
 
     fn ask_file(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
         if let Some(what) = desk.app.asking
+            && self.replacing.is_none()
             && self.files.as_ref().is_none_or(|(open, _)| *open != what)
         {
             self.files = Some((what, self.open(what, desk)));
@@ -296,12 +297,20 @@ impl Dialogs {
         dialog.show(ui.ctx());
         let paths: Vec<PathBuf> = match dialog.state() {
             State::Open => return None,
-            State::Selected if dialog.has_multi_select() => {
-                dialog.selection().into_iter().map(Path::to_owned).collect()
-            }
-            State::Selected => dialog.path().map(Path::to_owned).into_iter().collect(),
+            State::Selected => match dialog.selection() {
+                // A name that was typed is not one of the list.
+                none if none.is_empty() => dialog.path().into_iter().map(Path::to_owned).collect(),
+                several => several.into_iter().map(Path::to_owned).collect(),
+            },
             State::Closed | State::Cancelled => Vec::new(),
         };
+        if let [folder] = &paths[..]
+            && folder.is_dir()
+        {
+            dialog.set_path(folder);
+            dialog.open();
+            return None;
+        }
         self.folder = Some(dialog.directory().to_owned());
         self.files = None;
         let Some(first) = paths.first().cloned() else {
@@ -354,6 +363,7 @@ impl Dialogs {
         all: Vec<PathBuf>,
         desk: &mut Desk,
     ) -> Option<Chosen> {
+        desk.wish(Command::Answered);
         desk.wish(match what {
             Ask::Open => Command::Open(all),
             Ask::Add => Command::Add(all),

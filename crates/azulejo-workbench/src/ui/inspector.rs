@@ -135,9 +135,18 @@ fn kind_of(shape: &Shape, desk: &Desk) -> String {
 }
 
 fn name(ui: &mut Ui, desk: &mut Desk, id: crate::document::Id, name: &str) {
-    let mut text = name.to_owned();
     let label = ui.label(desk.say("Name"));
+    // A name has no space at its end, but who types two words passes there.
+    let draft = ui.scope_id().with(("name", id));
+    let typed = ui.data(|d| d.get_temp::<String>(draft));
+    let mut text = typed.unwrap_or_else(|| name.to_owned());
     let response = ui.text_edit_singleline(&mut text).labelled_by(label.id);
+    ui.data_mut(|d| {
+        d.remove::<String>(draft);
+        if response.has_focus() {
+            d.insert_temp(draft, text.clone());
+        }
+    });
     // Each letter is an edit; all that are typed without a pause elsewhere are one step.
     if response.changed() && text != name {
         let gesture = Some(response.id.value() ^ id.0);

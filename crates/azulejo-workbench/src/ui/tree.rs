@@ -4,6 +4,7 @@ use super::desk::Desk;
 use crate::app::App;
 use crate::command::{Command, Selection};
 use crate::document::{Edit, Id};
+use crate::words::Language;
 use azulejo::scene::MaterialId;
 use egui::{Align, Layout, RichText, ScrollArea, Sense, Ui};
 use std::collections::{BTreeMap, HashSet};
@@ -19,7 +20,7 @@ pub struct Tree {
     renaming: Option<(Id, String)>,
     /// The rows, of which document and filter.
     rows: Vec<Row>,
-    made_of: Option<(u64, String)>,
+    made_of: Option<(u64, String, Language)>,
     /// What is selected.
     selected: HashSet<Id>,
     /// What the rows should be scrolled to.
@@ -192,7 +193,7 @@ impl Tree {
         let height = ui.spacing().interact_size.y;
         let target = self.reveal.take().and_then(|id| {
             let is_it = |&k: &usize| self.rows[k].leaf.id() == Some(id);
-            visible.iter().position(|k| is_it(k))
+            visible.iter().position(is_it)
         });
         let mut area = ScrollArea::vertical().auto_shrink([false, false]);
         if let Some(at) = target {
@@ -208,7 +209,7 @@ impl Tree {
     }
 
     fn refresh(&mut self, desk: &Desk) {
-        let key = (desk.app.revision(), self.filter.clone());
+        let key = (desk.app.revision(), self.filter.clone(), desk.language);
         if self.made_of.as_ref() != Some(&key) {
             self.rows = rows(desk.app, &self.filter, |text| desk.say(text));
             self.made_of = Some(key);

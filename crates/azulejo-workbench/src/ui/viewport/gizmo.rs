@@ -260,7 +260,8 @@ mod tests {
                 .drag(&mut grip, to(DVec3::new(x + 0.5, 0.1, 0.0)))
                 .unwrap();
             let moved = map.transform_point3(DVec3::ZERO);
-            assert!((before + moved.x - x).abs() < 1e-4, "{moved}");
+            // Well below a pixel.
+            assert!((before + moved.x - x).abs() < 1e-3, "{moved}");
             assert!(moved.y.abs() < 1e-9 && moved.z.abs() < 1e-9);
         }
     }

@@ -1,0 +1,384 @@
+//! Any sequence of edits can be taken back.
+
+use super::*;
+use crate::document::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
+use azulejo::scene::math::Aabb;
+use azulejo::scene::{
+    Camera, Fog, Light, LightKind, Material, Mesh, Primitive, PrimitiveKind, Rgb, Shape, Units, Up,
+};
+use glam::{DAffine3, DMat3, DVec3};
+use proptest::prelude::*;
+use proptest::sample::select;
+
+/// Numbers, mostly sane.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        12 => -10.0..10.0,
+        2 => select(vec![0.0, 1.0, -1.0]),
+        1 => select(vec![f64::NAN, f64::INFINITY, f64::MAX, f64::MIN_POSITIVE, 1e200, 1e-200]),
+    ]
+}
+
+fn vector() -> impl Strategy<Value = DVec3> {
+    [number(), number(), number()].prop_map(DVec3::from)
+}
+
+fn color() -> impl Strategy<Value = Rgb> {
+    prop_oneof![
+        6 => [0.0..1.0, 0.0..1.0, 0.0..1.0f64].prop_map(|[r, g, b]| Rgb::new(r, g, b)),
+        1 => vector().prop_map(|v| Rgb::new(v.x, v.y, v.z)),
+    ]
+}
+
+fn map() -> impl Strategy<Value = DAffine3> {
+    prop_oneof![
+        4 => (vector(), 0.1..3.0f64, vector()).prop_map(|(by, factor, turn)| {
+            let turn = glam::DQuat::from_scaled_axis(turn.clamp(DVec3::splat(-3.0), DVec3::splat(3.0)));
+            DAffine3::from_scale_rotation_translation(DVec3::splat(factor), turn, by)
+        }),
+        2 => (vector(), vector(), vector(), vector()).prop_map(|(x, y, z, t)| DAffine3 {
+            matrix3: DMat3::from_cols(x, y, z),
+            translation: t,
+        }),
+    ]
+}
+
+/// Things that are there, and some that are not: the sample ends at 6.
+fn id() -> impl Strategy<Value = Id> {
+    (1..12u64).prop_map(Id)
+}
+
+fn ids() -> impl Strategy<Value = Vec<Id>> {
+    prop::collection::vec(id(), 0..4)
+}
+
+fn name() -> impl Strategy<Value = String> {
+    prop_oneof![9 => "[a-c /0-9é]{0,6}", 1 => "[a\n\t]{1,3}"]
+}
+
+fn material() -> impl Strategy<Value = Material> {
+    (name(), color(), color(), 0..3u32, any::<bool>()).prop_map(
+        |(name, kd, le, texture, shines)| Material {
+            emission: if shines { le } else { Rgb::BLACK },
+            textures: (0..texture).collect(),
+            ..Material::diffuse(name, kd)
+        },
+    )
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    let corner = || prop::collection::vec(vector(), 3..6);
+    let mesh = (corner(), 0..5u32, 0..7u32).prop_map(|(positions, material, last)| {
+        let mut mesh = Mesh {
+            positions,
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, last], material);
+        Shape::Mesh(mesh)
+    });
+    let kinds = select(vec![
+        PrimitiveKind::Sphere,
+        PrimitiveKind::Cuboid,
+        PrimitiveKind::Square,
+        PrimitiveKind::Cone { top: 0.5 },
+    ]);
+    let primitive = (kinds, map(), 0..5u32)
+        .prop_map(|(kind, map, material)| Shape::Primitive(Primitive::new(kind, map, material)));
+    prop_oneof![mesh, primitive]
+}
+
+fn new_shape() -> impl Strategy<Value = NewShape> {
+    let kinds = select(vec![
+        NewKind::Cuboid,
+        NewKind::Sphere,
+        NewKind::Cylinder,
+        NewKind::Cone,
+        NewKind::Square,
+        NewKind::AreaLight,
+        NewKind::Text(Lettering::set("i", 0.2, None).unwrap()),
+    ]);
+    let material = prop::option::of(0..5u32);
+    (kinds, vector(), number(), material).prop_map(|(kind, at, size, material)| NewShape {
+        kind,
+        at,
+        size,
+        material,
+    })
+}
+
+fn new_light() -> impl Strategy<Value = NewLight> {
+    let kinds = select(vec![
+        NewLightKind::Point,
+        NewLightKind::Spot,
+        NewLightKind::Directional,
+        NewLightKind::Ambient,
+    ]);
+    (kinds, vector(), vector()).prop_map(|(kind, at, toward)| NewLight { kind, at, toward })
+}
+
+fn light() -> impl Strategy<Value = Light> {
+    let unit = || vector().prop_map(|v| v.normalize());
+    let point = (vector(), color()).prop_map(|(position, intensity)| LightKind::Point {
+        position,
+        intensity,
+    });
+    let spot = (vector(), unit(), color(), number(), number()).prop_map(
+        |(position, direction, intensity, inner, outer)| LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner,
+            outer,
+        },
+    );
+    let sun = (unit(), color()).prop_map(|(direction, irradiance)| LightKind::Directional {
+        direction,
+        irradiance,
+    });
+    let sky = color().prop_map(|radiance| LightKind::Ambient { radiance });
+    (name(), prop_oneof![point, spot, sun, sky]).prop_map(|(name, kind)| Light { name, kind })
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    (name(), vector(), vector(), vector(), number()).prop_map(|(name, eye, target, up, fov)| {
+        Camera {
+            name,
+            eye,
+            target,
+            up,
+            vertical_fov: fov,
+            size: None,
+        }
+    })
+}
+
+fn units() -> impl Strategy<Value = Units> {
+    (prop::option::of(number()), any::<bool>(), any::<bool>()).prop_map(
+        |(metres, z, photometric)| Units {
+            metres_per_unit: metres,
+            up: if z { Up::Z } else { Up::Y },
+            photometric,
+        },
+    )
+}
+
+fn any_edit() -> impl Strategy<Value = Edit> {
+    let fog = (color(), number(), any::<bool>()).prop_map(|(color, visibility, exponential)| Fog {
+        color,
+        visibility,
+        exponential,
+    });
+    let faces = prop::collection::vec(0..3u32, 0..3);
+    prop_oneof![
+        (id(), name()).prop_map(|(id, name)| Edit::Rename(id, name)),
+        (ids(), any::<bool>()).prop_map(|(ids, hidden)| Edit::Hide(ids, hidden)),
+        ids().prop_map(Edit::Delete),
+        ids().prop_map(Edit::Duplicate),
+        (ids(), map()).prop_map(|(ids, map)| Edit::Transform(ids, map)),
+        (id(), map()).prop_map(|(id, map)| Edit::Place(id, map)),
+        new_shape().prop_map(Edit::AddShape),
+        (id(), shape()).prop_map(|(id, shape)| Edit::SetShape(id, Arc::new(shape))),
+        new_light().prop_map(Edit::AddLight),
+        (id(), light()).prop_map(|(id, light)| Edit::SetLight(id, light)),
+        camera().prop_map(Edit::AddCamera),
+        (id(), camera()).prop_map(|(id, camera)| Edit::SetCamera(id, camera)),
+        material().prop_map(Edit::AddMaterial),
+        (0..6u32, material()).prop_map(|(id, material)| Edit::SetMaterial(id, material)),
+        (ids(), 0..6u32).prop_map(|(ids, material)| Edit::Assign(ids, material)),
+        (id(), faces, 0..6u32).prop_map(|(id, faces, m)| Edit::AssignFaces(id, faces, m)),
+        prop::option::of(color()).prop_map(Edit::SetBackground),
+        prop::option::of(fog).prop_map(Edit::SetFog),
+        units().prop_map(Edit::SetUnits),
+        Just(Edit::Append(Box::new(sample()))),
+    ]
+}
+
+/// What else happens between edits.
+#[derive(Clone, Debug)]
+enum Act {
+    Edit(Edit, Option<u64>),
+    Undo,
+    Redo,
+    Select(Selection),
+}
+
+fn act() -> impl Strategy<Value = Act> {
+    let faces = prop::option::of((id(), prop::collection::vec(0..4u32, 0..3)));
+    let selection =
+        (ids(), faces, prop::option::of(0..6u32)).prop_map(|(ids, faces, material)| Selection {
+            ids,
+            faces,
+            material,
+        });
+    prop_oneof![
+        8 => (any_edit(), prop::option::of(0..2u64)).prop_map(|(e, gesture)| Act::Edit(e, gesture)),
+        2 => Just(Act::Undo),
+        1 => Just(Act::Redo),
+        1 => selection.prop_map(Act::Select),
+    ]
+}
+
+/// What must hold at any time.
+fn check_app(app: &App) {
+    let scene = app.document.scene();
+    let valid = scene.validate();
+    assert!(valid.is_ok(), "{valid:?}");
+    let selection = &app.selection;
+    assert!(
+        selection.ids.iter().all(|&id| app.document.has(id)),
+        "{selection:?}"
+    );
+    let materials = app.document.materials.len() as u32;
+    assert!(
+        selection.material.is_none_or(|m| m < materials),
+        "{selection:?}"
+    );
+    if let Some((id, faces)) = &selection.faces {
+        let item = app.document.item(*id).expect("faces of something");
+        let Shape::Mesh(mesh) = &*item.shape else {
+            panic!("faces of what has none: {selection:?}")
+        };
+        assert!(
+            faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
+            "{selection:?}"
+        );
+    }
+    let bounds = app.document.bounds(None);
+    assert!(
+        bounds == Aabb::EMPTY || bounds.min.is_finite() && bounds.max.is_finite(),
+        "{bounds:?}"
+    );
+}
+
+fn perform(app: &mut App, act: Act) {
+    match act {
+        Act::Undo => app.execute(Command::Undo),
+        Act::Redo => app.execute(Command::Redo),
+        Act::Select(selection) => app.execute(Command::Select(selection)),
+        Act::Edit(edit, gesture) => {
+            let (before, revision) = (app.document.clone(), app.revision());
+            app.messages.clear();
+            app.execute(Command::Edit(edit, gesture));
+            let refused = !app.messages.is_empty();
+            assert_eq!(refused, app.revision() == revision);
+            assert!(!refused || app.document == before, "refused, and changed");
+        }
+    }
+}
+
+fn undo_all(app: &mut App) -> usize {
+    let mut steps = 0;
+    while app.undo_labels().0.is_some() {
+        app.execute(Command::Undo);
+        check_app(app);
+        steps += 1;
+    }
+    steps
+}
+
+proptest! {
+    #[test]
+    fn any_sequence_undone_gives_the_first_document_back(
+        acts in prop::collection::vec(act(), 1..24)
+    ) {
+        let mut app = filled();
+        let first = app.document.clone();
+        let scene = first.scene();
+        for act in acts {
+            perform(&mut app, act);
+            check_app(&app);
+        }
+        let mut last = app.document.clone();
+        while app.undo_labels().1.is_some() {
+            app.execute(Command::Redo);
+            last = app.document.clone();
+        }
+        let steps = undo_all(&mut app);
+        prop_assert!(app.document == first);
+        prop_assert!(app.document.scene() == scene);
+        prop_assert!(!app.is_changed());
+        for _ in 0..steps {
+            app.execute(Command::Redo);
+        }
+        prop_assert!(app.document == last);
+        prop_assert_eq!(app.undo_labels().1, None);
+    }
+}
+
+#[test]
+fn a_gesture_is_one_step_however_many_edits_it_has() {
+    let mut app = filled();
+    let first = app.document.clone();
+    for k in 0..10 {
+        let shift = DAffine3::from_translation(DVec3::X * f64::from(k));
+        let drag = Edit::Transform(vec![Id(3)], shift);
+        app.execute(Command::Edit(drag, Some(4)));
+    }
+    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    assert_eq!(app.undo_labels().0, Some("rename"));
+    app.execute(Command::Undo);
+    assert_eq!(app.undo_labels().0, Some("move"));
+    app.execute(Command::Undo);
+    assert_eq!(app.document, first);
+    assert_eq!(app.undo_labels(), (None, Some("move")));
+}
+
+#[test]
+fn what_is_made_is_selected_and_undo_selects_what_was() {
+    let mut app = filled();
+    app.execute(Command::Select(Selection::one(Id(3))));
+    assert_eq!(app.selection.material, Some(1));
+    edit(&mut app, Edit::Duplicate(vec![Id(3)]));
+    let copy = app.selection.ids[0];
+    assert_eq!(app.document.name(copy), Some("ball 2"));
+    app.execute(Command::Undo);
+    assert_eq!(app.selection.ids, [Id(3)]);
+    app.execute(Command::SelectAll);
+    assert_eq!(app.selection.ids.len(), 5);
+}
+
+#[test]
+fn faces_of_another_shape_are_not_selected_any_more() {
+    let mut app = filled();
+    app.execute(Command::Select(Selection {
+        faces: Some((Id(1), vec![0, 1])),
+        ..Selection::one(Id(1))
+    }));
+    assert!(app.selection.faces.is_some());
+    let ball = Primitive::sphere(DVec3::ZERO, 1.0, 0);
+    edit(
+        &mut app,
+        Edit::SetShape(Id(1), Arc::new(Shape::Primitive(ball))),
+    );
+    assert_eq!(app.selection.faces, None);
+}
+
+#[test]
+fn letters_are_added_and_nonsense_is_told() {
+    let mut app = filled();
+    let text = |text: &str, size: f64, font: Option<PathBuf>| Command::AddText {
+        text: text.into(),
+        size,
+        depth: 0.2,
+        font,
+    };
+    app.execute(text("Olé", 1.0, None));
+    check_no_error(&app);
+    assert_eq!(app.document.items.last().unwrap().name, "Olé");
+    check_app(&app);
+    app.execute(text("a", -1.0, None));
+    app.execute(text("a", 1.0, Some("/nowhere/font.ttf".into())));
+    app.execute(text("a", 1.0, Some(example("cornell.grf"))));
+    assert_eq!(errors(&app).len(), 3, "{:?}", app.messages);
+    assert_eq!(app.document.items.len(), 5);
+}
+
+#[test]
+fn a_view_without_direction_is_not_taken() {
+    let mut app = filled();
+    let good = app.view.clone();
+    let mut bad = good.clone();
+    bad.camera.eye = bad.camera.target;
+    app.execute(Command::Look(Box::new(bad)));
+    assert_eq!(app.view, good);
+}

@@ -1,0 +1,412 @@
+//! Files: opened, added, saved, exported, changed by others.
+
+use super::*;
+use crate::document::tests::solved;
+use azulejo::models::FORMATS;
+use azulejo::scene::Up;
+
+fn file_of(app: &App) -> Option<&Path> {
+    app.file.as_ref().map(|f| f.path.as_path())
+}
+
+/// An app with a copy of the Cornell box open, and a change.
+fn changed(folder: &Folder) -> App {
+    let mut app = App::quiet();
+    let model = folder.copy("cornell.grf");
+    run(&mut app, Command::Open(vec![model]));
+    check_no_error(&app);
+    let first = app.document.items[0].id;
+    edit(&mut app, Edit::Rename(first, "ground".into()));
+    assert!(app.is_changed());
+    app
+}
+
+#[test]
+fn a_file_is_opened_and_others_join_it_under_their_names() {
+    let folder = Folder::new("open");
+    let mut app = App::quiet();
+    let cornell = folder.copy("cornell.grf");
+    run(&mut app, Command::Open(vec![cornell.clone()]));
+    assert_eq!(file_of(&app), Some(&*cornell));
+    assert!(!app.is_changed() && app.undo_labels().0.is_none());
+    assert_eq!(app.preferences.recent, std::slice::from_ref(&cornell));
+    let (count, units) = (app.document.items.len(), app.document.units);
+    assert_eq!(app.document.items[0].name, "floor");
+    // It looks through the file's own camera.
+    assert_eq!(app.view.camera, app.document.cameras[0].camera);
+
+    run(&mut app, Command::Add(vec![folder.copy("shapes.grf")]));
+    check_no_error(&app);
+    assert!(app.is_changed());
+    assert_eq!(file_of(&app), Some(&*cornell));
+    assert_eq!(app.document.units, units);
+    let new = &app.document.items[count..];
+    assert!(!new.is_empty() && new.iter().all(|i| i.branch == Some(1)));
+    assert!(
+        new.iter().all(|i| i.name.starts_with("shapes")),
+        "{:?}",
+        new[0].name
+    );
+    app.execute(Command::Undo);
+    assert_eq!(app.document.items.len(), count);
+    assert!(!app.is_changed());
+}
+
+#[test]
+fn units_of_what_joins_are_adapted() {
+    let folder = Folder::new("units");
+    let write = |name: &str, up: Up, metres: f64| {
+        let mut scene = sample().scene();
+        scene.units.up = up;
+        scene.units.metres_per_unit = Some(metres);
+        let path = folder.path(name);
+        azulejo::models::write(&scene, &path, &azulejo::trace::Progress::new()).unwrap();
+        path
+    };
+    let (metres, inches) = (write("m.grf", Up::Y, 1.0), write("in.grf", Up::Z, 0.0254));
+    let mut app = App::quiet();
+    run(&mut app, Command::Open(vec![metres, inches]));
+    check_no_error(&app);
+    let (a, b) = (&app.document.items[0], &app.document.items[4]);
+    assert_eq!(b.name, format!("in/{}", a.name));
+    let (a, b) = (a.bounds(), b.bounds());
+    assert!(
+        (b.size().x - 0.0254 * a.size().x).abs() < 1e-9,
+        "{a:?} {b:?}"
+    );
+    // What was up along z stands up along y.
+    assert!(
+        (b.size().y - 0.0254 * a.size().z).abs() < 1e-9,
+        "{a:?} {b:?}"
+    );
+    assert!(app.messages.iter().any(|m| m.text.contains("in.grf")));
+}
+
+#[test]
+fn adding_to_nothing_takes_the_units_of_the_file() {
+    let mut app = App::quiet();
+    run(&mut app, Command::Add(vec![example("cornell.grf")]));
+    assert_eq!(app.document.units.metres_per_unit, Some(0.001));
+    assert!(app.is_changed() && app.file.is_none());
+}
+
+#[test]
+fn a_file_that_fails_changes_nothing_and_is_told() {
+    let folder = Folder::new("fails");
+    let mut app = changed(&folder);
+    let before = app.document.clone();
+    let broken = folder.path("broken.grf");
+    std::fs::write(&broken, "begin mesh begin vertices (1, 2").unwrap();
+    run(&mut app, Command::Add(vec![broken.clone()]));
+    check_error(&app, "broken.grf");
+    app.messages.clear();
+    run(&mut app, Command::Add(vec![folder.path("missing.obj")]));
+    check_error(&app, "missing.obj");
+    assert_eq!(app.document, before);
+
+    // Even one that was to take its place, after the changes were given up.
+    app.messages.clear();
+    app.execute(Command::Open(vec![broken]));
+    run(&mut app, Command::Discard);
+    check_error(&app, "broken.grf");
+    assert_eq!(app.document, before);
+    assert!(
+        app.is_changed(),
+        "the changes are there, and not on the disk"
+    );
+}
+
+#[test]
+fn of_several_files_those_that_can_be_read_are_opened() {
+    let folder = Folder::new("several");
+    let broken = folder.path("broken.obj");
+    std::fs::write(&broken, "f 1 2 3").unwrap();
+    let mut app = App::quiet();
+    let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
+    let missing = folder.path("missing.3ds");
+    run(&mut app, Command::Open(vec![missing, a.clone(), b]));
+    assert_eq!(errors(&app).len(), 1, "{:?}", errors(&app));
+    assert_eq!(file_of(&app), Some(&*a));
+    let names: Vec<&str> = app.document.branches.iter().map(|b| &*b.name).collect();
+    assert_eq!(names, ["shapes", "csg"]);
+    assert!(app.loading.is_none());
+}
+
+#[test]
+fn what_is_saved_comes_back_equal() {
+    let folder = Folder::new("save");
+    let mut app = filled();
+    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    let path = folder.path("unlit.grf");
+    run(&mut app, Command::SaveAs(folder.path("unlit")));
+    check_no_error(&app);
+    assert!(!app.is_changed());
+    assert_eq!(file_of(&app), Some(&*path));
+    let mut again = App::quiet();
+    run(&mut again, Command::Open(vec![path]));
+    assert_eq!(again.document.scene(), app.document.scene());
+    assert!(again.lighting.solution.is_none());
+}
+
+#[test]
+fn light_is_saved_and_comes_back() {
+    let folder = Folder::new("lit");
+    let mut app = filled();
+    app.take_light(solved(&app.document));
+    assert!(app.is_changed());
+    let path = folder.path("lit.grf");
+    run(&mut app, Command::SaveAs(path.clone()));
+    check_no_error(&app);
+    assert!(!app.is_changed());
+    assert!(
+        app.messages
+            .last()
+            .unwrap()
+            .text
+            .ends_with("with its light")
+    );
+
+    let mut again = App::quiet();
+    run(&mut again, Command::Open(vec![path.clone()]));
+    assert!(again.lighting.is_current);
+    let solution = app.lighting.solution.as_deref();
+    let (lit, _) = app.document.lit_scene(solution);
+    let (reread, _) = again.document.lit_scene(again.lighting.solution.as_deref());
+    assert_eq!(reread, lit);
+
+    // Light of an earlier state is not written onto another one.
+    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    run(&mut app, Command::Save);
+    assert!(app.messages.last().unwrap().text.contains("without light"));
+    run(&mut again, Command::Open(vec![path]));
+    assert!(again.lighting.solution.is_none());
+}
+
+#[test]
+fn what_cannot_be_written_is_told_and_stays_a_change() {
+    let folder = Folder::new("refused");
+    let mut app = changed(&folder);
+    let own = app.file.clone();
+    let file = folder.path("file");
+    std::fs::write(&file, "").unwrap();
+    std::fs::create_dir(folder.path("a.grf")).unwrap();
+    for (path, said) in [
+        (folder.path("a.grf"), "a.grf"),
+        (folder.path("none/b.grf"), "b.grf"),
+        (file.join("c.grf"), "c.grf"),
+        (folder.path("d.xyz"), "d.xyz"),
+        (PathBuf::from("/proc/e.grf"), "e.grf"),
+    ] {
+        app.messages.clear();
+        run(&mut app, Command::SaveAs(path));
+        check_error(&app, said);
+        assert!(app.is_changed());
+        assert_eq!(app.file, own);
+    }
+}
+
+/// A device that is always full, behind a name that says GRF.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_and_what_waited_for_the_save_does_not_go_on() {
+    let folder = Folder::new("full");
+    let mut app = changed(&folder);
+    let full = folder.path("full.grf");
+    std::os::unix::fs::symlink("/dev/full", &full).unwrap();
+    app.execute(Command::Quit);
+    run(&mut app, Command::SaveAs(full));
+    check_error(&app, "full.grf");
+    assert!(app.is_changed() && !app.closing && app.question.is_none());
+    assert_eq!(app.document.items[0].name, "ground");
+}
+
+#[test]
+fn a_file_that_others_wrote_is_asked_about() {
+    let folder = Folder::new("others");
+    let mut app = changed(&folder);
+    let path = folder.path("cornell.grf");
+    app.check_disk();
+    assert_eq!(app.question, None);
+    let others = std::fs::read_to_string(example("shapes.grf")).unwrap();
+    std::fs::write(&path, &others).unwrap();
+    run(&mut app, Command::Save);
+    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
+    app.execute(Command::Dismiss);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), others);
+    assert!(app.is_changed());
+
+    app.execute(Command::Save);
+    run(&mut app, Command::SaveAnyway);
+    assert_eq!((app.question.clone(), app.is_changed()), (None, false));
+    assert_ne!(std::fs::read_to_string(&path).unwrap(), others);
+
+    // When the window is looked at again; once.
+    std::fs::write(&path, &others).unwrap();
+    app.check_disk();
+    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
+    run(&mut app, Command::Discard);
+    check_no_error(&app);
+    assert_eq!(app.document.branches[0].name, "cornell");
+    assert!(!app.document.items.iter().any(|i| i.name == "ground"));
+    app.check_disk();
+    assert_eq!(app.question, None);
+
+    std::fs::remove_file(&path).unwrap();
+    app.check_disk();
+    assert_eq!(app.question, None);
+    assert!(app.messages.last().unwrap().text.contains("is gone"));
+    run(&mut app, Command::Save);
+    check_no_error(&app);
+    assert!(path.exists());
+}
+
+#[test]
+fn changes_are_not_lost_without_asking() {
+    let folder = Folder::new("guard");
+    let other = folder.copy("shapes.grf");
+    for command in [Command::New, Command::Open(vec![other]), Command::Quit] {
+        let mut app = changed(&folder);
+        let before = app.document.clone();
+        let ask = |app: &mut App| {
+            app.execute(command.clone());
+            let question = Question::Unsaved(Box::new(command.clone()));
+            assert_eq!(app.question.as_ref(), Some(&question));
+            assert_eq!(app.document, before);
+        };
+        let is_done = |app: &App| app.closing || app.document != before;
+        ask(&mut app);
+        run(&mut app, Command::Dismiss);
+        assert!(!is_done(&app) && app.is_changed());
+        ask(&mut app);
+        run(&mut app, Command::Discard);
+        assert!(is_done(&app));
+        assert_eq!(app.question, None);
+
+        let mut app = changed(&folder);
+        ask(&mut app);
+        run(&mut app, Command::Save);
+        check_no_error(&app);
+        assert!(is_done(&app), "{command:?}");
+        let saved = std::fs::read_to_string(folder.path("cornell.grf")).unwrap();
+        assert!(saved.contains("ground"));
+    }
+}
+
+#[test]
+fn a_document_without_a_place_asks_for_one_before_it_goes() {
+    let folder = Folder::new("place");
+    let mut app = filled();
+    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    app.execute(Command::Quit);
+    app.execute(Command::Save);
+    assert_eq!(app.asking, Some(Ask::SaveAs));
+    app.execute(Command::Answered);
+    run(&mut app, Command::SaveAs(folder.path("a.grf")));
+    assert!(app.closing && app.asking.is_none());
+
+    // A format that keeps no light is not written over: a place is asked for.
+    let mut app = App::quiet();
+    run(&mut app, Command::Open(vec![folder.copy("box.vs3")]));
+    check_no_error(&app);
+    app.execute(Command::Save);
+    assert_eq!(app.asking, Some(Ask::SaveAs));
+    app.execute(Command::Dismiss);
+    assert_eq!(app.asking, None);
+}
+
+#[test]
+fn edits_made_while_a_file_is_read_are_not_lost() {
+    let mut app = filled();
+    let shapes = example("shapes.grf");
+    app.execute(Command::Open(vec![shapes.clone()]));
+    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    settle(&mut app);
+    let question = Question::Unsaved(Box::new(Command::Open(vec![shapes.clone()])));
+    assert_eq!(app.question, Some(question));
+    assert_eq!(app.document.name(Id(3)), Some("marble"));
+    run(&mut app, Command::Discard);
+    assert_eq!(file_of(&app), Some(&*shapes));
+}
+
+#[test]
+fn a_save_that_ends_late_is_not_of_the_next_document() {
+    let folder = Folder::new("late");
+    let mut app = filled();
+    let path = folder.path("late.grf");
+    app.execute(Command::SaveAs(path.clone()));
+    app.execute(Command::New);
+    settle(&mut app);
+    check_no_error(&app);
+    assert!(path.exists() && app.file.is_none());
+    assert!(app.document.is_empty() && !app.is_changed());
+}
+
+#[test]
+fn a_new_document_is_not_replaced_by_a_file_on_its_way() {
+    let mut app = App::quiet();
+    app.execute(Command::Open(vec![example("cornell.grf")]));
+    app.execute(Command::New);
+    settle(&mut app);
+    assert!(app.document.is_empty() && app.jobs().is_empty());
+}
+
+#[test]
+fn copies_are_exported_in_every_format() {
+    let folder = Folder::new("export");
+    let mut app = changed(&folder);
+    let own = app.file.clone();
+    for format in &FORMATS {
+        let path = folder.path(&format!("copy.{}", format.extension));
+        run(&mut app, Command::Export(path.clone()));
+        check_no_error(&app);
+        let mut again = App::quiet();
+        run(&mut again, Command::Open(vec![path]));
+        check_no_error(&again);
+        assert!(again.document.face_count() > 10, "{}", format.extension);
+    }
+    assert!(app.is_changed(), "an export is not a save");
+    assert_eq!(app.file, own);
+}
+
+#[test]
+fn warnings_lead_to_what_they_are_about() {
+    let folder = Folder::new("warnings");
+    let path = folder.path("odd.obj");
+    let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl nowhere\ncurv2 1 2\n";
+    std::fs::write(&path, text).unwrap();
+    let mut app = App::quiet();
+    run(&mut app, Command::Open(vec![path]));
+    check_no_error(&app);
+    let warnings: Vec<_> = app
+        .messages
+        .iter()
+        .filter(|m| m.level == Level::Warning)
+        .collect();
+    assert!(!warnings.is_empty());
+    assert!(
+        warnings
+            .iter()
+            .all(|m| m.about.is_some_and(|id| app.document.has(id)))
+    );
+    app.execute(Command::ClearMessages);
+    assert!(app.messages.is_empty());
+}
+
+#[test]
+fn a_job_is_cancelled() {
+    let mut app = filled();
+    app.execute(Command::Open(vec![example("cornell.grf")]));
+    let job = app.jobs()[0].id;
+    app.execute(Command::Cancel(job));
+    settle(&mut app);
+    assert_eq!(app.document, sample());
+    assert!(app.loading.is_none());
+}
+
+#[test]
+fn messages_are_not_kept_for_ever() {
+    let mut app = App::quiet();
+    (0..1_500).for_each(|k| app.tell(Level::Note, k.to_string()));
+    assert_eq!(app.messages.len(), 1_000);
+    assert_eq!(app.messages.last().unwrap().text, "1499");
+}

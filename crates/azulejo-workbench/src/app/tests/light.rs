@@ -1,0 +1,165 @@
+//! The light of the app's document, and the pictures of it.
+
+use super::*;
+use crate::document::tests::solved;
+use crate::light::LightSettings;
+use azulejo::formats::read_picture;
+
+/// The sample, solved at a pinch.
+fn lit() -> App {
+    let mut app = filled();
+    app.execute(Command::SetLight(LightSettings {
+        patches: 30,
+        error: 0.5,
+        ..LightSettings::default()
+    }));
+    run(&mut app, Command::Solve);
+    check_no_error(&app);
+    app
+}
+
+#[test]
+fn solving_lights_the_document_and_edits_make_it_old() {
+    let mut app = lit();
+    assert!(app.lighting.is_current && app.is_changed());
+    let range = app.lighting.range.expect("something is lit");
+    assert!(range.high > 0.0 && range.low <= range.usual && range.usual <= range.high);
+    let solution = app.lighting.solution.as_ref().unwrap();
+    assert!(solution.report.is_some());
+    edit(&mut app, Edit::Hide(vec![Id(1)], true));
+    assert!(app.lighting.is_current);
+    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    assert!(!app.lighting.is_current);
+    app.execute(Command::Undo);
+    assert!(app.lighting.is_current);
+    app.execute(Command::DropLight);
+    assert!(app.lighting.solution.is_none() && !app.lighting.is_current);
+}
+
+#[test]
+fn light_that_is_not_saved_is_a_change_though_the_edits_are_undone() {
+    let mut app = filled();
+    edit(&mut app, Edit::Hide(vec![Id(1)], true));
+    let solution = solved(&app.document);
+    app.take_light(solution);
+    app.execute(Command::Undo);
+    assert!(app.lighting.is_current && app.is_changed());
+}
+
+#[test]
+fn nothing_that_shines_is_told() {
+    let mut app = App::quiet();
+    run(&mut app, Command::Solve);
+    check_error(&app, "nothing shines");
+}
+
+#[test]
+fn a_solver_rests_goes_on_and_ends() {
+    let mut app = filled();
+    app.execute(Command::SetLight(LightSettings {
+        patches: 2_000,
+        error: 1e-6,
+        ..LightSettings::default()
+    }));
+    app.execute(Command::Solve);
+    app.execute(Command::Pause);
+    assert!(app.lighting.is_paused && app.is_busy(Kind::Solve));
+    app.execute(Command::Resume);
+    assert!(!app.lighting.is_paused);
+    app.execute(Command::Solve);
+    assert_eq!(app.jobs().len(), 1);
+    app.execute(Command::StopSolving);
+    settle(&mut app);
+    check_no_error(&app);
+    let solver = |app: &mut App| {
+        app.execute(Command::Solve);
+        app.jobs()[0].id
+    };
+    let job = solver(&mut app);
+    app.execute(Command::Cancel(job));
+    assert!(app.jobs().is_empty() && !app.lighting.is_paused);
+}
+
+#[test]
+fn form_factors_are_found_and_forgotten_with_an_edit() {
+    let mut app = lit();
+    let place = crate::command::PatchAt {
+        item: Id(1),
+        position: glam::DVec3::new(1.5, 0.0, -1.5),
+        normal: glam::DVec3::Y,
+    };
+    run(&mut app, Command::FormFactorsFrom(place));
+    check_no_error(&app);
+    let seen = app.lighting.seen.as_ref().expect("factors");
+    assert!(seen.sum > 0.0 && seen.sum <= 1.0 + 1e-6, "{}", seen.sum);
+    assert_eq!(seen.patches.faces.len(), seen.factors.len());
+    edit(&mut app, Edit::Rename(Id(1), "ground".into()));
+    assert!(app.lighting.seen.is_none());
+    let nowhere = crate::command::PatchAt {
+        position: glam::DVec3::splat(1e3),
+        ..place
+    };
+    run(&mut app, Command::FormFactorsFrom(nowhere));
+    check_error(&app, "no patch at that place");
+}
+
+#[test]
+fn pictures_are_drawn_refined_and_written_in_three_formats() {
+    let folder = Folder::new("pictures");
+    let mut app = filled();
+    app.execute(Command::SavePicture(folder.path("early.png")));
+    check_error(&app, "there is no picture yet");
+    app.messages.clear();
+    app.preferences.picture_samples = 2;
+    run(
+        &mut app,
+        Command::Picture {
+            width: 24,
+            height: 16,
+        },
+    );
+    let picture = app.picture.clone().expect("a picture");
+    assert_eq!((picture.samples, picture.size), (2, (24, 16)));
+    for name in ["a.png", "a.hdr", "a.exr", "bare"] {
+        run(&mut app, Command::SavePicture(folder.path(name)));
+    }
+    check_no_error(&app);
+    for name in ["a.png", "a.hdr", "bare.png"] {
+        let bytes = std::fs::read(folder.path(name)).unwrap();
+        let image = read_picture(&bytes).unwrap();
+        assert_eq!((image.width, image.height), (24, 16), "{name}");
+    }
+    assert!(folder.path("a.exr").exists());
+    run(&mut app, Command::SavePicture(folder.path("a.webp")));
+    check_error(&app, "unknown kind of picture");
+    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    assert!(app.picture.is_none(), "a picture of what is gone");
+    app.messages.clear();
+    app.execute(Command::Picture {
+        width: 0,
+        height: 5,
+    });
+    check_error(&app, "too large");
+}
+
+#[test]
+fn a_backdrop_is_read_and_does_not_disturb_a_model_on_its_way() {
+    let folder = Folder::new("backdrop");
+    let mut app = filled();
+    app.preferences.picture_samples = 1;
+    run(
+        &mut app,
+        Command::Picture {
+            width: 8,
+            height: 8,
+        },
+    );
+    run(&mut app, Command::SavePicture(folder.path("sky.png")));
+    let other = folder.copy("shapes.grf");
+    app.execute(Command::Open(vec![other.clone()]));
+    run(&mut app, Command::LoadBackdrop(folder.path("sky.png")));
+    assert!(matches!(app.view.backdrop, Backdrop::Image(..)));
+    assert_eq!(app.file.as_ref().map(|f| &f.path), Some(&other));
+    run(&mut app, Command::LoadBackdrop(other));
+    assert_eq!(errors(&app).len(), 1);
+}

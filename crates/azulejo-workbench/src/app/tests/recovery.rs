@@ -1,0 +1,208 @@
+//! What survives a crash, and what a person chose once.
+
+use super::*;
+use crate::words::Language;
+
+fn places(folder: &Folder) -> Places {
+    Places {
+        preferences: Some(folder.path("preferences.toml")),
+        recovery: Some(folder.path("recovery")),
+    }
+}
+
+fn app_in(folder: &Folder, autosave: u32) -> App {
+    let preferences = Preferences {
+        language: Language::English,
+        autosave,
+        ..Preferences::default()
+    };
+    App::new(preferences, places(folder), Arc::new(|| ()))
+}
+
+/// The change was made so many seconds ago.
+fn let_pass(app: &mut App, seconds: u64) {
+    app.changed_at = app
+        .changed_at
+        .and_then(|t| t.checked_sub(Duration::from_secs(seconds)));
+}
+
+fn copies(folder: &Folder) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder.path("recovery"))
+        .into_iter()
+        .flatten();
+    let paths = entries.map(|e| e.unwrap().path());
+    paths
+        .filter(|p| p.extension().is_some_and(|e| e == "grf"))
+        .collect()
+}
+
+/// The folders of a session that is no more: what it wrote without the locks that it held.
+fn after_a_crash(folder: &Folder, app: App) -> Folder {
+    let name = folder.0.file_name().unwrap().to_string_lossy().into_owned();
+    let next = Folder::new(&format!("{name}-next"));
+    std::fs::create_dir(next.path("recovery")).unwrap();
+    for entry in std::fs::read_dir(folder.path("recovery")).unwrap() {
+        let entry = entry.unwrap();
+        std::fs::copy(entry.path(), next.path("recovery").join(entry.file_name())).unwrap();
+    }
+    drop(app);
+    next
+}
+
+#[test]
+fn a_copy_is_written_after_a_while_and_only_of_changes() {
+    let folder = Folder::new("autosave");
+    let mut app = app_in(&folder, 20);
+    run(&mut app, Command::Open(vec![example("shapes.grf")]));
+    settle(&mut app);
+    assert!(copies(&folder).is_empty());
+    assert_eq!(app.wakes_in(), None);
+
+    edit(&mut app, Edit::Rename(Id(1), "renamed".into()));
+    settle(&mut app);
+    assert!(copies(&folder).is_empty());
+    assert!(app.wakes_in().is_some_and(|t| t <= Duration::from_secs(20)));
+    let_pass(&mut app, 21);
+    settle(&mut app);
+    assert_eq!(copies(&folder).len(), 1);
+    let written = std::fs::metadata(&copies(&folder)[0])
+        .unwrap()
+        .modified()
+        .unwrap();
+    settle(&mut app);
+    let again = std::fs::metadata(&copies(&folder)[0])
+        .unwrap()
+        .modified()
+        .unwrap();
+    assert_eq!(written, again, "the same was written twice");
+
+    run(&mut app, Command::SaveAs(folder.path("safe.grf")));
+    assert!(copies(&folder).is_empty());
+}
+
+#[test]
+fn no_copy_is_written_where_none_is_wanted() {
+    let folder = Folder::new("never");
+    let mut app = app_in(&folder, 0);
+    edit(&mut app, Edit::Append(Box::new(sample())));
+    let_pass(&mut app, 1_000);
+    settle(&mut app);
+    assert!(copies(&folder).is_empty() && app.wakes_in().is_none());
+}
+
+#[test]
+fn what_a_crash_left_is_recovered_with_its_name() {
+    let folder = Folder::new("crash");
+    let mut app = app_in(&folder, 1);
+    let model = folder.copy("cornell.grf");
+    run(&mut app, Command::Open(vec![model.clone()]));
+    let first = app.document.items[0].id;
+    edit(&mut app, Edit::Rename(first, "ground".into()));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    let scene = app.document.scene();
+    let next = after_a_crash(&folder, app);
+    assert!(copies(&folder).is_empty(), "it ended in good order");
+
+    let mut app = app_in(&next, 1);
+    let [found] = app.recoverable() else {
+        panic!("{:?}", app.recoverable())
+    };
+    assert_eq!(found.original.as_deref(), Some(&*model));
+    let copy = found.copy.clone();
+    run(&mut app, Command::Recover(copy.clone()));
+    check_no_error(&app);
+    assert_eq!(app.document.scene(), scene);
+    assert_eq!(app.file.as_ref().map(|f| &*f.path), Some(&*model));
+    assert_eq!(app.document.branches[0].path, model);
+    assert!(app.is_changed() && app.recoverable().is_empty() && !copy.exists());
+    // It was not recovered because somebody wrote it: there is nothing to ask.
+    app.check_disk();
+    assert_eq!(app.question, None);
+    // But what is on the disk is not what was recovered.
+    app.execute(Command::Save);
+    assert_eq!(app.question, Some(Question::ChangedOnDisk(model.clone())));
+    run(&mut app, Command::SaveAnyway);
+    assert!(!app.is_changed());
+    assert!(std::fs::read_to_string(model).unwrap().contains("ground"));
+}
+
+#[test]
+fn what_had_no_name_has_none_after_a_crash() {
+    let folder = Folder::new("nameless");
+    let mut app = app_in(&folder, 1);
+    edit(&mut app, Edit::Append(Box::new(sample())));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    let next = after_a_crash(&folder, app);
+    let mut app = app_in(&next, 1);
+    let copy = app.recoverable()[0].copy.clone();
+    run(&mut app, Command::Recover(copy));
+    check_no_error(&app);
+    assert!(app.file.is_none() && app.document.branches.is_empty());
+    assert_eq!(app.document.scene(), sample().scene());
+    app.execute(Command::Save);
+    assert_eq!(app.asking, Some(Ask::SaveAs));
+}
+
+#[test]
+fn what_a_crash_left_can_be_deleted_or_be_broken() {
+    let folder = Folder::new("broken");
+    let mut app = app_in(&folder, 1);
+    edit(&mut app, Edit::Append(Box::new(sample())));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    let next = after_a_crash(&folder, app);
+    let mut app = app_in(&next, 1);
+    let copy = app.recoverable()[0].copy.clone();
+    std::fs::write(&copy, "begin mesh").unwrap();
+    run(&mut app, Command::Recover(copy.clone()));
+    assert_eq!(errors(&app).len(), 1);
+    assert!(app.document.is_empty() && app.recoverable().len() == 1);
+    app.execute(Command::Forget(copy.clone()));
+    assert!(app.recoverable().is_empty() && !copy.exists());
+}
+
+#[test]
+fn a_copy_that_cannot_be_written_is_told_once() {
+    let folder = Folder::new("unwritable");
+    std::fs::write(folder.path("recovery"), "no folder").unwrap();
+    let mut app = app_in(&folder, 1);
+    edit(&mut app, Edit::Append(Box::new(sample())));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    settle(&mut app);
+    assert!(errors(&app).len() <= 1, "{:?}", errors(&app));
+    assert_eq!(app.document.items.len(), 4);
+}
+
+#[test]
+fn preferences_are_kept() {
+    let folder = Folder::new("preferences");
+    let mut app = app_in(&folder, 7);
+    let mut mine = app.preferences.clone();
+    mine.language = Language::Portuguese;
+    mine.color_map = crate::view::ColorMap::Magma;
+    app.execute(Command::SetPreferences(Box::new(mine.clone())));
+    assert_eq!(app.view.false_color.map, crate::view::ColorMap::Magma);
+    run(&mut app, Command::Open(vec![example("shapes.grf")]));
+    let (kept, trouble) = Preferences::load(&folder.path("preferences.toml"));
+    assert_eq!(trouble, None);
+    assert_eq!(kept.recent, [example("shapes.grf")]);
+    assert_eq!(kept.language, Language::Portuguese);
+
+    // Where they cannot be kept it is told, and they hold for now.
+    let mut app = App::new(
+        mine,
+        Places {
+            preferences: Some(PathBuf::from("/proc/none/preferences.toml")),
+            recovery: None,
+        },
+        Arc::new(|| ()),
+    );
+    let mut other = app.preferences.clone();
+    other.language = Language::Spanish;
+    app.execute(Command::SetPreferences(Box::new(other)));
+    assert_eq!(app.preferences.language, Language::Spanish);
+    assert_eq!(app.messages.last().unwrap().level, Level::Warning);
+}

@@ -1,0 +1,23 @@
+//! Words of the tree of the scene.
+
+use super::Entry;
+
+pub const TABLE: &[Entry] = &[
+    ["made here", "hecho aquí", "feito aqui"],
+    ["Lights", "Luces", "Luzes"],
+    ["Cameras", "Cámaras", "Câmaras"],
+    ["Materials", "Materiales", "Materiais"],
+    ["Search", "Buscar", "Procurar"],
+    [
+        "Drop files here, or open them (Ctrl+O).",
+        "Suelte aquí los archivos, o ábralos (Ctrl+O).",
+        "Largue aqui os ficheiros, ou abra-os (Ctrl+O).",
+    ],
+    [
+        "Hide: out of sight, but it casts and receives light as before",
+        "Ocultar: no se ve, pero da y recibe luz como antes",
+        "Ocultar: não se vê, mas dá e recebe luz como antes",
+    ],
+    ["Show", "Mostrar", "Mostrar"],
+    ["without name", "sin nombre", "sem nome"],
+];

@@ -1,0 +1,27 @@
+//! Words of the viewport, and of the line under it.
+
+use super::Entry;
+
+pub const TABLE: &[Entry] = &[
+    ["Viewport", "Ventana del modelo", "Janela do modelo"],
+    [
+        "Click a surface: its form factors become colours.",
+        "Haga clic en una superficie: sus factores de forma se verán como colores.",
+        "Clique numa superfície: os seus fatores de forma passam a cores.",
+    ],
+    [
+        "Not solved yet: press F5.",
+        "Aún sin resolver: pulse F5.",
+        "Ainda por resolver: prima F5.",
+    ],
+    [
+        "This light is from before the last changes: press F5.",
+        "Esta luz es anterior a los últimos cambios: pulse F5.",
+        "Esta luz é anterior às últimas mudanças: prima F5.",
+    ],
+    ["Move", "Mover", "Mover"],
+    ["Turn", "Girar", "Rodar"],
+    ["Resize", "Cambiar el tamaño", "Mudar o tamanho"],
+    ["face", "cara", "face"],
+    ["Clear", "Vaciar", "Limpar"],
+];
