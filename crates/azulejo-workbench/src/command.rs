@@ -87,6 +87,12 @@ pub enum Command {
     DropLight,
     /// Finds what the patch at a place sees.
     FormFactorsFrom(PatchAt),
+    /// Watches the light of a place.
+    Pin(PatchAt),
+    /// Watches it no more: the probe of this number.
+    Unpin(u64),
+    /// Finds the irradiance at the probes themselves, not between the vertices around them.
+    MeasureProbes,
 
     /// Draws a picture from here, at this size, and refines it.
     Picture {

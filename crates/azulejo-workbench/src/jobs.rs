@@ -30,6 +30,8 @@ pub enum Kind {
     Picture,
     /// What one patch sees.
     FormFactors,
+    /// Irradiance at probes.
+    Probe,
 }
 
 /// Work that goes on.

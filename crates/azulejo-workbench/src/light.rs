@@ -6,7 +6,8 @@ use crate::document::{Document, Id, Solution};
 use crate::jobs::Outbox;
 use azulejo::radiosity::form_factors::{Factor, Plan};
 use azulejo::radiosity::{
-    Engine, FirstPass, FormFactorOptions, Hemicube, PatchSize, Preview, SolveError, solve_watched,
+    Engine, Estimate, FirstPass, FormFactorOptions, Hemicube, PatchSize, PointNormal, Preview,
+    SolveError, probe, solve_watched,
 };
 use azulejo::scene::Mesh;
 use azulejo::scene::math::Ray;
@@ -82,6 +83,13 @@ impl LightSettings {
             ..FirstPass::default()
         }
     }
+
+    fn limit_time(&self, progress: &Progress) {
+        if let Some(seconds) = self.time {
+            let time = Duration::from_secs_f64(seconds.clamp(0.0, 1e6));
+            progress.set_deadline(Instant::now() + time);
+        }
+    }
 }
 
 impl Default for LightSettings {
@@ -106,10 +114,7 @@ pub fn solve_document(
     progress: &Progress,
     outbox: &Outbox<Found>,
 ) -> Result<(), String> {
-    if let Some(seconds) = settings.time {
-        let time = Duration::from_secs_f64(seconds.clamp(0.0, 1e6));
-        progress.set_deadline(Instant::now() + time);
-    }
+    settings.limit_time(progress);
     let scene = document.scene();
     let tracer = Tracer::new(&scene);
     let send = |irradiance, report| {
@@ -128,6 +133,36 @@ pub fn solve_document(
     }
 }
 
+/// Irradiance at places, one estimate for each; none if the work was cancelled.
+///
+/// # Errors
+/// The solver's own, in words.
+pub fn measure(
+    document: &Document,
+    settings: &LightSettings,
+    places: &[PatchAt],
+    progress: &Progress,
+) -> Result<Vec<Estimate>, String> {
+    settings.limit_time(progress);
+    let scene = document.scene();
+    let points = places.iter().map(|place| PointNormal {
+        position: place.position,
+        normal: place.normal,
+    });
+    let points: Vec<PointNormal> = points.collect();
+    match probe(
+        &scene,
+        &Tracer::new(&scene),
+        &points,
+        &settings.first_pass(),
+        progress,
+    ) {
+        Err(SolveError::Cancelled) => Ok(Vec::new()),
+        Err(other) => Err(other.to_string()),
+        Ok(probed) => Ok(probed.estimates),
+    }
+}
+
 /// What one patch sees.
 #[derive(Clone, Debug)]
 pub struct SeenFromPatch {
@@ -141,6 +176,8 @@ pub struct SeenFromPatch {
     pub factors: Vec<f64>,
     /// The sum over all patches: what is missing to 1 goes outside.
     pub sum: f64,
+    /// The sums over the patches of each object that is seen, the largest first.
+    pub objects: Vec<(Id, f64)>,
 }
 
 /// Finds what the patch at a place sees, with the patches that the solver would make.
@@ -172,12 +209,18 @@ pub fn seen_from(
         return Ok(None);
     };
     Ok(Some(SeenFromPatch::new(
-        place.item, &plan, picked, &factors,
+        document, place.item, &plan, picked, &factors,
     )))
 }
 
 impl SeenFromPatch {
-    fn new(item: Id, plan: &Plan, picked: usize, factors: &[Factor]) -> SeenFromPatch {
+    fn new(
+        document: &Document,
+        item: Id,
+        plan: &Plan,
+        picked: usize,
+        factors: &[Factor],
+    ) -> SeenFromPatch {
         static NUMBER: AtomicU64 = AtomicU64::new(1);
         let mut mesh = Mesh::default();
         let mut values = Vec::new();
@@ -197,6 +240,22 @@ impl SeenFromPatch {
             patches: Arc::new(mesh),
             factors: values,
             sum: factors.iter().map(|f| f.value).sum(),
+            objects: by_object(document, plan, factors),
         }
     }
+}
+
+/// Sums of form factors over the patches of each object, the largest first.
+fn by_object(document: &Document, plan: &Plan, factors: &[Factor]) -> Vec<(Id, f64)> {
+    let sum = |object: usize| -> f64 {
+        let patches = plan.patches().patches_of(object as u32);
+        let seen = factors.get(patches).unwrap_or_default();
+        seen.iter().map(|f| f.value).sum()
+    };
+    // The scene has the objects of the document, in its order.
+    let ids = document.items.iter().enumerate();
+    let mut sums: Vec<(Id, f64)> = ids.map(|(k, item)| (item.id, sum(k))).collect();
+    sums.retain(|(_, f)| *f > 0.0);
+    sums.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sums
 }

@@ -1,5 +1,8 @@
 //! The light: its solver, its moments, and whose light it is.
 
+#[cfg(test)]
+mod tests;
+
 use super::{App, Found, Level};
 use crate::command::PatchAt;
 use crate::document::{Document, Solution};
@@ -9,7 +12,7 @@ use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
 use azulejo::trace::Measured;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The light of the document.
 #[derive(Clone, Debug, Default)]
@@ -26,10 +29,47 @@ pub struct Lighting {
     pub began: Option<Instant>,
     /// Whether the solver rests.
     pub is_paused: bool,
+    /// How long it worked.
+    pub watch: Stopwatch,
+    /// What it is at, and how long it had worked when it began that.
+    pub stage: Option<(String, Duration)>,
     /// Irradiance that is shown: least, most, and what nearly all is below.
     pub range: Option<Range>,
     /// What a picked patch sees.
     pub seen: Option<SeenFromPatch>,
+}
+
+/// The time that work took, without its rests.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stopwatch {
+    runs_since: Option<Instant>,
+    before: Duration,
+}
+
+impl Stopwatch {
+    /// Runs from now on.
+    pub fn begin() -> Stopwatch {
+        Stopwatch {
+            runs_since: Some(Instant::now()),
+            before: Duration::ZERO,
+        }
+    }
+
+    /// Stands still.
+    pub fn hold(&mut self) {
+        self.before = self.elapsed();
+        self.runs_since = None;
+    }
+
+    /// Runs again.
+    pub fn go_on(&mut self) {
+        self.runs_since.get_or_insert_with(Instant::now);
+    }
+
+    /// What it shows.
+    pub fn elapsed(&self) -> Duration {
+        self.before + self.runs_since.map_or(Duration::ZERO, |t| t.elapsed())
+    }
 }
 
 /// Luminances of irradiance, W/m² or lux.
@@ -59,6 +99,15 @@ impl Lighting {
         if let Some(solution) = super::files::light_of_file(document) {
             self.set(solution, document);
         }
+    }
+
+    /// How long the stage will go on, if so much of it is done; a guess from the time it took.
+    pub fn time_left(&self, share: f64) -> Option<Duration> {
+        const ENOUGH: f64 = 0.02;
+        let (_, began) = self.stage.as_ref()?;
+        let took = self.watch.elapsed().saturating_sub(*began);
+        let left = took.as_secs_f64() * (1.0 - share.min(1.0)) / share;
+        (share >= ENOUGH).then(|| Duration::try_from_secs_f64(left).ok())?
     }
 
     fn set(&mut self, solution: Solution, document: &Document) {
@@ -105,6 +154,8 @@ impl App {
         self.lighting.measures.clear();
         self.lighting.began = Some(Instant::now());
         self.lighting.is_paused = false;
+        self.lighting.watch = Stopwatch::begin();
+        self.lighting.stage = None;
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
         self.jobs
@@ -120,8 +171,14 @@ impl App {
             return;
         };
         match rest {
-            true => job.progress.pause(),
-            false => job.progress.resume(),
+            true => {
+                job.progress.pause();
+                self.lighting.watch.hold();
+            }
+            false => {
+                job.progress.resume();
+                self.lighting.watch.go_on();
+            }
         }
         self.lighting.is_paused = rest;
     }
@@ -133,6 +190,8 @@ impl App {
 
     pub(super) fn end_solving(&mut self) {
         self.lighting.is_paused = false;
+        self.lighting.watch.hold();
+        self.lighting.stage = None;
     }
 
     /// Takes in what the solver measured meanwhile.
@@ -142,11 +201,16 @@ impl App {
             let new = job.progress.take_measures();
             let room = MOST.saturating_sub(self.lighting.measures.len());
             self.lighting.measures.extend(new.into_iter().take(room));
+            let stage = job.progress.stage();
+            if self.lighting.stage.as_ref().is_none_or(|s| s.0 != stage) {
+                self.lighting.stage = Some((stage, self.lighting.watch.elapsed()));
+            }
         }
     }
 
     pub(super) fn take_light(&mut self, solution: Solution) {
         self.lighting.set(solution, &self.document);
+        self.refresh_probes();
         self.lit();
     }
 
@@ -167,6 +231,7 @@ impl App {
             self.lighting.is_current = false;
             self.lighting.range = None;
             self.lighting.measures.clear();
+            self.refresh_probes();
             self.lit();
         }
     }

@@ -7,12 +7,14 @@ mod adding;
 mod files;
 mod lighting;
 mod picture;
+mod probes;
 #[cfg(test)]
 mod tests;
 
 pub use files::{OnDisk, Question};
-pub use lighting::Lighting;
+pub use lighting::{Lighting, Stopwatch};
 pub use picture::{Picture, shown};
+pub use probes::{Measurement, Probe, Site};
 
 use crate::command::{Ask, Command, Selection};
 use crate::document::{Document, Edit, Id};
@@ -45,6 +47,8 @@ pub enum Found {
     Backdrop(Box<Image>),
     /// What a patch sees.
     FormFactors(Box<crate::light::SeenFromPatch>),
+    /// Irradiance at probes.
+    Measured(Box<Measurement>),
     /// Something to tell.
     Note(String),
 }
@@ -101,6 +105,8 @@ pub struct App {
     pub view: View,
     /// The light, its solver and how it settles.
     pub lighting: Lighting,
+    /// Places whose light is watched, in the order of their numbers.
+    pub probes: Vec<Probe>,
     /// The picture that is being refined, if there is one.
     pub picture: Option<Picture>,
     /// Where the document is kept.
@@ -132,6 +138,10 @@ pub struct App {
     recovery: Recovery,
     preferences_file: Option<PathBuf>,
     loading: Option<files::Loading>,
+    /// Number of the last probe.
+    pinned: u64,
+    /// The document that probes were measured in.
+    measured_in: Option<Document>,
     changed_at: Option<Instant>,
 }
 
@@ -159,6 +169,7 @@ impl App {
             selection: Selection::default(),
             view: View::default(),
             lighting: Lighting::default(),
+            probes: Vec::new(),
             picture: None,
             file: None,
             messages: Vec::new(),
@@ -179,6 +190,8 @@ impl App {
                 .map_or_else(Recovery::nowhere, Recovery::new),
             preferences_file: places.preferences,
             loading: None,
+            pinned: 0,
+            measured_in: None,
             changed_at: None,
         };
         app.view.false_color.map = app.preferences.color_map;
@@ -252,6 +265,9 @@ impl App {
             Command::StopSolving => self.stop_solving(),
             Command::DropLight => self.drop_light(),
             Command::FormFactorsFrom(place) => self.form_factors_from(place),
+            Command::Pin(place) => self.pin(place),
+            Command::Unpin(number) => self.unpin(number),
+            Command::MeasureProbes => self.measure_probes(),
             Command::Picture { width, height } => self.draw_picture((width, height)),
             Command::StopPicture => self.stop_picture(),
             Command::Cancel(job) => self.cancel(job),
@@ -286,6 +302,7 @@ impl App {
             Found::Picture(image, samples) => self.take_picture(*image, samples),
             Found::Backdrop(image) => self.take_backdrop(*image),
             Found::FormFactors(seen) => self.lighting.seen = Some(*seen),
+            Found::Measured(measurement) => self.take_measurement(*measurement),
             Found::Note(text) => self.tell(Level::Note, text),
         }
     }
@@ -418,6 +435,7 @@ impl App {
         self.edits += 1;
         self.changed_at = Some(Instant::now());
         self.lighting.document_changed(&self.document);
+        self.refresh_probes();
         self.stop_picture();
     }
 
@@ -565,6 +583,7 @@ impl App {
     fn replace(&mut self, document: Document, file: Option<OnDisk>) {
         self.stop_solving();
         self.stop_picture();
+        self.drop_probes();
         self.document = document;
         self.file = file;
         self.history = History::default();

@@ -13,7 +13,7 @@ pub(crate) mod tests;
 
 pub use edit::{Edit, Refused};
 pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
-pub use solution::Solution;
+pub use solution::{Solution, same_light};
 
 use azulejo::formats::Format;
 use azulejo::scene::math::Aabb;

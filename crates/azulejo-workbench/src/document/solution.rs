@@ -71,21 +71,25 @@ impl Solution {
     /// Whether the light of `document` is this: whether it has the same surfaces, materials and
     /// lights. Names, viewpoints and what hides do not matter.
     pub fn is_of(&self, document: &Document) -> bool {
-        let items = self.of.items.len() == document.items.len()
-            && (self.of.items.iter().zip(&document.items))
-                .all(|(a, b)| a.id == b.id && same_geometry(a, b));
-        let lights = self.of.lights.len() == document.lights.len()
-            && (self.of.lights.iter().zip(&document.lights))
-                .all(|(a, b)| a.light.kind == b.light.kind);
-        items && lights && self.same_materials(document)
+        same_light(&self.of, document)
     }
+}
 
-    /// Materials that were added later are on no surface that was lit.
-    fn same_materials(&self, document: &Document) -> bool {
-        let pairs = self.of.materials.iter().zip(&document.materials);
-        self.of.materials.len() <= document.materials.len()
-            && pairs.into_iter().all(|(a, b)| same_material(a, b))
-    }
+/// Whether light that was found in one document is that of a later one: whether both have the
+/// same surfaces, materials and lights.
+pub fn same_light(then: &Document, now: &Document) -> bool {
+    let items = then.items.len() == now.items.len()
+        && (then.items.iter().zip(&now.items)).all(|(a, b)| a.id == b.id && same_geometry(a, b));
+    let lights = then.lights.len() == now.lights.len()
+        && (then.lights.iter().zip(&now.lights)).all(|(a, b)| a.light.kind == b.light.kind);
+    items && lights && same_materials(then, now)
+}
+
+/// Materials that were added later are on no surface that was lit.
+fn same_materials(then: &Document, now: &Document) -> bool {
+    let pairs = then.materials.iter().zip(&now.materials);
+    then.materials.len() <= now.materials.len()
+        && pairs.into_iter().all(|(a, b)| same_material(a, b))
 }
 
 fn same_geometry(a: &Item, b: &Item) -> bool {

@@ -45,6 +45,8 @@ pub enum Panel {
     Picture,
     /// The name of what is selected.
     Rename,
+    /// A place to watch: the one under the mouse, or else the next that is clicked.
+    Pin,
 }
 
 /// The menus.
@@ -348,6 +350,12 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::Light, "Stop", key(Key::F7), |a| {
         when(a.is_busy(Kind::Solve), Command::StopSolving)
+    }),
+    action(Menu::Light, "Pin a probe", key(Key::P), |a| {
+        (!a.document.items.is_empty()).then_some(Wish::Show(Panel::Pin))
+    }),
+    action(Menu::Light, "Measure the probes", None, |a| {
+        when(!a.probes.is_empty(), Command::MeasureProbes)
     }),
     action(Menu::Light, "Take the light off", None, |a| {
         when(a.lighting.solution.is_some(), Command::DropLight)

@@ -2,7 +2,7 @@
 
 use azulejo::render::srgb_from_linear;
 use azulejo::scene::{Material, Rgb};
-use egui::Color32;
+use egui::{Color32, Ui};
 
 /// Linear light, 0..=1, as a colour of the screen.
 pub fn color(light: Rgb) -> Color32 {
@@ -17,4 +17,27 @@ pub fn swatch(material: &Material) -> Color32 {
         return color(material.emission / most);
     }
     color(material.diffuse + material.mirror + material.mean_glossy())
+}
+
+/// Colours that people with any colour vision tell apart (Okabe and Ito 2008), as dark as the
+/// paper allows.
+pub fn lines(ui: &Ui) -> [Color32; 5] {
+    let rgb = |[r, g, b]: [u8; 3]| Color32::from_rgb(r, g, b);
+    match ui.visuals().dark_mode {
+        true => [
+            [86, 180, 233],
+            [230, 159, 0],
+            [0, 178, 130],
+            [219, 141, 182],
+            [240, 228, 66],
+        ],
+        false => [
+            [0, 114, 178],
+            [213, 94, 0],
+            [0, 138, 100],
+            [187, 90, 145],
+            [176, 117, 0],
+        ],
+    }
+    .map(rgb)
 }

@@ -216,7 +216,11 @@ impl Workbench {
                     .show(ui, |ui| match self.tab {
                         Tab::Object => inspector::show(ui, &mut desk),
                         Tab::Material => edit_material(ui, &mut desk, &mut self.materials),
-                        Tab::Light => light::show(ui, &mut desk),
+                        Tab::Light => {
+                            if light::show(ui, &mut desk) {
+                                wishes.push(Wish::Show(Panel::Pin));
+                            }
+                        }
                         Tab::View => looks::show(ui, &mut desk),
                     });
             });
@@ -241,6 +245,10 @@ impl Workbench {
                 let size = 0.25 * self.app.usual_size();
                 self.dialogs.text = Some(TextDialog::new(size));
             }
+            Wish::Show(Panel::Pin) => match self.viewport.place_under_mouse() {
+                Some(place) => self.app.execute(Command::Pin(place)),
+                None => self.viewport.pins_next = true,
+            },
             Wish::Show(Panel::Rename) => self.tree.begin_rename(&self.app),
             Wish::Show(Panel::Picture) => {
                 let (width, height) = self.viewport.size();

@@ -1,34 +1,12 @@
 //! Colours and rows that all parts of the editor share.
 
+pub(super) use crate::ui::paint::lines;
 use azulejo::scene::Rgb;
 use eframe::egui;
 use eframe::egui::{Align, Color32, Layout, RichText, Ui, vec2};
 
 /// Width of the names before the fields.
 const NAMES: f32 = 84.0;
-
-/// Colours that people with any colour vision tell apart (Okabe and Ito 2008), as dark as the
-/// paper allows.
-pub(super) fn lines(ui: &Ui) -> [Color32; 5] {
-    let rgb = |[r, g, b]: [u8; 3]| Color32::from_rgb(r, g, b);
-    match ui.visuals().dark_mode {
-        true => [
-            [86, 180, 233],
-            [230, 159, 0],
-            [0, 178, 130],
-            [219, 141, 182],
-            [240, 228, 66],
-        ],
-        false => [
-            [0, 114, 178],
-            [213, 94, 0],
-            [0, 138, 100],
-            [187, 90, 145],
-            [176, 117, 0],
-        ],
-    }
-    .map(rgb)
-}
 
 /// Lines of red, green and blue; they are also drawn in different ways.
 pub(super) fn channels(ui: &Ui) -> [Color32; 3] {

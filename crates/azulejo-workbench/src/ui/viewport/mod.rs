@@ -4,6 +4,7 @@ mod gizmo;
 mod legend;
 mod navigate;
 mod picture;
+mod pins;
 mod probe;
 mod screen;
 mod signs;
@@ -11,6 +12,7 @@ mod stage;
 
 pub use gizmo::Mode;
 pub use legend::number;
+pub use probe::{radiance_unit, value};
 
 use super::desk::Desk;
 use crate::app::App;
@@ -40,6 +42,10 @@ pub struct Viewport {
     /// What is under the mouse.
     probe: Option<String>,
     probed_at: Option<(Pos2, u64)>,
+    /// Where the mouse is, as a ray.
+    mouse_ray: Option<Ray>,
+    /// Whether the next click pins a probe.
+    pub pins_next: bool,
     /// Pixels.
     size: [u32; 2],
 }
@@ -83,6 +89,11 @@ impl Viewport {
         self.probe.as_deref()
     }
 
+    /// The place of a surface under the mouse.
+    pub fn place_under_mouse(&self) -> Option<PatchAt> {
+        self.patch_at(&self.mouse_ray?)
+    }
+
     /// The size of the viewport, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.size[0].max(1), self.size[1].max(1))
@@ -110,6 +121,7 @@ impl Viewport {
             self.handles(ui, rect, &response, &points, desk);
         }
         self.read_mouse(ui, rect, &response, &points, desk);
+        pins::paint(ui, rect, &points, desk);
         self.decorate(ui, rect, desk);
         Ok(())
     }
@@ -249,11 +261,16 @@ impl Viewport {
         let Some(mouse) = response.hover_pos() else {
             self.probe = None;
             self.probed_at = None;
+            self.mouse_ray = None;
             return;
         };
         let place = mouse - rect.min;
         let pixel = DVec2::new(f64::from(place.x), f64::from(place.y));
         let ray = view.ray(pixel);
+        self.mouse_ray = Some(ray);
+        if self.pins_next && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+            self.pins_next = false;
+        }
         if response.double_clicked() {
             let bounds = desk.app.document.bounds(Some(&desk.app.selection.ids));
             let mut look = desk.app.view.clone();
@@ -272,7 +289,7 @@ impl Viewport {
     }
 
     fn click(
-        &self,
+        &mut self,
         ui: &Ui,
         mouse: Pos2,
         rect: Rect,
@@ -281,6 +298,12 @@ impl Viewport {
         desk: &mut Desk,
     ) {
         let modifiers = ui.input(|i| i.modifiers);
+        if std::mem::take(&mut self.pins_next) {
+            if let Some(place) = self.patch_at(ray) {
+                desk.wish(Command::Pin(place));
+            }
+            return;
+        }
         if desk.app.view.shading == Shading::FormFactors {
             if let Some(place) = self.patch_at(ray) {
                 desk.wish(Command::FormFactorsFrom(place));
@@ -422,6 +445,8 @@ impl Viewport {
         let shading = app.view.shading;
         if app.document.items.is_empty() {
             None
+        } else if self.pins_next {
+            Some(desk.say("Click the place to watch; Escape for none."))
         } else if shading == Shading::FormFactors && lighting.seen.is_none() {
             Some(desk.say("Click a surface: its form factors become colours."))
         } else if shading.shows_light() && lighting.solution.is_none() {

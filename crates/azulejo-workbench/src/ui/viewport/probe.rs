@@ -1,9 +1,9 @@
 //! What is under the mouse, in one line.
 
 use super::legend::number;
-
 use super::stage::{Entry, Stage};
 use super::{Desk, irradiance_unit};
+use crate::app::App;
 use crate::gpu::{Drawn, Pick, pick};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Material, Rgb};
@@ -49,21 +49,26 @@ fn light(desk: &Desk, entry: &Entry, hit: &Pick, material: &Material) -> Option<
     let (irradiance, error) = entry.light(hit.vertices, hit.barycentric)?;
     let radiance = material.emission + material.diffuse * irradiance / PI;
     let app = desk.app;
-    let radiance_unit = match app.document.units.photometric {
-        true => "cd/m²",
-        false => "W/(sr·m²)",
-    };
     Some(format!(
-        " · E = {} ± {} {} · L = {} {radiance_unit}",
+        " · E = {} ± {} {} · L = {} {}",
         value(irradiance),
         value(error),
         irradiance_unit(app),
-        value(radiance)
+        value(radiance),
+        radiance_unit(app)
     ))
 }
 
+/// The unit of radiance.
+pub fn radiance_unit(app: &App) -> &'static str {
+    match app.document.units.photometric {
+        true => "cd/m²",
+        false => "W/(sr·m²)",
+    }
+}
+
 /// One number where the channels agree, three where they do not.
-fn value(c: Rgb) -> String {
+pub fn value(c: Rgb) -> String {
     let (low, high) = (c.r.min(c.g).min(c.b), c.max_channel());
     match high - low <= 5e-3 * high.abs() {
         true => number(c.luminance()),

@@ -1,0 +1,213 @@
+use super::*;
+use crate::command::{Command, PatchAt};
+use crate::document::Edit;
+use azulejo::scene::Material;
+use azulejo::scene::synthetic::{CornellVariant, cornell_box};
+use azulejo::trace::Measure;
+use glam::{DAffine3, DVec3};
+
+/// Longer than any job of a test takes, on a busy machine too.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn cornell() -> App {
+    let mut app = App::quiet();
+    app.document = Document::of_scene(cornell_box(CornellVariant::Diffuse), None);
+    app.execute(Command::SetLight(LightSettings {
+        patches: 200,
+        error: 0.2,
+        ..LightSettings::default()
+    }));
+    app
+}
+
+fn wait_until(app: &mut App, what: &str, is_so: impl Fn(&App) -> bool) {
+    let begin = Instant::now();
+    loop {
+        app.poll();
+        if is_so(app) {
+            return;
+        }
+        assert!(begin.elapsed() < PATIENCE, "{what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn solve(app: &mut App) {
+    app.execute(Command::Solve);
+    wait_until(app, "the solver does not end", |a| a.jobs().is_empty());
+    assert_eq!(app.messages, []);
+}
+
+/// The middle of the floor, seen from above.
+fn on_the_floor(app: &App) -> PatchAt {
+    let bounds = app.document.bounds(None);
+    let floor = app.document.items.iter().find(|i| i.name.contains("floor"));
+    let up = app.document.units.up.axis();
+    PatchAt {
+        item: floor.expect("a Cornell box has a floor").id,
+        position: bounds.centre() - 0.5 * bounds.size() * up + 0.3 * bounds.size() * DVec3::X,
+        normal: up,
+    }
+}
+
+#[test]
+fn light_arrives_with_its_measures() {
+    let mut app = cornell();
+    solve(&mut app);
+    let lighting = &app.lighting;
+    assert!(lighting.is_current && !lighting.is_paused);
+    let report = lighting.solution.as_ref().and_then(|s| s.report.as_ref());
+    assert!(report.is_some_and(|r| r.error <= 0.2), "{report:?}");
+    assert!(lighting.range.is_some_and(|r| r.usual > 0.0));
+    let has = |wanted: fn(&Measure) -> bool| lighting.measures.iter().any(|m| wanted(&m.measure));
+    assert!(has(|m| matches!(m, Measure::Residual { .. })));
+    assert!(has(|m| matches!(m, Measure::Error(_))));
+    let took = lighting.watch.elapsed();
+    assert!(took > Duration::ZERO && took <= PATIENCE);
+    assert_eq!(took, app.lighting.watch.elapsed(), "the watch goes on");
+}
+
+#[test]
+fn an_edit_makes_light_old_and_undo_makes_it_true_again() {
+    let mut app = cornell();
+    solve(&mut app);
+    let first = app.document.items[0].id;
+    let shift = DAffine3::from_translation(DVec3::X);
+    app.execute(Command::Edit(Edit::Place(first, shift), None));
+    assert!(!app.lighting.is_current && app.lighting.solution.is_some());
+    app.execute(Command::Undo);
+    assert!(app.lighting.is_current);
+}
+
+#[test]
+fn the_solver_rests_goes_on_and_stops() {
+    let mut app = cornell();
+    app.execute(Command::SetLight(LightSettings {
+        patches: 20_000,
+        error: 0.001,
+        ..LightSettings::default()
+    }));
+    app.execute(Command::Solve);
+    let works = |a: &App| a.jobs().first().is_some_and(|j| j.progress.done() > 0);
+    wait_until(&mut app, "it does not begin", works);
+    app.execute(Command::Pause);
+    assert!(app.lighting.is_paused && app.jobs()[0].progress.is_paused());
+    let held = app.lighting.watch.elapsed();
+    std::thread::sleep(Duration::from_millis(20));
+    app.poll();
+    assert_eq!(app.lighting.watch.elapsed(), held);
+    assert!(app.is_busy(Kind::Solve));
+    app.execute(Command::Resume);
+    assert!(!app.lighting.is_paused && !app.jobs()[0].progress.is_paused());
+    app.execute(Command::Pause);
+    app.execute(Command::StopSolving);
+    assert!(!app.is_busy(Kind::Solve) && !app.lighting.is_paused);
+    assert_eq!(app.messages, []);
+}
+
+#[test]
+fn time_left_is_guessed_from_the_share_that_is_done() {
+    let mut lighting = Lighting::default();
+    assert_eq!(lighting.time_left(0.5), None);
+    lighting.stage = Some(("bounces".into(), Duration::ZERO));
+    lighting.watch.before = Duration::from_secs(6);
+    assert_eq!(lighting.time_left(0.0), None);
+    assert_eq!(lighting.time_left(f64::NAN), None);
+    assert_eq!(lighting.time_left(0.75), Some(Duration::from_secs(2)));
+    assert_eq!(lighting.time_left(1.0), Some(Duration::ZERO));
+}
+
+#[test]
+fn what_cannot_be_lit_is_a_message() {
+    let mut app = cornell();
+    for material in 0..app.document.materials.len() as u32 {
+        let black = Material::diffuse("black", Rgb::BLACK);
+        app.execute(Command::Edit(Edit::SetMaterial(material, black), None));
+    }
+    app.execute(Command::Solve);
+    assert!(app.jobs().is_empty());
+    let last = app.messages.last().expect("a message");
+    assert!(last.level == Level::Error && last.text.contains("nothing shines"));
+    // What only the solver finds out comes as its message.
+    let mut app = App::quiet();
+    let material = Material::emitter("lamp", Rgb::WHITE);
+    app.document.materials.push(Arc::new(material));
+    app.execute(Command::Edit(
+        Edit::AddLight(crate::document::NewLight {
+            kind: crate::document::NewLightKind::Point,
+            at: DVec3::ONE,
+            toward: DVec3::ZERO,
+        }),
+        None,
+    ));
+    app.execute(Command::Solve);
+    wait_until(&mut app, "it does not fail", |a| a.jobs().is_empty());
+    let text = &app.messages.last().expect("a message").text;
+    assert!(text.contains("no surface"), "{text}");
+}
+
+#[test]
+fn probes_read_the_solution_and_measure_the_place_itself() {
+    let mut app = cornell();
+    let place = on_the_floor(&app);
+    app.execute(Command::Pin(place));
+    let site = app.probes[0].site.clone().expect("the floor is there");
+    assert!(site.is_front && site.light.is_none());
+    solve(&mut app);
+    let site = app.probes[0].site.clone().expect("the floor is there");
+    let (light, error) = site.light.expect("it is lit");
+    assert!(light.luminance() > 0.0 && error.is_some());
+    app.execute(Command::MeasureProbes);
+    wait_until(&mut app, "it is not measured", |a| a.jobs().is_empty());
+    let measured = app.probes[0].measured.expect("an estimate").value;
+    let ratio = measured.luminance() / light.luminance();
+    assert!((0.6..1.6).contains(&ratio), "{ratio}");
+    // A move takes the surface away, and what was measured is of another model.
+    let away = DAffine3::from_translation(DVec3::splat(1e4));
+    app.execute(Command::Edit(Edit::Place(place.item, away), None));
+    assert!(app.probes[0].site.is_none() && app.probes[0].measured.is_none());
+    app.execute(Command::Undo);
+    assert!(
+        app.probes[0]
+            .site
+            .as_ref()
+            .is_some_and(|s| s.light.is_some())
+    );
+    app.execute(Command::Unpin(app.probes[0].number));
+    assert!(app.probes.is_empty());
+}
+
+#[test]
+fn another_document_has_no_probes() {
+    let mut app = cornell();
+    let place = on_the_floor(&app);
+    app.execute(Command::Pin(place));
+    app.execute(Command::New);
+    app.execute(Command::Discard);
+    assert!(app.probes.is_empty());
+}
+
+#[test]
+fn the_back_of_a_surface_has_no_light_of_its_own() {
+    let mut app = cornell();
+    solve(&mut app);
+    let place = on_the_floor(&app);
+    app.execute(Command::Pin(PatchAt {
+        normal: -place.normal,
+        ..place
+    }));
+    assert!(app.probes[0].site.as_ref().is_some_and(|s| !s.is_front));
+}
+
+#[test]
+fn what_a_patch_sees_is_summed_by_object() {
+    let mut app = cornell();
+    let place = on_the_floor(&app);
+    app.execute(Command::FormFactorsFrom(place));
+    wait_until(&mut app, "it sees nothing", |a| a.jobs().is_empty());
+    let seen = app.lighting.seen.as_ref().expect("form factors");
+    let sum: f64 = seen.objects.iter().map(|o| o.1).sum();
+    assert!((sum - seen.sum).abs() < 1e-9, "{sum} {}", seen.sum);
+    assert!(seen.objects.is_sorted_by(|a, b| a.1 >= b.1));
+    assert!(seen.objects.len() > 3 && sum > 0.5 && sum < 1.05, "{sum}");
+}

@@ -1,0 +1,274 @@
+//! Probes: places on surfaces whose light is watched.
+
+use super::{App, Found, Level};
+use crate::command::PatchAt;
+use crate::document::{Document, Item, Solution, same_light};
+use crate::gpu::display_mesh;
+use crate::jobs::{Kind, on_own_threads};
+use crate::light::measure;
+use azulejo::radiosity::Estimate;
+use azulejo::scene::{MaterialId, Mesh, Rgb, Shape};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A place whose light is watched.
+#[derive(Clone, Debug)]
+pub struct Probe {
+    /// Counts: no two probes of a session have the same.
+    pub number: u64,
+    /// Where, and on which side.
+    pub place: PatchAt,
+    /// What is there now; `None` where the surface moved away or is gone.
+    pub site: Option<Site>,
+    /// Irradiance of the place itself, if it was asked for.
+    pub measured: Option<Estimate>,
+}
+
+/// The surface under a probe.
+#[derive(Clone, Debug)]
+pub struct Site {
+    /// Face of the polygons that show the object.
+    pub face: u32,
+    /// What it is made of.
+    pub material: MaterialId,
+    /// Whether the probe is in front of it: light is kept for the fronts of surfaces alone.
+    pub is_front: bool,
+    /// Irradiance, interpolated between vertices, and its standard error where that is known.
+    pub light: Option<(Rgb, Option<Rgb>)>,
+    /// The shape that this was read from.
+    shape: Arc<Shape>,
+}
+
+/// What was measured at probes, by their numbers, and in which document.
+pub struct Measurement {
+    of: Document,
+    estimates: Vec<(u64, Estimate)>,
+}
+
+impl Probe {
+    /// Looks again at what is there, if that may have changed.
+    fn refresh(&mut self, document: &Document, solution: Option<&Solution>) {
+        let item = document.item(self.place.item);
+        let lit = item.and_then(|item| solution?.shown(item));
+        let Some((item, shape)) = item.map(|item| (item, lit.unwrap_or(&item.shape))) else {
+            self.site = None;
+            return;
+        };
+        // Whoever stands where it was lit has a shape of its own, in its place: then nothing moved.
+        let is_same = |site: &Site| lit.is_some() && Arc::ptr_eq(&site.shape, shape);
+        if !self.site.as_ref().is_some_and(is_same) {
+            self.site = site(&self.place, item, shape, lit.is_some());
+        }
+    }
+}
+
+/// Finds the surface at a place: the nearest face, unless that is too far away to be meant.
+fn site(place: &PatchAt, item: &Item, shape: &Arc<Shape>, is_lit: bool) -> Option<Site> {
+    const FAR: f64 = 0.01;
+    let size = item.bounds().diagonal();
+    let local = match is_lit {
+        true => glam::DAffine3::IDENTITY,
+        false => item.placement.inverse(),
+    };
+    let scale = local.matrix3.determinant().abs().cbrt();
+    let mesh = display_mesh(shape, (1e-3 * size * scale).max(f64::MIN_POSITIVE), is_lit);
+    let position = local.transform_point3(place.position);
+    let found = nearest(&mesh, position)?;
+    if found.distance > FAR * size * scale {
+        return None;
+    }
+    let [a, b, c] = found.corners.map(|v| mesh.positions[v as usize]);
+    // Normals of the world are normals of the object times the transposed inverse placement.
+    let normal = local.matrix3.transpose() * (b - a).cross(c - a);
+    Some(Site {
+        face: found.face,
+        material: *mesh.face_materials.get(found.face as usize)?,
+        is_front: normal.dot(place.normal) > 0.0,
+        light: is_lit.then(|| found.light(&mesh)).flatten(),
+        shape: Arc::clone(shape),
+    })
+}
+
+/// A place on a mesh.
+struct Nearest {
+    face: u32,
+    corners: [u32; 3],
+    weights: [f64; 3],
+    distance: f64,
+}
+
+impl Nearest {
+    fn light(&self, mesh: &Mesh) -> Option<(Rgb, Option<Rgb>)> {
+        let mean = |values: &[Rgb]| {
+            let mut sum = Rgb::BLACK;
+            for (&corner, weight) in self.corners.iter().zip(self.weights) {
+                sum += *values.get(corner as usize)? * weight;
+            }
+            Some(sum)
+        };
+        let irradiance = mean(&mesh.irradiance)?;
+        Some((irradiance, mean(&mesh.irradiance_error)))
+    }
+}
+
+/// The place of a mesh that is nearest to a point.
+fn nearest(mesh: &Mesh, point: DVec3) -> Option<Nearest> {
+    let mut best: Option<Nearest> = None;
+    let mut triangles = Vec::new();
+    for face in 0..mesh.faces.len() {
+        triangles.clear();
+        mesh.triangulate_into(face, &mut triangles);
+        for triangle in &triangles {
+            let corners = triangle.map(|c| mesh.faces.get(face)[c as usize]);
+            let p = corners.map(|v| mesh.positions[v as usize]);
+            let weights = nearest_weights(point, p);
+            let there = weights[0] * p[0] + weights[1] * p[1] + weights[2] * p[2];
+            let distance = there.distance(point);
+            if best.as_ref().is_none_or(|b| distance < b.distance) {
+                best = Some(Nearest {
+                    face: face as u32,
+                    corners,
+                    weights,
+                    distance,
+                });
+            }
+        }
+    }
+    best
+}
+
+/// Weights of a triangle's corners for its point nearest to `p` (Ericson 2005, section 5.1.5).
+fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
+    let (ab, ac) = (b - a, c - a);
+    let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return [0.0, 1.0, 0.0];
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let v = d1 / (d1 - d3);
+        return [1.0 - v, v, 0.0];
+    }
+    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return [0.0, 0.0, 1.0];
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let w = d2 / (d2 - d6);
+        return [1.0 - w, 0.0, w];
+    }
+    let va = d3 * d6 - d5 * d4;
+    let (along, back) = (d4 - d3, d5 - d6);
+    if va <= 0.0 && along >= 0.0 && back >= 0.0 {
+        let w = along / (along + back);
+        return [0.0, 1.0 - w, w];
+    }
+    let sum = va + vb + vc;
+    [va / sum, vb / sum, vc / sum]
+}
+
+impl App {
+    /// Watches the light of a place.
+    pub(super) fn pin(&mut self, place: PatchAt) {
+        const MOST: usize = 100;
+        if self.probes.len() >= MOST {
+            let text = format!("there are {MOST} probes: remove some first");
+            self.tell(Level::Error, text);
+            return;
+        }
+        self.pinned += 1;
+        self.probes.push(Probe {
+            number: self.pinned,
+            place,
+            site: None,
+            measured: None,
+        });
+        self.refresh_probes();
+    }
+
+    pub(super) fn unpin(&mut self, number: u64) {
+        self.probes.retain(|p| p.number != number);
+    }
+
+    /// The document or its light changed. What was measured is of one document.
+    pub(super) fn refresh_probes(&mut self) {
+        let solution = self.lighting.solution.as_deref();
+        let document = &self.document;
+        for probe in &mut self.probes {
+            probe.refresh(document, solution);
+        }
+        if (self.measured_in.as_ref()).is_some_and(|of| !same_light(of, document)) {
+            self.measured_in = None;
+            self.probes.iter_mut().for_each(|p| p.measured = None);
+        }
+    }
+
+    pub(super) fn drop_probes(&mut self) {
+        self.jobs.cancel_kind(Kind::Probe);
+        self.probes.clear();
+        self.measured_in = None;
+    }
+
+    /// Finds the irradiance at the probes themselves.
+    pub(super) fn measure_probes(&mut self) {
+        if self.probes.is_empty() {
+            return;
+        }
+        self.jobs.cancel_kind(Kind::Probe);
+        let (of, settings) = (self.document.clone(), self.lighting.settings);
+        let threads = self.preferences.threads;
+        let (numbers, places): (Vec<u64>, Vec<PatchAt>) =
+            self.probes.iter().map(|p| (p.number, p.place)).unzip();
+        let work = move |progress: &_, outbox: &crate::jobs::Outbox<Found>| {
+            let found = on_own_threads(threads, || measure(&of, &settings, &places, progress))?;
+            let estimates = numbers.into_iter().zip(found).collect();
+            outbox.send(Found::Measured(Box::new(Measurement { of, estimates })));
+            Ok(())
+        };
+        self.jobs.start(Kind::Probe, "probes", work);
+    }
+
+    pub(super) fn take_measurement(&mut self, found: Measurement) {
+        if !same_light(&found.of, &self.document) {
+            let text = "the model changed while probes were measured: measure again";
+            self.tell(Level::Warning, text);
+            return;
+        }
+        for probe in &mut self.probes {
+            let of = |(number, _): &&(u64, Estimate)| *number == probe.number;
+            if let Some((_, estimate)) = found.estimates.iter().find(of) {
+                probe.measured = Some(*estimate);
+            }
+        }
+        self.measured_in = Some(found.of);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRIANGLE: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
+
+    #[test]
+    fn the_nearest_place_of_a_triangle_is_inside_it() {
+        for (point, expected) in [
+            ([0.25, 0.5, 3.0], [0.25, 0.25, 0.5]),
+            ([-1.0, -1.0, 0.0], [1.0, 0.0, 0.0]),
+            ([2.0, -1.0, 0.0], [0.0, 1.0, 0.0]),
+            ([-1.0, 3.0, 1.0], [0.0, 0.0, 1.0]),
+            ([0.5, -2.0, 0.0], [0.5, 0.5, 0.0]),
+            ([-2.0, 0.5, 0.0], [0.5, 0.0, 0.5]),
+            ([1.0, 1.0, 0.0], [0.0, 0.5, 0.5]),
+        ] {
+            let found = nearest_weights(DVec3::from(point), TRIANGLE);
+            let far = (0..3).map(|k| (found[k] - expected[k]).abs());
+            assert!(far.fold(0.0, f64::max) < 1e-12, "{point:?}: {found:?}");
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Where the emitted power went.
+
+use super::super::desk::Desk;
+use super::super::paint::lines;
+use super::percent;
+use crate::ui::viewport::value;
+use azulejo::radiosity::Balance;
+use azulejo::scene::Rgb;
+use egui::{Color32, Grid, ProgressBar, RichText, Ui};
+
+/// More of the light than this should not be missing from the balance.
+const LOST: f64 = 0.05;
+
+/// Draws numbers and bars, and a caution where the energy does not add up.
+pub fn show(ui: &mut Ui, desk: &Desk, balance: &Balance) {
+    let [blue, orange, green, purple, yellow] = lines(ui);
+    let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
+    let grid = Grid::new("energy").num_columns(3).spacing([10.0, 3.0]);
+    grid.show(ui, |ui| {
+        let mut row = |name: &str, about: &str, power: Rgb, share: f64, color: Color32| {
+            ui.label(name).on_hover_text(about);
+            ui.label(format!("{} {}", value(power), unit(desk)));
+            bar(ui, name, share, color);
+            ui.end_row();
+        };
+        let emitted = balance.emitted.mean();
+        let share = |power: Rgb| power.mean() / emitted.max(f64::MIN_POSITIVE);
+        row(
+            desk.say("Emitted"),
+            desk.say("By surfaces that shine, and by lights as far as it reaches a surface."),
+            balance.emitted,
+            share(balance.emitted),
+            yellow,
+        );
+        row(
+            desk.say("Absorbed"),
+            desk.say("By surfaces."),
+            balance.absorbed,
+            share(balance.absorbed),
+            blue,
+        );
+        row(
+            desk.say("Escaped"),
+            desk.say("Out of an open scene."),
+            balance.escaped,
+            share(balance.escaped),
+            green,
+        );
+        row(
+            desk.say("Cut off"),
+            desk.say("Between mirrors, where light was not followed any further."),
+            balance.cut,
+            share(balance.cut),
+            purple,
+        );
+        row(
+            desk.say("Unaccounted"),
+            desk.say("What is missing, or too much: the noise of the solution."),
+            rest,
+            balance.error(),
+            orange,
+        );
+    });
+    if balance.error() > LOST {
+        let words =
+            desk.say("The energy does not add up: ask for a smaller error, or give it more time.");
+        ui.label(RichText::new(format!("⚠ {words}")).color(ui.visuals().warn_fg_color));
+    }
+}
+
+/// The unit of power.
+fn unit(desk: &Desk) -> &'static str {
+    match desk.app.document.units.photometric {
+        true => "lm",
+        false => "W",
+    }
+}
+
+/// A bar with its share beside it: on a short bar it could not be read.
+fn bar(ui: &mut Ui, name: &str, share: f64, color: Color32) {
+    ui.horizontal(|ui| {
+        let bar = ProgressBar::new(share.clamp(0.0, 1.0) as f32);
+        let bar = bar.desired_width(90.0).desired_height(8.0).fill(color);
+        let words = format!("{name} {}", percent(share));
+        ui.add(bar)
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Meter, true, words.clone()));
+        ui.label(percent(share));
+    });
+}

@@ -1,0 +1,145 @@
+//! Start, pause, stop; how far the solver is.
+
+use super::super::desk::Desk;
+use super::percent;
+use crate::command::Command;
+use crate::jobs::{Job, Kind};
+use egui::{Button, ProgressBar, RichText, Ui};
+use std::time::Duration;
+
+/// Draws the buttons, the progress, and the state in words.
+pub fn show(ui: &mut Ui, desk: &mut Desk) {
+    buttons(ui, desk);
+    let job = desk.app.jobs().iter().find(|j| j.kind == Kind::Solve);
+    let state = state(desk, job.is_some());
+    let text = RichText::new(state.words(desk));
+    ui.label(match state {
+        State::Dark if !desk.app.document.has_light() => text.color(ui.visuals().warn_fg_color),
+        State::Old => text.color(ui.visuals().warn_fg_color),
+        _ => text,
+    });
+    if let Some(job) = job {
+        progress(ui, desk, job);
+    }
+}
+
+fn buttons(ui: &mut Ui, desk: &mut Desk) {
+    let (runs, rests) = (desk.app.is_busy(Kind::Solve), desk.app.lighting.is_paused);
+    let (language, has_light) = (desk.language, desk.app.document.has_light());
+    ui.horizontal(|ui| {
+        let mut button = |name: &str, key: &str, makes_sense: bool, command: Command| {
+            let button = Button::new(name).min_size(egui::vec2(72.0, 0.0));
+            let button = ui.add_enabled(makes_sense, button).on_hover_text(key);
+            if button.clicked() {
+                desk.wish(command);
+            }
+        };
+        match (runs, rests) {
+            (false, _) => button(language.say("Start"), "F5", has_light, Command::Solve),
+            (true, false) => button(language.say("Pause"), "F6", true, Command::Pause),
+            (true, true) => button(language.say("Go on"), "⇧F6", true, Command::Resume),
+        }
+        button(language.say("Stop"), "F7", runs, Command::StopSolving);
+    });
+}
+
+/// What there is of light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Dark,
+    Settling,
+    Resting,
+    Done,
+    Stopped,
+    FromFile,
+    Old,
+}
+
+fn state(desk: &Desk, runs: bool) -> State {
+    let lighting = &desk.app.lighting;
+    match (&lighting.solution, runs) {
+        (_, true) if lighting.is_paused => State::Resting,
+        (_, true) => State::Settling,
+        (None, false) => State::Dark,
+        (Some(_), false) if !lighting.is_current => State::Old,
+        (Some(solution), false) if solution.report.is_some() => State::Done,
+        (Some(_), false) if lighting.began.is_some() => State::Stopped,
+        (Some(_), false) => State::FromFile,
+    }
+}
+
+impl State {
+    fn words(self, desk: &Desk) -> String {
+        let lighting = &desk.app.lighting;
+        let took = seconds(lighting.watch.elapsed());
+        match self {
+            State::Dark if !desk.app.document.has_light() => desk
+                .say("Nothing shines: add a light, or give a material emission.")
+                .into(),
+            State::Dark => desk.say("Not solved yet.").into(),
+            State::Settling => format!("{} {took}", desk.say("The light is settling:")),
+            State::Resting => format!("{} {took}", desk.say("The solver rests; it worked")),
+            State::Stopped => desk
+                .say("Stopped before the end: a first impression.")
+                .into(),
+            State::FromFile => desk.say("This light came with the file.").into(),
+            State::Old => desk
+                .say("This light is from an earlier state of the model.")
+                .into(),
+            State::Done => {
+                let report = lighting.solution.as_ref().and_then(|s| s.report.as_ref());
+                let error = percent(report.map_or(0.0, |r| r.error));
+                let (done, after) = (desk.say("Done: error"), desk.say("it took"));
+                format!("{done} {error}, {after} {took}")
+            }
+        }
+    }
+}
+
+/// The stage with its share, and how long it will take yet.
+fn progress(ui: &mut Ui, desk: &Desk, job: &Job) {
+    let (done, total) = (job.progress.done(), job.progress.total());
+    let share = match total {
+        0 => 0.0,
+        total => (done as f64 / total as f64).min(1.0),
+    };
+    let stage = job.progress.stage();
+    let name = stage_name(&stage, desk);
+    let text = format!("{name} {:.0} %", 100.0 * share);
+    let bar = ProgressBar::new(share as f32).text(text);
+    ui.add(bar.desired_width(ui.available_width().min(340.0)));
+    if let Some(left) = desk.app.lighting.time_left(share).filter(|_| total > 0) {
+        let words = desk.say("left of this stage, about");
+        ui.weak(format!("{words} {}", seconds(left)));
+    }
+}
+
+/// A stage of the solver in the window's language; as the solver says it, if it is not known.
+fn stage_name<'a>(stage: &'a str, desk: &Desk) -> &'a str {
+    match stage {
+        "direct light" => desk.say("direct light"),
+        "form factors" => desk.say("form factors"),
+        "formulas" => desk.say("formulas"),
+        "merging" => desk.say("merging"),
+        "scaling rows" | "row sums" | "grey interchange" => desk.say("balancing rows"),
+        "exchange areas" => desk.say("exchange areas"),
+        "forecast" => desk.say("forecast"),
+        "refining" => desk.say("refining"),
+        "bounces" => desk.say("bounces"),
+        "shooting" => desk.say("shooting"),
+        "irradiance" => desk.say("irradiance"),
+        "" => desk.say("preparing"),
+        other => other,
+    }
+}
+
+/// A time for people.
+pub fn seconds(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 100.0 => format!("{s:.0} s"),
+        s if s < 6_000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3_600.0),
+    }
+}

@@ -1,0 +1,103 @@
+//! Who found the light, and at what expense.
+
+use super::super::desk::Desk;
+use super::{percent, row};
+use crate::ui::viewport::number;
+use azulejo::radiosity::{Method, Report};
+use egui::{Grid, RichText, Ui};
+
+/// Draws what the solver reports.
+pub fn show(ui: &mut Ui, desk: &Desk, report: &Report) {
+    let grid = Grid::new("report").num_columns(2).spacing([12.0, 2.0]);
+    grid.show(ui, |ui| rows(ui, desk, report));
+    for note in &report.ran.notes {
+        let text = RichText::new(format!("ℹ {note}")).small();
+        ui.add(egui::Label::new(text).wrap());
+    }
+}
+
+fn rows(ui: &mut Ui, desk: &Desk, report: &Report) {
+    if !report.ran.engine.is_empty() {
+        let text = format!("{} ({})", report.ran.engine, report.ran.device);
+        row(ui, desk.say("Engine"), "", text);
+    }
+    let patches = count(report.patches as u64);
+    let text = match report.method {
+        Method::Matrix => {
+            let rows = desk.say("of form factors");
+            format!("{patches}, {} {rows}", bytes(report.bytes))
+        }
+        Method::Stochastic => format!("{patches}, {}", desk.say("without a matrix")),
+    };
+    row(ui, desk.say("Patches"), "", text);
+    let gathered = report.points as u64 * u64::from(report.point_rays);
+    let (patches, points) = (desk.say("from patches"), desk.say("from points"));
+    let text = format!(
+        "{} {patches}, {} {points}",
+        count(report.patch_rays),
+        count(gathered)
+    );
+    row(ui, desk.say("Rays"), "", text);
+    let about = desk.say("Vertices at which light was gathered.");
+    row(ui, desk.say("Points"), about, count(report.points as u64));
+    let residual = desk.say("residual");
+    let text = format!(
+        "{}, {residual} {}",
+        report.iterations,
+        number(report.residual)
+    );
+    row(ui, desk.say("Bounces"), "", text);
+    if report.method == Method::Matrix {
+        let mut text = percent(report.patch_error);
+        if report.refined_rows > 0 {
+            let refined = desk.say("rows refined");
+            text += &format!(", {} {refined}", count(report.refined_rows as u64));
+        }
+        let about = desk.say("Estimated relative error of the light that patches reflect.");
+        row(ui, desk.say("Error of patches"), about, text);
+    }
+    let about = desk.say("Estimated relative error of irradiance at the points.");
+    row(
+        ui,
+        desk.say("Estimated error"),
+        about,
+        percent(report.error),
+    );
+}
+
+/// A count with its thousands apart, by narrow spaces as the languages agree on.
+fn count(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn bytes(n: usize) -> String {
+    let n = n as f64;
+    match n {
+        n if n < 1024.0 => format!("{n:.0} B"),
+        n if n < 1048576.0 => format!("{:.1} KiB", n / 1024.0),
+        n if n < 1073741824.0 => format!("{:.1} MiB", n / 1048576.0),
+        n => format!("{:.2} GiB", n / 1073741824.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_and_sizes_can_be_read() {
+        assert_eq!(count(7), "7");
+        assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
+        assert_eq!(count(123_456), "123\u{202f}456");
+        assert_eq!(bytes(1000), "1000 B");
+        assert_eq!(bytes(3 << 19), "1.5 MiB");
+    }
+}

@@ -1,0 +1,260 @@
+//! How the light settles, as curves.
+
+use super::super::desk::Desk;
+use super::super::paint::lines;
+use super::percent;
+use super::series::Curves;
+use crate::ui::viewport::number;
+use azulejo::trace::Measure;
+use egui::{Color32, Grid, Ui, WidgetInfo};
+use egui_plot::{
+    Corner, GridInput, GridMark, HLine, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints,
+};
+use std::time::Instant;
+
+/// Draws the last measures as numbers, and all of them as curves.
+pub fn show(ui: &mut Ui, desk: &Desk) {
+    let lighting = &desk.app.lighting;
+    let began = lighting.began.unwrap_or_else(Instant::now);
+    let curves = Curves::new(&lighting.measures, began);
+    numbers(ui, desk);
+    if !curves.residuals.is_empty() {
+        residuals(ui, desk, &curves);
+    }
+    if !curves.errors.is_empty() || !curves.patch_errors.is_empty() {
+        errors(ui, desk, &curves);
+    }
+}
+
+/// The last measures, for whom a curve says too little.
+fn numbers(ui: &mut Ui, desk: &Desk) {
+    let lighting = &desk.app.lighting;
+    let measures = || lighting.measures.iter().rev().map(|m| m.measure);
+    let residual = measures().find_map(|m| match m {
+        Measure::Residual {
+            iteration, value, ..
+        } => Some((iteration, value)),
+        _ => None,
+    });
+    let error = measures().find_map(|m| match m {
+        Measure::Error(value) => Some(value),
+        _ => None,
+    });
+    Grid::new("last measures").num_columns(2).show(ui, |ui| {
+        if let Some((iteration, value)) = residual {
+            let after = desk.say("after so many bounces:");
+            let value = format!("{} {after} {iteration}", number(value));
+            super::row(ui, desk.say("Residual"), "", value);
+        }
+        if let Some(error) = error {
+            let aim = percent(lighting.settings.error);
+            let value = format!("{}, {} {aim}", percent(error), desk.say("aimed at"));
+            super::row(ui, desk.say("Estimated error"), "", value);
+        }
+    });
+}
+
+fn residuals(ui: &mut Ui, desk: &Desk, curves: &Curves) {
+    let colors = lines(ui);
+    let (replicate, bounces) = (desk.say("replicate"), desk.say("bounces"));
+    let ys = curves.residuals.iter().flat_map(|c| &c.points);
+    let plot = framed("residuals", ys.map(|p| p[1]))
+        .x_axis_label(bounces)
+        .x_grid_spacer(whole)
+        .x_axis_formatter(|mark, _| format!("{:.0}", mark.value))
+        .y_axis_formatter(|mark, _| short(mark.value))
+        .label_formatter(|at| {
+            near(at)
+                .map(|(name, [x, y])| format!("{name}: {:.2e}, {x:.0} {bounces}", 10f64.powf(y)))
+        });
+    let shown = plot.show(ui, |plot| {
+        for (k, curve) in curves.residuals.iter().enumerate() {
+            let color = colors[curve.replicate as usize % colors.len()];
+            let name = format!("{replicate} {}", curve.replicate + 1);
+            let line = Line::new(name, PlotPoints::from(curve.points.clone()));
+            plot.line(
+                line.id(k)
+                    .color(faded(color, curve.is_superseded))
+                    .width(1.8),
+            );
+        }
+    });
+    let words = desk.say("Residual against bounces");
+    shown
+        .response
+        .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
+}
+
+fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
+    let [blue, orange, ..] = lines(ui);
+    let ink = ui.visuals().strong_text_color();
+    let aim = desk.app.lighting.settings.error.max(1e-9).log10();
+    let ys = curves.errors.iter().chain(&curves.patch_errors);
+    let plot = framed("errors", ys.map(|p| p[1]).chain([aim]))
+        .x_axis_label(desk.say("seconds"))
+        .x_grid_spacer(decades)
+        .x_axis_formatter(|mark, _| plain(mark.value))
+        .y_axis_formatter(|mark, _| format!("{} %", plain(mark.value + 2.0)))
+        .label_formatter(|at| {
+            let (name, [x, y]) = near(at)?;
+            Some(format!(
+                "{name}: {}, {} s",
+                percent(10f64.powf(y)),
+                number(10f64.powf(x))
+            ))
+        });
+    let (of_light, of_patches) = (desk.say("irradiance"), desk.say("patches"));
+    let aimed = desk.say("aimed at");
+    let shown = plot.show(ui, |plot| {
+        let line = HLine::new(aimed, aim)
+            .color(ink.gamma_multiply(0.7))
+            .width(1.2);
+        plot.hline(line.style(LineStyle::dashed_loose()).allow_hover(false));
+        let curves = [
+            (of_patches, &curves.patch_errors, orange),
+            (of_light, &curves.errors, blue),
+        ];
+        for (name, points, color) in curves {
+            if let [_] = points[..] {
+                let dot = egui_plot::Points::new(name, PlotPoints::from(points.clone()));
+                plot.points(dot.color(color).radius(3.0));
+            } else if !points.is_empty() {
+                let line = Line::new(name, PlotPoints::from(points.clone()));
+                plot.line(line.color(color).width(1.8));
+            }
+        }
+    });
+    let words = desk.say("Estimated error against seconds");
+    shown
+        .response
+        .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
+}
+
+/// A plot that stays where it is, around whole decades of what it shows.
+fn framed<'a>(name: &str, ys: impl Iterator<Item = f64>) -> Plot<'a> {
+    let (low, high) = ys.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
+        (low.min(y), high.max(y))
+    });
+    Plot::new(name.to_owned())
+        .height(150.0)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .include_y((low - 0.05).floor())
+        .include_y((high + 0.05).ceil())
+        .y_grid_spacer(decades)
+        .y_axis_min_width(38.0)
+        .show_x(false)
+        .show_y(false)
+        .legend(
+            Legend::default()
+                .position(Corner::RightTop)
+                .text_style(egui::TextStyle::Small)
+                .background_alpha(0.6),
+        )
+}
+
+fn faded(color: Color32, is_superseded: bool) -> Color32 {
+    match is_superseded {
+        true => color.gamma_multiply(0.45),
+        false => color,
+    }
+}
+
+/// Marks at powers of ten, and at 2 and 5 times those where there is room.
+fn decades(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    // What has a logarithm lies within these.
+    let (low, high) = (low.max(-330.0), high.min(330.0));
+    let mark = |value: f64, step_size: f64| GridMark { value, step_size };
+    let mut marks = Vec::new();
+    let mut decade = low.floor();
+    while decade <= high {
+        marks.push(mark(decade, 1.0));
+        if high - low < 2.5 {
+            marks.extend([2.0, 5.0].map(|f: f64| mark(decade + f.log10(), 0.3)));
+        }
+        decade += 1.0;
+    }
+    marks.retain(|m| (low..=high).contains(&m.value));
+    marks
+}
+
+/// Marks at whole numbers, a dozen at most.
+fn whole(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = (input.bounds.0.max(0.0), input.bounds.1.min(1e9));
+    let rough = ((high - low) / 12.0).max(1.0);
+    let power = 10f64.powf(rough.log10().floor());
+    let nice = [1.0, 2.0, 5.0, 10.0].into_iter().map(|f| f * power);
+    let step = nice.into_iter().find(|s| *s >= rough).unwrap_or(rough);
+    let first = (low / step).ceil() as i64;
+    let last = (high / step).floor() as i64;
+    let value = |k: i64| GridMark {
+        value: k as f64 * step,
+        step_size: step,
+    };
+    (first..=last).map(value).collect()
+}
+
+/// 10^`exponent` as a power of ten: "1e-3", "2e-3".
+fn short(exponent: f64) -> String {
+    format!("{:.0e}", 10f64.powf(exponent))
+}
+
+/// 10^`exponent` as people write it.
+fn plain(exponent: f64) -> String {
+    match exponent {
+        e if (-3.5..=4.5).contains(&e) => {
+            let digits = (-(e + 1e-9).floor()).max(0.0) as usize;
+            format!("{:.digits$}", 10f64.powf(e))
+        }
+        e => short(e),
+    }
+}
+
+fn near<'a>(at: &HoverPosition<'a>) -> Option<(&'a str, [f64; 2])> {
+    match at {
+        HoverPosition::NearDataPoint {
+            plot_name,
+            position,
+            ..
+        } => Some((plot_name, [position.x, position.y])),
+        HoverPosition::Elsewhere { .. } => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_words_that_people_use() {
+        for (exponent, power, words) in [
+            (-3.0, "1e-3", "0.001"),
+            (-1.0, "1e-1", "0.1"),
+            (0.0, "1e0", "1"),
+            (2f64.log10(), "2e0", "2"),
+            (0.05f64.log10(), "5e-2", "0.05"),
+            (2.0, "1e2", "100"),
+            (6.0, "1e6", "1e6"),
+        ] {
+            assert_eq!((&*short(exponent), &*plain(exponent)), (power, words));
+        }
+    }
+
+    #[test]
+    fn marks_are_few_whatever_the_range() {
+        let bounds = [(0.0, 0.0), (-1.0, 1.0), (-5.0, 3.0), (0.0, 1e6)];
+        let wild = [(f64::NEG_INFINITY, f64::INFINITY), (f64::NAN, f64::NAN)];
+        for bounds in bounds.into_iter().chain(wild) {
+            let input = || GridInput {
+                bounds,
+                base_step_size: 1.0,
+            };
+            assert!(decades(input()).len() < 700, "{bounds:?}");
+            assert!(whole(input()).len() < 20, "{bounds:?}");
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! The table of pinned probes.
+
+use super::super::desk::Desk;
+use crate::app::{Probe, Site};
+use crate::command::Command;
+use crate::jobs::Kind;
+use crate::ui::inspector::named;
+use crate::ui::viewport::{irradiance_unit, number, radiance_unit, value};
+use azulejo::scene::Rgb;
+use egui::{Grid, Ui};
+use std::f64::consts::PI;
+
+/// Draws the table; whether one more is to be pinned.
+pub fn show(ui: &mut Ui, desk: &mut Desk) -> bool {
+    let app = desk.app;
+    let mut pins = false;
+    ui.horizontal(|ui| {
+        let about = desk.say("Then click a surface; or press P over it.");
+        let button = egui::Button::new(desk.say("Pin a probe"));
+        let button = ui.add_enabled(!app.document.items.is_empty(), button);
+        pins = button.on_hover_text(about).clicked();
+        let measures = app.is_busy(Kind::Probe);
+        let about = desk.say(
+            "Solves the light anew, with the settings above, and gathers it at the probes \
+             themselves instead of between vertices.",
+        );
+        let button = egui::Button::new(desk.say("Measure exactly"));
+        let makes_sense = !app.probes.is_empty() && !measures && app.document.has_light();
+        let button = ui.add_enabled(makes_sense, button).on_hover_text(about);
+        if button.clicked() {
+            desk.wish(Command::MeasureProbes);
+        }
+        if measures {
+            ui.spinner();
+        }
+    });
+    if app.probes.is_empty() {
+        ui.weak(desk.say("None yet: press P over a surface to watch its light."));
+        return pins;
+    }
+    let grid = Grid::new("probes").num_columns(5).striped(true);
+    grid.spacing([8.0, 4.0]).show(ui, |ui| {
+        ui.weak("#");
+        ui.weak(desk.say("Place"));
+        let unit = irradiance_unit(app);
+        ui.weak(format!("E, {unit}"));
+        ui.weak(format!("{}, {unit}", desk.say("exactly")));
+        ui.end_row();
+        for probe in &app.probes {
+            row(ui, desk, probe);
+        }
+    });
+    pins
+}
+
+fn row(ui: &mut Ui, desk: &mut Desk, probe: &Probe) {
+    let app = desk.app;
+    let name = app.document.name(probe.place.item);
+    ui.label(probe.number.to_string());
+    ui.vertical(|ui| {
+        let link = ui.link(shortened(name.unwrap_or("–")));
+        if link.on_hover_text(about(desk, probe)).clicked() && name.is_some() {
+            desk.select(probe.place.item, false);
+        }
+        if let Some(site) = &probe.site {
+            ui.weak(shortened(&named(&app.document, site.material)));
+        }
+    });
+    let front = probe.site.as_ref().filter(|s| s.is_front);
+    let light = front.and_then(|s| s.light);
+    ui.vertical(|ui| cell(ui, desk, probe.site.as_ref(), light, why_not(desk, probe)));
+    let measured = probe.measured.map(|m| (m.value, Some(m.error)));
+    let hint = desk.say("Not measured yet.");
+    ui.vertical(|ui| cell(ui, desk, probe.site.as_ref(), measured, hint));
+    let remove = ui.small_button("✖");
+    let words = format!("{} {}", desk.say("Remove probe"), probe.number);
+    let remove = remove.on_hover_text(&words);
+    remove.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, words.clone()));
+    if remove.clicked() {
+        desk.wish(Command::Unpin(probe.number));
+    }
+    ui.end_row();
+}
+
+/// Irradiance with its standard error, and the radiance that it makes.
+fn cell(
+    ui: &mut Ui,
+    desk: &Desk,
+    site: Option<&Site>,
+    light: Option<(Rgb, Option<Rgb>)>,
+    why_not: &str,
+) {
+    let Some((irradiance, error)) = light else {
+        ui.weak("–").on_hover_text(why_not);
+        return;
+    };
+    let mut text = number(irradiance.luminance());
+    if let Some(error) = error {
+        text += &format!(" ± {}", number(error.luminance()));
+    }
+    ui.label(text).on_hover_text(format!(
+        "E = {} ± {} {}",
+        value(irradiance),
+        error.map_or("?".into(), value),
+        irradiance_unit(desk.app)
+    ));
+    let material = site.and_then(|s| desk.app.document.materials.get(s.material as usize));
+    if let Some(material) = material {
+        let radiance = material.emission + material.diffuse * irradiance / PI;
+        let unit = radiance_unit(desk.app);
+        let about = desk.say("Radiance that leaves it evenly to all sides:");
+        ui.weak(format!("L = {}", number(radiance.luminance())))
+            .on_hover_text(format!("{about} {} {unit}", value(radiance)));
+    }
+}
+
+/// Why a probe shows no light.
+fn why_not(desk: &Desk, probe: &Probe) -> &'static str {
+    match &probe.site {
+        None => desk.say("There is no surface at this place any more."),
+        Some(site) if !site.is_front => {
+            desk.say("This is the back of a surface, and light is kept for its front: measure it.")
+        }
+        Some(_) => desk.say("Not solved yet: press F5."),
+    }
+}
+
+/// All that there is to know of a place.
+fn about(desk: &Desk, probe: &Probe) -> String {
+    let place = &probe.place;
+    let name = desk.app.document.name(place.item).unwrap_or("–");
+    let three = |v: glam::DVec3| format!("({}, {}, {})", number(v.x), number(v.y), number(v.z));
+    let mut text = format!("{name} (#{})\n", place.item.0);
+    if let Some(site) = &probe.site {
+        let material = named(&desk.app.document, site.material);
+        text += &format!("{} {}\n", desk.say("face"), site.face);
+        text += &format!("{} {material} (#{})\n", desk.say("material"), site.material);
+    }
+    text + &format!("{}, n = {}", three(place.position), three(place.normal))
+}
+
+/// A name that leaves room for numbers: its end says most.
+pub fn shortened(name: &str) -> String {
+    const MOST: usize = 14;
+    let count = name.chars().count();
+    match count > MOST {
+        true => format!(
+            "…{}",
+            name.chars().skip(count + 1 - MOST).collect::<String>()
+        ),
+        false => name.to_owned(),
+    }
+}

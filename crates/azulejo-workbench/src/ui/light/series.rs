@@ -1,0 +1,177 @@
+//! Measures of the solver as curves.
+
+use azulejo::trace::{Measure, Measured};
+use std::time::Instant;
+
+/// Points of a curve that are drawn at most: more than a panel has pixels help nobody.
+const MOST_POINTS: usize = 400;
+/// Curves that are drawn at most; the last ones tell.
+const MOST_CURVES: usize = 16;
+
+/// How the light of one replicate came into balance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residual {
+    /// Which of the independent replicates, from 0.
+    pub replicate: u32,
+    /// Bounces, and log₁₀ of the residual.
+    pub points: Vec<[f64; 2]>,
+    /// Whether the same replicate was solved again later.
+    pub is_superseded: bool,
+}
+
+/// All curves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curves {
+    /// Residuals; one curve for each time that a replicate was solved.
+    pub residuals: Vec<Residual>,
+    /// log₁₀ of seconds since the solver began, log₁₀ of the estimated error of irradiance.
+    pub errors: Vec<[f64; 2]>,
+    /// The same of the patches' radiosity.
+    pub patch_errors: Vec<[f64; 2]>,
+}
+
+impl Curves {
+    /// Sorts measures into curves, each no longer than can be seen. What has no logarithm is
+    /// left out.
+    pub fn new(measures: &[Measured], began: Instant) -> Curves {
+        let mut curves = Curves::default();
+        let mut bounces = Vec::new();
+        for measured in measures {
+            let after = measured.at.saturating_duration_since(began).as_secs_f64();
+            let at = after.max(1e-3).log10();
+            match measured.measure {
+                Measure::Residual {
+                    replicate,
+                    iteration,
+                    value,
+                } => residual(&mut bounces, replicate, iteration, value),
+                Measure::Error(value) => push(&mut curves.errors, at, value),
+                Measure::PatchError(value) => push(&mut curves.patch_errors, at, value),
+                _ => {}
+            }
+        }
+        bounces.drain(..bounces.len().saturating_sub(MOST_CURVES));
+        curves.residuals = bounces;
+        for curve in &mut curves.residuals {
+            thin(&mut curve.points);
+        }
+        thin(&mut curves.errors);
+        thin(&mut curves.patch_errors);
+        curves
+    }
+}
+
+fn residual(curves: &mut Vec<Residual>, replicate: u32, iteration: u32, value: f64) {
+    let x = f64::from(iteration);
+    let latest = curves.iter_mut().rev().find(|c| c.replicate == replicate);
+    match latest {
+        // Counted on: the same solution.
+        Some(curve) if curve.points.last().is_some_and(|p| p[0] < x) => {
+            push(&mut curve.points, x, value);
+        }
+        latest => {
+            let mut points = Vec::new();
+            push(&mut points, x, value);
+            if points.is_empty() {
+                return;
+            }
+            if let Some(curve) = latest {
+                curve.is_superseded = true;
+            }
+            curves.push(Residual {
+                replicate,
+                points,
+                is_superseded: false,
+            });
+        }
+    }
+}
+
+fn push(points: &mut Vec<[f64; 2]>, x: f64, value: f64) {
+    let y = value.log10();
+    if y.is_finite() {
+        points.push([x, y]);
+    }
+}
+
+/// Keeps each so many, and always the last.
+fn thin(points: &mut Vec<[f64; 2]>) {
+    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    let last = points.len().saturating_sub(1);
+    let mut index = 0;
+    points.retain(|_| {
+        let keep = index % step == 0 || index == last;
+        index += 1;
+        keep
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn curves(measures: &[Measure]) -> Curves {
+        let began = Instant::now();
+        let at = |(k, &measure): (usize, &Measure)| Measured {
+            at: began + Duration::from_secs(1 + k as u64),
+            measure,
+        };
+        let measured: Vec<Measured> = measures.iter().enumerate().map(at).collect();
+        Curves::new(&measured, began)
+    }
+
+    fn bounce(replicate: u32, iteration: u32, value: f64) -> Measure {
+        Measure::Residual {
+            replicate,
+            iteration,
+            value,
+        }
+    }
+
+    #[test]
+    fn a_replicate_that_is_solved_again_gets_a_new_curve() {
+        let found = curves(&[
+            bounce(0, 1, 1.0),
+            bounce(0, 2, 0.1),
+            bounce(1, 1, 1.0),
+            bounce(0, 1, 0.01),
+        ]);
+        let kinds: Vec<_> = (found.residuals.iter())
+            .map(|c| (c.replicate, c.points.len(), c.is_superseded))
+            .collect();
+        assert_eq!(kinds, [(0, 2, true), (1, 1, false), (0, 1, false)]);
+        assert_eq!(found.residuals[0].points, [[1.0, 0.0], [2.0, -1.0]]);
+    }
+
+    #[test]
+    fn what_has_no_logarithm_is_left_out() {
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let found = curves(&[
+                bounce(0, 1, value),
+                Measure::Error(value),
+                Measure::PatchError(value),
+            ]);
+            assert_eq!(found, Curves::default(), "{value}");
+        }
+    }
+
+    #[test]
+    fn long_series_are_thinned_and_keep_their_ends() {
+        let measures: Vec<Measure> = (1..=100_000)
+            .map(|k| Measure::Error(1.0 / f64::from(k)))
+            .collect();
+        let found = curves(&measures).errors;
+        assert!(found.len() <= MOST_POINTS + 1, "{}", found.len());
+        assert_eq!(found.first(), Some(&[0.0, 0.0]));
+        assert_eq!(found.last().map(|p| p[1]), Some(1e-5f64.log10()));
+    }
+
+    #[test]
+    fn of_many_curves_the_last_are_kept() {
+        let many: Vec<Measure> = (0..1_000).map(|_| bounce(0, 1, 1.0)).collect();
+        let found = curves(&many).residuals;
+        assert_eq!(found.len(), MOST_CURVES);
+        assert!(!found.last().unwrap().is_superseded);
+    }
+}
