@@ -11,7 +11,7 @@ use azulejo::scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Shape};
 use azulejo::trace::{Measure, Measured};
 use egui::{Key, Role, Vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
