@@ -38,14 +38,14 @@ fn solve(app: &mut App) {
     assert_eq!(app.messages, []);
 }
 
-/// The middle of the floor, seen from above.
+/// A place of the floor that the lamp sees, from above.
 fn on_the_floor(app: &App) -> PatchAt {
     let bounds = app.document.bounds(None);
     let floor = app.document.items.iter().find(|i| i.name.contains("floor"));
     let up = app.document.units.up.axis();
     PatchAt {
         item: floor.expect("a Cornell box has a floor").id,
-        position: bounds.centre() - 0.5 * bounds.size() * up + 0.3 * bounds.size() * DVec3::X,
+        position: bounds.min + bounds.size() * DVec3::new(0.8, 0.0, 0.2),
         normal: up,
     }
 }

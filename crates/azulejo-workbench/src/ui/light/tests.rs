@@ -11,7 +11,7 @@ use azulejo::scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Shape};
 use azulejo::trace::{Measure, Measured};
 use egui::{Key, Role, Vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -132,7 +132,7 @@ fn type_into(harness: &mut Harness<Bench>, field: &str, text: &str) {
         .focus();
     harness.run_ok();
     harness
-        .get_by_role_and_label(Role::TextInput, field)
+        .get_by_role_and_label(Role::SpinButton, field)
         .type_text(text);
     harness.run_ok();
     harness.key_press(Key::Enter);
@@ -338,10 +338,15 @@ fn every_language_fits_the_panel() {
         measured(&mut app, [1.0, 0.1, 0.01]);
         let mut harness = bench(app);
         harness.run_ok();
-        let width = harness
-            .root()
-            .children_recursive()
-            .map(|n| n.rect().right());
+        let roles = [
+            Role::Label,
+            Role::Button,
+            Role::CheckBox,
+            Role::Image,
+            Role::Meter,
+        ];
+        let nodes = roles.map(|role| harness.query_all_by_role(role));
+        let width = nodes.into_iter().flatten().map(|n| n.rect().right());
         let widest = width.fold(0.0, f32::max);
         assert!(widest <= 380.5, "{language:?}: {widest}");
     }
