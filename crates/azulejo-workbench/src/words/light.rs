@@ -35,9 +35,6 @@ pub const TABLE: &[Entry] = &[
         "A energia não bate certo: peça um erro menor ou dê-lhe mais tempo.",
     ],
     ["Start", "Empezar", "Começar"],
-    ["Pause", "Pausar", "Pausar"],
-    ["Go on", "Seguir", "Continuar"],
-    ["Stop", "Parar", "Parar"],
     [
         "Nothing shines: add a light, or give a material emission.",
         "Nada brilla: añada una luz o dé emisión a un material.",
@@ -104,7 +101,6 @@ pub const TABLE: &[Entry] = &[
         "Partes de la luz que sale del parche. En un recinto cerrado suman 1.",
         "Partes da luz que sai da parcela. Num recinto fechado somam 1.",
     ],
-    ["Object", "Objeto", "Objeto"],
     ["more objects", "objetos más", "objetos mais"],
     ["Engine", "Motor", "Motor"],
     [
@@ -113,7 +109,6 @@ pub const TABLE: &[Entry] = &[
         "de fatores de forma",
     ],
     ["without a matrix", "sin matriz", "sem matriz"],
-    ["Patches", "Parches", "Parcelas"],
     ["from patches", "desde parches", "a partir de parcelas"],
     ["from points", "desde puntos", "a partir de pontos"],
     ["Rays", "Rayos", "Raios"],
@@ -122,7 +117,6 @@ pub const TABLE: &[Entry] = &[
         "Vértices en los que se recogió la luz.",
         "Vértices em que a luz foi recolhida.",
     ],
-    ["Points", "Puntos", "Pontos"],
     ["residual", "residuo", "resíduo"],
     ["Bounces", "Rebotes", "Ressaltos"],
     ["rows refined", "filas refinadas", "linhas refinadas"],
@@ -142,11 +136,6 @@ pub const TABLE: &[Entry] = &[
     ["Energy", "Energía", "Energia"],
     ["How it was found", "Cómo se halló", "Como foi encontrada"],
     ["Probes", "Sondas", "Sondas"],
-    [
-        "Form factors of a patch",
-        "Factores de forma de un parche",
-        "Fatores de forma de uma parcela",
-    ],
     [
         "after so many bounces:",
         "tras estos rebotes:",
@@ -208,12 +197,6 @@ pub const TABLE: &[Entry] = &[
         "Es el reverso de una superficie, y la luz se guarda para el anverso: mídalo.",
         "É o verso de uma superfície, e a luz guarda-se para a frente: meça-o.",
     ],
-    [
-        "Not solved yet: press F5.",
-        "Aún sin resolver: pulse F5.",
-        "Ainda por resolver: prima F5.",
-    ],
-    ["face", "cara", "face"],
     ["material", "material", "material"],
     [
         "Who computes the form factors between patches.",
