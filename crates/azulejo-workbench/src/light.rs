@@ -61,7 +61,7 @@ impl EngineName {
 pub struct LightSettings {
     /// Who computes form factors.
     pub engine: EngineName,
-    /// How many patches the surfaces are divided into, about.
+    /// A patch is as large as this part of all surfaces; small faces are patches too.
     pub patches: u32,
     /// Relative error at which the solver rests.
     pub error: f64,
@@ -76,7 +76,7 @@ impl LightSettings {
     pub fn first_pass(&self) -> FirstPass {
         FirstPass {
             engine: self.engine.engine(),
-            size: PatchSize::Count(self.patches.max(1) as usize),
+            size: PatchSize::Squares(self.patches.max(1) as usize),
             error: Some(self.error),
             bounces: self.bounces,
             memory: azulejo::machine::memory_budget(),
