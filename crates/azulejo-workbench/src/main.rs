@@ -187,5 +187,6 @@ fn trouble(error: &eframe::Error) -> String {
         }
         _ => "",
     };
-    format!("no window: {error}. {advice}")
+    let error = error.to_string();
+    format!("no window: {}. {advice}", error.trim_end_matches('.'))
 }

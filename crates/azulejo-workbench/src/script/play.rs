@@ -68,6 +68,12 @@ impl Player {
         Arc::clone(&self.outcome)
     }
 
+    /// Whether a step failed.
+    pub fn has_failed(&self) -> bool {
+        let outcome = self.outcome.lock();
+        outcome.is_ok_and(|o| matches!(*o, Some(Err(_))))
+    }
+
     /// Goes on as far as a frame allows; `false` at the end.
     pub fn step(&mut self, window: &mut Workbench, context: &egui::Context) -> bool {
         if let Some(why) = self.failure(&window.app) {

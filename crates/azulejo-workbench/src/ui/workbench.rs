@@ -359,8 +359,11 @@ impl Workbench {
 
     fn step_script(&mut self, context: &egui::Context) {
         if let Some(mut player) = self.player.take() {
-            if player.step(self, context) {
-                self.player = Some(player);
+            match player.step(self, context) {
+                true => self.player = Some(player),
+                // Whoever started it waits for its status.
+                false if player.has_failed() => self.app.closing = true,
+                false => {}
             }
             context.request_repaint();
         }
