@@ -58,7 +58,7 @@ fn residuals(ui: &mut Ui, desk: &Desk, curves: &Curves) {
     let colors = lines(ui);
     let (replicate, bounces) = (desk.say("replicate"), desk.say("bounces"));
     let ys = curves.residuals.iter().flat_map(|c| &c.points);
-    let plot = framed("residuals", ys.map(|p| p[1]))
+    let plot = framed("residuals", Corner::RightTop, ys.map(|p| p[1]))
         .x_axis_label(bounces)
         .x_grid_spacer(whole)
         .x_axis_formatter(|mark, _| format!("{:.0}", mark.value))
@@ -90,7 +90,7 @@ fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
     let ink = ui.visuals().strong_text_color();
     let aim = desk.app.lighting.settings.error.max(1e-9).log10();
     let ys = curves.errors.iter().chain(&curves.patch_errors);
-    let plot = framed("errors", ys.map(|p| p[1]).chain([aim]))
+    let plot = framed("errors", Corner::RightBottom, ys.map(|p| p[1]).chain([aim]))
         .x_axis_label(desk.say("seconds"))
         .x_grid_spacer(decades)
         .x_axis_formatter(|mark, _| plain(mark.value))
@@ -131,7 +131,7 @@ fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
 }
 
 /// A plot that stays where it is, around whole decades of what it shows.
-fn framed<'a>(name: &str, ys: impl Iterator<Item = f64>) -> Plot<'a> {
+fn framed<'a>(name: &str, legend: Corner, ys: impl Iterator<Item = f64>) -> Plot<'a> {
     let (low, high) = ys.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
         (low.min(y), high.max(y))
     });
@@ -150,7 +150,7 @@ fn framed<'a>(name: &str, ys: impl Iterator<Item = f64>) -> Plot<'a> {
         .show_y(false)
         .legend(
             Legend::default()
-                .position(Corner::RightTop)
+                .position(legend)
                 .text_style(egui::TextStyle::Small)
                 .background_alpha(0.6),
         )
@@ -163,20 +163,22 @@ fn faded(color: Color32, is_superseded: bool) -> Color32 {
     }
 }
 
-/// Marks at powers of ten, and at 2 and 5 times those where there is room.
+/// Marks at powers of ten, so few that their names have room; also at 2 and 5 times those, where
+/// there is.
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     // What has a logarithm lies within these.
     let (low, high) = (low.max(-330.0), high.min(330.0));
     let mark = |value: f64, step_size: f64| GridMark { value, step_size };
+    let step = ((high - low) / 4.0).ceil().max(1.0);
     let mut marks = Vec::new();
-    let mut decade = low.floor();
+    let mut decade = (low / step).floor() * step;
     while decade <= high {
-        marks.push(mark(decade, 1.0));
+        marks.push(mark(decade, step));
         if high - low < 2.5 {
             marks.extend([2.0, 5.0].map(|f: f64| mark(decade + f.log10(), 0.3)));
         }
-        decade += 1.0;
+        decade += step;
     }
     marks.retain(|m| (low..=high).contains(&m.value));
     marks
@@ -253,7 +255,7 @@ mod tests {
                 bounds,
                 base_step_size: 1.0,
             };
-            assert!(decades(input()).len() < 700, "{bounds:?}");
+            assert!(decades(input()).len() < 12, "{bounds:?}");
             assert!(whole(input()).len() < 20, "{bounds:?}");
         }
     }
