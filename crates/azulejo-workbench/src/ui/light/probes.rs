@@ -98,18 +98,20 @@ fn cell(
     if let Some(error) = error {
         text += &format!(" ± {}", number(error.luminance()));
     }
-    ui.label(text).on_hover_text(format!(
-        "E = {} ± {} {}",
-        value(irradiance),
-        error.map_or("?".into(), value),
-        irradiance_unit(desk.app)
-    ));
+    ui.add(egui::Label::new(text).extend())
+        .on_hover_text(format!(
+            "E = {} ± {} {}",
+            value(irradiance),
+            error.map_or("?".into(), value),
+            irradiance_unit(desk.app)
+        ));
     let material = site.and_then(|s| desk.app.document.materials.get(s.material as usize));
     if let Some(material) = material {
         let radiance = material.emission + material.diffuse * irradiance / PI;
         let unit = radiance_unit(desk.app);
         let about = desk.say("Radiance that leaves it evenly to all sides:");
-        ui.weak(format!("L = {}", number(radiance.luminance())))
+        let text = egui::RichText::new(format!("L = {}", number(radiance.luminance())));
+        ui.add(egui::Label::new(text.weak()).extend())
             .on_hover_text(format!("{about} {} {unit}", value(radiance)));
     }
 }
