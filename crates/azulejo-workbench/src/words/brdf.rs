@@ -475,6 +475,21 @@ pub const TABLE: &[Entry] = &[
         "fracción de la luz que la superficie deja pasar, que aquí se pierde",
         "fração da luz que a superfície deixa passar, que aqui se perde",
     ],
+    [
+        "along the tangent; −1 mirrors, 1 sends back",
+        "a lo largo de la tangente; −1 refleja, 1 devuelve",
+        "ao longo da tangente; −1 espelha, 1 devolve",
+    ],
+    [
+        "along the bitangent; as cx",
+        "a lo largo de la bitangente; como cx",
+        "ao longo da bitangente; como cx",
+    ],
+    [
+        "along the normal",
+        "a lo largo de la normal",
+        "ao longo da normal",
+    ],
     ["degrees", "grados", "graus"],
     ["radii", "radios", "raios"],
     ["Smooth metal", "Metal liso", "Metal liso"],

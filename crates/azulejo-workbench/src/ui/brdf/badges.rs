@@ -1,12 +1,12 @@
 //! What a model keeps of what nature does, measured: reciprocity and energy.
 
 use super::optics::Optics;
+use super::theme::mark;
 use crate::words::Language;
 use azulejo::scene::Rgb;
 use azulejo::scene::brdf::check::{self, ANGLES, AZIMUTH};
 use azulejo::trace::{Cancelled, Progress};
-use eframe::egui;
-use eframe::egui::{Color32, RichText, Ui};
+use egui::{Color32, RichText, Ui};
 
 /// Pairs of directions that are exchanged, and how many at a time.
 const PAIRS: u32 = 2_000;
@@ -99,23 +99,25 @@ fn energy(ui: &mut Ui, language: Language, measures: &Measures) {
 
 /// A mark and words: colour says nothing that they do not.
 fn badge(ui: &mut Ui, holds: bool, words: &str) -> egui::Response {
-    let (mark, fill) = match (holds, ui.visuals().dark_mode) {
-        (true, true) => ("✔", Color32::from_rgb(0, 70, 105)),
-        (true, false) => ("✔", Color32::from_rgb(205, 228, 243)),
-        (false, true) => ("⚠", Color32::from_rgb(120, 60, 0)),
-        (false, false) => ("⚠", Color32::from_rgb(250, 220, 190)),
+    let [r, g, b] = match (holds, ui.visuals().dark_mode) {
+        (true, true) => [0, 70, 105],
+        (true, false) => [205, 228, 243],
+        (false, true) => [120, 60, 0],
+        (false, false) => [250, 220, 190],
     };
+    let ink = ui.visuals().strong_text_color();
     let frame = egui::Frame::new()
-        .fill(fill)
+        .fill(Color32::from_rgb(r, g, b))
         .corner_radius(6)
         .inner_margin(egui::Margin::symmetric(6, 2));
-    frame
-        .show(ui, |ui| {
-            ui.label(
-                RichText::new(format!("{mark} {words}")).color(ui.visuals().strong_text_color()),
-            )
+    let shown = frame.show(ui, |ui| {
+        ui.horizontal(|ui| {
+            mark(ui, holds, ink);
+            ui.label(RichText::new(words).color(ink))
         })
         .inner
+    });
+    shown.inner
 }
 
 #[cfg(test)]

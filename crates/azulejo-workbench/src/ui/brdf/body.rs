@@ -1,11 +1,10 @@
 //! A lobe as a solid body, turned by dragging or by the arrow keys.
 
 use super::shapes::{Body, RINGS, SECTORS};
-use super::theme::{brightness, grid, lines};
+use super::theme::{brightness, grid};
 use super::view::View;
 use crate::words::Language;
-use eframe::egui;
-use eframe::egui::{
+use egui::{
     Color32, EventFilter, Key, Mesh, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
 };
 use glam::{DVec2, DVec3};
@@ -14,16 +13,19 @@ use std::f64::consts::TAU;
 /// Degrees per point of a drag, and per stroke of an arrow key.
 const TURN: [f32; 2] = [0.5, 5.0];
 
-/// Draws a body whose radius 1 is `top`; dragging and arrow keys turn `view.orbit`.
-pub(super) fn draw(
-    ui: &mut Ui,
-    language: Language,
-    view: &mut View,
-    body: &Body,
-    top: f64,
-    size: Vec2,
-    index: usize,
-) {
+/// How a body is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stage {
+    /// In points of the screen.
+    pub size: Vec2,
+    /// The value that reaches as far as 1.
+    pub top: f64,
+    pub color: Color32,
+}
+
+/// Draws a body; dragging and arrow keys turn `view.orbit`.
+pub(super) fn draw(ui: &mut Ui, language: Language, view: &mut View, body: &Body, stage: Stage) {
+    let Stage { size, top, color } = stage;
     let response = ui.allocate_response(size, Sense::click_and_drag());
     if response.clicked() || response.drag_started() {
         response.request_focus();
@@ -38,7 +40,6 @@ pub(super) fn draw(
     let painter = ui.painter_at(response.rect);
     let eye = Eye::new(view.orbit, response.rect);
     painter.extend(eye.floor(grid(ui)));
-    let color = lines(ui)[index];
     painter.add(eye.solid(&grown(body, view, top), color));
     painter.extend(eye.light(body.light, ui.visuals().strong_text_color()));
     if brightness(body.mirrored) > 5e-4 {

@@ -6,7 +6,7 @@ use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::Material;
 use azulejo::scene::brdf::{Description, Info, find};
-use eframe::egui::{ComboBox, RichText, Ui};
+use egui::{ComboBox, RichText, Ui};
 use std::sync::Arc;
 
 /// The other side.

@@ -4,8 +4,7 @@ use super::shapes::Curve;
 use super::theme::{brightness, channels, grid, short};
 use crate::words::Language;
 use azulejo::scene::Rgb;
-use eframe::egui;
-use eframe::egui::{Color32, Ui};
+use egui::{Color32, Ui};
 use egui_plot::{GridMark, HLine, HoverPosition, Line, LineStyle, Plot, PlotPoints, PlotUi};
 
 /// Channels that differ by less are one line.
@@ -34,11 +33,12 @@ pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&Curve]) {
         .allow_double_click_reset(false)
         .set_margin_fraction(egui::Vec2::ZERO)
         .include_x(0.0)
-        .include_x(90.0)
+        .include_x(93.0)
         .include_y(0.0)
         .include_y(most)
         .grid_color(line)
         .x_grid_spacer(angles)
+        .y_grid_spacer(move |_| shares(most))
         .x_axis_formatter(|mark, _| format!("{:.0}°", mark.value))
         .y_axis_formatter(|mark, _| short(mark.value))
         .show_x(false)
@@ -56,6 +56,17 @@ pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&Curve]) {
     let words = language.say("Share of light that is reflected, against its angle");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, words);
     shown.response.widget_info(info);
+}
+
+/// Marks of the share: a few round ones.
+fn shares(most: f64) -> Vec<GridMark> {
+    let step = if most > 3.0 { 1.0 } else { 0.25 };
+    let count = (most / step) as i32;
+    let mark = |k: i32| GridMark {
+        value: f64::from(k) * step,
+        step_size: if k % 2 == 0 { 2.0 * step } else { step },
+    };
+    (0..=count).map(mark).collect()
 }
 
 /// One line, or three where the channels differ.

@@ -7,7 +7,7 @@ use crate::words::Language;
 use azulejo::scene::brdf::{Description, Problem};
 use azulejo::scene::{Brdf, Material};
 use azulejo::trace::{Cancelled, Progress};
-use eframe::egui::{Context, Ui};
+use egui::{Context, Ui};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -82,9 +82,9 @@ impl Draft {
         Some(made.brdf.clone())
     }
 
-    /// Whether a model is being made.
+    /// Whether what becomes of the description is not known yet.
     pub fn is_busy(&self) -> bool {
-        self.making.is_running()
+        self.making.of(&Key(self.description.clone())).is_none()
     }
 
     /// Says what is wrong with the description, or what becomes of it.

@@ -2,7 +2,7 @@
 
 use super::theme::row;
 use azulejo::scene::Rgb;
-use eframe::egui::{DragValue, Slider, SliderClamping, Ui, vec2};
+use egui::{DragValue, Slider, SliderClamping, Ui, vec2};
 
 /// Numbers that a field takes.
 #[derive(Clone, Copy, Debug)]
@@ -36,10 +36,13 @@ impl Span<'_> {
         self.least..=self.most
     }
 
-    /// Whether steps grow with the number.
+    /// Whether steps grow with the number: over the whole range most numbers would be out of
+    /// reach else.
     fn is_logarithmic(&self) -> bool {
-        self.most > 20.0 * self.least.abs().max(1.0)
-            || (self.least > 0.0 && self.most > 20.0 * self.least)
+        match self.least > 0.0 {
+            true => self.most > 20.0 * self.least,
+            false => self.least == 0.0 && self.most > 90.0,
+        }
     }
 
     fn suffix(&self) -> String {

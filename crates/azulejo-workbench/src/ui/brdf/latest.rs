@@ -1,7 +1,6 @@
 //! Work in the background of which only the newest matters.
 
 use azulejo::trace::{Cancelled, Progress};
-use eframe::egui;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};

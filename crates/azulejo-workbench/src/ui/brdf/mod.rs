@@ -12,15 +12,16 @@
 //!
 //! let light = PreviewLight::studio();
 //! let (mut editor, material) = (Editor::default(), Arc::default());
-//! let mut panel = |ui: &mut eframe::egui::Ui| {
+//! let mut panel = |ui: &mut egui::Ui| {
 //!     let shown = Shown { key: 7, material: &material, others: &[], light: &light, is_photometric: false };
-//!     match editor.ui(ui, Language::English, &shown) {
-//!         // All changes up to one that is finished are one step of undo.
-//!         Some(Answer::Change { material, is_finished }) => {}
-//!         // Ask for a file, then `apply_file` and `with_description`.
-//!         Some(Answer::Load) => {}
-//!         Some(Answer::Save(text)) => {}
-//!         None => {}
+//!     for answer in editor.ui(ui, Language::English, &shown) {
+//!         match answer {
+//!             // All changes up to one that is finished are one step of undo.
+//!             Answer::Change { material, is_finished } => {}
+//!             // Ask for a file, then `apply_file` and `with_description`.
+//!             Answer::Load => {}
+//!             Answer::Save(text) => {}
+//!         }
 //!     }
 //! };
 //! ```
@@ -58,8 +59,7 @@ use azulejo::scene::brdf::{Description, Value};
 use azulejo::scene::{Material, Rgb};
 use compare::Compared;
 use draft::Draft;
-use eframe::egui;
-use eframe::egui::{TextEdit, Ui};
+use egui::{TextEdit, Ui};
 use side::{Side, Workers};
 use std::sync::Arc;
 use surface::Kind;
@@ -139,15 +139,15 @@ impl Default for Editor {
 }
 
 impl Editor {
-    /// Shows a material; the answer, if a person did something.
+    /// Shows a material; answers with what a person did, mostly nothing.
     ///
     /// Expects the document to have taken the change of the frame before: where it has not, the
     /// document wins.
-    pub fn ui(&mut self, ui: &mut Ui, language: Language, shown: &Shown) -> Option<Answer> {
+    pub fn ui(&mut self, ui: &mut Ui, language: Language, shown: &Shown) -> Vec<Answer> {
         self.follow(shown);
         let mut material = Material::clone(shown.material);
-        let mut answer = None;
-        self.head(ui, language, shown, &mut material, &mut answer);
+        self.head(ui, language, &mut material);
+        let asked = self.files(ui, language, shown);
         match self.kind {
             Kind::Model => self.model(ui, language, &mut material),
             kind => surface::fields(ui, language, kind, &mut material),
@@ -161,7 +161,15 @@ impl Editor {
         );
         ui.separator();
         self.pictures(ui, language, shown);
-        answer.or_else(|| self.changed(ui, shown, material))
+        let changed = self.changed(ui, shown, material);
+        asked.into_iter().chain(changed).collect()
+    }
+
+    /// Whether something that is shown is still being computed.
+    pub fn is_busy(&self) -> bool {
+        let count = 1 + usize::from(self.compared.is_some());
+        let draft = self.draft.as_ref().is_some_and(Draft::is_busy);
+        draft || self.sides[..count].iter().any(Side::is_busy)
     }
 
     /// Takes notice of another material, or of one that others changed.
@@ -186,36 +194,32 @@ impl Editor {
         }
     }
 
-    /// Name, kind, and files.
-    fn head(
-        &mut self,
-        ui: &mut Ui,
-        language: Language,
-        shown: &Shown,
-        material: &mut Material,
-        answer: &mut Option<Answer>,
-    ) {
+    /// Name and kind.
+    fn head(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
         self.name_field(ui, language, material);
         let kind = self.kind.choose(ui, language);
         if kind != self.kind {
             self.become_kind(kind, material);
         }
-        theme::row(ui, language.say("Model file"), "", |ui, _| {
-            if ui.button(language.say("Load…")).clicked() {
-                *answer = Some(Answer::Load);
-            }
-            let model = shown.material.brdf.as_ref();
-            let button = egui::Button::new(language.say("Save…"));
-            if let Some(brdf) = model.filter(|_| ui.add_enabled(model.is_some(), button).clicked())
-            {
-                let saved = file::saved(brdf.description());
-                self.trouble = saved.as_ref().err().cloned();
-                *answer = saved.ok().map(Answer::Save);
-            }
+    }
+
+    /// Files of reflection models.
+    fn files(&mut self, ui: &mut Ui, language: Language, shown: &Shown) -> Option<Answer> {
+        let brdf = shown.material.brdf.as_deref();
+        let [load, save] = theme::row(ui, language.say("Model file"), "", |ui, _| {
+            let load = ui.button(language.say("Load…"));
+            let save = egui::Button::new(language.say("Save…"));
+            [load, ui.add_enabled(brdf.is_some(), save)].map(|button| button.clicked())
         });
+        if let Some(brdf) = brdf.filter(|_| save) {
+            let saved = file::saved(brdf.description());
+            self.trouble = saved.as_ref().err().cloned();
+            return saved.ok().map(Answer::Save);
+        }
         if let Some(trouble) = &self.trouble {
             theme::problem(ui, trouble);
         }
+        load.then_some(Answer::Load)
     }
 
     fn name_field(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {

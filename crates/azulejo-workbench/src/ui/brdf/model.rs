@@ -6,8 +6,7 @@ use super::parameter::parameters;
 use super::theme::{notice, row};
 use crate::words::Language;
 use azulejo::scene::brdf::{Content, Description, MODELS, Measured, Model, find};
-use eframe::egui;
-use eframe::egui::{ComboBox, RichText, Ui};
+use egui::{ComboBox, RichText, Ui};
 
 /// Shows a description and changes it.
 pub(super) fn description(ui: &mut Ui, language: Language, description: &mut Description) {
@@ -69,7 +68,7 @@ fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -
                     ui.spacing_mut().slider_width -= 34.0;
                     number(ui, &name, span, weight);
                     let label = format!("{} {}", language.say("Remove model"), k + 1);
-                    let button = ui.add_enabled(count > 1, egui::Button::new("✖"));
+                    let button = ui.add_enabled(count > 1, egui::Button::new("×"));
                     if button
                         .on_hover_text(&label)
                         .accessible_name(label)

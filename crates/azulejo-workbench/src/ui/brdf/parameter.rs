@@ -5,7 +5,7 @@ use super::fields::{Span, color, number};
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::brdf::{Info, Kind, METALS, Model, ParameterInfo, Value, find, find_metal};
-use eframe::egui::{ComboBox, Ui};
+use egui::{ComboBox, Ui};
 
 /// Shows all parameters of a model that is known.
 pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {

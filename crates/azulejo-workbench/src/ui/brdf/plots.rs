@@ -9,8 +9,7 @@ use super::side::Side;
 use super::theme::{lines, short};
 use super::view::View;
 use crate::words::Language;
-use eframe::egui;
-use eframe::egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
+use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 
 /// Shows what is known; `names` are those of the sides that are compared.
 pub(super) fn show(
@@ -20,12 +19,16 @@ pub(super) fn show(
     sides: &mut [Side],
     names: &[String],
 ) {
+    // Of one scale, so that the larger of two is drawn larger.
+    let bodies = sides.iter().filter_map(|s| s.lobes.found());
+    let top = bodies.map(|(_, lobes)| body::top(view, &lobes.body));
+    let top = top.fold(f64::MIN_POSITIVE, f64::max);
     for (k, side) in sides.iter_mut().enumerate() {
         if names.len() > 1 {
             name(ui, k, &names[k]);
         }
         marks(ui, language, side);
-        pictures(ui, language, view, side, k);
+        pictures(ui, language, view, side, (k, top));
     }
     ui.add_space(4.0);
     let lobes: Vec<&Lobes> = sides
@@ -84,15 +87,22 @@ fn marks(ui: &mut Ui, language: Language, side: &Side) {
 }
 
 /// The sphere, and the lobe as a body.
-fn pictures(ui: &mut Ui, language: Language, view: &mut View, side: &mut Side, index: usize) {
+fn pictures(
+    ui: &mut Ui,
+    language: Language,
+    view: &mut View,
+    side: &mut Side,
+    (index, top): (usize, f64),
+) {
     ui.horizontal(|ui| {
         let size = (0.4 * ui.available_width()).clamp(80.0, 160.0);
         side.sphere(ui, language, size);
         let size = vec2(ui.available_width().max(80.0), size);
+        let color = lines(ui)[index];
         match side.lobes.found() {
             Some((_, lobes)) => {
-                let top = body::top(view, &lobes.body).max(f64::MIN_POSITIVE);
-                body::draw(ui, language, view, &lobes.body, top, size, index);
+                let stage = body::Stage { size, top, color };
+                body::draw(ui, language, view, &lobes.body, stage);
             }
             None => drop(ui.allocate_exact_size(size, Sense::hover())),
         }

@@ -4,8 +4,7 @@ use super::shapes::Slice;
 use super::theme::{brightness, grid, lines, short};
 use super::view::{Quantity, Scale, View};
 use crate::words::Language;
-use eframe::egui;
-use eframe::egui::{Align2, Color32, Ui};
+use egui::{Align2, Color32, Ui};
 use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text};
 
 /// Shares below are not worth a line.
@@ -185,13 +184,9 @@ impl Dial<'_> {
             self.light(plot, slice.incidence, &name, color, width);
             if mirrored > SEEN {
                 let words = format!("{:.1} %", 100.0 * mirrored);
-                self.text(
-                    plot,
-                    at(slice.incidence, 1.03),
-                    &words,
-                    color,
-                    Align2::LEFT_BOTTOM,
-                );
+                // Beside the ray, where the angle of the light is not.
+                let place = at(slice.incidence.max(3.0), 1.03);
+                self.text(plot, place, &words, color, Align2::LEFT_CENTER);
             }
         }
     }
@@ -228,7 +223,7 @@ impl Dial<'_> {
         let value = self.view.unshare(share, self.top);
         (!plot_name.is_empty()).then(|| {
             format!(
-                "{plot_name} → {angle:.0}°\n{quantity} = {} {unit}",
+                "{plot_name}, {angle:.0}°\n{quantity} = {} {unit}",
                 short(value)
             )
         })

@@ -9,9 +9,8 @@ use super::sphere::{Picture, SphereKey, draw};
 use super::view::View;
 use crate::words::Language;
 use azulejo::scene::Material;
-use eframe::egui;
-use eframe::egui::accesskit::Role;
-use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions, Ui, Vec2};
+use egui::accesskit::Role;
+use egui::{ColorImage, Context, TextureHandle, TextureOptions, Ui, Vec2};
 
 /// Pixels of the sphere's picture on each side.
 const SIDE: u32 = 160;
@@ -75,6 +74,12 @@ impl Side {
     /// Whether something that is shown is no longer or not yet true.
     pub fn is_behind(&self) -> bool {
         self.lobes.is_running() || self.albedo.is_running() || self.measures.is_running()
+    }
+
+    /// Whether anything is not found or not shown yet.
+    pub fn is_busy(&self) -> bool {
+        let is_shown = self.measures.found().is_some() && self.texture.is_some();
+        self.is_behind() || self.sphere.is_running() || !is_shown
     }
 
     /// Shows the sphere, `size` points wide and high.

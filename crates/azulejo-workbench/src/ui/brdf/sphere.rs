@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Paths for each pixel of one picture after the other; the pictures are averaged.
-const PASSES: [u32; 7] = [2, 2, 4, 8, 16, 32, 64];
+const PASSES: [u32; 6] = [2, 2, 4, 8, 16, 32];
 
 /// How far away lamps are, in radii of the sphere.
 const FAR: f64 = 40.0;

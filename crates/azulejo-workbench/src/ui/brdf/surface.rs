@@ -4,7 +4,7 @@ use super::fields::{SHARE, Span, color_row, number_row};
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::{Dielectric, Material, Rgb};
-use eframe::egui::{ComboBox, DragValue, Ui};
+use egui::{ComboBox, DragValue, Ui};
 
 /// Kinds of surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

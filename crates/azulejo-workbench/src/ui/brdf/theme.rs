@@ -2,8 +2,7 @@
 
 pub(super) use crate::ui::paint::lines;
 use azulejo::scene::Rgb;
-use eframe::egui;
-use eframe::egui::{Align, Color32, Layout, RichText, Ui, vec2};
+use egui::{Align, Color32, Layout, RichText, Sense, Stroke, Ui, vec2};
 
 /// Width of the names before the fields.
 const NAMES: f32 = 84.0;
@@ -63,16 +62,42 @@ pub(super) fn row<R>(
     .inner
 }
 
-/// What is wrong, in words with a mark.
-pub(super) fn problem(ui: &mut Ui, words: &str) {
-    let color = ui.visuals().error_fg_color;
-    ui.add(egui::Label::new(RichText::new(format!("⚠ {words}")).color(color)).wrap());
+/// A tick, or a triangle with an exclamation mark.
+pub(super) fn mark(ui: &mut Ui, is_good: bool, color: Color32) {
+    let (place, _) = ui.allocate_exact_size(vec2(13.0, 13.0), Sense::hover());
+    let at = |x: f32, y: f32| place.lerp_inside(vec2(x, y));
+    let stroke = Stroke::new(1.8, color);
+    let (line, others) = match is_good {
+        true => (vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], vec![]),
+        false => (
+            vec![at(0.5, 0.0), at(1.0, 0.95), at(0.0, 0.95), at(0.5, 0.0)],
+            vec![
+                [at(0.5, 0.35), at(0.5, 0.62)],
+                [at(0.5, 0.72), at(0.5, 0.82)],
+            ],
+        ),
+    };
+    ui.painter().line(line, stroke);
+    for ends in others {
+        ui.painter().line_segment(ends, Stroke::new(1.4, color));
+    }
 }
 
-/// What should be known, in words with a mark.
+/// What is wrong.
+pub(super) fn problem(ui: &mut Ui, words: &str) {
+    marked(ui, words, ui.visuals().error_fg_color);
+}
+
+/// What should be known.
 pub(super) fn notice(ui: &mut Ui, words: &str) {
-    let color = ui.visuals().warn_fg_color;
-    ui.add(egui::Label::new(RichText::new(format!("ℹ {words}")).color(color)).wrap());
+    marked(ui, words, ui.visuals().warn_fg_color);
+}
+
+fn marked(ui: &mut Ui, words: &str, color: Color32) {
+    ui.horizontal_top(|ui| {
+        mark(ui, false, color);
+        ui.add(egui::Label::new(RichText::new(words).color(color)).wrap());
+    });
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::theme;
 use crate::words::Language;
-use eframe::egui::{ComboBox, Slider, Ui};
+use egui::{ComboBox, Slider, Ui};
 
 /// The angles beside the chosen one, in degrees.
 const OTHERS: [f64; 4] = [0.0, 30.0, 60.0, 80.0];
