@@ -476,21 +476,22 @@ fn edit_material(ui: &mut Ui, desk: &mut Desk, own: &mut Materials) {
         light,
         is_photometric: app.document.units.photometric,
     };
-    match own.editor.ui(ui, desk.language, &shown) {
-        None => {}
-        Some(Answer::Change {
-            material,
-            is_finished,
-        }) => {
-            // Presses of the mouse count up from 0, finished changes down from the end.
-            let gesture = Some(u64::MAX - own.changes);
-            desk.wish(Command::Edit(Edit::SetMaterial(id, material), gesture));
-            own.changes += u64::from(is_finished);
-        }
-        Some(Answer::Load) => desk.wish(Command::Ask(Ask::LoadBrdf)),
-        Some(Answer::Save(text)) => {
-            own.saving = Some(text);
-            desk.wish(Command::Ask(Ask::SaveBrdf));
+    for answer in own.editor.ui(ui, desk.language, &shown) {
+        match answer {
+            Answer::Change {
+                material,
+                is_finished,
+            } => {
+                // Presses of the mouse count up from 0, finished changes down from the end.
+                let gesture = Some(u64::MAX - own.changes);
+                desk.wish(Command::Edit(Edit::SetMaterial(id, material), gesture));
+                own.changes += u64::from(is_finished);
+            }
+            Answer::Load => desk.wish(Command::Ask(Ask::LoadBrdf)),
+            Answer::Save(text) => {
+                own.saving = Some(text);
+                desk.wish(Command::Ask(Ask::SaveBrdf));
+            }
         }
     }
 }

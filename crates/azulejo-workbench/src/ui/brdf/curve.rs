@@ -20,7 +20,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&Curve]) {
     let angles = |_: egui_plot::GridInput| {
         let mark = |k: i32| GridMark {
             value: f64::from(15 * k),
-            step_size: 15.0,
+            step_size: 30.0,
         };
         (0..=6).map(mark).collect()
     };
@@ -64,7 +64,7 @@ fn shares(most: f64) -> Vec<GridMark> {
     let count = (most / step) as i32;
     let mark = |k: i32| GridMark {
         value: f64::from(k) * step,
-        step_size: if k % 2 == 0 { 2.0 * step } else { step },
+        step_size: 2.0 * step,
     };
     (0..=count).map(mark).collect()
 }
