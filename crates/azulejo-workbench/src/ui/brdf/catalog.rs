@@ -83,7 +83,7 @@ pub(super) fn switched(old: &Model, info: &'static Info) -> Model {
     for parameter in info.all_parameters() {
         // The same letter may mean something else; the same words do not.
         let is_same = |p: &ParameterInfo| p.name == parameter.name && p.about == parameter.about;
-        let had = old_info.is_some_and(|i| i.all_parameters().any(|p| is_same(p)));
+        let had = old_info.is_some_and(|i| i.all_parameters().any(is_same));
         if let (true, Some(value)) = (had, old.value(parameter.name)) {
             set(&mut model, parameter, Some(value.clone()));
         }

@@ -99,7 +99,8 @@ impl PreviewLight {
 
     /// Whether there is none.
     pub fn is_dark(&self) -> bool {
-        !(self.strength() > 0.0)
+        let has_light = self.strength() > 0.0;
+        !has_light
     }
 
     /// Irradiance on a surface that faces all of it, luminance, W/m².
@@ -262,10 +263,11 @@ mod tests {
             material: 0,
             light: None,
         };
-        let mut mesh = Mesh::default();
-        mesh.positions = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-            .map(|[x, z]| DVec3::new(x, 10.0, z))
-            .to_vec();
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mut mesh = Mesh {
+            positions: corners.map(|[x, z]| DVec3::new(x, 10.0, z)).to_vec(),
+            ..Mesh::default()
+        };
         mesh.push_face(&[0, 1, 2, 3], 0);
         for shape in [Shape::Primitive(square), Shape::Mesh(mesh)] {
             let found = under(shape.clone(), Up::Y);

@@ -57,15 +57,12 @@ fn name(ui: &mut Ui, index: usize, name: &str) {
         let (place, _) = ui.allocate_exact_size(vec2(30.0, 10.0), Sense::hover());
         let ends = [place.left_center(), place.right_center()];
         let color = ui.visuals().strong_text_color();
-        match index {
-            0 => drop(ui.painter().line_segment(ends, Stroke::new(2.0, color))),
-            _ => drop(ui.painter().extend(Shape::dashed_line(
-                &ends,
-                Stroke::new(2.0, color),
-                5.0,
-                3.0,
-            ))),
-        }
+        let stroke = Stroke::new(2.0, color);
+        let line = match index {
+            0 => vec![Shape::line_segment(ends, stroke)],
+            _ => Shape::dashed_line(&ends, stroke, 5.0, 3.0),
+        };
+        ui.painter().extend(line);
         ui.add(egui::Label::new(egui::RichText::new(name).strong()).truncate());
     });
 }

@@ -75,8 +75,8 @@ impl View {
     pub fn share(&self, value: f64, top: f64) -> f64 {
         let ratio = value / top;
         match self.scale {
-            // Also what is no number.
-            _ if !(ratio > 0.0) => 0.0,
+            // What is no number has no place.
+            _ if ratio.is_nan() || ratio <= 0.0 => 0.0,
             Scale::Linear => ratio.min(1.0),
             Scale::Logarithmic => (1.0 + ratio.log10() / DECADES).clamp(0.0, 1.0),
         }
@@ -202,7 +202,7 @@ mod tests {
                 scale,
                 ..View::default()
             };
-            for top in [0.013, 0.3183, 1.0, 7.7, 4.2e5] {
+            for top in [0.013, 0.33, 1.0, 7.7, 4.2e5] {
                 let rings = view.rings(top);
                 assert!((2..=5).contains(&rings.len()), "{top}: {rings:?}");
                 assert!(rings.iter().all(|r| *r <= top * 1.001));
