@@ -141,9 +141,11 @@ fn name(ui: &mut Ui, desk: &mut Desk, id: crate::document::Id, name: &str) {
     let typed = ui.data(|d| d.get_temp::<String>(draft));
     let mut text = typed.unwrap_or_else(|| name.to_owned());
     let response = ui.text_edit_singleline(&mut text).labelled_by(label.id);
+    // Asked before: within, the context is locked.
+    let has_focus = response.has_focus();
     ui.data_mut(|d| {
         d.remove::<String>(draft);
-        if response.has_focus() {
+        if has_focus {
             d.insert_temp(draft, text.clone());
         }
     });
