@@ -1,5 +1,6 @@
 //! How the model is looked at: nothing here changes it.
 
+use crate::gpu::Projection;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, Image, Rgb, Up};
 use glam::{DQuat, DVec3};
@@ -349,6 +350,26 @@ pub fn linear(color: [u8; 3]) -> Rgb {
     Rgb::new(channel(color[0]), channel(color[1]), channel(color[2]))
 }
 
+/// Whether a camera sees most of a box: many files bring cameras that were left lying about.
+pub fn sees_most(camera: &Camera, bounds: Aabb) -> bool {
+    let view = Projection::new(camera, [100, 100]);
+    let corner = |k: u32| {
+        let pick = |bit: u32, low: f64, high: f64| if k & bit == 0 { low } else { high };
+        DVec3::new(
+            pick(1, bounds.min.x, bounds.max.x),
+            pick(2, bounds.min.y, bounds.max.y),
+            pick(4, bounds.min.z, bounds.max.z),
+        )
+    };
+    // The middle of each half diagonal: corners themselves are cut off in many a good picture.
+    let points = (0..8).map(|k| 0.5 * (corner(k) + bounds.centre()));
+    let shown = points.filter(|&p| {
+        let at = view.project(p);
+        at.is_some_and(|at| at.min_element() >= -25.0 && at.max_element() <= 125.0)
+    });
+    shown.count() >= 6
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -393,6 +414,23 @@ mod tests {
         is_near(v.camera.target - v.camera.eye, DVec3::new(5.0, 0.0, 0.0));
         v.fly(DVec3::ZERO, 0.0, 0.5, DVec3::Y);
         assert!(v.camera.target.y > v.camera.eye.y);
+    }
+
+    #[test]
+    fn a_camera_that_was_left_lying_about_is_known() {
+        let bounds = Aabb::around([DVec3::splat(-1.0), DVec3::splat(1.0)]);
+        let looks_from = |eye: DVec3, target: DVec3| {
+            let mut camera = view().camera;
+            (camera.eye, camera.target) = (eye, target);
+            sees_most(&camera, bounds)
+        };
+        assert!(sees_most(&whole(bounds, Up::Z), bounds));
+        assert!(looks_from(DVec3::new(0.0, 0.5, 5.0), DVec3::ZERO));
+        assert!(!looks_from(DVec3::new(0.0, 0.0, 0.5), DVec3::ZERO));
+        assert!(!looks_from(
+            DVec3::new(0.0, 0.0, 5.0),
+            DVec3::new(0.0, 0.0, 9.0)
+        ));
     }
 
     #[test]

@@ -90,7 +90,7 @@ impl App {
 
     /// Whether one who floats in the middle of everything has a floor and a ceiling at the ends
     /// of the model, and walls at most of its sides.
-    fn is_room(&self) -> bool {
+    pub(super) fn is_room(&self) -> bool {
         let bounds = self.document.bounds(None);
         let meshes: Vec<(Cow<Mesh>, glam::DAffine3)> = (self.document.items.iter())
             .map(|item| {

@@ -22,7 +22,7 @@ use crate::history::History;
 use crate::jobs::{Job, Jobs, Kind, News, Wake};
 use crate::preferences::Preferences;
 use crate::recovery::Recovery;
-use crate::view::{Backdrop, View, whole};
+use crate::view::{Backdrop, View, sees_most, whole};
 use azulejo::formats::Warning;
 use azulejo::scene::{Image, Shape};
 use std::path::PathBuf;
@@ -524,10 +524,11 @@ impl App {
         }
     }
 
-    /// Looks at all there is.
+    /// Looks at all there is: by the file's own camera, if it shows the model, else by one that does.
     fn look_at_all(&mut self) {
-        let own = self.document.cameras.first().map(|c| c.camera.clone());
         let bounds = self.document.bounds(None);
+        let own = self.document.cameras.first().map(|c| c.camera.clone());
+        let own = own.filter(|camera| sees_most(camera, bounds) || self.is_room());
         let framing = || whole(bounds, self.document.units.up);
         self.view.camera = own.unwrap_or_else(framing);
     }
