@@ -144,7 +144,7 @@ impl<T: Send + 'static> Jobs<T> {
     }
 
     /// The next message, if there is one, with the job that sent it. A cancelled job is not heard.
-    pub fn next(&mut self) -> Option<(Job, News<T>)> {
+    pub fn next_news(&mut self) -> Option<(Job, News<T>)> {
         loop {
             let (id, news) = self.receiver.try_recv().ok()?;
             let Some(at) = self.running.iter().position(|j| j.id == id) else {
@@ -239,7 +239,7 @@ mod tests {
     fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, News<T>) {
         let begin = Instant::now();
         loop {
-            if let Some(found) = jobs.next() {
+            if let Some(found) = jobs.next_news() {
                 return found;
             }
             assert!(begin.elapsed() < Duration::from_secs(60), "no news");
@@ -287,6 +287,6 @@ mod tests {
         jobs.cancel(id);
         told.recv_timeout(Duration::from_secs(60)).unwrap();
         std::thread::sleep(Duration::from_millis(20));
-        assert!(jobs.next().is_none());
+        assert!(jobs.next_news().is_none());
     }
 }

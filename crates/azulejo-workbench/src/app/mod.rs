@@ -281,7 +281,7 @@ impl App {
     pub fn poll(&mut self) -> bool {
         let mut any = false;
         self.take_measures();
-        while let Some((job, news)) = self.jobs.next() {
+        while let Some((job, news)) = self.jobs.next_news() {
             any = true;
             match news {
                 News::Found(found) => self.take(&job, found),

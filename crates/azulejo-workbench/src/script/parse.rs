@@ -57,7 +57,7 @@ pub enum Step {
     SavePicture(PathBuf),
     /// `screenshot FILE`: the window, PNG.
     Screenshot(PathBuf),
-    /// `wait SECONDS`, or `wait` until no job goes on.
+    /// `wait SECONDS`, or `wait` until no job goes on but a picture.
     Wait(Option<f64>),
     /// `quit`.
     Quit,

@@ -4,6 +4,7 @@ use super::parse::Step;
 use crate::app::{App, Level};
 use crate::command::{Command, Selection};
 use crate::document::{Edit, Id};
+use crate::jobs::Kind;
 use crate::ui::Workbench;
 use crate::ui::actions::ACTIONS;
 use crate::ui::brdf::with_description;
@@ -32,7 +33,7 @@ pub struct Player {
 
 /// What a step waits for.
 enum Wait {
-    /// No job goes on.
+    /// No job goes on, but for a picture that refines itself.
     Jobs,
     /// So many frames more, in which the window settles.
     Frames(u32),
@@ -123,7 +124,8 @@ impl Player {
         let app = &window.app;
         Ok(match &mut self.waits {
             None => false,
-            Some(Wait::Jobs) => !app.jobs().is_empty(),
+            // A picture refines itself for long, and nothing waits for it.
+            Some(Wait::Jobs) => app.jobs().iter().any(|j| j.kind != Kind::Picture),
             Some(Wait::Frames(left)) => {
                 *left = left.saturating_sub(1);
                 *left > 0

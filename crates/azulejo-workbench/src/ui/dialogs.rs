@@ -474,14 +474,16 @@ fn age(written: u64, desk: &Desk) -> String {
 
 fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
     let say = |text| desk.say(text);
-    ui.label(say("Language"));
+    let label = ui.label(say("Language"));
     egui::ComboBox::new("language", "")
         .selected_text(new.language.name())
         .show_ui(ui, |ui| {
             for language in Language::ALL {
                 ui.selectable_value(&mut new.language, language, language.name());
             }
-        });
+        })
+        .response
+        .labelled_by(label.id);
     ui.end_row();
     ui.label(say("Theme"));
     ui.horizontal(|ui| {
@@ -495,14 +497,16 @@ fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
     ui.add(slider.update_while_editing(false))
         .labelled_by(label.id);
     ui.end_row();
-    ui.label(say("Colour map"));
+    let label = ui.label(say("Colour map"));
     egui::ComboBox::new("map", "")
         .selected_text(map_name(new.color_map, desk))
         .show_ui(ui, |ui| {
             for map in ColorMap::ALL {
                 ui.selectable_value(&mut new.color_map, map, map_name(map, desk));
             }
-        });
+        })
+        .response
+        .labelled_by(label.id);
     ui.end_row();
     let label = ui.label(say("Copy for recovery after"));
     let drag = DragValue::new(&mut new.autosave)

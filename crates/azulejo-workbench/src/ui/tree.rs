@@ -274,12 +274,12 @@ impl Tree {
             .filter(|&id| desk.app.document.item(id).is_some())
             .collect();
         if !items.is_empty() {
-            self.eye(ui, desk, &items);
+            self.eye(ui, desk, label, &items);
         }
     }
 
     /// Shows and hides.
-    fn eye(&self, ui: &mut Ui, desk: &mut Desk, ids: &[Id]) {
+    fn eye(&self, ui: &mut Ui, desk: &mut Desk, name: &str, ids: &[Id]) {
         let shown = ids.iter().any(|&id| {
             let item = desk.app.document.item(id);
             item.is_some_and(|i| !i.hidden)
@@ -287,6 +287,14 @@ impl Tree {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let sign = if shown { "👁" } else { "–" };
             let button = ui.add(egui::Button::new(sign).small().frame(false));
+            button.widget_info(|| {
+                let does = if shown {
+                    desk.say("Hide")
+                } else {
+                    desk.say("Show")
+                };
+                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{does}: {name}"))
+            });
             let what = match shown {
                 true => desk.say("Hide: out of sight, but it casts and receives light as before"),
                 false => desk.say("Show"),
@@ -320,7 +328,8 @@ impl Tree {
         if let Some((renamed, name)) = &mut self.renaming
             && *renamed == id
         {
-            let response = ui.text_edit_singleline(name);
+            let field = egui::TextEdit::singleline(name).hint_text(desk.say("Name"));
+            let response = ui.add(field);
             response.request_focus();
             let enter = ui.input(|i| i.key_pressed(egui::Key::Enter));
             let escape = ui.input(|i| i.key_pressed(egui::Key::Escape));
@@ -356,7 +365,7 @@ impl Tree {
             desk.select(id, ui.input(|i| i.modifiers.command || i.modifiers.shift));
         }
         if desk.app.document.item(id).is_some() {
-            self.eye(ui, desk, &[id]);
+            self.eye(ui, desk, &row.label, &[id]);
         }
     }
 

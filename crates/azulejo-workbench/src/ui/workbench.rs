@@ -400,6 +400,8 @@ impl Workbench {
         }
         if focused && !self.was_focused {
             self.app.check_disk();
+            // What it asks is asked in the next frame.
+            context.request_repaint();
         }
         self.was_focused = focused;
         let title = title(&self.app);

@@ -1,1 +1,10 @@
-//! The workbench from outside.
+//! The workbench from outside: windows without a screen, by role and label.
+
+mod dialogs;
+mod files;
+mod inspector;
+mod menus;
+mod script;
+mod snapshots;
+mod tree;
+mod window;

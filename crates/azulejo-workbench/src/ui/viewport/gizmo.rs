@@ -106,11 +106,11 @@ impl Gizmo<'_> {
 
     /// Draws the handles; the one that is held or under the mouse is bright.
     pub fn paint(&self, painter: &Painter, lit: Option<&Grip>) {
-        for axis in 0..3 {
+        for (axis, own) in COLORS.into_iter().enumerate() {
             let is_lit = lit.is_some_and(|g| g.axis == axis || g.axis == 3);
             let color = match is_lit {
                 true => Color32::WHITE,
-                false => COLORS[axis],
+                false => own,
             };
             let lines = self.lines(axis);
             let stroke = Stroke::new(if is_lit { 3.5 } else { 2.5 }, color);

@@ -1,0 +1,133 @@
+//! Windows over the window, and the list of messages.
+
+use crate::window::*;
+use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::words::Language;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+
+#[test]
+fn the_language_changes_at_once_everywhere() {
+    let mut window = window(opened("shapes.grf"));
+    press(&mut window, Modifiers::COMMAND, Key::Comma);
+    assert!(says(&window, "Preferences"));
+    for (language, file, lights) in [
+        (Language::Spanish, "Archivo", "Luces"),
+        (Language::Portuguese, "Ficheiro", "Luzes"),
+    ] {
+        let own = window.state().app.preferences.language.name();
+        let is_it = |n: &egui_kittest::kittest::AccessKitNode<'_>| {
+            n.role() == Role::ComboBox && n.value().is_some_and(|v| v == own)
+        };
+        let combo = egui_kittest::kittest::by().predicate(is_it);
+        window.query_all(combo).next().expect("languages").click();
+        window.run();
+        click_last(&mut window, language.name());
+        assert_eq!(window.state().app.preferences.language, language);
+        find(&window, Role::Button, file);
+        find(&window, Role::Button, lights);
+        assert!(
+            window
+                .query_by_role_and_label(Role::Button, "File")
+                .is_none()
+        );
+    }
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(!says(&window, "Preferências"));
+}
+
+#[test]
+fn the_keys_are_listed_and_do_nothing_meanwhile() {
+    let mut window = window(opened("shapes.grf"));
+    press(&mut window, Modifiers::NONE, Key::Questionmark);
+    for text in [
+        "Keys and mouse",
+        "Ctrl+Shift+Z",
+        "fly forward",
+        "Picture by rays",
+    ] {
+        assert!(says(&window, text), "{text}");
+    }
+    press(&mut window, Modifiers::COMMAND, Key::L);
+    assert!(!window.state().app.is_changed());
+    click_last(&mut window, "Close");
+    assert!(!says(&window, "Keys and mouse"));
+    press(&mut window, Modifiers::COMMAND, Key::L);
+    assert!(window.state().app.is_changed());
+}
+
+#[test]
+fn azulejo_says_what_it_is() {
+    let mut window = window(App::quiet());
+    click(&mut window, "Help");
+    click_last(&mut window, "About azulejo");
+    assert!(says(&window, env!("CARGO_PKG_VERSION")));
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(!says(&window, env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn solid_letters_are_added() {
+    let mut window = window(opened("cornell.grf"));
+    let many = window.state().app.document.items.len();
+    click(&mut window, "Add");
+    click_last(&mut window, "Text…");
+    write(&mut window, "", "Hola");
+    set(&mut window, "Depth, ems", 0.5);
+    click_last(&mut window, "Add the letters");
+    check_no_error(&window);
+    let document = &window.state().app.document;
+    assert_eq!(document.items.len(), many + 1);
+    assert_eq!(document.items[many].name, "Hola");
+    assert!(!says(&window, "Solid letters"));
+}
+
+#[test]
+fn a_message_leads_to_what_it_is_about() {
+    let folder = Folder::new("messages");
+    let path = folder.path("odd.obj");
+    let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl nowhere\nf 1 2 3\ncurv2 1 2\n";
+    std::fs::write(&path, text).unwrap();
+    let mut app = App::quiet();
+    app.execute(azulejo_workbench::command::Command::Open(vec![path]));
+    let mut window = window(app);
+    wait(&mut window);
+    let warnings = window.state().app.messages.iter();
+    let warnings = warnings.filter(|m| m.level == Level::Warning).count();
+    assert!(warnings > 0);
+    click(&mut window, &format!("⚠ {warnings}"));
+    window
+        .query_all_by_role(Role::Link)
+        .next()
+        .expect("a way")
+        .click();
+    window.run();
+    let app = &window.state().app;
+    assert_eq!(app.selection.ids, [app.document.items[0].id]);
+    click(&mut window, "Clear");
+    assert!(window.state().app.messages.is_empty());
+}
+
+#[test]
+fn every_tab_has_names_for_all_its_widgets() {
+    let mut window = window(opened("shapes.grf"));
+    click(&mut window, "column");
+    for tab in ["Material", "Light", "View", "Object"] {
+        click_last(&mut window, tab);
+    }
+    check_no_error(&window);
+}
+
+#[test]
+fn an_idle_window_draws_nothing() {
+    let mut window = window(opened("cornell.grf"));
+    assert_eq!(window.run(), 1);
+    let delay = window
+        .output()
+        .viewport_output
+        .values()
+        .map(|v| v.repaint_delay)
+        .min();
+    assert!(delay.is_some_and(|d| d.as_secs() > 60), "{delay:?}");
+}

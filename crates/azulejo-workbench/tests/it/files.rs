@@ -1,0 +1,214 @@
+//! Files by dialogs, questions about changes, and a whole session.
+
+use crate::window::*;
+use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::command::Command;
+use azulejo_workbench::light::LightSettings;
+use azulejo_workbench::script::Player;
+use azulejo_workbench::ui::Tab;
+use egui::{Key, Modifiers};
+use std::path::Path;
+
+/// The dialog shows the folder of what was opened last.
+fn dialog_in(folder: &Folder) -> Window {
+    let mut app = App::quiet();
+    app.execute(Command::Open(vec![folder.copy("shapes.grf")]));
+    let mut window = window_with_files(app);
+    wait(&mut window);
+    window
+}
+
+fn file_of(window: &Window) -> Option<&Path> {
+    window.state().app.file.as_ref().map(|f| f.path.as_path())
+}
+
+/// Makes a change.
+fn change(window: &mut Window) {
+    press(window, Modifiers::COMMAND, Key::L);
+    assert!(window.state().app.is_changed());
+}
+
+#[test]
+fn a_file_is_opened_by_its_name() {
+    let folder = Folder::new("typed");
+    let mut window = dialog_in(&folder);
+    let cornell = folder.copy("cornell.grf");
+    press(&mut window, Modifiers::COMMAND, Key::O);
+    assert!(says(&window, "Open models"));
+    write(&mut window, "", "cornell.grf");
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    wait(&mut window);
+    check_no_error(&window);
+    assert_eq!(file_of(&window), Some(&*cornell));
+    assert!(!says(&window, "Open models"), "the dialog is done");
+    assert_eq!(window.state().app.asking, None);
+}
+
+#[test]
+fn files_are_added_from_the_list_and_a_dialog_can_be_left() {
+    let folder = Folder::new("listed");
+    folder.copy("cornell.grf");
+    let mut window = dialog_in(&folder);
+    let both = Modifiers::COMMAND | Modifiers::SHIFT;
+    press(&mut window, both, Key::O);
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert_eq!(window.state().app.asking, None);
+    press(&mut window, both, Key::O);
+    click_last(&mut window, "🗋 cornell.grf");
+    click_last(&mut window, "Open");
+    wait(&mut window);
+    check_no_error(&window);
+    let branches = &window.state().app.document.branches;
+    assert_eq!(branches.len(), 2);
+    assert!(!says(&window, "Add models"));
+}
+
+#[test]
+fn a_file_is_not_written_over_without_asking() {
+    let folder = Folder::new("replace");
+    let other = folder.copy("cornell.grf");
+    let before = std::fs::read(&other).unwrap();
+    let mut window = dialog_in(&folder);
+    let save_as = |window: &mut Window| {
+        press(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+        write(window, "shapes.grf", "cornell.grf");
+        click_last(window, "Save");
+        assert!(says(window, "There is a file of this name"));
+    };
+    save_as(&mut window);
+    click_last(&mut window, "Cancel");
+    wait(&mut window);
+    assert_eq!(std::fs::read(&other).unwrap(), before);
+    assert!(!says(&window, "Save as GRF") && window.state().app.asking.is_none());
+    save_as(&mut window);
+    click_last(&mut window, "Replace it");
+    wait(&mut window);
+    check_no_error(&window);
+    assert_eq!(file_of(&window), Some(&*other));
+    assert_ne!(std::fs::read(&other).unwrap(), before);
+}
+
+#[test]
+fn the_question_about_changes_has_three_answers() {
+    let folder = Folder::new("question");
+    let mut window = dialog_in(&folder);
+    change(&mut window);
+    let ask = |window: &mut Window| {
+        press(window, Modifiers::COMMAND, Key::Q);
+        assert!(says(window, "Changes are not saved"));
+        assert!(!window.state().app.closing);
+    };
+    ask(&mut window);
+    click_last(&mut window, "Cancel");
+    assert!(!says(&window, "Changes are not saved"));
+    ask(&mut window);
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(!says(&window, "Changes are not saved"));
+    ask(&mut window);
+    click_last(&mut window, "Save");
+    wait(&mut window);
+    check_no_error(&window);
+    assert!(window.state().app.closing && !window.state().app.is_changed());
+
+    let mut window = dialog_in(&folder);
+    change(&mut window);
+    press(&mut window, Modifiers::COMMAND, Key::N);
+    click_last(&mut window, "Lose the changes");
+    assert!(window.state().app.document.is_empty() && !window.state().app.is_changed());
+}
+
+#[test]
+fn a_file_that_others_wrote_is_asked_about_when_the_window_is_looked_at_again() {
+    let folder = Folder::new("others");
+    let mut window = dialog_in(&folder);
+    let focus = |window: &mut Window, focused: bool| {
+        let viewport = window.input_mut().viewports.values_mut().next().unwrap();
+        viewport.focused = Some(focused);
+        window.run();
+    };
+    focus(&mut window, false);
+    std::fs::copy(example("csg.grf"), folder.path("shapes.grf")).unwrap();
+    focus(&mut window, true);
+    assert!(says(&window, "The file has changed on the disk"));
+    let many = window.state().app.document.items.len();
+    click_last(&mut window, "Read it again");
+    wait(&mut window);
+    assert_ne!(window.state().app.document.items.len(), many);
+    assert!(!says(&window, "The file has changed on the disk"));
+}
+
+#[test]
+fn what_fails_is_told_and_the_work_stays() {
+    let folder = Folder::new("fails");
+    let mut window = dialog_in(&folder);
+    change(&mut window);
+    let before = window.state().app.document.clone();
+    std::fs::write(folder.path("bad.obj"), "f 1 2 3").unwrap();
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::O);
+    write(&mut window, "", "bad.obj");
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    wait(&mut window);
+    assert!(says(&window, "bad.obj"));
+    let errors = window
+        .state()
+        .app
+        .messages
+        .iter()
+        .filter(|m| m.level == Level::Error);
+    assert_eq!(errors.count(), 1);
+    assert_eq!(window.state().app.document, before);
+}
+
+/// What the workbench is for, from the first click to the last.
+#[test]
+fn a_model_is_opened_lit_given_a_reflection_model_solved_saved_and_comes_back() {
+    let folder = Folder::new("session");
+    let mut window = dialog_in(&folder);
+    press(&mut window, Modifiers::COMMAND, Key::L);
+    find_material(&mut window);
+    let steps = [(
+        1,
+        azulejo_workbench::script::Step::MaterialBrdf(
+            "ward_duer ks=0.3 kd=0.4 ax=0.1 ay=0.3".into(),
+        ),
+    )];
+    window.state_mut().play(Player::new(steps.into(), "test"));
+    window.run_steps(12);
+    window
+        .state_mut()
+        .app
+        .execute(Command::SetLight(LightSettings {
+            patches: 60,
+            error: 0.2,
+            ..LightSettings::default()
+        }));
+    window.state_mut().tab = Tab::Light;
+    click(&mut window, "Solve");
+    wait(&mut window);
+    check_no_error(&window);
+    assert!(window.state().app.lighting.is_current);
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    wait(&mut window);
+    check_no_error(&window);
+    assert!(!window.state().app.is_changed());
+
+    let mut again = App::quiet();
+    again.execute(Command::Open(vec![folder.path("shapes.grf")]));
+    let mut again = window_with_files(again);
+    wait(&mut again);
+    check_no_error(&again);
+    let scene = |window: &Window| {
+        let app = &window.state().app;
+        app.document.lit_scene(app.lighting.solution.as_deref())
+    };
+    let (first, second) = (scene(&window), scene(&again));
+    assert!(first.1 && second.1, "both are lit");
+    assert_eq!(first.0.materials, second.0.materials);
+    assert_eq!(first.0, second.0);
+}
+
+/// Selects the clay in the tree.
+fn find_material(window: &mut Window) {
+    click_last(window, "clay");
+    assert!(window.state().app.selection.material.is_some());
+}

@@ -1,0 +1,76 @@
+//! Pictures of the whole window, as a driver without a screen draws them.
+
+use crate::window::*;
+use azulejo_workbench::app::App;
+use azulejo_workbench::command::Command;
+use azulejo_workbench::gpu::Headless;
+use azulejo_workbench::light::{EngineName, LightSettings};
+use azulejo_workbench::ui::{Tab, Workbench};
+use azulejo_workbench::view::Shading;
+use egui_kittest::{Harness, SnapshotOptions};
+
+/// Drivers round and blend in their own ways, and fonts' edges with them: this is a watch for
+/// what is missing, elsewhere or of another colour, not for a shade.
+fn tolerance() -> SnapshotOptions {
+    SnapshotOptions::new()
+        .threshold(2.0)
+        .max_failed_pixels(1_500usize)
+}
+
+/// A window with a card, or `None` where there is none.
+fn drawn(app: App) -> Option<Window> {
+    if Headless::open(wgpu::Backends::all()).is_err() {
+        // A test's output, which is seen where somebody asks for it.
+        #[allow(clippy::print_stderr)]
+        {
+            eprintln!("skipped: no graphics driver");
+        }
+        return None;
+    }
+    let mut window = Harness::builder()
+        .with_size([800.0, 520.0])
+        .with_max_steps(20)
+        .wgpu()
+        .build_eframe(|context| Workbench::in_window(app, context).expect("a card that draws"));
+    window.state_mut().app.messages.clear();
+    window.run();
+    Some(window)
+}
+
+fn look(app: &mut App, shading: Shading) {
+    let mut view = app.view.clone();
+    view.shading = shading;
+    app.execute(Command::Look(Box::new(view)));
+}
+
+#[test]
+fn a_model_is_shown() {
+    let mut app = opened("cornell.grf");
+    look(&mut app, Shading::Gouraud);
+    if let Some(mut window) = drawn(app) {
+        window.snapshot_options("gouraud", &tolerance());
+    }
+}
+
+#[test]
+fn its_light_is_shown_in_false_colours_with_a_legend() {
+    let mut app = opened("cornell.grf");
+    app.execute(Command::SetLight(LightSettings {
+        engine: EngineName::Analytic,
+        patches: 300,
+        error: 0.1,
+        ..LightSettings::default()
+    }));
+    app.execute(Command::Solve);
+    while !app.jobs().is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        app.poll();
+    }
+    look(&mut app, Shading::FalseColor);
+    app.view.false_color.range = Some((0.0, 4.0));
+    if let Some(mut window) = drawn(app) {
+        window.state_mut().tab = Tab::View;
+        window.run();
+        window.snapshot_options("false-colours", &tolerance());
+    }
+}

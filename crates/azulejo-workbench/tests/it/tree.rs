@@ -1,0 +1,102 @@
+//! The tree.
+
+use crate::window::*;
+use azulejo_workbench::command::{Command, Selection};
+use azulejo_workbench::document::Id;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+
+fn id_of(window: &Window, name: &str) -> Id {
+    let mut items = window.state().app.document.items.iter();
+    items.find(|i| i.name == name).unwrap().id
+}
+
+#[test]
+fn things_are_selected_one_by_one_and_by_groups() {
+    let mut window = window(opened("shapes.grf"));
+    click(&mut window, "ceiling");
+    let (ceiling, column) = (id_of(&window, "ceiling"), id_of(&window, "column"));
+    assert_eq!(window.state().app.selection.ids, [ceiling]);
+    find(&window, Role::Button, "column").click_modifiers(Modifiers::COMMAND);
+    window.run();
+    assert_eq!(window.state().app.selection.ids, [ceiling, column]);
+    assert!(says(&window, "2 selected"));
+    click(&mut window, "shapes");
+    assert_eq!(window.state().app.selection.ids.len(), 12);
+    click(&mut window, "💡 spot");
+    assert!(says(&window, "Falls with the square of the distance."));
+    click_last(&mut window, "moss");
+    let app = &window.state().app;
+    let material = app.selection.material.unwrap() as usize;
+    assert_eq!(app.document.materials[material].name, "moss");
+}
+
+#[test]
+fn a_thing_is_renamed_in_its_row() {
+    let mut window = window(opened("shapes.grf"));
+    click(&mut window, "ceiling");
+    press(&mut window, Modifiers::NONE, Key::F2);
+    let id = window.state().app.selection.ids[0];
+    press(&mut window, Modifiers::COMMAND, Key::A);
+    window.event(egui::Event::Text("roof".into()));
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert_eq!(window.state().app.document.name(id), Some("roof"));
+    assert_eq!(
+        window.state().app.selection.ids,
+        [id],
+        "a text is not the model"
+    );
+    find(&window, Role::Button, "roof");
+
+    press(&mut window, Modifiers::NONE, Key::F2);
+    window.event(egui::Event::Text("no".into()));
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert_eq!(window.state().app.document.name(id), Some("roof"));
+}
+
+#[test]
+fn things_and_groups_are_hidden_and_shown() {
+    let mut window = window(opened("shapes.grf"));
+    let hidden = |window: &Window| {
+        let items = window.state().app.document.items.iter();
+        items.filter(|i| i.hidden).count()
+    };
+    click(&mut window, "Hide: ceiling");
+    assert_eq!(hidden(&window), 1);
+    click(&mut window, "Show: ceiling");
+    assert_eq!(hidden(&window), 0);
+    click(&mut window, "Hide: shapes");
+    assert_eq!(hidden(&window), 12);
+    press(&mut window, Modifiers::SHIFT, Key::H);
+    assert_eq!(hidden(&window), 0);
+}
+
+#[test]
+fn groups_close_and_open_where_something_in_them_is_selected() {
+    let mut window = window(opened("shapes.grf"));
+    find(&window, Role::DisclosureTriangle, "− shapes").click();
+    window.run();
+    assert!(window.query_by_label("ceiling").is_none());
+    let ceiling = id_of(&window, "ceiling");
+    let select = Command::Select(Selection::one(ceiling));
+    window.state_mut().app.execute(select);
+    window.run();
+    find(&window, Role::Button, "ceiling");
+}
+
+#[test]
+fn only_what_is_looked_for_is_shown() {
+    let mut window = window(opened("shapes.grf"));
+    write(&mut window, "", "WALL");
+    for found in ["back wall", "left wall", "blue wall"] {
+        find(&window, Role::Button, found);
+    }
+    assert!(window.query_by_label("ceiling").is_none());
+    assert!(window.query_by_label("💡 spot").is_none());
+    // What is written is not what keys mean: "h" hides nothing.
+    assert!(!window.state().app.is_changed());
+    write(&mut window, "WALL", "no such thing");
+    assert!(says(&window, "Drop files here"));
+}

@@ -1,0 +1,186 @@
+//! A window without a screen, and the hands and eyes of whoever sits before it.
+
+use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::command::Command;
+use azulejo_workbench::ui::Workbench;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::{NodeT, Queryable, by};
+use egui_kittest::{Harness, Node};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// A window that nobody sees. Every widget in it must have a name that a screen reader can say.
+pub type Window = Harness<'static, Workbench>;
+
+/// Work that takes longer than this has come to a halt.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A window around an app.
+pub fn window(app: App) -> Window {
+    around(app, true)
+}
+
+/// A window for those who open the dialog for files, whose two fields have no names.
+pub fn window_with_files(app: App) -> Window {
+    around(app, false)
+}
+
+fn around(app: App, check_accessibility: bool) -> Window {
+    let mut window = Harness::builder()
+        .with_size([1200.0, 800.0])
+        .with_max_steps(20)
+        .with_accessibility_check(check_accessibility)
+        .build_ui_state(
+            |ui, window: &mut Workbench| window.show(ui),
+            Workbench::new(app),
+        );
+    window.run();
+    window
+}
+
+/// A model that comes with azulejo.
+pub fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples")
+        .join(name)
+}
+
+/// An app with a model in it.
+pub fn opened(name: &str) -> App {
+    let mut app = App::quiet();
+    app.execute(Command::Open(vec![example(name)]));
+    let begin = Instant::now();
+    while !app.jobs().is_empty() {
+        assert!(begin.elapsed() < PATIENCE, "a job does not end");
+        std::thread::sleep(Duration::from_millis(1));
+        app.poll();
+    }
+    app
+}
+
+/// Draws frames until no job goes on.
+pub fn wait(window: &mut Window) {
+    let begin = Instant::now();
+    window.run_steps(2);
+    while !window.state().app.jobs().is_empty() {
+        assert!(begin.elapsed() < PATIENCE, "a job does not end");
+        std::thread::sleep(Duration::from_millis(1));
+        window.step();
+    }
+    // A window that closes is drawn until it is gone.
+    window.run_ok();
+}
+
+/// The only widget of a role and a label, or the first of several.
+pub fn find<'a>(window: &'a Window, role: Role, label: &'a str) -> Node<'a> {
+    let mut all = window.query_all_by_role_and_label(role, label);
+    let found = all.next();
+    found.unwrap_or_else(|| panic!("no {role:?} \"{label}\" in {:#?}", labels(window)))
+}
+
+/// Everything that has a label.
+pub fn labels(window: &Window) -> Vec<String> {
+    let all = window.query_all(by().predicate(|n| n.label().is_some()));
+    all.map(|n| {
+        format!(
+            "{:?} {}",
+            n.accesskit_node().role(),
+            n.accesskit_node().label().unwrap_or_default()
+        )
+    })
+    .collect()
+}
+
+/// Whether this is written anywhere, as a label of something or as a text.
+pub fn says(window: &Window, text: &str) -> bool {
+    let has = |n: &egui_kittest::kittest::AccessKitNode<'_>| {
+        n.label().is_some_and(|l| l.contains(text)) || n.value().is_some_and(|v| v.contains(text))
+    };
+    window.query_all(by().predicate(has)).next().is_some()
+}
+
+/// Clicks the first button of a label.
+pub fn click(window: &mut Window, label: &str) {
+    find(window, Role::Button, label).click();
+    window.run();
+}
+
+/// Clicks the last button of a label: the one that lies on top.
+pub fn click_last(window: &mut Window, label: &str) {
+    let last = window
+        .query_all_by_role_and_label(Role::Button, label)
+        .last();
+    last.unwrap_or_else(|| panic!("no button \"{label}\""))
+        .click();
+    // It may be the last click of all: a window that closes never rests.
+    window.run_ok();
+}
+
+pub fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.key_press_modifiers(modifiers, key);
+    window.run();
+}
+
+/// Writes a number where one is dragged or typed.
+pub fn set(window: &mut Window, label: &str, value: f64) {
+    find(window, Role::SpinButton, label).set_value_accesskit(value);
+    window.run();
+}
+
+/// Puts another text into the field that holds `old`.
+pub fn write(window: &mut Window, old: &str, new: &str) {
+    field(window, old).focus();
+    window.run();
+    press(window, Modifiers::COMMAND, Key::A);
+    field(window, old).type_text(new);
+    window.run();
+}
+
+fn field<'a>(window: &'a Window, text: &'a str) -> Node<'a> {
+    let is_it = move |n: &egui_kittest::kittest::AccessKitNode<'_>| {
+        let is_text = matches!(n.role(), Role::TextInput | Role::MultilineTextInput);
+        is_text && n.value().unwrap_or_default() == text
+    };
+    let last = window.query_all(by().predicate(is_it)).last();
+    last.unwrap_or_else(|| panic!("no field with \"{text}\""))
+}
+
+/// Nothing went wrong so far.
+pub fn check_no_error(window: &Window) {
+    let messages = &window.state().app.messages;
+    let errors: Vec<_> = messages
+        .iter()
+        .filter(|m| m.level == Level::Error)
+        .collect();
+    assert!(errors.is_empty(), "{errors:?}");
+}
+
+/// A folder that goes away with the test.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    pub fn new(name: &str) -> Folder {
+        let own = format!("azulejo-window-{name}-{}", std::process::id());
+        let path = std::env::temp_dir().join(own);
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// A copy of a model that comes with azulejo.
+    pub fn copy(&self, name: &str) -> PathBuf {
+        std::fs::copy(example(name), self.path(name)).unwrap();
+        self.path(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
