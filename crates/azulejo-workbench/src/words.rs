@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
+mod app;
 mod brdf;
 mod dialogs;
 mod inspector;
@@ -35,7 +36,8 @@ pub enum Language {
 type Entry = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Entry]; 8] = [
+const TABLES: [&[Entry]; 9] = [
+    app::TABLE,
     menu::TABLE,
     tree::TABLE,
     viewport::TABLE,

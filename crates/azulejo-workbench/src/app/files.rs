@@ -4,6 +4,7 @@ use super::{App, Found, Level, State};
 use crate::command::{Ask, Command};
 use crate::document::{Branch, Document, Edit, Solution};
 use crate::jobs::{Job, Kind};
+use crate::words::Language;
 use azulejo::formats::Warning;
 use azulejo::models;
 use azulejo::output::Output;
@@ -151,7 +152,12 @@ impl App {
         }
         loading.replaces = false;
         let before = self.document.items.len();
-        let summary = summary(&document, &path, job.started.elapsed());
+        let summary = summary(
+            &document,
+            &path,
+            job.started.elapsed(),
+            self.preferences.language,
+        );
         if replaces {
             let file = (!recovered).then(|| OnDisk::now(&path));
             self.replace(document, file);
@@ -245,17 +251,22 @@ impl App {
 
     pub(super) fn take_saved(&mut self, saved: SavedModel) {
         let name = saved.path.display();
-        let light = match (saved.lit, &self.lighting.solution) {
-            (true, _) => ", with its light",
-            (false, Some(_)) => ", without light: what is solved is of an earlier state",
-            (false, None) => "",
+        let said = match (saved.lit, &self.lighting.solution) {
+            (true, _) => self.say("saved with its light"),
+            (false, Some(_)) => {
+                self.say("saved without light: what is solved is of an earlier state")
+            }
+            (false, None) => self.say("saved"),
         };
-        self.tell(Level::Note, format!("saved {name}{light}"));
+        self.tell(Level::Note, format!("{name}: {said}"));
         if !saved.losses.is_empty() {
             let losses = saved.losses.join(", ");
             self.tell(
                 Level::Warning,
-                format!("{name} does not keep all: {losses}"),
+                format!(
+                    "{name}: {}: {losses}",
+                    self.say("this format does not keep all")
+                ),
             );
         }
         self.preferences.note_recent(&saved.path);
@@ -337,7 +348,7 @@ impl App {
         };
         let (document, revision) = (self.document.clone(), self.revision);
         let solution = self.lighting.solution.clone();
-        let title = "copy for recovery";
+        let title = self.say("copy for recovery");
         self.jobs
             .start(Kind::Autosave, title, move |progress, outbox| {
                 let (scene, _) = document.lit_scene(solution.as_deref());
@@ -387,7 +398,8 @@ impl App {
         if path.exists() {
             self.question = Some(Question::ChangedOnDisk(path.clone()));
         } else {
-            let text = format!("{} is gone; save to write it again", path.display());
+            let said = self.say("the file is gone; save to write it again");
+            let text = format!("{}: {said}", path.display());
             self.tell(Level::Warning, text);
         }
         // Once is enough.
@@ -418,14 +430,18 @@ impl App {
 }
 
 /// What was read, for the list of messages.
-fn summary(document: &Document, path: &Path, time: Duration) -> String {
+fn summary(document: &Document, path: &Path, time: Duration, language: Language) -> String {
     format!(
-        "{}: {} objects, {} faces, {} materials, {} lights in {:.1} s",
+        "{}: {} {}, {} {}, {} {}, {} {}, {:.1} s",
         path.display(),
         document.items.len(),
+        language.say("objects"),
         document.face_count(),
+        language.say("faces"),
         document.materials.len(),
+        language.say("materials"),
         document.lights.len(),
+        language.say("lights"),
         time.as_secs_f64()
     )
 }

@@ -142,7 +142,7 @@ impl App {
     /// Begins to solve the light of the document as it is.
     pub(super) fn solve(&mut self) {
         if !self.document.has_light() {
-            let text = "nothing shines: add a light, or give a material emission";
+            let text = self.say("nothing shines: add a light, or give a material emission");
             self.tell(Level::Error, text);
             return;
         }
@@ -158,8 +158,9 @@ impl App {
         self.lighting.stage = None;
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
+        let title = self.say("light");
         self.jobs
-            .start(Kind::Solve, "light", move |progress, outbox| {
+            .start(Kind::Solve, title, move |progress, outbox| {
                 on_own_threads(threads, || {
                     solve_document(&document, &settings, progress, outbox)
                 })
@@ -241,10 +242,9 @@ impl App {
         self.jobs.cancel_kind(Kind::FormFactors);
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        self.jobs.start(
-            Kind::FormFactors,
-            "form factors",
-            move |progress, outbox| {
+        let title = self.say("form factors");
+        self.jobs
+            .start(Kind::FormFactors, title, move |progress, outbox| {
                 let seen = on_own_threads(threads, || {
                     seen_from(&document, &settings, &place, progress)
                 })?;
@@ -252,7 +252,6 @@ impl App {
                     outbox.send(Found::FormFactors(Box::new(seen)));
                 }
                 Ok(())
-            },
-        );
+            });
     }
 }

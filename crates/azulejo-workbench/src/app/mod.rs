@@ -323,6 +323,11 @@ impl App {
         }
     }
 
+    /// `english` in the language of the window.
+    pub(crate) fn say(&self, english: &'static str) -> &'static str {
+        self.preferences.language.say(english)
+    }
+
     /// Adds a message.
     pub fn tell(&mut self, level: Level, text: impl Into<String>) {
         const MOST: usize = 1_000;

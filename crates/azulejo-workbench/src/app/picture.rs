@@ -52,8 +52,9 @@ impl App {
             most: self.preferences.picture_samples,
         };
         let threads = self.preferences.threads;
+        let title = self.say("picture");
         self.jobs
-            .start(Kind::Picture, "picture", move |progress, outbox| {
+            .start(Kind::Picture, title, move |progress, outbox| {
                 on_own_threads(threads, || work.run(progress, outbox));
                 Ok(())
             });
@@ -76,7 +77,8 @@ impl App {
         self.asking = None;
         let picture = self.picture.as_ref().filter(|p| p.samples > 0);
         let Some(image) = picture.and_then(|p| p.image.clone()) else {
-            self.tell(Level::Error, "there is no picture yet: draw one first");
+            let text = self.say("there is no picture yet: draw one first");
+            self.tell(Level::Error, text);
             return;
         };
         let path = match path.extension() {
@@ -88,6 +90,7 @@ impl App {
         let Some(output) = self.output(&path) else {
             return;
         };
+        let saved = self.say("saved");
         self.jobs.start(Kind::Save, title, move |progress, outbox| {
             let extension = path.extension().and_then(|e| e.to_str());
             let kind = extension.map(str::to_ascii_lowercase);
@@ -96,7 +99,7 @@ impl App {
                     write_picture(&image, kind.as_deref(), exposure, out)
                 })
                 .map_err(|e| e.to_string())?;
-            outbox.send(Found::Note(format!("saved {}", path.display())));
+            outbox.send(Found::Note(format!("{}: {saved}", path.display())));
             Ok(())
         });
     }
