@@ -12,6 +12,7 @@ use azulejo::radiosity::{
 use azulejo::scene::Mesh;
 use azulejo::scene::math::Ray;
 use azulejo::trace::{Progress, Tracer};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -145,22 +146,54 @@ pub fn measure(
 ) -> Result<Vec<Estimate>, String> {
     settings.limit_time(progress);
     let scene = document.scene();
-    let points = places.iter().map(|place| PointNormal {
-        position: place.position,
-        normal: place.normal,
+    let tracer = Tracer::new(&scene);
+    let points = places.iter().map(|place| {
+        let surface = on_surface(document, &tracer, place);
+        PointNormal {
+            position: surface.map_or(place.position, |s| s.position),
+            normal: place.normal,
+        }
     });
     let points: Vec<PointNormal> = points.collect();
-    match probe(
-        &scene,
-        &Tracer::new(&scene),
-        &points,
-        &settings.first_pass(),
-        progress,
-    ) {
+    match probe(&scene, &tracer, &points, &settings.first_pass(), progress) {
         Err(SolveError::Cancelled) => Ok(Vec::new()),
         Err(other) => Err(other.to_string()),
         Ok(probed) => Ok(probed.estimates),
     }
+}
+
+/// Where a place of the viewport is on the surface itself.
+struct OnSurface {
+    position: DVec3,
+    /// Whether the side that is meant is the front.
+    is_front: bool,
+    /// A ray that meets the place first, from the side that is meant.
+    from_outside: Ray,
+}
+
+/// Finds the place of a surface that a place on its polygons stands for: chords of a ball lie inside
+/// it, by up to a 64th of its size.
+fn on_surface(document: &Document, tracer: &Tracer, place: &PatchAt) -> Option<OnSurface> {
+    let index = document.items.iter().position(|i| i.id == place.item)?;
+    let size = document.items[index].bounds().diagonal();
+    let reach = (size / 32.0).max(f64::MIN_POSITIVE);
+    let mut origin = place.position + reach * place.normal;
+    // Others may stand in between, as near as they like.
+    const MOST: usize = 64;
+    for _ in 0..MOST {
+        let hit = tracer.hit(&Ray::new(origin, -place.normal))?;
+        if hit.object as usize == index {
+            let clear = (hit.position - origin).length().min(reach);
+            let from = hit.position + 0.5 * clear * place.normal;
+            return Some(OnSurface {
+                position: hit.position,
+                is_front: hit.entering,
+                from_outside: Ray::new(from, -place.normal),
+            });
+        }
+        origin = hit.position - 1e-9 * size * place.normal;
+    }
+    None
 }
 
 /// What one patch sees.
@@ -196,18 +229,23 @@ pub fn seen_from(
     let options = FormFactorOptions {
         size: pass.size,
         engine: pass.engine,
+        two_sided: true,
         ..FormFactorOptions::default()
     };
     let plan = Plan::new(&scene, &tracer, &options).map_err(|e| e.to_string())?;
-    // From a little in front of the surface back to it.
-    let step = 1e-4 * scene.bounds().diagonal() * place.normal;
-    let ray = Ray::new(place.position + step, -step);
-    let Some(picked) = plan.patch_at(&ray) else {
-        return Err("there is no patch at that place".into());
-    };
-    let Ok(factors) = plan.row(picked, progress) else {
+    let nowhere = || "there is no patch at that place".to_owned();
+    let surface = on_surface(document, &tracer, place).ok_or_else(nowhere)?;
+    let picked = plan.patch_at(&surface.from_outside).ok_or_else(nowhere)?;
+    // Rows and columns are sides: the front of a patch, then its back.
+    let row = 2 * picked + usize::from(!surface.is_front);
+    let Ok(sides) = plan.row(row, progress) else {
         return Ok(None);
     };
+    let both = |side: &[Factor]| Factor {
+        value: side.iter().map(|f| f.value).sum(),
+        error: side.iter().map(|f| f.error * f.error).sum::<f64>().sqrt(),
+    };
+    let factors: Vec<Factor> = sides.chunks(2).map(both).collect();
     Ok(Some(SeenFromPatch::new(
         document, place.item, &plan, picked, &factors,
     )))
@@ -258,4 +296,67 @@ fn by_object(document: &Document, plan: &Plan, factors: &[Factor]) -> Vec<(Id, f
     sums.retain(|(_, f)| *f > 0.0);
     sums.sort_by(|a, b| b.1.total_cmp(&a.1));
     sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo::scene::synthetic::cube_room;
+    use azulejo::scene::{Object, Primitive, Shape};
+
+    /// A ball in the middle of a closed room.
+    fn document() -> Document {
+        let mut scene = cube_room();
+        let ball = Primitive::sphere(DVec3::splat(0.5), 0.25, 0);
+        scene
+            .objects
+            .push(Object::new("ball", Shape::Primitive(ball)));
+        Document::of_scene(scene, None)
+    }
+
+    #[test]
+    fn chords_of_a_ball_stand_for_its_outside() {
+        let document = document();
+        let ball = document.items.last().expect("a ball").id;
+        let tracer = Tracer::new(&document.scene());
+        for normal in [DVec3::X, DVec3::NEG_Z, DVec3::ONE.normalize()] {
+            let place = PatchAt {
+                item: ball,
+                position: DVec3::splat(0.5) + 0.245 * normal,
+                normal,
+            };
+            let found = on_surface(&document, &tracer, &place).expect("the ball");
+            let expected = DVec3::splat(0.5) + 0.25 * normal;
+            assert!((found.position - expected).length() < 1e-9 && found.is_front);
+        }
+    }
+
+    #[test]
+    fn a_patch_sees_what_is_before_the_side_that_was_picked() {
+        let document = document();
+        let ball = document.items.last().expect("a ball").id;
+        let settings = LightSettings {
+            patches: 60,
+            ..LightSettings::default()
+        };
+        let seen = |item, position, normal| {
+            let place = PatchAt {
+                item,
+                position,
+                normal,
+            };
+            let seen = seen_from(&document, &settings, &place, &Progress::new());
+            seen.expect("an answer").expect("not cancelled")
+        };
+        // Outside of the ball there is the room and nothing else.
+        let from_ball = seen(ball, DVec3::new(0.745, 0.5, 0.5), DVec3::X);
+        assert!((from_ball.sum - 1.0).abs() < 0.02, "{}", from_ball.sum);
+        assert!(from_ball.objects.iter().all(|(id, _)| *id != ball));
+        // Out of the room there is nothing.
+        let wall = document.items[0].id;
+        let outside = seen(wall, DVec3::new(0.0, 0.2, 0.2), DVec3::NEG_X);
+        assert!(outside.sum < 1e-9, "{}", outside.sum);
+        let inside = seen(wall, DVec3::new(0.0, 0.2, 0.2), DVec3::X);
+        assert!((inside.sum - 1.0).abs() < 0.02, "{}", inside.sum);
+    }
 }

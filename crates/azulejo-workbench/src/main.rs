@@ -93,10 +93,15 @@ fn app(arguments: &Arguments) -> App {
         true => Places::default(),
         false => Places::of_system(),
     };
+    let mut places = places;
     let (preferences, trouble) = match &places.preferences {
         Some(path) => Preferences::load(path),
         None => (Preferences::default(), None),
     };
+    if trouble.is_some() {
+        // A slip in a file that a person wrote is theirs to mend, and no reason to write over it.
+        places.preferences = None;
+    }
     let mut app = App::new(preferences, places, Arc::new(|| ()));
     if let Some(why) = trouble {
         app.tell(azulejo_workbench::app::Level::Warning, why);

@@ -35,6 +35,8 @@ pub struct Recovery {
     /// This session's name; made with its first copy.
     session: Option<Session>,
     found: Vec<Recoverable>,
+    /// The copy that was opened, as long as it is the only one.
+    adopted: Option<PathBuf>,
     /// The document that was copied last.
     copied: Option<u64>,
     /// No copy before this, after one that failed.
@@ -93,6 +95,19 @@ impl Recovery {
     /// A copy is on the disk.
     pub fn done(&mut self, revision: u64) {
         self.copied = Some(revision);
+        self.leave_adopted();
+    }
+
+    /// A copy was opened. It stays on the disk until there is a newer one, or none is needed.
+    pub fn adopt(&mut self, copy: &Path) {
+        self.found.retain(|f| f.copy != copy);
+        self.adopted = Some(copy.to_owned());
+    }
+
+    fn leave_adopted(&mut self) {
+        if let Some(copy) = self.adopted.take() {
+            remove(&copy);
+        }
     }
 
     /// A copy could not be written.
@@ -103,6 +118,7 @@ impl Recovery {
     /// The document is safe: no copy is needed.
     pub fn clear(&mut self) {
         self.copied = None;
+        self.leave_adopted();
         if let Some(session) = self.session.take() {
             remove(&session.copy);
         }

@@ -128,7 +128,7 @@ impl Default for FalseColor {
 }
 
 /// What is behind the model.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub enum Backdrop {
     /// The scene's own background, or a quiet gradient where it has none.
     #[default]
@@ -137,6 +137,20 @@ pub enum Backdrop {
     Color([u8; 3]),
     /// A picture.
     Image(Arc<Image>, Fit),
+}
+
+/// Pictures are the same if they are one: to compare their pixels in every frame takes too long.
+impl PartialEq for Backdrop {
+    fn eq(&self, other: &Backdrop) -> bool {
+        match (self, other) {
+            (Backdrop::Scene, Backdrop::Scene) => true,
+            (Backdrop::Color(a), Backdrop::Color(b)) => a == b,
+            (Backdrop::Image(a, fit), Backdrop::Image(b, other)) => {
+                Arc::ptr_eq(a, b) && fit == other
+            }
+            _ => false,
+        }
+    }
 }
 
 /// How a picture fills the background.

@@ -61,6 +61,7 @@ fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
 /// A model on its way into the document.
 pub struct LoadedModel {
     path: PathBuf,
+    on_disk: OnDisk,
     document: Document,
     warnings: Vec<Warning>,
     notes: Vec<String>,
@@ -97,6 +98,10 @@ impl App {
     }
 
     fn begin_loading(&mut self, paths: Vec<PathBuf>, replaces: bool, recovered: bool) {
+        if let Some(job) = self.jobs.of(Kind::Load) {
+            let text = format!("{}: {}", job.title, self.say("given up for another file"));
+            self.tell(Level::Warning, text);
+        }
         self.jobs.cancel_kind(Kind::Load);
         let command = match recovered {
             true => Command::Recover(paths[0].clone()),
@@ -118,7 +123,7 @@ impl App {
         };
         let title = match &paths[..] {
             [one] => one.display().to_string(),
-            several => format!("{} files", several.len()),
+            several => format!("{} {}", several.len(), self.say("files")),
         };
         self.jobs.start(Kind::Load, title, move |progress, outbox| {
             let mut reader = Reader { units, taken };
@@ -136,6 +141,7 @@ impl App {
     pub(super) fn take_model(&mut self, job: &Job, model: LoadedModel) {
         let LoadedModel {
             path,
+            on_disk,
             document,
             warnings,
             notes,
@@ -159,7 +165,7 @@ impl App {
             self.preferences.language,
         );
         if replaces {
-            let file = (!recovered).then(|| OnDisk::now(&path));
+            let file = (!recovered).then_some(on_disk);
             self.replace(document, file);
             if recovered {
                 self.adopt_recovered(&path);
@@ -222,7 +228,9 @@ impl App {
             Some(_) => path,
             None => path.with_extension("grf"),
         };
-        let state = Some(self.state());
+        // Other formats forget lights and solved light: what is written there is not saved.
+        let keeps_all = models::by_extension(&path).is_some_and(|f| f.extension == "grf");
+        let state = keeps_all.then(|| self.state());
         self.write(path, state);
     }
 
@@ -320,7 +328,7 @@ impl App {
     fn adopt_recovered(&mut self, copy: &Path) {
         let found = self.recovery.found().iter().find(|f| f.copy == copy);
         let original = found.and_then(|f| f.original.clone());
-        self.recovery.forget(copy);
+        self.recovery.adopt(copy);
         self.file = original.map(|path| OnDisk { path, stamp: None });
         match (&self.file, self.document.branches.first_mut()) {
             (Some(file), Some(branch)) => {
@@ -346,6 +354,7 @@ impl App {
         let Some(path) = self.recovery.due(self.revision, original) else {
             return;
         };
+        self.changed_at = None;
         let (document, revision) = (self.document.clone(), self.revision);
         let solution = self.lighting.solution.clone();
         let title = self.say("copy for recovery");
@@ -460,6 +469,8 @@ impl Reader {
         path: &Path,
         progress: &Progress,
     ) -> Result<LoadedModel, models::ReadFailure> {
+        // As it is before it is read: what others write meanwhile is theirs.
+        let on_disk = OnDisk::now(path);
         let model = models::read(path, &models::Reading::default(), progress)?;
         let mut scene = model.scene;
         let wanted = *self.units.get_or_insert(scene.units);
@@ -479,6 +490,7 @@ impl Reader {
         Ok(LoadedModel {
             notes: changes.iter().map(said).collect(),
             path: path.to_owned(),
+            on_disk,
             document: Document::of_scene(scene, Some(branch)),
             warnings: model.warnings,
         })

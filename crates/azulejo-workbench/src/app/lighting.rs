@@ -130,11 +130,20 @@ fn range(document: &Document, solution: &Solution) -> Option<Range> {
         }
     }
     values.retain(|v| v.is_finite());
-    values.sort_by(f64::total_cmp);
+    let least = |a: f64, b: &f64| a.min(*b);
+    let most = |a: f64, b: &f64| a.max(*b);
+    let first = *values.first()?;
+    let (low, high) = (
+        values.iter().fold(first, least),
+        values.iter().fold(first, most),
+    );
+    // Not all of them need be in order for one of them.
+    let at = values.len() * 19 / 20;
+    let (_, usual, _) = values.select_nth_unstable_by(at, f64::total_cmp);
     Some(Range {
-        low: *values.first()?,
-        high: *values.last()?,
-        usual: values[values.len() * 19 / 20],
+        low,
+        high,
+        usual: *usual,
     })
 }
 
@@ -219,7 +228,7 @@ impl App {
     fn lit(&mut self) {
         self.revision = self.new_revision();
         self.light = self.revision;
-        self.changed_at = Some(Instant::now());
+        self.changed_at.get_or_insert_with(Instant::now);
         if let Some(picture) = &self.picture {
             let size = picture.size;
             self.draw_picture(size);

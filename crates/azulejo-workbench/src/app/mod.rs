@@ -113,6 +113,8 @@ pub struct App {
     pub file: Option<OnDisk>,
     /// What was told, the last at the end.
     pub messages: Vec<Message>,
+    /// How many errors were told so far.
+    pub errors: u64,
     /// A question that must be answered first.
     pub question: Option<Question>,
     /// A file that a dialog is asked for.
@@ -173,6 +175,7 @@ impl App {
             picture: None,
             file: None,
             messages: Vec::new(),
+            errors: 0,
             question: None,
             asking: None,
             preferences,
@@ -312,13 +315,22 @@ impl App {
             match job.kind {
                 // The same words every few seconds help nobody.
                 Kind::Autosave => self.recovery.failed(),
-                _ => self.question = self.question.take().filter(Question::outlives_failure),
+                Kind::Load | Kind::Save => {
+                    // Who wanted to leave wants to know this first.
+                    self.closing = false;
+                    self.question = self.question.take().filter(Question::outlives_failure);
+                }
+                _ => {}
             }
             self.tell(Level::Error, format!("{}: {why}", job.title));
         }
         match job.kind {
             Kind::Load => self.end_loading(),
             Kind::Solve => self.end_solving(),
+            // Whatever became of it, what is changed waits for the next one.
+            Kind::Autosave if self.is_changed() => {
+                self.changed_at.get_or_insert_with(Instant::now);
+            }
             _ => {}
         }
     }
@@ -331,6 +343,7 @@ impl App {
     /// Adds a message.
     pub fn tell(&mut self, level: Level, text: impl Into<String>) {
         const MOST: usize = 1_000;
+        self.errors += u64::from(level == Level::Error);
         if self.messages.len() >= MOST {
             self.messages.remove(0);
         }
@@ -438,7 +451,8 @@ impl App {
     /// What follows from every change of the document.
     fn edited(&mut self) {
         self.edits += 1;
-        self.changed_at = Some(Instant::now());
+        self.changed_at.get_or_insert_with(Instant::now);
+        self.jobs.cancel_kind(Kind::FormFactors);
         self.lighting.document_changed(&self.document);
         self.refresh_probes();
         self.stop_picture();
@@ -589,6 +603,7 @@ impl App {
     fn replace(&mut self, document: Document, file: Option<OnDisk>) {
         self.stop_solving();
         self.stop_picture();
+        self.jobs.cancel_kind(Kind::FormFactors);
         self.drop_probes();
         self.document = document;
         self.file = file;

@@ -10,6 +10,7 @@ use azulejo::trace::{Progress, Tracer};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// The picture as far as it is.
 #[derive(Clone, Debug)]
@@ -24,6 +25,8 @@ pub struct Picture {
 
 /// More pixels than this are not drawn while one waits.
 const MOST_PIXELS: u64 = 1 << 26;
+/// How long a view rests before its picture is begun.
+const QUIET: Duration = Duration::from_millis(80);
 /// Rays of final gathers where no light was solved: noisy, but not dark.
 const GATHER: u32 = 8;
 
@@ -55,7 +58,12 @@ impl App {
         let title = self.say("picture");
         self.jobs
             .start(Kind::Picture, title, move |progress, outbox| {
-                on_own_threads(threads, || work.run(progress, outbox));
+                // While the view turns each moment asks for another picture: only the one that is
+                // still wanted a little later copies the scene and builds its tree.
+                std::thread::sleep(QUIET);
+                if progress.advance(0).is_ok() {
+                    on_own_threads(threads, || work.run(progress, outbox));
+                }
                 Ok(())
             });
     }
@@ -144,6 +152,9 @@ impl Work {
     /// Coarse at once, then pass after pass, each of as many paths as all before it.
     fn run(&self, progress: &Progress, outbox: &Outbox<Found>) {
         let (scene, is_lit) = self.document.lit_scene(self.solution.as_deref());
+        if progress.advance(0).is_err() {
+            return;
+        }
         let tracer = Tracer::new(&scene);
         let draw = |size: (u32, u32), samples: u32, seed: u64| {
             let options = SecondPass {

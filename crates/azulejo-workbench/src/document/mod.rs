@@ -335,6 +335,15 @@ impl Document {
         };
         (lamps.items).retain(|item| item.materials().iter().any(|&m| shines(m)));
         lamps.rtrace = None;
+        // Pictures on them do not shine, and are large.
+        lamps.textures.clear();
+        for material in lamps
+            .materials
+            .iter_mut()
+            .filter(|m| !m.textures.is_empty())
+        {
+            Arc::make_mut(material).textures.clear();
+        }
         lamps.scene()
     }
 

@@ -61,6 +61,13 @@ fn of_primitive(primitive: &Primitive, chord_error: f64, lit: bool) -> Mesh {
     let mut mesh = primitive.tessellate(&grids);
     if let Some(light) = light {
         mesh.irradiance = irradiance(light, &grids);
+        if light.error.len() == light.irradiance.len() {
+            let errors = SurfaceLight {
+                irradiance: light.error.clone(),
+                ..light.clone()
+            };
+            mesh.irradiance_error = irradiance(&errors, &grids);
+        }
     }
     mesh
 }

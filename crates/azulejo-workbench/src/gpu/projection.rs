@@ -42,9 +42,26 @@ impl Projection {
         }
     }
 
-    /// The same view with its near plane as far as spheres (centre, radius) allow. The far plane is
-    /// infinitely far.
-    pub fn around(mut self, spheres: impl IntoIterator<Item = (DVec3, f64)>) -> Projection {
+    /// The same view with its near plane as far as the spheres (centre, radius) of objects allow,
+    /// and those of marks. How far marks reach matters only where there is nothing else. The far
+    /// plane is infinitely far.
+    pub fn around(
+        mut self,
+        objects: impl IntoIterator<Item = (DVec3, f64)>,
+        marks: impl IntoIterator<Item = (DVec3, f64)>,
+    ) -> Projection {
+        let (nearest, farthest) = self.depths(objects);
+        let (near_mark, far_mark) = self.depths(marks);
+        let nearest = nearest.min(near_mark);
+        let farthest = if farthest > 0.0 { farthest } else { far_mark };
+        if farthest > 0.0 {
+            self.near = (0.9 * nearest).max(NEAREST_SHARE * farthest);
+        }
+        self
+    }
+
+    /// The least and the greatest depth of spheres that are not behind the eye.
+    fn depths(&self, spheres: impl IntoIterator<Item = (DVec3, f64)>) -> (f64, f64) {
         let (mut nearest, mut farthest) = (f64::INFINITY, 0f64);
         for (centre, radius) in spheres {
             let depth = -self.to_view(centre).z;
@@ -53,10 +70,7 @@ impl Projection {
                 farthest = farthest.max(depth + radius);
             }
         }
-        if farthest > 0.0 {
-            self.near = (0.9 * nearest).max(NEAREST_SHARE * farthest);
-        }
-        self
+        (nearest, farthest)
     }
 
     /// A world position in the space of the view.

@@ -14,8 +14,9 @@ use super::target::{COLOR, Pixels, SAMPLES, Target};
 use crate::view::ColorMap;
 use std::collections::HashMap;
 
-/// What was not drawn for so many frames is freed.
-const PATIENCE: u64 = 240;
+/// Frames for which what is not drawn any more stays on the card: a light that settles brings
+/// another mesh each second.
+const PATIENCE: u64 = 2;
 
 /// Draws frames into a texture of its own.
 ///
@@ -278,8 +279,9 @@ impl Renderer {
             let geometry = self.geometries.get(&drawn.key)?;
             Some(sphere(drawn, geometry))
         });
-        let marks = frame.overlay.spheres();
-        Projection::new(frame.camera, size).around(objects.chain(marks))
+        let view = Projection::new(frame.camera, size);
+        // Marks may stand far away, and must not push the near plane through the model.
+        view.around(objects, frame.overlay.spheres())
     }
 
     /// Brings what can be in the picture.

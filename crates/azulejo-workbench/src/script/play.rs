@@ -25,8 +25,8 @@ pub struct Player {
     steps: VecDeque<(usize, Step)>,
     name: String,
     waits: Option<Wait>,
-    /// Messages that were told before the step.
-    told: usize,
+    /// How many errors were told before the step.
+    told: u64,
     line: usize,
     outcome: Arc<Mutex<Option<Result<(), String>>>>,
 }
@@ -89,7 +89,7 @@ impl Player {
             return self.end(Ok(()));
         };
         self.line = line;
-        self.told = window.app.messages.len();
+        self.told = window.app.errors;
         if step == Step::Quit {
             window.app.execute(Command::Discard);
             window.app.closing = true;
@@ -115,9 +115,16 @@ impl Player {
         if app.question.is_some() {
             return Some("a question came up, and a script has no answer: save first".into());
         }
-        let new = app.messages.get(self.told..)?;
-        let error = new.iter().find(|m| m.level == Level::Error)?;
-        Some(error.text.clone())
+        if app.errors == self.told {
+            return None;
+        }
+        let errors = app
+            .messages
+            .iter()
+            .rev()
+            .filter(|m| m.level == Level::Error);
+        let last = errors.map(|m| m.text.clone()).next();
+        Some(last.unwrap_or_else(|| "something failed".into()))
     }
 
     fn still_waits(&mut self, window: &Workbench) -> Result<bool, String> {
@@ -213,7 +220,7 @@ fn run(app: &mut App, step: Step) -> Result<Wait, String> {
         }
         Step::SavePicture(path) => {
             app.execute(Command::SavePicture(path));
-            return settle;
+            return Ok(Wait::Jobs);
         }
         Step::Solve(error) => {
             if let Some(error) = error {

@@ -313,12 +313,21 @@ impl Dialogs {
         }
         self.folder = Some(dialog.directory().to_owned());
         self.files = None;
-        let Some(first) = paths.first().cloned() else {
+        let Some(mut first) = paths.first().cloned() else {
             desk.wish(Command::Dismiss);
             return None;
         };
-        let own = desk.app.file.as_ref().map(|f| &f.path);
-        if saves(what) && first.exists() && own != Some(&first) {
+        if let (None, Some(extension)) = (first.extension(), usual_extension(what)) {
+            first.set_extension(extension);
+        }
+        // The document's own file is what one means to write over, if it is still as it was.
+        let own = desk
+            .app
+            .file
+            .as_ref()
+            .filter(|f| what == Ask::SaveAs && f.path == first);
+        let is_meant = own.is_some_and(|f| !f.has_changed());
+        if saves(what) && first.exists() && !is_meant {
             self.replacing = Some((what, first));
             return None;
         }
@@ -425,6 +434,16 @@ impl Dialogs {
             .show_hidden_checkbox_text(desk.say("Hidden ones too").into());
         dialog.open();
         dialog
+    }
+}
+
+/// What is put behind a name that says no kind of file.
+fn usual_extension(what: Ask) -> Option<&'static str> {
+    match what {
+        Ask::SaveAs => Some("grf"),
+        Ask::SavePicture => Some("png"),
+        Ask::SaveBrdf => Some("brdf"),
+        _ => None,
     }
 }
 

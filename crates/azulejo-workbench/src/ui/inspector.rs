@@ -466,6 +466,7 @@ fn camera_numbers(ui: &mut Ui, desk: &mut Desk, view: &Viewpoint) {
         let mut degrees = camera.vertical_fov.to_degrees();
         let drag = DragValue::new(&mut degrees)
             .range(1.0..=170.0)
+            .clamp_existing_to_range(false)
             .speed(0.25)
             .suffix("°");
         if ui.add(drag).labelled_by(label.id).changed() {

@@ -25,7 +25,9 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
     let mut degrees = view.camera.vertical_fov.to_degrees();
     ui.horizontal(|ui| {
         let label = ui.label(desk.say("Field of view"));
-        let slider = Slider::new(&mut degrees, 5.0..=120.0).suffix("°");
+        let slider = Slider::new(&mut degrees, 5.0..=120.0)
+            .suffix("°")
+            .clamping(egui::SliderClamping::Edits);
         if ui.add(slider).labelled_by(label.id).changed() {
             view.camera.vertical_fov = degrees.to_radians();
         }

@@ -10,6 +10,7 @@ use super::{inspector, light, looks, menu, messages};
 use crate::app::{App, Level};
 use crate::command::{Ask, Command};
 use crate::document::Edit;
+use crate::jobs::Kind;
 use crate::preferences::Theme;
 use crate::script::Player;
 use azulejo::output::Output;
@@ -334,6 +335,8 @@ impl Workbench {
             Theme::Dark => egui::ThemePreference::Dark,
         });
         context.set_zoom_factor(wanted.1);
+        // The preferences say how large texts are; Ctrl and digits are for shadings.
+        context.options_mut(|options| options.zoom_with_keyboard = false);
         self.dressed = Some(wanted);
     }
 
@@ -388,15 +391,19 @@ impl Workbench {
             (viewport.close_requested(), viewport.focused.unwrap_or(true))
         });
         let is_lost = self.rescue.is_none();
+        let ends = asks_close || self.app.closing;
         if asks_close && !self.app.closing && !is_lost && self.app.is_changed() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
             self.app.execute(Command::Quit);
-        } else if asks_close {
+        } else if ends && !is_lost && self.app.is_busy(Kind::Save) {
+            // What is being written is written first.
+            context.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.app.closing = true;
+        } else if ends {
             self.leaves = true;
-        }
-        if self.app.closing {
-            self.leaves = true;
-            context.send_viewport_cmd(ViewportCommand::Close);
+            if self.app.closing {
+                context.send_viewport_cmd(ViewportCommand::Close);
+            }
         }
         if focused && !self.was_focused {
             self.app.check_disk();
@@ -415,6 +422,11 @@ impl Workbench {
 impl eframe::App for Workbench {
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
         self.show(ui);
+    }
+
+    /// A window that is hidden is not drawn, but its jobs go on.
+    fn logic(&mut self, _: &egui::Context, _: &mut eframe::Frame) {
+        self.app.poll();
     }
 
     fn persist_egui_memory(&self) -> bool {

@@ -42,6 +42,12 @@ pub const TABLE: &[Entry] = &[
         "nada brilla: añada una luz o dé emisión a un material",
         "nada brilha: acrescente uma luz ou dê emissão a um material",
     ],
+    [
+        "given up for another file",
+        "abandonado por otro archivo",
+        "abandonado por outro ficheiro",
+    ],
+    ["files", "archivos", "ficheiros"],
     ["light", "luz", "luz"],
     ["picture", "imagen", "imagem"],
 ];

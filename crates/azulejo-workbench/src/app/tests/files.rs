@@ -410,3 +410,17 @@ fn messages_are_not_kept_for_ever() {
     assert_eq!(app.messages.len(), 1_000);
     assert_eq!(app.messages.last().unwrap().text, "1499");
 }
+
+#[test]
+fn what_forgets_lights_is_not_saved_under_that_name() {
+    let folder = Folder::new("lossy");
+    let mut app = App::quiet();
+    run(&mut app, Command::Open(vec![folder.copy("cornell.grf")]));
+    let first = app.document.items[0].id;
+    edit(&mut app, Edit::Rename(first, "ground".into()));
+    app.execute(Command::Quit);
+    run(&mut app, Command::SaveAs(folder.path("room.obj")));
+    check_no_error(&app);
+    assert!(folder.path("room.obj").exists());
+    assert!(app.is_changed() && !app.closing);
+}

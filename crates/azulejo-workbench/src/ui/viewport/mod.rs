@@ -21,7 +21,7 @@ use crate::document::{Edit, Id};
 use crate::gpu::{Background, Drawn, Frame, Pick, Picture, Projection, Quantity, Scale, pick};
 use crate::view::{Backdrop, Shading};
 use azulejo::scene::math::Ray;
-use azulejo::scene::{Material, Shape};
+use azulejo::scene::{Camera, Material, Shape};
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
 use gizmo::{Gizmo, Grip};
 use glam::{DAffine3, DVec2};
@@ -41,7 +41,7 @@ pub struct Viewport {
     grip: Option<Grip>,
     /// What is under the mouse.
     probe: Option<String>,
-    probed_at: Option<(Pos2, u64)>,
+    probed_at: Option<(Pos2, u64, Camera, Shading)>,
     /// Where the mouse is, as a ray.
     mouse_ray: Option<Ray>,
     /// Whether the next click pins a probe.
@@ -129,7 +129,8 @@ impl Viewport {
     /// The view after this frame's mouse and keys.
     fn view(&self, ui: &Ui, response: &Response, desk: &mut Desk) -> crate::view::View {
         let app = desk.app;
-        if self.grip.is_some() {
+        // Where a drag begins is found out below: on a handle, it does not turn the view.
+        if self.grip.is_some() || response.drag_started() {
             return app.view.clone();
         }
         let (view, flies) = navigate::navigate(ui, response, app);
@@ -164,6 +165,7 @@ impl Viewport {
             scale,
         };
         let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
+        let backdrop = self.stage.backdrop_key(&view.backdrop);
         let stage = &self.stage;
         let textures = app.document.textures.iter();
         let textures: Vec<Picture> = textures
@@ -178,7 +180,7 @@ impl Viewport {
         let frame = Frame {
             shading: view.shading,
             textures: &textures,
-            background: background(app, &view.backdrop, ui.visuals().dark_mode),
+            background: background(app, &view.backdrop, backdrop, ui.visuals().dark_mode),
             fog: app.document.fog.filter(|_| view.fog),
             overlay: &overlay,
             exposure: view.exposure.unwrap_or_else(|| auto_exposure(app)),
@@ -281,8 +283,14 @@ impl Viewport {
             self.click(ui, mouse, rect, &ray, view, desk);
         }
         // A mouse that rests need not be asked again.
-        let key = (mouse, desk.app.revision());
-        if self.probed_at != Some(key) && !response.dragged() {
+        let view = &desk.app.view;
+        let key = (
+            mouse,
+            desk.app.revision(),
+            view.camera.clone(),
+            view.shading,
+        );
+        if self.probed_at.as_ref() != Some(&key) && !response.dragged() {
             self.probed_at = Some(key);
             self.probe = probe::text(desk, &self.stage, &ray);
         }
@@ -508,12 +516,12 @@ fn scale(app: &App) -> Scale {
 }
 
 /// What is behind the model.
-fn background<'a>(app: &App, backdrop: &'a Backdrop, is_dark: bool) -> Background<'a> {
+fn background<'a>(app: &App, backdrop: &'a Backdrop, key: u64, is_dark: bool) -> Background<'a> {
     match backdrop {
         Backdrop::Color(color) => Background::Color(*color),
         Backdrop::Image(image, fit) => Background::Image {
             picture: Picture {
-                key: std::sync::Arc::as_ptr(image) as u64,
+                key,
                 image: Some(&**image),
             },
             fit: *fit,

@@ -46,13 +46,18 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
 
 /// Irradiance with its standard error, and the radiance that leaves.
 fn light(desk: &Desk, entry: &Entry, hit: &Pick, material: &Material) -> Option<String> {
+    if !hit.is_front {
+        // Light is known on fronts.
+        return None;
+    }
     let (irradiance, error) = entry.light(hit.vertices, hit.barycentric)?;
+    let error = error.map_or_else(|| "?".to_owned(), value);
     let radiance = material.emission + material.diffuse * irradiance / PI;
     let app = desk.app;
     Some(format!(
         " · E = {} ± {} {} · L = {} {}",
         value(irradiance),
-        value(error),
+        error,
         irradiance_unit(app),
         value(radiance),
         radiance_unit(app)

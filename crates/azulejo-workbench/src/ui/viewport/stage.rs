@@ -3,8 +3,9 @@
 use crate::app::App;
 use crate::document::{Id, Item};
 use crate::gpu::{Drawn, FaceValues, Projection, chord_error, display_mesh};
+use crate::view::Backdrop;
 use azulejo::scene::math::Ray;
-use azulejo::scene::{Mesh, Rgb, Shape, Texture};
+use azulejo::scene::{Image, Mesh, Rgb, Shape, Texture};
 use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -16,6 +17,7 @@ pub struct Stage {
     entries: Vec<Entry>,
     textures: HashMap<*const Texture, (u64, Arc<Texture>)>,
     seen: Option<(u64, Arc<Mesh>, Vec<f32>)>,
+    backdrop: Option<(u64, Arc<Image>)>,
     next: u64,
 }
 
@@ -55,8 +57,9 @@ impl Entry {
         if n.dot(ray.direction) > 0.0 { -n } else { n }
     }
 
-    /// Irradiance and its standard error at a place of a triangle; `None` where it is not solved.
-    pub fn light(&self, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Rgb)> {
+    /// Irradiance at a place of a triangle, with its standard error if that is known; `None` where
+    /// it is not solved.
+    pub fn light(&self, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
         let mesh = self.mesh();
         if !self.is_lit || mesh.irradiance.len() != mesh.positions.len() {
             return None;
@@ -68,7 +71,9 @@ impl Entry {
             }
             sum
         };
-        Some((mean(&mesh.irradiance), mean(&mesh.irradiance_error)))
+        let knows_error = mesh.irradiance_error.len() == mesh.positions.len();
+        let error = knows_error.then(|| mean(&mesh.irradiance_error));
+        Some((mean(&mesh.irradiance), error))
     }
 }
 
@@ -167,6 +172,22 @@ impl Stage {
         }
     }
 
+    /// The key of the picture behind the model.
+    pub fn backdrop_key(&mut self, backdrop: &Backdrop) -> u64 {
+        let Backdrop::Image(image, _) = backdrop else {
+            self.backdrop = None;
+            return 0;
+        };
+        match &self.backdrop {
+            Some((key, kept)) if Arc::ptr_eq(kept, image) => *key,
+            _ => {
+                self.next += 1;
+                self.backdrop = Some((self.next, Arc::clone(image)));
+                self.next
+            }
+        }
+    }
+
     /// The key of a texture's picture.
     pub fn texture_key(&self, texture: &Arc<Texture>) -> u64 {
         let found = self.textures.get(&Arc::as_ptr(texture));
@@ -198,7 +219,8 @@ impl Stage {
     fn one<'a>(&'a self, app: &'a App, entry: &'a Entry, selected: &HashSet<Id>) -> Drawn<'a> {
         let selection = &app.selection;
         let faces = match &selection.faces {
-            Some((id, faces)) if *id == entry.id => faces.as_slice(),
+            // Their numbers are the model's, and mean nothing where it is divided into patches.
+            Some((id, faces)) if *id == entry.id && !entry.is_lit => faces.as_slice(),
             _ => &[],
         };
         Drawn {
