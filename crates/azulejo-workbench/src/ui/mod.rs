@@ -1,6 +1,6 @@
 //! The window's parts. Each shows state and returns commands.
 //!
-//! [`Workbench`] is all of them around one [`App`]: what eframe draws, what tests click, what
+//! [`Workbench`] is all of them around one [`App`](crate::app::App): what eframe draws, what tests click, what
 //! scripts drive.
 
 pub mod actions;
