@@ -9,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
+use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
 /// Asks for the window to be drawn.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -218,16 +219,27 @@ fn said(panic: &(dyn std::any::Any + Send)) -> String {
 }
 
 /// Runs `work` on threads of its own, fewer than there are: the window needs one too, and workers
-/// that pause must not hold up anybody else.
+/// that pause must not hold up anybody else. They give way to whatever draws, which may want all
+/// processors for a moment where there is no graphics card.
 pub fn on_own_threads<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = match most {
         0 => all.saturating_sub(1).max(1),
         most => most.min(all),
     };
-    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    match pool.start_handler(|_| give_way()).build() {
         Ok(pool) => pool.install(work),
         Err(_) => work(),
+    }
+}
+
+/// Lets other threads go before this one. Where the system does not have it so, nothing changes.
+fn give_way() {
+    // Of 0 to 99, where threads begin at 49; niceness 10 where there is such a thing.
+    const BELOW_OTHERS: u8 = 23;
+    if let Ok(value) = ThreadPriorityValue::try_from(BELOW_OTHERS) {
+        let _ = set_current_thread_priority(ThreadPriority::Crossplatform(value));
     }
 }
 
@@ -288,5 +300,24 @@ mod tests {
         told.recv_timeout(Duration::from_secs(60)).unwrap();
         std::thread::sleep(Duration::from_millis(20));
         assert!(jobs.next_news().is_none());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn work_gives_way_to_what_draws() {
+        let niceness = || {
+            let status = std::fs::read_to_string("/proc/thread-self/stat").unwrap();
+            // Behind the name in brackets: state is the third field, niceness the nineteenth.
+            let rest = status.rsplit(')').next().unwrap();
+            rest.split_whitespace()
+                .nth(16)
+                .unwrap()
+                .parse::<i32>()
+                .unwrap()
+        };
+        let own = niceness();
+        let theirs = on_own_threads(1, niceness);
+        assert!(theirs > own || own >= 10, "{theirs} {own}");
+        assert_eq!(niceness(), own);
     }
 }
