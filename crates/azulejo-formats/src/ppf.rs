@@ -26,6 +26,17 @@ use std::io::{self, Write};
 /// Bytes of the shortest curve, `l 0 0` and a blank: room is made for no more of them.
 const SHORTEST_CURVE: usize = 6;
 
+/// The mark of byte order that some editors put before text.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Whether a file may be a PPF: text whose first word, behind remarks, is a glyph's name.
+pub fn is_ppf(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(MARK).unwrap_or(bytes);
+    let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
+    let first = lines.find(|l| !l.is_empty() && !l.starts_with(b"#"));
+    first.is_some_and(|l| l.starts_with(b"/"))
+}
+
 /// Reads a font. `name` stands in messages.
 ///
 /// Beyond what RTRACE takes: remarks from `#` to the end of the line where a word may begin,
@@ -35,9 +46,8 @@ const SHORTEST_CURVE: usize = 6;
 /// # Errors
 /// Text that is no PPF: what stands where, and in which glyph.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Font, Vec<Warning>), ReadError> {
-    let mark = b"\xef\xbb\xbf";
-    let start = if bytes.starts_with(mark) {
-        mark.len()
+    let start = if bytes.starts_with(MARK) {
+        MARK.len()
     } else {
         0
     };
@@ -286,6 +296,22 @@ mod tests {
         let (font, warnings) = read(text.as_bytes(), "a.ppf").unwrap();
         assert_eq!((font.glyphs.len(), &warnings[..]), (1, &[][..]));
         font.glyphs.into_values().next().unwrap()
+    }
+
+    #[test]
+    fn a_font_is_known_by_its_first_word() {
+        for text in ["/A 0\n", "\n# remark\n  /A 0", "\u{feff}/A 0"] {
+            assert!(is_ppf(text.as_bytes()), "{text:?}");
+        }
+        for text in [
+            "",
+            "# only\n",
+            "A 0",
+            "OTTO",
+            "%!PS-AdobeFont-1.0\n/FontName",
+        ] {
+            assert!(!is_ppf(text.as_bytes()), "{text:?}");
+        }
     }
 
     #[test]

@@ -466,6 +466,12 @@ impl Balance {
         self.cut += other.cut * share;
     }
 
+    /// Whether more is missing than noise explains: then the light wants more rays, or more time.
+    pub fn is_off(&self) -> bool {
+        const LOST: f64 = 0.05;
+        self.error() > LOST
+    }
+
     /// |emitted − absorbed − escaped − cut| over emitted, all channels together; zero in the
     /// dark. It shows the noise of the rows: with exact ones it would be the solver's residual.
     pub fn error(&self) -> f64 {

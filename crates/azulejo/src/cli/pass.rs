@@ -120,9 +120,6 @@ pub fn describe(
     );
 }
 
-/// More of the light than this should not be missing from the balance.
-const LOST: f64 = 0.05;
-
 /// Where the emitted power went, in W or lm and as shares.
 fn energy(balance: &Balance, units: Units, report: &mut Report) {
     let emitted = balance.emitted.mean();
@@ -138,7 +135,7 @@ fn energy(balance: &Balance, units: Units, report: &mut Report) {
             percent(balance.error())
         ),
     );
-    if balance.error() > LOST {
+    if balance.is_off() {
         report.line(
             "caution",
             "the energy does not add up: ask for a smaller error, more rays or more time",

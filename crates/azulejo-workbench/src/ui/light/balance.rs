@@ -8,9 +8,6 @@ use azulejo::radiosity::Balance;
 use azulejo::scene::Rgb;
 use egui::{Color32, Grid, ProgressBar, RichText, Ui};
 
-/// More of the light than this should not be missing from the balance.
-const LOST: f64 = 0.05;
-
 /// Draws numbers and bars, and a caution where the energy does not add up.
 pub fn show(ui: &mut Ui, desk: &Desk, balance: &Balance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
@@ -61,7 +58,7 @@ pub fn show(ui: &mut Ui, desk: &Desk, balance: &Balance) {
             orange,
         );
     });
-    if balance.error() > LOST {
+    if balance.is_off() {
         let words =
             desk.say("The energy does not add up: ask for a smaller error, or give it more time.");
         ui.label(RichText::new(format!("⚠ {words}")).color(ui.visuals().warn_fg_color));

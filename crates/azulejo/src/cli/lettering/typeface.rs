@@ -22,7 +22,7 @@ impl FontFile {
     pub fn read(path: &Path, face: u32, session: &mut Session) -> Result<FontFile, Failure> {
         let bytes = read_bytes(path)?;
         let name = path.display().to_string();
-        if !is_ppf(&bytes) {
+        if !ppf::is_ppf(&bytes) {
             let typeface = Typeface::read(&bytes, &name, face).map_err(Failure::failed)?;
             return Ok(FontFile::Typeface(typeface));
         }
@@ -33,14 +33,6 @@ impl FontFile {
         warnings.iter().for_each(|w| session.warn(w));
         Ok(FontFile::Ppf(font))
     }
-}
-
-/// Text whose first word is a glyph's name, behind remarks.
-fn is_ppf(bytes: &[u8]) -> bool {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
-    let first = lines.find(|l| !l.is_empty() && !l.starts_with(b"#"));
-    first.is_some_and(|l| l.starts_with(b"/"))
 }
 
 /// Reads an encoding.
