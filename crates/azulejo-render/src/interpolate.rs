@@ -139,23 +139,18 @@ impl<'a> Interpolator<'a> {
     /// change nothing.
     pub fn reflectance(&self, hit: &KernelHit, material: &Material) -> Rgb {
         let item = &self.items[hit.item as usize];
-        let mut reflectance = material.diffuse;
         let mesh = match &self.scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) if !(mesh.colors.is_empty() && material.textures.is_empty()) => mesh,
-            _ => return reflectance,
+            _ => return material.diffuse,
         };
         let weights = Weights::on_face(item, f64::from(hit.u), f64::from(hit.v));
-        if !mesh.colors.is_empty() {
-            reflectance *= weights.of_vertices(mesh, &mesh.colors);
-        }
-        if let (false, Some(uv)) = (material.textures.is_empty(), weights.uv(mesh)) {
-            for &id in &material.textures {
-                if let Some(image) = &self.scene.textures[id as usize].image {
-                    reflectance *= Rgb::from(image.sample(uv.x, uv.y).map(f64::from));
-                }
-            }
-        }
-        reflectance
+        let color = match mesh.colors.is_empty() {
+            true => Rgb::WHITE,
+            false => weights.of_vertices(mesh, &mesh.colors),
+        };
+        let uv = (!material.textures.is_empty()).then(|| weights.uv(mesh));
+        let image = |id| self.scene.textures[id as usize].image.as_ref();
+        material.painted(color, uv.flatten(), image)
     }
 }
 

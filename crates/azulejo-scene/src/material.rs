@@ -2,6 +2,7 @@
 
 use crate::brdf::Lobes;
 use crate::{Brdf, Image, Rgb};
+use glam::DVec2;
 use std::sync::Arc;
 
 /// Index of a material in [`Scene::materials`](crate::Scene::materials).
@@ -167,6 +168,26 @@ impl Material {
             }
         }
         before == (self.diffuse, self.mirror)
+    }
+
+    /// Diffuse reflectance where the vertex colour is `color` and the texture coordinates are `uv`;
+    /// `image` finds a texture's picture.
+    ///
+    /// Textures that could not be loaded, and all of them where there are no coordinates, change
+    /// nothing.
+    pub fn painted<'a>(
+        &self,
+        color: Rgb,
+        uv: Option<DVec2>,
+        image: impl Fn(TextureId) -> Option<&'a Image>,
+    ) -> Rgb {
+        let mut reflectance = self.diffuse * color;
+        if let Some(uv) = uv {
+            for image in self.textures.iter().filter_map(|&id| image(id)) {
+                reflectance *= Rgb::from(image.sample(uv.x, uv.y).map(f64::from));
+            }
+        }
+        reflectance
     }
 
     /// Emitted exitance M = πL of the front, W/m².

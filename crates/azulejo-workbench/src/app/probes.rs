@@ -2,13 +2,14 @@
 
 use super::{App, Found, Level};
 use crate::command::PatchAt;
-use crate::document::{Document, Item, Solution, same_light};
+use crate::document::{Document, Item, Paint, Solution, same_light};
 use crate::gpu::display_mesh;
 use crate::jobs::{Kind, on_own_threads};
 use crate::light::measure;
 use azulejo::radiosity::Estimate;
-use azulejo::scene::{MaterialId, Mesh, Rgb, Shape};
+use azulejo::scene::{Mesh, Rgb, Shape};
 use glam::DVec3;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A place whose light is watched.
@@ -29,10 +30,9 @@ pub struct Probe {
 pub struct Site {
     /// Face of the polygons that show the object.
     pub face: u32,
-    /// What it is made of.
-    pub material: MaterialId,
-    /// Whether the probe is in front of it: light is kept for the fronts of surfaces alone.
-    pub is_front: bool,
+    /// What it is made of, and whether the probe is in front of it: light is kept for the fronts of
+    /// surfaces alone.
+    pub paint: Paint,
     /// Irradiance, interpolated between vertices, and its standard error where that is known.
     pub light: Option<(Rgb, Option<Rgb>)>,
     /// The shape that this was read from.
@@ -57,14 +57,23 @@ impl Probe {
         // Whoever stands where it was lit has a shape of its own, in its place: then nothing moved.
         let is_same = |site: &Site| lit.is_some() && Arc::ptr_eq(&site.shape, shape);
         if !self.site.as_ref().is_some_and(is_same) {
-            self.site = site(&self.place, item, shape, lit.is_some());
+            let face = self.site.as_ref().map(|site| site.face);
+            self.site = site(&self.place, item, shape, lit.is_some(), face);
         }
     }
 }
 
-/// Finds the surface at a place: the nearest face, unless that is too far away to be meant.
-fn site(place: &PatchAt, item: &Item, shape: &Arc<Shape>, is_lit: bool) -> Option<Site> {
+/// Finds the surface at a place: the nearest face, unless that is too far away to be meant. `face`
+/// is where it was found last, and is still the nearest as long as the place lies on it.
+fn site(
+    place: &PatchAt,
+    item: &Item,
+    shape: &Arc<Shape>,
+    is_lit: bool,
+    face: Option<u32>,
+) -> Option<Site> {
     const FAR: f64 = 0.01;
+    const ON: f64 = 1e-7;
     let size = item.bounds().diagonal();
     let local = match is_lit {
         true => glam::DAffine3::IDENTITY,
@@ -73,17 +82,20 @@ fn site(place: &PatchAt, item: &Item, shape: &Arc<Shape>, is_lit: bool) -> Optio
     let scale = local.matrix3.determinant().abs().cbrt();
     let mesh = display_mesh(shape, (1e-3 * size * scale).max(f64::MIN_POSITIVE), is_lit);
     let position = local.transform_point3(place.position);
-    let found = nearest(&mesh, position)?;
+    let last = face.and_then(|f| nearest(&mesh, f as usize..(f as usize + 1), position));
+    let last = last.filter(|found| found.distance <= ON * size * scale);
+    let found = last.or_else(|| nearest(&mesh, 0..mesh.faces.len(), position))?;
     if found.distance > FAR * size * scale {
         return None;
     }
     let [a, b, c] = found.corners.map(|v| mesh.positions[v as usize]);
     // Normals of the world are normals of the object times the transposed inverse placement.
     let normal = local.matrix3.transpose() * (b - a).cross(c - a);
+    let is_front = normal.dot(place.normal) > 0.0;
+    let face = found.face as usize;
     Some(Site {
         face: found.face,
-        material: *mesh.face_materials.get(found.face as usize)?,
-        is_front: normal.dot(place.normal) > 0.0,
+        paint: Paint::at(&mesh, face, found.corners, found.weights, is_front)?,
         light: is_lit.then(|| found.light(&mesh)).flatten(),
         shape: Arc::clone(shape),
     })
@@ -111,11 +123,11 @@ impl Nearest {
     }
 }
 
-/// The place of a mesh that is nearest to a point.
-fn nearest(mesh: &Mesh, point: DVec3) -> Option<Nearest> {
+/// The place of some faces of a mesh, of those that there are, that is nearest to a point.
+fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<Nearest> {
     let mut best: Option<Nearest> = None;
     let mut triangles = Vec::new();
-    for face in 0..mesh.faces.len() {
+    for face in faces.start..faces.end.min(mesh.faces.len()) {
         triangles.clear();
         mesh.triangulate_into(face, &mut triangles);
         for triangle in &triangles {

@@ -7,12 +7,14 @@
 
 mod edit;
 mod make;
+mod paint;
 mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub use edit::{Edit, Refused};
 pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
+pub use paint::Paint;
 pub use solution::{Solution, same_light};
 
 use azulejo::formats::Format;

@@ -4,9 +4,13 @@ use super::*;
 use crate::light::LightSettings;
 use azulejo::models::{self, Reading};
 use azulejo::radiosity::{Report, solve};
-use azulejo::scene::{Exact, Irradiance, LightKind, Mesh, Primitive, Solid, SurfaceGrid};
+use azulejo::scene::{
+    Attribute, Exact, Image, Irradiance, LightKind, Mesh, Primitive, Solid, SurfaceGrid,
+};
 use azulejo::trace::{Progress, Tracer};
+use glam::DVec2;
 use std::collections::HashSet;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// A small room of everything: a mesh of two materials, a ball, solid letters, a lamp, lights,
@@ -396,4 +400,74 @@ fn letters_that_cannot_be_set_are_refused() {
         assert!(refused.contains(said), "{refused}");
     }
     assert!(Lettering::set(&"a".repeat(20_000), 0.1, None).is_err());
+}
+
+#[test]
+fn copies_of_many_have_names_of_their_own() {
+    let mut document = Document::of_scene(sample_scene(), None);
+    let all: Vec<Id> = document.items.iter().map(|i| i.id).collect();
+    for _ in 0..3 {
+        Edit::Duplicate(all.clone()).apply(&mut document).unwrap();
+    }
+    // One more takes names where there is room, and of two that share a name each its own.
+    let ball = document
+        .items
+        .iter()
+        .find(|i| i.name == "ball 3")
+        .unwrap()
+        .id;
+    Edit::Rename(ball, "ball".into())
+        .apply(&mut document)
+        .unwrap();
+    let both: Vec<Id> = document
+        .items
+        .iter()
+        .filter(|i| i.name == "ball")
+        .map(|i| i.id)
+        .collect();
+    let copies = Edit::Duplicate(both).apply(&mut document).unwrap();
+    let name = |id: &Id| document.name(*id).unwrap().to_owned();
+    assert_eq!(
+        copies.iter().map(name).collect::<Vec<_>>(),
+        ["ball 3", "ball 5"]
+    );
+}
+
+#[test]
+fn radiance_knows_colours_and_textures() {
+    let mut scene = sample_scene();
+    // Dark on the left, bright on the right.
+    let image = Image {
+        width: 2,
+        height: 1,
+        pixels: vec![[0.25; 3], [1.0; 3]],
+    };
+    scene.textures[0].image = Some(image);
+    let document = Document::of_scene(scene, None);
+    let mut mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        colors: vec![Rgb::WHITE, Rgb::grey(0.5), Rgb::grey(0.5)],
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2], 0);
+    let radiance = |mesh: &Mesh, weights: [f64; 3]| {
+        let paint = Paint::at(mesh, 0, [0, 1, 2], weights, true).unwrap();
+        document.radiance(&paint, Rgb::grey(PI)).unwrap().r
+    };
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+    // Without coordinates a texture is not seen.
+    near(radiance(&mesh, [1.0, 0.0, 0.0]), 0.5);
+    near(radiance(&mesh, [0.0, 1.0, 0.0]), 0.25);
+    let uvs = [0.25, 0.75, 0.75].map(|u| DVec2::new(u, 0.5)).to_vec();
+    mesh.uvs = Some(Attribute::per_vertex(uvs));
+    near(radiance(&mesh, [1.0, 0.0, 0.0]), 0.125);
+    near(radiance(&mesh, [0.0, 0.5, 0.5]), 0.25);
+    assert_eq!(Paint::at(&mesh, 1, [0, 1, 2], [1.0, 0.0, 0.0], true), None);
+
+    // A lamp shines from its front.
+    mesh.face_materials = vec![2];
+    let paint = |is_front| Paint::at(&mesh, 0, [0, 1, 2], [1.0, 0.0, 0.0], is_front).unwrap();
+    let own = |is_front| document.radiance(&paint(is_front), Rgb::BLACK);
+    assert_eq!(own(true), Some(Rgb::grey(5.0)));
+    assert_eq!(own(false), Some(Rgb::BLACK));
 }

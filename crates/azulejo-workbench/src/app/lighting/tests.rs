@@ -152,7 +152,7 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
     let place = on_the_floor(&app);
     app.execute(Command::Pin(place));
     let site = app.probes[0].site.clone().expect("the floor is there");
-    assert!(site.is_front && site.light.is_none());
+    assert!(site.paint.is_front && site.light.is_none());
     solve(&mut app);
     let site = app.probes[0].site.clone().expect("the floor is there");
     let (light, error) = site.light.expect("it is lit");
@@ -196,7 +196,12 @@ fn the_back_of_a_surface_has_no_light_of_its_own() {
         normal: -place.normal,
         ..place
     }));
-    assert!(app.probes[0].site.as_ref().is_some_and(|s| !s.is_front));
+    assert!(
+        app.probes[0]
+            .site
+            .as_ref()
+            .is_some_and(|s| !s.paint.is_front)
+    );
 }
 
 #[test]

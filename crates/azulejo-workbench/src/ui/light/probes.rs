@@ -8,7 +8,6 @@ use crate::ui::inspector::named;
 use crate::ui::viewport::{irradiance_unit, number, radiance_unit, value};
 use azulejo::scene::Rgb;
 use egui::{Grid, Ui};
-use std::f64::consts::PI;
 
 /// Draws the table; whether one more is to be pinned.
 pub fn show(ui: &mut Ui, desk: &mut Desk) -> bool {
@@ -63,10 +62,10 @@ fn row(ui: &mut Ui, desk: &mut Desk, probe: &Probe) {
             desk.select(probe.place.item, false);
         }
         if let Some(site) = &probe.site {
-            ui.weak(shortened(&named(&app.document, site.material)));
+            ui.weak(shortened(&named(&app.document, site.paint.material)));
         }
     });
-    let front = probe.site.as_ref().filter(|s| s.is_front);
+    let front = probe.site.as_ref().filter(|s| s.paint.is_front);
     let light = front.and_then(|s| s.light);
     ui.vertical(|ui| cell(ui, desk, probe.site.as_ref(), light, why_not(desk, probe)));
     let measured = probe.measured.map(|m| (m.value, Some(m.error)));
@@ -105,9 +104,8 @@ fn cell(
             error.map_or("?".into(), value),
             irradiance_unit(desk.app)
         ));
-    let material = site.and_then(|s| desk.app.document.materials.get(s.material as usize));
-    if let Some(material) = material {
-        let radiance = material.emission + material.diffuse * irradiance / PI;
+    let radiance = site.and_then(|s| desk.app.document.radiance(&s.paint, irradiance));
+    if let Some(radiance) = radiance {
         let unit = radiance_unit(desk.app);
         let about = desk.say("Radiance that leaves it evenly to all sides:");
         let text = egui::RichText::new(format!("L = {}", number(radiance.luminance())));
@@ -120,7 +118,7 @@ fn cell(
 fn why_not(desk: &Desk, probe: &Probe) -> &'static str {
     match &probe.site {
         None => desk.say("There is no surface at this place any more."),
-        Some(site) if !site.is_front => {
+        Some(site) if !site.paint.is_front => {
             desk.say("This is the back of a surface, and light is kept for its front: measure it.")
         }
         Some(_) => desk.say("Not solved yet: press F5."),
@@ -134,9 +132,13 @@ fn about(desk: &Desk, probe: &Probe) -> String {
     let three = |v: glam::DVec3| format!("({}, {}, {})", number(v.x), number(v.y), number(v.z));
     let mut text = format!("{name} (#{})\n", place.item.0);
     if let Some(site) = &probe.site {
-        let material = named(&desk.app.document, site.material);
+        let material = named(&desk.app.document, site.paint.material);
         text += &format!("{} {}\n", desk.say("face"), site.face);
-        text += &format!("{} {material} (#{})\n", desk.say("material"), site.material);
+        text += &format!(
+            "{} {material} (#{})\n",
+            desk.say("material"),
+            site.paint.material
+        );
     }
     text + &format!("{}, n = {}", three(place.position), three(place.normal))
 }

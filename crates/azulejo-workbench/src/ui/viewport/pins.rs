@@ -37,7 +37,7 @@ fn strength(probe: &Probe, eye: DVec3) -> f32 {
 
 /// The number of a probe, and its irradiance where that is known.
 fn words(probe: &Probe, unit: &str) -> String {
-    let front = probe.site.as_ref().filter(|s| s.is_front);
+    let front = probe.site.as_ref().filter(|s| s.paint.is_front);
     let light = front.and_then(|s| s.light).map(|l| l.0);
     match probe.measured.map(|m| m.value).or(light) {
         Some(light) => format!("{}: {} {unit}", probe.number, number(light.luminance())),

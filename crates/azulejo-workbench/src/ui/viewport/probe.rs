@@ -4,10 +4,11 @@ use super::legend::number;
 use super::stage::{Entry, Stage};
 use super::{Desk, irradiance_unit};
 use crate::app::App;
+use crate::document::Paint;
 use crate::gpu::{Drawn, Pick, pick};
+use crate::ui::inspector::named;
+use azulejo::scene::Rgb;
 use azulejo::scene::math::Ray;
-use azulejo::scene::{Material, Rgb};
-use std::f64::consts::PI;
 
 /// The object, the place, the material and the light where a ray meets the model.
 pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
@@ -31,29 +32,25 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
         number(p.y),
         number(p.z)
     );
-    let id = entry.mesh().face_materials.get(hit.face);
-    let material = id.and_then(|&m| document.materials.get(m as usize));
-    if let (Some(material), Some(id)) = (material, id) {
-        let name = match material.name.as_str() {
-            "" => format!("#{id}"),
-            name => name.to_owned(),
-        };
-        text += &format!(" · {name}");
-        text += &light(desk, entry, &hit, material).unwrap_or_default();
+    let weights = hit.barycentric.to_array();
+    let mesh = entry.mesh();
+    if let Some(paint) = Paint::at(mesh, hit.face, hit.vertices, weights, hit.is_front) {
+        text += &format!(" · {}", named(document, paint.material));
+        text += &light(desk, entry, &hit, &paint).unwrap_or_default();
     }
     Some(text)
 }
 
 /// Irradiance with its standard error, and the radiance that leaves.
-fn light(desk: &Desk, entry: &Entry, hit: &Pick, material: &Material) -> Option<String> {
+fn light(desk: &Desk, entry: &Entry, hit: &Pick, paint: &Paint) -> Option<String> {
     if !hit.is_front {
         // Light is known on fronts.
         return None;
     }
     let (irradiance, error) = entry.light(hit.vertices, hit.barycentric)?;
     let error = error.map_or_else(|| "?".to_owned(), value);
-    let radiance = material.emission + material.diffuse * irradiance / PI;
     let app = desk.app;
+    let radiance = app.document.radiance(paint, irradiance)?;
     Some(format!(
         " · E = {} ± {} {} · L = {} {}",
         value(irradiance),
