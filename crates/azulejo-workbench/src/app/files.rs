@@ -35,16 +35,38 @@ pub struct OnDisk {
     /// Where.
     pub path: PathBuf,
     /// Its time and length.
-    stamp: Option<(SystemTime, u64)>,
+    stamp: Stamp,
+    /// The same of what others wrote and a person was told of. Saving over it is still asked about.
+    told: Stamp,
 }
+
+/// When a file was written, and how long it is; `None` for one that is not there.
+type Stamp = Option<(SystemTime, u64)>;
 
 impl OnDisk {
     /// The file as it is now.
     pub fn now(path: &Path) -> OnDisk {
+        let stamp = stamp(path);
         OnDisk {
             path: path.to_owned(),
-            stamp: stamp(path),
+            stamp,
+            told: stamp,
         }
+    }
+
+    /// A file that was never read or written here.
+    fn unread(path: PathBuf) -> OnDisk {
+        OnDisk {
+            path,
+            stamp: None,
+            told: None,
+        }
+    }
+
+    /// Whether it was written or removed since, and nobody was told yet; now somebody is.
+    fn is_news(&mut self) -> bool {
+        let now = stamp(&self.path);
+        std::mem::replace(&mut self.told, now) != now
     }
 
     /// Whether it was written or removed since.
@@ -53,7 +75,7 @@ impl OnDisk {
     }
 }
 
-fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
+fn stamp(path: &Path) -> Stamp {
     let meta = std::fs::metadata(path).ok()?;
     Some((meta.modified().ok()?, meta.len()))
 }
@@ -86,19 +108,25 @@ pub(super) struct Loading {
     edits: u64,
     /// What was asked for.
     command: Command,
+    /// What is to be added when these are there.
+    then: Vec<PathBuf>,
 }
 
 impl App {
-    /// Reads files in the background.
+    /// Reads files in the background. What is added waits for what is on its way.
     pub(super) fn load(&mut self, paths: Vec<PathBuf>, replaces: bool) {
         if paths.is_empty() {
             return;
         }
-        self.begin_loading(paths, replaces, false);
+        match &mut self.loading {
+            Some(loading) if !replaces => loading.then.extend(paths),
+            _ => self.begin_loading(paths, replaces, false),
+        }
     }
 
     fn begin_loading(&mut self, paths: Vec<PathBuf>, replaces: bool, recovered: bool) {
         if let Some(job) = self.jobs.of(Kind::Load) {
+            // What is opened takes the place of what would have come.
             let text = format!("{}: {}", job.title, self.say("given up for another file"));
             self.tell(Level::Warning, text);
         }
@@ -112,6 +140,7 @@ impl App {
             recovered,
             edits: self.edits,
             command,
+            then: Vec::new(),
         });
         let keeps = !replaces && !self.document.is_empty();
         let units = keeps.then_some(self.document.units);
@@ -152,7 +181,11 @@ impl App {
         let (replaces, recovered) = (loading.replaces, loading.recovered);
         if replaces && loading.edits != self.edits {
             // Nobody agreed to lose what was done while the file was read.
-            self.question = Some(Question::Unsaved(Box::new(loading.command.clone())));
+            let mut command = loading.command.clone();
+            if let Command::Open(paths) = &mut command {
+                paths.append(&mut loading.then);
+            }
+            self.question = Some(Question::Unsaved(Box::new(command)));
             self.jobs.cancel(job.id);
             return self.end_loading();
         }
@@ -184,7 +217,7 @@ impl App {
         let start = if replaces { 0 } else { before };
         let items = self.document.items.get(start..).unwrap_or_default();
         let ids: Vec<_> = items.iter().map(|i| i.id).collect();
-        warnings.iter().for_each(|w| self.tell_warning(w, &ids));
+        self.tell_warnings(&warnings, &ids);
         notes.into_iter().for_each(|n| self.tell(Level::Note, n));
         self.tell(Level::Note, summary);
     }
@@ -198,8 +231,10 @@ impl App {
         self.tell(Level::Error, text);
     }
 
+    /// These files are there, or given up; those that wait are next.
     pub(super) fn end_loading(&mut self) {
-        self.loading = None;
+        let then = self.loading.take().map(|loading| loading.then);
+        self.load(then.unwrap_or_default(), false);
     }
 
     /// Saves where the document came from, if its format keeps light.
@@ -329,7 +364,7 @@ impl App {
         let found = self.recovery.found().iter().find(|f| f.copy == copy);
         let original = found.and_then(|f| f.original.clone());
         self.recovery.adopt(copy);
-        self.file = original.map(|path| OnDisk { path, stamp: None });
+        self.file = original.map(OnDisk::unread);
         match (&self.file, self.document.branches.first_mut()) {
             (Some(file), Some(branch)) => {
                 branch.path.clone_from(&file.path);
@@ -397,10 +432,11 @@ impl App {
 
     /// Asks what to do if somebody else wrote the file; called when the window is looked at again.
     pub fn check_disk(&mut self) {
-        let Some(file) = &self.file else { return };
+        let is_occupied = self.question.is_some() || self.is_busy(Kind::Save);
+        let Some(file) = &mut self.file else { return };
         // One that was never read here is asked about when it is written.
         let was_read = file.stamp.is_some();
-        if self.question.is_some() || !was_read || !file.has_changed() || self.is_busy(Kind::Save) {
+        if is_occupied || !was_read || !file.is_news() {
             return;
         }
         let path = file.path.clone();
@@ -411,8 +447,6 @@ impl App {
             let text = format!("{}: {said}", path.display());
             self.tell(Level::Warning, text);
         }
-        // Once is enough.
-        self.file = Some(OnDisk::now(&path));
     }
 
     pub(super) fn load_backdrop(&mut self, path: PathBuf) {

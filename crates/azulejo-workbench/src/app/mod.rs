@@ -25,6 +25,7 @@ use crate::recovery::Recovery;
 use crate::view::{Backdrop, View, sees_most, whole};
 use azulejo::formats::Warning;
 use azulejo::scene::{Image, Shape};
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -354,17 +355,23 @@ impl App {
         });
     }
 
-    fn tell_warning(&mut self, warning: &Warning, items: &[Id]) {
-        let text = warning.to_string();
-        let about = items.iter().copied().find(|&id| {
+    /// Tells what was odd about a file that brought `items`: each warning leads to the first object
+    /// that it names in quotes. Most are about a file as a whole: those lead to its content.
+    fn tell_warnings(&mut self, warnings: &[Warning], items: &[Id]) {
+        let mut named: HashMap<String, Id> = HashMap::new();
+        for &id in items.iter().filter(|_| !warnings.is_empty()) {
             let name = self.document.name(id).unwrap_or_default();
             let last = name.rsplit('/').next().unwrap_or_default();
-            !last.is_empty() && warning.message.contains(&format!("\"{last}\""))
-        });
-        self.tell(Level::Warning, text);
-        if let Some(message) = self.messages.last_mut() {
-            // Most warnings are about a file as a whole: then the way leads to its content.
-            message.about = about.or(items.first().copied());
+            named.entry(last.to_owned()).or_insert(id);
+        }
+        named.remove("");
+        for warning in warnings {
+            self.tell(Level::Warning, warning.to_string());
+            let mut quoted = warning.message.split('"').skip(1).step_by(2);
+            let about = quoted.find_map(|name| named.get(name).copied());
+            if let Some(message) = self.messages.last_mut() {
+                message.about = about.or(items.first().copied());
+            }
         }
     }
 
@@ -595,7 +602,7 @@ impl App {
 
     fn clear(&mut self) {
         self.jobs.cancel_kind(Kind::Load);
-        self.end_loading();
+        self.loading = None;
         self.replace(Document::default(), None);
     }
 

@@ -3,7 +3,7 @@
 use super::{Document, Id, Item, Lamp, NewLight, NewShape, Viewpoint, map_materials};
 use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Object, Rgb, Scene, Shape, Units};
 use glam::DAffine3;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::sync::Arc;
 
@@ -168,7 +168,8 @@ impl Document {
     }
 
     fn hide(&mut self, ids: &[Id], hidden: bool) -> Vec<Id> {
-        let named = self.items.iter_mut().filter(|i| ids.contains(&i.id));
+        let chosen = set(ids);
+        let named = self.items.iter_mut().filter(|i| chosen.contains(&i.id));
         named.for_each(|item| item.hidden = hidden);
         ids.to_vec()
     }
@@ -177,9 +178,10 @@ impl Document {
         if !ids.iter().any(|&id| self.has(id)) {
             return refuse("nothing is selected, select what to delete");
         }
-        self.items.retain(|i| !ids.contains(&i.id));
-        self.lights.retain(|l| !ids.contains(&l.id));
-        self.cameras.retain(|c| !ids.contains(&c.id));
+        let chosen = set(ids);
+        self.items.retain(|i| !chosen.contains(&i.id));
+        self.lights.retain(|l| !chosen.contains(&l.id));
+        self.cameras.retain(|c| !chosen.contains(&c.id));
         self.rtrace = None;
         Ok(Vec::new())
     }
@@ -188,35 +190,31 @@ impl Document {
         if !ids.iter().any(|&id| self.has(id)) {
             return refuse("nothing is selected, select what to duplicate");
         }
-        let items: Vec<Item> = (self.items.iter())
-            .filter(|i| ids.contains(&i.id))
-            .cloned()
-            .collect();
-        let lamps: Vec<Lamp> = (self.lights.iter())
-            .filter(|l| ids.contains(&l.id))
-            .cloned()
-            .collect();
-        let views: Vec<Viewpoint> = (self.cameras.iter())
-            .filter(|c| ids.contains(&c.id))
-            .cloned()
-            .collect();
+        let chosen = set(ids);
+        let items = self.items.iter().filter(|i| chosen.contains(&i.id));
+        let items: Vec<Item> = items.cloned().collect();
+        let lamps = self.lights.iter().filter(|l| chosen.contains(&l.id));
+        let lamps: Vec<Lamp> = lamps.cloned().collect();
+        let views = self.cameras.iter().filter(|c| chosen.contains(&c.id));
+        let views: Vec<Viewpoint> = views.cloned().collect();
+        let mut names = Names::of(self);
         let mut copies = Vec::new();
         for mut item in items {
             item.id = self.new_id();
-            item.name = self.fresh_name(&item.name);
+            item.name = names.fresh(&item.name);
             copies.push(item.id);
             self.items.push(item);
             self.rtrace = None;
         }
         for mut lamp in lamps {
             lamp.id = self.new_id();
-            lamp.light.name = self.fresh_name(&lamp.light.name);
+            lamp.light.name = names.fresh(&lamp.light.name);
             copies.push(lamp.id);
             self.lights.push(lamp);
         }
         for mut view in views {
             view.id = self.new_id();
-            view.camera.name = self.fresh_name(&view.camera.name);
+            view.camera.name = names.fresh(&view.camera.name);
             copies.push(view.id);
             self.cameras.push(view);
         }
@@ -225,26 +223,14 @@ impl Document {
 
     /// `name` with the first number behind it that no object, light or camera has.
     pub(super) fn fresh_name(&self, name: &str) -> String {
-        let items = self.items.iter().map(|i| i.name.as_str());
-        let lights = self.lights.iter().map(|l| l.light.name.as_str());
-        let cameras = self.cameras.iter().map(|c| c.camera.name.as_str());
-        let taken: BTreeSet<&str> = items.chain(lights).chain(cameras).collect();
-        if !taken.contains(name) {
-            return name.to_owned();
-        }
-        let stem = name
-            .trim_end_matches(|c: char| c.is_ascii_digit())
-            .trim_end();
-        let numbered = (2u64..).map(|n| format!("{stem} {n}"));
-        let mut free = numbered.filter(|candidate| !taken.contains(candidate.as_str()));
-        free.next().unwrap_or_default()
+        Names::of(self).fresh(name)
     }
 
     fn transform(&mut self, ids: &[Id], map: &DAffine3) -> Edited {
         if !is_placement(map) {
             return refuse("the transform flattens what it moves, expected factors other than 0");
         }
-        let chosen: HashSet<Id> = ids.iter().copied().collect();
+        let chosen = set(ids);
         let mut moved = self.clone();
         for item in moved.items.iter_mut().filter(|i| chosen.contains(&i.id)) {
             item.placement = *map * item.placement;
@@ -427,7 +413,8 @@ impl Document {
 
     fn assign(&mut self, ids: &[Id], material: MaterialId) -> Edited {
         self.known_material(material)?;
-        let named = self.items.iter_mut().filter(|i| ids.contains(&i.id));
+        let chosen = set(ids);
+        let named = self.items.iter_mut().filter(|i| chosen.contains(&i.id));
         for item in named {
             item.change_shape(|shape| map_materials(shape, &mut |_| material));
         }
@@ -527,6 +514,45 @@ impl Document {
         self.fog = self.fog.or(other.fog);
         self.rtrace = None;
         ids
+    }
+}
+
+fn set(ids: &[Id]) -> HashSet<Id> {
+    ids.iter().copied().collect()
+}
+
+/// Names that are taken.
+struct Names {
+    taken: HashSet<String>,
+    /// The last number behind each stem that was found free: those before it are not asked again.
+    numbers: HashMap<String, u64>,
+}
+
+impl Names {
+    fn of(document: &Document) -> Names {
+        let items = document.items.iter().map(|i| &i.name);
+        let lights = document.lights.iter().map(|l| &l.light.name);
+        let cameras = document.cameras.iter().map(|c| &c.camera.name);
+        Names {
+            taken: items.chain(lights).chain(cameras).cloned().collect(),
+            numbers: HashMap::new(),
+        }
+    }
+
+    /// `name`, with the first free number behind it if it is taken; then it is taken too.
+    fn fresh(&mut self, name: &str) -> String {
+        let mut found = name.to_owned();
+        if self.taken.contains(name) {
+            let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+            let stem = stem.trim_end();
+            let number = self.numbers.entry(stem.to_owned()).or_insert(1);
+            while self.taken.contains(&found) {
+                *number += 1;
+                found = format!("{stem} {number}");
+            }
+        }
+        self.taken.insert(found.clone());
+        found
     }
 }
 

@@ -122,7 +122,7 @@ impl Lettering {
             )));
         }
         let (bytes, name) = font.unwrap_or((TYPEFACE, "dejavu-serif.ppf"));
-        let lines = if is_ppf(bytes) {
+        let lines = if ppf::is_ppf(bytes) {
             let (font, _) = ppf::read(bytes, name).map_err(refused)?;
             let encoding = typeface::encoding_of(&font);
             set_lines(text, |line| font.set_line(line, &encoding, 0.0))?
@@ -151,13 +151,6 @@ fn set_lines<E: fmt::Display>(
         .map(set)
         .collect::<Result<_, E>>()
         .map_err(refused)
-}
-
-/// RTRACE's font files are text whose first word, behind remarks, is a glyph's name.
-fn is_ppf(bytes: &[u8]) -> bool {
-    let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
-    let first = lines.find(|l| !l.is_empty() && !l.starts_with(b"#"));
-    first.is_some_and(|l| l.starts_with(b"/"))
 }
 
 /// Right, up and toward the viewer of someone who stands in the scene.

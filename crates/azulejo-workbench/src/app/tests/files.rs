@@ -133,6 +133,36 @@ fn of_several_files_those_that_can_be_read_are_opened() {
 }
 
 #[test]
+fn files_that_are_added_wait_for_those_on_their_way() {
+    let folder = Folder::new("queue");
+    let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
+    let mut app = App::quiet();
+    app.execute(Command::Open(vec![a.clone()]));
+    app.execute(Command::Add(vec![folder.path("missing.obj")]));
+    run(&mut app, Command::Add(vec![b]));
+    assert_eq!(errors(&app).len(), 1, "{:?}", errors(&app));
+    assert_eq!(file_of(&app), Some(&*a));
+    let names: Vec<&str> = app.document.branches.iter().map(|b| &*b.name).collect();
+    assert_eq!(names, ["shapes", "csg"]);
+    assert!(app.loading.is_none());
+}
+
+#[test]
+fn what_waits_to_be_added_to_a_file_waits_for_the_answer_about_it() {
+    let folder = Folder::new("queue-asked");
+    let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
+    let mut app = filled();
+    app.execute(Command::Open(vec![a.clone()]));
+    app.execute(Command::Add(vec![b.clone()]));
+    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    settle(&mut app);
+    let asked = Question::Unsaved(Box::new(Command::Open(vec![a, b])));
+    assert_eq!(app.question, Some(asked));
+    run(&mut app, Command::Discard);
+    assert_eq!(app.document.branches.len(), 2);
+}
+
+#[test]
 fn what_is_saved_comes_back_equal() {
     let folder = Folder::new("save");
     let mut app = filled();
@@ -240,9 +270,14 @@ fn a_file_that_others_wrote_is_asked_about() {
     assert_eq!((app.question.clone(), app.is_changed()), (None, false));
     assert_ne!(std::fs::read_to_string(&path).unwrap(), others);
 
-    // When the window is looked at again; once.
+    // When the window is looked at again; once, and again before it is written over.
     std::fs::write(&path, &others).unwrap();
     app.check_disk();
+    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
+    app.execute(Command::Dismiss);
+    app.check_disk();
+    assert_eq!(app.question, None);
+    run(&mut app, Command::Save);
     assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
     run(&mut app, Command::Discard);
     check_no_error(&app);
