@@ -3,7 +3,7 @@
 use crate::app::App;
 use crate::gpu::{Ink, Overlay};
 use azulejo::scene::math::Aabb;
-use azulejo::scene::{Camera, LightKind, Up};
+use azulejo::scene::{Camera, LightKind, Shape, Up};
 use glam::DVec3;
 
 /// Yellow for light, blue for cameras, grey for the ground.
@@ -33,7 +33,42 @@ pub fn overlay(app: &App) -> Overlay {
             camera(&mut overlay, &view.camera, size, ink);
         }
     }
+    if app.view.shading.shows_light() {
+        chosen_faces(&mut overlay, app);
+    }
     overlay
+}
+
+/// Marks selected faces of the model on the patches that it was divided into.
+fn chosen_faces(overlay: &mut Overlay, app: &App) {
+    let Some((item, faces)) = (app.selection.faces.as_ref())
+        .and_then(|(id, faces)| Some((app.document.item(*id)?, faces)))
+    else {
+        return;
+    };
+    let is_lit = (app.lighting.solution.as_ref()).is_some_and(|s| s.shown(item).is_some());
+    let Shape::Mesh(mesh) = &*item.shape else {
+        return;
+    };
+    if !is_lit || item.hidden {
+        return;
+    }
+    let [r, g, b] = CHOSEN;
+    let film = Ink {
+        color: [r, g, b, 128],
+        ..Ink::new(CHOSEN, 1.0)
+    };
+    let mut triangles = Vec::new();
+    for face in faces.iter().map(|&f| f as usize) {
+        if face < mesh.faces.len() {
+            mesh.triangulate_into(face, &mut triangles);
+            for corners in triangles.drain(..) {
+                let vertices = corners.map(|c| mesh.faces.get(face)[c as usize] as usize);
+                let placed = vertices.map(|v| item.placement.transform_point3(mesh.positions[v]));
+                overlay.triangle(placed, film);
+            }
+        }
+    }
 }
 
 fn ink(color: [u8; 3], is_selected: bool) -> Ink {
@@ -154,5 +189,32 @@ fn grid(overlay: &mut Overlay, bounds: Aabb, up: Up) {
     ];
     for (axis, color) in axes {
         overlay.arrow(DVec3::ZERO, 0.25 * size * axis, Ink::new(color, 2.0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::Id;
+    use crate::document::tests::{sample, solved};
+    use crate::view::Shading;
+    use std::sync::Arc;
+
+    #[test]
+    fn selected_faces_are_marked_on_what_the_solver_divided() {
+        let mut app = App::quiet();
+        app.document = sample();
+        app.selection.faces = Some((Id(1), vec![1]));
+        app.view.shading = Shading::Irradiance;
+        let marks = |app: &App| overlay(app).triangles.len();
+        let before = marks(&app);
+        app.lighting.solution = Some(Arc::new(solved(&app.document)));
+        assert_eq!(marks(&app), before + 1);
+        let marked = overlay(&app).triangles.pop().expect("a face").corners;
+        let corners = [(-2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)].map(|(x, y)| DVec3::new(x, 0.0, -y));
+        assert_eq!(marked, corners);
+        // The model's own polygons mark themselves.
+        app.view.shading = Shading::Flat;
+        assert_eq!(marks(&app), before);
     }
 }

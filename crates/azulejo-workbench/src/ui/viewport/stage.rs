@@ -217,16 +217,16 @@ impl Stage {
     }
 
     fn one<'a>(&'a self, app: &'a App, entry: &'a Entry, selected: &HashSet<Id>) -> Drawn<'a> {
-        let selection = &app.selection;
-        let faces = match &selection.faces {
-            // Their numbers are the model's, and mean nothing where it is divided into patches.
-            Some((id, faces)) if *id == entry.id && !entry.is_lit => faces.as_slice(),
+        let faces = match &app.selection.faces {
+            Some((id, faces)) if *id == entry.id => faces.as_slice(),
             _ => &[],
         };
         Drawn {
             world_from_object: entry.placement,
             is_selected: selected.contains(&entry.id) && faces.is_empty(),
-            selected_faces: faces,
+            // Their numbers are the model's and mean nothing where it is divided into patches:
+            // there the overlay marks them.
+            selected_faces: if entry.is_lit { &[] } else { faces },
             ..Drawn::new(entry.key, entry.mesh())
         }
     }
