@@ -75,6 +75,12 @@ fn site(
     const FAR: f64 = 0.01;
     const ON: f64 = 1e-7;
     let size = item.bounds().diagonal();
+    // Something that is dragged away is not searched through in every frame.
+    let bounds = item.bounds();
+    let inside = place.position.clamp(bounds.min, bounds.max);
+    if bounds.is_empty() || place.position.distance(inside) > FAR * size {
+        return None;
+    }
     let local = match is_lit {
         true => glam::DAffine3::IDENTITY,
         false => item.placement.inverse(),

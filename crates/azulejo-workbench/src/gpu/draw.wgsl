@@ -261,6 +261,11 @@ fn tinted(color: vec3f, n: vec3f, place: vec3f) -> vec4f {
     return vec4f(mix(color, object.tint.rgb, weight), material.opacity);
 }
 
+// Of what shows numbers, glass lets nothing through.
+fn opaque(color: vec3f, n: vec3f, place: vec3f) -> vec4f {
+    return vec4f(tinted(color, n, place).rgb, 1.0);
+}
+
 fn number_of(light: vec3f) -> f32 {
     let mean = (light.r + light.g + light.b) / 3.0;
     return select(mean, luminance(light), frame.is_luminance > 0.5);
@@ -359,7 +364,7 @@ fn irradiance(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) 
 @fragment
 fn patches(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec4f {
     let n = facet_normal(in.place);
-    return tinted(lit(in, vec3f(1.0), n, is_front(facing)), n, in.place);
+    return opaque(lit(in, vec3f(1.0), n, is_front(facing)), n, in.place);
 }
 
 fn scaled(in: Varying, x: f32, front: bool, has_lines: bool) -> vec4f {
@@ -369,7 +374,7 @@ fn scaled(in: Varying, x: f32, front: bool, has_lines: bool) -> vec4f {
     let lined = with_isolines(plain, t);
     let grey = hatched(srgb(lamp_at_eye(vec3f(0.6), n, in.place, false)), in.clip);
     let known = object.is_solved > 0.5 && in.light.a > 0.5 && front;
-    return tinted(select(grey, select(plain, lined, has_lines), known), n, in.place);
+    return opaque(select(grey, select(plain, lined, has_lines), known), n, in.place);
 }
 
 @fragment
@@ -390,7 +395,7 @@ fn directions(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) 
     let world = frame.world_x.xyz * n.x + frame.world_y.xyz * n.y + frame.world_z.xyz * n.z;
     let shade = 0.4 + 0.6 * max(dot(n, normalize(-in.place)), 0.0);
     let color = select(vec3f(0.85, 0.08, 0.08) * shade, 0.5 + 0.5 * world, front);
-    return vec4f(tinted(color, n, in.place).rgb, 1.0);
+    return opaque(color, n, in.place);
 }
 
 @fragment

@@ -3,6 +3,7 @@
 use super::Overlay;
 use crate::view::{ColorMap, Fit, Shading};
 use azulejo::render::Tone;
+use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, Fog, Image, Material, Mesh};
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
@@ -85,6 +86,9 @@ pub struct Drawn<'a> {
     pub mesh: &'a Mesh,
     /// Its place: free to change, nothing is uploaded again.
     pub world_from_object: DAffine3,
+    /// A box around its polygons where they are not placed, if that is known: rays that pass by
+    /// ask no polygon.
+    pub bounds: Option<Aabb>,
     /// Whether it is selected as a whole.
     pub is_selected: bool,
     /// Selected faces.
@@ -101,6 +105,7 @@ impl<'a> Drawn<'a> {
             light_key: key,
             mesh,
             world_from_object: DAffine3::IDENTITY,
+            bounds: None,
             is_selected: false,
             selected_faces: &[],
             face_values: None,

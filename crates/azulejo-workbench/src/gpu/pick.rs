@@ -57,6 +57,9 @@ fn pick_in(drawn: &Drawn, ray: &Ray, hides_backs: bool) -> Option<Pick> {
         direction: from_world.transform_vector3(ray.direction),
         ..*ray
     };
+    if drawn.bounds.is_some_and(|bounds| !touches(bounds, &local)) {
+        return None;
+    }
     let mesh = drawn.mesh;
     let blocks = mesh.faces.len().div_ceil(BLOCK);
     let nearest = (0..blocks).into_par_iter().filter_map(|block| {
@@ -89,7 +92,7 @@ fn pick_among(
         triangles.clear();
         match vertices.len() {
             3 => triangles.push([0, 1, 2]),
-            _ if !touches(mesh, vertices, &ray) => continue,
+            _ if !touches(around(mesh, vertices), &ray) => continue,
             _ => mesh.triangulate_into(face, &mut triangles),
         }
         for triangle in &triangles {
@@ -115,10 +118,12 @@ fn pick_among(
     nearest
 }
 
-/// Whether a ray meets the box around vertices, somewhat widened.
-fn touches(mesh: &Mesh, vertices: &[u32], ray: &Ray) -> bool {
-    let corners = vertices.iter().map(|&v| mesh.positions[v as usize]);
-    let bounds = Aabb::around(corners);
+fn around(mesh: &Mesh, vertices: &[u32]) -> Aabb {
+    Aabb::around(vertices.iter().map(|&v| mesh.positions[v as usize]))
+}
+
+/// Whether a ray meets a box, somewhat widened.
+fn touches(bounds: Aabb, ray: &Ray) -> bool {
     let margin = 1e-9 * bounds.diagonal();
     let (mut from, mut to) = (ray.t_min, ray.t_max);
     for axis in 0..3 {

@@ -106,6 +106,10 @@ const fn shift(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(Modifiers::SHIFT, key))
 }
 
+const fn alt(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::ALT, key))
+}
+
 const fn ctrl_shift(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(
         Modifiers::COMMAND.plus(Modifiers::SHIFT),
@@ -271,19 +275,19 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::View, "From the front", key(Key::Num1), |a| {
         from(a, Side::Front)
     }),
-    action(Menu::View, "From behind", shift(Key::Num1), |a| {
+    action(Menu::View, "From behind", alt(Key::Num1), |a| {
         from(a, Side::Back)
     }),
     action(Menu::View, "From the right", key(Key::Num3), |a| {
         from(a, Side::Right)
     }),
-    action(Menu::View, "From the left", shift(Key::Num3), |a| {
+    action(Menu::View, "From the left", alt(Key::Num3), |a| {
         from(a, Side::Left)
     }),
     action(Menu::View, "From above", key(Key::Num7), |a| {
         from(a, Side::Top)
     }),
-    action(Menu::View, "From below", shift(Key::Num7), |a| {
+    action(Menu::View, "From below", alt(Key::Num7), |a| {
         from(a, Side::Bottom)
     }),
     action(Menu::View, "From the corner", key(Key::Num0), |a| {
@@ -378,7 +382,7 @@ pub fn pressed(context: &egui::Context, app: &App) -> Vec<Wish> {
     // Keys with more modifiers first: Ctrl+Z would take Ctrl+Shift+Z too.
     let mut keyed: Vec<(&Action, KeyboardShortcut)> =
         ACTIONS.iter().filter_map(|a| Some((a, a.key?))).collect();
-    keyed.sort_by_key(|(_, k)| !k.modifiers.shift);
+    keyed.sort_by_key(|(_, k)| !(k.modifiers.shift || k.modifiers.alt));
     for (action, key) in keyed {
         let is_plain = !key.modifiers.command && !is_function(key.logical_key);
         // A text has its own ways to select all and to undo.
@@ -409,6 +413,16 @@ mod tests {
         assert_eq!(distinct.len(), keys.len());
         let names: HashSet<_> = ACTIONS.iter().map(|a| a.label).collect();
         assert_eq!(names.len(), ACTIONS.len());
+    }
+
+    #[test]
+    fn no_key_is_a_digit_with_shift() {
+        // Keyboards send a sign then, another one in every country.
+        let digits = Key::Num0..=Key::Num9;
+        let keys = ACTIONS.iter().filter_map(|a| a.key);
+        for key in keys.filter(|k| digits.contains(&k.logical_key)) {
+            assert!(!key.modifiers.shift, "{key:?}");
+        }
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub struct Desk<'a> {
     pub language: Language,
     /// The drag that goes on, if one does: its edits are one step of undo.
     pub gesture: Option<u64>,
+    /// Whether a dialog or a question lies over everything: keys are for it.
+    pub is_covered: bool,
     /// What was asked for.
     pub wishes: Vec<Command>,
 }

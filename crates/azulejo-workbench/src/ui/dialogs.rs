@@ -2,7 +2,7 @@
 
 use super::actions::{ACTIONS, Menu};
 use super::desk::Desk;
-use crate::app::Question;
+use crate::app::{App, Question};
 use crate::command::{Ask, Command};
 use crate::preferences::{Preferences, Theme};
 use crate::view::ColorMap;
@@ -79,9 +79,12 @@ impl Dialogs {
         self.ask_file(ui, desk)
     }
 
-    /// Whether something is open that keys belong to.
-    pub fn is_open(&self) -> bool {
-        self.files.is_some()
+    /// Whether something is open that keys belong to, a question included.
+    pub fn is_open(&self, app: &App) -> bool {
+        let asks_recovery = !self.asked_recovery && !app.recoverable().is_empty();
+        asks_recovery
+            || app.question.is_some()
+            || self.files.is_some()
             || self.replacing.is_some()
             || self.text.is_some()
             || self.preferences

@@ -10,6 +10,7 @@ pub mod dialogs;
 pub mod inspector;
 pub mod light;
 pub mod looks;
+mod material;
 pub mod menu;
 pub mod messages;
 pub mod paint;

@@ -1,14 +1,15 @@
 //! The window: all its parts around one app.
 
 use super::actions::{self, Panel, Wish};
-use super::brdf::{Answer, Editor, PreviewLight, Shown, apply_file, with_description};
+use super::brdf::{apply_file, with_description};
 use super::desk::Desk;
 use super::dialogs::{Chosen, Dialogs, TextDialog};
+use super::material::Materials;
 use super::tree::Tree;
 use super::viewport::{Loss, Viewport};
 use super::{inspector, light, looks, menu, messages};
 use crate::app::{App, Level};
-use crate::command::{Ask, Command};
+use crate::command::Command;
 use crate::document::Edit;
 use crate::jobs::Kind;
 use crate::preferences::Theme;
@@ -149,7 +150,7 @@ impl Workbench {
         self.dress(ui.ctx());
         self.take_drops(ui.ctx());
         let mut wishes = Vec::new();
-        if !self.dialogs.is_open() && self.app.question.is_none() {
+        if !self.dialogs.is_open(&self.app) {
             wishes = actions::pressed(ui.ctx(), &self.app);
         }
         let (commands, loss) = self.parts(ui, &mut wishes);
@@ -179,6 +180,7 @@ impl Workbench {
         let mut desk = Desk {
             language: app.preferences.language,
             gesture: ui.input(|i| i.pointer.any_down()).then_some(self.press),
+            is_covered: dialogs.is_open(app),
             app,
             wishes: Vec::new(),
         };
@@ -216,7 +218,7 @@ impl Workbench {
                     .auto_shrink([false, false])
                     .show(ui, |ui| match self.tab {
                         Tab::Object => inspector::show(ui, &mut desk),
-                        Tab::Material => edit_material(ui, &mut desk, &mut self.materials),
+                        Tab::Material => self.materials.show(ui, &mut desk),
                         Tab::Light => {
                             if light::show(ui, &mut desk) {
                                 wishes.push(Wish::Show(Panel::Pin));
@@ -246,7 +248,7 @@ impl Workbench {
                 let size = 0.25 * self.app.usual_size();
                 self.dialogs.text = Some(TextDialog::new(size));
             }
-            Wish::Show(Panel::Pin) => match self.viewport.place_under_mouse() {
+            Wish::Show(Panel::Pin) => match self.viewport.pointed_place() {
                 Some(place) => self.app.execute(Command::Pin(place)),
                 None => self.viewport.pins_next = true,
             },
@@ -453,73 +455,4 @@ fn tab_name(tab: Tab, desk: &Desk) -> &'static str {
         Tab::Light => desk.say("Light"),
         Tab::View => desk.say("View"),
     }
-}
-
-/// The editor of materials, and what it is shown.
-#[derive(Default)]
-struct Materials {
-    editor: Editor,
-    preview: Option<(u64, PreviewLight)>,
-    /// A reflection model that waits for a place to be saved.
-    saving: Option<String>,
-    /// Counts finished changes: each is one step of undo.
-    changes: u64,
-}
-
-/// The editor of the selected material.
-fn edit_material(ui: &mut Ui, desk: &mut Desk, own: &mut Materials) {
-    let app = desk.app;
-    let chosen = app.selection.material;
-    let Some((id, material)) = chosen.and_then(|id| {
-        let material = app.document.materials.get(id as usize)?;
-        Some((id, material))
-    }) else {
-        ui.weak(desk.say("Select an object, or a material in the tree."));
-        return;
-    };
-    if (own.preview.as_ref()).is_none_or(|(of, _)| *of != app.revision()) {
-        own.preview = Some((app.revision(), preview_light(desk)));
-    }
-    let Some((_, light)) = &own.preview else {
-        return;
-    };
-    let shown = Shown {
-        key: u64::from(id),
-        material,
-        others: &app.document.materials,
-        light,
-        is_photometric: app.document.units.photometric,
-    };
-    for answer in own.editor.ui(ui, desk.language, &shown) {
-        match answer {
-            Answer::Change {
-                material,
-                is_finished,
-            } => {
-                // Presses of the mouse count up from 0, finished changes down from the end.
-                let gesture = Some(u64::MAX - own.changes);
-                desk.wish(Command::Edit(Edit::SetMaterial(id, material), gesture));
-                own.changes += u64::from(is_finished);
-            }
-            Answer::Load => desk.wish(Command::Ask(Ask::LoadBrdf)),
-            Answer::Save(text) => {
-                own.saving = Some(text);
-                desk.wish(Command::Ask(Ask::SaveBrdf));
-            }
-        }
-    }
-}
-
-/// The scene's own light, at the selection or in the middle.
-fn preview_light(desk: &Desk) -> PreviewLight {
-    let document = &desk.app.document;
-    if !document.has_light() {
-        return PreviewLight::studio();
-    }
-    let chosen = document.bounds(Some(&desk.app.selection.ids));
-    let at = match chosen.is_empty() {
-        true => document.bounds(None).centre(),
-        false => chosen.centre(),
-    };
-    PreviewLight::of_scene(&document.lamps_scene(), at)
 }

@@ -7,4 +7,5 @@ mod menus;
 mod script;
 mod snapshots;
 mod tree;
+mod viewport;
 mod window;

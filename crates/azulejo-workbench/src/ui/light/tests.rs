@@ -38,6 +38,7 @@ fn bench(app: App) -> Harness<'static, Bench> {
     let draw = |ui: &mut Ui, bench: &mut Bench| {
         bench.app.poll();
         let mut desk = Desk {
+            is_covered: false,
             app: &bench.app,
             language: bench.app.preferences.language,
             gesture: None,

@@ -3,6 +3,7 @@
 mod gizmo;
 mod legend;
 mod navigate;
+mod picking;
 mod picture;
 mod pins;
 mod probe;
@@ -16,15 +17,16 @@ pub use probe::{radiance_unit, value};
 
 use super::desk::Desk;
 use crate::app::App;
-use crate::command::{Command, PatchAt, Selection};
-use crate::document::{Edit, Id};
-use crate::gpu::{Background, Drawn, Frame, Pick, Picture, Projection, Quantity, Scale, pick};
-use crate::view::{Backdrop, Shading};
+use crate::command::{Command, PatchAt};
+use crate::document::Edit;
+use crate::gpu::{Background, Frame, Picture, Projection, Quantity, Scale};
+use crate::view::{Backdrop, Shading, View};
+use azulejo::render::Tone;
 use azulejo::scene::math::Ray;
-use azulejo::scene::{Camera, Material, Shape};
+use azulejo::scene::{Camera, Material};
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
 use gizmo::{Gizmo, Grip};
-use glam::{DAffine3, DVec2};
+use glam::DAffine3;
 use screen::{Screen, Stamp};
 use stage::Stage;
 
@@ -42,8 +44,10 @@ pub struct Viewport {
     /// What is under the mouse.
     probe: Option<String>,
     probed_at: Option<(Pos2, u64, Camera, Shading)>,
-    /// Where the mouse is, as a ray.
-    mouse_ray: Option<Ray>,
+    /// What is pointed at, as a ray: by the mouse, or by keys the middle.
+    pointed: Option<Ray>,
+    /// Whether keys moved the view last: then they point at its middle.
+    by_keys: bool,
     /// Whether the next click pins a probe.
     pub pins_next: bool,
     /// Pixels.
@@ -57,6 +61,11 @@ pub fn auto_exposure(app: &App) -> f64 {
         true => 0.6 * std::f64::consts::PI / (0.5 * usual),
         false => 1.0,
     }
+}
+
+/// Exposure of the light modes.
+fn exposure(app: &App, view: &View) -> f64 {
+    view.exposure.unwrap_or_else(|| auto_exposure(app))
 }
 
 /// The unit of irradiance.
@@ -89,9 +98,9 @@ impl Viewport {
         self.probe.as_deref()
     }
 
-    /// The place of a surface under the mouse.
-    pub fn place_under_mouse(&self) -> Option<PatchAt> {
-        self.patch_at(&self.mouse_ray?)
+    /// The place of a surface that is pointed at.
+    pub fn pointed_place(&self) -> Option<PatchAt> {
+        self.patch_at(&self.pointed?)
     }
 
     /// The size of the viewport, pixels.
@@ -111,30 +120,36 @@ impl Viewport {
         let pixels = rect.size() * ui.ctx().pixels_per_point();
         self.size = [pixels.x.round() as u32, pixels.y.round() as u32];
         let view = self.view(ui, &response, desk);
-        let points = Projection::new(&view.camera, [rect.width() as u32, rect.height() as u32]);
         self.stage
             .update(desk.app, &Projection::new(&view.camera, self.size));
+        // A picture that was begun at another size fills a part of the place.
+        let seen = match &desk.app.picture {
+            Some(shown) => picture::place(rect, shown.size),
+            None => rect,
+        };
+        let points = Projection::new(&view.camera, [seen.width() as u32, seen.height() as u32]);
         if desk.app.picture.is_some() {
             self.picture.show(ui, rect, desk.app);
         } else {
             self.draw(ui, rect, desk, &view)?;
             self.handles(ui, rect, &response, &points, desk);
         }
-        self.read_mouse(ui, rect, &response, &points, desk);
-        pins::paint(ui, rect, &points, desk);
+        self.point(ui, seen, &response, &points, desk);
+        pins::paint(ui, seen, &points, desk);
         self.decorate(ui, rect, desk);
         Ok(())
     }
 
     /// The view after this frame's mouse and keys.
-    fn view(&self, ui: &Ui, response: &Response, desk: &mut Desk) -> crate::view::View {
+    fn view(&mut self, ui: &Ui, response: &Response, desk: &mut Desk) -> View {
         let app = desk.app;
         // Where a drag begins is found out below: on a handle, it does not turn the view.
-        if self.grip.is_some() || response.drag_started() {
+        if self.grip.is_some() || response.drag_started() || desk.is_covered {
             return app.view.clone();
         }
-        let (view, flies) = navigate::navigate(ui, response, app);
-        if flies {
+        let (view, is_held) = navigate::navigate(ui, response, app);
+        if is_held {
+            self.by_keys = true;
             ui.ctx().request_repaint();
         }
         if view != app.view {
@@ -143,13 +158,7 @@ impl Viewport {
         view
     }
 
-    fn draw(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        desk: &Desk,
-        view: &crate::view::View,
-    ) -> Result<(), Loss> {
+    fn draw(&mut self, ui: &Ui, rect: Rect, desk: &Desk, view: &View) -> Result<(), Loss> {
         let Some(screen) = &mut self.screen else {
             ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
             return Ok(());
@@ -180,10 +189,10 @@ impl Viewport {
         let frame = Frame {
             shading: view.shading,
             textures: &textures,
-            background: background(app, &view.backdrop, backdrop, ui.visuals().dark_mode),
+            background: background(app, view, backdrop, ui.visuals().dark_mode),
             fog: app.document.fog.filter(|_| view.fog),
             overlay: &overlay,
-            exposure: view.exposure.unwrap_or_else(|| auto_exposure(app)),
+            exposure: exposure(app, view),
             scale,
             ..Frame::new(self.size, &view.camera, &drawn, &materials)
         };
@@ -252,172 +261,12 @@ impl Viewport {
         (!bounds.is_empty()).then(|| bounds.centre())
     }
 
-    fn read_mouse(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        response: &Response,
-        view: &Projection,
-        desk: &mut Desk,
-    ) {
-        let Some(mouse) = response.hover_pos() else {
-            self.probe = None;
-            self.probed_at = None;
-            self.mouse_ray = None;
-            return;
-        };
-        let place = mouse - rect.min;
-        let pixel = DVec2::new(f64::from(place.x), f64::from(place.y));
-        let ray = view.ray(pixel);
-        self.mouse_ray = Some(ray);
-        if self.pins_next && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
-            self.pins_next = false;
-        }
-        if response.double_clicked() {
-            let bounds = desk.app.document.bounds(Some(&desk.app.selection.ids));
-            let mut look = desk.app.view.clone();
-            look.frame(bounds);
-            desk.wish(Command::Look(Box::new(look)));
-        } else if response.clicked() {
-            response.request_focus();
-            self.click(ui, mouse, rect, &ray, view, desk);
-        }
-        // A mouse that rests need not be asked again.
-        let view = &desk.app.view;
-        let key = (
-            mouse,
-            desk.app.revision(),
-            view.camera.clone(),
-            view.shading,
-        );
-        if self.probed_at.as_ref() != Some(&key) && !response.dragged() {
-            self.probed_at = Some(key);
-            self.probe = probe::text(desk, &self.stage, &ray);
-        }
-    }
-
-    fn click(
-        &mut self,
-        ui: &Ui,
-        mouse: Pos2,
-        rect: Rect,
-        ray: &Ray,
-        view: &Projection,
-        desk: &mut Desk,
-    ) {
-        let modifiers = ui.input(|i| i.modifiers);
-        if std::mem::take(&mut self.pins_next) {
-            if let Some(place) = self.patch_at(ray) {
-                desk.wish(Command::Pin(place));
-            }
-            return;
-        }
-        if desk.app.view.shading == Shading::FormFactors {
-            if let Some(place) = self.patch_at(ray) {
-                desk.wish(Command::FormFactorsFrom(place));
-            }
-            return;
-        }
-        if modifiers.alt {
-            self.pick_face(ray, desk);
-            return;
-        }
-        let found = self.sign_at(mouse, rect, view, desk.app).or_else(|| {
-            let drawn = self.stage.drawn(desk.app, false);
-            let hit = pick(&drawn, ray, false)?;
-            Some(self.stage.entries()[hit.object].id)
-        });
-        match found {
-            Some(id) => desk.select(id, modifiers.command || modifiers.shift),
-            None => desk.wish(Command::Select(Selection::default())),
-        }
-    }
-
-    fn patch_at(&self, ray: &Ray) -> Option<PatchAt> {
-        let hit = self.hit(ray)?;
-        let entry = &self.stage.entries()[hit.object];
-        Some(PatchAt {
-            item: entry.id,
-            position: hit.position,
-            normal: entry.normal(hit.vertices, ray),
-        })
-    }
-
-    fn hit(&self, ray: &Ray) -> Option<Pick> {
-        let entries = self.stage.entries().iter();
-        let drawn: Vec<Drawn> = entries
-            .map(|e| Drawn {
-                world_from_object: e.placement,
-                ..Drawn::new(0, e.mesh())
-            })
-            .collect();
-        pick(&drawn, ray, false)
-    }
-
-    /// Adds a face to the selection, or takes it away. Faces are those of the model, whatever the
-    /// solver divided them into.
-    fn pick_face(&self, ray: &Ray, desk: &mut Desk) {
-        let document = &desk.app.document;
-        let meshes: Vec<(Id, Drawn)> = (document.items.iter())
-            .filter(|item| !item.hidden)
-            .filter_map(|item| match &*item.shape {
-                Shape::Mesh(mesh) => Some((
-                    item.id,
-                    Drawn {
-                        world_from_object: item.placement,
-                        ..Drawn::new(0, mesh)
-                    },
-                )),
-                _ => None,
-            })
-            .collect();
-        let drawn: Vec<Drawn> = meshes.iter().map(|(_, d)| *d).collect();
-        let Some(hit) = pick(&drawn, ray, false) else {
-            return;
-        };
-        let id = meshes[hit.object].0;
-        let mut faces = match &desk.app.selection.faces {
-            Some((old, faces)) if *old == id => faces.clone(),
-            _ => Vec::new(),
-        };
-        match faces.iter().position(|&f| f as usize == hit.face) {
-            Some(at) => {
-                faces.remove(at);
-            }
-            None => faces.push(hit.face as u32),
-        }
-        let material = drawn[hit.object].mesh.face_materials.get(hit.face);
-        desk.wish(Command::Select(Selection {
-            ids: vec![id],
-            faces: (!faces.is_empty()).then_some((id, faces)),
-            material: material.copied(),
-        }));
-    }
-
-    /// The light or camera whose sign is under the mouse.
-    fn sign_at(&self, mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<Id> {
-        const NEAR: f32 = 12.0;
-        if !app.view.signs {
-            return None;
-        }
-        let bounds = app.document.bounds(None);
-        let lights = app.document.lights.iter();
-        let lights = lights.map(|l| (l.id, signs::light_place(&l.light.kind, bounds)));
-        let cameras = app.document.cameras.iter();
-        let cameras = cameras.map(|c| (c.id, c.camera.eye));
-        let distance = |p: glam::DVec3| {
-            let p = view.project(p)?;
-            let p = rect.min + Vec2::new(p.x as f32, p.y as f32);
-            Some(p.distance(mouse)).filter(|d| *d < NEAR)
-        };
-        let near = lights.chain(cameras);
-        let near = near.filter_map(|(id, p)| Some((id, distance(p)?)));
-        near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id)
-    }
-
     /// What is painted over the model: legends and buttons.
     fn decorate(&mut self, ui: &mut Ui, rect: Rect, desk: &Desk) {
         let app = desk.app;
+        if self.by_keys {
+            pins::cross(ui.painter(), rect.center(), "", 1.0);
+        }
         if app.picture.is_none() {
             match app.view.shading {
                 Shading::FalseColor if app.lighting.solution.is_some() => {
@@ -516,8 +365,8 @@ fn scale(app: &App) -> Scale {
 }
 
 /// What is behind the model.
-fn background<'a>(app: &App, backdrop: &'a Backdrop, key: u64, is_dark: bool) -> Background<'a> {
-    match backdrop {
+fn background<'a>(app: &App, view: &'a View, key: u64, is_dark: bool) -> Background<'a> {
+    match &view.backdrop {
         Backdrop::Color(color) => Background::Color(*color),
         Backdrop::Image(image, fit) => Background::Image {
             picture: Picture {
@@ -529,7 +378,14 @@ fn background<'a>(app: &App, backdrop: &'a Backdrop, key: u64, is_dark: bool) ->
         },
         Backdrop::Scene => match app.document.background {
             Some(radiance) => {
-                let [r, g, b, _] = super::paint::color(radiance).to_array();
+                // Where surfaces show their light, it is exposed as they are.
+                let shown = match view.shading {
+                    Shading::Irradiance | Shading::Patches => {
+                        Tone::default().map(exposure(app, view) * radiance)
+                    }
+                    _ => radiance,
+                };
+                let [r, g, b, _] = super::paint::color(shown).to_array();
                 Background::Color([r, g, b])
             }
             None if is_dark => Background::Gradient {

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::view::View;
-use egui::{Key, PointerButton, Response, Ui};
+use egui::{EventFilter, Key, Modifiers, PointerButton, Response, Ui};
 use glam::DVec3;
 
 /// Radians per point of dragging.
@@ -12,18 +12,28 @@ const FLIGHT: f64 = 0.25;
 /// Radians per second of turning the head.
 const HEAD: f64 = 1.0;
 
+/// Shares of the view's height per second of shifting by keys.
+const SHIFT: f64 = 0.5;
+/// By what a second of a key brings nearer.
+const NEARER: f64 = 0.4;
+
 /// The view after this frame's mouse and keys; whether it must be drawn again at once because a
 /// key is held.
 pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (View, bool) {
     let mut view = app.view.clone();
     let up = app.document.units.up.axis();
-    drag(ui, response, &mut view, up);
+    let held = Held::now(ui, response);
+    drag(ui, response, &mut view, up, held.flies());
     wheel(ui, response, &mut view);
-    let flies = fly(ui, app, &mut view, up);
-    (view, flies)
+    let is_held = held.any();
+    if is_held {
+        let reach = app.document.bounds(None).diagonal().max(1e-6);
+        held.carry(&mut view, reach, up);
+    }
+    (view, is_held)
 }
 
-fn drag(ui: &Ui, response: &Response, view: &mut View, up: DVec3) {
+fn drag(ui: &Ui, response: &Response, view: &mut View, up: DVec3, flies: bool) {
     let by = response.drag_delta();
     if by == egui::Vec2::ZERO {
         return;
@@ -34,7 +44,10 @@ fn drag(ui: &Ui, response: &Response, view: &mut View, up: DVec3) {
     let shifts = response.dragged_by(PointerButton::Secondary)
         || response.dragged_by(PointerButton::Middle)
         || modifiers.shift;
-    if shifts {
+    if flies {
+        // Who flies looks around with the mouse.
+        view.fly(DVec3::ZERO, TURN * dx, -TURN * dy, up);
+    } else if shifts {
         view.pan(-dx / height, dy / height);
     } else if modifiers.command {
         view.zoom((dy / 150.0).exp());
@@ -56,34 +69,85 @@ fn wheel(ui: &Ui, response: &Response, view: &mut View) {
     }
 }
 
-/// Keys that fly, as long as they are held and no text is being written.
-fn fly(ui: &Ui, app: &App, view: &mut View, up: DVec3) -> bool {
-    if ui.ctx().egui_wants_keyboard_input() {
-        return false;
-    }
-    let (step, yaw, pitch, dt) = ui.input(|i| {
-        if i.modifiers.any() {
-            return (DVec3::ZERO, 0.0, 0.0, 0.0);
+/// Keys that are held, and for how long since the last frame.
+#[derive(Default)]
+struct Held {
+    /// Right, up and forward: -1, 0 or 1.
+    step: DVec3,
+    /// Arrows to the right and up.
+    arrows: (f64, f64),
+    /// Nearer, or further away.
+    zoom: f64,
+    modifiers: Modifiers,
+    seconds: f64,
+}
+
+impl Held {
+    /// None while another part of the window has the keys.
+    fn now(ui: &Ui, response: &Response) -> Held {
+        if response.has_focus() {
+            // Arrows are for the view, not for going to another part.
+            let filter = EventFilter {
+                horizontal_arrows: true,
+                vertical_arrows: true,
+                ..EventFilter::default()
+            };
+            ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
+        } else if ui.memory(|m| m.focused()).is_some() {
+            return Held::default();
         }
-        let held = |key| f64::from(u8::from(i.key_down(key)));
-        let step = DVec3::new(
-            held(Key::D) - held(Key::A),
-            held(Key::R) - held(Key::F),
-            held(Key::W) - held(Key::S),
-        );
-        let yaw = held(Key::ArrowRight) - held(Key::ArrowLeft);
-        let pitch = held(Key::ArrowUp) - held(Key::ArrowDown);
-        (step, yaw, pitch, f64::from(i.stable_dt.min(0.1)))
-    });
-    let moves = step != DVec3::ZERO || yaw != 0.0 || pitch != 0.0;
-    if moves {
-        let reach = app.document.bounds(None).diagonal().max(1e-6);
-        view.fly(
-            step * (FLIGHT * reach * dt),
-            yaw * HEAD * dt,
-            pitch * HEAD * dt,
-            up,
-        );
+        ui.input(|i| {
+            let held = |key| f64::from(u8::from(i.key_down(key)));
+            let letters = match i.modifiers.any() {
+                true => DVec3::ZERO,
+                false => DVec3::new(
+                    held(Key::D) - held(Key::A),
+                    held(Key::R) - held(Key::F),
+                    held(Key::W) - held(Key::S),
+                ),
+            };
+            let plus = held(Key::Plus).max(held(Key::Equals));
+            let signs = plus - held(Key::Minus);
+            Held {
+                step: letters,
+                arrows: (
+                    held(Key::ArrowRight) - held(Key::ArrowLeft),
+                    held(Key::ArrowUp) - held(Key::ArrowDown),
+                ),
+                // A plus may need Shift; with Ctrl they mean something else.
+                zoom: if i.modifiers.command { 0.0 } else { signs },
+                modifiers: i.modifiers,
+                seconds: f64::from(i.stable_dt.min(0.1)),
+            }
+        })
     }
-    moves
+
+    fn flies(&self) -> bool {
+        self.step != DVec3::ZERO
+    }
+
+    fn any(&self) -> bool {
+        self.flies() || self.arrows != (0.0, 0.0) || self.zoom != 0.0
+    }
+
+    /// Moves the view; `reach` is the size of the model.
+    fn carry(&self, view: &mut View, reach: f64, up: DVec3) {
+        let dt = self.seconds;
+        if self.arrows != (0.0, 0.0) {
+            let (x, y) = (self.arrows.0 * dt, self.arrows.1 * dt);
+            if self.modifiers.command {
+                view.pan(SHIFT * x, SHIFT * y);
+            } else if self.modifiers.shift {
+                view.orbit(HEAD * x, -HEAD * y, up);
+            } else {
+                view.fly(DVec3::ZERO, HEAD * x, HEAD * y, up);
+            }
+        }
+        if self.zoom != 0.0 {
+            view.zoom(NEARER.powf(self.zoom * dt));
+        }
+        if self.flies() {
+            view.fly(self.step * (FLIGHT * reach * dt), 0.0, 0.0, up);
+        }
+    }
 }

@@ -6,6 +6,13 @@ use azulejo::scene::Image;
 use egui::{Color32, Rect, TextureHandle, TextureOptions, Ui, Vec2};
 use std::sync::Arc;
 
+/// Where a picture of so many pixels stands: as large as fits, in the middle.
+pub fn place(rect: Rect, (width, height): (u32, u32)) -> Rect {
+    let size = Vec2::new(width.max(1) as f32, height.max(1) as f32);
+    let scale = (rect.width() / size.x).min(rect.height() / size.y);
+    Rect::from_center_size(rect.center(), scale * size)
+}
+
 /// The picture as a texture.
 #[derive(Default)]
 pub struct Shown {
@@ -24,9 +31,7 @@ impl Shown {
             self.made_of = None;
         }
         if let (Some(texture), Some(_)) = (&self.texture, &self.made_of) {
-            let size = Vec2::new(picture.size.0 as f32, picture.size.1 as f32);
-            let scale = (rect.width() / size.x).min(rect.height() / size.y);
-            let place = Rect::from_center_size(rect.center(), scale * size);
+            let place = place(rect, picture.size);
             let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
             ui.painter()
                 .image(texture.id(), place, whole, Color32::WHITE);

@@ -46,7 +46,7 @@ fn words(probe: &Probe, unit: &str) -> String {
 }
 
 /// White on black, so that it shows on any surface.
-fn cross(painter: &Painter, at: Pos2, words: &str, strength: f32) {
+pub fn cross(painter: &Painter, at: Pos2, words: &str, strength: f32) {
     const ARM: f32 = 6.0;
     let strokes = [(3.5, Color32::BLACK), (1.5, Color32::WHITE)];
     for (width, color) in strokes {
@@ -54,6 +54,9 @@ fn cross(painter: &Painter, at: Pos2, words: &str, strength: f32) {
         for arm in [Vec2::new(ARM, 0.0), Vec2::new(0.0, ARM)] {
             painter.line_segment([at - arm, at + arm], stroke);
         }
+    }
+    if words.is_empty() {
+        return;
     }
     let color = Color32::WHITE.gamma_multiply(strength);
     let galley = painter.layout_no_wrap(words.into(), FontId::proportional(12.0), color);

@@ -12,20 +12,15 @@ use azulejo::scene::math::Ray;
 
 /// The object, the place, the material and the light where a ray meets the model.
 pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
-    let entries = stage.entries().iter();
-    let drawn: Vec<Drawn> = entries
-        .map(|e| Drawn {
-            world_from_object: e.placement,
-            ..Drawn::new(0, e.mesh())
-        })
-        .collect();
+    let drawn: Vec<Drawn> = stage.entries().iter().map(|e| e.drawn()).collect();
     let hit = pick(&drawn, ray, false)?;
     let entry = &stage.entries()[hit.object];
     let document = &desk.app.document;
     let name = document.name(entry.id).unwrap_or_default();
     let p = hit.position;
     let mut text = format!(
-        "{name} · {} {} · ({}, {}, {})",
+        "{name} #{} · {} {} · ({}, {}, {})",
+        entry.id.0,
         desk.say("face"),
         hit.face,
         number(p.x),
@@ -35,27 +30,30 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
     let weights = hit.barycentric.to_array();
     let mesh = entry.mesh();
     if let Some(paint) = Paint::at(mesh, hit.face, hit.vertices, weights, hit.is_front) {
-        text += &format!(" · {}", named(document, paint.material));
-        text += &light(desk, entry, &hit, &paint).unwrap_or_default();
+        let name = named(document, paint.material);
+        text += &format!(" · {name} #{}", paint.material);
+        text += &light(desk, entry, &hit, &paint, ray).unwrap_or_default();
     }
     Some(text)
 }
 
-/// Irradiance with its standard error, and the radiance that leaves.
-fn light(desk: &Desk, entry: &Entry, hit: &Pick, paint: &Paint) -> Option<String> {
+/// Irradiance with its standard error, and the radiance that leaves evenly to all sides.
+fn light(desk: &Desk, entry: &Entry, hit: &Pick, paint: &Paint, ray: &Ray) -> Option<String> {
     if !hit.is_front {
         // Light is known on fronts.
         return None;
     }
-    let (irradiance, error) = entry.light(hit.vertices, hit.barycentric)?;
+    let shown = entry.light(hit.vertices, hit.barycentric);
+    let (irradiance, error) = shown.or_else(|| entry.light_beneath(desk.app, ray))?;
     let error = error.map_or_else(|| "?".to_owned(), value);
     let app = desk.app;
     let radiance = app.document.radiance(paint, irradiance)?;
     Some(format!(
-        " · E = {} ± {} {} · L = {} {}",
+        " · E = {} ± {} {} · {} L = {} {}",
         value(irradiance),
         error,
         irradiance_unit(app),
+        desk.say("matt"),
         value(radiance),
         radiance_unit(app)
     ))

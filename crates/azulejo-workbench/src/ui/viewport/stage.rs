@@ -2,9 +2,9 @@
 
 use crate::app::App;
 use crate::document::{Id, Item};
-use crate::gpu::{Drawn, FaceValues, Projection, chord_error, display_mesh};
+use crate::gpu::{Drawn, FaceValues, Projection, chord_error, display_mesh, pick};
 use crate::view::Backdrop;
-use azulejo::scene::math::Ray;
+use azulejo::scene::math::{Aabb, Ray};
 use azulejo::scene::{Image, Mesh, Rgb, Shape, Texture};
 use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
@@ -31,6 +31,8 @@ pub struct Entry {
     chord_error: f64,
     is_lit: bool,
     key: u64,
+    /// A box around the polygons where they are not placed.
+    bounds: Aabb,
     /// Where the polygons stand.
     pub placement: DAffine3,
 }
@@ -43,6 +45,15 @@ impl Entry {
             (None, Shape::Mesh(mesh)) => mesh,
             (None, Shape::Exact(exact)) => exact.skin.as_deref().unwrap_or(&EMPTY),
             (None, Shape::Primitive(_)) => &EMPTY,
+        }
+    }
+
+    /// The polygons where they stand, for those who look for them.
+    pub fn drawn(&self) -> Drawn<'_> {
+        Drawn {
+            world_from_object: self.placement,
+            bounds: Some(self.bounds),
+            ..Drawn::new(self.key, self.mesh())
         }
     }
 
@@ -60,21 +71,32 @@ impl Entry {
     /// Irradiance at a place of a triangle, with its standard error if that is known; `None` where
     /// it is not solved.
     pub fn light(&self, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
-        let mesh = self.mesh();
-        if !self.is_lit || mesh.irradiance.len() != mesh.positions.len() {
-            return None;
-        }
-        let mean = |values: &[Rgb]| {
-            let mut sum = Rgb::BLACK;
-            for (corner, weight) in corners.iter().zip(weights.to_array()) {
-                sum += values.get(*corner as usize).copied().unwrap_or_default() * weight;
-            }
-            sum
-        };
-        let knows_error = mesh.irradiance_error.len() == mesh.positions.len();
-        let error = knows_error.then(|| mean(&mesh.irradiance_error));
-        Some((mean(&mesh.irradiance), error))
+        light_of(self.mesh(), corners, weights).filter(|_| self.is_lit)
     }
+
+    /// The same where a ray meets what the solver made of the object, while something else of it
+    /// is shown.
+    pub fn light_beneath(&self, app: &App, ray: &Ray) -> Option<(Rgb, Option<Rgb>)> {
+        let item = app.document.item(self.id)?;
+        let lit = app.lighting.solution.as_ref()?.shown(item)?;
+        let mesh = display_mesh(lit, self.chord_error, true);
+        let hit = pick(&[Drawn::new(0, &mesh)], ray, false)?;
+        light_of(&mesh, hit.vertices, hit.barycentric).filter(|_| hit.is_front)
+    }
+}
+
+/// Irradiance at a place of a triangle, with its standard error if that is known.
+fn light_of(mesh: &Mesh, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
+    let mean = |values: &[Rgb]| {
+        let mut sum = Rgb::BLACK;
+        for (corner, weight) in corners.iter().zip(weights.to_array()) {
+            sum += values.get(*corner as usize).copied().unwrap_or_default() * weight;
+        }
+        sum
+    };
+    let is_full = |values: &[Rgb]| values.len() == mesh.positions.len();
+    let error = is_full(&mesh.irradiance_error).then(|| mean(&mesh.irradiance_error));
+    is_full(&mesh.irradiance).then(|| (mean(&mesh.irradiance), error))
 }
 
 static EMPTY: Mesh = Mesh {
@@ -133,15 +155,18 @@ impl Stage {
             Cow::Borrowed(_) => None,
             Cow::Owned(mesh) => Some(mesh),
         };
-        Entry {
+        let mut entry = Entry {
             id: item.id,
             shape: Arc::clone(shape),
             made,
             chord_error: error,
             is_lit,
             key: self.next,
+            bounds: Aabb::EMPTY,
             placement,
-        }
+        };
+        entry.bounds = entry.mesh().bounds();
+        entry
     }
 
     fn keep_textures(&mut self, app: &App) {
@@ -222,12 +247,11 @@ impl Stage {
             _ => &[],
         };
         Drawn {
-            world_from_object: entry.placement,
             is_selected: selected.contains(&entry.id) && faces.is_empty(),
             // Their numbers are the model's and mean nothing where it is divided into patches:
             // there the overlay marks them.
             selected_faces: if entry.is_lit { &[] } else { faces },
-            ..Drawn::new(entry.key, entry.mesh())
+            ..entry.drawn()
         }
     }
 }

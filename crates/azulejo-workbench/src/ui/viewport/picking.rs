@@ -1,0 +1,181 @@
+//! What the mouse points at, or keys: the middle of the view then; and what a click there does.
+
+use super::{Viewport, probe, signs};
+use crate::app::App;
+use crate::command::{Command, PatchAt, Selection};
+use crate::document::Id;
+use crate::gpu::{Drawn, Pick, Projection, pick};
+use crate::ui::desk::Desk;
+use crate::view::Shading;
+use azulejo::scene::Shape;
+use azulejo::scene::math::Ray;
+use egui::{Pos2, Rect, Response, Ui, Vec2};
+use glam::DVec2;
+
+impl Viewport {
+    /// Takes what is pointed at, and clicks. `rect` is where the model is seen.
+    pub(super) fn point(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        response: &Response,
+        view: &Projection,
+        desk: &mut Desk,
+    ) {
+        if self.pins_next && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+            self.pins_next = false;
+        }
+        let Some(at) = self.pointer(response, rect) else {
+            self.probe = None;
+            self.probed_at = None;
+            self.pointed = None;
+            return;
+        };
+        let place = at - rect.min;
+        let pixel = DVec2::new(f64::from(place.x), f64::from(place.y));
+        let ray = view.ray(pixel);
+        self.pointed = Some(ray);
+        if response.double_clicked() {
+            let bounds = desk.app.document.bounds(Some(&desk.app.selection.ids));
+            let mut look = desk.app.view.clone();
+            look.frame(bounds);
+            desk.wish(Command::Look(Box::new(look)));
+        } else if response.clicked() {
+            response.request_focus();
+            self.click(ui, at, rect, &ray, view, desk);
+        }
+        // What rests need not be asked again.
+        let view = &desk.app.view;
+        let key = (at, desk.app.revision(), view.camera.clone(), view.shading);
+        if self.probed_at.as_ref() != Some(&key) && !response.dragged() {
+            self.probed_at = Some(key);
+            self.probe = probe::text(desk, &self.stage, &ray);
+        }
+    }
+
+    /// Where the mouse is, or the middle of the view where keys have it.
+    fn pointer(&mut self, response: &Response, rect: Rect) -> Option<Pos2> {
+        let moves = response.ctx.input(|i| i.pointer.is_moving());
+        if !response.has_focus() || (response.hovered() && moves) {
+            self.by_keys = false;
+        } else if response.gained_focus() && !response.hovered() {
+            self.by_keys = true;
+        }
+        match self.by_keys {
+            true => Some(rect.center()),
+            false => response.hover_pos(),
+        }
+    }
+
+    fn click(
+        &mut self,
+        ui: &Ui,
+        mouse: Pos2,
+        rect: Rect,
+        ray: &Ray,
+        view: &Projection,
+        desk: &mut Desk,
+    ) {
+        let modifiers = ui.input(|i| i.modifiers);
+        if std::mem::take(&mut self.pins_next) {
+            if let Some(place) = self.patch_at(ray) {
+                desk.wish(Command::Pin(place));
+            }
+            return;
+        }
+        if desk.app.view.shading == Shading::FormFactors {
+            if let Some(place) = self.patch_at(ray) {
+                desk.wish(Command::FormFactorsFrom(place));
+            }
+            return;
+        }
+        if modifiers.alt {
+            self.pick_face(ray, desk);
+            return;
+        }
+        let found = self.sign_at(mouse, rect, view, desk.app).or_else(|| {
+            let hit = self.hit(ray)?;
+            Some(self.stage.entries()[hit.object].id)
+        });
+        match found {
+            Some(id) => desk.select(id, modifiers.command || modifiers.shift),
+            None => desk.wish(Command::Select(Selection::default())),
+        }
+    }
+
+    pub(super) fn patch_at(&self, ray: &Ray) -> Option<PatchAt> {
+        let hit = self.hit(ray)?;
+        let entry = &self.stage.entries()[hit.object];
+        Some(PatchAt {
+            item: entry.id,
+            position: hit.position,
+            normal: entry.normal(hit.vertices, ray),
+        })
+    }
+
+    fn hit(&self, ray: &Ray) -> Option<Pick> {
+        let drawn: Vec<Drawn> = self.stage.entries().iter().map(|e| e.drawn()).collect();
+        pick(&drawn, ray, false)
+    }
+
+    /// Adds a face to the selection, or takes it away. Faces are those of the model, whatever the
+    /// solver divided them into.
+    fn pick_face(&self, ray: &Ray, desk: &mut Desk) {
+        let document = &desk.app.document;
+        let meshes: Vec<(Id, Drawn)> = (document.items.iter())
+            .filter(|item| !item.hidden)
+            .filter_map(|item| match &*item.shape {
+                Shape::Mesh(mesh) => Some((
+                    item.id,
+                    Drawn {
+                        world_from_object: item.placement,
+                        ..Drawn::new(0, mesh)
+                    },
+                )),
+                _ => None,
+            })
+            .collect();
+        let drawn: Vec<Drawn> = meshes.iter().map(|(_, d)| *d).collect();
+        let Some(hit) = pick(&drawn, ray, false) else {
+            return;
+        };
+        let id = meshes[hit.object].0;
+        let mut faces = match &desk.app.selection.faces {
+            Some((old, faces)) if *old == id => faces.clone(),
+            _ => Vec::new(),
+        };
+        match faces.iter().position(|&f| f as usize == hit.face) {
+            Some(at) => {
+                faces.remove(at);
+            }
+            None => faces.push(hit.face as u32),
+        }
+        let material = drawn[hit.object].mesh.face_materials.get(hit.face);
+        desk.wish(Command::Select(Selection {
+            ids: vec![id],
+            faces: (!faces.is_empty()).then_some((id, faces)),
+            material: material.copied(),
+        }));
+    }
+
+    /// The light or camera whose sign is pointed at.
+    fn sign_at(&self, mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<Id> {
+        const NEAR: f32 = 12.0;
+        if !app.view.signs {
+            return None;
+        }
+        let bounds = app.document.bounds(None);
+        let lights = app.document.lights.iter();
+        let lights = lights.map(|l| (l.id, signs::light_place(&l.light.kind, bounds)));
+        let cameras = app.document.cameras.iter();
+        let cameras = cameras.map(|c| (c.id, c.camera.eye));
+        let distance = |p: glam::DVec3| {
+            let p = view.project(p)?;
+            let p = rect.min + Vec2::new(p.x as f32, p.y as f32);
+            Some(p.distance(mouse)).filter(|d| *d < NEAR)
+        };
+        let near = lights.chain(cameras);
+        let near = near.filter_map(|(id, p)| Some((id, distance(p)?)));
+        near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id)
+    }
+}

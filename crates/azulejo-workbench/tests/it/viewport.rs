@@ -1,0 +1,110 @@
+//! The model under mouse and keys.
+
+use crate::window::*;
+use azulejo_workbench::ui::actions::{Panel, Wish};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use glam::DVec3;
+
+fn viewport(window: &Window) -> egui_kittest::Node<'_> {
+    find(window, Role::Canvas, "Viewport")
+}
+
+/// Where the camera is, and where it looks.
+fn look(window: &Window) -> (DVec3, DVec3) {
+    let camera = &window.state().app.view.camera;
+    (camera.eye, camera.target)
+}
+
+/// Holds a key for some frames.
+fn hold(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.key_down_modifiers(modifiers, key);
+    window.run_steps(5);
+    window.key_up_modifiers(modifiers, key);
+    window.run();
+}
+
+#[test]
+fn one_flies_after_a_click_on_the_model_too() {
+    let mut window = window(opened("cornell.grf"));
+    let before = look(&window);
+    hold(&mut window, Modifiers::NONE, Key::W);
+    let flown = look(&window);
+    assert_ne!(flown.0, before.0);
+    viewport(&window).click();
+    window.run();
+    assert!(!window.state().app.selection.ids.is_empty());
+    hold(&mut window, Modifiers::NONE, Key::W);
+    assert_ne!(look(&window).0, flown.0);
+    // Arrows turn the head and go to no other part of the window.
+    let (eye, target) = look(&window);
+    hold(&mut window, Modifiers::NONE, Key::ArrowLeft);
+    assert_eq!(look(&window).0, eye);
+    assert_ne!(look(&window).1, target);
+    assert!(viewport(&window).is_focused());
+}
+
+#[test]
+fn keys_turn_shift_and_bring_nearer() {
+    let mut window = window(opened("cornell.grf"));
+    let distance = |(eye, target): (DVec3, DVec3)| eye.distance(target);
+    let before = look(&window);
+    hold(&mut window, Modifiers::SHIFT, Key::ArrowRight);
+    let turned = look(&window);
+    assert!(turned.0 != before.0 && turned.1 == before.1);
+    assert!((distance(turned) - distance(before)).abs() < 1e-6 * distance(before));
+    hold(&mut window, Modifiers::COMMAND, Key::ArrowUp);
+    let shifted = look(&window);
+    assert!(shifted.1 != turned.1);
+    assert!((distance(shifted) - distance(turned)).abs() < 1e-6 * distance(before));
+    hold(&mut window, Modifiers::NONE, Key::Plus);
+    let near = look(&window);
+    assert!(near.1 == shifted.1 && distance(near) < distance(shifted));
+    hold(&mut window, Modifiers::NONE, Key::Minus);
+    assert!(distance(look(&window)) > distance(near));
+}
+
+#[test]
+fn keys_are_for_the_dialog_that_is_open() {
+    let mut window = window(opened("cornell.grf"));
+    let before = look(&window);
+    window.state_mut().fulfil(Wish::Show(Panel::Preferences));
+    window.run();
+    hold(&mut window, Modifiers::NONE, Key::W);
+    assert_eq!(look(&window), before);
+}
+
+#[test]
+fn keys_point_at_the_middle() {
+    let mut window = window(opened("cornell.grf"));
+    viewport(&window).focus();
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert_eq!(window.state().app.selection.ids.len(), 1);
+    press(&mut window, Modifiers::NONE, Key::P);
+    assert_eq!(window.state().app.probes.len(), 1);
+    press(&mut window, Modifiers::ALT, Key::Enter);
+    let faces = window.state().app.selection.faces.clone();
+    assert!(faces.is_some_and(|(_, faces)| faces.len() == 1));
+}
+
+#[test]
+fn a_probe_that_waits_for_a_place_is_given_up_wherever_the_mouse_is() {
+    let mut window = window(opened("cornell.grf"));
+    let probes = |window: &Window| window.state().app.probes.len();
+    let wait_for_place = |window: &mut Window| {
+        window.hover_at(egui::pos2(5.0, 5.0));
+        window.run();
+        window.state_mut().fulfil(Wish::Show(Panel::Pin));
+        window.run();
+    };
+    wait_for_place(&mut window);
+    viewport(&window).click();
+    window.run();
+    assert_eq!(probes(&window), 1);
+    wait_for_place(&mut window);
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    viewport(&window).click();
+    window.run();
+    assert_eq!(probes(&window), 1);
+}
