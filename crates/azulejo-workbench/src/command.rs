@@ -100,6 +100,8 @@ pub enum Command {
         width: u32,
         /// Pixels.
         height: u32,
+        /// Paths per pixel to go on to; `None` for as many as the preferences say.
+        paths: Option<u32>,
     },
     /// No picture any more.
     StopPicture,

@@ -74,7 +74,7 @@ impl Language {
     }
 
     /// `english` in this language; itself where there is no translation.
-    pub fn say(self, english: &'static str) -> &'static str {
+    pub fn say(self, english: &str) -> &str {
         static INDEX: OnceLock<HashMap<&str, &Entry>> = OnceLock::new();
         let index = INDEX.get_or_init(|| {
             let entries = TABLES.iter().flat_map(|table| table.iter());

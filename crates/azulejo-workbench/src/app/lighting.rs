@@ -229,10 +229,7 @@ impl App {
         self.revision = self.new_revision();
         self.light = self.revision;
         self.changed_at.get_or_insert_with(Instant::now);
-        if let Some(picture) = &self.picture {
-            let size = picture.size;
-            self.draw_picture(size);
-        }
+        self.redraw_picture();
     }
 
     pub(super) fn drop_light(&mut self) {

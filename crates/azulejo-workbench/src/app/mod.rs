@@ -272,7 +272,14 @@ impl App {
             Command::Pin(place) => self.pin(place),
             Command::Unpin(number) => self.unpin(number),
             Command::MeasureProbes => self.measure_probes(),
-            Command::Picture { width, height } => self.draw_picture((width, height)),
+            Command::Picture {
+                width,
+                height,
+                paths,
+            } => {
+                let most = paths.unwrap_or(self.preferences.picture_samples);
+                self.draw_picture((width, height), most);
+            }
             Command::StopPicture => self.stop_picture(),
             Command::Cancel(job) => self.cancel(job),
             Command::SetPreferences(preferences) => self.set_preferences(*preferences),
@@ -337,7 +344,7 @@ impl App {
     }
 
     /// `english` in the language of the window.
-    pub(crate) fn say(&self, english: &'static str) -> &'static str {
+    pub(crate) fn say<'s>(&self, english: &'s str) -> &'s str {
         self.preferences.language.say(english)
     }
 
@@ -428,7 +435,10 @@ impl App {
                 self.changed();
                 self.select_after(edit, ids);
             }
-            Err(refused) => self.tell(Level::Error, refused.to_string()),
+            Err(refused) => {
+                let text = self.say(&refused.0).to_owned();
+                self.tell(Level::Error, text);
+            }
         }
     }
 
@@ -544,9 +554,8 @@ impl App {
         if finite {
             self.view = view;
         }
-        if moved && let Some(picture) = &self.picture {
-            let size = picture.size;
-            self.draw_picture(size);
+        if moved {
+            self.redraw_picture();
         }
     }
 

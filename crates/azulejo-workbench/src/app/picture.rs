@@ -21,6 +21,8 @@ pub struct Picture {
     pub image: Option<Arc<Image>>,
     /// Paths per pixel so far.
     pub samples: u32,
+    /// Paths per pixel when it is done.
+    pub most: u32,
 }
 
 /// More pixels than this are not drawn while one waits.
@@ -31,11 +33,20 @@ const QUIET: Duration = Duration::from_millis(80);
 const GATHER: u32 = 8;
 
 impl App {
-    /// Draws from the view's camera, and goes on refining.
-    pub(super) fn draw_picture(&mut self, size: (u32, u32)) {
+    /// Draws the picture anew, if there is one: what it shows is another thing.
+    pub(super) fn redraw_picture(&mut self) {
+        if let Some(picture) = &self.picture {
+            let (size, most) = (picture.size, picture.most);
+            self.draw_picture(size, most);
+        }
+    }
+
+    /// Draws from the view's camera, and goes on refining to so many paths per pixel.
+    pub(super) fn draw_picture(&mut self, size: (u32, u32), most: u32) {
         let pixels = u64::from(size.0) * u64::from(size.1);
         if !(1..=MOST_PIXELS).contains(&pixels) {
-            let text = format!("a picture of {} × {} pixels is too large", size.0, size.1);
+            let why = self.say("no such picture can be drawn, in pixels");
+            let text = format!("{why}: {} × {}", size.0, size.1);
             self.tell(Level::Error, text);
             return;
         }
@@ -46,13 +57,14 @@ impl App {
             // The old one stays until there is a new one: nothing flickers.
             image: last.and_then(|p| p.image),
             samples: 0,
+            most,
         });
         let work = Work {
             document: self.document.clone(),
             solution: self.lighting.solution.clone(),
             camera: self.view.camera.clone(),
             size,
-            most: self.preferences.picture_samples,
+            most,
         };
         let threads = self.preferences.threads;
         let title = self.say("picture");

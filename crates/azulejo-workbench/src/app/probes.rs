@@ -195,7 +195,7 @@ impl App {
     pub(super) fn pin(&mut self, place: PatchAt) {
         const MOST: usize = 100;
         if self.probes.len() >= MOST {
-            let text = format!("there are {MOST} probes: remove some first");
+            let text = self.say("there are as many probes as there may be: remove some first");
             self.tell(Level::Error, text);
             return;
         }
@@ -248,12 +248,13 @@ impl App {
             outbox.send(Found::Measured(Box::new(Measurement { of, estimates })));
             Ok(())
         };
-        self.jobs.start(Kind::Probe, "probes", work);
+        let title = self.say("probes");
+        self.jobs.start(Kind::Probe, title, work);
     }
 
     pub(super) fn take_measurement(&mut self, found: Measurement) {
         if !same_light(&found.of, &self.document) {
-            let text = "the model changed while probes were measured: measure again";
+            let text = self.say("the model changed while probes were measured: measure again");
             self.tell(Level::Warning, text);
             return;
         }

@@ -108,7 +108,11 @@ fn step(line: &str) -> Result<Step, String> {
         "view" => Step::View(side(rest)?),
         "camera" => {
             let [a, b, c, d, e, f] = numbers(rest)?;
-            Step::Camera(DVec3::new(a, b, c), DVec3::new(d, e, f))
+            let (eye, target) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
+            if eye.distance(target).is_nan() || eye.distance(target) <= 0.0 {
+                return Err("a camera that looks at itself, expected another place".into());
+            }
+            Step::Camera(eye, target)
         }
         "tab" => Step::Tab(tab(rest)?),
         "patches" => Step::Patches(whole(rest, 10_000_000)?),
@@ -288,6 +292,7 @@ mod tests {
             ("material wood", "expected new, brdf, color or emit"),
             ("tab left", "no tab \"left\""),
             ("size 1 1", "expected 100 to 16384"),
+            ("camera 1 2 3 1 2 3", "looks at itself"),
         ] {
             let error = parse(&format!("quit\n{line}"), "s.txt").unwrap_err();
             assert!(error.starts_with("s.txt:2: "), "{error}");

@@ -33,8 +33,8 @@ pub struct Player {
 
 /// What a step waits for.
 enum Wait {
-    /// No job goes on, but for a picture that refines itself.
-    Jobs,
+    /// So many frames more at least, until no job goes on but for a picture that refines itself.
+    Jobs(u32),
     /// So many frames more, in which the window settles.
     Frames(u32),
     /// A moment.
@@ -115,6 +115,9 @@ impl Player {
         if app.question.is_some() {
             return Some("a question came up, and a script has no answer: save first".into());
         }
+        if app.asking.is_some() {
+            return Some("a dialog came up, and a script has no answer".into());
+        }
         if app.errors == self.told {
             return None;
         }
@@ -132,15 +135,21 @@ impl Player {
         Ok(match &mut self.waits {
             None => false,
             // A picture refines itself for long, and nothing waits for it.
-            Some(Wait::Jobs) => app.jobs().iter().any(|j| j.kind != Kind::Picture),
+            Some(Wait::Jobs(frames)) => {
+                *frames = frames.saturating_sub(1);
+                *frames > 0 || app.jobs().iter().any(|j| j.kind != Kind::Picture)
+            }
             Some(Wait::Frames(left)) => {
                 *left = left.saturating_sub(1);
                 *left > 0
             }
             Some(Wait::Until(moment)) => Instant::now() < *moment,
             Some(Wait::Samples(wanted)) => {
-                let found = app.picture.as_ref().map(|p| p.samples);
-                found.is_some_and(|n| n < *wanted) && !app.jobs().is_empty()
+                let found = app.picture.as_ref().map_or(0, |p| p.samples);
+                if found < *wanted && !app.is_busy(Kind::Picture) {
+                    return Err(format!("{found} paths per pixel, expected {wanted}"));
+                }
+                found < *wanted
             }
             Some(Wait::Screenshot(path, since, picture)) => match picture.try_recv() {
                 Ok(image) => {
@@ -175,7 +184,7 @@ impl Player {
                 context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
                 return Ok(Wait::Screenshot(path, Instant::now(), picture));
             }
-            Step::Wait(None) => return Ok(Wait::Jobs),
+            Step::Wait(None) => return Ok(Wait::Jobs(0)),
             Step::Wait(Some(seconds)) => {
                 let until = Instant::now() + Duration::from_secs_f64(seconds);
                 return Ok(Wait::Until(until));
@@ -186,10 +195,16 @@ impl Player {
                 let wish = action.and_then(|a| (a.wish)(&window.app));
                 let wish = wish.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
                 window.fulfil(wish);
+                // What it looks like is seen a few frames later, what it began when that is done.
+                return Ok(Wait::Jobs(SETTLE));
             }
             Step::Picture(samples) => {
                 let (width, height) = window.viewport_size();
-                window.app.execute(Command::Picture { width, height });
+                window.app.execute(Command::Picture {
+                    width,
+                    height,
+                    paths: Some(samples),
+                });
                 return Ok(Wait::Samples(samples));
             }
             other => return run(&mut window.app, other),
@@ -204,23 +219,23 @@ fn run(app: &mut App, step: Step) -> Result<Wait, String> {
     match step {
         Step::Open(path) => {
             app.execute(Command::Open(vec![path]));
-            return Ok(Wait::Jobs);
+            return Ok(Wait::Jobs(0));
         }
         Step::Add(path) => {
             app.execute(Command::Add(vec![path]));
-            return Ok(Wait::Jobs);
+            return Ok(Wait::Jobs(0));
         }
         Step::Save(path) => {
             app.execute(Command::SaveAs(path));
-            return Ok(Wait::Jobs);
+            return Ok(Wait::Jobs(0));
         }
         Step::Export(path) => {
             app.execute(Command::Export(path));
-            return Ok(Wait::Jobs);
+            return Ok(Wait::Jobs(0));
         }
         Step::SavePicture(path) => {
             app.execute(Command::SavePicture(path));
-            return Ok(Wait::Jobs);
+            return Ok(Wait::Jobs(0));
         }
         Step::Solve(error) => {
             if let Some(error) = error {
@@ -231,7 +246,7 @@ fn run(app: &mut App, step: Step) -> Result<Wait, String> {
                 app.execute(Command::SetLight(settings));
             }
             app.execute(Command::Solve);
-            return Ok(Wait::Jobs);
+            return Ok(Wait::Jobs(0));
         }
         Step::Patches(patches) => {
             let settings = crate::light::LightSettings {

@@ -25,6 +25,28 @@ impl Desk<'_> {
         self.language.say(english)
     }
 
+    /// A stage of a job in the window's language; as the job says it, if it is not known.
+    pub fn stage<'s>(&self, stage: &'s str) -> &'s str {
+        match stage {
+            "direct light" => self.say("direct light"),
+            "form factors" => self.say("form factors"),
+            "formulas" => self.say("formulas"),
+            "merging" => self.say("merging"),
+            "scaling rows" | "row sums" | "grey interchange" => self.say("balancing rows"),
+            "exchange areas" => self.say("exchange areas"),
+            "forecast" => self.say("forecast"),
+            "refining" => self.say("refining"),
+            "bounces" => self.say("bounces"),
+            "shooting" => self.say("shooting"),
+            "irradiance" => self.say("irradiance"),
+            "radiance" => self.say("radiance"),
+            "reading" => self.say("reading"),
+            "render" => self.say("tracing rays"),
+            "" => self.say("preparing"),
+            other => other,
+        }
+    }
+
     /// Asks for something.
     pub fn wish(&mut self, command: Command) {
         self.wishes.push(command);

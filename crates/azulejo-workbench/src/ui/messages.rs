@@ -66,7 +66,7 @@ pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
             };
             ui.label(short(&job.title));
             let bar = ProgressBar::new(share).desired_width(120.0);
-            ui.add(bar.text(RichText::new(stage).small()));
+            ui.add(bar.text(RichText::new(desk.stage(&stage)).small()));
             let cancel = ui.small_button("✖").on_hover_text(desk.say("Cancel"));
             if cancel.clicked() {
                 desk.wish(Command::Cancel(job.id));

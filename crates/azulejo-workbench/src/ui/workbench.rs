@@ -257,7 +257,11 @@ impl Workbench {
                 let (width, height) = self.viewport.size();
                 self.app.execute(match self.app.picture {
                     Some(_) => Command::StopPicture,
-                    None => Command::Picture { width, height },
+                    None => Command::Picture {
+                        width,
+                        height,
+                        paths: None,
+                    },
                 });
             }
         }
@@ -308,7 +312,7 @@ impl Workbench {
         output
             .write(&Progress::new(), |out| out.write_all(text.as_bytes()))
             .map_err(|e| e.to_string())?;
-        let note = format!("saved {}", path.display());
+        let note = format!("{}: {}", path.display(), self.app.say("saved"));
         self.app.tell(Level::Note, note);
         Ok(())
     }

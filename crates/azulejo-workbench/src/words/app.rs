@@ -48,6 +48,52 @@ pub const TABLE: &[Entry] = &[
         "abandonado por outro ficheiro",
     ],
     ["files", "archivos", "ficheiros"],
+    [
+        "no such picture can be drawn, in pixels",
+        "no se puede dibujar una imagen así, en píxeles",
+        "não se pode desenhar uma imagem assim, em pixels",
+    ],
+    [
+        "there are as many probes as there may be: remove some first",
+        "no caben más sondas: quite antes alguna",
+        "não cabem mais sondas: retire antes alguma",
+    ],
+    [
+        "the model changed while probes were measured: measure again",
+        "el modelo cambió mientras se medían las sondas: mida otra vez",
+        "o modelo mudou enquanto se mediam as sondas: meça outra vez",
+    ],
+    ["probes", "sondas", "sondas"],
+    [
+        "a name holds control characters, expected one line of text",
+        "el nombre contiene caracteres de control; se esperaba una línea de texto",
+        "o nome contém caracteres de controlo; esperava-se uma linha de texto",
+    ],
+    [
+        "nothing is selected, select what to delete",
+        "no hay nada seleccionado; seleccione lo que quiere borrar",
+        "não há nada selecionado; selecione o que quer apagar",
+    ],
+    [
+        "nothing is selected, select what to duplicate",
+        "no hay nada seleccionado; seleccione lo que quiere duplicar",
+        "não há nada selecionado; selecione o que quer duplicar",
+    ],
+    [
+        "the transform flattens what it moves, expected factors other than 0",
+        "la transformación aplana lo que mueve; se esperaban factores distintos de 0",
+        "a transformação achata o que move; esperavam-se fatores diferentes de 0",
+    ],
+    [
+        "the transform flattens the object, expected factors other than 0",
+        "la transformación aplana el objeto; se esperaban factores distintos de 0",
+        "a transformação achata o objeto; esperavam-se fatores diferentes de 0",
+    ],
+    [
+        "the object leaves the range of numbers",
+        "el objeto se sale del alcance de los números",
+        "o objeto sai do alcance dos números",
+    ],
     ["light", "luz", "luz"],
     ["picture", "imagen", "imagem"],
 ];

@@ -86,11 +86,11 @@ pub const TABLE: &[Entry] = &[
     ["Textured", "Con texturas", "Com texturas"],
     ["Irradiance", "Irradiancia", "Irradiância"],
     ["False colours", "Colores falsos", "Cores falsas"],
-    ["Patches", "Parches", "Retalhos"],
+    ["Patches", "Parches", "Parcelas"],
     [
         "Form factors of a patch",
         "Factores de forma de un parche",
-        "Fatores de forma de um retalho",
+        "Fatores de forma de uma parcela",
     ],
     [
         "Normals and backs",

@@ -24,4 +24,5 @@ pub const TABLE: &[Entry] = &[
     ["Resize", "Cambiar el tamaño", "Mudar o tamanho"],
     ["face", "cara", "face"],
     ["Clear", "Vaciar", "Limpar"],
+    ["matt", "mate", "mate"],
 ];

@@ -7,10 +7,14 @@ use std::time::{Duration, Instant};
 
 /// Plays a script; its outcome, and the window after it.
 fn play(text: &str) -> (Result<(), String>, Window) {
+    play_in(App::quiet(), text)
+}
+
+fn play_in(app: App, text: &str) -> (Result<(), String>, Window) {
     let steps = parse(text, "s.txt").unwrap();
     let player = Player::new(steps, "s.txt");
     let outcome = player.outcome();
-    let mut window = window_with_files(App::quiet());
+    let mut window = window_with_files(app);
     window.state_mut().play(player);
     let begin = Instant::now();
     loop {
@@ -74,6 +78,24 @@ fn a_session_plays_to_its_end() {
 }
 
 #[test]
+fn an_action_waits_for_what_it_began_and_a_picture_for_its_paths() {
+    let folder = Folder::new("script-waits");
+    let lit = folder.path("lit.grf");
+    let text = format!(
+        "open {}\nsolve 50%\nsave {}\naction Solve\naction Save\npicture 3\nquit\n",
+        folder.copy("shapes.grf").display(),
+        lit.display()
+    );
+    let mut app = App::quiet();
+    app.preferences.picture_samples = 1;
+    let (outcome, window) = play_in(app, &text);
+    assert_eq!(outcome, Ok(()));
+    let app = &window.state().app;
+    assert!(app.lighting.is_current && !app.is_changed());
+    assert!(app.picture.as_ref().is_some_and(|p| p.samples >= 3));
+}
+
+#[test]
 fn a_step_that_fails_ends_the_script_with_its_line() {
     let shapes = example("shapes.grf");
     let open = format!("open {}\n", shapes.display());
@@ -107,6 +129,7 @@ fn a_step_that_fails_ends_the_script_with_its_line() {
             3,
             "a question came up",
         ),
+        (format!("{open}action Export…\n"), 2, "a dialog came up"),
         ("solve\n".to_owned(), 1, "nothing shines"),
     ] {
         let (outcome, _) = play(&text);

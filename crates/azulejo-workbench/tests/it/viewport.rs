@@ -3,7 +3,7 @@
 use crate::window::*;
 use azulejo_workbench::ui::actions::{Panel, Wish};
 use egui::accesskit::Role;
-use egui::{Key, Modifiers};
+use egui::{Event, Key, Modifiers};
 use glam::DVec3;
 
 fn viewport(window: &Window) -> egui_kittest::Node<'_> {
@@ -18,9 +18,11 @@ fn look(window: &Window) -> (DVec3, DVec3) {
 
 /// Holds a key for some frames.
 fn hold(window: &mut Window, modifiers: Modifiers, key: Key) {
-    window.key_down_modifiers(modifiers, key);
+    window.event(Event::ModifiersChanged(modifiers));
+    window.key_down(key);
     window.run_steps(5);
-    window.key_up_modifiers(modifiers, key);
+    window.key_up(key);
+    window.event(Event::ModifiersChanged(Modifiers::NONE));
     window.run();
 }
 

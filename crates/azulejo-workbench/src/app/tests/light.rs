@@ -116,6 +116,7 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
         Command::Picture {
             width: 24,
             height: 16,
+            paths: None,
         },
     );
     let picture = app.picture.clone().expect("a picture");
@@ -138,8 +139,9 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
     app.execute(Command::Picture {
         width: 0,
         height: 5,
+        paths: None,
     });
-    check_error(&app, "too large");
+    check_error(&app, "no such picture");
 }
 
 #[test]
@@ -152,6 +154,7 @@ fn a_backdrop_is_read_and_does_not_disturb_a_model_on_its_way() {
         Command::Picture {
             width: 8,
             height: 8,
+            paths: None,
         },
     );
     run(&mut app, Command::SavePicture(folder.path("sky.png")));

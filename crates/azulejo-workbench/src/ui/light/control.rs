@@ -104,32 +104,13 @@ fn progress(ui: &mut Ui, desk: &Desk, job: &Job) {
         total => (done as f64 / total as f64).min(1.0),
     };
     let stage = job.progress.stage();
-    let name = stage_name(&stage, desk);
+    let name = desk.stage(&stage);
     let text = format!("{name} {:.0} %", 100.0 * share);
     let bar = ProgressBar::new(share as f32).text(text);
     ui.add(bar.desired_width(ui.available_width().min(340.0)));
     if let Some(left) = desk.app.lighting.time_left(share).filter(|_| total > 0) {
         let words = desk.say("left of this stage, about");
         ui.weak(format!("{words} {}", seconds(left)));
-    }
-}
-
-/// A stage of the solver in the window's language; as the solver says it, if it is not known.
-fn stage_name<'a>(stage: &'a str, desk: &Desk) -> &'a str {
-    match stage {
-        "direct light" => desk.say("direct light"),
-        "form factors" => desk.say("form factors"),
-        "formulas" => desk.say("formulas"),
-        "merging" => desk.say("merging"),
-        "scaling rows" | "row sums" | "grey interchange" => desk.say("balancing rows"),
-        "exchange areas" => desk.say("exchange areas"),
-        "forecast" => desk.say("forecast"),
-        "refining" => desk.say("refining"),
-        "bounces" => desk.say("bounces"),
-        "shooting" => desk.say("shooting"),
-        "irradiance" => desk.say("irradiance"),
-        "" => desk.say("preparing"),
-        other => other,
     }
 }
 

@@ -36,7 +36,7 @@ impl Shown {
             ui.painter()
                 .image(texture.id(), place, whole, Color32::WHITE);
         }
-        let text = format!("{} / {}", picture.samples, app.preferences.picture_samples);
+        let text = format!("{} / {}", picture.samples, picture.most);
         let at = rect.right_bottom() - Vec2::splat(8.0);
         let font = egui::FontId::monospace(12.0);
         ui.painter()
