@@ -583,7 +583,18 @@ fn mouse_help(ui: &mut Ui, desk: &Desk) {
             desk.say("W A S D, R F"),
             desk.say("fly forward, left, back, right, up, down"),
         ),
+        (desk.say("Drag while flying"), desk.say("look around")),
         (desk.say("Arrows"), desk.say("turn the head")),
+        (
+            desk.say("Shift + arrows"),
+            desk.say("turn around the model"),
+        ),
+        (desk.say("Ctrl + arrows"), desk.say("shift the view")),
+        ("+ −", desk.say("nearer and further")),
+        (
+            desk.say("Enter, with the viewport in focus"),
+            desk.say("a click in the middle of it; with Alt, on a face"),
+        ),
         (
             desk.say("Drag an arrow of the selection"),
             desk.say("move it along the axis"),

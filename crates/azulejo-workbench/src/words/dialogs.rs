@@ -177,6 +177,30 @@ pub const TABLE: &[Entry] = &[
         "mirar el objeto",
         "olhar para o objeto",
     ],
+    [
+        "Drag while flying",
+        "Arrastrar al volar",
+        "Arrastar ao voar",
+    ],
+    ["look around", "mirar alrededor", "olhar em volta"],
+    ["Shift + arrows", "Mayús + flechas", "Shift + setas"],
+    [
+        "turn around the model",
+        "girar alrededor del modelo",
+        "girar em volta do modelo",
+    ],
+    ["Ctrl + arrows", "Ctrl + flechas", "Ctrl + setas"],
+    ["shift the view", "desplazar la vista", "deslocar a vista"],
+    [
+        "Enter, with the viewport in focus",
+        "Intro, con el foco en la vista",
+        "Enter, com o foco na vista",
+    ],
+    [
+        "a click in the middle of it; with Alt, on a face",
+        "un clic en el centro; con Alt, en una cara",
+        "um clique no centro; com Alt, numa face",
+    ],
     ["W A S D, R F", "W A S D, R F", "W A S D, R F"],
     [
         "fly forward, left, back, right, up, down",
