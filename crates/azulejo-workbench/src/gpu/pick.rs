@@ -207,6 +207,33 @@ mod tests {
     }
 
     #[test]
+    fn boxes_keep_no_ray_from_what_it_meets() {
+        let mesh = ball(DVec3::ZERO);
+        let mut flat = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            ..Mesh::default()
+        };
+        flat.push_face(&[0, 1, 2], 0);
+        for mesh in [mesh, flat, Mesh::default()] {
+            let mut drawn = Drawn::new(1, &mesh);
+            drawn.world_from_object = DAffine3::from_rotation_translation(
+                glam::DQuat::from_rotation_z(0.4),
+                DVec3::new(5.0, 1.0, -2.0),
+            );
+            let boxed = Drawn {
+                bounds: Some(mesh.bounds()),
+                ..drawn
+            };
+            for k in 0..400 {
+                let (x, y) = (f64::from(k % 20), f64::from(k / 20));
+                let eye = DVec3::new(4.0 + 0.1 * x, 0.1 * y, 9.0);
+                let ray = Ray::new(eye, -DVec3::Z);
+                assert_eq!(pick(&[boxed], &ray, false), pick(&[drawn], &ray, false));
+            }
+        }
+    }
+
+    #[test]
     fn places_far_away_and_mirrored_count() {
         let mesh = ball(DVec3::ZERO);
         let offset = DVec3::new(3e6, -2e6, 1e6);

@@ -378,6 +378,20 @@ fn faces_show_numbers_of_their_own() {
 }
 
 #[test]
+fn nothing_is_seen_through_numbers() {
+    let glass = Material::dielectric("", 1.5);
+    let mut mesh = square(0.9, 0.0, 0);
+    mesh.irradiance = vec![Rgb::grey(1.0); 4];
+    on_each_driver(|renderer| {
+        for shading in [Shading::FalseColor, Shading::Patches, Shading::FormFactors] {
+            let pixels = draw_one(renderer, &mesh, &[&glass], |f| f.shading = shading);
+            let opacities = pixels.rgba.chunks_exact(4).map(|p| p[3]);
+            assert!(opacities.into_iter().all(|a| a == 255), "{shading:?}");
+        }
+    });
+}
+
+#[test]
 fn fog_takes_its_share_at_a_distance() {
     let white = Material::diffuse("", Rgb::WHITE);
     let mut mesh = square(0.9, 0.0, 0);

@@ -62,3 +62,18 @@ impl Shown {
         self.made_of = Some((Arc::clone(image), exposure));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_fills_what_its_shape_allows() {
+        let rect = Rect::from_min_size(egui::pos2(10.0, 20.0), Vec2::new(200.0, 100.0));
+        assert_eq!(place(rect, (400, 200)), rect);
+        let upright = place(rect, (50, 100));
+        assert_eq!(upright.size(), Vec2::new(50.0, 100.0));
+        assert_eq!(upright.center(), rect.center());
+        assert!(place(rect, (0, 0)).is_finite());
+    }
+}
