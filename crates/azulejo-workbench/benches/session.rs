@@ -15,7 +15,7 @@ use azulejo_workbench::command::Command;
 use azulejo_workbench::gpu::Headless;
 use azulejo_workbench::jobs::Kind;
 use azulejo_workbench::light::LightSettings;
-use azulejo_workbench::ui::Workbench;
+use azulejo_workbench::ui::{Viewport, Workbench};
 use azulejo_workbench::view::{Shading, View};
 use egui_kittest::Harness;
 use glam::DVec3;
@@ -118,7 +118,8 @@ fn window() -> Harness<'static, Workbench> {
         .with_size(SIZE)
         .wgpu()
         .build_eframe(|context| {
-            Workbench::in_window(App::quiet(), context).expect("a driver that draws")
+            let viewport = Viewport::of_window(context).expect("a driver that draws");
+            Workbench::in_window(App::quiet(), viewport, context)
         });
     frame(&mut window);
     window

@@ -4,13 +4,14 @@ use azulejo_workbench::app::{App, Places};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::preferences::Preferences;
 use azulejo_workbench::script::{self, Player, Step};
-use azulejo_workbench::ui::{Rescued, Workbench};
+use azulejo_workbench::ui::{Rescued, Viewport, Workbench};
 use clap::Parser;
+use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::mpsc::channel;
+use std::sync::mpsc::{Sender, channel};
 
 /// See models, give them light, watch it settle, save it.
 #[derive(Debug, Parser)]
@@ -32,6 +33,9 @@ struct Arguments {
 /// How often a window is opened again that could not stay.
 const MOST_FALLS: u32 = 3;
 
+/// What is worked on, and a script, until a window has them.
+type Slot = RefCell<Option<(App, Option<Player>)>>;
+
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -51,7 +55,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let player = player(arguments)?;
     let outcome = player.as_ref().map(Player::outcome);
     let app = app(arguments);
-    windows(app, player)?;
+    windows(app, player, window)?;
     match outcome {
         None => Ok(()),
         Some(outcome) => match outcome.lock().ok().and_then(|o| o.clone()) {
@@ -112,26 +116,45 @@ fn app(arguments: &Arguments) -> App {
     app
 }
 
-/// Opens the window; and again, with all that was worked on, when the graphics card is lost.
+/// Opens the window by `open`; and again, with all that was worked on, when the graphics card is
+/// lost.
 ///
-/// Where something panics the toolkit cannot open another one: then what was worked on is written
-/// for the next start.
-fn windows(app: App, player: Option<Player>) -> Result<(), String> {
-    let (mut app, mut player) = (app, player);
+/// Where something panics the toolkit cannot open another one, and where it opens none there is
+/// nobody to ask: then what was worked on is written for the next start.
+fn windows(
+    app: App,
+    player: Option<Player>,
+    mut open: impl FnMut(&Slot, Sender<Box<Rescued>>) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut work = (app, player);
     for _ in 0..=MOST_FALLS {
+        // Outside of all that may fall.
+        let slot = Slot::new(Some(work));
         let (rescue, rescued) = channel::<Box<Rescued>>();
-        let opened = catch_unwind(AssertUnwindSafe(|| window(app, player, rescue)));
-        let left = rescued.try_recv().ok();
-        match (opened, left) {
-            (Ok(result), None) => return result,
-            (Err(_), None) => return Err("the window fell before it was open".into()),
-            (Err(_), Some(left)) => return Err(keep(left.app)),
-            (Ok(_), Some(left)) => (app, player) = (left.app, left.player),
+        let opened = catch_unwind(AssertUnwindSafe(|| open(&slot, rescue)));
+        let fell = opened.is_err();
+        let result = opened.unwrap_or_else(|_| Err("the window fell before it was open".into()));
+        if let Some((app, _)) = slot.into_inner() {
+            let why = result.err().unwrap_or_else(|| "no window".into());
+            return Err(unopened(app, why));
+        }
+        match rescued.try_recv() {
+            Err(_) => return result,
+            Ok(left) if fell => return Err(keep(left.app)),
+            Ok(left) => work = (left.app, left.player),
         }
         let text = "the graphics card was lost, and the window was opened again";
-        app.tell(azulejo_workbench::app::Level::Warning, text);
+        work.0.tell(azulejo_workbench::app::Level::Warning, text);
     }
-    Err(keep(app))
+    Err(keep(work.0))
+}
+
+/// What to say of a window that was never there; what was to be in it is kept.
+fn unopened(app: App, why: String) -> String {
+    match app.is_changed() {
+        true => format!("{why}\n{}", keep(app)),
+        false => why,
+    }
 }
 
 /// Writes what was worked on for the next start; says so.
@@ -149,11 +172,7 @@ fn keep(mut app: App) -> String {
     }
 }
 
-fn window(
-    app: App,
-    player: Option<Player>,
-    rescue: std::sync::mpsc::Sender<Box<Rescued>>,
-) -> Result<(), String> {
+fn window(slot: &Slot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id("azulejo")
@@ -167,7 +186,10 @@ fn window(
         ..eframe::NativeOptions::default()
     };
     let open = move |context: &eframe::CreationContext<'_>| {
-        let mut window = Workbench::in_window(app, context).map_err(|loss| loss.0.to_string())?;
+        let viewport = Viewport::of_window(context).map_err(|loss| loss.0.to_string())?;
+        // Last of all: what fails before leaves the work where it is.
+        let (app, player) = slot.take().ok_or("the window was opened twice")?;
+        let mut window = Workbench::in_window(app, viewport, context);
         window.rescue_to(rescue);
         if let Some(player) = player {
             window.play(player);
@@ -194,4 +216,59 @@ fn trouble(error: &eframe::Error) -> String {
     };
     let error = error.to_string();
     format!("no window: {}. {advice}", error.trim_end_matches('.'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_workbench::command::Command;
+    use azulejo_workbench::document::NewKind;
+
+    /// Plays what becomes of the windows with a changed document; what was said, and how many
+    /// copies are there then.
+    fn check(
+        name: &str,
+        open: impl FnMut(&Slot, Sender<Box<Rescued>>) -> Result<(), String>,
+        said: &str,
+        copies: usize,
+    ) {
+        let folder = format!("azulejo-windows-{name}-{}", std::process::id());
+        let folder = std::env::temp_dir().join(folder);
+        let places = Places {
+            preferences: None,
+            recovery: Some(folder.clone()),
+        };
+        let mut app = App::new(Preferences::default(), places, Arc::new(|| ()));
+        app.execute(Command::AddShape(NewKind::Cuboid));
+        let result = windows(app, None, open).unwrap_err();
+        assert!(result.contains(said), "{result}");
+        let kept = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+        let kept = kept.filter(|e| e.path().extension().is_some_and(|e| e == "grf"));
+        assert_eq!(kept.count(), copies);
+        let _ = std::fs::remove_dir_all(folder);
+    }
+
+    #[test]
+    fn what_was_worked_on_outlives_windows_that_do_not_open() {
+        check("none", |_, _| Err("no display".into()), "no display", 1);
+        check("panic", |_, _| panic!("on purpose"), "is kept in", 1);
+        let mut windows = 0;
+        let lost_once = |slot: &Slot, rescue: Sender<Box<Rescued>>| {
+            windows += 1;
+            if windows == 2 {
+                return Err("no card".into());
+            }
+            let (app, player) = slot.take().ok_or("empty")?;
+            Workbench::new(app).rescue_to(rescue);
+            drop(player);
+            Ok(())
+        };
+        check("lost", lost_once, "no card", 1);
+        let falls = |slot: &Slot, rescue: Sender<Box<Rescued>>| {
+            let (app, _) = slot.take().ok_or("empty")?;
+            Workbench::new(app).rescue_to(rescue);
+            panic!("on purpose")
+        };
+        check("fell", falls, "is kept in", 1);
+    }
 }

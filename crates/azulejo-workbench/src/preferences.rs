@@ -76,12 +76,15 @@ impl Preferences {
         }
     }
 
-    /// Writes them, whole or not at all.
+    /// Writes them, whole or not at all. Files whose names are no text are left out: one of them
+    /// must not keep everything else away.
     ///
     /// # Errors
     /// Why they cannot be written, for people.
     pub fn store(&self, path: &Path) -> Result<(), String> {
-        let text = toml::to_string(self).map_err(|e| said(path, &e))?;
+        let mut stored = self.clone();
+        stored.recent.retain(|p| p.to_str().is_some());
+        let text = toml::to_string(&stored).map_err(|e| said(path, &e))?;
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(|e| said(folder, &e))?;
         }

@@ -26,6 +26,48 @@ pub struct Recoverable {
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Note {
     original: Option<PathBuf>,
+    /// The same in the system's own units, where it is no text.
+    original_units: Option<Vec<u16>>,
+}
+
+impl Note {
+    fn of(original: Option<&Path>) -> Note {
+        let text = original.filter(|p| p.to_str().is_some());
+        Note {
+            original: text.map(Path::to_owned),
+            original_units: original.filter(|_| text.is_none()).map(units),
+        }
+    }
+
+    fn original(self) -> Option<PathBuf> {
+        self.original.or_else(|| path_of(&self.original_units?))
+    }
+}
+
+#[cfg(unix)]
+fn units(path: &Path) -> Vec<u16> {
+    use std::os::unix::ffi::OsStrExt;
+    let bytes = path.as_os_str().as_bytes();
+    bytes.iter().copied().map(u16::from).collect()
+}
+
+#[cfg(unix)]
+fn path_of(units: &[u16]) -> Option<PathBuf> {
+    use std::os::unix::ffi::OsStringExt;
+    let bytes: Result<Vec<u8>, _> = units.iter().map(|&u| u8::try_from(u)).collect();
+    Some(std::ffi::OsString::from_vec(bytes.ok()?).into())
+}
+
+#[cfg(windows)]
+fn units(path: &Path) -> Vec<u16> {
+    use std::os::windows::ffi::OsStrExt;
+    path.as_os_str().encode_wide().collect()
+}
+
+#[cfg(windows)]
+fn path_of(units: &[u16]) -> Option<PathBuf> {
+    use std::os::windows::ffi::OsStringExt;
+    Some(std::ffi::OsString::from_wide(units).into())
 }
 
 /// Copies of this session and of those before it.
@@ -79,7 +121,24 @@ impl Recovery {
         if waits || self.copied == Some(revision) {
             return None;
         }
-        self.place(original)
+        let place = self.place(original);
+        if place.is_none() {
+            self.failed();
+        }
+        place
+    }
+
+    /// Whether the next copy of a document is still to be written, now or later.
+    pub fn awaits(&self, revision: u64) -> bool {
+        self.folder.is_some() && self.copied != Some(revision)
+    }
+
+    /// How long nothing is tried, after a copy that failed.
+    pub fn rests(&self) -> Duration {
+        let rest = self
+            .not_before
+            .map(|t| t.saturating_duration_since(Instant::now()));
+        rest.unwrap_or_default()
     }
 
     /// Where copies of this session go; `None` where nothing is kept.
@@ -162,9 +221,7 @@ impl Session {
     }
 
     fn write_note(&self, original: Option<&Path>) {
-        let note = Note {
-            original: original.map(Path::to_owned),
-        };
+        let note = Note::of(original);
         // Without a note the copy is still found; only its name is lost.
         if let Ok(text) = toml::to_string(&note) {
             let file = OpenOptions::new()
@@ -207,7 +264,7 @@ fn orphan(note: &Path) -> Option<Recoverable> {
     let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
     Some(Recoverable {
         copy,
-        original: said.original,
+        original: said.original(),
         written: written.as_secs(),
     })
 }

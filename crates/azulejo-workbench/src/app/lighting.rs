@@ -6,7 +6,7 @@ mod tests;
 use super::{App, Found, Level};
 use crate::command::PatchAt;
 use crate::document::{Document, Solution};
-use crate::jobs::{Kind, on_own_threads};
+use crate::jobs::{Job, Kind, on_own_threads};
 use crate::light::{LightSettings, SeenFromPatch, seen_from, solve_document};
 use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
@@ -37,6 +37,8 @@ pub struct Lighting {
     pub range: Option<Range>,
     /// What a picked patch sees.
     pub seen: Option<SeenFromPatch>,
+    /// Light of another state than that which is shown, found while the shown one was true.
+    aside: Option<Arc<Solution>>,
 }
 
 /// The time that work took, without its rests.
@@ -84,10 +86,20 @@ pub struct Range {
 }
 
 impl Lighting {
-    /// The document was edited: the light may be old now, or true again.
-    pub(super) fn document_changed(&mut self, document: &Document) {
+    /// The document was edited: the light may be old now, or true again. Whether it is another
+    /// light now: the one that was found for this document while it was not there.
+    pub(super) fn document_changed(&mut self, document: &Document) -> bool {
         self.is_current = self.solution.as_ref().is_some_and(|s| s.is_of(document));
         self.seen = None;
+        let aside = self
+            .aside
+            .take_if(|s| !self.is_current && s.is_of(document));
+        let is_other = aside.is_some();
+        if let Some(solution) = aside {
+            self.aside = self.solution.take();
+            self.show(solution, document);
+        }
+        is_other
     }
 
     /// There is another document.
@@ -96,7 +108,7 @@ impl Lighting {
             settings: self.settings,
             ..Lighting::default()
         };
-        if let Some(solution) = super::files::light_of_file(document) {
+        if let Some(solution) = Solution::of_file(document) {
             self.set(solution, document);
         }
     }
@@ -110,10 +122,22 @@ impl Lighting {
         (share >= ENOUGH).then(|| Duration::try_from_secs_f64(left).ok())?
     }
 
-    fn set(&mut self, solution: Solution, document: &Document) {
+    /// Takes light in; whether it is shown. True light does not make room for that of another
+    /// state, which waits until that state is back.
+    pub(super) fn set(&mut self, solution: Solution, document: &Document) -> bool {
+        let solution = Arc::new(solution);
+        if self.is_current && !solution.is_of(document) {
+            self.aside = Some(solution);
+            return false;
+        }
+        self.show(solution, document);
+        true
+    }
+
+    fn show(&mut self, solution: Arc<Solution>, document: &Document) {
         self.is_current = solution.is_of(document);
         self.range = range(document, &solution);
-        self.solution = Some(Arc::new(solution));
+        self.solution = Some(solution);
     }
 }
 
@@ -218,14 +242,35 @@ impl App {
         }
     }
 
+    /// Takes in what a solver found. Who agreed to lose it has agreed to this too.
+    pub(super) fn take_light_of(&mut self, job: &Job, solution: Solution) {
+        let before = self.state();
+        self.take_light(solution);
+        let now = self.state();
+        let loading = self.loading.as_mut().map(|l| &mut l.agreed);
+        for agreed in loading.into_iter().chain(&mut self.left) {
+            if agreed.solver == Some(job.id) && agreed.state == before {
+                agreed.state = now;
+            }
+        }
+    }
+
     pub(super) fn take_light(&mut self, solution: Solution) {
-        self.lighting.set(solution, &self.document);
-        self.refresh_probes();
-        self.lit();
+        if self.lighting.set(solution, &self.document) {
+            self.refresh_probes();
+            self.lit();
+        }
+    }
+
+    /// The light that came with files which were added to nothing.
+    pub(super) fn take_light_of_file(&mut self) {
+        if let Some(solution) = Solution::of_file(&self.document) {
+            self.take_light(solution);
+        }
     }
 
     /// The light is another one: what is on the disk is not all there is, and pictures are old.
-    fn lit(&mut self) {
+    pub(super) fn lit(&mut self) {
         self.revision = self.new_revision();
         self.light = self.revision;
         self.changed_at.get_or_insert_with(Instant::now);
@@ -234,6 +279,7 @@ impl App {
 
     pub(super) fn drop_light(&mut self) {
         self.stop_solving();
+        self.lighting.aside = None;
         if self.lighting.solution.take().is_some() {
             self.lighting.is_current = false;
             self.lighting.range = None;

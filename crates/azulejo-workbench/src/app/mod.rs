@@ -4,27 +4,30 @@
 //! [`App::poll`] until the jobs are done.
 
 mod adding;
+mod copies;
+mod editing;
 mod files;
 mod lighting;
 mod picture;
 mod probes;
+mod saving;
 #[cfg(test)]
 mod tests;
 
-pub use files::{OnDisk, Question};
 pub use lighting::{Lighting, Stopwatch};
 pub use picture::{Picture, shown};
 pub use probes::{Measurement, Probe, Site};
+pub use saving::{OnDisk, Question};
 
 use crate::command::{Ask, Command, Selection};
-use crate::document::{Document, Edit, Id};
+use crate::document::{Document, Id};
 use crate::history::History;
 use crate::jobs::{Job, Jobs, Kind, News, Wake};
 use crate::preferences::Preferences;
 use crate::recovery::Recovery;
 use crate::view::{Backdrop, View, sees_most, whole};
 use azulejo::formats::Warning;
-use azulejo::scene::{Image, Shape};
+use azulejo::scene::Image;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,7 +40,7 @@ pub enum Found {
     /// A file that could not be read; others may follow.
     NoModel(PathBuf, String),
     /// The document is on the disk.
-    Saved(files::SavedModel),
+    Saved(saving::SavedModel),
     /// A copy for recovery is on the disk.
     Autosaved(u64),
     /// Light, with more to come perhaps.
@@ -132,15 +135,19 @@ pub struct App {
     saved: State,
     /// The revision with which this document began.
     began: u64,
-    /// Counts edits, and what takes them back.
-    edits: u64,
-    history: History<Version>,
+    history: History<editing::Version>,
     /// The number that a document got last.
     latest: u64,
     jobs: Jobs<Found>,
     recovery: Recovery,
     preferences_file: Option<PathBuf>,
     loading: Option<files::Loading>,
+    /// What is to be added to a copy for recovery, once it may be opened.
+    after_recovery: Option<(PathBuf, Vec<PathBuf>)>,
+    /// What is being written, by the numbers of the jobs.
+    saves: Vec<(u64, PathBuf)>,
+    /// What may be lost when the window closes.
+    left: Option<Agreed>,
     /// Number of the last probe.
     pinned: u64,
     /// The document that probes were measured in.
@@ -156,12 +163,12 @@ struct State {
     light: u64,
 }
 
-/// What undo brings back.
-#[derive(Clone, Debug)]
-struct Version {
-    document: Document,
-    selection: Vec<Id>,
-    revision: u64,
+/// A state whose loss was agreed to, or that is safe; and the solver whose light may be lost with
+/// it.
+#[derive(Clone, Copy, Debug)]
+struct Agreed {
+    state: State,
+    solver: Option<u64>,
 }
 
 impl App {
@@ -185,7 +192,6 @@ impl App {
             light: 0,
             saved: State::default(),
             began: 0,
-            edits: 0,
             history: History::default(),
             latest: 0,
             jobs: Jobs::new(wake),
@@ -194,6 +200,9 @@ impl App {
                 .map_or_else(Recovery::nowhere, Recovery::new),
             preferences_file: places.preferences,
             loading: None,
+            after_recovery: None,
+            saves: Vec::new(),
+            left: None,
             pinned: 0,
             measured_in: None,
             changed_at: None,
@@ -242,7 +251,7 @@ impl App {
             Command::SavePicture(path) => self.save_picture(path),
             Command::Ask(what) => self.asking = Some(what),
             Command::Answered => self.asking = None,
-            Command::Quit => self.close(),
+            Command::Quit => self.leave(),
             Command::Discard => self.discard(),
             Command::Dismiss => (self.question, self.asking) = (None, None),
             Command::Recover(path) => self.recover(path),
@@ -309,7 +318,7 @@ impl App {
             Found::NoModel(path, why) => self.take_failure(&path, &why),
             Found::Saved(saved) => self.take_saved(saved),
             Found::Autosaved(revision) => self.recovery.done(revision),
-            Found::Light(solution) => self.take_light(*solution),
+            Found::Light(solution) => self.take_light_of(job, *solution),
             Found::Picture(image, samples) => self.take_picture(*image, samples),
             Found::Backdrop(image) => self.take_backdrop(*image),
             Found::FormFactors(seen) => self.lighting.seen = Some(*seen),
@@ -419,129 +428,24 @@ impl App {
         }
     }
 
-    fn version(&self) -> Version {
-        Version {
-            document: self.document.clone(),
-            selection: self.selection.ids.clone(),
-            revision: self.revision,
+    /// What is there may be lost, whatever it is.
+    fn agreed(&self) -> Agreed {
+        let solver = self.jobs.of(Kind::Solve).filter(|_| self.is_changed());
+        Agreed {
+            state: self.state(),
+            solver: solver.map(|job| job.id),
         }
     }
 
-    fn edit(&mut self, edit: &Edit, gesture: Option<u64>) {
-        let before = self.version();
-        match edit.apply(&mut self.document) {
-            Ok(ids) => {
-                self.history.note(edit.label(), before, gesture);
-                self.changed();
-                self.select_after(edit, ids);
-            }
-            Err(refused) => {
-                let text = self.say(&refused.0).to_owned();
-                self.tell(Level::Error, text);
-            }
-        }
+    /// Whether there is more to lose than what was agreed to.
+    fn loses_more(&self, agreed: Agreed) -> bool {
+        self.is_changed() && self.state() != agreed.state
     }
 
-    fn select_after(&mut self, edit: &Edit, ids: Vec<Id>) {
-        match edit {
-            Edit::AddMaterial(_) => {
-                self.selection.material = Some((self.document.materials.len() - 1) as u32);
-            }
-            Edit::Delete(_) => self.selection.ids.retain(|&id| self.document.has(id)),
-            Edit::Duplicate(_) | Edit::AddShape(_) | Edit::AddLight(_) | Edit::AddCamera(_) => {
-                self.select(Selection {
-                    ids,
-                    ..Selection::default()
-                });
-            }
-            _ => {}
-        }
-        self.mend_selection();
-    }
-
-    /// The document is another one now.
-    fn changed(&mut self) {
-        self.revision = self.new_revision();
-        self.edited();
-    }
-
-    /// What follows from every change of the document.
-    fn edited(&mut self) {
-        self.edits += 1;
-        self.changed_at.get_or_insert_with(Instant::now);
-        self.jobs.cancel_kind(Kind::FormFactors);
-        self.lighting.document_changed(&self.document);
-        self.refresh_probes();
-        self.stop_picture();
-    }
-
-    /// A number that no document had before.
-    fn new_revision(&mut self) -> u64 {
-        self.latest += 1;
-        self.latest
-    }
-
-    fn undo(&mut self) {
-        let now = self.version();
-        if let Some(version) = self.history.undo(now) {
-            self.go_to(version);
-        }
-    }
-
-    fn redo(&mut self) {
-        let now = self.version();
-        if let Some(version) = self.history.redo(now) {
-            self.go_to(version);
-        }
-    }
-
-    fn go_to(&mut self, version: Version) {
-        self.document = version.document;
-        self.selection.ids = version.selection;
-        self.revision = version.revision;
-        self.mend_selection();
-        self.edited();
-    }
-
-    fn select(&mut self, selection: Selection) {
-        self.selection = selection;
-        self.history.end_gesture();
-        self.mend_selection();
-        self.find_material();
-    }
-
-    fn select_all(&mut self) {
-        let document = &self.document;
-        let items = document.items.iter().map(|i| i.id);
-        let lights = document.lights.iter().map(|l| l.id);
-        self.selection.ids = items.chain(lights).collect();
-        self.selection.faces = None;
-        self.find_material();
-    }
-
-    /// The material of what is selected is the one that one wants to edit.
-    fn find_material(&mut self) {
-        let items = self.selection.ids.iter();
-        let mut items = items.filter_map(|&id| self.document.item(id));
-        if self.selection.material.is_none() {
-            let first = items.find_map(|item| item.materials().first().copied());
-            self.selection.material = first;
-        }
-    }
-
-    /// Forgets what is not there any more.
-    fn mend_selection(&mut self) {
-        let document = &self.document;
-        let selection = &mut self.selection;
-        selection.ids.retain(|&id| document.has(id));
-        let has_faces = |(id, faces): &(Id, Vec<u32>)| match document.item(*id).map(|i| &*i.shape) {
-            Some(Shape::Mesh(mesh)) => faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
-            _ => false,
-        };
-        selection.faces = selection.faces.take().filter(has_faces);
-        if (selection.material).is_some_and(|m| m as usize >= document.materials.len()) {
-            selection.material = None;
-        }
+    /// Whether closing the window would lose what nobody agreed to lose.
+    pub fn loses_by_closing(&self) -> bool {
+        let left = self.left.filter(|_| self.closing);
+        left.map_or(self.is_changed(), |agreed| self.loses_more(agreed))
     }
 
     fn look(&mut self, view: View) {
@@ -611,7 +515,7 @@ impl App {
 
     fn clear(&mut self) {
         self.jobs.cancel_kind(Kind::Load);
-        self.loading = None;
+        (self.loading, self.after_recovery) = (None, None);
         self.replace(Document::default(), None);
     }
 

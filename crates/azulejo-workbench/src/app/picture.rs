@@ -1,5 +1,6 @@
 //! A picture of what the viewport shows, by rays, better and better.
 
+use super::files::absolute;
 use super::{App, Found, Level};
 use crate::document::{Document, Solution};
 use crate::jobs::{Kind, Outbox, on_own_threads};
@@ -102,16 +103,15 @@ impl App {
             return;
         };
         let path = match path.extension() {
-            Some(_) => path,
-            None => path.with_extension("png"),
+            Some(_) => absolute(path),
+            None => absolute(path).with_extension("png"),
         };
         let exposure = self.view.exposure;
-        let title = path.display().to_string();
         let Some(output) = self.output(&path) else {
             return;
         };
         let saved = self.say("saved");
-        self.jobs.start(Kind::Save, title, move |progress, outbox| {
+        self.start_saving(path.clone(), move |progress, outbox| {
             let extension = path.extension().and_then(|e| e.to_str());
             let kind = extension.map(str::to_ascii_lowercase);
             output

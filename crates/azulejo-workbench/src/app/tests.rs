@@ -4,8 +4,10 @@ mod edits;
 mod files;
 mod light;
 mod recovery;
+mod saving;
 
 use super::*;
+use crate::document::Edit;
 use crate::document::tests::{example, sample};
 use std::path::Path;
 use std::time::Duration;

@@ -39,13 +39,6 @@ impl Solution {
 
     /// The light that a file brought, if every surface has some.
     pub fn of_file(document: &Document) -> Option<Solution> {
-        let is_lit = |item: &Item| match &*item.shape {
-            Shape::Mesh(mesh) => {
-                mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len()
-            }
-            Shape::Primitive(p) => p.light.is_some(),
-            Shape::Exact(exact) => exact.skin.is_some(),
-        };
         let all = !document.items.is_empty() && document.items.iter().all(is_lit);
         all.then(|| Solution {
             shapes: (document.items.iter())
@@ -72,6 +65,27 @@ impl Solution {
     /// lights. Names, viewpoints and what hides do not matter.
     pub fn is_of(&self, document: &Document) -> bool {
         same_light(&self.of, document)
+    }
+}
+
+/// Whether an object came with light on all of it.
+fn is_lit(item: &Item) -> bool {
+    match &*item.shape {
+        Shape::Mesh(mesh) => mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len(),
+        Shape::Primitive(p) => p.light.is_some(),
+        Shape::Exact(exact) => exact.skin.is_some(),
+    }
+}
+
+impl Document {
+    /// Whether some of its surfaces came with light, which [`Solution::of_file`] takes only where
+    /// all did.
+    pub fn brings_light(&self) -> bool {
+        let has_faces = |item: &Item| match &*item.shape {
+            Shape::Mesh(mesh) => !mesh.faces.is_empty(),
+            Shape::Primitive(_) | Shape::Exact(_) => true,
+        };
+        self.items.iter().any(|i| has_faces(i) && is_lit(i))
     }
 }
 

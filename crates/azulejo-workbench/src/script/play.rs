@@ -92,7 +92,7 @@ impl Player {
         self.told = window.app.errors;
         if step == Step::Quit {
             window.app.execute(Command::Discard);
-            window.app.closing = true;
+            window.app.leave();
             return self.end(Ok(()));
         }
         match self.begin(step, window, context) {

@@ -18,4 +18,5 @@ pub mod tree;
 pub mod viewport;
 mod workbench;
 
+pub use viewport::Viewport;
 pub use workbench::{Rescued, Tab, Workbench};

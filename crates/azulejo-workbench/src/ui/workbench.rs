@@ -1,5 +1,7 @@
 //! The window: all its parts around one app.
 
+mod closing;
+
 use super::actions::{self, Panel, Wish};
 use super::brdf::{apply_file, with_description};
 use super::desk::Desk;
@@ -11,7 +13,6 @@ use super::{inspector, light, looks, menu, messages};
 use crate::app::{App, Level};
 use crate::command::Command;
 use crate::document::Edit;
-use crate::jobs::Kind;
 use crate::preferences::Theme;
 use crate::script::Player;
 use azulejo::output::Output;
@@ -105,23 +106,17 @@ impl Workbench {
         }
     }
 
-    /// A window of eframe.
-    ///
-    /// # Errors
-    /// [`Loss`]: the card cannot draw.
+    /// A window of eframe around `viewport`, which was made on its card.
     pub fn in_window(
         mut app: App,
+        viewport: Viewport,
         context: &eframe::CreationContext<'_>,
-    ) -> Result<Workbench, Loss> {
+    ) -> Workbench {
         let egui = context.egui_ctx.clone();
         app.set_wake(Arc::new(move || egui.request_repaint()));
-        let viewport = match &context.wgpu_render_state {
-            Some(state) => Viewport::on(state)?,
-            None => Viewport::default(),
-        };
         let mut window = Workbench::new(app);
         window.viewport = viewport;
-        Ok(window)
+        window
     }
 
     /// Plays a script.
@@ -371,7 +366,7 @@ impl Workbench {
             match player.step(self, context) {
                 true => self.player = Some(player),
                 // Whoever started it waits for its status.
-                false if player.has_failed() => self.app.closing = true,
+                false if player.has_failed() => self.app.leave(),
                 false => {}
             }
             context.request_repaint();
@@ -390,39 +385,6 @@ impl Workbench {
             context.request_repaint_after(rest);
         }
     }
-
-    fn mind_window(&mut self, context: &egui::Context) {
-        let (asks_close, focused) = context.input(|i| {
-            let viewport = i.viewport();
-            (viewport.close_requested(), viewport.focused.unwrap_or(true))
-        });
-        let is_lost = self.rescue.is_none();
-        let ends = asks_close || self.app.closing;
-        if asks_close && !self.app.closing && !is_lost && self.app.is_changed() {
-            context.send_viewport_cmd(ViewportCommand::CancelClose);
-            self.app.execute(Command::Quit);
-        } else if ends && !is_lost && self.app.is_busy(Kind::Save) {
-            // What is being written is written first.
-            context.send_viewport_cmd(ViewportCommand::CancelClose);
-            self.app.closing = true;
-        } else if ends {
-            self.leaves = true;
-            if self.app.closing {
-                context.send_viewport_cmd(ViewportCommand::Close);
-            }
-        }
-        if focused && !self.was_focused {
-            self.app.check_disk();
-            // What it asks is asked in the next frame.
-            context.request_repaint();
-        }
-        self.was_focused = focused;
-        let title = title(&self.app);
-        if title != self.title {
-            context.send_viewport_cmd(ViewportCommand::Title(title.clone()));
-            self.title = title;
-        }
-    }
 }
 
 impl eframe::App for Workbench {
@@ -437,18 +399,6 @@ impl eframe::App for Workbench {
 
     fn persist_egui_memory(&self) -> bool {
         false
-    }
-}
-
-/// The file, a mark for changes, and who shows it.
-fn title(app: &App) -> String {
-    let file = app.file.as_ref().and_then(|f| f.path.file_name());
-    let branch = app.document.branches.first().map(|b| b.name.clone());
-    let name = file.map(|n| n.to_string_lossy().into_owned()).or(branch);
-    let mark = if app.is_changed() { "• " } else { "" };
-    match name {
-        Some(name) => format!("{mark}{name} – azulejo"),
-        None => format!("{mark}azulejo"),
     }
 }
 

@@ -15,6 +15,11 @@ pub const TABLE: &[Entry] = &[
         "guardado sem luz: a resolvida é de um estado anterior",
     ],
     [
+        "saved without the light of the file",
+        "guardado sin la luz del archivo",
+        "guardado sem a luz do ficheiro",
+    ],
+    [
         "this format does not keep all",
         "este formato no lo conserva todo",
         "este formato não conserva tudo",

@@ -3,6 +3,7 @@
 use crate::window::*;
 use azulejo_workbench::app::{App, Level};
 use azulejo_workbench::command::Command;
+use azulejo_workbench::document::NewKind;
 use azulejo_workbench::light::LightSettings;
 use azulejo_workbench::script::Player;
 use azulejo_workbench::ui::Tab;
@@ -157,6 +158,34 @@ fn what_fails_is_told_and_the_work_stays() {
         .filter(|m| m.level == Level::Error);
     assert_eq!(errors.count(), 1);
     assert_eq!(window.state().app.document, before);
+}
+
+/// A save that waits for somebody to read it: a pipe.
+#[cfg(unix)]
+#[test]
+fn changes_made_while_a_window_waits_to_close_are_asked_about() {
+    let folder = Folder::new("closing");
+    let pipe = folder.path("pipe.grf");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    let mut window = dialog_in(&folder);
+    window.state_mut().rescue_to(std::sync::mpsc::channel().0);
+    window
+        .state_mut()
+        .app
+        .execute(Command::Export(pipe.clone()));
+    window.state_mut().app.execute(Command::Quit);
+    window.run_steps(3);
+    assert!(window.state().app.closing, "it waits");
+    let shape = Command::AddShape(NewKind::Cuboid);
+    window.state_mut().app.execute(shape);
+    let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
+    wait(&mut window);
+    assert!(!reader.join().unwrap().is_empty());
+    assert!(says(&window, "Changes are not saved"));
+    assert!(!window.state().app.closing);
+    click_last(&mut window, "Lose the changes");
+    assert!(window.state().app.closing);
 }
 
 /// What the workbench is for, from the first click to the last.

@@ -5,7 +5,7 @@ use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
 use azulejo_workbench::gpu::Headless;
 use azulejo_workbench::light::{EngineName, LightSettings};
-use azulejo_workbench::ui::{Tab, Workbench};
+use azulejo_workbench::ui::{Tab, Viewport, Workbench};
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};
 
@@ -31,7 +31,10 @@ fn drawn(app: App) -> Option<Window> {
         .with_size([800.0, 520.0])
         .with_max_steps(20)
         .wgpu()
-        .build_eframe(|context| Workbench::in_window(app, context).expect("a card that draws"));
+        .build_eframe(|context| {
+            let viewport = Viewport::of_window(context).expect("a card that draws");
+            Workbench::in_window(app, viewport, context)
+        });
     window.state_mut().app.messages.clear();
     window.run();
     Some(window)

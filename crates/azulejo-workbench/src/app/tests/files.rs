@@ -163,6 +163,20 @@ fn what_waits_to_be_added_to_a_file_waits_for_the_answer_about_it() {
 }
 
 #[test]
+fn files_that_are_given_up_for_another_are_named() {
+    let folder = Folder::new("given-up");
+    let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
+    let mut app = App::quiet();
+    app.execute(Command::Open(vec![a]));
+    app.execute(Command::Add(vec![b]));
+    run(&mut app, Command::Open(vec![folder.copy("cornell.grf")]));
+    let given_up = app.messages.iter().find(|m| m.level == Level::Warning);
+    let text = &given_up.expect("a warning").text;
+    assert!(text.contains("shapes.grf") && text.contains("csg.grf"));
+    assert_eq!(app.document.branches.len(), 1);
+}
+
+#[test]
 fn what_is_saved_comes_back_equal() {
     let folder = Folder::new("save");
     let mut app = filled();

@@ -47,6 +47,67 @@ fn light_that_is_not_saved_is_a_change_though_the_edits_are_undone() {
 }
 
 #[test]
+fn light_of_another_state_does_not_take_the_place_of_true_light() {
+    let mut app = filled();
+    app.take_light(solved(&app.document));
+    let first = app.lighting.solution.clone().unwrap();
+    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    let second = solved(&app.document);
+    app.execute(Command::Undo);
+    app.take_light(second);
+    assert!(app.lighting.is_current);
+    assert!(Arc::ptr_eq(app.lighting.solution.as_ref().unwrap(), &first));
+    // Nor is it lost: its state may come back, and then it is another light than before.
+    let before = app.state();
+    app.execute(Command::Redo);
+    assert!(app.lighting.is_current && app.is_changed());
+    assert_ne!(app.state().light, before.light);
+    app.execute(Command::Undo);
+    assert!(app.lighting.is_current);
+    assert!(Arc::ptr_eq(app.lighting.solution.as_ref().unwrap(), &first));
+}
+
+/// A file on its way when light comes.
+fn loading(app: &mut App, light: impl FnOnce(&mut App)) -> PathBuf {
+    let shapes = example("shapes.grf");
+    app.execute(Command::Open(vec![shapes.clone()]));
+    app.execute(Command::Discard);
+    light(app);
+    settle(app);
+    shapes
+}
+
+#[test]
+fn light_that_comes_while_a_file_is_read_is_not_lost() {
+    let mut app = filled();
+    let shapes = loading(&mut app, |app| app.take_light(solved(&app.document)));
+    let question = Question::Unsaved(Box::new(Command::Open(vec![shapes])));
+    assert_eq!(app.question, Some(question));
+    assert!(app.lighting.is_current);
+}
+
+#[test]
+fn who_gives_up_what_is_being_solved_is_not_asked_for_each_preview() {
+    let mut app = filled();
+    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    app.execute(Command::Solve);
+    app.execute(Command::Pause);
+    let job = Job {
+        id: app.jobs()[0].id,
+        kind: Kind::Solve,
+        title: String::new(),
+        progress: Arc::default(),
+        started: Instant::now(),
+    };
+    let shapes = loading(&mut app, |app| {
+        let solution = solved(&app.document);
+        app.take_light_of(&job, solution);
+    });
+    assert_eq!(app.question, None);
+    assert_eq!(app.file.as_ref().map(|f| &f.path), Some(&shapes));
+}
+
+#[test]
 fn nothing_that_shines_is_told() {
     let mut app = App::quiet();
     run(&mut app, Command::Solve);

@@ -70,6 +70,8 @@ fn a_copy_is_written_after_a_while_and_only_of_changes() {
         .modified()
         .unwrap();
     settle(&mut app);
+    let_pass(&mut app, 21);
+    assert_eq!(app.wakes_in(), None, "there is nothing to wake for");
     let again = std::fs::metadata(&copies(&folder)[0])
         .unwrap()
         .modified()
@@ -162,6 +164,95 @@ fn what_a_crash_left_can_be_deleted_or_be_broken() {
     assert!(app.document.is_empty() && app.recoverable().len() == 1);
     app.execute(Command::Forget(copy.clone()));
     assert!(app.recoverable().is_empty() && !copy.exists());
+}
+
+/// A path that leads to a file from the folder of this process.
+#[cfg(unix)]
+fn from_here(path: &Path) -> PathBuf {
+    let here = std::env::current_dir().unwrap();
+    let up: PathBuf = here.components().skip(1).map(|_| "..").collect();
+    up.join(path.strip_prefix("/").unwrap())
+}
+
+#[cfg(unix)]
+#[test]
+fn files_are_known_wherever_the_next_session_begins() {
+    let folder = Folder::new("relative");
+    let mut app = app_in(&folder, 1);
+    let model = from_here(&folder.copy("shapes.grf"));
+    assert!(model.is_relative());
+    run(&mut app, Command::Open(vec![model]));
+    run(
+        &mut app,
+        Command::Export(from_here(&folder.path("copy.grf"))),
+    );
+    run(&mut app, Command::SaveAs(from_here(&folder.path("b"))));
+    check_no_error(&app);
+    let recent = &app.preferences.recent;
+    assert_eq!(recent.len(), 3);
+    assert!(recent.iter().all(|p| p.is_absolute()), "{recent:?}");
+    edit(&mut app, Edit::Rename(Id(1), "renamed".into()));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    let next = after_a_crash(&folder, app);
+    let app = app_in(&next, 1);
+    let original = app.recoverable()[0].original.clone().unwrap();
+    assert!(original.is_absolute() && original.ends_with("b.grf"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_no_text_survives_a_crash_and_keeps_no_preferences_away() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = Folder::new("bytes");
+    let mut app = app_in(&folder, 1);
+    let odd = folder.0.join(std::ffi::OsStr::from_bytes(b"caf\xe9.grf"));
+    std::fs::copy(example("shapes.grf"), &odd).unwrap();
+    run(&mut app, Command::Open(vec![folder.copy("csg.grf")]));
+    run(&mut app, Command::Open(vec![odd.clone()]));
+    assert!(app.messages.iter().all(|m| m.level == Level::Note));
+    assert_eq!(app.preferences.recent.len(), 2);
+    let (kept, _) = Preferences::load(&folder.path("preferences.toml"));
+    assert_eq!(kept.recent, [folder.path("csg.grf")]);
+    edit(&mut app, Edit::Rename(Id(1), "renamed".into()));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    let next = after_a_crash(&folder, app);
+    let app = app_in(&next, 1);
+    assert_eq!(app.recoverable()[0].original, Some(odd));
+}
+
+#[test]
+fn what_waits_for_a_copy_waits_for_the_answer_too() {
+    let folder = Folder::new("waits");
+    let mut app = app_in(&folder, 1);
+    edit(&mut app, Edit::Append(Box::new(sample())));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    let next = after_a_crash(&folder, app);
+    let mut app = app_in(&next, 0);
+    let copy = app.recoverable()[0].copy.clone();
+    app.execute(Command::Recover(copy.clone()));
+    app.execute(Command::Add(vec![example("shapes.grf")]));
+    edit(&mut app, Edit::Append(Box::new(sample())));
+    settle(&mut app);
+    let question = Question::Unsaved(Box::new(Command::Recover(copy)));
+    assert_eq!(app.question, Some(question));
+    run(&mut app, Command::Discard);
+    check_no_error(&app);
+    assert_eq!(app.document.branches.len(), 1);
+    assert!(app.document.items.len() > sample().items.len());
+}
+
+#[test]
+fn a_copy_that_failed_is_tried_again_though_nothing_happens() {
+    let folder = Folder::new("again");
+    std::fs::write(folder.path("recovery"), "no folder").unwrap();
+    let mut app = app_in(&folder, 1);
+    edit(&mut app, Edit::Append(Box::new(sample())));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    assert!(app.wakes_in().is_some_and(|t| t > Duration::from_secs(60)));
 }
 
 #[test]

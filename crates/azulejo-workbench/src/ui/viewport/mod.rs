@@ -77,8 +77,17 @@ pub fn irradiance_unit(app: &App) -> &'static str {
 }
 
 impl Viewport {
+    /// On the card of a window, if it has one.
+    ///
+    /// # Errors
+    /// [`Loss`]: the card cannot draw.
+    pub fn of_window(context: &eframe::CreationContext<'_>) -> Result<Viewport, Loss> {
+        let card = context.wgpu_render_state.as_ref();
+        card.map_or_else(|| Ok(Viewport::default()), Viewport::on)
+    }
+
     /// With a graphics card to draw on.
-    pub fn on(state: &eframe::egui_wgpu::RenderState) -> Result<Viewport, Loss> {
+    fn on(state: &eframe::egui_wgpu::RenderState) -> Result<Viewport, Loss> {
         Ok(Viewport {
             screen: Some(Screen::new(state)?),
             ..Viewport::default()

@@ -1,0 +1,107 @@
+//! Copies for recovery: written now and then, opened after a crash, forgotten when all is safe.
+
+use super::saving::OnDisk;
+use super::{App, Found};
+use crate::jobs::Kind;
+use azulejo::models;
+use azulejo::trace::Progress;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+impl App {
+    /// The window may close, whatever is lost by it.
+    pub fn leave(&mut self) {
+        self.forget_copy();
+        self.left = Some(self.agreed());
+        self.closing = true;
+    }
+
+    /// The document is safe, or given up: no copy of it is needed.
+    pub(super) fn forget_copy(&mut self) {
+        self.jobs.cancel_kind(Kind::Autosave);
+        self.recovery.clear();
+    }
+
+    /// Opens what was written before a crash.
+    pub(super) fn recover(&mut self, copy: PathBuf) {
+        self.begin_loading(vec![copy], true, true);
+    }
+
+    /// What was recovered is not on the disk where it belongs.
+    pub(super) fn adopt_recovered(&mut self, copy: &Path) {
+        let found = self.recovery.found().iter().find(|f| f.copy == copy);
+        let original = found.and_then(|f| f.original.clone());
+        self.recovery.adopt(copy);
+        self.file = original.map(OnDisk::unread);
+        match (&self.file, self.document.branches.first_mut()) {
+            (Some(file), Some(branch)) => {
+                branch.path.clone_from(&file.path);
+                branch.name = models::branch_name(&file.path, |_| false);
+            }
+            // The copy's own name says nothing to anybody.
+            _ => self.document.leave_files(),
+        }
+        self.revision = self.new_revision();
+        self.changed_at = Some(Instant::now());
+    }
+
+    /// Writes a copy for recovery, if one is due.
+    pub(super) fn autosave(&mut self) {
+        let patience = Duration::from_secs(u64::from(self.preferences.autosave));
+        let rests = self.changed_at.is_some_and(|t| t.elapsed() >= patience);
+        let wanted = !patience.is_zero() && rests && self.is_changed();
+        if !wanted || self.is_busy(Kind::Autosave) {
+            return;
+        }
+        let original = self.file.as_ref().map(|f| f.path.as_path());
+        let Some(path) = self.recovery.due(self.revision, original) else {
+            return;
+        };
+        self.changed_at = None;
+        let (document, revision) = (self.document.clone(), self.revision);
+        let solution = self.lighting.solution.clone();
+        let title = self.say("copy for recovery");
+        self.jobs
+            .start(Kind::Autosave, title, move |progress, outbox| {
+                let (scene, _) = document.lit_scene(solution.as_deref());
+                models::write(&scene, &path, progress).map_err(|e| e.to_string())?;
+                outbox.send(Found::Autosaved(revision));
+                Ok(())
+            });
+    }
+
+    /// Writes a copy for recovery now, whatever time it is, and waits for it; returns where it is,
+    /// `None` if there is nothing that is not on the disk.
+    ///
+    /// # Errors
+    /// Why it cannot be written, in words.
+    pub fn keep_for_next_start(&mut self) -> Result<Option<PathBuf>, String> {
+        if !self.is_changed() {
+            return Ok(None);
+        }
+        let original = self.file.as_ref().map(|f| f.path.as_path());
+        let path = self.recovery.place(original).unwrap_or_else(|| {
+            let name = format!("azulejo-kept-{}.grf", std::process::id());
+            std::env::temp_dir().join(name)
+        });
+        let (scene, _) = self.document.lit_scene(self.lighting.solution.as_deref());
+        models::write(&scene, &path, &Progress::new()).map_err(|e| e.to_string())?;
+        self.recovery.done(self.revision);
+        Ok(Some(path))
+    }
+
+    /// When the window should be drawn again although nothing happens: for a copy that is due.
+    pub fn wakes_in(&self) -> Option<Duration> {
+        let patience = Duration::from_secs(u64::from(self.preferences.autosave));
+        let waits = !patience.is_zero() && self.is_changed() && !self.is_busy(Kind::Autosave);
+        let waits = waits && self.recovery.awaits(self.revision);
+        let since = self.changed_at.filter(|_| waits)?.elapsed();
+        // After a copy that failed the next one is due later. What is due already is begun by the
+        // next frame, which must not be the next of very many.
+        let rest = patience.saturating_sub(since).max(self.recovery.rests());
+        Some(rest.max(SOON))
+    }
+}
+
+/// A frame that was asked for this early is no load.
+const SOON: Duration = Duration::from_millis(100);

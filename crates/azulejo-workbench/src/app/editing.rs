@@ -1,0 +1,144 @@
+//! Edits, what takes them back, and what is selected.
+
+use super::{App, Level};
+use crate::command::Selection;
+use crate::document::{Document, Edit, Id};
+use crate::jobs::Kind;
+use azulejo::scene::Shape;
+use std::time::Instant;
+
+/// What undo brings back.
+#[derive(Clone, Debug)]
+pub(super) struct Version {
+    document: Document,
+    selection: Vec<Id>,
+    revision: u64,
+}
+
+impl App {
+    fn version(&self) -> Version {
+        Version {
+            document: self.document.clone(),
+            selection: self.selection.ids.clone(),
+            revision: self.revision,
+        }
+    }
+
+    pub(super) fn edit(&mut self, edit: &Edit, gesture: Option<u64>) {
+        let before = self.version();
+        match edit.apply(&mut self.document) {
+            Ok(ids) => {
+                self.history.note(edit.label(), before, gesture);
+                self.changed();
+                self.select_after(edit, ids);
+            }
+            Err(refused) => {
+                let text = self.say(&refused.0).to_owned();
+                self.tell(Level::Error, text);
+            }
+        }
+    }
+
+    fn select_after(&mut self, edit: &Edit, ids: Vec<Id>) {
+        match edit {
+            Edit::AddMaterial(_) => {
+                self.selection.material = Some((self.document.materials.len() - 1) as u32);
+            }
+            Edit::Delete(_) => self.selection.ids.retain(|&id| self.document.has(id)),
+            Edit::Duplicate(_) | Edit::AddShape(_) | Edit::AddLight(_) | Edit::AddCamera(_) => {
+                self.select(Selection {
+                    ids,
+                    ..Selection::default()
+                });
+            }
+            _ => {}
+        }
+        self.mend_selection();
+    }
+
+    /// The document is another one now.
+    fn changed(&mut self) {
+        self.revision = self.new_revision();
+        self.edited();
+    }
+
+    /// What follows from every change of the document.
+    fn edited(&mut self) {
+        self.changed_at.get_or_insert_with(Instant::now);
+        self.jobs.cancel_kind(Kind::FormFactors);
+        if self.lighting.document_changed(&self.document) {
+            self.lit();
+        }
+        self.refresh_probes();
+        self.stop_picture();
+    }
+
+    /// A number that no document had before.
+    pub(super) fn new_revision(&mut self) -> u64 {
+        self.latest += 1;
+        self.latest
+    }
+
+    pub(super) fn undo(&mut self) {
+        let now = self.version();
+        if let Some(version) = self.history.undo(now) {
+            self.go_to(version);
+        }
+    }
+
+    pub(super) fn redo(&mut self) {
+        let now = self.version();
+        if let Some(version) = self.history.redo(now) {
+            self.go_to(version);
+        }
+    }
+
+    fn go_to(&mut self, version: Version) {
+        self.document = version.document;
+        self.selection.ids = version.selection;
+        self.revision = version.revision;
+        self.mend_selection();
+        self.edited();
+    }
+
+    pub(super) fn select(&mut self, selection: Selection) {
+        self.selection = selection;
+        self.history.end_gesture();
+        self.mend_selection();
+        self.find_material();
+    }
+
+    pub(super) fn select_all(&mut self) {
+        let document = &self.document;
+        let items = document.items.iter().map(|i| i.id);
+        let lights = document.lights.iter().map(|l| l.id);
+        self.selection.ids = items.chain(lights).collect();
+        self.selection.faces = None;
+        self.find_material();
+    }
+
+    /// The material of what is selected is the one that one wants to edit.
+    fn find_material(&mut self) {
+        let items = self.selection.ids.iter();
+        let mut items = items.filter_map(|&id| self.document.item(id));
+        if self.selection.material.is_none() {
+            let first = items.find_map(|item| item.materials().first().copied());
+            self.selection.material = first;
+        }
+    }
+
+    /// Forgets what is not there any more.
+    fn mend_selection(&mut self) {
+        let document = &self.document;
+        let selection = &mut self.selection;
+        selection.ids.retain(|&id| document.has(id));
+        let has_faces = |(id, faces): &(Id, Vec<u32>)| match document.item(*id).map(|i| &*i.shape) {
+            Some(Shape::Mesh(mesh)) => faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
+            _ => false,
+        };
+        selection.faces = selection.faces.take().filter(has_faces);
+        if (selection.material).is_some_and(|m| m as usize >= document.materials.len()) {
+            selection.material = None;
+        }
+    }
+}
