@@ -1,5 +1,6 @@
 //! Start, pause, stop; how far the solver is.
 
+use super::super::actions::ACTIONS;
 use super::super::desk::Desk;
 use super::percent;
 use crate::command::Command;
@@ -27,19 +28,25 @@ fn buttons(ui: &mut Ui, desk: &mut Desk) {
     let (runs, rests) = (desk.app.is_busy(Kind::Solve), desk.app.lighting.is_paused);
     let (language, has_light) = (desk.language, desk.app.document.has_light());
     ui.horizontal(|ui| {
-        let mut button = |name: &str, key: &str, makes_sense: bool, command: Command| {
+        let mut button = |name: &str, action: &str, makes_sense: bool, command: Command| {
             let button = Button::new(name).min_size(egui::vec2(72.0, 0.0));
-            let button = ui.add_enabled(makes_sense, button).on_hover_text(key);
+            let key = ACTIONS
+                .iter()
+                .find(|a| a.label == action)
+                .and_then(|a| a.key);
+            let key = key.map(|k| ui.ctx().format_shortcut(&k));
+            let button = ui.add_enabled(makes_sense, button);
+            let button = button.on_hover_text(key.unwrap_or_default());
             if button.clicked() {
                 desk.wish(command);
             }
         };
         match (runs, rests) {
-            (false, _) => button(language.say("Start"), "F5", has_light, Command::Solve),
-            (true, false) => button(language.say("Pause"), "F6", true, Command::Pause),
-            (true, true) => button(language.say("Go on"), "⇧F6", true, Command::Resume),
+            (false, _) => button(language.say("Start"), "Solve", has_light, Command::Solve),
+            (true, false) => button(language.say("Pause"), "Pause", true, Command::Pause),
+            (true, true) => button(language.say("Go on"), "Go on", true, Command::Resume),
         }
-        button(language.say("Stop"), "F7", runs, Command::StopSolving);
+        button(language.say("Stop"), "Stop", runs, Command::StopSolving);
     });
 }
 
