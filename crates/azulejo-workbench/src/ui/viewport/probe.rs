@@ -22,7 +22,7 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
         "{name} #{} · {} {} · ({}, {}, {})",
         entry.id.0,
         desk.say("face"),
-        hit.face,
+        entry.model_face(desk.app, ray).unwrap_or(hit.face),
         number(p.x),
         number(p.y),
         number(p.z)

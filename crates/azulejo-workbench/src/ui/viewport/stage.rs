@@ -74,7 +74,20 @@ impl Entry {
         light_of(self.mesh(), corners, weights).filter(|_| self.is_lit)
     }
 
-    /// The same where a ray meets what the solver made of the object, while something else of it
+    /// The face of the model that a ray meets, where patches that it was divided into are shown.
+    pub fn model_face(&self, app: &App, ray: &Ray) -> Option<usize> {
+        let item = app.document.item(self.id).filter(|_| self.is_lit)?;
+        let Shape::Mesh(mesh) = &*item.shape else {
+            return None;
+        };
+        let drawn = Drawn {
+            world_from_object: item.placement,
+            ..Drawn::new(0, mesh)
+        };
+        pick(&[drawn], ray, false).map(|hit| hit.face)
+    }
+
+    /// Irradiance where a ray meets what the solver made of the object, while something else of it
     /// is shown.
     pub fn light_beneath(&self, app: &App, ray: &Ray) -> Option<(Rgb, Option<Rgb>)> {
         let item = app.document.item(self.id)?;
