@@ -7,6 +7,7 @@ pub mod actions;
 pub mod brdf;
 pub mod desk;
 pub mod dialogs;
+mod focus;
 pub mod inspector;
 pub mod light;
 pub mod looks;

@@ -3,10 +3,9 @@
 use super::shapes::{Body, RINGS, SECTORS};
 use super::theme::{brightness, grid};
 use super::view::View;
+use crate::ui::focus::keep_arrows;
 use crate::words::Language;
-use egui::{
-    Color32, EventFilter, Key, Mesh, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
-};
+use egui::{Color32, Key, Mesh, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -72,12 +71,7 @@ fn turn(ui: &Ui, response: &egui::Response, orbit: &mut [f32; 2]) {
         by = response.drag_delta() * vec2(-TURN[0], TURN[0]);
     }
     if response.has_focus() {
-        let filter = EventFilter {
-            horizontal_arrows: true,
-            vertical_arrows: true,
-            ..EventFilter::default()
-        };
-        ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
+        keep_arrows(response);
         let pressed = |key| ui.input(|i| f32::from(u8::from(i.key_pressed(key))));
         by.x += TURN[1] * (pressed(Key::ArrowRight) - pressed(Key::ArrowLeft));
         by.y += TURN[1] * (pressed(Key::ArrowUp) - pressed(Key::ArrowDown));

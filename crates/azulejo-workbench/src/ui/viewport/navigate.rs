@@ -1,8 +1,9 @@
 //! Mouse and keys that move the view.
 
 use crate::app::App;
+use crate::ui::focus::keep_arrows;
 use crate::view::View;
-use egui::{EventFilter, Key, Modifiers, PointerButton, Response, Ui};
+use egui::{Key, Modifiers, PointerButton, Response, Ui};
 use glam::DVec3;
 
 /// Radians per point of dragging.
@@ -86,13 +87,7 @@ impl Held {
     /// None while another part of the window has the keys.
     fn now(ui: &Ui, response: &Response) -> Held {
         if response.has_focus() {
-            // Arrows are for the view, not for going to another part.
-            let filter = EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..EventFilter::default()
-            };
-            ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
+            keep_arrows(response);
         } else if ui.memory(|m| m.focused()).is_some() {
             return Held::default();
         }
