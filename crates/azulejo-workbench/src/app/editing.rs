@@ -25,6 +25,9 @@ impl App {
     }
 
     pub(super) fn edit(&mut self, edit: &Edit, gesture: Option<u64>) {
+        if !edit.changes(&self.document) {
+            return;
+        }
         let before = self.version();
         match edit.apply(&mut self.document) {
             Ok(ids) => {
@@ -112,7 +115,8 @@ impl App {
         let document = &self.document;
         let items = document.items.iter().map(|i| i.id);
         let lights = document.lights.iter().map(|l| l.id);
-        self.selection.ids = items.chain(lights).collect();
+        let cameras = document.cameras.iter().map(|c| c.id);
+        self.selection.ids = items.chain(lights).chain(cameras).collect();
         self.selection.faces = None;
         self.find_material();
     }

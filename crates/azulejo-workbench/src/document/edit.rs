@@ -1,9 +1,12 @@
 //! All the ways in which a document changes.
 
-use super::{Document, Id, Item, Lamp, NewLight, NewShape, Viewpoint, map_materials};
-use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Object, Rgb, Scene, Shape, Units};
+mod copies;
+mod objects;
+
+use super::{Document, Id, Lamp, NewLight, NewShape, Viewpoint};
+use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Rgb, Scene, Shape, Units};
 use glam::DAffine3;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
@@ -12,7 +15,7 @@ use std::sync::Arc;
 pub enum Edit {
     /// Gives an object, a light or a camera another name.
     Rename(Id, String),
-    /// Hides objects from the viewport, or shows them.
+    /// Hides objects, and the signs of lights and cameras, from the viewport, or shows them.
     Hide(Vec<Id>, bool),
     /// Takes things away.
     Delete(Vec<Id>),
@@ -92,6 +95,19 @@ impl Edit {
         }
     }
 
+    /// Whether anything is other than before when this is done. What hides what is hidden already, or
+    /// gives a thing the name that it has, is no step that one would want to take back.
+    pub fn changes(&self, document: &Document) -> bool {
+        match self {
+            Edit::Hide(ids, hidden) => {
+                let is_other = |&id: &Id| document.is_hidden(id) == Some(!hidden);
+                ids.iter().any(is_other)
+            }
+            Edit::Rename(id, name) => document.name(*id) != Some(name.trim()),
+            _ => true,
+        }
+    }
+
     /// Changes `document`; returns what should be selected then. A document that refuses is
     /// unchanged.
     ///
@@ -145,187 +161,6 @@ fn is_placement(map: &DAffine3) -> bool {
 }
 
 impl Document {
-    fn item_mut(&mut self, id: Id) -> Option<&mut Item> {
-        let at = self.items.binary_search_by_key(&id, |i| i.id).ok()?;
-        self.items.get_mut(at)
-    }
-
-    fn rename(&mut self, id: Id, name: &str) -> Edited {
-        let name = name.trim().to_owned();
-        if name.chars().any(char::is_control) {
-            return refuse("a name holds control characters, expected one line of text");
-        }
-        if let Some(item) = self.item_mut(id) {
-            item.name = name;
-        } else if let Some(lamp) = self.lights.iter_mut().find(|l| l.id == id) {
-            lamp.light.name = name;
-        } else if let Some(view) = self.cameras.iter_mut().find(|c| c.id == id) {
-            view.camera.name = name;
-        } else {
-            return missing("object");
-        }
-        Ok(vec![id])
-    }
-
-    fn hide(&mut self, ids: &[Id], hidden: bool) -> Vec<Id> {
-        let chosen = set(ids);
-        let named = self.items.iter_mut().filter(|i| chosen.contains(&i.id));
-        named.for_each(|item| item.hidden = hidden);
-        ids.to_vec()
-    }
-
-    fn delete(&mut self, ids: &[Id]) -> Edited {
-        if !ids.iter().any(|&id| self.has(id)) {
-            return refuse("nothing is selected, select what to delete");
-        }
-        let chosen = set(ids);
-        self.items.retain(|i| !chosen.contains(&i.id));
-        self.lights.retain(|l| !chosen.contains(&l.id));
-        self.cameras.retain(|c| !chosen.contains(&c.id));
-        self.rtrace = None;
-        Ok(Vec::new())
-    }
-
-    fn duplicate(&mut self, ids: &[Id]) -> Edited {
-        if !ids.iter().any(|&id| self.has(id)) {
-            return refuse("nothing is selected, select what to duplicate");
-        }
-        let chosen = set(ids);
-        let items = self.items.iter().filter(|i| chosen.contains(&i.id));
-        let items: Vec<Item> = items.cloned().collect();
-        let lamps = self.lights.iter().filter(|l| chosen.contains(&l.id));
-        let lamps: Vec<Lamp> = lamps.cloned().collect();
-        let views = self.cameras.iter().filter(|c| chosen.contains(&c.id));
-        let views: Vec<Viewpoint> = views.cloned().collect();
-        let mut names = Names::of(self);
-        let mut copies = Vec::new();
-        for mut item in items {
-            item.id = self.new_id();
-            item.name = names.fresh(&item.name);
-            copies.push(item.id);
-            self.items.push(item);
-            self.rtrace = None;
-        }
-        for mut lamp in lamps {
-            lamp.id = self.new_id();
-            lamp.light.name = names.fresh(&lamp.light.name);
-            copies.push(lamp.id);
-            self.lights.push(lamp);
-        }
-        for mut view in views {
-            view.id = self.new_id();
-            view.camera.name = names.fresh(&view.camera.name);
-            copies.push(view.id);
-            self.cameras.push(view);
-        }
-        Ok(copies)
-    }
-
-    /// `name` with the first number behind it that no object, light or camera has.
-    pub(super) fn fresh_name(&self, name: &str) -> String {
-        Names::of(self).fresh(name)
-    }
-
-    fn transform(&mut self, ids: &[Id], map: &DAffine3) -> Edited {
-        if !is_placement(map) {
-            return refuse("the transform flattens what it moves, expected factors other than 0");
-        }
-        let chosen = set(ids);
-        let mut moved = self.clone();
-        for item in moved.items.iter_mut().filter(|i| chosen.contains(&i.id)) {
-            item.placement = *map * item.placement;
-            self.check_placed(item)?;
-        }
-        // Lights and cameras know themselves how they move.
-        let lights = self.lights.iter().filter(|l| chosen.contains(&l.id));
-        let cameras = self.cameras.iter().filter(|c| chosen.contains(&c.id));
-        let carried = Scene {
-            lights: lights.map(|l| l.light.clone()).collect(),
-            cameras: cameras.map(|c| c.camera.clone()).collect(),
-            ..Scene::default()
-        }
-        .transformed(map);
-        carried.validate().or_else(refuse)?;
-        let places = (moved.lights.iter_mut()).filter(|l| chosen.contains(&l.id));
-        places
-            .zip(carried.lights)
-            .for_each(|(lamp, light)| lamp.light = light);
-        let places = (moved.cameras.iter_mut()).filter(|c| chosen.contains(&c.id));
-        places
-            .zip(carried.cameras)
-            .for_each(|(view, camera)| view.camera = camera);
-        moved.rtrace = None;
-        *self = moved;
-        Ok(ids.to_vec())
-    }
-
-    fn place(&mut self, id: Id, placement: &DAffine3) -> Edited {
-        if !is_placement(placement) {
-            return refuse("the transform flattens the object, expected factors other than 0");
-        }
-        let Some(mut item) = self.item(id).cloned() else {
-            return missing("object");
-        };
-        item.placement = *placement;
-        self.replace_item(item)
-    }
-
-    /// Puts an object in the place of the one of its name for good.
-    fn replace_item(&mut self, item: Item) -> Edited {
-        self.check_placed(&item)?;
-        let id = item.id;
-        if let Some(old) = self.item_mut(id) {
-            *old = item;
-        }
-        self.rtrace = None;
-        Ok(vec![id])
-    }
-
-    /// Whether numbers can tell where an object stands, and what it is there.
-    fn check_placed(&self, item: &Item) -> Result<(), Refused> {
-        let bounds = item.bounds();
-        let is_there = bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite());
-        if !is_placement(&item.placement) || !is_there {
-            return refuse("the object leaves the range of numbers");
-        }
-        match &*item.shape {
-            Shape::Mesh(_) => Ok(()),
-            _ => self.check_object(item.object()),
-        }
-    }
-
-    /// Whether an object would be valid with these materials.
-    fn check_object(&self, object: Object) -> Result<(), Refused> {
-        let alone = Scene {
-            objects: vec![object],
-            materials: vec![Material::default(); self.materials.len()],
-            ..Scene::default()
-        };
-        alone.validate().or_else(|e| refuse(e.problem))
-    }
-
-    fn add_shape(&mut self, new: &NewShape) -> Edited {
-        let mut made = self.clone();
-        let (name, shape) = new.make(&mut made)?;
-        let name = self.fresh_name(&name);
-        let id = made.push_shape(name, shape, None);
-        made.items
-            .last()
-            .map_or(Ok(()), |item| made.check_placed(item))?;
-        made.rtrace = None;
-        *self = made;
-        Ok(vec![id])
-    }
-
-    fn set_shape(&mut self, id: Id, shape: &Arc<Shape>) -> Edited {
-        let Some(mut item) = self.item(id).cloned() else {
-            return missing("object");
-        };
-        self.check_object(Object::new("", Shape::clone(shape)))?;
-        item.set_shape(Arc::clone(shape));
-        self.replace_item(item)
-    }
-
     fn add_light(&mut self, new: &NewLight) -> Edited {
         let mut light = new.make(self);
         light.name = self.fresh_name(&light.name);
@@ -334,6 +169,7 @@ impl Document {
         self.lights.push(Lamp {
             id,
             branch: None,
+            hidden: false,
             light,
         });
         Ok(vec![id])
@@ -360,6 +196,7 @@ impl Document {
         self.cameras.push(Viewpoint {
             id,
             branch: None,
+            hidden: false,
             camera,
         });
         Ok(vec![id])
@@ -411,39 +248,6 @@ impl Document {
         }
     }
 
-    fn assign(&mut self, ids: &[Id], material: MaterialId) -> Edited {
-        self.known_material(material)?;
-        let chosen = set(ids);
-        let named = self.items.iter_mut().filter(|i| chosen.contains(&i.id));
-        for item in named {
-            item.change_shape(|shape| map_materials(shape, &mut |_| material));
-        }
-        self.rtrace = None;
-        Ok(ids.to_vec())
-    }
-
-    fn assign_faces(&mut self, id: Id, faces: &[u32], material: MaterialId) -> Edited {
-        self.known_material(material)?;
-        let Some(item) = self.item_mut(id) else {
-            return missing("object");
-        };
-        let Shape::Mesh(mesh) = &*item.shape else {
-            return self.assign(&[id], material);
-        };
-        if faces.iter().any(|&f| f as usize >= mesh.faces.len()) {
-            return missing("face");
-        }
-        item.change_shape(|shape| {
-            if let Shape::Mesh(mesh) = shape {
-                for &face in faces {
-                    mesh.face_materials[face as usize] = material;
-                }
-            }
-        });
-        self.rtrace = None;
-        Ok(vec![id])
-    }
-
     fn set_surroundings(&mut self, background: Option<Rgb>, fog: Option<Fog>) -> Edited {
         let alone = Scene {
             background,
@@ -464,96 +268,10 @@ impl Document {
         self.units = units;
         Ok(Vec::new())
     }
-
-    /// Adds what another document holds; its names for good become ones of this document.
-    fn append_document(&mut self, other: &Document) -> Vec<Id> {
-        if self.is_empty() {
-            self.units = other.units;
-        }
-        let (branches, materials) = (self.branches.len(), self.materials.len() as u32);
-        let textures = self.textures.len() as u32;
-        let branch = |b: Option<usize>| b.map(|b| b + branches);
-        self.branches.extend(other.branches.iter().cloned());
-        self.textures.extend(other.textures.iter().cloned());
-        for material in &other.materials {
-            let mut material = Arc::clone(material);
-            if textures > 0 && !material.textures.is_empty() {
-                let own = Arc::make_mut(&mut material);
-                own.textures.iter_mut().for_each(|t| *t += textures);
-            }
-            self.materials.push(material);
-        }
-        let mut ids = Vec::new();
-        for item in &other.items {
-            let mut item = item.clone();
-            if materials > 0 {
-                item.change_shape(|shape| map_materials(shape, &mut |m| m + materials));
-            }
-            item.id = self.new_id();
-            item.branch = branch(item.branch);
-            ids.push(item.id);
-            self.items.push(item);
-        }
-        for lamp in &other.lights {
-            let id = self.new_id();
-            self.lights.push(Lamp {
-                id,
-                branch: branch(lamp.branch),
-                light: lamp.light.clone(),
-            });
-        }
-        for view in &other.cameras {
-            let id = self.new_id();
-            self.cameras.push(Viewpoint {
-                id,
-                branch: branch(view.branch),
-                camera: view.camera.clone(),
-            });
-        }
-        self.background = self.background.or(other.background);
-        self.fog = self.fog.or(other.fog);
-        self.rtrace = None;
-        ids
-    }
 }
 
 fn set(ids: &[Id]) -> HashSet<Id> {
     ids.iter().copied().collect()
-}
-
-/// Names that are taken.
-struct Names {
-    taken: HashSet<String>,
-    /// The last number behind each stem that was found free: those before it are not asked again.
-    numbers: HashMap<String, u64>,
-}
-
-impl Names {
-    fn of(document: &Document) -> Names {
-        let items = document.items.iter().map(|i| &i.name);
-        let lights = document.lights.iter().map(|l| &l.light.name);
-        let cameras = document.cameras.iter().map(|c| &c.camera.name);
-        Names {
-            taken: items.chain(lights).chain(cameras).cloned().collect(),
-            numbers: HashMap::new(),
-        }
-    }
-
-    /// `name`, with the first free number behind it if it is taken; then it is taken too.
-    fn fresh(&mut self, name: &str) -> String {
-        let mut found = name.to_owned();
-        if self.taken.contains(name) {
-            let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
-            let stem = stem.trim_end();
-            let number = self.numbers.entry(stem.to_owned()).or_insert(1);
-            while self.taken.contains(&found) {
-                *number += 1;
-                found = format!("{stem} {number}");
-            }
-        }
-        self.taken.insert(found.clone());
-        found
-    }
 }
 
 fn check_light(light: &Light) -> Result<(), Refused> {

@@ -8,6 +8,7 @@
 mod edit;
 mod make;
 mod paint;
+mod places;
 mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -15,6 +16,7 @@ pub(crate) mod tests;
 pub use edit::{Edit, Refused};
 pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
 pub use paint::Paint;
+pub use places::light_place;
 pub use solution::{Solution, same_light};
 
 use azulejo::formats::Format;
@@ -36,8 +38,9 @@ pub struct Id(pub u64);
 pub struct Document {
     /// Where things come from; what is made by hand has none.
     pub branches: Vec<Branch>,
-    /// What has a surface.
-    pub items: Vec<Item>,
+    /// What has a surface. Each stands behind a pointer of its own: of a thousand objects an edit
+    /// copies those that it changes.
+    pub items: Vec<Arc<Item>>,
     /// What surfaces refer to by [`MaterialId`].
     pub materials: Vec<Arc<Material>>,
     /// What materials refer to.
@@ -95,6 +98,8 @@ pub struct Lamp {
     pub id: Id,
     /// Index of its file in [`Document::branches`].
     pub branch: Option<usize>,
+    /// Whether its sign is left out of the viewport. It goes on shining.
+    pub hidden: bool,
     /// What it is.
     pub light: Light,
 }
@@ -106,6 +111,8 @@ pub struct Viewpoint {
     pub id: Id,
     /// Index of its file in [`Document::branches`].
     pub branch: Option<usize>,
+    /// Whether its sign is left out of the viewport.
+    pub hidden: bool,
     /// What it sees.
     pub camera: Camera,
 }
@@ -259,11 +266,21 @@ impl Document {
         }
         for light in scene.lights {
             let id = self.new_id();
-            self.lights.push(Lamp { id, branch, light });
+            self.lights.push(Lamp {
+                id,
+                branch,
+                hidden: false,
+                light,
+            });
         }
         for camera in scene.cameras {
             let id = self.new_id();
-            self.cameras.push(Viewpoint { id, branch, camera });
+            self.cameras.push(Viewpoint {
+                id,
+                branch,
+                hidden: false,
+                camera,
+            });
         }
         self.background = self.background.or(scene.background);
         self.fog = self.fog.or(scene.fog);
@@ -273,7 +290,7 @@ impl Document {
     /// Adds an object where it was made.
     fn push_shape(&mut self, name: String, shape: Shape, branch: Option<usize>) -> Id {
         let id = self.new_id();
-        self.items.push(Item {
+        self.items.push(Arc::new(Item {
             id,
             name,
             branch,
@@ -281,7 +298,7 @@ impl Document {
             facts: Arc::new(Facts::of(&shape)),
             shape: Arc::new(shape),
             placement: DAffine3::IDENTITY,
-        });
+        }));
         id
     }
 
@@ -316,7 +333,7 @@ impl Document {
 
     fn scene_of(&self, object: impl Fn(&Item) -> Object) -> Scene {
         Scene {
-            objects: self.items.iter().map(object).collect(),
+            objects: self.items.iter().map(|item| object(item)).collect(),
             materials: self.materials.iter().map(|m| Material::clone(m)).collect(),
             textures: self.textures.iter().map(|t| Texture::clone(t)).collect(),
             lights: self.lights.iter().map(|l| l.light.clone()).collect(),
@@ -357,14 +374,14 @@ impl Document {
     /// Everything is as if it was made by hand.
     pub(crate) fn leave_files(&mut self) {
         self.branches.clear();
-        self.items.iter_mut().for_each(|i| i.branch = None);
+        (self.items.iter_mut()).for_each(|i| Arc::make_mut(i).branch = None);
         self.lights.iter_mut().for_each(|l| l.branch = None);
         self.cameras.iter_mut().for_each(|c| c.branch = None);
     }
 
     /// The object of this name for good.
     pub fn item(&self, id: Id) -> Option<&Item> {
-        in_order(&self.items, id, |i| i.id)
+        in_order(&self.items, id, |i| i.id).map(|item| &**item)
     }
 
     /// The light of this name for good.
@@ -382,6 +399,22 @@ impl Document {
         self.item(id).is_some() || self.lamp(id).is_some() || self.viewpoint(id).is_some()
     }
 
+    /// Whether a thing is out of sight; `None` if there is no such thing.
+    pub fn is_hidden(&self, id: Id) -> Option<bool> {
+        let item = self.item(id).map(|i| i.hidden);
+        let lamp = || self.lamp(id).map(|l| l.hidden);
+        let camera = || self.viewpoint(id).map(|c| c.hidden);
+        item.or_else(lamp).or_else(camera)
+    }
+
+    /// Everything that is out of sight.
+    pub fn hidden(&self) -> Vec<Id> {
+        let items = self.items.iter().filter(|i| i.hidden).map(|i| i.id);
+        let lights = self.lights.iter().filter(|l| l.hidden).map(|l| l.id);
+        let cameras = self.cameras.iter().filter(|c| c.hidden).map(|c| c.id);
+        items.chain(lights).chain(cameras).collect()
+    }
+
     /// Its name for people.
     pub fn name(&self, id: Id) -> Option<&str> {
         let item = self.item(id).map(|i| i.name.as_str());
@@ -394,7 +427,7 @@ impl Document {
     pub fn bounds(&self, ids: Option<&[Id]>) -> Aabb {
         let around = |all: Aabb, item: &Item| all.union(item.bounds());
         match ids {
-            None => self.items.iter().fold(Aabb::EMPTY, around),
+            None => (self.items.iter()).fold(Aabb::EMPTY, |all, item| around(all, item)),
             Some(ids) => {
                 let items = ids.iter().filter_map(|&id| self.item(id));
                 items.fold(Aabb::EMPTY, around)
@@ -409,7 +442,7 @@ impl Document {
             Shape::Primitive(_) => 1,
             Shape::Exact(exact) => exact.leaves().len(),
         };
-        self.items.iter().map(faces).sum()
+        self.items.iter().map(|item| faces(item)).sum()
     }
 
     /// Whether anything shines.

@@ -39,7 +39,7 @@ impl Solution {
 
     /// The light that a file brought, if every surface has some.
     pub fn of_file(document: &Document) -> Option<Solution> {
-        let all = !document.items.is_empty() && document.items.iter().all(is_lit);
+        let all = !document.items.is_empty() && document.items.iter().all(|item| is_lit(item));
         all.then(|| Solution {
             shapes: (document.items.iter())
                 .map(|i| (i.id, Arc::clone(&i.shape)))

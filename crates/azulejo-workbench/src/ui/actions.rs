@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::command::{Ask, Command, Selection};
-use crate::document::{Edit, NewKind, NewLightKind};
+use crate::document::{Edit, Id, NewKind, NewLightKind};
 use crate::jobs::Kind;
 use crate::view::{Shading, Side};
 use egui::{Key, KeyboardShortcut, Modifiers};
@@ -143,9 +143,16 @@ fn edit(edit: Edit) -> Option<Wish> {
     done(Command::Edit(edit, None))
 }
 
-fn selected(app: &App, make: impl Fn(Vec<crate::document::Id>) -> Edit) -> Option<Wish> {
+fn selected(app: &App, make: impl Fn(Vec<Id>) -> Edit) -> Option<Wish> {
     let ids = &app.selection.ids;
     (!ids.is_empty()).then(|| Wish::Do(Command::Edit(make(ids.clone()), None)))
+}
+
+fn hide(ids: Vec<Id>, hidden: bool) -> Option<Wish> {
+    when(
+        !ids.is_empty(),
+        Command::Edit(Edit::Hide(ids, hidden), None),
+    )
 }
 
 fn look(app: &App, change: impl FnOnce(&mut crate::view::View)) -> Option<Wish> {
@@ -214,12 +221,12 @@ pub const ACTIONS: &[Action] = &[
         (a.selection.ids.len() == 1).then_some(Wish::Show(Panel::Rename))
     }),
     action(Menu::Edit, "Hide", key(Key::H), |a| {
-        selected(a, |ids| Edit::Hide(ids, true))
+        let shown = |id: &Id| a.document.is_hidden(*id) == Some(false);
+        let ids = a.selection.ids.iter().copied().filter(shown).collect();
+        hide(ids, true)
     }),
     action(Menu::Edit, "Show all", shift(Key::H), |a| {
-        let hidden = a.document.items.iter().filter(|i| i.hidden);
-        let ids: Vec<_> = hidden.map(|i| i.id).collect();
-        when(!ids.is_empty(), Command::Edit(Edit::Hide(ids, false), None))
+        hide(a.document.hidden(), false)
     }),
     action(Menu::Add, "Box", None, |_| {
         done(Command::AddShape(NewKind::Cuboid))
@@ -266,7 +273,7 @@ pub const ACTIONS: &[Action] = &[
         look(a, |view| view.frame(bounds))
     }),
     action(Menu::View, "Frame selection", key(Key::Period), |a| {
-        let bounds = a.document.bounds(Some(&a.selection.ids));
+        let bounds = a.document.frame_of(&a.selection.ids);
         match bounds.is_empty() {
             true => None,
             false => look(a, |view| view.frame(bounds)),
@@ -433,5 +440,31 @@ mod tests {
             assert_eq!((of(label).wish)(&app), None, "{label}");
         }
         assert!(ACTIONS.iter().any(|a| (a.wish)(&app).is_some()));
+    }
+
+    #[test]
+    fn lights_and_cameras_are_hidden_and_framed() {
+        let mut app = App::quiet();
+        app.document = crate::document::tests::sample();
+        let wish = |app: &App, label: &str| {
+            let action = ACTIONS.iter().find(|a| a.label == label).unwrap();
+            (action.wish)(app)
+        };
+        assert_eq!(wish(&app, "Frame selection"), None);
+        let (bulb, view) = (Id(5), Id(6));
+        app.selection.ids = vec![bulb, view];
+        app.document.cameras[0].hidden = true;
+        let hide =
+            |ids: Vec<Id>, hidden| Some(Wish::Do(Command::Edit(Edit::Hide(ids, hidden), None)));
+        assert_eq!(wish(&app, "Hide"), hide(vec![bulb], true));
+        assert_eq!(wish(&app, "Show all"), hide(vec![view], false));
+        app.document.lights[0].hidden = true;
+        assert_eq!(wish(&app, "Hide"), None);
+        app.selection.ids = vec![bulb];
+        let Some(Wish::Do(Command::Look(look))) = wish(&app, "Frame selection") else {
+            panic!("a light can be framed")
+        };
+        let middle = look.camera.target - glam::DVec3::new(0.0, 1.5, 0.0);
+        assert!(middle.length() < 1e-9, "{middle}");
     }
 }

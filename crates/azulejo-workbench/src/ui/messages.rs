@@ -3,6 +3,7 @@
 use super::desk::Desk;
 use crate::app::Level;
 use crate::command::{Command, Selection};
+use crate::document::Id;
 use egui::{Align, Color32, Layout, ProgressBar, RichText, ScrollArea, Ui};
 
 /// Draws the list of messages. One that is about an object leads there.
@@ -36,12 +37,20 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
                     Some(id) => {
                         let link = ui.add(egui::Link::new(text));
                         if link.on_hover_text(&message.text).clicked() {
-                            desk.wish(Command::Select(Selection::one(id)));
+                            lead_to(desk, id);
                         }
                     }
                 }
             }
         });
+}
+
+/// Selects a thing and looks at it.
+fn lead_to(desk: &mut Desk, id: Id) {
+    let mut view = desk.app.view.clone();
+    view.frame(desk.app.document.frame_of(&[id]));
+    desk.wish(Command::Select(Selection::one(id)));
+    desk.wish(Command::Look(Box::new(view)));
 }
 
 fn color(level: Level, ui: &Ui) -> Option<Color32> {

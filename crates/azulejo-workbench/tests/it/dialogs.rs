@@ -87,7 +87,8 @@ fn solid_letters_are_added() {
 fn a_message_leads_to_what_it_is_about() {
     let folder = Folder::new("messages");
     let path = folder.path("odd.obj");
-    let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl nowhere\nf 1 2 3\ncurv2 1 2\n";
+    let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl nowhere\nf 1 2 3\ncurv2 1 2\n\
+                o far\nv 9 9 9\nv 10 9 9\nv 9 10 9\nf 4 5 6\n";
     std::fs::write(&path, text).unwrap();
     let mut app = App::quiet();
     app.execute(azulejo_workbench::command::Command::Open(vec![path]));
@@ -105,6 +106,9 @@ fn a_message_leads_to_what_it_is_about() {
     window.run();
     let app = &window.state().app;
     assert_eq!(app.selection.ids, [app.document.items[0].id]);
+    // It is in the middle of what is seen.
+    let about = app.document.bounds(Some(&app.selection.ids)).centre();
+    assert!((app.view.camera.target - about).length() < 1e-9);
     click(&mut window, "Clear");
     assert!(window.state().app.messages.is_empty());
 }

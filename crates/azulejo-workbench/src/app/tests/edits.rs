@@ -258,10 +258,14 @@ fn perform(app: &mut App, act: Act) {
         Act::Edit(edit, gesture) => {
             let (before, revision) = (app.document.clone(), app.revision());
             app.messages.clear();
+            let is_idle = !edit.changes(&before);
             app.execute(Command::Edit(edit, gesture));
             let refused = !app.messages.is_empty();
-            assert_eq!(refused, app.revision() == revision);
-            assert!(!refused || app.document == before, "refused, and changed");
+            assert_eq!(refused || is_idle, app.revision() == revision);
+            assert!(
+                app.revision() != revision || app.document == before,
+                "refused, and changed"
+            );
         }
     }
 }
@@ -334,7 +338,23 @@ fn what_is_made_is_selected_and_undo_selects_what_was() {
     app.execute(Command::Undo);
     assert_eq!(app.selection.ids, [Id(3)]);
     app.execute(Command::SelectAll);
-    assert_eq!(app.selection.ids.len(), 5);
+    assert_eq!(app.selection.ids, (1..=6).map(Id).collect::<Vec<_>>());
+}
+
+#[test]
+fn what_changes_nothing_is_no_step() {
+    let mut app = filled();
+    edit(&mut app, Edit::Hide(vec![Id(1), Id(5), Id(6)], false));
+    edit(&mut app, Edit::Hide(vec![Id(99)], true));
+    edit(&mut app, Edit::Rename(Id(3), "ball ".into()));
+    assert_eq!(app.undo_labels().0, None);
+    assert!(!app.is_changed());
+    check_no_error(&app);
+    edit(&mut app, Edit::Hide(vec![Id(1), Id(5), Id(6)], true));
+    assert_eq!(app.document.hidden(), [1, 5, 6].map(Id));
+    assert!(app.document.has_light() && app.document.scene().lights.len() == 1);
+    app.execute(Command::Undo);
+    assert!(app.document.hidden().is_empty());
 }
 
 #[test]

@@ -257,16 +257,7 @@ impl Viewport {
         if selection.ids.is_empty() {
             return None;
         }
-        let mut bounds = app.document.bounds(Some(&selection.ids));
-        let all = app.document.bounds(None);
-        for id in &selection.ids {
-            if let Some(lamp) = app.document.lamp(*id) {
-                bounds = bounds.with_point(signs::light_place(&lamp.light.kind, all));
-            }
-            if let Some(view) = app.document.viewpoint(*id) {
-                bounds = bounds.with_point(view.camera.eye);
-            }
-        }
+        let bounds = app.document.bounds_with_signs(&selection.ids, 0.0);
         (!bounds.is_empty()).then(|| bounds.centre())
     }
 

@@ -1,7 +1,6 @@
 //! What the mouse points at, or keys: the middle of the view then; and what a click there does.
 
 use super::{Viewport, probe, signs};
-use crate::app::App;
 use crate::command::{Command, PatchAt, Selection};
 use crate::document::Id;
 use crate::gpu::{Drawn, Pick, Projection, pick};
@@ -9,7 +8,7 @@ use crate::ui::desk::Desk;
 use crate::view::Shading;
 use azulejo::scene::Shape;
 use azulejo::scene::math::Ray;
-use egui::{Pos2, Rect, Response, Ui, Vec2};
+use egui::{Pos2, Rect, Response, Ui};
 use glam::DVec2;
 
 impl Viewport {
@@ -36,7 +35,7 @@ impl Viewport {
         let ray = view.ray(pixel);
         self.pointed = Some(ray);
         if response.double_clicked() {
-            let bounds = desk.app.document.bounds(Some(&desk.app.selection.ids));
+            let bounds = desk.app.document.frame_of(&desk.app.selection.ids);
             let mut look = desk.app.view.clone();
             look.frame(bounds);
             desk.wish(Command::Look(Box::new(look)));
@@ -93,7 +92,7 @@ impl Viewport {
             self.pick_face(ray, desk);
             return;
         }
-        let found = self.sign_at(mouse, rect, view, desk.app).or_else(|| {
+        let found = signs::at(mouse, rect, view, desk.app).or_else(|| {
             let hit = self.hit(ray)?;
             Some(self.stage.entries()[hit.object].id)
         });
@@ -156,26 +155,5 @@ impl Viewport {
             faces: (!faces.is_empty()).then_some((id, faces)),
             material: material.copied(),
         }));
-    }
-
-    /// The light or camera whose sign is pointed at.
-    fn sign_at(&self, mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<Id> {
-        const NEAR: f32 = 12.0;
-        if !app.view.signs {
-            return None;
-        }
-        let bounds = app.document.bounds(None);
-        let lights = app.document.lights.iter();
-        let lights = lights.map(|l| (l.id, signs::light_place(&l.light.kind, bounds)));
-        let cameras = app.document.cameras.iter();
-        let cameras = cameras.map(|c| (c.id, c.camera.eye));
-        let distance = |p: glam::DVec3| {
-            let p = view.project(p)?;
-            let p = rect.min + Vec2::new(p.x as f32, p.y as f32);
-            Some(p.distance(mouse)).filter(|d| *d < NEAR)
-        };
-        let near = lights.chain(cameras);
-        let near = near.filter_map(|(id, p)| Some((id, distance(p)?)));
-        near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id)
     }
 }

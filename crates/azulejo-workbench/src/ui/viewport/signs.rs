@@ -1,9 +1,11 @@
 //! What stands beside the model: lights, cameras, a grid, axes.
 
 use crate::app::App;
-use crate::gpu::{Ink, Overlay};
+use crate::document::{Id, light_place};
+use crate::gpu::{Ink, Overlay, Projection};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, LightKind, Shape, Up};
+use egui::{Pos2, Rect, Vec2};
 use glam::DVec3;
 
 /// Yellow for light, blue for cameras, grey for the ground.
@@ -24,11 +26,11 @@ pub fn overlay(app: &App) -> Overlay {
         grid(&mut overlay, bounds, app.document.units.up);
     }
     if app.view.signs {
-        for lamp in &app.document.lights {
+        for lamp in app.document.lights.iter().filter(|l| !l.hidden) {
             let ink = ink(LIGHT, app.selection.ids.contains(&lamp.id));
             light(&mut overlay, &lamp.light.kind, bounds, size, ink);
         }
-        for view in &app.document.cameras {
+        for view in app.document.cameras.iter().filter(|c| !c.hidden) {
             let ink = ink(CAMERA, app.selection.ids.contains(&view.id));
             camera(&mut overlay, &view.camera, size, ink);
         }
@@ -71,21 +73,31 @@ fn chosen_faces(overlay: &mut Overlay, app: &App) {
     }
 }
 
+/// The light or camera whose sign is nearest to a point of the window, if one is near.
+pub fn at(mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<Id> {
+    const NEAR: f32 = 12.0;
+    if !app.view.signs {
+        return None;
+    }
+    let bounds = app.document.bounds(None);
+    let lights = app.document.lights.iter().filter(|l| !l.hidden);
+    let lights = lights.map(|l| (l.id, light_place(&l.light.kind, bounds)));
+    let cameras = app.document.cameras.iter().filter(|c| !c.hidden);
+    let cameras = cameras.map(|c| (c.id, c.camera.eye));
+    let distance = |p: DVec3| {
+        let p = view.project(p)?;
+        let p = rect.min + Vec2::new(p.x as f32, p.y as f32);
+        Some(p.distance(mouse)).filter(|d| *d < NEAR)
+    };
+    let near = lights.chain(cameras);
+    let near = near.filter_map(|(id, p)| Some((id, distance(p)?)));
+    near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id)
+}
+
 fn ink(color: [u8; 3], is_selected: bool) -> Ink {
     match is_selected {
         true => Ink::new(CHOSEN, 2.5),
         false => Ink::new(color, 1.5),
-    }
-}
-
-/// Where a light is drawn: those without a place hang above the model.
-pub fn light_place(kind: &LightKind, bounds: Aabb) -> DVec3 {
-    match *kind {
-        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => position,
-        LightKind::Directional { direction, .. } => {
-            bounds.centre() - direction * (0.7 * bounds.diagonal().max(1.0))
-        }
-        LightKind::Ambient { .. } => bounds.centre() + DVec3::ONE * (0.4 * bounds.diagonal()),
     }
 }
 
@@ -195,10 +207,28 @@ fn grid(overlay: &mut Overlay, bounds: Aabb, up: Up) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::Id;
     use crate::document::tests::{sample, solved};
     use crate::view::Shading;
     use std::sync::Arc;
+
+    #[test]
+    fn what_is_hidden_has_no_sign() {
+        let mut app = App::quiet();
+        app.document = sample();
+        let lines = |app: &App| overlay(app).lines.len();
+        let all = lines(&app);
+        let rect = Rect::from_min_size(Pos2::ZERO, Vec2::splat(100.0));
+        let view = Projection::new(&app.document.cameras[0].camera, [100, 100]);
+        let bulb = view.project(DVec3::new(0.0, 1.5, 0.0)).unwrap();
+        let mouse = Pos2::new(bulb.x as f32, bulb.y as f32);
+        assert_eq!(at(mouse, rect, &view, &app), Some(Id(5)));
+        app.document.lights[0].hidden = true;
+        assert_eq!(at(mouse, rect, &view, &app), None);
+        let without_light = lines(&app);
+        assert!(without_light < all);
+        app.document.cameras[0].hidden = true;
+        assert!(lines(&app) < without_light);
+    }
 
     #[test]
     fn selected_faces_are_marked_on_what_the_solver_divided() {

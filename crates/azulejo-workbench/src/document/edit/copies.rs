@@ -1,0 +1,136 @@
+//! What comes in many copies: duplicates, whole documents, and names that nobody else has.
+
+use super::{Edited, refuse, set};
+use crate::document::{Document, Id, Item, Lamp, Viewpoint, map_materials};
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+impl Document {
+    pub(super) fn duplicate(&mut self, ids: &[Id]) -> Edited {
+        if !ids.iter().any(|&id| self.has(id)) {
+            return refuse("nothing is selected, select what to duplicate");
+        }
+        let chosen = set(ids);
+        let items = self.items.iter().filter(|i| chosen.contains(&i.id));
+        let items: Vec<Item> = items.map(|item| Item::clone(item)).collect();
+        let lamps = self.lights.iter().filter(|l| chosen.contains(&l.id));
+        let lamps: Vec<Lamp> = lamps.cloned().collect();
+        let views = self.cameras.iter().filter(|c| chosen.contains(&c.id));
+        let views: Vec<Viewpoint> = views.cloned().collect();
+        let mut names = Names::of(self);
+        let mut copies = Vec::new();
+        for mut item in items {
+            item.id = self.new_id();
+            item.name = names.fresh(&item.name);
+            copies.push(item.id);
+            self.items.push(Arc::new(item));
+            self.rtrace = None;
+        }
+        for mut lamp in lamps {
+            lamp.id = self.new_id();
+            lamp.light.name = names.fresh(&lamp.light.name);
+            copies.push(lamp.id);
+            self.lights.push(lamp);
+        }
+        for mut view in views {
+            view.id = self.new_id();
+            view.camera.name = names.fresh(&view.camera.name);
+            copies.push(view.id);
+            self.cameras.push(view);
+        }
+        Ok(copies)
+    }
+
+    /// `name` with the first number behind it that no object, light or camera has.
+    pub(super) fn fresh_name(&self, name: &str) -> String {
+        Names::of(self).fresh(name)
+    }
+
+    /// Adds what another document holds; its names for good become ones of this document.
+    pub(super) fn append_document(&mut self, other: &Document) -> Vec<Id> {
+        if self.is_empty() {
+            self.units = other.units;
+        }
+        let (branches, materials) = (self.branches.len(), self.materials.len() as u32);
+        let textures = self.textures.len() as u32;
+        let branch = |b: Option<usize>| b.map(|b| b + branches);
+        self.branches.extend(other.branches.iter().cloned());
+        self.textures.extend(other.textures.iter().cloned());
+        for material in &other.materials {
+            let mut material = Arc::clone(material);
+            if textures > 0 && !material.textures.is_empty() {
+                let own = Arc::make_mut(&mut material);
+                own.textures.iter_mut().for_each(|t| *t += textures);
+            }
+            self.materials.push(material);
+        }
+        let mut ids = Vec::new();
+        for item in &other.items {
+            let mut item = Item::clone(item);
+            if materials > 0 {
+                item.change_shape(|shape| map_materials(shape, &mut |m| m + materials));
+            }
+            item.id = self.new_id();
+            item.branch = branch(item.branch);
+            ids.push(item.id);
+            self.items.push(Arc::new(item));
+        }
+        for lamp in &other.lights {
+            let id = self.new_id();
+            self.lights.push(Lamp {
+                id,
+                branch: branch(lamp.branch),
+                hidden: lamp.hidden,
+                light: lamp.light.clone(),
+            });
+        }
+        for view in &other.cameras {
+            let id = self.new_id();
+            self.cameras.push(Viewpoint {
+                id,
+                branch: branch(view.branch),
+                hidden: view.hidden,
+                camera: view.camera.clone(),
+            });
+        }
+        self.background = self.background.or(other.background);
+        self.fog = self.fog.or(other.fog);
+        self.rtrace = None;
+        ids
+    }
+}
+
+/// Names that are taken.
+struct Names {
+    taken: HashSet<String>,
+    /// The last number behind each stem that was found free: those before it are not asked again.
+    numbers: HashMap<String, u64>,
+}
+
+impl Names {
+    fn of(document: &Document) -> Names {
+        let items = document.items.iter().map(|i| &i.name);
+        let lights = document.lights.iter().map(|l| &l.light.name);
+        let cameras = document.cameras.iter().map(|c| &c.camera.name);
+        Names {
+            taken: items.chain(lights).chain(cameras).cloned().collect(),
+            numbers: HashMap::new(),
+        }
+    }
+
+    /// `name`, with the first free number behind it if it is taken; then it is taken too.
+    fn fresh(&mut self, name: &str) -> String {
+        let mut found = name.to_owned();
+        if self.taken.contains(name) {
+            let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+            let stem = stem.trim_end();
+            let number = self.numbers.entry(stem.to_owned()).or_insert(1);
+            while self.taken.contains(&found) {
+                *number += 1;
+                found = format!("{stem} {number}");
+            }
+        }
+        self.taken.insert(found.clone());
+        found
+    }
+}

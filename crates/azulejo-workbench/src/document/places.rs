@@ -1,0 +1,94 @@
+//! Where things are that have no surface.
+
+use super::{Document, Id};
+use azulejo::scene::LightKind;
+use azulejo::scene::math::Aabb;
+use glam::DVec3;
+
+/// Where a light is drawn: those without a place hang above the model, whose box is `bounds`.
+pub fn light_place(kind: &LightKind, bounds: Aabb) -> DVec3 {
+    let bounds = match bounds.is_empty() {
+        true => Aabb::around([DVec3::ZERO]),
+        false => bounds,
+    };
+    match *kind {
+        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => position,
+        LightKind::Directional { direction, .. } => {
+            bounds.centre() - direction * (0.7 * bounds.diagonal().max(1.0))
+        }
+        LightKind::Ambient { .. } => bounds.centre() + DVec3::ONE * (0.4 * bounds.diagonal()),
+    }
+}
+
+impl Document {
+    /// The smallest box around objects, and around the places of lights and cameras, which reach
+    /// `radius` world units to each side.
+    pub fn bounds_with_signs(&self, ids: &[Id], radius: f64) -> Aabb {
+        let all = self.bounds(None);
+        let lights = ids.iter().filter_map(|&id| self.lamp(id));
+        let lights = lights.map(|lamp| light_place(&lamp.light.kind, all));
+        let cameras = ids.iter().filter_map(|&id| self.viewpoint(id));
+        let places = lights.chain(cameras.map(|view| view.camera.eye));
+        let reach = DVec3::splat(radius);
+        places.fold(self.bounds(Some(ids)), |around, place| {
+            around.with_point(place - reach).with_point(place + reach)
+        })
+    }
+
+    /// What the view should show to show these: lights and cameras have no size, a twentieth of
+    /// the model stands for it.
+    pub fn frame_of(&self, ids: &[Id]) -> Aabb {
+        let all = self.bounds(None);
+        let size = match all.is_empty() {
+            true => 0.0,
+            false => all.diagonal(),
+        };
+        let radius = if size > 0.0 { 0.05 * size } else { 0.5 };
+        self.bounds_with_signs(ids, radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::tests::sample;
+    use crate::document::{Edit, NewLight, NewLightKind};
+
+    #[test]
+    fn lights_and_cameras_have_a_frame() {
+        let document = sample();
+        let radius = 0.05 * document.bounds(None).diagonal();
+        let (ball, bulb, view) = (Id(3), Id(5), Id(6));
+        let around = |at: DVec3| {
+            let reach = DVec3::splat(radius);
+            Aabb::around([at - reach, at + reach])
+        };
+        assert_eq!(document.frame_of(&[]), Aabb::EMPTY);
+        assert_eq!(document.frame_of(&[ball]), document.bounds(Some(&[ball])));
+        let at = DVec3::new(0.0, 1.5, 0.0);
+        assert_eq!(document.frame_of(&[bulb]), around(at));
+        let eye = document.cameras[0].camera.eye;
+        assert_eq!(document.frame_of(&[view]), around(eye));
+        let both = document.frame_of(&[bulb, ball]);
+        assert_eq!(both, around(at).union(document.bounds(Some(&[ball]))));
+    }
+
+    #[test]
+    fn lights_of_an_empty_model_are_somewhere() {
+        let mut document = Document::default();
+        for kind in [
+            NewLightKind::Point,
+            NewLightKind::Directional,
+            NewLightKind::Ambient,
+        ] {
+            let new = NewLight {
+                kind,
+                at: DVec3::Y,
+                toward: DVec3::ZERO,
+            };
+            let ids = Edit::AddLight(new).apply(&mut document).unwrap();
+            let frame = document.frame_of(&ids);
+            assert!(!frame.is_empty() && frame.diagonal().is_finite());
+        }
+    }
+}
