@@ -19,5 +19,16 @@ pub const TABLE: &[Entry] = &[
         "Ocultar: não se vê, mas dá e recebe luz como antes",
     ],
     ["Show", "Mostrar", "Mostrar"],
+    ["Definitions", "Definiciones", "Definições"],
+    ["Shapes", "Formas", "Formas"],
+    ["Outlines", "Contornos", "Contornos"],
+    ["Textures", "Texturas", "Texturas"],
+    ["curves", "curvas", "curvas"],
+    ["not found", "no encontrada", "não encontrada"],
+    [
+        "Click to select the objects that share it",
+        "Pulse para seleccionar los objetos que lo comparten",
+        "Clique para selecionar os objetos que o partilham",
+    ],
     ["without name", "sin nombre", "sem nome"],
 ];

@@ -74,6 +74,43 @@ fn things_and_groups_are_hidden_and_shown() {
 }
 
 #[test]
+fn lights_and_cameras_are_hidden_and_shown() {
+    let mut window = window(opened("shapes.grf"));
+    let hidden = |window: &Window| window.state().app.document.hidden().len();
+    click(&mut window, "Hide: spot");
+    assert_eq!(hidden(&window), 1);
+    click(&mut window, "Show: spot");
+    let lights = window.state().app.document.lights.len();
+    click(&mut window, "Hide: Lights");
+    assert_eq!(hidden(&window), lights);
+    let camera = window.state().app.document.cameras[0].id;
+    let select = Command::Select(Selection::one(camera));
+    window.state_mut().app.execute(select);
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::H);
+    assert_eq!(hidden(&window), lights + 1);
+    let revision = window.state().app.revision();
+    press(&mut window, Modifiers::NONE, Key::H);
+    assert_eq!(window.state().app.revision(), revision);
+}
+
+#[test]
+fn what_several_objects_share_is_a_definition() {
+    let mut window = window(opened("shapes.grf"));
+    assert!(window.query_by_label("Shapes").is_none());
+    click(&mut window, "column");
+    press(&mut window, Modifiers::COMMAND, Key::D);
+    let column = id_of(&window, "column");
+    let copy = window.state().app.selection.ids[0];
+    write(&mut window, "", "column");
+    for section in ["Definitions", "Shapes"] {
+        find(&window, Role::Button, section);
+    }
+    click(&mut window, "column × 2");
+    assert_eq!(window.state().app.selection.ids, [column, copy]);
+}
+
+#[test]
 fn groups_close_and_open_where_something_in_them_is_selected() {
     let mut window = window(opened("shapes.grf"));
     find(&window, Role::DisclosureTriangle, "− shapes").click();

@@ -1,0 +1,237 @@
+//! What several things of a document share: shapes, outlines, pictures.
+
+use super::rows::{Leaf, Thing};
+use crate::document::{Document, Id};
+use crate::words::Language;
+use azulejo::scene::{Figure, Leaf as Solid, Shape, Texture};
+use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
+use std::sync::Arc;
+
+/// Things by what they share, in the order in which they were met.
+struct Shared<K> {
+    places: HashMap<K, usize>,
+    uses: Vec<Uses<K>>,
+}
+
+/// Who shares something.
+struct Uses<K> {
+    what: K,
+    /// How often it is used.
+    count: usize,
+    /// The objects that do, each once.
+    users: Vec<Id>,
+}
+
+impl<K: Copy + Eq + Hash> Shared<K> {
+    fn new() -> Shared<K> {
+        Shared {
+            places: HashMap::new(),
+            uses: Vec::new(),
+        }
+    }
+
+    fn note(&mut self, what: K, user: Id, times: usize) {
+        let uses = &mut self.uses;
+        let at = *self.places.entry(what).or_insert_with(|| {
+            uses.push(Uses {
+                what,
+                count: 0,
+                users: Vec::new(),
+            });
+            uses.len() - 1
+        });
+        let found = &mut self.uses[at];
+        found.count += times;
+        if found.users.last() != Some(&user) {
+            found.users.push(user);
+        }
+    }
+}
+
+/// What is shared, by kinds; kinds of which there is nothing are empty.
+pub(super) fn of(document: &Document, language: Language) -> [(&'static str, Vec<Thing>); 3] {
+    [
+        (language.say("Shapes"), shapes(document, language)),
+        (language.say("Outlines"), outlines(document, language)),
+        (language.say("Textures"), textures(document, language)),
+    ]
+}
+
+fn definition(name: &str, count: usize, users: Vec<Id>) -> Thing {
+    Thing {
+        label: format!("{name} × {count}"),
+        leaf: Leaf::Definition(users),
+        shown: None,
+    }
+}
+
+/// The name of the first object that has it, its groups left out.
+fn name_of<'a>(document: &'a Document, users: &[Id], language: Language) -> &'a str {
+    let name = users.first().and_then(|&id| document.name(id));
+    let last = name.and_then(|name| name.rsplit('/').next());
+    let known = last.filter(|name| !name.is_empty());
+    known.unwrap_or(language.say("without name"))
+}
+
+/// Shapes that stand in several places. Undo holds them as well: pointers say who shares, counts of
+/// references do not.
+fn shapes(document: &Document, language: Language) -> Vec<Thing> {
+    let mut shared: Shared<*const Shape> = Shared::new();
+    for item in &document.items {
+        shared.note(Arc::as_ptr(&item.shape), item.id, 1);
+    }
+    let several = shared.uses.into_iter().filter(|u| u.count > 1);
+    several
+        .map(|u| {
+            let name = name_of(document, &u.users, language);
+            definition(name, u.count, u.users)
+        })
+        .collect()
+}
+
+/// Outlines that several prisms are drawn out of. A shape that stands in several places is one.
+fn outlines(document: &Document, language: Language) -> Vec<Thing> {
+    let mut shared: Shared<*const Figure> = Shared::new();
+    let mut seen: HashSet<*const Shape> = HashSet::new();
+    let mut curves: HashMap<*const Figure, usize> = HashMap::new();
+    for item in &document.items {
+        let Shape::Exact(exact) = &*item.shape else {
+            continue;
+        };
+        let times = usize::from(seen.insert(Arc::as_ptr(&item.shape)));
+        for leaf in exact.leaves() {
+            if let Solid::Prism(prism) = leaf {
+                let figure = Arc::as_ptr(&prism.figure);
+                shared.note(figure, item.id, times);
+                let count = || prism.figure.curve_count();
+                curves.entry(figure).or_insert_with(count);
+            }
+        }
+    }
+    let several = shared.uses.into_iter().filter(|u| u.count > 1);
+    several
+        .map(|u| {
+            let name = name_of(document, &u.users, language);
+            let count = curves.get(&u.what).copied().unwrap_or_default();
+            let name = format!("{name} ({count} {})", language.say("curves"));
+            definition(&name, u.count, u.users)
+        })
+        .collect()
+}
+
+/// Textures, by the objects that have them.
+fn textures(document: &Document, language: Language) -> Vec<Thing> {
+    let mut users = vec![Vec::new(); document.textures.len()];
+    for item in &document.items {
+        let materials = item.materials().iter();
+        let materials = materials.filter_map(|&m| document.materials.get(m as usize));
+        for &texture in materials.flat_map(|m| &m.textures) {
+            if let Some(users) = users.get_mut(texture as usize)
+                && users.last() != Some(&item.id)
+            {
+                users.push(item.id);
+            }
+        }
+    }
+    let textures = document.textures.iter().zip(users);
+    textures
+        .map(|(texture, users)| definition(&picture(texture, language), users.len(), users))
+        .collect()
+}
+
+/// The name of a texture's file, and how many pixels it has.
+fn picture(texture: &Texture, language: Language) -> String {
+    let name = texture.path.rsplit(['/', '\\']).next().unwrap_or_default();
+    let name = match name {
+        "" => language.say("without name"),
+        known => known,
+    };
+    match &texture.image {
+        Some(image) => format!("{name} ({} × {})", image.width, image.height),
+        None => format!("{name} ({})", language.say("not found")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::tests::sample;
+    use crate::document::{Edit, Lettering, NewKind, NewShape};
+    use azulejo::scene::Image;
+    use glam::DVec3;
+
+    /// Labels and users.
+    fn of(document: &Document) -> Vec<(String, Vec<u64>)> {
+        let all = super::of(document, Language::English);
+        let things = all.into_iter().flat_map(|(_, things)| things);
+        let ids = |leaf: Leaf| match leaf {
+            Leaf::Definition(users) => users.iter().map(|id| id.0).collect(),
+            _ => panic!("{leaf:?}"),
+        };
+        things.map(|t| (t.label, ids(t.leaf))).collect()
+    }
+
+    #[test]
+    fn what_nobody_shares_is_no_definition() {
+        assert!(of(&Document::default()).is_empty());
+        let mut document = sample();
+        document.textures.clear();
+        assert_eq!(of(&document), []);
+    }
+
+    #[test]
+    fn shapes_in_several_places_are_found_whatever_undo_holds() {
+        let mut document = sample();
+        document.textures.clear();
+        let ball = Id(3);
+        let copies = Edit::Duplicate(vec![ball]).apply(&mut document).unwrap();
+        let before = document.clone();
+        Edit::Duplicate(copies).apply(&mut document).unwrap();
+        assert_eq!(of(&document), [("ball × 3".to_owned(), vec![3, 7, 8])]);
+        assert_eq!(of(&before), [("ball × 2".to_owned(), vec![3, 7])]);
+        // They share it in another material too.
+        let all = [3, 7, 8].map(Id).to_vec();
+        Edit::Assign(all, 0).apply(&mut document).unwrap();
+        assert_eq!(of(&document), [("ball × 3".to_owned(), vec![3, 7, 8])]);
+    }
+
+    #[test]
+    fn outlines_of_letters_are_counted() {
+        let mut document = Document::default();
+        let text = NewShape {
+            kind: NewKind::Text(Lettering::set("pop", 0.2, None).unwrap()),
+            at: DVec3::ZERO,
+            size: 1.0,
+            material: None,
+        };
+        Edit::AddShape(text).apply(&mut document).unwrap();
+        let found = of(&document);
+        let [(label, users)] = &found[..] else {
+            panic!("one letter comes twice: {found:?}")
+        };
+        assert!(label.starts_with("pop (") && label.ends_with("curves) × 2"));
+        let id = document.items[0].id;
+        assert_eq!(*users, [id.0]);
+        // The same text elsewhere has no more prisms.
+        Edit::Duplicate(vec![id]).apply(&mut document).unwrap();
+        let found = of(&document);
+        assert_eq!(found[0], ("pop × 2".to_owned(), vec![id.0, id.0 + 1]));
+        assert!(found[1].0.ends_with("curves) × 2") && found[1].1.len() == 2);
+    }
+
+    #[test]
+    fn textures_say_their_file_their_size_and_who_has_them() {
+        let mut document = sample();
+        assert_eq!(of(&document)[0].0, "without name (not found) × 2");
+        document.textures = vec![Arc::new(Texture {
+            path: "maps\\wood/oak.png".into(),
+            image: Some(Image::new(4, 2)),
+        })];
+        // The floor in part, and the bead.
+        assert_eq!(
+            of(&document),
+            [("oak.png (4 × 2) × 2".to_owned(), vec![1, 4])]
+        );
+    }
+}

@@ -1,0 +1,242 @@
+//! The tree: files, their groups and objects, lights, cameras, materials, and what they share.
+
+mod definitions;
+mod list;
+mod rows;
+
+use super::desk::Desk;
+use crate::app::App;
+use crate::command::{Command, Selection};
+use crate::document::{Edit, Id};
+use azulejo::scene::MaterialId;
+use egui::{Align, Layout, RichText, ScrollArea, Sense, Ui};
+use list::List;
+use rows::{Leaf, Row};
+
+/// What the tree remembers between frames.
+#[derive(Default)]
+pub struct Tree {
+    /// Only what has this in its name is shown.
+    filter: String,
+    list: List,
+    rename: Rename,
+    /// What the rows should be scrolled to.
+    reveal: Option<Id>,
+    last_selected: Option<Id>,
+}
+
+/// What is being renamed, and its name so far.
+#[derive(Default)]
+struct Rename(Option<(Id, String)>);
+
+impl Rename {
+    fn begin(&mut self, app: &App, id: Id) {
+        self.0 = app.document.name(id).map(|name| (id, name.to_owned()));
+    }
+}
+
+impl Tree {
+    /// Renames what is selected, in its row.
+    pub fn begin_rename(&mut self, app: &App) {
+        if let [id] = app.selection.ids[..] {
+            self.rename.begin(app, id);
+            self.reveal = Some(id);
+        }
+    }
+
+    /// Draws the tree.
+    pub fn show(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        let hint = desk.say("Search");
+        ui.add(
+            egui::TextEdit::singleline(&mut self.filter)
+                .hint_text(hint)
+                .desired_width(f32::INFINITY),
+        );
+        self.list.follow(desk.app, &self.filter, desk.language);
+        self.follow_selection(desk.app);
+        let target = self.reveal.take().and_then(|id| self.list.reveal(id));
+        let visible = self.list.visible();
+        if visible.is_empty() {
+            let text = desk.say("Drop files here, or open them (Ctrl+O).");
+            ui.weak(text);
+            return;
+        }
+        let height = ui.spacing().interact_size.y;
+        let mut area = ScrollArea::vertical().auto_shrink([false, false]);
+        if let Some(at) = target {
+            let spacing = ui.spacing().item_spacing.y;
+            let offset = at as f32 * (height + spacing) - 0.4 * ui.available_height();
+            area = area.vertical_scroll_offset(offset.max(0.0));
+        }
+        let mut toggled = None;
+        let rename = &mut self.rename;
+        area.show_rows(ui, height, visible.len(), |ui, range| {
+            for &at in &visible[range] {
+                let clicked = row(ui, desk, &self.list, at, rename);
+                toggled = toggled.or(clicked);
+            }
+        });
+        if let Some(group) = toggled {
+            self.list.toggle(group);
+        }
+    }
+
+    /// What was picked in the viewport is shown here too.
+    fn follow_selection(&mut self, app: &App) {
+        let last = app.selection.ids.last().copied();
+        if last != self.last_selected {
+            self.last_selected = last;
+            self.reveal = last.or(self.reveal);
+        }
+    }
+}
+
+/// Draws one row; the group that should be opened or closed.
+fn row(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, rename: &mut Rename) -> Option<u64> {
+    let row = list.row(at);
+    let draw = |ui: &mut Ui| {
+        ui.add_space(14.0 * row.depth as f32);
+        match &row.leaf {
+            Leaf::Group(key) => return group(ui, desk, list, at, *key),
+            Leaf::Material(id) => material(ui, desk, &row.label, *id),
+            Leaf::Definition(users) => definition(ui, desk, &row.label, users),
+            Leaf::Item(id) | Leaf::Light(id) | Leaf::Camera(id) => {
+                thing(ui, desk, row, *id, list.is_chosen(at), rename);
+            }
+        }
+        None
+    };
+    ui.push_id(at, |ui| ui.horizontal(draw).inner).inner
+}
+
+fn group(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, key: u64) -> Option<u64> {
+    let row = list.row(at);
+    let (label, is_open) = (&row.label, list.is_open(key));
+    let arrow = if is_open { "⏷" } else { "⏵" };
+    let name = format!("{} {label}", if is_open { "−" } else { "+" });
+    let toggle = ui.add(egui::Button::new(arrow).small().frame(false));
+    toggle.widget_info(|| {
+        egui::WidgetInfo::selected(egui::Role::DisclosureTriangle, true, is_open, &name)
+    });
+    let text = RichText::new(label).strong();
+    if ui.selectable_label(list.is_chosen(at), text).clicked() {
+        let ids = list.ids(at);
+        if !ids.is_empty() {
+            desk.wish(Command::Select(Selection {
+                ids,
+                ..Selection::default()
+            }));
+        }
+    }
+    if let Some(shown) = row.shown
+        && eye(ui, desk, label, shown)
+    {
+        desk.edit(Edit::Hide(list.ids(at), shown));
+    }
+    toggle.clicked().then_some(key)
+}
+
+/// Shows and hides; whether it was asked to.
+fn eye(ui: &mut Ui, desk: &Desk, name: &str, shown: bool) -> bool {
+    let draw = |ui: &mut Ui| {
+        let sign = if shown { "👁" } else { "–" };
+        let button = ui.add(egui::Button::new(sign).small().frame(false));
+        button.widget_info(|| {
+            let does = if shown {
+                desk.say("Hide")
+            } else {
+                desk.say("Show")
+            };
+            egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{does}: {name}"))
+        });
+        let what = match shown {
+            true => desk.say("Hide: out of sight, but it casts and receives light as before"),
+            false => desk.say("Show"),
+        };
+        button.on_hover_text(what).clicked()
+    };
+    let place = Layout::right_to_left(Align::Center);
+    ui.with_layout(place, draw).inner
+}
+
+fn material(ui: &mut Ui, desk: &mut Desk, label: &str, material: MaterialId) {
+    let known = desk.app.document.materials.get(material as usize);
+    if let Some(known) = known {
+        let color = super::paint::swatch(known);
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, color);
+    }
+    let is_selected = desk.app.selection.material == Some(material);
+    let label = match label {
+        "" => desk.say("without name"),
+        other => other,
+    };
+    if ui.selectable_label(is_selected, label).clicked() {
+        let mut selection = desk.app.selection.clone();
+        selection.material = Some(material);
+        desk.wish(Command::Select(selection));
+    }
+}
+
+fn definition(ui: &mut Ui, desk: &mut Desk, label: &str, users: &[Id]) {
+    let response = ui.selectable_label(false, label);
+    let what = desk.say("Click to select the objects that share it");
+    if response.on_hover_text(what).clicked() && !users.is_empty() {
+        desk.wish(Command::Select(Selection {
+            ids: users.to_vec(),
+            ..Selection::default()
+        }));
+    }
+}
+
+fn thing(ui: &mut Ui, desk: &mut Desk, row: &Row, id: Id, is_chosen: bool, rename: &mut Rename) {
+    if let Some((renamed, name)) = &mut rename.0
+        && *renamed == id
+    {
+        if name_field(ui, desk, id, name) {
+            rename.0 = None;
+        }
+        return;
+    }
+    let sign = match row.leaf {
+        Leaf::Light(_) => "💡 ",
+        Leaf::Camera(_) => "📷 ",
+        _ => "",
+    };
+    let label = match row.label.as_str() {
+        "" => format!("{sign}{}", desk.say("without name")),
+        name => format!("{sign}{name}"),
+    };
+    let response = ui.selectable_label(is_chosen, label);
+    if response.double_clicked() {
+        match desk.app.document.viewpoint(id) {
+            Some(view) => {
+                let mut look = desk.app.view.clone();
+                look.camera = view.camera.clone();
+                desk.wish(Command::Look(Box::new(look)));
+            }
+            None => rename.begin(desk.app, id),
+        }
+    } else if response.clicked() {
+        desk.select(id, ui.input(|i| i.modifiers.command || i.modifiers.shift));
+    }
+    if let Some(shown) = row.shown
+        && eye(ui, desk, &row.label, shown)
+    {
+        desk.edit(Edit::Hide(vec![id], shown));
+    }
+}
+
+/// The field of a name in its row; whether it is done with.
+fn name_field(ui: &mut Ui, desk: &mut Desk, id: Id, name: &mut String) -> bool {
+    let field = egui::TextEdit::singleline(name).hint_text(desk.say("Name"));
+    let response = ui.add(field);
+    response.request_focus();
+    let enter = ui.input(|i| i.key_pressed(egui::Key::Enter));
+    let escape = ui.input(|i| i.key_pressed(egui::Key::Escape));
+    let is_done = enter || escape || response.clicked_elsewhere();
+    if is_done && !escape {
+        desk.edit(Edit::Rename(id, name.clone()));
+    }
+    is_done
+}

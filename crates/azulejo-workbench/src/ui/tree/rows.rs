@@ -1,0 +1,369 @@
+//! The lines of the tree, as they follow from a document.
+
+use super::definitions;
+use crate::document::{Document, Id};
+use crate::words::Language;
+use azulejo::scene::MaterialId;
+use std::collections::hash_map::DefaultHasher;
+use std::collections::{BTreeMap, HashSet};
+use std::hash::{Hash, Hasher};
+
+/// Groups within groups that are shown as such: deeper ones are part of the label. Nobody nests as
+/// deep by hand, but a file can.
+const DEEPEST: usize = 64;
+/// Characters of a label; a name may be as long as its file.
+const LONGEST: usize = 200;
+
+/// One line of the tree.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Row {
+    pub depth: usize,
+    pub label: String,
+    pub leaf: Leaf,
+    /// The row of the group that holds it.
+    pub parent: Option<usize>,
+    /// Behind the last row that it holds.
+    pub end: usize,
+    /// Whether anything of it is shown; `None` for what cannot be hidden.
+    pub shown: Option<bool>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Leaf {
+    /// A group, by a number that outlives the rows.
+    Group(u64),
+    Item(Id),
+    Light(Id),
+    Camera(Id),
+    Material(MaterialId),
+    /// What several things share: the objects that do.
+    Definition(Vec<Id>),
+}
+
+impl Leaf {
+    /// The one thing that it stands for.
+    pub fn id(&self) -> Option<Id> {
+        match self {
+            Leaf::Item(id) | Leaf::Light(id) | Leaf::Camera(id) => Some(*id),
+            Leaf::Group(_) | Leaf::Material(_) | Leaf::Definition(_) => None,
+        }
+    }
+}
+
+/// A leaf while the tree is built.
+pub(super) struct Thing {
+    pub label: String,
+    pub leaf: Leaf,
+    pub shown: Option<bool>,
+}
+
+/// The tree while it is built: groups by name, in the order of names, then things in their own.
+#[derive(Default)]
+struct Node {
+    groups: BTreeMap<String, Node>,
+    things: Vec<Thing>,
+}
+
+/// Where rows go.
+struct Place {
+    parent: Option<usize>,
+    depth: usize,
+    /// The number of the group.
+    key: u64,
+}
+
+impl Node {
+    fn of(things: Vec<Thing>) -> Node {
+        Node {
+            groups: BTreeMap::new(),
+            things,
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.groups.is_empty() && self.things.is_empty()
+    }
+
+    /// Puts a thing where its path leads.
+    fn insert(&mut self, path: &str, leaf: Leaf, shown: bool) {
+        let (mut node, mut rest) = (self, path);
+        for _ in 0..DEEPEST {
+            match rest.split_once('/') {
+                Some((group, inner)) if !group.is_empty() && !inner.is_empty() => {
+                    node = node.groups.entry(group.to_owned()).or_default();
+                    rest = inner;
+                }
+                _ => break,
+            }
+        }
+        node.things.push(Thing {
+            label: rest.to_owned(),
+            leaf,
+            shown: Some(shown),
+        });
+    }
+
+    /// Lists what it holds; whether anything of that is shown.
+    fn list(self, place: &Place, rows: &mut Vec<Row>) -> Option<bool> {
+        let mut shown = None;
+        for (name, node) in self.groups {
+            shown = either(shown, node.list_as(&name, place, rows));
+        }
+        for thing in self.things {
+            shown = either(shown, thing.shown);
+            rows.push(Row {
+                depth: place.depth,
+                label: short(&thing.label),
+                leaf: thing.leaf,
+                parent: place.parent,
+                end: rows.len() + 1,
+                shown: thing.shown,
+            });
+        }
+        shown
+    }
+
+    /// Lists it as a group.
+    fn list_as(self, name: &str, place: &Place, rows: &mut Vec<Row>) -> Option<bool> {
+        let (at, key) = (rows.len(), key(place.key, name));
+        rows.push(Row {
+            depth: place.depth,
+            label: short(name),
+            leaf: Leaf::Group(key),
+            parent: place.parent,
+            end: at,
+            shown: None,
+        });
+        let within = Place {
+            parent: Some(at),
+            depth: place.depth + 1,
+            key,
+        };
+        let shown = self.list(&within, rows);
+        (rows[at].end, rows[at].shown) = (rows.len(), shown);
+        shown
+    }
+}
+
+fn either(a: Option<bool>, b: Option<bool>) -> Option<bool> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a || b),
+        (a, b) => a.or(b),
+    }
+}
+
+/// The number of a group: it stays closed when the rows are made anew.
+fn key(parent: u64, name: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    (parent, name).hash(&mut hasher);
+    hasher.finish()
+}
+
+fn short(name: &str) -> String {
+    match name.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &name[..end]),
+        None => name.to_owned(),
+    }
+}
+
+/// All rows of a document, groups open, that match a filter.
+pub(super) fn rows(document: &Document, filter: &str, language: Language) -> Vec<Row> {
+    let filter = filter.to_lowercase();
+    let matches = |name: &str| filter.is_empty() || name.to_lowercase().contains(&filter);
+    let mut rows = Vec::new();
+    let files = Place {
+        parent: None,
+        depth: 0,
+        key: 0,
+    };
+    objects(document, &matches, language).list(&files, &mut rows);
+    // Behind the files, whatever their names, and closed or open whatever theirs are.
+    let behind = Place { key: 1, ..files };
+    let mut lists = lists(document, &matches, language);
+    lists.sort_by_key(|(title, _)| *title);
+    let shared = definitions::of(document, language);
+    let shared = shared.into_iter().map(|(title, mut things)| {
+        things.retain(|thing| matches(&thing.label));
+        (title.to_owned(), Node::of(things))
+    });
+    let shared = Node {
+        groups: shared.filter(|(_, node)| !node.is_empty()).collect(),
+        things: Vec::new(),
+    };
+    lists.push((language.say("Definitions"), shared));
+    for (title, node) in lists.into_iter().filter(|(_, node)| !node.is_empty()) {
+        node.list_as(title, &behind, &mut rows);
+    }
+    rows
+}
+
+/// Files and their groups.
+fn objects(document: &Document, matches: &impl Fn(&str) -> bool, language: Language) -> Node {
+    let mut root = Node::default();
+    for item in document.items.iter().filter(|i| matches(&i.name)) {
+        let branch = item.branch.and_then(|b| document.branches.get(b));
+        let top = branch.map_or(language.say("made here"), |b| b.name.as_str());
+        let group = match root.groups.contains_key(top) {
+            true => root.groups.get_mut(top),
+            false => Some(root.groups.entry(top.to_owned()).or_default()),
+        };
+        if let Some(group) = group {
+            group.insert(inside(&item.name, top), Leaf::Item(item.id), !item.hidden);
+        }
+    }
+    root
+}
+
+/// What stands behind the files, by titles.
+fn lists(
+    document: &Document,
+    matches: &impl Fn(&str) -> bool,
+    language: Language,
+) -> Vec<(&'static str, Node)> {
+    let thing = |name: &str, leaf: Leaf, shown: Option<bool>| {
+        matches(name).then(|| Thing {
+            label: name.to_owned(),
+            leaf,
+            shown,
+        })
+    };
+    let lights = document.lights.iter();
+    let lights = lights.filter_map(|l| thing(&l.light.name, Leaf::Light(l.id), Some(!l.hidden)));
+    let cameras = document.cameras.iter();
+    let cameras =
+        cameras.filter_map(|c| thing(&c.camera.name, Leaf::Camera(c.id), Some(!c.hidden)));
+    let materials = (0..).zip(&document.materials);
+    let materials = materials.filter_map(|(k, m)| thing(&m.name, Leaf::Material(k), None));
+    vec![
+        (language.say("Lights"), Node::of(lights.collect())),
+        (language.say("Cameras"), Node::of(cameras.collect())),
+        (language.say("Materials"), Node::of(materials.collect())),
+    ]
+}
+
+/// A name without the branch in front of it, which stands above it already.
+fn inside<'a>(name: &'a str, branch: &str) -> &'a str {
+    let rest = name.strip_prefix(branch).and_then(|r| r.strip_prefix('/'));
+    rest.unwrap_or(name)
+}
+
+/// The rows that no closed group holds.
+pub(super) fn visible(rows: &[Row], closed: &HashSet<u64>) -> Vec<usize> {
+    let mut visible = Vec::new();
+    let mut at = 0;
+    while let Some(row) = rows.get(at) {
+        visible.push(at);
+        at = match &row.leaf {
+            Leaf::Group(key) if closed.contains(key) => row.end,
+            _ => at + 1,
+        };
+    }
+    visible
+}
+
+/// Which rows are selected: groups are where all that they hold is.
+pub(super) fn chosen(rows: &[Row], selected: &HashSet<Id>) -> Vec<bool> {
+    let mut chosen = vec![false; rows.len()];
+    // Of what each group holds: how many there are, and how many of them are not selected.
+    let mut counts = vec![(0_usize, 0_usize); rows.len()];
+    // What a group holds comes behind it.
+    for (at, row) in rows.iter().enumerate().rev() {
+        let (all, others) = match row.leaf.id() {
+            Some(id) => (1, usize::from(!selected.contains(&id))),
+            None => counts[at],
+        };
+        chosen[at] = all > 0 && others == 0;
+        if let Some(parent) = row.parent {
+            counts[parent].0 += all;
+            counts[parent].1 += others;
+        }
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::tests::sample;
+    use std::sync::Arc;
+
+    fn named(name: &str) -> Vec<Row> {
+        let mut document = sample();
+        document.items.truncate(1);
+        Arc::make_mut(&mut document.items[0]).name = name.into();
+        let mut rows = rows(&document, "", Language::English);
+        rows.truncate(rows[0].end);
+        rows
+    }
+
+    /// What rows keep: their own texts.
+    fn bytes(rows: &[Row]) -> usize {
+        let text = |row: &Row| row.label.capacity();
+        rows.iter().map(|row| size_of::<Row>() + text(row)).sum()
+    }
+
+    #[test]
+    fn a_name_of_many_groups_is_not_many_rows() {
+        let shallow = named("a/b/c");
+        let labels: Vec<&str> = shallow.iter().map(|r| r.label.as_str()).collect();
+        assert_eq!(labels, ["made here", "a", "b", "c"]);
+        let parents: Vec<_> = shallow.iter().map(|r| r.parent).collect();
+        assert_eq!(parents, [None, Some(0), Some(1), Some(2)]);
+        for levels in [4_000, 50_000] {
+            let deep = named(&"a/".repeat(levels));
+            assert_eq!(deep.len(), DEEPEST + 2);
+            assert!(bytes(&deep) < 100_000, "{} bytes", bytes(&deep));
+            let last = &deep[DEEPEST + 1];
+            assert!(last.label.starts_with("a/a/") && last.label.ends_with('…'));
+        }
+        assert_eq!(named("//a")[1].label, "//a");
+    }
+
+    #[test]
+    fn closed_groups_show_nothing_of_what_they_hold() {
+        let rows = rows(&sample(), "", Language::English);
+        let room = rows.iter().position(|r| r.label == "room").unwrap();
+        let Leaf::Group(key) = rows[room].leaf else {
+            panic!("room is a group")
+        };
+        assert_eq!(visible(&rows, &HashSet::new()).len(), rows.len());
+        let shown = visible(&rows, &HashSet::from([key]));
+        assert!(shown.contains(&room));
+        assert_eq!(shown.len(), rows.len() - 2);
+        assert!(!shown.contains(&(room + 1)) && !shown.contains(&(room + 2)));
+    }
+
+    #[test]
+    fn a_group_is_selected_where_all_in_it_is() {
+        let rows = rows(&sample(), "", Language::English);
+        let of = |ids: &[u64]| {
+            let chosen = chosen(&rows, &ids.iter().map(|&id| Id(id)).collect());
+            let labels = rows.iter().zip(chosen).filter(|(_, is)| *is);
+            labels.map(|(r, _)| r.label.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(of(&[]), [""; 0]);
+        assert_eq!(of(&[1]), ["floor"]);
+        assert_eq!(of(&[1, 2]), ["room", "floor", "lamp"]);
+        assert_eq!(of(&[5]), ["Lights", "bulb"]);
+        let all = of(&[1, 2, 3, 4]);
+        assert_eq!(all[0], "made here");
+        assert!(!all.iter().any(|l| l == "Materials"), "{all:?}");
+    }
+
+    #[test]
+    fn a_group_is_hidden_where_all_in_it_is() {
+        let mut document = sample();
+        let shown = |document: &Document, label: &str| {
+            let rows = rows(document, "", Language::English);
+            rows.iter().find(|r| r.label == label).unwrap().shown
+        };
+        assert_eq!(shown(&document, "room"), Some(true));
+        Arc::make_mut(&mut document.items[0]).hidden = true;
+        assert_eq!(shown(&document, "room"), Some(true));
+        Arc::make_mut(&mut document.items[1]).hidden = true;
+        assert_eq!(shown(&document, "room"), Some(false));
+        assert_eq!(shown(&document, "made here"), Some(true));
+        assert_eq!(shown(&document, "Cameras"), Some(true));
+        assert_eq!(shown(&document, "Materials"), None);
+    }
+}
