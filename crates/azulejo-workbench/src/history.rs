@@ -2,6 +2,8 @@
 
 /// More steps than this are forgotten, the oldest first.
 const MOST_STEPS: usize = 500;
+/// So many steps can be taken back whatever they weigh.
+const LEAST_STEPS: usize = 4;
 
 /// Versions before and after; `V` is cheap to keep, as documents are.
 #[derive(Clone, Debug)]
@@ -17,6 +19,8 @@ pub struct History<V> {
 struct Step<V> {
     label: &'static str,
     version: V,
+    /// What is kept for the version before the edit alone: what the one after has not.
+    bytes: u64,
 }
 
 impl<V> Default for History<V> {
@@ -45,7 +49,38 @@ impl<V> History<V> {
         self.past.push(Step {
             label,
             version: before,
+            bytes: 0,
         });
+    }
+
+    /// Says what the last step holds that nothing after it holds. A gesture that goes on says it
+    /// anew.
+    pub fn weigh(&mut self, bytes: impl FnOnce(&V) -> u64) {
+        if let Some(step) = self.past.last_mut() {
+            step.bytes = bytes(&step.version);
+        }
+    }
+
+    /// Bytes that all steps hold that can be taken back. Steps that were taken back hold no more
+    /// than they did before, and what was there when they were made.
+    pub fn bytes(&self) -> u64 {
+        self.past.iter().map(|step| step.bytes).sum()
+    }
+
+    /// Forgets the oldest steps until the others hold no more than `most` bytes; a few stay in any
+    /// case.
+    pub fn forget_beyond(&mut self, most: u64) {
+        let mut held = self.bytes();
+        let spare = self.past.len().saturating_sub(LEAST_STEPS);
+        let mut oldest = self.past.iter().take(spare);
+        let mut forgotten = 0;
+        while held > most
+            && let Some(step) = oldest.next()
+        {
+            held -= step.bytes;
+            forgotten += 1;
+        }
+        self.past.drain(..forgotten);
     }
 
     /// Ends a gesture: the next edit is a step of its own.
@@ -81,6 +116,7 @@ fn exchange<V>(from: &mut Vec<Step<V>>, to: &mut Vec<Step<V>>, now: V) -> Option
     to.push(Step {
         label: step.label,
         version: now,
+        bytes: step.bytes,
     });
     Some(step.version)
 }
@@ -104,6 +140,34 @@ mod tests {
         assert_eq!(history.redo_label(), Some("drag"));
         history.note("b", 1, None);
         assert_eq!(history.redo(9), None);
+    }
+
+    #[test]
+    fn steps_are_forgotten_by_what_they_hold() {
+        let mut history = History::default();
+        for k in 0..100 {
+            history.note("k", k, None);
+            history.weigh(|_| 10);
+            history.forget_beyond(75);
+            assert!(history.bytes() <= 75);
+        }
+        assert_eq!(history.bytes(), 70);
+        // What was taken back and done again weighs what it did.
+        for _ in 0..3 {
+            history.undo(0);
+        }
+        assert_eq!(history.bytes(), 40);
+        while history.redo(0).is_some() {}
+        assert_eq!(history.bytes(), 70);
+        // A gesture becomes heavier while it goes on.
+        for bytes in [1, 30] {
+            history.note("drag", 100, Some(1));
+            history.weigh(|_| bytes);
+        }
+        assert_eq!(history.bytes(), 100);
+        history.forget_beyond(0);
+        let undone = std::iter::from_fn(|| history.undo(0)).count();
+        assert_eq!(undone, LEAST_STEPS);
     }
 
     #[test]

@@ -7,12 +7,25 @@ use crate::jobs::Kind;
 use azulejo::scene::Shape;
 use std::time::Instant;
 
+/// Bytes that steps may hold beside the document: half a gigabyte. Of a document that is larger than
+/// half of that, they may hold twice its own size: otherwise what changes all of it could hardly be
+/// taken back.
+pub(super) const UNDO_BYTES: u64 = 512 << 20;
+
 /// What undo brings back.
 #[derive(Clone, Debug)]
 pub(super) struct Version {
     document: Document,
     selection: Vec<Id>,
     revision: u64,
+}
+
+impl Version {
+    /// What it holds that a document does not, bytes.
+    fn bytes_beyond(&self, document: &Document) -> u64 {
+        let selection = self.selection.capacity() * size_of::<Id>();
+        self.document.bytes_beyond(document) + selection as u64
+    }
 }
 
 impl App {
@@ -31,7 +44,7 @@ impl App {
         let before = self.version();
         match edit.apply(&mut self.document) {
             Ok(ids) => {
-                self.history.note(edit.label(), before, gesture);
+                self.keep_step(edit.label(), before, gesture);
                 self.changed();
                 self.select_after(edit, ids);
             }
@@ -39,6 +52,18 @@ impl App {
                 let text = self.say(&refused.0).to_owned();
                 self.tell(Level::Error, text);
             }
+        }
+    }
+
+    /// Keeps what was before an edit that was made just now, and forgets what is too much.
+    fn keep_step(&mut self, label: &'static str, before: Version, gesture: Option<u64>) {
+        let document = &self.document;
+        self.history.note(label, before, gesture);
+        self.history.weigh(|version| version.bytes_beyond(document));
+        // The document itself is weighed where that matters.
+        if self.history.bytes() > self.undo_bytes {
+            let most = self.undo_bytes.max(2 * document.bytes());
+            self.history.forget_beyond(most);
         }
     }
 

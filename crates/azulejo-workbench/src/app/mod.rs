@@ -136,6 +136,8 @@ pub struct App {
     /// The revision with which this document began.
     began: u64,
     history: History<editing::Version>,
+    /// Bytes that undo may hold; of a large document, more.
+    undo_bytes: u64,
     /// The number that a document got last.
     latest: u64,
     jobs: Jobs<Found>,
@@ -193,6 +195,7 @@ impl App {
             saved: State::default(),
             began: 0,
             history: History::default(),
+            undo_bytes: editing::UNDO_BYTES,
             latest: 0,
             jobs: Jobs::new(wake),
             recovery: places

@@ -12,6 +12,7 @@ mod places;
 mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
+mod weight;
 
 pub use edit::{Edit, Refused};
 pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};

@@ -341,6 +341,69 @@ fn what_is_made_is_selected_and_undo_selects_what_was() {
     assert_eq!(app.selection.ids, (1..=6).map(Id).collect::<Vec<_>>());
 }
 
+/// A floor of ten thousand vertices and more.
+fn large() -> App {
+    let mut app = filled();
+    let Shape::Mesh(mesh) = &*app.document.items[0].shape else {
+        panic!("the floor is a mesh")
+    };
+    let mut mesh = mesh.clone();
+    mesh.positions.resize(10_000, DVec3::ZERO);
+    edit(&mut app, Edit::SetShape(Id(1), Arc::new(Shape::Mesh(mesh))));
+    app
+}
+
+fn count_undo(app: &mut App) -> usize {
+    let mut steps = 0;
+    while app.undo_labels().0.is_some() {
+        app.execute(Command::Undo);
+        steps += 1;
+    }
+    steps
+}
+
+#[test]
+fn undo_holds_twice_a_large_document_and_forgets_the_rest() {
+    let mut app = large();
+    app.undo_bytes = 1_000;
+    for k in 0..60 {
+        edit(&mut app, Edit::AssignFaces(Id(1), vec![0], k % 2));
+        // Each of them copies the floor.
+        assert!(app.history.bytes() <= 5 * app.document.bytes());
+    }
+    assert!(app.history.bytes() > 240_000, "{}", app.history.bytes());
+    assert_eq!(count_undo(&mut app), 4);
+
+    // With room for all of them, all of them stay.
+    let mut app = large();
+    for k in 0..60 {
+        edit(&mut app, Edit::AssignFaces(Id(1), vec![0], k % 2));
+    }
+    assert!((60 * 240_000..61 * 260_000).contains(&app.history.bytes()));
+    assert_eq!(count_undo(&mut app), 61);
+}
+
+#[test]
+fn a_step_holds_the_objects_that_it_changes() {
+    let mut app = filled();
+    for _ in 0..9 {
+        let all = app.document.items.iter().map(|i| i.id).collect();
+        edit(&mut app, Edit::Duplicate(all));
+    }
+    let count = app.document.items.len() as u64;
+    assert_eq!(count, 2_048);
+    app.execute(Command::Select(Selection::one(Id(3))));
+    let before = app.history.bytes();
+    for k in 0..100 {
+        let by = DVec3::X * f64::from(k);
+        let drag = DAffine3::from_translation(by);
+        edit(&mut app, Edit::Transform(vec![Id(3)], drag));
+    }
+    let step = (app.history.bytes() - before) / 100;
+    // A pointer for each object, and one object.
+    assert!(step < 8 * count + 1_000, "{step} bytes");
+}
+
 #[test]
 fn what_changes_nothing_is_no_step() {
     let mut app = filled();
