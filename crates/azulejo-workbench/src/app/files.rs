@@ -109,7 +109,7 @@ impl App {
             on_disk,
             document,
             warnings,
-            notes,
+            mut notes,
         } = model;
         let Some(loading) = &self.loading else {
             return;
@@ -138,6 +138,8 @@ impl App {
             }
         } else {
             let was_empty = self.document.items.is_empty();
+            let (document, changes) = self.in_units_of_now(document, &path);
+            notes.extend(changes);
             self.edit(&Edit::Append(Box::new(document)), None);
             if was_empty {
                 self.take_light_of_file();
@@ -154,6 +156,18 @@ impl App {
         self.tell_warnings(&warnings, &ids);
         notes.into_iter().for_each(|n| self.tell(Level::Note, n));
         self.tell(Level::Note, summary);
+    }
+
+    /// What was read in the units that held when reading began, in those that hold now; and what
+    /// that changes.
+    fn in_units_of_now(&self, document: Document, path: &Path) -> (Document, Vec<String>) {
+        if self.document.is_empty() {
+            return (document, Vec::new());
+        }
+        let units = self.document.units;
+        let changes = models::changes(document.units, units);
+        let said = changes.iter().map(|c| said(path, c)).collect();
+        (document.adapted(units), said)
     }
 
     /// Asks whether what was done meanwhile may be lost too; what was asked for waits.
@@ -222,6 +236,11 @@ fn summary(document: &Document, path: &Path, time: Duration, language: Language)
     )
 }
 
+/// What becomes of a file that has other units.
+fn said(path: &Path, change: &models::Change) -> String {
+    format!("{}: {change}", path.display())
+}
+
 /// Reads one file after the other into one set of units.
 struct Reader {
     /// Those of the document that files join; the first file's, where there is none.
@@ -253,9 +272,8 @@ impl Reader {
             path: path.to_owned(),
             format: Some(model.format),
         };
-        let said = |change: &models::Change| format!("{}: {change}", path.display());
         Ok(LoadedModel {
-            notes: changes.iter().map(said).collect(),
+            notes: changes.iter().map(|c| said(path, c)).collect(),
             path: path.to_owned(),
             on_disk,
             document: Document::of_scene(scene, Some(branch)),

@@ -12,6 +12,7 @@ mod places;
 mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
+mod units;
 mod weight;
 
 pub use edit::{Edit, Refused};

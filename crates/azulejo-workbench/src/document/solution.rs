@@ -3,6 +3,7 @@
 use super::{Document, Id, Item};
 use azulejo::radiosity::Report;
 use azulejo::scene::{Irradiance, Material, Scene, Shape};
+use glam::DAffine3;
 use std::sync::Arc;
 
 /// Irradiance on the surfaces of a document as it was when the solver began.
@@ -39,7 +40,12 @@ impl Solution {
 
     /// The light that a file brought, if every surface has some.
     pub fn of_file(document: &Document) -> Option<Solution> {
-        let all = !document.items.is_empty() && document.items.iter().all(|item| is_lit(item));
+        let stands = |item: &Item| item.placement == DAffine3::IDENTITY;
+        let all = !document.items.is_empty()
+            && document
+                .items
+                .iter()
+                .all(|item| is_lit(item) && stands(item));
         all.then(|| Solution {
             shapes: (document.items.iter())
                 .map(|i| (i.id, Arc::clone(&i.shape)))
