@@ -5,6 +5,7 @@ mod files;
 mod light;
 mod recovery;
 mod saving;
+mod units;
 
 use super::*;
 use crate::document::Edit;
