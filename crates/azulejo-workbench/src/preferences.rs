@@ -38,6 +38,9 @@ pub struct Preferences {
     pub threads: usize,
     /// Paths per pixel at which a picture rests.
     pub picture_samples: u32,
+    /// Rays of a picture's final gather at each path's first matt surface, which sharpens shadows
+    /// and hides patches; 0 for none, where light is solved.
+    pub picture_gather: u32,
     /// Files that were opened or saved, the last first.
     pub recent: Vec<PathBuf>,
 }
@@ -52,11 +55,14 @@ impl Default for Preferences {
             autosave: 20,
             threads: 0,
             picture_samples: 256,
+            picture_gather: 0,
             recent: Vec::new(),
         }
     }
 }
 
+/// The most rays of a final gather.
+pub const MOST_GATHER: u32 = 1024;
 /// More recent files than this are forgotten.
 const MOST_RECENT: usize = 12;
 
@@ -101,6 +107,7 @@ impl Preferences {
             false => 1.0,
         };
         self.picture_samples = self.picture_samples.clamp(1, 1 << 16);
+        self.picture_gather = self.picture_gather.min(MOST_GATHER);
         self.recent.truncate(MOST_RECENT);
         self
     }
@@ -139,9 +146,14 @@ mod tests {
         let (found, why) = Preferences::load(&path);
         assert_eq!(found, Preferences::default());
         assert!(why.unwrap().contains("preferences.toml"));
-        std::fs::write(&path, "scale = 1e9\npicture_samples = 0").unwrap();
+        std::fs::write(
+            &path,
+            "scale = 1e9\npicture_samples = 0\npicture_gather = 2000",
+        )
+        .unwrap();
         let (found, _) = Preferences::load(&path);
         assert_eq!((found.scale, found.picture_samples), (3.0, 1));
+        assert_eq!(found.picture_gather, MOST_GATHER);
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -495,8 +495,12 @@ impl App {
         if preferences.color_map != self.preferences.color_map {
             self.view.false_color.map = preferences.color_map;
         }
+        let gathers = preferences.picture_gather != self.preferences.picture_gather;
         self.preferences = preferences;
         self.store_preferences();
+        if gathers {
+            self.redraw_picture();
+        }
     }
 
     fn store_preferences(&mut self) {

@@ -66,6 +66,7 @@ impl App {
             camera: self.view.camera.clone(),
             size,
             most,
+            gather: Some(self.preferences.picture_gather).filter(|&rays| rays > 0),
         };
         let threads = self.preferences.threads;
         let title = self.say("picture");
@@ -158,6 +159,8 @@ struct Work {
     camera: Camera,
     size: (u32, u32),
     most: u32,
+    /// Rays of the final gather.
+    gather: Option<u32>,
 }
 
 impl Work {
@@ -172,7 +175,7 @@ impl Work {
             let options = SecondPass {
                 size,
                 samples_per_pixel: samples,
-                gather: (!is_lit).then_some(GATHER),
+                gather: self.gather.or((!is_lit).then_some(GATHER)),
                 seed,
                 ..SecondPass::default()
             };

@@ -4,7 +4,7 @@ use super::actions::{ACTIONS, Menu};
 use super::desk::Desk;
 use crate::app::{App, Question};
 use crate::command::{Ask, Command};
-use crate::preferences::{Preferences, Theme};
+use crate::preferences::{MOST_GATHER, Preferences, Theme};
 use crate::view::ColorMap;
 use crate::words::Language;
 use egui::{DragValue, Grid, Id, Modal, Slider, Ui};
@@ -547,6 +547,11 @@ fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
     let label = ui.label(say("Paths per pixel of a picture"));
     let drag = DragValue::new(&mut new.picture_samples).range(1..=65_536);
     ui.add(drag).labelled_by(label.id);
+    ui.end_row();
+    let label = ui.label(say("Rays of its final gather"));
+    let drag = DragValue::new(&mut new.picture_gather).range(0..=MOST_GATHER);
+    let about = say("Sharpens shadows and hides patches, slowly; 0 for none.");
+    ui.add(drag).labelled_by(label.id).on_hover_text(about);
     ui.end_row();
 }
 

@@ -140,6 +140,16 @@ pub const TABLE: &[Entry] = &[
         "Caminos por píxel de una imagen",
         "Caminhos por píxel de uma imagem",
     ],
+    [
+        "Rays of its final gather",
+        "Rayos de su recogida final",
+        "Raios da sua recolha final",
+    ],
+    [
+        "Sharpens shadows and hides patches, slowly; 0 for none.",
+        "Afina las sombras y oculta los parches, despacio; 0 para ninguno.",
+        "Afina as sombras e esconde as parcelas, devagar; 0 para nenhum.",
+    ],
     ["grey", "gris", "cinzento"],
     // Keys and mouse.
     ["Keys and mouse", "Teclas y ratón", "Teclas e rato"],

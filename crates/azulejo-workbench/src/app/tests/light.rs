@@ -206,6 +206,27 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
 }
 
 #[test]
+fn a_final_gather_draws_the_picture_anew() {
+    let mut app = filled();
+    app.take_light(solved(&app.document));
+    let small = Command::Picture {
+        width: 12,
+        height: 8,
+        paths: Some(1),
+    };
+    run(&mut app, small);
+    let plain = app.picture.clone().expect("a picture");
+    let preferences = Preferences {
+        picture_gather: 4,
+        ..app.preferences.clone()
+    };
+    run(&mut app, Command::SetPreferences(Box::new(preferences)));
+    let gathered = app.picture.clone().expect("a picture");
+    assert_eq!((gathered.samples, gathered.most), (1, 1));
+    assert_ne!(gathered.image, plain.image);
+}
+
+#[test]
 fn a_backdrop_is_read_and_does_not_disturb_a_model_on_its_way() {
     let folder = Folder::new("backdrop");
     let mut app = filled();
