@@ -4,7 +4,8 @@ use super::{App, Level};
 use crate::command::Selection;
 use crate::document::{Document, Edit, Id};
 use crate::jobs::Kind;
-use azulejo::scene::Shape;
+use azulejo::scene::{Material, Shape};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Bytes that steps may hold beside the document: half a gigabyte. Of a document that is larger than
@@ -42,11 +43,12 @@ impl App {
             return;
         }
         let before = self.version();
+        let material = self.chosen_material();
         match edit.apply(&mut self.document) {
             Ok(ids) => {
                 self.keep_step(edit.label(), before, gesture);
                 self.changed();
-                self.select_after(edit, ids);
+                self.select_after(edit, ids, material);
             }
             Err(refused) => {
                 let text = self.say(&refused.0).to_owned();
@@ -67,12 +69,23 @@ impl App {
         }
     }
 
-    fn select_after(&mut self, edit: &Edit, ids: Vec<Id>) {
+    /// Selects what an edit made, and forgets what it took away; `material` was edited before.
+    fn select_after(&mut self, edit: &Edit, ids: Vec<Id>, material: Option<Arc<Material>>) {
         match edit {
             Edit::AddMaterial(_) => {
                 self.selection.material = Some((self.document.materials.len() - 1) as u32);
             }
-            Edit::Delete(_) => self.selection.ids.retain(|&id| self.document.has(id)),
+            Edit::Delete(_) => {
+                self.selection.ids.retain(|&id| self.document.has(id));
+                // The same key again must not mean the material of what is gone.
+                if self.selection.ids.is_empty() {
+                    self.selection.material = None;
+                }
+            }
+            Edit::DeleteMaterial(_) | Edit::DeleteUnusedMaterials => {
+                let is_there = self.follow_material(material);
+                self.selection.material = self.selection.material.filter(|_| is_there);
+            }
             Edit::Duplicate(_) | Edit::AddShape(_) | Edit::AddLight(_) | Edit::AddCamera(_) => {
                 self.select(Selection {
                     ids,
@@ -122,9 +135,15 @@ impl App {
     }
 
     fn go_to(&mut self, version: Version) {
+        let material = self.chosen_material();
+        let loses_all = !self.selection.ids.is_empty() && version.selection.is_empty();
         self.document = version.document;
         self.selection.ids = version.selection;
         self.revision = version.revision;
+        self.follow_material(material);
+        if loses_all {
+            self.selection.material = None;
+        }
         self.mend_selection();
         self.edited();
     }

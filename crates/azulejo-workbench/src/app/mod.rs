@@ -8,6 +8,7 @@ mod copies;
 mod editing;
 mod files;
 mod lighting;
+mod materials;
 mod picture;
 mod probes;
 mod saving;

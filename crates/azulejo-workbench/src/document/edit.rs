@@ -1,6 +1,7 @@
 //! All the ways in which a document changes.
 
 mod copies;
+mod materials;
 mod objects;
 
 use super::{Document, Id, Lamp, NewLight, NewShape, Viewpoint};
@@ -41,6 +42,10 @@ pub enum Edit {
     AddMaterial(Material),
     /// Changes a material.
     SetMaterial(MaterialId, Material),
+    /// Takes a material away that nothing is made of; those behind it move up by one number.
+    DeleteMaterial(MaterialId),
+    /// Takes all materials away that nothing is made of.
+    DeleteUnusedMaterials,
     /// Gives objects a material.
     Assign(Vec<Id>, MaterialId),
     /// Gives some faces of a mesh a material.
@@ -67,7 +72,7 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-type Edited = Result<Vec<Id>, Refused>;
+pub(super) type Edited = Result<Vec<Id>, Refused>;
 
 impl Edit {
     /// A few words for the menu: "Undo ...".
@@ -87,6 +92,8 @@ impl Edit {
             Edit::SetCamera(..) => "change a camera",
             Edit::AddMaterial(_) => "add a material",
             Edit::SetMaterial(..) => "change a material",
+            Edit::DeleteMaterial(_) => "delete a material",
+            Edit::DeleteUnusedMaterials => "remove unused materials",
             Edit::Assign(..) | Edit::AssignFaces(..) => "assign a material",
             Edit::SetBackground(_) => "change the background",
             Edit::SetFog(_) => "change the fog",
@@ -129,6 +136,8 @@ impl Edit {
             Edit::SetCamera(id, camera) => document.set_camera(*id, camera),
             Edit::AddMaterial(material) => document.add_material(material),
             Edit::SetMaterial(id, material) => document.set_material(*id, material),
+            Edit::DeleteMaterial(id) => document.delete_material(*id),
+            Edit::DeleteUnusedMaterials => document.delete_unused_materials(),
             Edit::Assign(ids, material) => document.assign(ids, *material),
             Edit::AssignFaces(id, faces, material) => document.assign_faces(*id, faces, *material),
             Edit::SetBackground(radiance) => document.set_surroundings(*radiance, document.fog),

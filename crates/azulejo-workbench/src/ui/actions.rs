@@ -1,10 +1,12 @@
 //! What menus and keys can do: one table for both, and for the page that lists the keys.
 
+use super::stock::duplicate;
 use crate::app::App;
 use crate::command::{Ask, Command, Selection};
 use crate::document::{Edit, Id, NewKind, NewLightKind};
 use crate::jobs::Kind;
 use crate::view::{Shading, Side};
+use azulejo::scene::MaterialId;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 /// A wish with a name, perhaps a key, and a time when it makes sense.
@@ -155,6 +157,12 @@ fn hide(ids: Vec<Id>, hidden: bool) -> Option<Wish> {
     )
 }
 
+/// The material that is selected in the tree, where nothing else is: keys mean it then.
+fn chosen_material(app: &App) -> Option<MaterialId> {
+    let material = app.selection.material;
+    material.filter(|_| app.selection.is_empty())
+}
+
 fn look(app: &App, change: impl FnOnce(&mut crate::view::View)) -> Option<Wish> {
     let mut view = app.view.clone();
     change(&mut view);
@@ -212,10 +220,19 @@ pub const ACTIONS: &[Action] = &[
         done(Command::Select(Selection::default()))
     }),
     action(Menu::Edit, "Duplicate", ctrl(Key::D), |a| {
-        selected(a, Edit::Duplicate)
+        selected(a, Edit::Duplicate).or_else(|| {
+            let copy = duplicate(&a.document, chosen_material(a)?);
+            edit(copy?)
+        })
     }),
     action(Menu::Edit, "Delete", key(Key::Delete), |a| {
-        selected(a, Edit::Delete)
+        let material = || edit(Edit::DeleteMaterial(chosen_material(a)?));
+        selected(a, Edit::Delete).or_else(material)
+    }),
+    action(Menu::Edit, "Remove unused materials", None, |a| {
+        let used = a.document.used_materials().len();
+        let command = Command::Edit(Edit::DeleteUnusedMaterials, None);
+        when(used < a.document.materials.len(), command)
     }),
     action(Menu::Edit, "Rename…", key(Key::F2), |a| {
         (a.selection.ids.len() == 1).then_some(Wish::Show(Panel::Rename))

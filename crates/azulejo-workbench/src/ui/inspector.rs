@@ -1,10 +1,11 @@
 //! Numbers of what is selected.
 
 use super::desk::Desk;
+use super::{inputs, together};
 use crate::command::{Command, Selection};
-use crate::document::{Document, Edit, Item, Lamp, Viewpoint};
+use crate::document::{Document, Edit, Id, Item, Lamp, Viewpoint};
 use azulejo::scene::{Camera, Light, LightKind, MaterialId, PrimitiveKind, Rgb, Shape, Units};
-use egui::{DragValue, Grid, Ui};
+use egui::{Grid, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::sync::Arc;
 
@@ -25,7 +26,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
         several => {
             let text = desk.say("selected");
             ui.label(format!("{} {text}", several.len()));
-            move_all(ui, desk);
+            together::show(ui, desk);
             assign(ui, desk);
         }
     }
@@ -62,11 +63,8 @@ fn units(ui: &mut Ui, desk: &mut Desk) {
         ui.label(desk.say("One unit is"));
         let mut metres = units.metres();
         let speed = 0.01 * metres;
-        let drag = DragValue::new(&mut metres)
-            .range(1e-9..=1e9)
-            .speed(speed)
-            .suffix(" m");
-        if ui.add(drag.update_while_editing(false)).changed() {
+        let drag = inputs::number(&mut metres, 1e-9..=1e9).speed(speed);
+        if ui.add(drag.suffix(" m")).changed() {
             units.metres_per_unit = Some(metres);
         }
     });
@@ -95,8 +93,9 @@ fn object(ui: &mut Ui, desk: &mut Desk, item: &Item) {
     {
         let mut new_top = top;
         ui.horizontal(|ui| {
-            ui.label(desk.say("Radius at the top"));
-            ui.add(DragValue::new(&mut new_top).range(0.0..=1.0).speed(0.01));
+            let label = ui.label(desk.say("Radius at the top"));
+            let drag = inputs::number(&mut new_top, 0.0..=1.0).speed(0.01);
+            ui.add(drag).labelled_by(label.id);
         });
         if new_top != top {
             let mut cone = primitive.clone();
@@ -134,7 +133,7 @@ fn kind_of(shape: &Shape, desk: &Desk) -> String {
     }
 }
 
-fn name(ui: &mut Ui, desk: &mut Desk, id: crate::document::Id, name: &str) {
+fn name(ui: &mut Ui, desk: &mut Desk, id: Id, name: &str) {
     let label = ui.label(desk.say("Name"));
     // A name has no space at its end, but who types two words passes there.
     let draft = ui.scope_id().with(("name", id));
@@ -157,7 +156,7 @@ fn name(ui: &mut Ui, desk: &mut Desk, id: crate::document::Id, name: &str) {
 }
 
 /// Three numbers in a row.
-fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool {
+pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool {
     ui.label(name);
     let mut changed = false;
     ui.horizontal(|ui| {
@@ -165,11 +164,10 @@ fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool {
             .into_iter()
             .zip([&mut v.x, &mut v.y, &mut v.z])
         {
-            let drag = DragValue::new(x)
+            let drag = inputs::number(x, f64::NEG_INFINITY..=f64::INFINITY)
                 .speed(speed)
                 .max_decimals(6)
-                .prefix(format!("{axis} "))
-                .update_while_editing(false);
+                .prefix(format!("{axis} "));
             let response = ui.add_sized([96.0, ui.spacing().interact_size.y], drag);
             response.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::Role::SpinButton, true, format!("{name} {axis}"))
@@ -182,7 +180,7 @@ fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool {
 }
 
 /// How far a pixel of dragging goes.
-fn speed(document: &Document) -> f64 {
+pub(super) fn speed(document: &Document) -> f64 {
     (document.bounds(None).diagonal() * 1e-3).max(1e-6)
 }
 
@@ -225,19 +223,6 @@ fn placement(ui: &mut Ui, desk: &mut Desk, item: &Item) {
         }
     };
     desk.edit(Edit::Place(item.id, placement));
-}
-
-/// Moves several things together.
-fn move_all(ui: &mut Ui, desk: &mut Desk) {
-    let mut shift = DVec3::ZERO;
-    Grid::new("move").num_columns(2).show(ui, |ui| {
-        let speed = speed(&desk.app.document);
-        vector(ui, desk.say("Move by"), &mut shift, speed);
-    });
-    if shift != DVec3::ZERO {
-        let ids = desk.app.selection.ids.clone();
-        desk.edit(Edit::Transform(ids, DAffine3::from_translation(shift)));
-    }
 }
 
 /// Materials of what is selected, and what else it could be made of.
@@ -316,30 +301,34 @@ fn unit(units: Units, radiometric: &'static str, photometric: &'static str) -> &
     }
 }
 
-/// A strength and a colour of light; colours are relative to their brightest channel.
-pub fn light_color(ui: &mut Ui, desk: &Desk, name: &str, unit: &str, light: &mut Rgb) -> bool {
-    let most = light.max_channel();
-    let mut strength = most;
-    let mut color = match most > 0.0 {
-        true => (*light / most).to_f32(),
-        false => [1.0; 3],
-    };
-    let mut changed = false;
+/// A strength and a colour of a light; colours are relative to their brightest channel.
+fn light_color(
+    ui: &mut Ui,
+    desk: &Desk,
+    lamp: Id,
+    name: &str,
+    unit: &str,
+    light: &mut Rgb,
+) -> bool {
+    let last = egui::Id::unique(("hue", lamp));
+    let (mut strength, mut hue) = inputs::parts(ui, last, *light);
+    let old = (strength, hue);
     ui.horizontal(|ui| {
-        changed |= ui.color_edit_button_rgb(&mut color).changed();
-        let drag = DragValue::new(&mut strength)
-            .range(0.0..=1e12)
-            .speed((0.01 * most).max(0.01))
-            .suffix(format!(" {unit}"))
-            .update_while_editing(false);
-        let response = ui.add(drag);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, true, name));
-        changed |= response.changed();
+        inputs::picked(ui, desk.say("Its colour"), &mut hue, inputs::hue);
+        let speed = (0.01 * strength).max(0.01);
+        let drag = inputs::number(&mut strength, 0.0..=1e12)
+            .speed(speed)
+            .suffix(format!(" {unit}"));
+        ui.add(drag).accessible_name(name);
     });
-    let _ = desk;
-    if changed {
-        *light = Rgb::from(color.map(f64::from)) * strength;
+    if (strength, hue) == old {
+        return false;
     }
+    inputs::keep_hue(ui, last, hue);
+    let new = hue * strength;
+    // The colour of a light that is off is remembered, and no change of it.
+    let changed = new != *light;
+    *light = new;
     changed
 }
 
@@ -359,7 +348,14 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
                 changed |= vector(ui, desk.say("Position"), position, step);
                 let name = desk.say("Intensity");
                 ui.label(name);
-                changed |= light_color(ui, desk, name, unit(units, "W/sr", "cd"), intensity);
+                changed |= light_color(
+                    ui,
+                    desk,
+                    lamp.id,
+                    name,
+                    unit(units, "W/sr", "cd"),
+                    intensity,
+                );
                 ui.end_row();
             }
             LightKind::Spot {
@@ -373,7 +369,14 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
                 changed |= unit_vector(ui, desk.say("Direction"), direction);
                 let name = desk.say("Intensity");
                 ui.label(name);
-                changed |= light_color(ui, desk, name, unit(units, "W/sr", "cd"), intensity);
+                changed |= light_color(
+                    ui,
+                    desk,
+                    lamp.id,
+                    name,
+                    unit(units, "W/sr", "cd"),
+                    intensity,
+                );
                 ui.end_row();
                 changed |= cone(ui, desk, inner, outer);
             }
@@ -384,13 +387,27 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
                 changed |= unit_vector(ui, desk.say("Direction"), direction);
                 let name = desk.say("Irradiance");
                 ui.label(name);
-                changed |= light_color(ui, desk, name, unit(units, "W/m²", "lx"), irradiance);
+                changed |= light_color(
+                    ui,
+                    desk,
+                    lamp.id,
+                    name,
+                    unit(units, "W/m²", "lx"),
+                    irradiance,
+                );
                 ui.end_row();
             }
             LightKind::Ambient { radiance } => {
                 let name = desk.say("Radiance");
                 ui.label(name);
-                changed |= light_color(ui, desk, name, unit(units, "W/(sr·m²)", "cd/m²"), radiance);
+                changed |= light_color(
+                    ui,
+                    desk,
+                    lamp.id,
+                    name,
+                    unit(units, "W/(sr·m²)", "cd/m²"),
+                    radiance,
+                );
                 ui.end_row();
             }
         });
@@ -432,11 +449,9 @@ fn cone(ui: &mut Ui, desk: &Desk, inner: &mut f64, outer: &mut f64) -> bool {
     let mut changed = false;
     for k in 0..2 {
         let label = ui.label(names[k]);
-        let drag = DragValue::new(&mut degrees[k])
-            .range(0.0..=180.0)
+        let drag = inputs::number(&mut degrees[k], 0.0..=180.0)
             .speed(0.25)
-            .suffix("°")
-            .update_while_editing(false);
+            .suffix("°");
         if ui.add(drag).labelled_by(label.id).changed() {
             changed = true;
             // The one that is moved pushes the other.
@@ -464,9 +479,7 @@ fn camera_numbers(ui: &mut Ui, desk: &mut Desk, view: &Viewpoint) {
         changed |= vector(ui, desk.say("Up"), &mut camera.up, 0.01);
         let label = ui.label(desk.say("Field of view"));
         let mut degrees = camera.vertical_fov.to_degrees();
-        let drag = DragValue::new(&mut degrees)
-            .range(1.0..=170.0)
-            .clamp_existing_to_range(false)
+        let drag = inputs::number(&mut degrees, 1.0..=170.0)
             .speed(0.25)
             .suffix("°");
         if ui.add(drag).labelled_by(label.id).changed() {

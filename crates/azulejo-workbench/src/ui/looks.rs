@@ -2,10 +2,11 @@
 
 use super::desk::Desk;
 use super::dialogs::map_name;
+use super::inputs;
 use crate::command::{Ask, Command};
 use crate::document::Edit;
 use crate::view::{Backdrop, COLORS, ColorMap, Fit, View, linear};
-use azulejo::scene::{Fog, Rgb};
+use azulejo::scene::Fog;
 use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
 
 /// Draws the tab.
@@ -79,10 +80,10 @@ fn false_colors(ui: &mut Ui, desk: &Desk, view: &mut View) {
         ui.horizontal(|ui| {
             let speed = (0.01 * (*high - *low).abs()).max(1e-6);
             let label = ui.label(desk.say("from"));
-            ui.add(DragValue::new(low).speed(speed).range(0.0..=1e12))
+            ui.add(inputs::number(low, 0.0..=1e12).speed(speed))
                 .labelled_by(label.id);
             let label = ui.label(desk.say("to"));
-            ui.add(DragValue::new(high).speed(speed).range(0.0..=1e12))
+            ui.add(inputs::number(high, 0.0..=1e12).speed(speed))
                 .labelled_by(label.id);
         });
     }
@@ -157,10 +158,9 @@ fn own_background(ui: &mut Ui, desk: &mut Desk) {
             let quiet = linear([64, 96, 160]);
             desk.edit(Edit::SetBackground(has.then_some(quiet)));
         }
-        if let Some(radiance) = old {
-            let mut color = radiance.to_f32();
-            if ui.color_edit_button_rgb(&mut color).changed() {
-                let radiance = Rgb::from(color.map(f64::from));
+        if let Some(mut radiance) = old {
+            let name = desk.say("Background");
+            if inputs::picked(ui, name, &mut radiance, Some) {
                 desk.edit(Edit::SetBackground(Some(radiance)));
             }
         }
@@ -185,15 +185,10 @@ fn fog(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
     let Some(mut fog) = old else { return };
     let before = fog;
     ui.horizontal(|ui| {
-        let mut color = fog.color.to_f32();
-        if ui.color_edit_button_rgb(&mut color).changed() {
-            fog.color = Rgb::from(color.map(f64::from));
-        }
+        inputs::picked(ui, desk.say("Fog"), &mut fog.color, Some);
         let label = ui.label(desk.say("Nothing is seen beyond"));
-        let drag = DragValue::new(&mut fog.visibility)
-            .range(1e-6..=1e12)
-            .speed(0.01 * reach);
-        ui.add(drag).labelled_by(label.id);
+        let drag = inputs::number(&mut fog.visibility, 1e-6..=1e12);
+        ui.add(drag.speed(0.01 * reach)).labelled_by(label.id);
     });
     ui.checkbox(
         &mut fog.exponential,

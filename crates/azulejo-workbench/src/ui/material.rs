@@ -2,6 +2,7 @@
 
 use super::brdf::{Answer, Editor, PreviewLight, Shown};
 use super::desk::Desk;
+use super::stock::buttons;
 use crate::command::{Ask, Command};
 use crate::document::{Document, Edit, Id};
 use azulejo::scene::{Light, Material, MaterialId, Shape};
@@ -30,8 +31,10 @@ impl Materials {
             ui.weak(desk.say("Select an object, or a material in the tree."));
             return;
         };
+        ui.horizontal(|ui| buttons(ui, desk, id));
         let shown = Shown {
-            key: u64::from(id),
+            // The same number is another material where some were taken away.
+            key: u64::from(id) | (app.document.materials.len() as u64) << 32,
             material,
             others: &app.document.materials,
             light: self.preview.light(desk),

@@ -169,12 +169,16 @@ impl Workbench {
             dialogs,
             ..
         } = self;
-        if ui.input(|i| i.pointer.any_pressed()) {
-            self.press += 1;
-        }
+        let (is_pressed, is_held) = ui.input(|i| {
+            // What changes as the button is let go belongs to the drag that ends.
+            let is_held = i.pointer.any_down() || i.pointer.any_released();
+            (i.pointer.any_pressed(), is_held)
+        });
+        let writes = ui.ctx().text_edit_focused();
+        self.press += u64::from(is_pressed);
         let mut desk = Desk {
             language: app.preferences.language,
-            gesture: ui.input(|i| i.pointer.any_down()).then_some(self.press),
+            gesture: is_held.then_some(self.press),
             is_covered: dialogs.is_open(app),
             app,
             wishes: Vec::new(),
@@ -225,6 +229,8 @@ impl Workbench {
         let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut desk));
         let chosen = dialogs.show(ui, &mut desk);
         let commands = desk.wishes;
+        // A press elsewhere ends what was being typed, which is no part of what the press begins.
+        self.press += u64::from(is_pressed && writes);
         if let Some(chosen) = chosen {
             self.take_file(chosen);
         }
@@ -294,11 +300,8 @@ impl Workbench {
     }
 
     fn save_brdf(&mut self, path: &Path) -> Result<(), String> {
-        let text = self
-            .materials
-            .saving
-            .take()
-            .ok_or("nothing waits to be saved")?;
+        let text = self.materials.saving.take();
+        let text = text.ok_or("nothing waits to be saved")?;
         let path = match path.extension() {
             Some(_) => path.to_owned(),
             None => path.with_extension("brdf"),
@@ -337,7 +340,11 @@ impl Workbench {
         });
         context.set_zoom_factor(wanted.1);
         // The preferences say how large texts are; Ctrl and digits are for shadings.
-        context.options_mut(|options| options.zoom_with_keyboard = false);
+        context.options_mut(|options| {
+            options.zoom_with_keyboard = false;
+            // What was typed is taken before the click that leaves it does its work.
+            options.input_options.surrender_focus_on = egui::SurrenderFocusOn::Presses;
+        });
         self.dressed = Some(wanted);
     }
 

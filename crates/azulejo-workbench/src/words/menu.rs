@@ -38,6 +38,11 @@ pub const TABLE: &[Entry] = &[
     ],
     ["Duplicate", "Duplicar", "Duplicar"],
     ["Delete", "Eliminar", "Eliminar"],
+    [
+        "Remove unused materials",
+        "Quitar los materiales sin usar",
+        "Retirar os materiais não usados",
+    ],
     ["Rename…", "Cambiar el nombre…", "Mudar o nome…"],
     ["Hide", "Ocultar", "Ocultar"],
     ["Show all", "Mostrar todo", "Mostrar tudo"],
@@ -120,6 +125,16 @@ pub const TABLE: &[Entry] = &[
     ["change a light", "cambiar una luz", "mudar uma luz"],
     ["save a camera", "guardar una cámara", "guardar uma câmara"],
     ["change a camera", "cambiar una cámara", "mudar uma câmara"],
+    [
+        "delete a material",
+        "eliminar un material",
+        "eliminar um material",
+    ],
+    [
+        "remove unused materials",
+        "quitar los materiales sin usar",
+        "retirar os materiais não usados",
+    ],
     [
         "add a material",
         "añadir un material",

@@ -3,6 +3,11 @@
 use super::Entry;
 
 pub const TABLE: &[Entry] = &[
+    [
+        "Only where nothing is made of it.",
+        "Solo si no hay nada hecho de él.",
+        "Só se não houver nada feito dele.",
+    ],
     ["made here", "hecho aquí", "feito aqui"],
     ["Lights", "Luces", "Luzes"],
     ["Cameras", "Cámaras", "Câmaras"],

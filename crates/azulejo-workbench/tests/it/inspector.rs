@@ -1,12 +1,12 @@
 //! Numbers of what is selected.
 
 use crate::window::*;
-use azulejo::scene::{LightKind, Shape};
+use azulejo::scene::{LightKind, Rgb, Shape};
 use azulejo_workbench::app::App;
-use azulejo_workbench::command::Command;
-use azulejo_workbench::document::{NewKind, NewLightKind};
+use azulejo_workbench::command::{Command, Selection};
+use azulejo_workbench::document::{Edit, NewKind, NewLightKind};
 use egui::accesskit::Role;
-use egui::{Key, Modifiers};
+use egui::{Key, Modifiers, vec2};
 use glam::DVec3;
 
 fn with_shape() -> Window {
@@ -69,12 +69,29 @@ fn a_name_of_two_words_is_written() {
 #[test]
 fn several_things_move_together() {
     let mut app = opened("shapes.grf");
-    app.execute(Command::SelectAll);
+    app.execute(Command::Select(Selection {
+        ids: app.document.items.iter().map(|i| i.id).collect(),
+        ..Selection::default()
+    }));
     let before = app.document.bounds(None).centre();
     let mut window = window(app);
     set(&mut window, "Move by y", 1.5);
-    let after = window.state().app.document.bounds(None).centre();
-    assert!((after - before - DVec3::new(0.0, 1.5, 0.0)).length() < 1e-9);
+    set(&mut window, "Turn by ° y", 90.0);
+    set(&mut window, "Scale by", 2.0);
+    assert!(!window.state().app.is_changed(), "not before it is applied");
+    let size = window.state().app.document.bounds(None).size();
+    click(&mut window, "Apply to all");
+    let bounds = window.state().app.document.bounds(None);
+    assert!((bounds.centre() - before - DVec3::new(0.0, 1.5, 0.0)).length() < 1e-6);
+    let turned = 2.0 * DVec3::new(size.z, size.y, size.x);
+    assert!(
+        (bounds.size() - turned).length() < 1e-6,
+        "{:?}",
+        bounds.size()
+    );
+    check_no_error(&window);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert!(!window.state().app.is_changed(), "one step");
 }
 
 #[test]
@@ -112,19 +129,190 @@ fn the_other_lights_have_theirs() {
         (NewLightKind::Ambient, "Radiance"),
     ] {
         let mut window = with_light(kind);
+        let amber = Rgb::new(1.0, 0.5, 0.25);
+        shine(&mut window, amber * 2.0);
         set(&mut window, label, 7.0);
-        let strength = match window.state().app.document.lights[0].light.kind {
-            LightKind::Point { intensity, .. } => intensity,
-            LightKind::Directional { irradiance, .. } => irradiance,
-            LightKind::Ambient { radiance } => radiance,
-            LightKind::Spot { .. } => panic!("none was added"),
-        };
-        assert!((strength.max_channel() - 7.0).abs() < 1e-5, "{kind:?}");
+        check_shines(&window, amber * 7.0);
         // Dark and bright again: the colour is not lost in between.
         set(&mut window, label, 0.0);
+        check_shines(&window, Rgb::BLACK);
         set(&mut window, label, 5.0);
+        check_shines(&window, amber * 5.0);
         check_no_error(&window);
     }
+}
+
+/// What the first light shines with.
+fn shine_of(kind: &mut LightKind) -> &mut Rgb {
+    match kind {
+        LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
+        LightKind::Directional { irradiance, .. } => irradiance,
+        LightKind::Ambient { radiance } => radiance,
+    }
+}
+
+/// Gives the first light a strength and a colour.
+fn shine(window: &mut Window, color: Rgb) {
+    let lamp = &window.state().app.document.lights[0];
+    let (id, mut light) = (lamp.id, lamp.light.clone());
+    *shine_of(&mut light.kind) = color;
+    let command = Command::Edit(Edit::SetLight(id, light), None);
+    window.state_mut().app.execute(command);
+    window.run();
+}
+
+fn check_shines(window: &Window, expected: Rgb) {
+    let mut kind = window.state().app.document.lights[0].light.kind;
+    let found = *shine_of(&mut kind);
+    let differs = (found - expected)
+        .max_channel()
+        .max((expected - found).max_channel());
+    assert!(differs < 1e-5, "{found:?}, expected {expected:?}");
+}
+
+/// Opens a picker; returns where its square of shades begins.
+fn open_picker(window: &mut Window, name: &str) -> egui::Pos2 {
+    find(window, Role::ColorWell, name).click();
+    window.run_steps(4);
+    find(window, Role::SpinButton, "R").rect().left_bottom()
+}
+
+#[test]
+fn a_colour_is_picked_and_the_strength_stays() {
+    let mut app = App::quiet();
+    app.execute(Command::AddLight(NewLightKind::Point));
+    let mut window = window_with_files(app);
+    shine(&mut window, Rgb::new(8.0, 4.0, 2.0));
+    let square = open_picker(&mut window, "Its colour");
+    let shine = |window: &Window| {
+        let mut kind = window.state().app.document.lights[0].light.kind;
+        *shine_of(&mut kind)
+    };
+    assert_eq!(
+        shine(&window),
+        Rgb::new(8.0, 4.0, 2.0),
+        "opened, not changed"
+    );
+    // A dark shade, held: it says a colour, and no strength.
+    window.drag_at(square + vec2(60.0, 200.0));
+    window.run_steps(10);
+    window.hover_at(square + vec2(240.0, 200.0));
+    window.run_steps(10);
+    let picked = shine(&window);
+    assert!((picked.max_channel() - 8.0).abs() < 1e-5, "{picked:?}");
+    assert!(picked.b < 1.0, "a fuller colour than before: {picked:?}");
+    // The last of the drag comes as the button is let go, and is the same step.
+    window.event(egui::Event::PointerMoved(square + vec2(20.0, 200.0)));
+    window.drop_at(square + vec2(20.0, 200.0));
+    window.run();
+    assert!(shine(&window).b > 4.0, "{:?}", shine(&window));
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(shine(&window), Rgb::new(8.0, 4.0, 2.0));
+}
+
+#[test]
+fn what_is_typed_and_what_is_clicked_then_are_two_steps() {
+    let mut window = with_shape();
+    find(&window, Role::SpinButton, "Position x").focus();
+    window.run();
+    press(&mut window, Modifiers::COMMAND, Key::A);
+    window.event(egui::Event::Text("3".into()));
+    window.run();
+    // A real click: its press ends the typing.
+    let button = find(&window, Role::Button, "Back to where it was made")
+        .rect()
+        .center();
+    window.drag_at(button);
+    window.step();
+    window.drop_at(button);
+    window.run();
+    let place = |window: &Window| window.state().app.document.items[0].placement;
+    assert_eq!(place(&window), glam::DAffine3::IDENTITY);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(place(&window).translation.x, 3.0);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(place(&window), glam::DAffine3::IDENTITY);
+}
+
+#[test]
+fn looking_at_numbers_and_colours_changes_nothing() {
+    let mut app = App::quiet();
+    app.execute(Command::AddLight(NewLightKind::Spot));
+    let mut window = window_with_files(app);
+    let lamp = &window.state().app.document.lights[0];
+    let (id, mut light) = (lamp.id, lamp.light.clone());
+    if let LightKind::Spot {
+        position,
+        intensity,
+        inner,
+        ..
+    } = &mut light.kind
+    {
+        position.x = 0.482_374_81;
+        *intensity = Rgb::new(3e-7, 2e-7, 1e-7);
+        *inner = 0.3;
+    }
+    window
+        .state_mut()
+        .app
+        .execute(Command::Edit(Edit::SetLight(id, light), None));
+    let revision = window.state().app.revision();
+    for label in [
+        "Position x",
+        "Direction y",
+        "Intensity",
+        "Full inside",
+        "None outside",
+    ] {
+        find(&window, Role::SpinButton, label).focus();
+        window.run();
+        press(&mut window, Modifiers::NONE, Key::Enter);
+        assert_eq!(window.state().app.revision(), revision, "{label}");
+    }
+    open_picker(&mut window, "Its colour");
+    assert_eq!(window.state().app.revision(), revision);
+}
+
+#[test]
+fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
+    let mut app = App::quiet();
+    app.execute(Command::AddShape(NewKind::Cone));
+    let mut cone = window(app);
+    type_slowly(&mut cone, "Radius at the top", "0.25");
+    let Shape::Primitive(p) = &*cone.state().app.document.items[0].shape else {
+        panic!("a cone stays exact")
+    };
+    assert_eq!(p.kind, azulejo::scene::PrimitiveKind::Cone { top: 0.25 });
+    press(&mut cone, Modifiers::COMMAND, Key::Z);
+    assert_eq!(cone.state().app.undo_labels().0, Some("add a shape"));
+
+    let mut camera = window(opened("shapes.grf"));
+    click(&mut camera, "📷 door");
+    type_slowly(&mut camera, "Field of view", "50");
+    press(&mut camera, Modifiers::COMMAND, Key::Z);
+    assert!(!camera.state().app.is_changed());
+
+    click_last(&mut camera, "View");
+    find(&camera, Role::CheckBox, "Fog in the scene").click();
+    camera.run();
+    type_slowly(&mut camera, "Nothing is seen beyond", "12.5");
+    assert_eq!(camera.state().app.document.fog.unwrap().visibility, 12.5);
+    press(&mut camera, Modifiers::COMMAND, Key::Z);
+    press(&mut camera, Modifiers::COMMAND, Key::Z);
+    assert!(!camera.state().app.is_changed());
+}
+
+/// Types a number key by key.
+fn type_slowly(window: &mut Window, label: &str, number: &str) {
+    find(window, Role::SpinButton, label).focus();
+    window.run();
+    press(window, Modifiers::COMMAND, Key::A);
+    for key in number.chars() {
+        window.event(egui::Event::Text(key.into()));
+        window.run();
+    }
+    press(window, Modifiers::NONE, Key::Enter);
 }
 
 #[test]

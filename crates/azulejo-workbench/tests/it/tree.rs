@@ -54,6 +54,16 @@ fn a_thing_is_renamed_in_its_row() {
     window.event(egui::Event::Text("no".into()));
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert_eq!(window.state().app.document.name(id), Some("roof"));
+
+    press(&mut window, Modifiers::NONE, Key::F2);
+    let revision = window.state().app.revision();
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert!(!says(&window, "no"), "{:?}", labels(&window));
+    assert_eq!(
+        window.state().app.revision(),
+        revision,
+        "the same name again is no step"
+    );
 }
 
 #[test]
@@ -136,4 +146,53 @@ fn only_what_is_looked_for_is_shown() {
     assert!(!window.state().app.is_changed());
     write(&mut window, "WALL", "no such thing");
     assert!(says(&window, "Drop files here"));
+}
+
+fn materials(window: &Window) -> Vec<String> {
+    let materials = window.state().app.document.materials.iter();
+    materials.map(|m| m.name.clone()).collect()
+}
+
+#[test]
+fn a_material_of_the_tree_is_copied_and_deleted_by_keys_where_nothing_else_is_selected() {
+    let mut window = window(opened("shapes.grf"));
+    let before = materials(&window);
+    click_last(&mut window, "moss");
+    press(&mut window, Modifiers::COMMAND, Key::D);
+    assert_eq!(materials(&window)[before.len()..], ["moss 2"]);
+    press(&mut window, Modifiers::NONE, Key::Delete);
+    assert_eq!(materials(&window), before);
+    check_no_error(&window);
+    assert_eq!(window.state().app.selection.material, None);
+    // With an object the keys mean the object, and after it nothing more.
+    click(&mut window, "ceiling");
+    press(&mut window, Modifiers::NONE, Key::Delete);
+    press(&mut window, Modifiers::NONE, Key::Delete);
+    assert_eq!(materials(&window), before);
+    assert_eq!(window.state().app.document.items.len(), 11);
+    check_no_error(&window);
+}
+
+#[test]
+fn materials_are_copied_and_deleted_by_buttons_and_the_unused_ones_by_a_menu() {
+    let mut window = window(opened("shapes.grf"));
+    let before = materials(&window).len();
+    click_last(&mut window, "moss");
+    click_last(&mut window, "Material");
+    click(&mut window, "Duplicate");
+    assert_eq!(materials(&window)[before..], ["moss 2"]);
+    click(&mut window, "Delete");
+    assert_eq!(materials(&window).len(), before);
+    find(&window, Role::Button, "moss").click_secondary();
+    window.run();
+    click_last(&mut window, "Duplicate");
+    click(&mut window, "Edit");
+    click_last(&mut window, "Remove unused materials");
+    check_no_error(&window);
+    let app = &window.state().app;
+    assert_eq!(
+        app.document.used_materials().len(),
+        app.document.materials.len()
+    );
+    assert_eq!(app.undo_labels().0, Some("remove unused materials"));
 }

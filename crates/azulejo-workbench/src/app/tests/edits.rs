@@ -184,6 +184,8 @@ fn any_edit() -> impl Strategy<Value = Edit> {
         (id(), camera()).prop_map(|(id, camera)| Edit::SetCamera(id, camera)),
         material().prop_map(Edit::AddMaterial),
         (0..6u32, material()).prop_map(|(id, material)| Edit::SetMaterial(id, material)),
+        (0..6u32).prop_map(Edit::DeleteMaterial),
+        Just(Edit::DeleteUnusedMaterials),
         (ids(), 0..6u32).prop_map(|(ids, material)| Edit::Assign(ids, material)),
         (id(), faces, 0..6u32).prop_map(|(id, faces, m)| Edit::AssignFaces(id, faces, m)),
         prop::option::of(color()).prop_map(Edit::SetBackground),
@@ -464,4 +466,79 @@ fn a_view_without_direction_is_not_taken() {
     bad.camera.eye = bad.camera.target;
     app.execute(Command::Look(Box::new(bad)));
     assert_eq!(app.view, good);
+}
+
+/// The sample with two more materials: one that a ball is made of, and one of nothing.
+fn with_materials() -> App {
+    let mut app = filled();
+    for name in ["spare", "used"] {
+        edit(
+            &mut app,
+            Edit::AddMaterial(Material::diffuse(name, Rgb::WHITE)),
+        );
+    }
+    let used = (app.document.materials.len() - 1) as u32;
+    edit(&mut app, Edit::Assign(vec![Id(3)], used));
+    app
+}
+
+fn number_of(app: &App, name: &str) -> u32 {
+    let mut materials = app.document.materials.iter();
+    materials.position(|m| m.name == name).unwrap() as u32
+}
+
+fn material_of(app: &App, id: Id) -> &str {
+    let material = app.document.item(id).unwrap().materials()[0];
+    &app.document.materials[material as usize].name
+}
+
+#[test]
+fn a_material_goes_and_those_behind_it_move_up() {
+    let mut app = with_materials();
+    let (spare, used) = (number_of(&app, "spare"), number_of(&app, "used"));
+    app.execute(Command::Select(Selection {
+        material: Some(used),
+        ..Selection::default()
+    }));
+    let before = app.document.clone();
+    edit(&mut app, Edit::DeleteMaterial(spare));
+    check_no_error(&app);
+    check_app(&app);
+    assert_eq!(app.document.materials.len(), before.materials.len() - 1);
+    assert_eq!(material_of(&app, Id(3)), "used");
+    assert_eq!(app.selection.material, Some(used - 1), "still the same one");
+    app.execute(Command::Undo);
+    assert_eq!(app.document, before);
+    assert_eq!(app.selection.material, Some(used));
+    app.execute(Command::Redo);
+    assert_eq!(app.selection.material, Some(used - 1));
+}
+
+#[test]
+fn a_material_that_is_used_stays_and_it_is_said_by_whom() {
+    let mut app = with_materials();
+    let used = number_of(&app, "used");
+    let before = app.document.clone();
+    edit(&mut app, Edit::DeleteMaterial(used));
+    assert_eq!(app.document, before);
+    assert_eq!(errors(&app), ["the material \"used\" is used by \"ball\""]);
+    edit(&mut app, Edit::DeleteMaterial(99));
+    assert_eq!(errors(&app).len(), 2);
+}
+
+#[test]
+fn copies_of_a_shape_share_it_after_materials_went() {
+    let mut app = with_materials();
+    edit(&mut app, Edit::Duplicate(vec![Id(3)]));
+    let copy = app.selection.ids[0];
+    edit(&mut app, Edit::DeleteUnusedMaterials);
+    check_no_error(&app);
+    check_app(&app);
+    let used = app.document.used_materials();
+    assert_eq!(used.len(), app.document.materials.len());
+    let shape = |id| &app.document.item(id).unwrap().shape;
+    assert!(Arc::ptr_eq(shape(Id(3)), shape(copy)));
+    assert_eq!(material_of(&app, copy), "used");
+    edit(&mut app, Edit::DeleteUnusedMaterials);
+    assert_eq!(errors(&app), ["every material is used"]);
 }

@@ -101,7 +101,7 @@ impl Document {
 }
 
 /// Names that are taken.
-struct Names {
+pub(super) struct Names {
     taken: HashSet<String>,
     /// The last number behind each stem that was found free: those before it are not asked again.
     numbers: HashMap<String, u64>,
@@ -112,14 +112,19 @@ impl Names {
         let items = document.items.iter().map(|i| &i.name);
         let lights = document.lights.iter().map(|l| &l.light.name);
         let cameras = document.cameras.iter().map(|c| &c.camera.name);
+        Names::among(items.chain(lights).chain(cameras))
+    }
+
+    /// Those names.
+    pub(super) fn among<'a>(names: impl Iterator<Item = &'a String>) -> Names {
         Names {
-            taken: items.chain(lights).chain(cameras).cloned().collect(),
+            taken: names.cloned().collect(),
             numbers: HashMap::new(),
         }
     }
 
     /// `name`, with the first free number behind it if it is taken; then it is taken too.
-    fn fresh(&mut self, name: &str) -> String {
+    pub(super) fn fresh(&mut self, name: &str) -> String {
         let mut found = name.to_owned();
         if self.taken.contains(name) {
             let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());

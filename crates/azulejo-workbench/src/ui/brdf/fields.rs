@@ -1,8 +1,9 @@
 //! Fields for numbers and colours.
 
+use super::super::inputs;
 use super::theme::row;
 use azulejo::scene::Rgb;
-use egui::{DragValue, Slider, SliderClamping, Ui, vec2};
+use egui::{SliderClamping, Ui, vec2};
 
 /// Numbers that a field takes.
 #[derive(Clone, Copy, Debug)]
@@ -60,13 +61,12 @@ pub(super) fn number(ui: &mut Ui, name: &str, span: Span, value: &mut f64) {
         true => SliderClamping::Always,
         false => SliderClamping::Never,
     };
-    let slider = Slider::new(value, span.range())
+    let slider = inputs::slider(value, span.range())
         .logarithmic(span.is_logarithmic())
         .smallest_positive(1e-2)
         .clamping(clamping)
         .suffix(span.suffix())
-        .max_decimals(6)
-        .update_while_editing(false);
+        .max_decimals(6);
     ui.add(slider).accessible_name(name);
 }
 
@@ -85,11 +85,7 @@ pub(super) fn color(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
 
 /// The colour, which opens a picker.
 pub(super) fn swatch(ui: &mut Ui, name: &str, color: &mut Rgb) {
-    let mut linear = color.to_f32();
-    let button = ui.color_edit_button_rgb(&mut linear).accessible_name(name);
-    if button.changed() {
-        *color = Rgb::from(linear.map(|x| rounded(f64::from(x))));
-    }
+    inputs::picked(ui, name, color, |picked| Some(picked.map(rounded)));
 }
 
 /// Pickers know 256 steps; more digits say nothing.
@@ -101,17 +97,16 @@ fn rounded(x: f64) -> f64 {
 fn channels(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
     for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
         let value = &mut color[channel];
-        let drag = DragValue::new(value)
+        let range = match span.is_strict {
+            true => span.range(),
+            false => f64::NEG_INFINITY..=f64::INFINITY,
+        };
+        let drag = inputs::number(value, range)
             .speed(0.002 * (span.most - span.least).min(1.0))
             .max_decimals(4)
             .prefix(format!("{letter} "))
             .suffix(span.suffix())
-            .min_size(vec2(58.0, 0.0))
-            .update_while_editing(false);
-        let drag = match span.is_strict {
-            true => drag.range(span.range()),
-            false => drag,
-        };
+            .min_size(vec2(58.0, 0.0));
         let response = ui.add(drag).accessible_name(format!("{name} {letter}"));
         if response.dragged() {
             *value = value.clamp(span.least, span.most);

@@ -1,10 +1,11 @@
 //! What kind of surface a material is, and the numbers of each kind.
 
+use super::super::inputs;
 use super::fields::{SHARE, Span, color_row, number_row};
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::{Dielectric, Material, Rgb};
-use egui::{ComboBox, DragValue, Ui};
+use egui::{ComboBox, Ui};
 
 /// Kinds of surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -186,12 +187,10 @@ pub(super) fn emission(
         language.say("Radiance of the front, of the channel that is brightest; 0 for no light.");
     row(ui, language.say("Emission"), about, |ui, name| {
         let speed = (0.01 * strength).max(0.01);
-        let drag = DragValue::new(&mut strength)
-            .range(0.0..=1e12)
+        let drag = inputs::number(&mut strength, 0.0..=1e12)
             .speed(speed)
             .max_decimals(4)
-            .suffix(unit)
-            .update_while_editing(false);
+            .suffix(unit);
         ui.add(drag).accessible_name(name);
         if strength > 0.0 {
             ui.checkbox(&mut material.emits_back, language.say("from both sides"));
@@ -204,10 +203,8 @@ pub(super) fn emission(
     if (strength, shade) == old {
         return;
     }
-    if shade.is_black() {
-        shade = Rgb::WHITE;
-    }
-    *last = shade / shade.max_channel();
+    // Black is no colour of light: the last one stays.
+    *last = inputs::hue(shade).unwrap_or(*last);
     material.emission = *last * strength;
 }
 

@@ -171,7 +171,9 @@ fn material(ui: &mut Ui, desk: &mut Desk, label: &str, material: MaterialId) {
         "" => desk.say("without name"),
         other => other,
     };
-    if ui.selectable_label(is_selected, label).clicked() {
+    let response = ui.selectable_label(is_selected, label);
+    response.context_menu(|ui| super::stock::buttons(ui, desk, material));
+    if response.clicked() {
         let mut selection = desk.app.selection.clone();
         selection.material = Some(material);
         desk.wish(Command::Select(selection));

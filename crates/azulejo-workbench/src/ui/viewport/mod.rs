@@ -11,6 +11,8 @@ mod screen;
 mod signs;
 mod stage;
 
+pub(super) use signs::middle;
+
 pub use gizmo::Mode;
 pub use legend::number;
 pub use probe::{radiance_unit, value};
@@ -217,7 +219,7 @@ impl Viewport {
         view: &Projection,
         desk: &mut Desk,
     ) {
-        let Some(centre) = self.handle_place(desk.app) else {
+        let Some(centre) = middle(desk.app) else {
             self.grip = None;
             return;
         };
@@ -249,16 +251,6 @@ impl Viewport {
             ui.ctx().set_cursor_icon(CursorIcon::Grab);
         }
         gizmo.paint(ui.painter(), self.grip.as_ref().or(under.as_ref()));
-    }
-
-    /// The middle of what is selected.
-    fn handle_place(&self, app: &App) -> Option<glam::DVec3> {
-        let selection = &app.selection;
-        if selection.ids.is_empty() {
-            return None;
-        }
-        let bounds = app.document.bounds_with_signs(&selection.ids, 0.0);
-        (!bounds.is_empty()).then(|| bounds.centre())
     }
 
     /// What is painted over the model: legends and buttons.

@@ -101,6 +101,16 @@ fn ink(color: [u8; 3], is_selected: bool) -> Ink {
     }
 }
 
+/// The middle of what is selected, signs included.
+pub fn middle(app: &App) -> Option<DVec3> {
+    let ids = &app.selection.ids;
+    if ids.is_empty() {
+        return None;
+    }
+    let bounds = app.document.bounds_with_signs(ids, 0.0);
+    (!bounds.is_empty()).then(|| bounds.centre())
+}
+
 fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: Ink) {
     let at = light_place(kind, bounds);
     let reach = 0.04 * size;

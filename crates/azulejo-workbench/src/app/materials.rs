@@ -1,0 +1,31 @@
+//! The material that is edited, while others come and go.
+
+use super::App;
+use azulejo::scene::{Material, MaterialId};
+use std::sync::Arc;
+
+impl App {
+    /// The material that is edited.
+    pub(super) fn chosen_material(&self) -> Option<Arc<Material>> {
+        let id = self.selection.material?;
+        self.document.materials.get(id as usize).cloned()
+    }
+
+    /// Goes on with the material that was edited before, by whatever number it has now; whether it
+    /// is still there.
+    pub(super) fn follow_material(&mut self, before: Option<Arc<Material>>) -> bool {
+        let (Some(before), Some(at)) = (before, self.selection.material) else {
+            return false;
+        };
+        let materials = &self.document.materials;
+        let is_it = |m: &Arc<Material>| Arc::ptr_eq(m, &before);
+        if materials.get(at as usize).is_some_and(is_it) {
+            return true;
+        }
+        let found = materials.iter().position(is_it);
+        if let Some(found) = found {
+            self.selection.material = Some(found as MaterialId);
+        }
+        found.is_some()
+    }
+}

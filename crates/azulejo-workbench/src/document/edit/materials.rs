@@ -1,0 +1,115 @@
+//! Materials that come and go. Surfaces know theirs by number, so that the others move up.
+
+use super::copies::Names;
+use super::{Edited, Refused};
+use crate::document::{Document, Facts, Item, map_materials};
+use azulejo::scene::{MaterialId, Shape};
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// So many names of those who use a material fit into a message.
+const NAMED: usize = 3;
+
+/// A shape with its materials' new numbers.
+struct Renumbered {
+    /// Kept as long as it is looked up by its place: another could come to lie there.
+    _old: Arc<Shape>,
+    shape: Arc<Shape>,
+    facts: Arc<Facts>,
+}
+
+impl Renumbered {
+    fn new(old: &Arc<Shape>, numbers: &[MaterialId]) -> Renumbered {
+        let mut shape = Shape::clone(old);
+        map_materials(&mut shape, &mut |m| numbers[m as usize]);
+        Renumbered {
+            _old: Arc::clone(old),
+            facts: Arc::new(Facts::of(&shape)),
+            shape: Arc::new(shape),
+        }
+    }
+}
+
+impl Document {
+    /// `name` with the first number behind it that no material has.
+    pub fn fresh_material_name(&self, name: &str) -> String {
+        Names::among(self.materials.iter().map(|m| &m.name)).fresh(name)
+    }
+
+    /// The materials that are on some surface.
+    pub fn used_materials(&self) -> HashSet<MaterialId> {
+        let items = self.items.iter();
+        items.flat_map(|i| i.materials().iter().copied()).collect()
+    }
+
+    pub(super) fn delete_material(&mut self, id: MaterialId) -> Edited {
+        let Some(material) = self.materials.get(id as usize) else {
+            return Err(Refused("there is no such material any more".into()));
+        };
+        let items = self.items.iter().map(|item| &**item);
+        let users: Vec<&Item> = items.filter(|i| i.materials().contains(&id)).collect();
+        if !users.is_empty() {
+            let why = format!("{} is used by {}", quoted(&material.name), listed(&users));
+            return Err(Refused(why));
+        }
+        self.keep_materials(|m| m != id);
+        Ok(Vec::new())
+    }
+
+    pub(super) fn delete_unused_materials(&mut self) -> Edited {
+        let used = self.used_materials();
+        if used.len() == self.materials.len() {
+            return Err(Refused("every material is used".into()));
+        }
+        self.keep_materials(|m| used.contains(&m));
+        Ok(Vec::new())
+    }
+
+    /// Forgets the other materials, which nothing uses.
+    fn keep_materials(&mut self, keep: impl Fn(MaterialId) -> bool) {
+        let mut numbers: Vec<MaterialId> = Vec::new();
+        let mut kept = Vec::new();
+        for (k, material) in self.materials.drain(..).enumerate() {
+            numbers.push(kept.len() as MaterialId);
+            if keep(k as MaterialId) {
+                kept.push(material);
+            }
+        }
+        self.materials = kept;
+        self.renumber(&numbers);
+        self.rtrace = None;
+    }
+
+    /// Gives surfaces the new numbers of their materials. Objects that share a shape go on sharing.
+    fn renumber(&mut self, numbers: &[MaterialId]) {
+        let mut done: HashMap<*const Shape, Renumbered> = HashMap::new();
+        let moved = |m: &MaterialId| numbers[*m as usize] != *m;
+        for item in &mut self.items {
+            if !item.materials().iter().any(moved) {
+                continue;
+            }
+            let new = done
+                .entry(Arc::as_ptr(&item.shape))
+                .or_insert_with(|| Renumbered::new(&item.shape, numbers));
+            let item = Arc::make_mut(item);
+            (item.shape, item.facts) = (Arc::clone(&new.shape), Arc::clone(&new.facts));
+        }
+    }
+}
+
+fn quoted(name: &str) -> String {
+    match name {
+        "" => "the material without name".to_owned(),
+        name => format!("the material \"{name}\""),
+    }
+}
+
+/// The first names, and how many there are more.
+fn listed(users: &[&Item]) -> String {
+    let names = users.iter().take(NAMED).map(|i| format!("\"{}\"", i.name));
+    let names = names.collect::<Vec<_>>().join(", ");
+    match users.len().saturating_sub(NAMED) {
+        0 => names,
+        more => format!("{names} and {more} more"),
+    }
+}

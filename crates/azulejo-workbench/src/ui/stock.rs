@@ -1,0 +1,28 @@
+//! Materials as wholes: copied, and taken away.
+
+use super::desk::Desk;
+use crate::document::{Document, Edit};
+use azulejo::scene::MaterialId;
+use egui::Ui;
+
+/// Adds the same material again, by a name that is free; `None` if it is gone.
+pub fn duplicate(document: &Document, id: MaterialId) -> Option<Edit> {
+    let material = document.materials.get(id as usize)?;
+    let mut copy = (**material).clone();
+    copy.name = document.fresh_material_name(&copy.name);
+    Some(Edit::AddMaterial(copy))
+}
+
+/// What can be done with a material as a whole.
+pub fn buttons(ui: &mut Ui, desk: &mut Desk, id: MaterialId) {
+    if ui.button(desk.say("Duplicate")).clicked()
+        && let Some(edit) = duplicate(&desk.app.document, id)
+    {
+        desk.edit(edit);
+    }
+    let about = desk.say("Only where nothing is made of it.");
+    let delete = ui.button(desk.say("Delete")).on_hover_text(about);
+    if delete.clicked() {
+        desk.edit(Edit::DeleteMaterial(id));
+    }
+}
