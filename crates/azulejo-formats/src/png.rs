@@ -1,7 +1,9 @@
 //! PNG: pictures on surfaces in, finished pictures out.
 
 use crate::PictureError;
-use crate::picture::{check_size, linear_from_srgb, linear_table, malformed};
+use crate::picture::{
+    check_size, linear_from_srgb, linear_table, malformed, srgb_bytes, srgb_from_linear,
+};
 use azulejo_scene::Image;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Transformations};
 use std::io::{self, Cursor, Write};
@@ -74,6 +76,33 @@ pub fn write(width: u32, height: u32, rgb: &[u8], out: &mut dyn Write) -> io::Re
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(rgb)?;
+    Ok(writer.finish()?)
+}
+
+/// Writes linear light as PNG, sRGB: with 8 bits where they say it exactly, else with 16. What is
+/// brighter than white becomes white.
+///
+/// # Errors
+/// What `out` says, and a picture without pixels.
+pub fn write_linear(image: &Image, out: &mut dyn Write) -> io::Result<()> {
+    let (bytes, table) = (srgb_bytes(image), linear_table());
+    let values = image.pixels.iter().flatten();
+    if bytes
+        .iter()
+        .zip(values.clone())
+        .all(|(&b, v)| table[usize::from(b)] == *v)
+    {
+        return write(image.width, image.height, &bytes, out);
+    }
+    let word = |&v: &f32| (65535.0 * srgb_from_linear(v)).round().clamp(0.0, 65535.0) as u16;
+    let words: Vec<u8> = values.flat_map(|v| word(v).to_be_bytes()).collect();
+    let mut encoder = Encoder::new(out, image.width, image.height);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Sixteen);
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&words)?;
     Ok(writer.finish()?)
 }
 

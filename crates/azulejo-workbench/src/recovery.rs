@@ -234,8 +234,25 @@ impl Session {
 }
 
 fn remove(copy: &Path) {
+    for picture in pictures(copy) {
+        let _ = std::fs::remove_file(picture);
+    }
     let _ = std::fs::remove_file(copy);
     let _ = std::fs::remove_file(copy.with_extension("toml"));
+}
+
+/// Pictures that were written beside a copy, whose name theirs begin with.
+fn pictures(copy: &Path) -> Vec<PathBuf> {
+    let stem = copy.file_stem().unwrap_or_default().to_string_lossy();
+    let begin = format!("{stem}-");
+    let is_picture = |path: &PathBuf| {
+        let kind = path.extension().is_some_and(|e| e == "png" || e == "hdr");
+        let name = path.file_name().unwrap_or_default();
+        kind && name.to_string_lossy().starts_with(&begin)
+    };
+    let entries = copy.parent().and_then(|f| std::fs::read_dir(f).ok());
+    let paths = entries.into_iter().flatten().flatten().map(|e| e.path());
+    paths.filter(is_picture).collect()
 }
 
 /// Copies in `folder` that belong to no session that lives, the newest first. Notes without a

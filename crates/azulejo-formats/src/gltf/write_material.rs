@@ -4,8 +4,9 @@ use super::pack::Pack;
 use super::uri;
 use super::write::{factor_and_strength, named};
 use crate::gloss::{gltf_mr, model_of, slope};
+use crate::picture::srgb_bytes;
 use crate::png;
-use azulejo_scene::{Dielectric, Image, Material, MaterialId, Rgb, Scene, Texture};
+use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, Texture};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeSet, HashMap};
 use std::io;
@@ -179,21 +180,9 @@ fn image(texture: &Texture, pack: &mut Pack) -> io::Result<Value> {
         return Ok(json!({ "uri": uri::escaped(&texture.path) }));
     };
     let mut file = Vec::new();
-    png::write(image.width, image.height, &srgb(image), &mut file)?;
+    png::write(image.width, image.height, &srgb_bytes(image), &mut file)?;
     let mut json = named(&texture.path);
     json.insert("mimeType".into(), json!("image/png"));
     json.insert("bufferView".into(), json!(pack.bytes(&file)));
     Ok(json.into())
-}
-
-/// The pixels as sRGB bytes, IEC 61966-2-1. What is brighter than white becomes white.
-fn srgb(image: &Image) -> Vec<u8> {
-    let byte = |v: f32| {
-        let v = match v {
-            v if v <= 0.003_130_8 => 12.92 * v,
-            v => 1.055 * v.powf(1.0 / 2.4) - 0.055,
-        };
-        (255.0 * v).round().clamp(0.0, 255.0) as u8
-    };
-    image.pixels.iter().flatten().map(|&v| byte(v)).collect()
 }

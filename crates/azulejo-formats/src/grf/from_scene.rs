@@ -24,6 +24,14 @@ impl Document {
     /// where these are identifiers. Normals and texture coordinates on corners become attributes
     /// of vertices, which are split where corners disagree. Pixels of textures are left out.
     pub fn from_scene(scene: &Scene) -> Document {
+        Document::with_pictures(scene, scene.textures.iter().map(|t| t.path.as_str()))
+    }
+
+    /// The same with these files for its textures.
+    pub(super) fn with_pictures<'s>(
+        scene: &Scene,
+        pictures: impl Iterator<Item = &'s str>,
+    ) -> Document {
         let names = Names::new(scene);
         let mut outside = Vec::new();
         if scene.units != Units::default() {
@@ -35,8 +43,8 @@ impl Document {
         outside.extend(scene.lights.iter().cloned().map(BlockKind::Light));
         let mut inside = Vec::new();
         let mut definitions = Vec::new();
-        for (texture, name) in scene.textures.iter().zip(&names.textures) {
-            definitions.push(texture_definition(name, &texture.path, &mut inside));
+        for (path, name) in pictures.zip(&names.textures) {
+            definitions.push(texture_definition(name, path, &mut inside));
         }
         for (material, name) in scene.materials.iter().zip(&names.materials) {
             let (definition, note) = material_definition(name, material, &names.textures);

@@ -80,6 +80,19 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     Document::from_scene(scene).write(out)
 }
 
+/// As [`write()`], with other names for the files of the scene's textures, in their order.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_with_pictures(
+    scene: &Scene,
+    pictures: &[String],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let names = pictures.iter().map(String::as_str);
+    Document::with_pictures(scene, names).write(out)
+}
+
 /// What [`write()`] would leave out of a scene, in words.
 pub fn losses(scene: &Scene) -> Vec<String> {
     let numbers = scene.rtrace.iter();

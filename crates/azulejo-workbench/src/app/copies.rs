@@ -58,13 +58,15 @@ impl App {
             return;
         };
         self.changed_at = None;
+        let home = self.home();
         let (document, revision) = (self.document.clone(), self.revision);
         let solution = self.lighting.solution.clone();
         let title = self.say("copy for recovery");
         self.jobs
             .start(Kind::Autosave, title, move |progress, outbox| {
                 let (scene, _) = document.lit_scene(solution.as_deref());
-                models::write(&scene, &path, progress).map_err(|e| e.to_string())?;
+                let kept = models::write_copy(&scene, &path, home.as_deref(), progress);
+                kept.map_err(|e| e.to_string())?;
                 outbox.send(Found::Autosaved(revision));
                 Ok(())
             });
@@ -85,9 +87,17 @@ impl App {
             std::env::temp_dir().join(name)
         });
         let (scene, _) = self.document.lit_scene(self.lighting.solution.as_deref());
-        models::write(&scene, &path, &Progress::new()).map_err(|e| e.to_string())?;
+        let home = self.home();
+        let kept = models::write_copy(&scene, &path, home.as_deref(), &Progress::new());
+        kept.map_err(|e| e.to_string())?;
         self.recovery.done(self.revision);
         Ok(Some(path))
+    }
+
+    /// Where the pictures of a copy stay: those beside the file, whose copy it is.
+    fn home(&self) -> Option<PathBuf> {
+        let folder = self.file.as_ref()?.path.parent()?;
+        Some(folder.to_owned())
     }
 
     /// When the window should be drawn again although nothing happens: for a copy that is due.

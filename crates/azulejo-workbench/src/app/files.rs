@@ -86,12 +86,16 @@ impl App {
         } else {
             Vec::new()
         };
+        let copies = self.recovery.found().iter();
+        let copy = copies.filter(|_| recovered).find(|f| f.copy == paths[0]);
+        let original = copy.and_then(|f| f.original.as_deref());
+        let home = original.and_then(Path::parent).map(Path::to_owned);
         let title = match &paths[..] {
             [one] => one.display().to_string(),
             several => format!("{} {}", several.len(), self.say("files")),
         };
         self.jobs.start(Kind::Load, title, move |progress, outbox| {
-            let mut reader = Reader { units, taken };
+            let mut reader = Reader { units, taken, home };
             for path in paths {
                 match reader.read(&path, progress) {
                     Ok(model) => outbox.send(Found::Model(Box::new(model))),
@@ -247,6 +251,8 @@ struct Reader {
     units: Option<Units>,
     /// Names of branches that are taken.
     taken: Vec<String>,
+    /// Where a copy for recovery finds the pictures of its original.
+    home: Option<PathBuf>,
 }
 
 impl Reader {
@@ -257,7 +263,11 @@ impl Reader {
     ) -> Result<LoadedModel, models::ReadFailure> {
         // As it is before it is read: what others write meanwhile is theirs.
         let on_disk = OnDisk::now(path);
-        let model = models::read(path, &models::Reading::default(), progress)?;
+        let reading = models::Reading {
+            home: self.home.clone(),
+            ..models::Reading::default()
+        };
+        let model = models::read(path, &reading, progress)?;
         let mut scene = model.scene;
         let wanted = *self.units.get_or_insert(scene.units);
         let changes = models::changes(scene.units, wanted);

@@ -121,6 +121,7 @@ fn read_one(path: &Path, reading: &Reading, session: &mut Session) -> Result<Sce
             ..ReadOptions::default()
         },
         allow: reading.allow.clone(),
+        home: None,
     };
     let model = models::read(path, &how, session.progress())?;
     model.warnings.iter().for_each(|w| session.warn(w));

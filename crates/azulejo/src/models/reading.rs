@@ -1,7 +1,7 @@
 //! One model from its file.
 
 use crate::files::Refused;
-use azulejo_formats::{Folder, Format, Loaded, ReadError, ReadOptions, Warning};
+use azulejo_formats::{FileError, Files, Folder, Format, Loaded, ReadError, ReadOptions, Warning};
 use azulejo_scene::Scene;
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
@@ -22,6 +22,9 @@ pub struct Reading {
     pub options: ReadOptions,
     /// Folders beside the model's own in which files that it names may lie.
     pub allow: Vec<PathBuf>,
+    /// A folder in which files that it names are looked for when they are not in its own: that of
+    /// the model which this is a copy of.
+    pub home: Option<PathBuf>,
 }
 
 /// A model that was read.
@@ -73,24 +76,21 @@ impl From<Cancelled> for ReadFailure {
 /// Reads one model, whatever its format; `-` is standard input.
 ///
 /// The files that it names are looked for in its own folder and below, and where `reading` allows.
-/// Readers cannot be stopped half way: `progress` is asked before and after.
+/// Once `progress` is cancelled no further file is read, and what is parsed is parsed to its end.
 ///
 /// # Errors
 /// [`ReadFailure`].
 pub fn read(path: &Path, reading: &Reading, progress: &Progress) -> Result<Model, ReadFailure> {
-    progress.begin("reading", 0);
-    let bytes = read_bytes(path)?;
+    let bytes = read_file(path, progress)?;
+    progress.begin("parsing", 0);
     progress.advance(0)?;
-    let own = Folder::of_model(path);
-    let folder = reading
-        .allow
-        .iter()
-        .fold(own, |folder, more| folder.allow(more));
+    let around = Surroundings::of(path, reading, progress);
     let name = path.to_string_lossy();
     let content = ReadFailure::Content;
-    let Loaded { scene, warnings } =
-        azulejo_formats::read_with(&bytes, &name, &folder, &reading.options).map_err(content)?;
+    let read = azulejo_formats::read_with(&bytes, &name, &around, &reading.options);
+    // What a reader makes of files that it was not given is no reason.
     progress.advance(0)?;
+    let Loaded { scene, warnings } = read.map_err(content)?;
     let format = azulejo_formats::recognise(&bytes, &name)
         .map_err(|e| content(ReadError::whole(name, e.looks_like, "a model")))?;
     Ok(Model {
@@ -100,20 +100,57 @@ pub fn read(path: &Path, reading: &Reading, progress: &Progress) -> Result<Model
     })
 }
 
+/// The files around a model, as long as nobody cancels.
+struct Surroundings<'a> {
+    own: Folder,
+    home: Option<Folder>,
+    progress: &'a Progress,
+}
+
+impl<'a> Surroundings<'a> {
+    fn of(path: &Path, reading: &Reading, progress: &'a Progress) -> Surroundings<'a> {
+        let own = Folder::of_model(path);
+        let own = (reading.allow.iter()).fold(own, |folder, more| folder.allow(more));
+        Surroundings {
+            own,
+            home: reading.home.as_ref().map(Folder::new),
+            progress,
+        }
+    }
+}
+
+impl Files for Surroundings<'_> {
+    fn read(&self, name: &str) -> Result<Vec<u8>, FileError> {
+        if self.progress.is_cancelled() {
+            return Err(FileError::Io(io::ErrorKind::Interrupted.into()));
+        }
+        match (self.own.read(name), &self.home) {
+            (Err(FileError::Missing | FileError::Outside), Some(home)) => home.read(name),
+            (read, _) => read,
+        }
+    }
+}
+
 /// The bytes of a file, or of standard input for `-`.
 ///
 /// # Errors
 /// [`ReadFailure::Directory`], and [`ReadFailure::File`] for what is too large too.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadFailure> {
-    let failed = |error: io::Error| {
-        ReadFailure::File(Refused {
+    read_file(path, &Progress::new())
+}
+
+/// The same, told of in bytes and given up when it is cancelled.
+fn read_file(path: &Path, progress: &Progress) -> Result<Vec<u8>, ReadFailure> {
+    let failed = |error: io::Error| match progress.is_cancelled() {
+        true => ReadFailure::Cancelled,
+        false => ReadFailure::File(Refused {
             deed: "read",
             path: path.to_owned(),
             error,
-        })
+        }),
     };
     if path == Path::new("-") {
-        return limited(io::stdin().lock(), 0, MAX_STREAM).map_err(failed);
+        return limited(io::stdin().lock(), 0, MAX_STREAM, progress).map_err(failed);
     }
     let meta = fs::metadata(path).map_err(failed)?;
     if meta.is_dir() {
@@ -121,15 +158,31 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadFailure> {
     }
     let limit = if meta.is_file() { MAX_FILE } else { MAX_STREAM };
     let file = File::open(path).map_err(failed)?;
-    limited(file, meta.len(), limit).map_err(failed)
+    limited(file, meta.len(), limit, progress).map_err(failed)
 }
 
 /// Reads to the end, but no more than `limit` bytes; `length` is what to expect.
-fn limited(source: impl Read, length: u64, limit: u64) -> io::Result<Vec<u8>> {
+fn limited(
+    mut source: impl Read,
+    length: u64,
+    limit: u64,
+    progress: &Progress,
+) -> io::Result<Vec<u8>> {
+    const PIECE: u64 = 1 << 22;
+    progress.begin("reading", length);
     let mut bytes = Vec::new();
     if length <= limit {
         bytes.try_reserve_exact(length as usize)?;
-        source.take(limit + 1).read_to_end(&mut bytes)?;
+        loop {
+            let room = limit + 1 - bytes.len() as u64;
+            let piece = source.by_ref().take(room.min(PIECE));
+            let read = { piece }.read_to_end(&mut bytes)?;
+            let goes_on = progress.advance(read as u64);
+            goes_on.map_err(|_| io::ErrorKind::Interrupted)?;
+            if read == 0 {
+                break;
+            }
+        }
     }
     if length > limit || bytes.len() as u64 > limit {
         let message = format!("larger than {limit} bytes");
@@ -144,14 +197,40 @@ mod tests {
 
     #[test]
     fn what_has_no_end_is_refused() {
-        assert_eq!(limited(&b"1234"[..], 4, 4).unwrap(), b"1234");
+        let read =
+            |source: &mut dyn Read, length, limit| limited(source, length, limit, &Progress::new());
+        assert_eq!(read(&mut &b"1234"[..], 4, 4).unwrap(), b"1234");
         for (length, limit) in [(0, 3), (9, 3)] {
-            let said = limited(&b"1234"[..], length, limit)
+            let said = read(&mut &b"1234"[..], length, limit)
                 .unwrap_err()
                 .to_string();
             assert!(said.contains("larger than 3 bytes"), "{said}");
         }
-        assert!(limited(io::repeat(7), 0, 1000).is_err());
+        assert!(read(&mut io::repeat(7), 0, 1000).is_err());
+    }
+
+    #[test]
+    fn a_reader_that_is_cancelled_stops_and_tells_how_far_it_is() {
+        /// Is cancelled by somebody after a few pieces.
+        struct Endless<'a>(&'a Progress);
+        impl Read for Endless<'_> {
+            fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+                if self.0.done() > 0 {
+                    self.0.cancel();
+                }
+                Ok(into.len())
+            }
+        }
+        let progress = Progress::new();
+        let stopped = limited(Endless(&progress), 1 << 30, 1 << 40, &progress);
+        assert_eq!(stopped.unwrap_err().kind(), io::ErrorKind::Interrupted);
+        assert!(progress.done() < 1 << 24 && progress.total() == 1 << 30);
+        // No further file is read for a model that nobody waits for.
+        let progress = Progress::new();
+        let around = Surroundings::of(Path::new("a.obj"), &Reading::default(), &progress);
+        progress.cancel();
+        let read = around.read("a.mtl");
+        assert!(matches!(read, Err(FileError::Io(_))), "{read:?}");
     }
 
     #[test]

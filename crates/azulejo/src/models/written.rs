@@ -1,6 +1,7 @@
 //! Scenes to files: the format by the extension, whole or not at all.
 
-use crate::output::{self, Output, OutputError};
+use super::pictures::Pictures;
+use crate::output::{self, Draft, Output, OutputError};
 use azulejo_formats::{gltf, grf, obj, ply, sff, view3d};
 use azulejo_scene::Scene;
 use azulejo_trace::Progress;
@@ -32,6 +33,8 @@ enum Writer {
     ),
     /// A file and those that it turns out to name, which begin with its own name.
     Several(fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>),
+    /// A file that names pictures, which must be found from its folder.
+    Pictured(fn(&Scene, &[String], &mut dyn Write) -> io::Result<()>),
 }
 
 /// Files by name.
@@ -42,7 +45,7 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "GRF",
         extension: "grf",
-        writer: Writer::One(grf::write),
+        writer: Writer::Pictured(grf::write_with_pictures),
         keeps_light: true,
         losses: grf::losses,
     },
@@ -168,6 +171,21 @@ pub fn write(scene: &Scene, path: &Path, progress: &Progress) -> Result<Vec<Stri
     Ok(ModelOutput::check(path)?.write(scene, progress)?)
 }
 
+/// As [`write()`], for a copy that will be read with this [home](crate::models::Reading::home):
+/// pictures that are found from there stay where they are, and all others are written beside the
+/// copy, whose names they begin with.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_copy(
+    scene: &Scene,
+    path: &Path,
+    home: Option<&Path>,
+    progress: &Progress,
+) -> Result<Vec<String>, WriteFailure> {
+    Ok(ModelOutput::check(path)?.write_with_home(scene, home, progress)?)
+}
+
 /// Where a scene goes, checked before the work begins.
 #[derive(Debug)]
 pub struct ModelOutput {
@@ -224,7 +242,30 @@ impl ModelOutput {
     /// # Errors
     /// [`OutputError`]; what was there before is then untouched.
     pub fn write(&self, scene: &Scene, progress: &Progress) -> Result<Vec<String>, OutputError> {
+        let own = self.model.path().parent();
+        self.write_with_home(scene, own, progress)
+    }
+
+    /// Pictures that are found from `home` may stay where they are.
+    fn write_with_home(
+        &self,
+        scene: &Scene,
+        home: Option<&Path>,
+        progress: &Progress,
+    ) -> Result<Vec<String>, OutputError> {
+        let mut losses = self.format.losses(scene);
         match &self.format.writer {
+            Writer::Pictured(write) if self.model.file().is_some() => {
+                self.write_pictured(*write, scene, home, progress)?;
+            }
+            Writer::Pictured(write) => {
+                // There is no place beside a pipe.
+                let names: Vec<String> = scene.textures.iter().map(|t| t.path.clone()).collect();
+                let write = |out: &mut dyn Write| write(scene, &names, out);
+                self.model.write(progress, write)?;
+                let loaded = scene.textures.iter().filter(|t| t.image.is_some()).count();
+                losses.extend((loaded > 0).then(|| format!("the pixels of {loaded} pictures")));
+            }
             Writer::One(write) => self.model.write(progress, |out| write(scene, out))?,
             Writer::Several(write) => self.write_several(*write, scene, progress)?,
             Writer::Two(extension, write) => {
@@ -236,7 +277,22 @@ impl ModelOutput {
                 output::commit(vec![second, first], progress)?;
             }
         }
-        Ok(self.format.losses(scene))
+        Ok(losses)
+    }
+
+    /// Writes a model and the pictures that it would not find from where it is.
+    fn write_pictured(
+        &self,
+        write: fn(&Scene, &[String], &mut dyn Write) -> io::Result<()>,
+        scene: &Scene,
+        home: Option<&Path>,
+        progress: &Progress,
+    ) -> Result<(), OutputError> {
+        let path = self.model.path();
+        let mut model = self.model.draft()?;
+        let pictures = Pictures::beside(path, home, scene).map_err(|e| model.error(e))?;
+        write(scene, &pictures.names, &mut model).map_err(|e| model.error(e))?;
+        self.commit_with(model, pictures.new, progress)
     }
 
     /// Writes a model and the files that it names, all of them or none.
@@ -250,6 +306,17 @@ impl ModelOutput {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let mut model = self.model.draft()?;
         let named = write(scene, &stem, &mut model).map_err(|e| model.error(e))?;
+        self.commit_with(model, named, progress)
+    }
+
+    /// Puts a model in its place, with files beside it.
+    fn commit_with(
+        &self,
+        model: Draft,
+        named: NamedFiles,
+        progress: &Progress,
+    ) -> Result<(), OutputError> {
+        let path = self.model.path();
         let mut drafts = Vec::new();
         for (name, bytes) in named {
             let mut draft = Output::check(&path.with_file_name(name))?.draft()?;

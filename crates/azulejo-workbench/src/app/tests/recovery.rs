@@ -223,6 +223,64 @@ fn a_name_that_is_no_text_survives_a_crash_and_keeps_no_preferences_away() {
 }
 
 #[test]
+fn pictures_survive_a_crash_with_the_model_and_go_with_the_copy() {
+    use azulejo::formats::{png, read_picture};
+    let folder = Folder::new("textures");
+    let mut file = Vec::new();
+    png::write(1, 2, &[9, 99, 200, 0, 50, 255], &mut file).unwrap();
+    std::fs::write(folder.path("wood.png"), &file).unwrap();
+    let mut scene = sample().scene();
+    // The one lies beside the model, the other in the model's own file.
+    for path in ["wood.png", "inside"] {
+        scene.textures.push(azulejo::scene::Texture {
+            path: path.into(),
+            image: Some(read_picture(&file).unwrap()),
+        });
+    }
+    let model = folder.path("room.grf");
+    std::fs::copy(example("shapes.grf"), &model).unwrap();
+    let mut app = app_in(&folder, 1);
+    run(&mut app, Command::Open(vec![model]));
+    let document = Document::of_scene(scene, None);
+    edit(&mut app, Edit::Append(Box::new(document)));
+    let_pass(&mut app, 2);
+    settle(&mut app);
+    check_no_error(&app);
+    let images: Vec<_> = app.document.textures.iter().map(|t| &t.image).collect();
+    let images: Vec<_> = images.into_iter().cloned().collect();
+    let next = after_a_crash(&folder, App::quiet());
+    let left = || std::fs::read_dir(next.path("recovery")).unwrap().count();
+    assert_eq!(left(), 3, "a note, a copy, a picture");
+
+    let mut app = app_in(&next, 0);
+    let copy = app.recoverable()[0].copy.clone();
+    run(&mut app, Command::Recover(copy));
+    check_no_error(&app);
+    let again: Vec<_> = app
+        .document
+        .textures
+        .iter()
+        .map(|t| t.image.clone())
+        .collect();
+    assert_eq!(again, images);
+    assert!(again.iter().flatten().count() >= 2);
+    let names = app.document.textures.iter().map(|t| t.path.as_str());
+    assert_eq!(names.filter(|n| *n == "wood.png").count(), 1);
+    run(&mut app, Command::SaveAs(next.path("b.grf")));
+    check_no_error(&app);
+    assert_eq!(left(), 0);
+    let mut last = App::quiet();
+    run(&mut last, Command::Open(vec![next.path("b.grf")]));
+    let last: Vec<_> = last
+        .document
+        .textures
+        .iter()
+        .map(|t| t.image.clone())
+        .collect();
+    assert_eq!(last, images);
+}
+
+#[test]
 fn what_waits_for_a_copy_waits_for_the_answer_too() {
     let folder = Folder::new("waits");
     let mut app = app_in(&folder, 1);
