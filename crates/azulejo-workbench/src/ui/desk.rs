@@ -41,6 +41,7 @@ impl Desk<'_> {
             "irradiance" => self.say("irradiance"),
             "radiance" => self.say("radiance"),
             "reading" => self.say("reading"),
+            "parsing" => self.say("parsing"),
             "render" => self.say("tracing rays"),
             "" => self.say("preparing"),
             other => other,

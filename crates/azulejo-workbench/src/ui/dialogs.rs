@@ -1,6 +1,7 @@
 //! Windows over the window: questions, files, letters, preferences, keys.
 
 use super::actions::{ACTIONS, Menu};
+use super::all_files::AllFiles;
 use super::desk::Desk;
 use crate::app::{App, Question};
 use crate::command::{Ask, Command};
@@ -16,6 +17,7 @@ use std::sync::Arc;
 #[derive(Default)]
 pub struct Dialogs {
     files: Option<(Ask, FileDialog)>,
+    all_files: AllFiles,
     /// A place to save at where there is a file already.
     replacing: Option<(Ask, PathBuf)>,
     /// The last folder that something was chosen in.
@@ -298,6 +300,8 @@ impl Dialogs {
         let (what, dialog) = self.files.as_mut()?;
         let what = *what;
         dialog.show(ui.ctx());
+        self.all_files
+            .show(ui.ctx(), desk, Id::unique("files"), dialog);
         let paths: Vec<PathBuf> = match dialog.state() {
             State::Open => return None,
             State::Selected => match dialog.selection() {
@@ -425,7 +429,7 @@ impl Dialogs {
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
             .show_rename(false)
             .keep_on_top(true)
-            .show_files_filter(Box::new(move |path| is_offered(what, path)))
+            .show_files_filter(self.all_files.filter(move |path| is_offered(what, path)))
             .open_button_text(desk.say("Open").into())
             .save_button_text(desk.say("Save").into())
             .cancel_button_text(desk.say("Cancel").into())

@@ -4,7 +4,11 @@ use super::desk::Desk;
 use crate::app::Level;
 use crate::command::{Command, Selection};
 use crate::document::Id;
-use egui::{Align, Color32, Layout, ProgressBar, RichText, ScrollArea, Ui};
+use egui::{
+    Align, Align2, Color32, Layout, ProgressBar, Rect, RichText, Role, ScrollArea, Sense,
+    TextStyle, Ui, Vec2, WidgetInfo, pos2,
+};
+use std::time::Duration;
 
 /// Draws the list of messages. One that is about an object leads there.
 pub fn show(ui: &mut Ui, desk: &mut Desk) {
@@ -17,7 +21,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
             }
         });
     });
-    let height = ui.text_style_height(&egui::TextStyle::Body);
+    let height = ui.text_style_height(&TextStyle::Body);
     ScrollArea::vertical()
         .auto_shrink([false, false])
         .stick_to_bottom(true)
@@ -69,13 +73,15 @@ pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
             let progress = &job.progress;
             let (done, total) = (progress.done(), progress.total());
             let stage = progress.stage();
-            let share = match total {
-                0 => 0.0,
-                total => (done as f32 / total as f32).min(1.0),
-            };
             ui.label(short(&job.title));
-            let bar = ProgressBar::new(share).desired_width(120.0);
-            ui.add(bar.text(RichText::new(desk.stage(&stage)).small()));
+            match total {
+                0 => unknown_share(ui, desk.stage(&stage), job.started.elapsed()),
+                total => {
+                    let share = (done as f32 / total as f32).min(1.0);
+                    let bar = ProgressBar::new(share).desired_width(BAR);
+                    ui.add(bar.text(RichText::new(desk.stage(&stage)).small()));
+                }
+            }
             let cancel = ui.small_button("✖").on_hover_text(desk.say("Cancel"));
             if cancel.clicked() {
                 desk.wish(Command::Cancel(job.id));
@@ -110,6 +116,32 @@ pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
         }
     });
     asks_messages
+}
+
+/// Width of a bar of progress, points.
+const BAR: f32 = 120.0;
+
+/// A bar of work that does not know how much it is: a block goes to and fro. It moves when the
+/// window is drawn anyway, as it is now and then while jobs go on.
+fn unknown_share(ui: &mut Ui, stage: &str, time: Duration) {
+    const PERIOD: f32 = 3.0;
+    let height = ui.spacing().interact_size.y;
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(BAR, height), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, stage));
+    let round = 0.5 * height;
+    ui.painter()
+        .rect_filled(rect, round, ui.visuals().extreme_bg_color);
+    let phase = time.as_secs_f32().rem_euclid(PERIOD) / PERIOD;
+    let way = 1.0 - (2.0 * phase - 1.0).abs();
+    let left = rect.left() + way * 0.75 * BAR;
+    let block = Rect::from_min_size(pos2(left, rect.top()), Vec2::new(0.25 * BAR, height));
+    ui.painter()
+        .rect_filled(block, round, ui.visuals().selection.bg_fill);
+    let font = TextStyle::Small.resolve(ui.style());
+    let color = ui.visuals().text_color();
+    let painter = ui.painter().with_clip_rect(rect);
+    let at = rect.left_center() + Vec2::new(round, 0.0);
+    painter.text(at, Align2::LEFT_CENTER, stage, font, color);
 }
 
 /// A title that leaves room for others: the end of a path says most.

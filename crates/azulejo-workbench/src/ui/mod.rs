@@ -4,6 +4,7 @@
 //! scripts drive.
 
 pub mod actions;
+mod all_files;
 pub mod brdf;
 pub mod desk;
 pub mod dialogs;

@@ -83,6 +83,7 @@ pub const TABLE: &[Entry] = &[
         "También los ocultos",
         "Também os ocultos",
     ],
+    ["All files", "Todos los archivos", "Todos os ficheiros"],
     ["Open models", "Abrir modelos", "Abrir modelos"],
     ["Add models", "Añadir modelos", "Adicionar modelos"],
     ["Save as GRF", "Guardar como GRF", "Guardar como GRF"],

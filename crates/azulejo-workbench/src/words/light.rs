@@ -80,6 +80,7 @@ pub const TABLE: &[Entry] = &[
     ["direct light", "luz directa", "luz direta"],
     ["radiance", "radiancia", "radiância"],
     ["reading", "lectura", "leitura"],
+    ["parsing", "análisis", "análise"],
     ["tracing rays", "trazado de rayos", "traçado de raios"],
     ["form factors", "factores de forma", "fatores de forma"],
     ["formulas", "fórmulas", "fórmulas"],

@@ -7,7 +7,9 @@ use azulejo_workbench::document::NewKind;
 use azulejo_workbench::light::LightSettings;
 use azulejo_workbench::script::Player;
 use azulejo_workbench::ui::Tab;
+use egui::accesskit::Role;
 use egui::{Key, Modifiers};
+use egui_kittest::kittest::NodeT;
 use std::path::Path;
 
 /// The dialog shows the folder of what was opened last.
@@ -62,6 +64,24 @@ fn files_are_added_from_the_list_and_a_dialog_can_be_left() {
     let branches = &window.state().app.document.branches;
     assert_eq!(branches.len(), 2);
     assert!(!says(&window, "Add models"));
+}
+
+#[test]
+fn files_are_listed_whatever_their_names_if_one_wants() {
+    let folder = Folder::new("all-files");
+    let odd = folder.path("model.backup");
+    std::fs::copy(example("cornell.grf"), &odd).unwrap();
+    let mut window = dialog_in(&folder);
+    press(&mut window, Modifiers::COMMAND, Key::O);
+    assert!(!says(&window, "model.backup"));
+    find(&window, Role::CheckBox, "All files").click();
+    window.run();
+    click_last(&mut window, "🗋 model.backup");
+    click_last(&mut window, "Open");
+    wait(&mut window);
+    check_no_error(&window);
+    assert_eq!(file_of(&window), Some(&*odd));
+    assert!(!says(&window, "All files"), "the dialog is done");
 }
 
 #[test]
@@ -158,6 +178,37 @@ fn what_fails_is_told_and_the_work_stays() {
         .filter(|m| m.level == Level::Error);
     assert_eq!(errors.count(), 1);
     assert_eq!(window.state().app.document, before);
+}
+
+/// A file that waits for somebody to write it: a pipe.
+#[cfg(unix)]
+#[test]
+fn work_that_does_not_know_how_much_it_is_shows_no_share() {
+    let folder = Folder::new("piped");
+    let pipe = folder.path("pipe.grf");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    let mut window = dialog_in(&folder);
+    let open = Command::Open(vec![pipe.clone()]);
+    window.state_mut().app.execute(open);
+    // The pipe is open at both ends from here on, and nothing is in it yet.
+    let mut writer = std::fs::File::options().write(true).open(pipe).unwrap();
+    let is_reading = |window: &Window| {
+        let jobs = window.state().app.jobs();
+        jobs[0].progress.stage() == "reading"
+    };
+    while !is_reading(&window) {
+        std::thread::yield_now();
+    }
+    window.run_steps(2);
+    let bar = find(&window, Role::ProgressIndicator, "reading");
+    assert_eq!(bar.accesskit_node().numeric_value(), None);
+    let text = std::fs::read(example("cornell.grf")).unwrap();
+    std::io::Write::write_all(&mut writer, &text).unwrap();
+    drop(writer);
+    wait(&mut window);
+    check_no_error(&window);
+    assert_eq!(window.state().app.document.branches[0].name, "pipe");
 }
 
 /// A save that waits for somebody to read it: a pipe.
