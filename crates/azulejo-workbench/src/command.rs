@@ -58,6 +58,15 @@ pub enum Command {
         /// A font file of any kind.
         font: Option<PathBuf>,
     },
+    /// Adds an exact prism that stands on the ground.
+    AddPrism {
+        /// What is extruded.
+        base: Base,
+        /// The larger side of the base, world units.
+        size: f64,
+        /// World units.
+        height: f64,
+    },
     /// Takes the last edit back.
     Undo,
     /// Makes it again.
@@ -114,6 +123,15 @@ pub enum Command {
     ClearMessages,
 }
 
+/// What a prism stands on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Base {
+    /// A regular polygon of so many sides.
+    Regular(u32),
+    /// The filled figures of an SVG or DXF drawing.
+    Drawing(PathBuf),
+}
+
 /// A place on a surface, and its side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchAt {
@@ -168,6 +186,8 @@ pub enum Ask {
     Backdrop,
     /// A typeface.
     Font,
+    /// A drawing to extrude.
+    Outline,
     /// A reflection model to load into the selected material.
     LoadBrdf,
     /// Where the selected material's reflection model goes.

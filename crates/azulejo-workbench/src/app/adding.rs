@@ -1,7 +1,8 @@
 //! New things, put where they suit what is there.
 
 use super::{App, Level};
-use crate::document::{Edit, Lettering, NewKind, NewLight, NewLightKind, NewShape};
+use crate::command::Base;
+use crate::document::{Edit, Lettering, NewKind, NewLight, NewLightKind, NewShape, Outline};
 use crate::gpu::{Drawn, display_mesh, pick};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Mesh, Shape};
@@ -54,6 +55,38 @@ impl App {
             }
             Err(why) => self.tell(Level::Error, why),
         }
+    }
+
+    pub(super) fn add_prism(&mut self, base: &Base, size: f64, height: f64) {
+        match self.outline(base, height / size) {
+            Ok(outline) => {
+                let new = NewShape {
+                    kind: NewKind::Prism(outline),
+                    at: self.ground(),
+                    size,
+                    material: None,
+                };
+                self.edit(&Edit::AddShape(new), None);
+            }
+            Err(why) => self.tell(Level::Error, why),
+        }
+    }
+
+    /// What is to be extruded; `height` is in parts of its larger side.
+    fn outline(&mut self, base: &Base, height: f64) -> Result<Outline, String> {
+        let path = match base {
+            Base::Regular(sides) => {
+                return Outline::regular(*sides, height).map_err(|e| e.to_string());
+            }
+            Base::Drawing(path) => path,
+        };
+        let bytes = azulejo::models::read_bytes(path).map_err(|e| e.to_string())?;
+        let drawing = Outline::drawing(&bytes, &path.to_string_lossy(), height);
+        let (outline, warnings) = drawing.map_err(|e| e.to_string())?;
+        for warning in warnings {
+            self.tell(Level::Warning, warning.to_string());
+        }
+        Ok(outline)
     }
 
     /// The middle of the ground of what there is: where new things stand.

@@ -269,6 +269,7 @@ impl App {
                 depth,
                 font,
             } => self.add_text(&text, size, depth, font),
+            Command::AddPrism { base, size, height } => self.add_prism(&base, size, height),
             Command::Undo => self.undo(),
             Command::Redo => self.redo(),
             Command::Select(selection) => self.select(selection),

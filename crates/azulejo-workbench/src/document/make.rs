@@ -1,6 +1,6 @@
 //! New shapes and lights, with sizes and strengths that suit the model they join.
 
-use super::{Document, Refused};
+use super::{Document, Outline, Refused};
 use azulejo::formats::{ppf, typeface};
 use azulejo::scene::{
     Align, Exact, Light, LightKind, Line, Material, MaterialId, PlacedGlyph, Primitive,
@@ -17,7 +17,7 @@ pub struct NewShape {
     pub kind: NewKind,
     /// The middle of its ground; for an area light, its own middle.
     pub at: DVec3,
-    /// Its largest side, world units, > 0.
+    /// Its largest side, of a prism that of its base, of letters an em; world units, > 0.
     pub size: f64,
     /// What it is made of; `None` for a new white, or a new lamp.
     pub material: Option<MaterialId>,
@@ -38,6 +38,8 @@ pub enum NewKind {
     Square,
     /// A square that shines downward.
     AreaLight,
+    /// Outlines that are extruded upward.
+    Prism(Outline),
     /// Solid letters that stand and look at the viewer.
     Text(Lettering),
 }
@@ -97,6 +99,7 @@ impl NewKind {
             NewKind::Cone => "cone",
             NewKind::Square => "square",
             NewKind::AreaLight => "area light",
+            NewKind::Prism(outline) => outline.name(),
             NewKind::Text(lettering) => &lettering.text,
         }
     }
@@ -231,6 +234,7 @@ impl NewShape {
                 DVec3::new(s, -s, -s),
                 DVec3::new(-r, r, 0.0),
             ),
+            NewKind::Prism(outline) => outline.prisms(s, self.at, standing, material),
             NewKind::Text(lettering) => self.letters(lettering, up, material),
         }
     }

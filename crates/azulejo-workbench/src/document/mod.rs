@@ -7,6 +7,7 @@
 
 mod edit;
 mod make;
+mod outline;
 mod paint;
 mod places;
 mod solution;
@@ -17,6 +18,7 @@ mod weight;
 
 pub use edit::{Edit, Refused};
 pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
+pub use outline::{Outline, SIDES};
 pub use paint::Paint;
 pub use places::light_place;
 pub use solution::{Solution, same_light};

@@ -222,6 +222,7 @@ fn what_is_added_is_valid_in_every_kind_of_units() {
         NewKind::Cone,
         NewKind::Square,
         NewKind::AreaLight,
+        NewKind::Prism(Outline::regular(7, 0.5).unwrap()),
         NewKind::Text(Lettering::set("Aç", 0.2, None).unwrap()),
     ];
     use azulejo::scene::Up;

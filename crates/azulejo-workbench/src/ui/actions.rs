@@ -39,6 +39,8 @@ pub enum Panel {
     Preferences,
     /// The dialog that asks for letters.
     Text,
+    /// The dialog that asks for a prism.
+    Prism,
     /// What azulejo is.
     About,
     /// The list of messages.
@@ -256,6 +258,9 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::Add, "Cone", None, |_| {
         done(Command::AddShape(NewKind::Cone))
+    }),
+    action(Menu::Add, "Prism…", None, |_| {
+        Some(Wish::Show(Panel::Prism))
     }),
     action(Menu::Add, "Square", None, |_| {
         done(Command::AddShape(NewKind::Square))

@@ -3,6 +3,7 @@
 use super::actions::{ACTIONS, Menu};
 use super::all_files::AllFiles;
 use super::desk::Desk;
+use super::prism::PrismDialog;
 use crate::app::{App, Question};
 use crate::command::{Ask, Command};
 use crate::preferences::{MOST_GATHER, Preferences, Theme};
@@ -24,6 +25,8 @@ pub struct Dialogs {
     folder: Option<PathBuf>,
     /// The letters that are being asked for.
     pub text: Option<TextDialog>,
+    /// The prism that is being asked for.
+    pub(super) prism: Option<PrismDialog>,
     /// Whether the preferences are open.
     pub preferences: bool,
     /// Whether the keys are shown.
@@ -75,6 +78,7 @@ impl Dialogs {
         self.question(ui, desk);
         self.recovery(ui, desk);
         self.ask_text(ui, desk);
+        self.ask_prism(ui, desk);
         self.show_preferences(ui, desk);
         self.show_keys(ui, desk);
         self.show_about(ui, desk);
@@ -89,6 +93,7 @@ impl Dialogs {
             || self.files.is_some()
             || self.replacing.is_some()
             || self.text.is_some()
+            || self.prism.is_some()
             || self.preferences
             || self.keys
             || self.about
@@ -175,6 +180,9 @@ impl Dialogs {
     }
 
     fn ask_text(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        if self.asks_file() {
+            return;
+        }
         let Some(dialog) = &mut self.text else {
             return;
         };
@@ -227,8 +235,23 @@ impl Dialogs {
         });
         if asks_font {
             desk.wish(Command::Ask(Ask::Font));
-        } else if done || (modal.should_close() && self.files.is_none()) {
+        } else if done || modal.should_close() {
             self.text = None;
+        }
+    }
+
+    /// Whether a file is being asked for: what asks for it waits, and would lie over it else.
+    fn asks_file(&self) -> bool {
+        self.files.is_some() || self.replacing.is_some()
+    }
+
+    fn ask_prism(&mut self, ui: &Ui, desk: &mut Desk) {
+        if self.asks_file() {
+            return;
+        }
+        let is_done = self.prism.as_mut().map(|prism| prism.show(ui, desk));
+        if is_done == Some(true) {
+            self.prism = None;
         }
     }
 
@@ -393,6 +416,12 @@ impl Dialogs {
                 }
                 return None;
             }
+            Ask::Outline => {
+                if let Some(prism) = &mut self.prism {
+                    prism.drawing = Some(first);
+                }
+                return None;
+            }
             Ask::LoadBrdf => return Some(Chosen::LoadBrdf(first)),
             Ask::SaveBrdf => return Some(Chosen::SaveBrdf(first)),
         });
@@ -415,7 +444,7 @@ impl Dialogs {
         };
         let dialog = match what {
             Ask::Open | Ask::Add => FileDialog::open_file().multi_select(true),
-            Ask::Backdrop | Ask::Font | Ask::LoadBrdf => FileDialog::open_file(),
+            Ask::Backdrop | Ask::Font | Ask::Outline | Ask::LoadBrdf => FileDialog::open_file(),
             Ask::SaveAs => FileDialog::save_file().default_filename(format!("{stem}.grf")),
             Ask::Export => FileDialog::save_file().default_filename(format!("{stem}.glb")),
             Ask::SavePicture => FileDialog::save_file().default_filename(format!("{stem}.png")),
@@ -469,6 +498,7 @@ fn is_offered(what: Ask, path: &Path) -> bool {
         Ask::Open | Ask::Add | Ask::SaveAs | Ask::Export => MODELS.contains(&extension.as_str()),
         Ask::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
         Ask::SavePicture => ["png", "exr", "hdr"].contains(&extension.as_str()),
+        Ask::Outline => ["svg", "dxf"].contains(&extension.as_str()),
         Ask::Font | Ask::LoadBrdf | Ask::SaveBrdf => true,
     }
 }
@@ -482,6 +512,7 @@ fn title(what: Ask, desk: &Desk) -> &'static str {
         Ask::SavePicture => desk.say("Save the picture"),
         Ask::Backdrop => desk.say("A picture for the background"),
         Ask::Font => desk.say("A typeface"),
+        Ask::Outline => desk.say("A drawing to extrude"),
         Ask::LoadBrdf => desk.say("Load a reflection model"),
         Ask::SaveBrdf => desk.say("Save the reflection model"),
     }

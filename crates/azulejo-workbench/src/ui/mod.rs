@@ -17,6 +17,7 @@ mod material;
 pub mod menu;
 pub mod messages;
 pub mod paint;
+mod prism;
 mod stock;
 mod together;
 pub mod tree;

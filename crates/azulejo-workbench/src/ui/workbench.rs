@@ -7,6 +7,7 @@ use super::brdf::{apply_file, with_description};
 use super::desk::Desk;
 use super::dialogs::{Chosen, Dialogs, TextDialog};
 use super::material::Materials;
+use super::prism::PrismDialog;
 use super::tree::Tree;
 use super::viewport::{Loss, Viewport};
 use super::{inspector, light, looks, menu, messages};
@@ -245,6 +246,9 @@ impl Workbench {
             Wish::Show(Panel::Preferences) => self.dialogs.preferences = true,
             Wish::Show(Panel::About) => self.dialogs.about = true,
             Wish::Show(Panel::Messages) => self.shows_messages = !self.shows_messages,
+            Wish::Show(Panel::Prism) => {
+                self.dialogs.prism = Some(PrismDialog::new(self.app.usual_size()));
+            }
             Wish::Show(Panel::Text) => {
                 let size = 0.25 * self.app.usual_size();
                 self.dialogs.text = Some(TextDialog::new(size));

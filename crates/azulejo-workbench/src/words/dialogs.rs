@@ -72,6 +72,25 @@ pub const TABLE: &[Entry] = &[
         "Añadir las letras",
         "Adicionar as letras",
     ],
+    // Prisms.
+    ["A prism", "Un prisma", "Um prisma"],
+    ["Outline", "Contorno", "Contorno"],
+    ["of a drawing…", "de un dibujo…", "de um desenho…"],
+    [
+        "Filled shapes of an SVG, or closed outlines of a DXF drawing",
+        "Figuras rellenas de un SVG, o contornos cerrados de un dibujo DXF",
+        "Figuras preenchidas de um SVG, ou contornos fechados de um desenho DXF",
+    ],
+    ["Regular", "Regular", "Regular"],
+    ["Sides", "Lados", "Lados"],
+    ["Larger side", "Lado mayor", "Lado maior"],
+    ["Height", "Altura", "Altura"],
+    ["Add the prism", "Añadir el prisma", "Adicionar o prisma"],
+    [
+        "A drawing to extrude",
+        "Un dibujo para extruir",
+        "Um desenho para extrudir",
+    ],
     // Files.
     ["Open", "Abrir", "Abrir"],
     ["New folder", "Carpeta nueva", "Nova pasta"],

@@ -52,6 +52,7 @@ pub const TABLE: &[Entry] = &[
     ["Cylinder", "Cilindro", "Cilindro"],
     ["Cone", "Cono", "Cone"],
     ["Square", "Cuadrado", "Quadrado"],
+    ["Prism…", "Prisma…", "Prisma…"],
     ["Text…", "Texto…", "Texto…"],
     ["Area light", "Luz de área", "Luz de área"],
     ["Point light", "Luz puntual", "Luz pontual"],

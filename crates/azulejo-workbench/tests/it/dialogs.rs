@@ -135,3 +135,70 @@ fn an_idle_window_draws_nothing() {
         .min();
     assert!(delay.is_some_and(|d| d.as_secs() > 60), "{delay:?}");
 }
+
+#[test]
+fn a_prism_is_added() {
+    let mut window = window(opened("cornell.grf"));
+    let many = window.state().app.document.items.len();
+    click(&mut window, "Add");
+    click_last(&mut window, "Prism…");
+    set(&mut window, "Sides", 5.0);
+    set(&mut window, "Larger side", 2.0);
+    set(&mut window, "Height", 0.5);
+    click_last(&mut window, "Add the prism");
+    check_no_error(&window);
+    let app = &window.state().app;
+    assert_eq!(app.document.items[many].name, "prism");
+    let size = app.document.bounds(Some(&app.selection.ids)).size();
+    assert!((size.x - 2.0).abs() < 1e-9, "{size}");
+    assert!((size.y - 0.5).abs() < 1e-9, "{size}");
+    assert!(!says(&window, "A prism"));
+}
+
+#[test]
+fn a_drawing_is_extruded_and_what_is_none_is_told() {
+    use azulejo_workbench::command::{Base, Command};
+    let folder = Folder::new("drawing");
+    let (path, other) = (folder.path("logo.svg"), folder.path("no.svg"));
+    let text = r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="2">
+        <circle cx="1" cy="1" r="1"/><path d="M2 0h2v2h-2z"/></svg>"#;
+    std::fs::write(&path, text).unwrap();
+    std::fs::write(&other, "none").unwrap();
+    let mut app = App::quiet();
+    let add = |path| Command::AddPrism {
+        base: Base::Drawing(path),
+        size: 8.0,
+        height: 1.0,
+    };
+    app.execute(add(path));
+    assert!(app.messages.is_empty(), "{:?}", app.messages);
+    assert_eq!(app.document.items[0].name, "logo");
+    let size = app.document.bounds(None).size();
+    assert!(
+        (size - glam::DVec3::new(8.0, 1.0, 4.0)).length() < 1e-9,
+        "{size}"
+    );
+    app.execute(add(other));
+    assert_eq!(app.errors, 1);
+    assert_eq!(app.document.items.len(), 1);
+}
+
+#[test]
+fn a_file_for_a_dialog_is_asked_for_and_left_again() {
+    for (entry, button, title, back) in [
+        ("Prism…", "of a drawing…", "A drawing to extrude", "A prism"),
+        ("Text…", "DejaVu Serif", "A typeface", "Solid letters"),
+    ] {
+        let mut window = window_with_files(App::quiet());
+        click(&mut window, "Add");
+        click_last(&mut window, entry);
+        click(&mut window, button);
+        assert!(says(&window, title));
+        click_last(&mut window, "Cancel");
+        assert!(!says(&window, title), "{:?}", labels(&window));
+        assert!(says(&window, back), "what asked still waits");
+        press(&mut window, Modifiers::NONE, Key::Escape);
+        assert!(!says(&window, back));
+        assert!(!window.state().app.is_changed());
+    }
+}

@@ -1,7 +1,7 @@
 //! Any sequence of edits can be taken back.
 
 use super::*;
-use crate::document::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
+use crate::document::{Lettering, NewKind, NewLight, NewLightKind, NewShape, Outline};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{
     Camera, Fog, Light, LightKind, Material, Mesh, Primitive, PrimitiveKind, Rgb, Shape, Units, Up,
@@ -95,6 +95,7 @@ fn new_shape() -> impl Strategy<Value = NewShape> {
         NewKind::Cone,
         NewKind::Square,
         NewKind::AreaLight,
+        NewKind::Prism(Outline::regular(5, 0.5).unwrap()),
         NewKind::Text(Lettering::set("i", 0.2, None).unwrap()),
     ]);
     let material = prop::option::of(0..5u32);

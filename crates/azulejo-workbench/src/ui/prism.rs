@@ -1,0 +1,100 @@
+//! The dialog that asks for a prism.
+
+use super::desk::Desk;
+use super::inputs;
+use crate::command::{Ask, Base, Command};
+use crate::document::SIDES;
+use egui::{DragValue, Grid, Id, Modal, Ui};
+use std::path::{Path, PathBuf};
+
+/// The prism that is being asked for.
+#[derive(Clone, Debug)]
+pub struct PrismDialog {
+    sides: u32,
+    /// An outline in the place of a regular one.
+    pub drawing: Option<PathBuf>,
+    /// World units.
+    size: f64,
+    height: f64,
+}
+
+impl PrismDialog {
+    /// A prism that suits the model: as high as wide.
+    pub fn new(size: f64) -> PrismDialog {
+        PrismDialog {
+            sides: 6,
+            drawing: None,
+            size,
+            height: size,
+        }
+    }
+
+    /// Draws it; whether it is done with.
+    pub fn show(&mut self, ui: &Ui, desk: &mut Desk) -> bool {
+        let mut is_done = false;
+        let modal = Modal::new(Id::unique("prism")).show(ui.ctx(), |ui| {
+            ui.set_width(380.0);
+            ui.heading(desk.say("A prism"));
+            Grid::new("prism").num_columns(2).show(ui, |ui| {
+                self.base(ui, desk);
+                self.lengths(ui, desk);
+            });
+            ui.horizontal(|ui| {
+                if ui.button(desk.say("Add the prism")).clicked() {
+                    desk.wish(self.command());
+                    is_done = true;
+                }
+                is_done |= ui.button(desk.say("Cancel")).clicked();
+            });
+        });
+        is_done || modal.should_close()
+    }
+
+    /// How many sides, or which drawing.
+    fn base(&mut self, ui: &mut Ui, desk: &mut Desk) {
+        ui.label(desk.say("Outline"));
+        ui.horizontal(|ui| {
+            let name = self.drawing.as_deref().and_then(Path::file_name);
+            let name = name.map(|n| n.to_string_lossy().into_owned());
+            let name = name.unwrap_or_else(|| desk.say("of a drawing…").to_owned());
+            let about = desk.say("Filled shapes of an SVG, or closed outlines of a DXF drawing");
+            if ui.button(name).on_hover_text(about).clicked() {
+                desk.wish(Command::Ask(Ask::Outline));
+            }
+            if self.drawing.is_some() && ui.button(desk.say("Regular")).clicked() {
+                self.drawing = None;
+            }
+        });
+        ui.end_row();
+        if self.drawing.is_none() {
+            let label = ui.label(desk.say("Sides"));
+            let drag = DragValue::new(&mut self.sides).range(SIDES).speed(0.1);
+            ui.add(drag).labelled_by(label.id);
+            ui.end_row();
+        }
+    }
+
+    fn lengths(&mut self, ui: &mut Ui, desk: &Desk) {
+        for (name, length) in [
+            (desk.say("Larger side"), &mut self.size),
+            (desk.say("Height"), &mut self.height),
+        ] {
+            let label = ui.label(name);
+            let speed = 0.01 * *length;
+            let drag = inputs::number(length, 1e-9..=1e9).speed(speed);
+            ui.add(drag).labelled_by(label.id);
+            ui.end_row();
+        }
+    }
+
+    fn command(&self) -> Command {
+        Command::AddPrism {
+            base: match &self.drawing {
+                Some(path) => Base::Drawing(path.clone()),
+                None => Base::Regular(self.sides),
+            },
+            size: self.size,
+            height: self.height,
+        }
+    }
+}
