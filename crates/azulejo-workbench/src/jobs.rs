@@ -236,8 +236,9 @@ pub fn on_own_threads<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> 
 
 /// Lets other threads go before this one. Where the system does not have it so, nothing changes.
 fn give_way() {
-    // Of 0 to 99, where threads begin at 49; niceness 10 where there is such a thing.
-    const BELOW_OTHERS: u8 = 23;
+    // Of 0 to 99, where threads begin at 49. Niceness 5 where there is such a thing: the window
+    // has three quarters of a processor that both want, and other programs do not starve the work.
+    const BELOW_OTHERS: u8 = 35;
     if let Ok(value) = ThreadPriorityValue::try_from(BELOW_OTHERS) {
         let _ = set_current_thread_priority(ThreadPriority::Crossplatform(value));
     }
@@ -317,7 +318,7 @@ mod tests {
         };
         let own = niceness();
         let theirs = on_own_threads(1, niceness);
-        assert!(theirs > own || own >= 10, "{theirs} {own}");
+        assert!(theirs > own || own >= 5, "{theirs} {own}");
         assert_eq!(niceness(), own);
     }
 }

@@ -176,7 +176,10 @@ pub(super) fn rows(document: &Document, filter: &str, language: Language) -> Vec
         depth: 0,
         key: 0,
     };
-    objects(document, &matches, language).list(&files, &mut rows);
+    let own = objects(document, &matches, language);
+    for (title, node) in own.into_iter().filter(|(_, node)| !node.is_empty()) {
+        node.list_as(title, &files, &mut rows);
+    }
     // Behind the files, whatever their names, and closed or open whatever theirs are.
     let behind = Place { key: 1, ..files };
     let mut lists = lists(document, &matches, language);
@@ -197,21 +200,22 @@ pub(super) fn rows(document: &Document, filter: &str, language: Language) -> Vec
     rows
 }
 
-/// Files and their groups.
-fn objects(document: &Document, matches: &impl Fn(&str) -> bool, language: Language) -> Node {
-    let mut root = Node::default();
+/// Files in the order in which they came, each with its groups; then what was made here.
+fn objects<'d>(
+    document: &'d Document,
+    matches: &impl Fn(&str) -> bool,
+    language: Language,
+) -> Vec<(&'d str, Node)> {
+    let names = document.branches.iter().map(|b| b.name.as_str());
+    let titles = names.chain([language.say("made here")]);
+    let mut files: Vec<(&str, Node)> = titles.map(|title| (title, Node::default())).collect();
+    let made_here = document.branches.len();
     for item in document.items.iter().filter(|i| matches(&i.name)) {
-        let branch = item.branch.and_then(|b| document.branches.get(b));
-        let top = branch.map_or(language.say("made here"), |b| b.name.as_str());
-        let group = match root.groups.contains_key(top) {
-            true => root.groups.get_mut(top),
-            false => Some(root.groups.entry(top.to_owned()).or_default()),
-        };
-        if let Some(group) = group {
-            group.insert(inside(&item.name, top), Leaf::Item(item.id), !item.hidden);
-        }
+        let file = item.branch.unwrap_or(made_here).min(made_here);
+        let (title, node) = &mut files[file];
+        node.insert(inside(&item.name, title), Leaf::Item(item.id), !item.hidden);
     }
-    root
+    files
 }
 
 /// What stands behind the files, by titles.
@@ -331,6 +335,24 @@ mod tests {
         assert!(shown.contains(&room));
         assert_eq!(shown.len(), rows.len() - 2);
         assert!(!shown.contains(&(room + 1)) && !shown.contains(&(room + 2)));
+    }
+
+    #[test]
+    fn files_come_in_their_order_and_what_was_made_here_behind_them() {
+        let mut document = sample();
+        let branch = |name: &str| crate::document::Branch {
+            name: name.into(),
+            path: name.into(),
+            format: None,
+        };
+        document.branches = vec![branch("z"), branch("a")];
+        for (item, branch) in document.items.iter_mut().zip([None, Some(1), Some(0)]) {
+            Arc::make_mut(item).branch = branch;
+        }
+        let rows = rows(&document, "", Language::English);
+        let top = rows.iter().filter(|r| r.parent.is_none());
+        let labels: Vec<&str> = top.map(|r| r.label.as_str()).take(3).collect();
+        assert_eq!(labels, ["z", "a", "made here"]);
     }
 
     #[test]
