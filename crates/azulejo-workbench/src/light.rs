@@ -72,6 +72,9 @@ pub struct LightSettings {
     pub bounces: Option<u32>,
 }
 
+/// Seconds that light takes where nobody says otherwise.
+pub const USUAL_TIME: f64 = 60.0;
+
 impl LightSettings {
     /// As the library takes them.
     pub fn first_pass(&self) -> FirstPass {
@@ -99,7 +102,9 @@ impl Default for LightSettings {
             engine: EngineName::Auto,
             patches: 1_500,
             error: 0.03,
-            time: None,
+            // Models whose undersides hardly any light reaches would take long for their last
+            // percents, and whoever tries things out wants light soon.
+            time: Some(USUAL_TIME),
             bounces: None,
         }
     }

@@ -47,6 +47,8 @@ enum Wait {
 
 /// Frames in which layout settles and threads deliver.
 const SETTLE: u32 = 4;
+/// How often it is asked whether what is waited for is there.
+const REST: Duration = Duration::from_millis(30);
 /// A screenshot that does not come.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -67,6 +69,15 @@ impl Player {
     /// Where the end of the script will stand: `Ok`, or why it failed.
     pub fn outcome(&self) -> Arc<Mutex<Option<Result<(), String>>>> {
         Arc::clone(&self.outcome)
+    }
+
+    /// How long the window may rest before the script is looked at again: while a job goes on,
+    /// drawing would take its processors.
+    pub fn rest(&self) -> Duration {
+        match self.waits {
+            None | Some(Wait::Frames(_)) => Duration::ZERO,
+            Some(_) => REST,
+        }
     }
 
     /// Whether a step failed.
@@ -239,8 +250,10 @@ fn run(app: &mut App, step: Step) -> Result<Wait, String> {
         }
         Step::Solve(error) => {
             if let Some(error) = error {
+                // Who names an error wants that, however long it takes.
                 let settings = crate::light::LightSettings {
                     error,
+                    time: None,
                     ..app.lighting.settings
                 };
                 app.execute(Command::SetLight(settings));

@@ -374,13 +374,14 @@ impl Workbench {
 
     fn step_script(&mut self, context: &egui::Context) {
         if let Some(mut player) = self.player.take() {
-            match player.step(self, context) {
-                true => self.player = Some(player),
+            let goes_on = player.step(self, context);
+            context.request_repaint_after(player.rest());
+            if goes_on {
+                self.player = Some(player);
+            } else if player.has_failed() {
                 // Whoever started it waits for its status.
-                false if player.has_failed() => self.app.leave(),
-                false => {}
+                self.app.leave();
             }
-            context.request_repaint();
         }
     }
 

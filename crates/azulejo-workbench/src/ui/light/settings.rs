@@ -2,11 +2,9 @@
 
 use super::super::desk::Desk;
 use crate::command::Command;
-use crate::light::{EngineName, LightSettings};
+use crate::light::{EngineName, LightSettings, USUAL_TIME};
 use egui::{ComboBox, DragValue, Grid, Ui};
 
-/// Seconds that are offered when a limit is switched on.
-const USUAL_TIME: f64 = 60.0;
 /// Bounces that are offered when they are to be counted.
 const USUAL_BOUNCES: u32 = 3;
 
