@@ -19,7 +19,7 @@ use std::sync::mpsc::{Sender, channel};
 struct Arguments {
     /// Models to open, of any format that azulejo reads
     files: Vec<PathBuf>,
-    /// Plays a list of steps, one a line, and ends
+    /// Plays a list of steps, one a line; the window stays, unless a step is `quit`
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
     /// Writes a picture of the window as PNG when the script, or the loading, is done, and ends

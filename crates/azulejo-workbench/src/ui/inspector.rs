@@ -301,7 +301,7 @@ fn unit(units: Units, radiometric: &'static str, photometric: &'static str) -> &
     }
 }
 
-/// A strength and a colour of a light; colours are relative to their brightest channel.
+/// A row with strength and colour of a light; colours are relative to their brightest channel.
 fn light_color(
     ui: &mut Ui,
     desk: &Desk,
@@ -313,6 +313,7 @@ fn light_color(
     let last = egui::Id::unique(("hue", lamp));
     let (mut strength, mut hue) = inputs::parts(ui, last, *light);
     let old = (strength, hue);
+    ui.label(name);
     ui.horizontal(|ui| {
         inputs::picked(ui, desk.say("Its colour"), &mut hue, inputs::hue);
         let speed = (0.01 * strength).max(0.01);
@@ -321,6 +322,7 @@ fn light_color(
             .suffix(format!(" {unit}"));
         ui.add(drag).accessible_name(name);
     });
+    ui.end_row();
     if (strength, hue) == old {
         return false;
     }
@@ -346,17 +348,8 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
                 intensity,
             } => {
                 changed |= vector(ui, desk.say("Position"), position, step);
-                let name = desk.say("Intensity");
-                ui.label(name);
-                changed |= light_color(
-                    ui,
-                    desk,
-                    lamp.id,
-                    name,
-                    unit(units, "W/sr", "cd"),
-                    intensity,
-                );
-                ui.end_row();
+                let (name, unit) = (desk.say("Intensity"), unit(units, "W/sr", "cd"));
+                changed |= light_color(ui, desk, lamp.id, name, unit, intensity);
             }
             LightKind::Spot {
                 position,
@@ -367,17 +360,8 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
             } => {
                 changed |= vector(ui, desk.say("Position"), position, step);
                 changed |= unit_vector(ui, desk.say("Direction"), direction);
-                let name = desk.say("Intensity");
-                ui.label(name);
-                changed |= light_color(
-                    ui,
-                    desk,
-                    lamp.id,
-                    name,
-                    unit(units, "W/sr", "cd"),
-                    intensity,
-                );
-                ui.end_row();
+                let (name, unit) = (desk.say("Intensity"), unit(units, "W/sr", "cd"));
+                changed |= light_color(ui, desk, lamp.id, name, unit, intensity);
                 changed |= cone(ui, desk, inner, outer);
             }
             LightKind::Directional {
@@ -385,30 +369,12 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
                 irradiance,
             } => {
                 changed |= unit_vector(ui, desk.say("Direction"), direction);
-                let name = desk.say("Irradiance");
-                ui.label(name);
-                changed |= light_color(
-                    ui,
-                    desk,
-                    lamp.id,
-                    name,
-                    unit(units, "W/m²", "lx"),
-                    irradiance,
-                );
-                ui.end_row();
+                let (name, unit) = (desk.say("Irradiance"), unit(units, "W/m²", "lx"));
+                changed |= light_color(ui, desk, lamp.id, name, unit, irradiance);
             }
             LightKind::Ambient { radiance } => {
-                let name = desk.say("Radiance");
-                ui.label(name);
-                changed |= light_color(
-                    ui,
-                    desk,
-                    lamp.id,
-                    name,
-                    unit(units, "W/(sr·m²)", "cd/m²"),
-                    radiance,
-                );
-                ui.end_row();
+                let (name, unit) = (desk.say("Radiance"), unit(units, "W/(sr·m²)", "cd/m²"));
+                changed |= light_color(ui, desk, lamp.id, name, unit, radiance);
             }
         });
     ui.weak(attenuation(&light, desk));
