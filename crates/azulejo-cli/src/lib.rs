@@ -5,6 +5,7 @@ mod args;
 mod brdf;
 mod clock;
 mod convert;
+mod drawing;
 mod engine;
 mod experiment;
 mod failure;

@@ -1,7 +1,7 @@
 //! What is reflected in all, against the angle, and what each part of a model adds.
 
-use super::drawing::{Anchor, Color, Drawing, FAINT, GRID, INK};
 use super::{Panel, Subject, brightness, in_turn, label, round_below};
+use crate::drawing::{Color, Drawing, FAINT, GRID, INK, TextAnchor};
 use crate::failure::Failure;
 use azulejo_scene::{Brdf, Rgb};
 use glam::DVec2;
@@ -112,7 +112,13 @@ fn legend(rows: &[Reflected], panel: &Panel, sheet: &mut Drawing) {
         }
         let corners = [(0.0, -9.0), (12.0, -9.0), (12.0, 1.0), (0.0, 1.0)];
         sheet.polygon(corners.map(|c| at + DVec2::from(c)).to_vec(), color);
-        sheet.text(at + DVec2::new(17.0, 0.0), Anchor::Start, 11.0, INK, name);
+        sheet.text(
+            at + DVec2::new(17.0, 0.0),
+            TextAnchor::Start,
+            11.0,
+            INK,
+            name,
+        );
         at.x += 34.0 + 6.4 * name.len() as f64;
     }
 }
@@ -143,7 +149,7 @@ impl Chart {
             let ends = [self.at(0.0, value), self.at(90.0, value)];
             sheet.line(ends.to_vec(), GRID, 1.0);
             let at = ends[0] + DVec2::new(-6.0, 4.0);
-            sheet.text(at, Anchor::End, 11.0, FAINT, &label(value));
+            sheet.text(at, TextAnchor::End, 11.0, FAINT, &label(value));
             value += step;
         }
         let all = [self.at(0.0, 1.0), self.at(90.0, 1.0)];
@@ -152,11 +158,11 @@ impl Chart {
             let foot = self.at(degrees.into(), 0.0);
             sheet.line(vec![foot, foot + DVec2::new(0.0, 4.0)], INK, 1.0);
             let at = foot + DVec2::new(0.0, 16.0);
-            sheet.text(at, Anchor::Middle, 11.0, FAINT, &format!("{degrees}°"));
+            sheet.text(at, TextAnchor::Middle, 11.0, FAINT, &format!("{degrees}°"));
         }
         sheet.line(vec![self.at(0.0, 0.0), self.at(90.0, 0.0)], INK, 1.2);
         let at = self.at(45.0, 0.0) + DVec2::new(0.0, 32.0);
-        sheet.text(at, Anchor::Middle, 11.0, FAINT, "angle to the normal");
+        sheet.text(at, TextAnchor::Middle, 11.0, FAINT, "angle to the normal");
     }
 
     /// One line, or three where the channels differ.
@@ -175,7 +181,7 @@ impl Chart {
             let start = points[0] + DVec2::new(4.0 + 11.0 * channel as f64, -4.0);
             sheet.dashed(points, color, 2.0, dashes);
             if dashes.is_empty() {
-                sheet.text(start, Anchor::Start, 11.0, color, name);
+                sheet.text(start, TextAnchor::Start, 11.0, color, name);
             }
         }
     }

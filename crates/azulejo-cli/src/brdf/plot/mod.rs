@@ -1,15 +1,13 @@
 //! `brdf plot`: one sheet with four pictures of a model.
 
 mod albedo;
-mod drawing;
-mod palette;
 mod polar;
-mod raster;
 mod solid;
 mod sphere;
 
 use super::args::PlotArgs;
 use super::model;
+use crate::drawing::{Drawing, FAINT, INK, TextAnchor, palette, raster};
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
@@ -17,7 +15,6 @@ use azulejo::output::Output;
 use azulejo_scene::Brdf;
 use azulejo_scene::brdf::{Description, find};
 use azulejo_trace::Progress;
-use drawing::{Anchor, Drawing, FAINT, INK};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::path::Path;
@@ -48,7 +45,7 @@ struct Subject<'a> {
     angles: Vec<f64>,
     /// Where the plane of incidence stands about the normal, radians.
     phi: f64,
-    /// Pixels of a unit, for what is drawn in pixels.
+    /// RgbImage of a unit, for what is drawn in pixels.
     scale: f64,
     progress: &'a Progress,
 }
@@ -62,14 +59,14 @@ struct Panel {
 }
 
 #[derive(Clone, Copy)]
-enum Kind {
+enum PlotFormat {
     Svg,
     Png,
 }
 
 /// Runs `brdf plot`.
 pub fn run(args: &PlotArgs, session: &mut Session) -> Result<Report, Failure> {
-    let kind = kind(&args.output)?;
+    let format = format_of(&args.output)?;
     let output = Output::check(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     let brdf = model::read(&args.model, session)?;
@@ -86,7 +83,7 @@ pub fn run(args: &PlotArgs, session: &mut Session) -> Result<Report, Failure> {
             progress,
         })
     })?;
-    write(&sheet, kind, args.width, &output, session.progress())?;
+    write(&sheet, format, args.width, &output, session.progress())?;
     let mut report = Report::default();
     let path = args.output.display().to_string();
     let words = format!("{path}: {}", model::words(&brdf));
@@ -95,13 +92,13 @@ pub fn run(args: &PlotArgs, session: &mut Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
-fn kind(path: &Path) -> Result<Kind, Failure> {
+fn format_of(path: &Path) -> Result<PlotFormat, Failure> {
     if path == Path::new("-") {
-        return Ok(Kind::Svg);
+        return Ok(PlotFormat::Svg);
     }
     match path.extension() {
-        Some(e) if e.eq_ignore_ascii_case("svg") => Ok(Kind::Svg),
-        Some(e) if e.eq_ignore_ascii_case("png") => Ok(Kind::Png),
+        Some(e) if e.eq_ignore_ascii_case("svg") => Ok(PlotFormat::Svg),
+        Some(e) if e.eq_ignore_ascii_case("png") => Ok(PlotFormat::Png),
         _ => Err(Failure::Misuse(format!(
             "{}: unknown kind of picture, expected .svg or .png",
             path.display()
@@ -111,21 +108,21 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
 
 fn write(
     sheet: &Drawing,
-    kind: Kind,
+    format: PlotFormat,
     width: u32,
     output: &Output,
     progress: &Progress,
 ) -> Result<(), Failure> {
-    let written = match kind {
-        Kind::Svg => {
+    let written = match format {
+        PlotFormat::Svg => {
             let text = sheet.svg();
             output.write(progress, |out| out.write_all(text.as_bytes()))
         }
-        Kind::Png => {
-            let pixels = raster::pixels(sheet, width);
+        PlotFormat::Png => {
+            let pixels = raster::rasterize(sheet, width);
             let pixels = pixels.ok_or_else(|| Failure::failed("the picture is too large"))?;
             output.write(progress, |out| {
-                let palette::Indexed { palette, indices } = palette::reduce(&pixels);
+                let palette::IndexedImage { palette, indices } = palette::reduce(&pixels);
                 let (width, height) = (pixels.width, pixels.height);
                 azulejo_formats::png::write_indexed(width, height, &palette, &indices, out)
             })
@@ -135,7 +132,7 @@ fn write(
 }
 
 fn sheet(subject: &Subject) -> Result<Drawing, Failure> {
-    let mut sheet = Drawing::new(SHEET.x, SHEET.y);
+    let mut sheet = Drawing::on_white(SHEET.x, SHEET.y);
     head(subject, &mut sheet);
     let panel = |column: f64, row: f64| Panel {
         at: DVec2::new(MARGIN, TOP) + DVec2::new(column, row) * (PANEL + MARGIN),
@@ -152,23 +149,23 @@ fn sheet(subject: &Subject) -> Result<Drawing, Failure> {
 fn head(subject: &Subject, sheet: &mut Drawing) {
     let first = subject.models[0];
     let left = |y: f64| DVec2::new(MARGIN, y);
-    sheet.text(left(34.0), Anchor::Start, 21.0, INK, &title(first));
+    sheet.text(left(34.0), TextAnchor::Start, 21.0, INK, &title(first));
     let mut words = shortened(&model::words(first));
     if let Some(other) = subject.models.get(1) {
         let other = shortened(&model::words(other));
         sheet.text(
             left(72.0),
-            Anchor::Start,
+            TextAnchor::Start,
             12.0,
             INK,
             &format!("dashed: {other}"),
         );
         words = format!("drawn through: {words}");
     }
-    sheet.text(left(55.0), Anchor::Start, 12.0, INK, &words);
+    sheet.text(left(55.0), TextAnchor::Start, 12.0, INK, &words);
     let paper = paper(first);
     let foot = DVec2::new(MARGIN, SHEET.y - 12.0);
-    sheet.text(foot, Anchor::Start, 10.5, FAINT, &shortened(paper));
+    sheet.text(foot, TextAnchor::Start, 10.5, FAINT, &shortened(paper));
 }
 
 fn title(brdf: &Brdf) -> String {
@@ -201,8 +198,8 @@ impl Panel {
     /// Writes what the panel shows, and more about it below.
     fn head(&self, title: &str, about: &str, sheet: &mut Drawing) {
         let at = |y: f64| self.at + DVec2::new(0.0, y);
-        sheet.text(at(12.0), Anchor::Start, 14.0, INK, title);
-        sheet.text(at(29.0), Anchor::Start, 11.0, FAINT, about);
+        sheet.text(at(12.0), TextAnchor::Start, 14.0, INK, title);
+        sheet.text(at(29.0), TextAnchor::Start, 11.0, FAINT, about);
     }
 
     /// What is below the heading, in equal parts from left to right.

@@ -1,7 +1,7 @@
 //! Lobes in the plane of incidence, for several angles.
 
-use super::drawing::{Anchor, COLORS, Color, Drawing, FAINT, GRID, INK};
 use super::{Panel, Subject, brightness, label, percent, power, power_words, round_below, seen};
+use crate::drawing::{COLORS, Color, Drawing, FAINT, GRID, INK, TextAnchor};
 use azulejo_scene::Brdf;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -133,7 +133,7 @@ impl Dial {
         for k in 1..=2 {
             let angle = f64::from(k) * PI / 6.0;
             let at = self.at(angle, 1.0) + DVec2::new(9.0 * angle.sin(), -7.0 * angle.cos());
-            sheet.text(at, Anchor::Start, 10.0, FAINT, &format!("{}°", 30 * k));
+            sheet.text(at, TextAnchor::Start, 10.0, FAINT, &format!("{}°", 30 * k));
         }
     }
 
@@ -150,7 +150,7 @@ impl Dial {
             if last - share > 0.14 {
                 self.ring(share, GRID, sheet);
                 let at = self.center + DVec2::new(self.radius * share, 13.0);
-                sheet.text(at, Anchor::Middle, 10.0, FAINT, &label(value));
+                sheet.text(at, TextAnchor::Middle, 10.0, FAINT, &label(value));
                 last = share;
                 shown += 1;
             }
@@ -185,7 +185,7 @@ impl Dial {
         if lobe.dashes.is_empty() {
             let at = end + DVec2::new(5.0, 8.0 * lobe.angle.sin() - 2.0);
             let words = percent(lobe.mirrored);
-            sheet.text(at, Anchor::Start, 10.0, lobe.color, &words);
+            sheet.text(at, TextAnchor::Start, 10.0, lobe.color, &words);
         }
     }
 
@@ -204,9 +204,9 @@ impl Dial {
         let at = from - 9.0 * along + DVec2::new(0.0, 4.0);
         let degrees = format!("{}°", label(lobe.angle.to_degrees()));
         let anchor = if lobe.angle < 0.2 {
-            Anchor::Middle
+            TextAnchor::Middle
         } else {
-            Anchor::End
+            TextAnchor::End
         };
         sheet.text(at, anchor, 11.0, lobe.color, &degrees);
     }

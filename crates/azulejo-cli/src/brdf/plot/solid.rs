@@ -1,7 +1,7 @@
 //! A lobe as a solid body, seen from the side.
 
-use super::drawing::{Anchor, COLORS, Drawing, FAINT, INK, Pixels};
 use super::{Panel, Subject, brightness, in_turn, label, percent, power, power_words, seen};
+use crate::drawing::{COLORS, Drawing, FAINT, INK, RgbImage, TextAnchor};
 use crate::failure::Failure;
 use azulejo_scene::Brdf;
 use azulejo_scene::math::Frame;
@@ -15,7 +15,7 @@ const INCIDENCE: f64 = 45.0;
 const RINGS: usize = 120;
 const SECTORS: usize = 180;
 
-/// Pixels of the picture are means of this many by as many.
+/// RgbImage of the picture are means of this many by as many.
 const FINE: usize = 3;
 
 /// Half the length of an axis' name.
@@ -57,7 +57,7 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), 
             .collect();
         let view = View::new(part.size);
         let pixels = view.picture(&body, phi, subject.scale);
-        sheet.picture(part.at, part.size, pixels);
+        sheet.image(part.at, part.size, pixels);
         view.light(
             part.at,
             light,
@@ -135,14 +135,14 @@ impl View {
         let side = 3.5 * along.perp();
         let back = to - 8.0 * along;
         sheet.polygon(vec![to, back + side, back - side], INK);
-        sheet.text(from - 8.0 * along, Anchor::Middle, 11.0, INK, "light");
+        sheet.text(from - 8.0 * along, TextAnchor::Middle, 11.0, INK, "light");
         if mirrored > 0.0 {
             let away = DVec3::new(-light.x, -light.y, light.z);
             let ends = [DVec3::ZERO, away].map(place);
             sheet.dashed(ends.to_vec(), COLORS[1], 1.8, &[1.5, 2.5]);
             let behind = ends[1] + DVec2::new(0.0, -5.0);
             let words = format!("mirrored: {}", percent(mirrored));
-            sheet.text(behind, Anchor::Middle, 10.0, COLORS[1], &words);
+            sheet.text(behind, TextAnchor::Middle, 10.0, COLORS[1], &words);
         }
     }
 
@@ -157,12 +157,12 @@ impl View {
             let is_covered = |p: &DVec3| self.place(*p).distance(tip) < LABEL;
             if !body.iter().flatten().any(is_covered) {
                 let at = at + tip + DVec2::new(0.0, 4.0);
-                sheet.text(at, Anchor::Middle, 10.0, FAINT, name);
+                sheet.text(at, TextAnchor::Middle, 10.0, FAINT, name);
             }
         }
     }
 
-    fn picture(&self, body: &[Vec<DVec3>], phi: f64, scale: f64) -> Pixels {
+    fn picture(&self, body: &[Vec<DVec3>], phi: f64, scale: f64) -> RgbImage {
         let size = (self.size * scale).round().max(DVec2::ONE);
         let fine = scale * FINE as f64;
         let mut canvas = Canvas {
@@ -287,7 +287,7 @@ struct Canvas {
 
 impl Canvas {
     /// Means of blocks.
-    fn reduced(&self) -> Pixels {
+    fn reduced(&self) -> RgbImage {
         let (width, height) = (self.width / FINE, self.height / FINE);
         let mut rgb = Vec::with_capacity(3 * width * height);
         for y in 0..height {
@@ -301,7 +301,7 @@ impl Canvas {
                 rgb.extend(sum.map(|s| (s / (FINE * FINE) as f64).round() as u8));
             }
         }
-        Pixels {
+        RgbImage {
             width: width as u32,
             height: height as u32,
             rgb,

@@ -1,7 +1,7 @@
 //! A sphere of the material under a square lamp.
 
-use super::drawing::{Anchor, Drawing, FAINT, Pixels};
 use super::{Panel, Subject, in_turn};
+use crate::drawing::{Drawing, FAINT, RgbImage, TextAnchor};
 use crate::failure::Failure;
 use azulejo_render::{Tone, srgb_from_linear};
 use azulejo_scene::{Brdf, Rgb};
@@ -133,16 +133,16 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), 
         let side = part.size.x.min(part.size.y) - 8.0;
         let corner = part.at + 0.5 * (part.size - DVec2::splat(side));
         let pixels = picture(subject, brdf, (side * subject.scale).round() as u32)?;
-        sheet.picture(corner, DVec2::splat(side), pixels);
+        sheet.image(corner, DVec2::splat(side), pixels);
         if parts.len() > 1 {
             let at = DVec2::new(part.at.x + 0.5 * part.size.x, corner.y + side + 14.0);
-            sheet.text(at, Anchor::Middle, 11.0, FAINT, name);
+            sheet.text(at, TextAnchor::Middle, 11.0, FAINT, name);
         }
     }
     Ok(())
 }
 
-fn picture(subject: &Subject, brdf: &Brdf, side: u32) -> Result<Pixels, Failure> {
+fn picture(subject: &Subject, brdf: &Brdf, side: u32) -> Result<RgbImage, Failure> {
     let studio = Studio {
         brdf,
         lamp: Lamp::new(),
@@ -152,7 +152,7 @@ fn picture(subject: &Subject, brdf: &Brdf, side: u32) -> Result<Pixels, Failure>
         let pixel = |x: u32| studio.pixel(x, y as u32, side);
         (0..side).flat_map(pixel).collect::<Vec<u8>>()
     })?;
-    Ok(Pixels {
+    Ok(RgbImage {
         width: side,
         height: side,
         rgb: rows.concat(),

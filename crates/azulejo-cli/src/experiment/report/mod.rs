@@ -1,9 +1,9 @@
 //! The report: one page that needs nothing else, plots as files of their own, numbers as CSV and
 //! JSON.
 
+mod chart;
 mod figures;
 mod page;
-mod plot;
 mod tables;
 
 use super::machine::Machine;
@@ -44,7 +44,7 @@ pub fn write(
     files.extend(
         figures
             .iter()
-            .map(|f| (format!("{}.svg", f.name), plot::svg(f))),
+            .map(|f| (format!("{}.svg", f.name), chart::svg(f))),
     );
     let mut drafts = Vec::new();
     for (name, text) in files {

@@ -3,10 +3,10 @@
 use super::super::machine::Machine;
 use super::super::record::{Found, Record, Run, Truth};
 use super::super::suite::Suite;
+use super::chart::svg;
 use super::figures::{Figure, growth};
-use super::plot::{COLORS, GRID, INK, svg};
 use super::tables::{Repeated, repeated, short, truths};
-use plotters::style::RGBColor;
+use crate::drawing::{COLORS, Color, GRID, INK, escaped, hex};
 use std::fmt::Write;
 
 /// Everything the page shows.
@@ -338,10 +338,9 @@ fn slopes(figure: &Figure) -> String {
     format!(" ({}).", escaped(&words.join("; ")))
 }
 
-/// Rules that give plots the ink and the palette of the page in the place of their own.
+/// CSS rules that replace the colours of inline plots by those of the page, light or dark.
 fn plot_style() -> String {
-    let hex = |c: RGBColor| format!("#{:02X}{:02X}{:02X}", c.0, c.1, c.2);
-    let rule = |color: RGBColor, value: &str| {
+    let rule = |color: Color, value: &str| {
         let color = hex(color);
         let of = |name: &str| format!("figure svg [{name}=\"{color}\"] {{ {name}: {value}; }}\n");
         of("fill") + &of("stroke")
@@ -353,20 +352,6 @@ fn plot_style() -> String {
     lines + &rule(INK, "currentColor") + &rule(GRID, "var(--grid)")
 }
 
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            _ => out.push(c),
-        }
-    }
-    out
-}
-
 /// How to read the numbers.
 const READING: &str = include_str!("reading.html");
 
@@ -375,15 +360,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_is_text() {
-        assert_eq!(escaped("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;");
-    }
-
-    /// Colours of plots as `plotters` writes them.
-    #[test]
     fn plots_follow_the_page() {
         let rules = plot_style();
-        assert!(rules.contains("figure svg [stroke=\"#0072B2\"] { stroke: var(--line0); }"));
+        assert!(rules.contains("figure svg [stroke=\"#0072b2\"] { stroke: var(--line0); }"));
         assert!(rules.contains("figure svg [fill=\"#202124\"] { fill: currentColor; }"));
     }
 }

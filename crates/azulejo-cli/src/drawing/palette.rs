@@ -1,46 +1,46 @@
-//! The 256 colours that stand best for a picture: its file gets half as large.
+//! Reduction of an image to a palette of 256 colours, which halves its file.
 
-use super::drawing::{Color, Pixels};
+use super::{Color, RgbImage};
 use std::collections::BTreeMap;
 
-/// The most colours that one byte tells apart.
+/// Colours that one byte can index.
 const COLORS: usize = 256;
 
-/// A picture of few colours.
-pub struct Indexed {
-    /// The colours.
+/// An image with a palette.
+pub struct IndexedImage {
+    /// At most 256 colours.
     pub palette: Vec<Color>,
-    /// Which of them each pixel has, rows from the top.
+    /// Index of each pixel's colour, rows from the top.
     pub indices: Vec<u8>,
 }
 
-/// A colour, and how much it counts.
-type Weighed = (Color, f64);
+/// A colour and its weight.
+type WeightedColor = (Color, f64);
 
-/// Chooses the colours by median cut (Heckbert 1982): the most spread group of colours is parted
-/// at its middle until there are enough groups, and each becomes its mean.
-pub fn reduce(pixels: &Pixels) -> Indexed {
+/// Chooses the colours by median cut (Heckbert 1982): the group with the largest spread is split
+/// until there are enough groups; each becomes its mean.
+pub fn reduce(image: &RgbImage) -> IndexedImage {
     let mut counts: BTreeMap<Color, u32> = BTreeMap::new();
-    for rgb in pixels.rgb.chunks_exact(3) {
+    for rgb in image.rgb.chunks_exact(3) {
         *counts.entry([rgb[0], rgb[1], rgb[2]]).or_default() += 1;
     }
-    // Large even areas count less than their size: the eye looks at what is in them.
-    let weigh = |(color, count): (&Color, &u32)| (*color, f64::from(*count).sqrt());
-    let mut groups = vec![counts.iter().map(weigh).collect::<Vec<Weighed>>()];
+    // The square root keeps large even areas from taking most of the palette.
+    let weighted = |(color, count): (&Color, &u32)| (*color, f64::from(*count).sqrt());
+    let mut groups = vec![counts.iter().map(weighted).collect::<Vec<WeightedColor>>()];
     while groups.len() < COLORS {
         let spreads = groups.iter().map(|g| spread(g).0);
         let widest = spreads.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((k, _)) = widest.filter(|(_, spread)| *spread > 0.0) else {
             break;
         };
-        let (low, high) = part(std::mem::take(&mut groups[k]));
+        let (low, high) = split(std::mem::take(&mut groups[k]));
         groups[k] = low;
         groups.push(high);
     }
     let palette: Vec<Color> = groups.iter().map(|g| mean(g)).collect();
     let exact: BTreeMap<Color, u8> = palette.iter().copied().zip(0..=255).collect();
     let mut near: BTreeMap<(Color, usize), u8> = BTreeMap::new();
-    let width = pixels.width.max(1) as usize;
+    let width = image.width.max(1) as usize;
     let index = |(k, rgb): (usize, &[u8])| {
         let color = [rgb[0], rgb[1], rgb[2]];
         let cell = k / width % 4 * 4 + k % width % 4;
@@ -55,12 +55,11 @@ pub fn reduce(pixels: &Pixels) -> Indexed {
             None => *near.entry((color, cell)).or_insert_with(dithered),
         }
     };
-    let indices = pixels.rgb.chunks_exact(3).enumerate().map(index).collect();
-    Indexed { palette, indices }
+    let indices = image.rgb.chunks_exact(3).enumerate().map(index).collect();
+    IndexedImage { palette, indices }
 }
 
-/// By how much colours are made brighter and darker in turn, so that no edges show between those
-/// of the palette.
+/// Amplitude of the ordered dither that hides the steps between palette colours.
 const DITHER: f64 = 3.0;
 
 /// Bayer's matrix of four by four, from -1 to 1.
@@ -75,8 +74,8 @@ const THRESHOLDS: [f64; 16] = {
     found
 };
 
-/// The sum of squares by which a group is off its mean in its widest channel, and that channel.
-fn spread(group: &[Weighed]) -> (f64, usize) {
+/// The sum of squared deviations from the mean in the channel where it is largest, and that channel.
+fn spread(group: &[WeightedColor]) -> (f64, usize) {
     let of = |channel: usize| {
         let sum = |f: &dyn Fn(f64) -> f64| -> f64 {
             group
@@ -88,12 +87,12 @@ fn spread(group: &[Weighed]) -> (f64, usize) {
         (sum(&|x| x * x) - first * first / weight, channel)
     };
     let widest = (0..3).map(of).max_by(|a, b| a.0.total_cmp(&b.0));
-    // Of one colour nothing is left but rounding.
+    // A single colour would leave only rounding errors.
     widest.filter(|_| group.len() > 1).unwrap_or((0.0, 0))
 }
 
-/// Parts a group of two colours or more at the mean of its widest channel.
-fn part(mut group: Vec<Weighed>) -> (Vec<Weighed>, Vec<Weighed>) {
+/// Splits a group of two colours or more at the mean of its widest channel.
+fn split(mut group: Vec<WeightedColor>) -> (Vec<WeightedColor>, Vec<WeightedColor>) {
     let (_, channel) = spread(&group);
     group.sort_by_key(|(color, _)| (color[channel], *color));
     let weight: f64 = group.iter().map(|(_, w)| w).sum();
@@ -103,7 +102,7 @@ fn part(mut group: Vec<Weighed>) -> (Vec<Weighed>, Vec<Weighed>) {
     (group, high)
 }
 
-fn mean(group: &[Weighed]) -> Color {
+fn mean(group: &[WeightedColor]) -> Color {
     let weight: f64 = group.iter().map(|(_, w)| w).sum();
     [0, 1, 2].map(|channel| {
         let sum: f64 = group.iter().map(|(c, w)| w * f64::from(c[channel])).sum();
@@ -127,7 +126,7 @@ mod tests {
 
     fn shown(rgb: Vec<u8>) -> Vec<Color> {
         let width = rgb.len() as u32 / 3;
-        let found = reduce(&Pixels {
+        let found = reduce(&RgbImage {
             width,
             height: 1,
             rgb,

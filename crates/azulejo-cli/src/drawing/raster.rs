@@ -1,6 +1,6 @@
-//! A drawing as pixels, with letters of its own.
+//! Drawings as pixels, with an embedded typeface.
 
-use super::drawing::{Anchor, Color, Drawing, Pixels, Shape, Text};
+use super::{Color, Drawing, DrawingItem, RgbImage, TextAnchor, TextItem};
 use azulejo_formats::{ppe, ppf};
 use azulejo_scene::figure::Segment;
 use azulejo_scene::{Encoding, Figure, FillRule, Font, Line};
@@ -10,57 +10,55 @@ use tiny_skia::{
     Transform,
 };
 
-/// DejaVu Serif as RTRACE's outlines, and the names of its characters.
-const OUTLINES: &[u8] = include_bytes!("../../../../../examples/fonts/dejavu-serif.ppf");
-const NAMES: &[u8] = include_bytes!("../../../../../examples/fonts/latin.ppe");
+/// DejaVu Serif as a PPF font, and its encoding.
+const OUTLINES: &[u8] = include_bytes!("../../../../examples/fonts/dejavu-serif.ppf");
+const NAMES: &[u8] = include_bytes!("../../../../examples/fonts/latin.ppe");
 
-/// Blank behind each letter, em: a PPF's letters end where their ink does.
+/// Space after each letter, em: the advance of a PPF glyph ends where its ink does.
 const SPACING: f64 = 0.045;
 
-/// Blank between words, em.
+/// Space between words, em.
 const BLANK: f64 = 0.4;
 
-/// The drawing at `width` pixels; `None` if that is no picture.
-pub fn pixels(drawing: &Drawing, width: u32) -> Option<Pixels> {
+/// The drawing at `width` pixels; `None` if that size is not possible.
+pub fn rasterize(drawing: &Drawing, width: u32) -> Option<RgbImage> {
     let scale = f64::from(width) / drawing.size.x;
     let height = (drawing.size.y * scale).round() as u32;
-    let mut sheet = Sheet {
-        pixels: Pixmap::new(width, height)?,
+    let mut raster = Rasterizer {
+        pixmap: Pixmap::new(width, height)?,
         scale,
-        letters: Letters::embedded(),
+        typeface: EmbeddedTypeface::load(),
     };
-    sheet.pixels.fill(tiny_skia::Color::WHITE);
-    for shape in &drawing.shapes {
-        sheet.draw(shape);
+    let [r, g, b] = drawing.background.unwrap_or([255; 3]);
+    raster
+        .pixmap
+        .fill(tiny_skia::Color::from_rgba8(r, g, b, 255));
+    for item in &drawing.items {
+        raster.draw(item);
     }
-    let opaque = |p: &[u8]| [p[0], p[1], p[2]];
-    Some(Pixels {
+    let pixels = raster.pixmap.data().chunks_exact(4);
+    Some(RgbImage {
         width,
         height,
-        rgb: sheet
-            .pixels
-            .data()
-            .chunks_exact(4)
-            .flat_map(opaque)
-            .collect(),
+        rgb: pixels.flat_map(|p| [p[0], p[1], p[2]]).collect(),
     })
 }
 
-struct Sheet {
-    pixels: Pixmap,
-    /// Pixels of a unit of the drawing.
+struct Rasterizer {
+    pixmap: Pixmap,
+    /// Pixels per unit of the drawing.
     scale: f64,
-    letters: Letters,
+    typeface: EmbeddedTypeface,
 }
 
-impl Sheet {
-    fn to_pixels(&self) -> Transform {
+impl Rasterizer {
+    fn pixels_from_drawing(&self) -> Transform {
         Transform::from_scale(self.scale as f32, self.scale as f32)
     }
 
-    fn draw(&mut self, shape: &Shape) {
-        match shape {
-            Shape::Line {
+    fn draw(&mut self, item: &DrawingItem) {
+        match item {
+            DrawingItem::Polyline {
                 points,
                 color,
                 width,
@@ -74,18 +72,28 @@ impl Sheet {
                     ..Stroke::default()
                 };
                 if let Some(path) = path(points, false) {
-                    let transform = self.to_pixels();
-                    self.pixels
+                    let transform = self.pixels_from_drawing();
+                    self.pixmap
                         .stroke_path(&path, &paint(*color), &stroke, transform, None);
                 }
             }
-            Shape::Polygon { points, color } => {
+            DrawingItem::Polygon { points, color } => {
                 if let Some(path) = path(points, true) {
                     self.fill(&path, *color, FillRule::NonZero);
                 }
             }
-            Shape::Text(text) => self.write(text),
-            Shape::Picture { at, size, pixels } => self.paste(*at, *size, pixels),
+            DrawingItem::Disk {
+                center,
+                radius,
+                color,
+            } => {
+                let (x, y) = (center.x as f32, center.y as f32);
+                if let Some(path) = PathBuilder::from_circle(x, y, *radius as f32) {
+                    self.fill(&path, *color, FillRule::NonZero);
+                }
+            }
+            DrawingItem::Text(text) => self.write(text),
+            DrawingItem::Image { at, size, image } => self.paste(*at, *size, image),
         }
     }
 
@@ -94,33 +102,41 @@ impl Sheet {
             FillRule::EvenOdd => tiny_skia::FillRule::EvenOdd,
             FillRule::NonZero => tiny_skia::FillRule::Winding,
         };
-        let transform = self.to_pixels();
-        self.pixels
+        let transform = self.pixels_from_drawing();
+        self.pixmap
             .fill_path(path, &paint(color), rule, transform, None);
     }
 
-    fn write(&mut self, text: &Text) {
-        let line = self.letters.set(&text.words);
-        let back = match text.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => 0.5,
-            Anchor::End => 1.0,
+    fn write(&mut self, item: &TextItem) {
+        let line = self.typeface.set(&item.text);
+        let share = match item.anchor {
+            TextAnchor::Start => 0.0,
+            TextAnchor::Middle => 0.5,
+            TextAnchor::End => 1.0,
         };
-        let start = text.at - DVec2::new(back * text.size * line.advance, 0.0);
+        let start = -share * line.advance;
+        // Along the baseline, and up from it.
+        let [along, up] = if item.is_vertical {
+            [DVec2::NEG_Y, DVec2::NEG_X]
+        } else {
+            [DVec2::X, DVec2::NEG_Y]
+        };
         for glyph in &line.glyphs {
-            let place =
-                |p: DVec2| start + text.size * DVec2::new(glyph.pen.x + p.x, -(glyph.pen.y + p.y));
+            let place = |p: DVec2| {
+                let p = glyph.pen + p;
+                item.at + item.size * ((start + p.x) * along + p.y * up)
+            };
             if let Some(path) = outline(&glyph.figure, place) {
-                self.fill(&path, text.color, glyph.figure.rule);
+                self.fill(&path, item.color, glyph.figure.rule);
             }
         }
     }
 
-    fn paste(&mut self, at: DVec2, size: DVec2, picture: &Pixels) {
-        let Some(mut source) = Pixmap::new(picture.width, picture.height) else {
+    fn paste(&mut self, at: DVec2, size: DVec2, image: &RgbImage) {
+        let Some(mut source) = Pixmap::new(image.width, image.height) else {
             return;
         };
-        let colors = picture.rgb.chunks_exact(3);
+        let colors = image.rgb.chunks_exact(3);
         for (pixel, rgb) in source.data_mut().chunks_exact_mut(4).zip(colors) {
             pixel.copy_from_slice(&[rgb[0], rgb[1], rgb[2], 255]);
         }
@@ -128,35 +144,34 @@ impl Sheet {
             quality: FilterQuality::Bilinear,
             ..PixmapPaint::default()
         };
-        let stretch = self.scale * size / DVec2::new(picture.width.into(), picture.height.into());
-        // Whole pixels, where the picture was made for them, stay sharp.
+        let stretch = self.scale * size / DVec2::new(image.width.into(), image.height.into());
+        // An image of the right resolution stays sharp if it starts at a whole pixel.
         let corner = (self.scale * at).round();
         let transform = Transform::from_scale(stretch.x as f32, stretch.y as f32)
             .post_translate(corner.x as f32, corner.y as f32);
-        self.pixels
+        self.pixmap
             .draw_pixmap(0, 0, source.as_ref(), &paint, transform, None);
     }
 }
 
-/// A typeface of which every character of Latin-1 is known.
-struct Letters {
+/// The typeface that is part of the program: Latin-1 and a few other characters.
+struct EmbeddedTypeface {
     font: Font,
     encoding: Encoding,
 }
 
-impl Letters {
-    /// The typeface that comes with the program.
-    fn embedded() -> Letters {
-        // Without letters a picture is still one; that they can be read is tested below.
+impl EmbeddedTypeface {
+    fn load() -> EmbeddedTypeface {
+        // A test below ensures that both can be read.
         let font = ppf::read(OUTLINES, "dejavu-serif.ppf").map(|(font, _)| font);
         let encoding = ppe::read(NAMES, "latin.ppe").map(|(encoding, _)| encoding);
-        Letters {
+        EmbeddedTypeface {
             font: font.unwrap_or_default(),
             encoding: encoding.unwrap_or_default(),
         }
     }
 
-    /// One line; what has no letter is a question mark.
+    /// Sets one line; characters without a glyph become question marks.
     fn set(&self, words: &str) -> Line {
         let mut line = Line::default();
         for word in words.split(' ') {
@@ -176,7 +191,7 @@ impl Letters {
     fn spelled(&self, c: char) -> String {
         let known = |c: char| self.encoding.names.contains_key(&u32::from(c));
         match c {
-            // Between slashes stands the name of a glyph.
+            // A name between slashes selects a glyph.
             '/' => "/slash/".to_owned(),
             '–' => "-".to_owned(),
             _ if known(c) => c.to_string(),
@@ -236,14 +251,14 @@ fn outline(figure: &Figure, place: impl Fn(DVec2) -> DVec2) -> Option<Path> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawing::INK;
+    use super::super::INK;
     use super::*;
 
     #[test]
-    fn letters_are_there() {
-        let letters = Letters::embedded();
+    fn every_letter_has_a_glyph() {
+        let typeface = EmbeddedTypeface::load();
         let check = |words: &str, glyphs: usize| {
-            assert_eq!(letters.set(words).glyphs.len(), glyphs, "{words}");
+            assert_eq!(typeface.set(words).glyphs.len(), glyphs, "{words}");
         };
         check("f_r cos, 1/sr", 11);
         check("60° · ²", 5);
@@ -251,12 +266,12 @@ mod tests {
     }
 
     #[test]
-    fn a_square_is_filled_and_words_leave_ink() {
-        let mut drawing = Drawing::new(40.0, 20.0);
+    fn shapes_and_text_leave_ink() {
+        let mut drawing = Drawing::on_white(40.0, 20.0);
         let square = [(0.0, 0.0), (10.0, 0.0), (10.0, 20.0), (0.0, 20.0)];
         drawing.polygon(square.map(DVec2::from).to_vec(), [255, 0, 0]);
-        drawing.text(DVec2::new(39.0, 15.0), Anchor::End, 14.0, INK, "az");
-        let found = pixels(&drawing, 80).unwrap();
+        drawing.text(DVec2::new(39.0, 15.0), TextAnchor::End, 14.0, INK, "az");
+        let found = rasterize(&drawing, 80).unwrap();
         assert_eq!((found.width, found.height), (80, 40));
         let at = |x: usize, y: usize| &found.rgb[3 * (80 * y + x)..][..3];
         assert_eq!((at(5, 5), at(25, 5)), (&[255, 0, 0][..], &[255; 3][..]));
