@@ -143,25 +143,17 @@ fn list<T, E: Element>(
 mod tests {
     use super::*;
     use crate::form_factors::tests::two_squares;
+    use crate::npz::tests::members;
     use std::collections::HashMap;
 
-    /// The members of an archive by name: type, shape and data.
-    fn members(bytes: &[u8]) -> HashMap<String, (String, Vec<u8>)> {
-        let mut members = HashMap::new();
-        let mut rest = bytes;
-        while rest.starts_with(b"PK\x03\x04") {
-            let number = |at: usize| usize::from(u16::from_le_bytes([rest[at], rest[at + 1]]));
-            let (name, extra) = (number(26), number(28));
-            let size = u64::from_le_bytes(*rest[30 + name + 4..].first_chunk().unwrap()) as usize;
-            let array = &rest[30 + name + extra..][..size];
+    /// The members of an archive by name: type and shape, and data.
+    fn arrays(bytes: &[u8]) -> HashMap<String, (String, Vec<u8>)> {
+        let array = |(name, array): (String, Vec<u8>)| {
             let header = usize::from(u16::from_le_bytes([array[8], array[9]]));
-            let described = String::from_utf8(array[10..10 + header].to_vec()).unwrap();
-            let name = String::from_utf8(rest[30..30 + name].to_vec()).unwrap();
-            let length = 30 + name.len() + extra + size;
-            members.insert(name, (described, array[10 + header..].to_vec()));
-            rest = &rest[length..];
-        }
-        members
+            let description = String::from_utf8(array[10..10 + header].to_vec()).unwrap();
+            (name, (description, array[10 + header..].to_vec()))
+        };
+        members(bytes).into_iter().map(array).collect()
     }
 
     fn f64s((described, bytes): &(String, Vec<u8>)) -> Vec<f64> {
@@ -180,7 +172,7 @@ mod tests {
             names,
         };
         write(&matrix, &mut bytes).unwrap();
-        members(&bytes)
+        arrays(&bytes)
     }
 
     #[test]

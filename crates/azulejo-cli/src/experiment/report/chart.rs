@@ -11,7 +11,7 @@ const SIZE: DVec2 = DVec2::new(470.0, 360.0);
 /// Corners of the area between the axes.
 const AREA: [DVec2; 2] = [DVec2::new(82.0, 40.0), DVec2::new(460.0, 304.0)];
 
-const FONT_SIZE: f64 = 14.0;
+const FONT_SIZE: f64 = 12.0;
 
 /// Distance of a baseline below the middle of its letters.
 const BASELINE: f64 = 0.35 * FONT_SIZE;
@@ -72,7 +72,7 @@ impl Chart {
             let foot = DVec2::new(x, high.y);
             drawing.line(vec![DVec2::new(x, low.y), foot], GRID, 1.0);
             drawing.line(vec![foot, foot + 5.0 * DVec2::Y], INK, 1.0);
-            drawing.text(foot + 20.0 * DVec2::Y, center, FONT_SIZE, INK, &label(tick));
+            drawing.text(foot + 18.0 * DVec2::Y, center, FONT_SIZE, INK, &label(tick));
         }
         for tick in self.y.ticks() {
             let foot = DVec2::new(low.x, self.at((1.0, tick)).y);
@@ -86,7 +86,7 @@ impl Chart {
         drawing.text(at, center, FONT_SIZE, INK, figure.x.label);
         drawing.vertical_text(DVec2::new(22.0, middle.y), FONT_SIZE, INK, figure.y.label);
         let at = DVec2::new(middle.x, 26.0);
-        drawing.text(at, center, 17.0, INK, &figure.title);
+        drawing.text(at, center, 15.0, INK, &figure.title);
     }
 }
 
