@@ -26,6 +26,7 @@ pub mod files;
 pub mod machine;
 pub mod models;
 pub mod output;
+pub mod typeface;
 
 pub use azulejo_formats as formats;
 #[cfg(feature = "gpu")]

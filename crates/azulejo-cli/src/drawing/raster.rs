@@ -1,6 +1,7 @@
 //! Drawings as pixels, with an embedded typeface.
 
 use super::{Color, Drawing, DrawingItem, RgbImage, TextAnchor, TextItem};
+use azulejo::typeface::{DEJAVU_SERIF, LATIN};
 use azulejo_formats::{ppe, ppf};
 use azulejo_scene::figure::Segment;
 use azulejo_scene::{Encoding, Figure, FillRule, Font, Line};
@@ -9,10 +10,6 @@ use tiny_skia::{
     FilterQuality, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Stroke, StrokeDash,
     Transform,
 };
-
-/// DejaVu Serif as a PPF font, and its encoding.
-const OUTLINES: &[u8] = include_bytes!("../../../../examples/fonts/dejavu-serif.ppf");
-const NAMES: &[u8] = include_bytes!("../../../../examples/fonts/latin.ppe");
 
 /// Space after each letter, em: the advance of a PPF glyph ends where its ink does.
 const SPACING: f64 = 0.045;
@@ -163,8 +160,8 @@ struct EmbeddedTypeface {
 impl EmbeddedTypeface {
     fn load() -> EmbeddedTypeface {
         // A test below ensures that both can be read.
-        let font = ppf::read(OUTLINES, "dejavu-serif.ppf").map(|(font, _)| font);
-        let encoding = ppe::read(NAMES, "latin.ppe").map(|(encoding, _)| encoding);
+        let font = ppf::read(DEJAVU_SERIF, "dejavu-serif.ppf").map(|(font, _)| font);
+        let encoding = ppe::read(LATIN, "latin.ppe").map(|(encoding, _)| encoding);
         EmbeddedTypeface {
             font: font.unwrap_or_default(),
             encoding: encoding.unwrap_or_default(),

@@ -3,3 +3,4 @@
 mod arrows;
 mod glossy;
 mod rtrace;
+mod typeface;
