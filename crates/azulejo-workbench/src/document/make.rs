@@ -76,8 +76,8 @@ pub enum NewLightKind {
     Ambient,
 }
 
-/// The typeface for those who choose none: its licence stands beside the examples.
-const TYPEFACE: &[u8] = include_bytes!("../../../../examples/fonts/dejavu-serif.ppf");
+/// The typeface for text without a font file.
+const TYPEFACE: &[u8] = azulejo::typeface::DEJAVU_SERIF;
 /// Letters that one line of a dialog holds with ease; a page belongs into a file.
 const LONGEST: usize = 10_000;
 /// Reflectance of what is made by hand.
