@@ -7,7 +7,8 @@
 #![allow(clippy::print_stdout, reason = "the differences are what it is for")]
 
 use crate::support::Folder;
-use azulejo::formats::{self, Files, Memory, png};
+use azulejo::formats::picture::png;
+use azulejo::formats::{self, Files, Memory};
 use azulejo::render::rtrace::{self, Antialiasing, Model, Options, Textures, View};
 use azulejo::render::srgb_from_linear;
 use azulejo::scene::rtrace::RtraceSurface;

@@ -1,7 +1,7 @@
 //! A drawing as pixels, with letters of its own.
 
 use super::drawing::{Anchor, Color, Drawing, Pixels, Shape, Text};
-use azulejo_formats::{ppe, ppf};
+use azulejo_formats::outline::{ppe, ppf};
 use azulejo_scene::figure::Segment;
 use azulejo_scene::{Encoding, Figure, FillRule, Font, Line};
 use glam::DVec2;
