@@ -6,7 +6,7 @@ use super::report::{Report, number, percent, short};
 use super::session::Session;
 use super::{input, look, pass, view};
 use azulejo::output::Output;
-use azulejo_formats::{exr, hdr, png};
+use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{ReferencePass, SecondPass, Tone};
 use azulejo_scene::{Image, Scene};
 use azulejo_trace::Tracer;

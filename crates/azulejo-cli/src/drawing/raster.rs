@@ -2,7 +2,7 @@
 
 use super::{Color, Drawing, DrawingItem, RgbImage, TextAnchor, TextItem};
 use azulejo::typeface::{DEJAVU_SERIF, LATIN};
-use azulejo_formats::{ppe, ppf};
+use azulejo_formats::outline::{ppe, ppf};
 use azulejo_scene::figure::Segment;
 use azulejo_scene::{Encoding, Figure, FillRule, Font, Line};
 use glam::DVec2;

@@ -7,8 +7,8 @@ use crate::report::Report;
 use crate::session::Session;
 use azulejo::models::ModelOutput;
 use azulejo::models::read_bytes;
-use azulejo_formats::ReadOptions;
-use azulejo_formats::drawing::{self, Drawing};
+use azulejo_formats::outline::Drawing;
+use azulejo_formats::{ReadOptions, read_drawing};
 use azulejo_scene::{Material, MaterialId, Prism, Rgb};
 use glam::DVec2;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
     session.claim_stdout(output.is_stdout())?;
     let path = args.drawing.display().to_string();
     let bytes = read_bytes(&args.drawing)?;
-    let drawing = drawing::read(&bytes, &path, &ReadOptions::default()).map_err(Failure::failed)?;
+    let drawing = read_drawing(&bytes, &path, &ReadOptions::default()).map_err(Failure::failed)?;
     drawing.warnings.iter().for_each(|w| session.warn(w));
     let stem = args
         .drawing

@@ -7,8 +7,8 @@ use crate::failure::Failure;
 use crate::report::{Report, count};
 use crate::session::Session;
 use azulejo::output::{self, Output};
-use azulejo_formats::typeface::{Converted, Typeface, encoding_of};
-use azulejo_formats::{ppe, ppf};
+use azulejo_formats::outline::typeface::{Converted, Typeface, encoding_of};
+use azulejo_formats::outline::{ppe, ppf};
 use std::path::Path;
 
 /// Runs `font convert`.

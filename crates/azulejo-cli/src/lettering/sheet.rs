@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::report::{Report, count};
 use crate::session::Session;
 use azulejo::output::Output;
-use azulejo_formats::png;
+use azulejo_formats::picture::png;
 use azulejo_scene::{Encoding, Font, Line};
 use glam::DVec2;
 use std::path::Path;

@@ -4,8 +4,8 @@ use super::args::{LinesArgs, TypefaceArgs};
 use crate::failure::Failure;
 use crate::session::Session;
 use azulejo::models::read_bytes;
-use azulejo_formats::typeface::{Typeface, encoding_of};
-use azulejo_formats::{ppe, ppf};
+use azulejo_formats::outline::typeface::{Typeface, encoding_of};
+use azulejo_formats::outline::{ppe, ppf};
 use azulejo_scene::{Encoding, Font, Line, PlacedGlyph};
 use std::path::Path;
 

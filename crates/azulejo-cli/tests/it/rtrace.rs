@@ -1,7 +1,7 @@
 //! `--look rtrace` on the command line.
 
 use crate::support::Folder;
-use azulejo::formats::png;
+use azulejo::formats::picture::png;
 use azulejo::render::srgb_from_linear;
 
 /// A ball before a background.

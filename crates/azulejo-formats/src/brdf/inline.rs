@@ -1,6 +1,6 @@
 //! A reflection model on one line, as GRF has it: `name key = value ...`.
 
-use crate::grf::lexer::{BadNumber, Lexer};
+use crate::reading::lexer::{BadNumber, Lexer};
 use azulejo_scene::brdf::{Description, Model, Parameter, Problem, Value, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;

@@ -2,8 +2,8 @@
 //!
 //! W. Matusik, H. Pfister, M. Brand, L. McMillan, *A data-driven reflectance model*, SIGGRAPH 2003.
 
-use crate::bytes::Bytes;
-use crate::warnings::Warnings;
+use crate::reading::bytes::Bytes;
+use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, Warning};
 use azulejo_scene::brdf::Merl;
 

@@ -5,7 +5,7 @@
 
 use super::tensors::{self, Tensor};
 use crate::mgf::rgb_weights;
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, Warning};
 use azulejo_scene::brdf::{Grid, Rgl, RglTensors};
 

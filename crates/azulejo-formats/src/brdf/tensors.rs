@@ -1,7 +1,7 @@
 //! The container of the RGL database: named tensors.
 
 use crate::ReadError;
-use crate::bytes::Bytes;
+use crate::reading::bytes::Bytes;
 
 /// What such a file begins with.
 pub(super) const MAGIC: &[u8; 12] = b"tensor_file\0";

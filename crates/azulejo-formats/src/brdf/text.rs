@@ -15,9 +15,9 @@
 
 use super::inline::{self, MOST_PARTS, Marks, Part, Said, Trouble};
 use super::{Loaded, measured};
-use crate::files::beside;
-use crate::grf::lexer::{Lexer, Locator, line_around};
-use crate::text::text;
+use crate::reading::files::beside;
+use crate::reading::lexer::{Lexer, Locator, line_around};
+use crate::reading::text::text;
 use crate::{Files, Position, ReadError, Warning};
 use azulejo_scene::brdf::{Content, Description, Info, Model, Parameter, Value, find};
 use std::io::{self, Write};

@@ -11,7 +11,7 @@ use super::polyline::{Kind, Polyline};
 use super::record::Record;
 use super::surfaces::{Corners, LayerMesh, Line};
 use crate::ReadError;
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use glam::{DMat3, DVec2, DVec3};
 
 /// Most vertices and corners of an extruded circle.

@@ -29,8 +29,8 @@ mod tests;
 
 mod units;
 
-use crate::text::without_utf16;
-use crate::warnings::Warnings;
+use crate::reading::text::without_utf16;
+use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Units, Up};
 use project::Project;

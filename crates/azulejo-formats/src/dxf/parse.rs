@@ -6,9 +6,9 @@ use super::pairs::{Damage, Encoding};
 use super::polyline::Polyline;
 use super::record::{Record, Records};
 use super::{camera, units};
-use crate::options::Budget;
-use crate::text::{shortened, text};
-use crate::warnings::Warnings;
+use crate::reading::options::Budget;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, ReadOptions};
 use std::collections::HashMap;
 

@@ -7,7 +7,7 @@ use super::said::Said;
 use super::skin::Joints;
 use super::topology;
 use super::vertices::{Vertices, finish};
-use crate::options::{Budget, Exhausted};
+use crate::reading::options::{Budget, Exhausted};
 use azulejo_scene::{Attribute, Mesh};
 use gltf_json::Index;
 use gltf_json::accessor::Accessor;

@@ -32,7 +32,7 @@ mod write_mesh;
 pub use losses::losses;
 pub use write::{write, write_json};
 
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use accessor::Data;
 use azulejo_scene::{Scene, Units, Up};

@@ -4,7 +4,7 @@ use super::entries::Entries;
 use super::parser::{Parsed, Parser};
 use crate::FileError;
 use crate::brdf::inline::{self, Part, Trouble};
-use crate::gloss::color;
+use crate::surface::model::color;
 use azulejo_scene::brdf::{Description, Model, Problem, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;

@@ -1,9 +1,9 @@
 //! The keys and values of an extension.
 
 use super::document::{Fail, Kind, Name};
-use super::lexer::Lexer;
 use super::parse::Ending;
 use super::parser::{Parsed, Parser};
+use crate::reading::lexer::Lexer;
 use azulejo_scene::Rgb;
 use glam::{DAffine3, DVec3};
 

@@ -19,7 +19,6 @@ mod entries;
 mod extension;
 mod from_scene;
 mod irradiance;
-pub(crate) mod lexer;
 mod look;
 mod materials;
 mod mesh;

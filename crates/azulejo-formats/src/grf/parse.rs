@@ -5,8 +5,8 @@ use super::document::{
     Source, Step,
 };
 use super::extension::Extension;
-use super::lexer::Lexer;
 use super::parser::{Parsed, Parser, Shared};
+use crate::reading::lexer::Lexer;
 use crate::{Files, ReadError, Warning};
 use std::borrow::Cow;
 

@@ -2,9 +2,9 @@
 
 use super::brdf::Reflection;
 use super::document::{Fail, Kind, Name, Place, Sources};
-use super::lexer::{BadNumber, Lexer, Locator, line_around};
 use super::warnings::Warnings;
 use crate::Files;
+use crate::reading::lexer::{BadNumber, Lexer, Locator, line_around};
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};

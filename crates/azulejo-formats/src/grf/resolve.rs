@@ -12,7 +12,7 @@ use super::placement::{
 use super::solids::Defined;
 use super::warnings::Warnings;
 use super::{has_area, is_camera, is_invertible, unit};
-use crate::options::Budget;
+use crate::reading::options::Budget;
 use crate::{Loaded, ReadError, ReadOptions};
 use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{

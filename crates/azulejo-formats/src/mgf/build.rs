@@ -1,8 +1,8 @@
 //! The scene as the statements build it: named groups, each with a mesh of the faces that stand
 //! directly in it.
 
-use crate::gloss::Gloss;
-use crate::materials::Materials;
+use crate::surface::gloss::Gloss;
+use crate::surface::materials::Materials;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{
     Attribute, Light, Material, MaterialId, Mesh, Object, Primitive, Scene, Shape, Units, Up,

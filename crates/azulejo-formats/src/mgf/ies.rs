@@ -2,7 +2,7 @@
 //! goes at which angle from the axis, and out of how large an opening.
 
 use super::lines::number;
-use crate::text::text;
+use crate::reading::text::text;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Bins of one degree from the aim of the lamp to its back.

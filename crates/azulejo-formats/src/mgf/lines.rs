@@ -3,8 +3,9 @@
 //! A line is a statement. A backslash at the end of a line continues it, also in comments. A word
 //! that begins with `#` begins a comment.
 
-use crate::text::text;
-use crate::{Position, number};
+use crate::Position;
+use crate::reading::number;
+use crate::reading::text::text;
 
 /// A place in the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]

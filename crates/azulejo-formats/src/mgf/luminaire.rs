@@ -4,7 +4,7 @@ use super::ies::{BINS, Luminaire, Opening, parse};
 use super::reader::{Reader, Source, Stop, quoted, skip};
 use super::solids;
 use super::transform::Transform;
-use crate::files::beside;
+use crate::reading::files::beside;
 use azulejo_scene::{LightKind, Material, Primitive, Rgb};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;

@@ -1,7 +1,7 @@
 //! MGF's materials as azulejo's.
 
 use super::color::Chroma;
-use crate::gloss::Gloss;
+use crate::surface::gloss::Gloss;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{Dielectric, Material, MaterialId, Rgb};
 use std::f64::consts::PI;

@@ -68,8 +68,11 @@ impl Reader<'_> {
         if let Some(made) = surface.made[usize::from(is_closed)] {
             return made;
         }
-        let (material, mut losses) =
-            surface.material(&crate::text::text(name), is_closed, &mut self.builder.gloss);
+        let (material, mut losses) = surface.material(
+            &crate::reading::text::text(name),
+            is_closed,
+            &mut self.builder.gloss,
+        );
         if surface.is_one_sided {
             losses.push("one-sided material (sides 1) is seen from behind too");
         }

@@ -3,7 +3,7 @@
 use super::mtl::Library;
 use super::placement::{per_vertex_if_possible, place};
 use super::read::{NONE, Raw};
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Object, Rgb, Scene, Shape};
 use glam::{DVec2, DVec3};

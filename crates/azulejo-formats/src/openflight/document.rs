@@ -4,7 +4,7 @@ use super::fields::Fields;
 use super::opcode::{self, Role};
 use super::palettes::{self, Palettes};
 use super::vertices::VertexPalette;
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError};
 use std::borrow::Cow;
 use std::collections::HashMap;

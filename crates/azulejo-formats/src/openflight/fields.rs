@@ -1,6 +1,6 @@
 //! Fields of a record, by their offset from its start.
 
-use crate::text::text;
+use crate::reading::text::text;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 

@@ -5,10 +5,10 @@ use super::fields::Fields;
 use super::palettes::{PaletteMaterial, Palettes};
 use super::warn::Notes;
 use crate::Files;
-use crate::gloss::Gloss;
-use crate::materials::Materials;
-use crate::phong::Highlight;
-use crate::textures::Textures;
+use crate::surface::gloss::Gloss;
+use crate::surface::materials::Materials;
+use crate::surface::phong::Highlight;
+use crate::surface::textures::Textures;
 use azulejo_scene::{Material, MaterialId, Rgb};
 use std::collections::HashMap;
 

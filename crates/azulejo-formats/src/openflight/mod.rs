@@ -22,7 +22,7 @@ mod vertices;
 mod walk;
 mod warn;
 
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Units, Up};
 use document::Document;

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use crate::Position;
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 
 /// Adds warnings about one record.
 pub(super) struct Notes<'a> {

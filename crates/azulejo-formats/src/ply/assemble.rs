@@ -4,8 +4,8 @@ use super::Reader;
 use super::faces::{FaceList, Look};
 use super::header::Header;
 use super::vertices::Vertices;
-use crate::textures::Textures;
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
+use crate::surface::textures::Textures;
 use crate::{Files, Position};
 use azulejo_scene::{
     Attribute, Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, TextureId,

@@ -1,9 +1,9 @@
 //! The header: which elements there are, and what their rows hold.
 
 use super::source::{Source, Stop};
-use crate::text::text;
-use crate::warnings::Warnings;
-use crate::words::Words;
+use crate::reading::text::text;
+use crate::reading::warnings::Warnings;
+use crate::reading::words::Words;
 use crate::{Position, ReadError};
 use azulejo_scene::{Units, Up};
 

@@ -15,8 +15,8 @@ mod write;
 
 pub use write::{losses, write};
 
-use crate::options::check_length;
-use crate::warnings::Warnings;
+use crate::reading::options::check_length;
+use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use faces::FaceList;
 use header::{Element, Encoding, Header};

@@ -2,8 +2,8 @@
 
 use super::NONE;
 use super::header::Kind;
-use crate::warnings::Warnings;
-use crate::words::Words;
+use crate::reading::warnings::Warnings;
+use crate::reading::words::Words;
 use crate::{Position, ReadError};
 
 /// Why a row could not be read.

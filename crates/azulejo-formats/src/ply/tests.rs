@@ -380,7 +380,7 @@ fn corners_with_texture_coordinates() {
         )
         .replace("4 0 1 2 3", "3 0 1 2 6 0 0 1 0 1 1 1\n3 0 2 3 4 9 9 9 9 0");
     let mut png = Vec::new();
-    crate::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
+    crate::picture::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
     let loaded = load_with(text.as_bytes(), &Memory::new().with("B.png", png));
     check_warnings(
         &loaded,

@@ -1,7 +1,7 @@
 //! Scenes to PLY, binary little-endian.
 
 use super::assemble::DEFAULT_REFLECTANCE;
-use crate::tessellate::{self, lit_mesh_of};
+use crate::surface::tessellate::{self, lit_mesh_of};
 use azulejo_scene::{Attribute, Material, Mesh, Rgb, Scene, Shape, Up};
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;

@@ -14,10 +14,10 @@ mod tokens;
 mod translate;
 mod values;
 
-use crate::options::Budget;
+use crate::reading::options::Budget;
+use crate::reading::warnings::Warnings;
 use crate::sff::document::{Document, Sources};
 use crate::sff::read_by;
-use crate::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use values::Stream;
 

@@ -1,9 +1,9 @@
 //! Small scenes, and what the original made of larger ones.
 
 use super::{document, read};
+use crate::reading::warnings::Warnings;
 use crate::sff::document::{Document, Sources};
 use crate::sff::print::print;
-use crate::warnings::Warnings;
 use crate::{Memory, ReadOptions};
 
 fn translated(text: &[u8]) -> Result<Document, String> {

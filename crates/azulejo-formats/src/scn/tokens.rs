@@ -1,11 +1,12 @@
 //! SCN's words, numbers and signs, with `#define` and `#include` carried out.
 
-use crate::options::Budget;
+use crate::reading::number;
+use crate::reading::options::Budget;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
 use crate::sff::document::{Place, Sources};
 use crate::sff::open_beside;
-use crate::text::{shortened, text};
-use crate::warnings::Warnings;
-use crate::{Files, ReadError, number};
+use crate::{Files, ReadError};
 use std::collections::HashMap;
 
 /// Files include no deeper, and definitions name each other no deeper.

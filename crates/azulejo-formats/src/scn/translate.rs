@@ -4,7 +4,7 @@ use super::look::is_attribute;
 use super::scope::Scopes;
 use super::values::Stream;
 use crate::ReadError;
-use crate::options::Budget;
+use crate::reading::options::Budget;
 use crate::sff::document::*;
 use azulejo_scene::Operation;
 use azulejo_scene::Rgb;

@@ -3,9 +3,9 @@
 use super::colors::Colors;
 use super::tokens::{Token, TokenKind};
 use crate::ReadError;
+use crate::reading::text::shortened;
+use crate::reading::warnings::Warnings;
 use crate::sff::document::{Place, Sources};
-use crate::text::shortened;
-use crate::warnings::Warnings;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 

@@ -3,7 +3,7 @@
 use super::document::{TextCommand, TextCommandKind};
 use super::lines::{Lines, quoted};
 use crate::ReadError;
-use crate::text::text;
+use crate::reading::text::text;
 use glam::DVec3;
 
 type Read<T> = Result<T, ReadError>;

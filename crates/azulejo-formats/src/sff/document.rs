@@ -1,6 +1,6 @@
 //! An SFF file record by record, as it stands; numbers of surfaces and objects count from 1.
 
-use crate::words::Words;
+use crate::reading::words::Words;
 use crate::{Position, ReadError};
 use azulejo_scene::rtrace::{RtraceLight, RtraceSource};
 use azulejo_scene::{Operation, Rgb};

@@ -3,7 +3,7 @@
 use super::document::*;
 use super::lights;
 use super::{coons, shapes, textures};
-use crate::gloss::{color, model_of, number, slope};
+use crate::surface::model::{color, model_of, number, slope};
 use azulejo_scene::math::Aabb;
 use azulejo_scene::rtrace::{Rtrace, RtraceSource, RtraceTexture};
 use azulejo_scene::{

@@ -3,9 +3,9 @@
 
 use super::document::Place;
 use crate::ReadError;
-use crate::text::{shortened, text};
-use crate::warnings::Warnings;
-use crate::words::Words;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
+use crate::reading::words::Words;
 use azulejo_scene::Rgb;
 use glam::{DMat4, DVec3};
 

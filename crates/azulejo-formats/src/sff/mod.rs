@@ -26,10 +26,10 @@ mod tree;
 mod typeset;
 mod write;
 
-use crate::files::beside;
-use crate::options::check_length;
-use crate::text::without_utf16;
-use crate::warnings::Warnings;
+use crate::reading::files::beside;
+use crate::reading::options::check_length;
+use crate::reading::text::without_utf16;
+use crate::reading::warnings::Warnings;
 use crate::{FileError, Files, Loaded, ReadError, ReadOptions};
 use document::{Document, Sources};
 use lines::Lines;

@@ -1,7 +1,7 @@
 //! RTRACE's pictures: PIC, which has no mark, and PPM; and colour maps.
 
 use crate::picture;
-use crate::words::Words;
+use crate::reading::words::Words;
 use azulejo_scene::{Image, Rgb};
 
 /// Decodes a picture as RTRACE reads it: bytes divided by 255, without any gamma. Other pictures

@@ -186,7 +186,7 @@ pub(super) fn texture(lines: &mut Lines) -> Read<TextureRecord> {
     }
     // A missing name counts as a remark's dash, which the original takes for one.
     let file = (has_file.then(|| lines.word_on_line()).flatten()).filter(|w| *w != b"-");
-    let file = file.map(|w| crate::text::text(w).into_owned());
+    let file = file.map(|w| crate::reading::text::text(w).into_owned());
     lines.end_record();
     Ok(TextureRecord {
         place,

@@ -7,10 +7,10 @@ use super::textures::{Surroundings, TextureFiles};
 use super::tree::{Node, NodeKind, Tree};
 use super::typeset::{Desk, Typesetter};
 use super::{block, data, lines::Lines, open_beside, surfaces};
-use crate::gloss::Gloss;
-use crate::options::Budget;
-use crate::text::shortened;
-use crate::warnings::Warnings;
+use crate::reading::options::Budget;
+use crate::reading::text::shortened;
+use crate::reading::warnings::Warnings;
+use crate::surface::gloss::Gloss;
 use crate::{Files, ReadError, ReadOptions};
 use azulejo_scene::rtrace::{Rtrace, RtraceMaterial, RtraceSurface};
 use azulejo_scene::{

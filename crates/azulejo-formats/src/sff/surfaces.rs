@@ -1,8 +1,8 @@
 //! Surfaces by the format's own rules, and as materials.
 
 use super::document::SurfaceRecord;
-use crate::gloss::Gloss;
-use crate::phong::Highlight;
+use crate::surface::gloss::Gloss;
+use crate::surface::phong::Highlight;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::rtrace::{RtraceSource, RtraceSurface};
 use azulejo_scene::{Dielectric, Material, Rgb};

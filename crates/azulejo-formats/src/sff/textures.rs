@@ -3,8 +3,8 @@
 use super::document::Sources;
 use super::document::TextureRecord;
 use super::{open_beside, pictures};
-use crate::text::shortened;
-use crate::warnings::Warnings;
+use crate::reading::text::shortened;
+use crate::reading::warnings::Warnings;
 use crate::{Files, ReadError};
 use azulejo_scene::rtrace::{ColorMap, RtraceTexture, RtraceTextureKind};
 use azulejo_scene::{Image, Rgb};
@@ -152,7 +152,7 @@ impl TextureFiles {
             return None;
         }
         let of = around.sources.name(record.place.file);
-        let key = crate::files::beside(of, &record.file);
+        let key = crate::reading::files::beside(of, &record.file);
         let known = self.maps.entry(key);
         known
             .or_insert_with(|| read(record, around, pictures::color_map).map(Arc::new))
@@ -161,7 +161,7 @@ impl TextureFiles {
 
     fn image(&mut self, record: &TextureRecord, around: &mut Surroundings) -> Option<Arc<Image>> {
         let of = around.sources.name(record.place.file);
-        let key = crate::files::beside(of, &record.file);
+        let key = crate::reading::files::beside(of, &record.file);
         let known = self.images.entry(key);
         known
             .or_insert_with(|| read(record, around, pictures::decode).map(Arc::new))

@@ -3,7 +3,7 @@
 
 use super::document::*;
 use crate::ReadError;
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 use azulejo_scene::Operation;
 use glam::{DAffine3, DMat4};
 

@@ -2,9 +2,10 @@
 
 use super::document::{Place, Sources, TextCommand, TextCommandKind};
 use super::open_beside;
-use crate::options::Budget;
-use crate::warnings::Warnings;
-use crate::{Files, ReadError, Warning, ppe, ppf};
+use crate::outline::{ppe, ppf};
+use crate::reading::options::Budget;
+use crate::reading::warnings::Warnings;
+use crate::{Files, ReadError, Warning};
 use azulejo_scene::{Encoding, Font, MaterialId, Prism, TextFrame};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
@@ -134,7 +135,7 @@ fn load<T>(
     read: Reader<T>,
 ) -> Result<Arc<T>, ReadError> {
     let of = desk.sources.name(place.file);
-    let key = crate::files::beside(of, name);
+    let key = crate::reading::files::beside(of, name);
     if let Some(known) = known.get(&key) {
         return Ok(Arc::clone(known));
     }

@@ -2,8 +2,8 @@
 
 use super::from_scene::{self, is_lamp};
 use super::print::print;
-use crate::gloss::model_of;
-use crate::{ppe, ppf};
+use crate::outline::{ppe, ppf};
+use crate::surface::model::model_of;
 use azulejo_scene::{
     Encoding, FillRule, LightKind, Material, Mesh, Object, PrimitiveKind, Scene, Shape, Solid,
 };

@@ -2,9 +2,9 @@
 
 use super::{Solid, default_material};
 use crate::ReadError;
-use crate::text::{shortened, text};
-use crate::warnings::Warnings;
-use crate::words::Words;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
+use crate::reading::words::Words;
 use azulejo_scene::Scene;
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! The binary format: 80 bytes of anything, a count, and 50 bytes for each triangle.
 
 use super::{Solid, default_material};
-use crate::text::text;
-use crate::warnings::Warnings;
+use crate::reading::text::text;
+use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError};
 use azulejo_scene::{Material, MaterialId, Rgb, Scene};
 use glam::DVec3;

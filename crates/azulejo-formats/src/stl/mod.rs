@@ -8,9 +8,9 @@ mod binary;
 #[cfg(test)]
 mod tests;
 
-use crate::options::check_length;
-use crate::warnings::Warnings;
-use crate::weld::Welder;
+use crate::reading::options::check_length;
+use crate::reading::warnings::Warnings;
+use crate::surface::weld::Welder;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
 use glam::DVec3;

@@ -1,10 +1,10 @@
 //! Chunks: an id, a length, and bytes that may hold further chunks.
 
 use crate::Position;
-use crate::bytes::Bytes;
-use crate::gloss::Gloss;
-use crate::text::text;
-use crate::warnings::Warnings;
+use crate::reading::bytes::Bytes;
+use crate::reading::text::text;
+use crate::reading::warnings::Warnings;
+use crate::surface::gloss::Gloss;
 use azulejo_scene::Rgb;
 
 /// Longest name kept, in bytes. The program itself allowed 16 at most.

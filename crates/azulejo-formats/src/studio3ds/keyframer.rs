@@ -1,8 +1,8 @@
 //! The keyframer: where nodes are at the first frame.
 
 use super::chunk::{Chunk, Walker, name, vector};
-use crate::bytes::Bytes;
-use crate::options::{Budget, Exhausted};
+use crate::reading::bytes::Bytes;
+use crate::reading::options::{Budget, Exhausted};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::HashMap;
 

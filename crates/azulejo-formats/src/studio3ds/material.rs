@@ -1,9 +1,9 @@
 //! Materials: chunk AFFF.
 
 use super::chunk::{Chunk, Walker, name, vector};
-use crate::bytes::Bytes;
-use crate::phong::Highlight;
-use crate::text::shortened;
+use crate::reading::bytes::Bytes;
+use crate::reading::text::shortened;
+use crate::surface::phong::Highlight;
 use azulejo_scene::{Material, Rgb};
 use glam::{DAffine2, DMat2, DVec2};
 

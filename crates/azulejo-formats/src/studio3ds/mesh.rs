@@ -2,7 +2,7 @@
 
 use super::chunk::Walker;
 use super::parse::{FaceList, RawMesh};
-use crate::smooth;
+use crate::surface::smooth;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh};
 use glam::{DAffine2, DVec2, DVec3};
 use std::collections::HashMap;

@@ -13,8 +13,8 @@ mod place;
 #[cfg(test)]
 mod tests;
 
-use crate::bytes::Bytes;
-use crate::options::Budget;
+use crate::reading::bytes::Bytes;
+use crate::reading::options::Budget;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 
 /// The first chunk of a model.

@@ -4,9 +4,9 @@ use super::MAIN;
 use super::chunk::{Chunk, Walker, name, vector};
 use super::keyframer::{self, Node};
 use super::material::Definition;
-use crate::bytes::Bytes;
-use crate::gloss::Gloss;
-use crate::warnings::Warnings;
+use crate::reading::bytes::Bytes;
+use crate::reading::warnings::Warnings;
+use crate::surface::gloss::Gloss;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 

@@ -5,9 +5,9 @@ use super::keyframer::{self, Kind, Node, Placed};
 use super::material::{DEFAULT_REFLECTANCE, Map};
 use super::mesh::{self, MaterialTable};
 use super::parse::{Model, RawCamera, RawLight, RawMesh};
-use crate::options::Budget;
-use crate::text::shortened;
-use crate::textures::Textures;
+use crate::reading::options::Budget;
+use crate::reading::text::shortened;
+use crate::surface::textures::Textures;
 use crate::{Files, ReadError};
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{

@@ -1,6 +1,6 @@
 //! Records, and the words in them, which may run on over line ends.
 
-use crate::words::Words;
+use crate::reading::words::Words;
 use crate::{Position, ReadError};
 
 /// A place in a file.

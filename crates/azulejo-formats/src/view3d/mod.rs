@@ -21,9 +21,9 @@ pub use factors::{FactorHeader, write_factors};
 pub use model::{CoveringMask, Model};
 pub use write::{losses, write};
 
-use crate::gzip;
-use crate::options::check_length;
-use crate::warnings::Warnings;
+use crate::reading::gzip;
+use crate::reading::options::check_length;
+use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions, Warning};
 
 /// Reads the polygons as a scene; View3D's files name no others.

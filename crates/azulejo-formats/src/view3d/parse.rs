@@ -3,9 +3,10 @@
 use super::check::Checker;
 use super::document::{Controls, Document, Kind, Layout, Outline, PlacedShape, Surface};
 use super::lines::{Lines, Word};
-use crate::text::{shortened, text};
-use crate::warnings::Warnings;
-use crate::{Position, ReadError, number};
+use crate::reading::number;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
+use crate::{Position, ReadError};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 

@@ -1,7 +1,7 @@
 //! Scenes to View3D.
 
 use super::check::Plane;
-use crate::tessellate::{self, mesh_of};
+use crate::surface::tessellate::{self, mesh_of};
 use azulejo_scene::{Material, Mesh, Scene};
 use glam::DVec3;
 use std::io::{self, BufWriter, Write};

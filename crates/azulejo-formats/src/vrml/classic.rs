@@ -8,7 +8,7 @@ use super::names::Names;
 use super::stage::{Source, Stage};
 use super::tree::{Document, Draft, Field, MOST_DEPTH, Node, Proto, Value, parsed_flag};
 use crate::ReadError;
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use std::collections::HashMap;
 use std::rc::Rc;
 

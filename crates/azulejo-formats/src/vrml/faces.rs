@@ -1,7 +1,7 @@
 //! Polygons as VRML and X3D give them: pools of values, and lists of indices in which −1 ends a
 //! face.
 
-use crate::smooth;
+use crate::surface::smooth;
 use azulejo_scene::{Attribute, Faces, Mesh, Rgb};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;

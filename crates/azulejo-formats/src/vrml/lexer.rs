@@ -4,8 +4,9 @@
 //! what begins like a number is one. Words are generous: files of all ages hold names with dots
 //! and signs that no grammar allows. A string or a comment that never ends, ends with the file.
 
-use crate::text::{shortened, text};
-use crate::{Position, ReadError, number};
+use crate::reading::number;
+use crate::reading::text::{shortened, text};
+use crate::{Position, ReadError};
 use std::borrow::Cow;
 
 /// A place in the bytes of a text file, which it walks.

@@ -4,8 +4,8 @@ use super::stage::Stage;
 use super::tree::Node;
 use super::world::child;
 use crate::ReadError;
-use crate::phong::Highlight;
-use crate::text::shortened;
+use crate::reading::text::shortened;
+use crate::surface::phong::Highlight;
 use azulejo_scene::{Image, Material, Rgb, TextureId};
 use glam::{DAffine2, DMat2, DVec2};
 use std::collections::HashMap;
@@ -283,7 +283,7 @@ fn picture(stage: &mut Stage, node: &Rc<Node>, look: &mut Look) -> Result<(), Re
 /// The picture in a file: the first of the URLs that there is.
 fn named(stage: &mut Stage, node: &Node) -> Option<TextureId> {
     let urls = node.strings("url");
-    let beside = |url: &String| crate::files::beside(&node.source.path, url);
+    let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
     let exists = |url: &&String| stage.files.read(&beside(url)).is_ok();
     let url = match &*urls {
         [] => return None,

@@ -3,13 +3,14 @@
 use super::lexer::position;
 use super::look::Looks;
 use super::tree::Document;
-use crate::gloss::Gloss;
-use crate::materials::Materials;
-use crate::options::Budget;
-use crate::text::shortened;
-use crate::textures::Textures;
-use crate::warnings::Warnings;
-use crate::{Files, Loaded, Position, ReadError, ReadOptions, files, gzip};
+use crate::reading::options::Budget;
+use crate::reading::text::shortened;
+use crate::reading::warnings::Warnings;
+use crate::reading::{files, gzip};
+use crate::surface::gloss::Gloss;
+use crate::surface::materials::Materials;
+use crate::surface::textures::Textures;
+use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use azulejo_scene::{MaterialId, Mesh, Object, Primitive, PrimitiveKind, Scene, Shape, Units};
 use glam::DAffine3;
 use std::collections::HashMap;
@@ -46,7 +47,7 @@ impl Source {
         Source {
             name: name.to_owned(),
             path: in_own_folder(name),
-            bytes: crate::text::without_utf16(bytes).into_owned(),
+            bytes: crate::reading::text::without_utf16(bytes).into_owned(),
         }
     }
 
@@ -188,7 +189,7 @@ impl<'a> Stage<'a> {
     /// # Errors
     /// Nothing is left.
     pub fn spend(&mut self, elements: u64) -> Result<(), ReadError> {
-        let exhausted = |e: crate::options::Exhausted| e.error(&self.model);
+        let exhausted = |e: crate::reading::options::Exhausted| e.error(&self.model);
         self.budget.spend(elements).map_err(exhausted)
     }
 
@@ -288,7 +289,7 @@ impl<'a> Stage<'a> {
         Ok(Opened::New(Rc::new(Source {
             name: name.to_owned(),
             path: name.to_owned(),
-            bytes: crate::text::without_utf16(&bytes).into_owned(),
+            bytes: crate::reading::text::without_utf16(&bytes).into_owned(),
         })))
     }
 

@@ -3,7 +3,7 @@
 use super::stage::{Frame, Stage};
 use super::tree::{Node, limited, triples};
 use super::world::rotation;
-use crate::text::shortened;
+use crate::reading::text::shortened;
 use azulejo_scene::{Camera, Fog, Rgb};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_4, PI};

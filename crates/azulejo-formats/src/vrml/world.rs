@@ -3,7 +3,7 @@
 use super::stage::{Frame, Opened, Placed, Source, Stage};
 use super::tree::{Document, Node};
 use super::{lights, shape, surroundings};
-use crate::text::shortened;
+use crate::reading::text::shortened;
 use crate::{Lod, ReadError};
 use glam::{DAffine3, DQuat, DVec3};
 use std::rc::Rc;

@@ -11,7 +11,7 @@ use super::tree::{
     Document, Draft, Field, MOST_DEPTH, Node, Proto, Value, parsed_integers, parsed_numbers,
 };
 use crate::ReadError;
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use roxmltree::{Node as Element, ParsingOptions};
 use std::collections::HashMap;
 use std::rc::Rc;

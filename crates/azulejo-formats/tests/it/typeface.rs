@@ -1,8 +1,8 @@
 //! Typefaces: outlines, shaping, conversion, and files that lie.
 
 use crate::tiny_font;
-use azulejo_formats::typeface::{SettingError, Typeface};
-use azulejo_formats::{ppe, ppf};
+use azulejo_formats::outline::typeface::{SettingError, Typeface};
+use azulejo_formats::outline::{ppe, ppf};
 use azulejo_scene::{FillRule, Line};
 use glam::DVec2;
 use std::path::Path;

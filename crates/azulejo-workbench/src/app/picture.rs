@@ -4,7 +4,7 @@ use super::files::absolute;
 use super::{App, Found, Level};
 use crate::document::{Document, Solution};
 use crate::jobs::{Kind, Outbox, on_own_threads};
-use azulejo::formats::{exr, png};
+use azulejo::formats::picture::{exr, png};
 use azulejo::render::{SecondPass, Tone, auto_exposure, render, tone_map};
 use azulejo::scene::{Camera, Image, Scene};
 use azulejo::trace::{Progress, Tracer};
@@ -134,7 +134,7 @@ fn write_picture(
 ) -> io::Result<()> {
     match kind {
         Some("exr") => exr::write(image, out),
-        Some("hdr") => azulejo::formats::hdr::write(image, out),
+        Some("hdr") => azulejo::formats::picture::hdr::write(image, out),
         Some("png") => {
             let pixels = shown(image, exposure);
             png::write(image.width, image.height, &pixels, out)

@@ -1,7 +1,7 @@
 //! New shapes and lights, with sizes and strengths that suit the model they join.
 
 use super::{Document, Outline, Refused};
-use azulejo::formats::{ppf, typeface};
+use azulejo::formats::outline::{ppf, typeface};
 use azulejo::scene::{
     Align, Exact, Light, LightKind, Line, Material, MaterialId, PlacedGlyph, Primitive,
     PrimitiveKind, Rgb, Shape, Solid, TextFrame, Up,

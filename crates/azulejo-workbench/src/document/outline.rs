@@ -1,7 +1,7 @@
 //! Outlines in a plane, to be extruded.
 
 use super::Refused;
-use azulejo::formats::{ReadOptions, Warning, drawing};
+use azulejo::formats::{ReadOptions, Warning, read_drawing};
 use azulejo::scene::{Exact, Figure, MaterialId, Prism, Shape, Solid};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -50,7 +50,7 @@ impl Outline {
         name: &str,
         height: f64,
     ) -> Result<(Outline, Vec<Warning>), Refused> {
-        let drawing = drawing::read(bytes, name, &ReadOptions::default());
+        let drawing = read_drawing(bytes, name, &ReadOptions::default());
         let drawing = drawing.map_err(|e| Refused(e.to_string()))?;
         let figures = drawing.shapes.into_iter().map(|shape| shape.figure);
         let stem = std::path::Path::new(name).file_stem().unwrap_or_default();

@@ -416,7 +416,7 @@ fn write_png(path: &Path, image: &ColorImage) -> Result<(), String> {
     let output = Output::check(path).map_err(|e| e.to_string())?;
     output
         .write(&Progress::new(), |out| {
-            azulejo::formats::png::write(width, height, &rgb, out)
+            azulejo::formats::picture::png::write(width, height, &rgb, out)
         })
         .map_err(|e| e.to_string())
 }

@@ -1,7 +1,8 @@
 //! Scenes of exact shapes: letters in space, and what set operations make.
 
 use super::add;
-use azulejo::formats::{ReadError, ppe, ppf};
+use azulejo::formats::ReadError;
+use azulejo::formats::outline::{ppe, ppf};
 use azulejo::scene::{
     Camera, Csg, Encoding, Exact, Font, Material, MaterialId, Object, Operation, Primitive,
     PrimitiveKind, Rgb, Scene, Shape, Solid, TextFrame,

@@ -1,6 +1,7 @@
 //! Pictures of a model that is written elsewhere than where they are.
 
-use azulejo_formats::{Files, Folder, hdr, png, read_picture};
+use azulejo_formats::picture::{hdr, png};
+use azulejo_formats::{Files, Folder, read_picture};
 use azulejo_scene::{Image, Scene, Texture};
 use std::fs;
 use std::io;

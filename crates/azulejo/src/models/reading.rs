@@ -1,8 +1,7 @@
 //! One model from its file.
 
 use crate::files::Refused;
-use azulejo_formats::{FileError, Files, Folder, Format, Loaded, ReadError, ReadOptions, Warning};
-use azulejo_scene::Scene;
+use azulejo_formats::{FileError, Files, Folder, ReadError, ReadOptions, RecognisedModel};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
 use std::fs::{self, File};
@@ -25,17 +24,6 @@ pub struct Reading {
     /// A folder in which files that it names are looked for when they are not in its own: that of
     /// the model which this is a copy of.
     pub home: Option<PathBuf>,
-}
-
-/// A model that was read.
-#[derive(Clone, Debug)]
-pub struct Model {
-    /// Valid, in the axes and the unit of its file.
-    pub scene: Scene,
-    /// What was skipped, mended or guessed.
-    pub warnings: Vec<Warning>,
-    /// What it was.
-    pub format: Format,
 }
 
 /// Why there is no model, or no file to look for one in. `Display` says it to a person.
@@ -80,24 +68,20 @@ impl From<Cancelled> for ReadFailure {
 ///
 /// # Errors
 /// [`ReadFailure`].
-pub fn read(path: &Path, reading: &Reading, progress: &Progress) -> Result<Model, ReadFailure> {
+pub fn read(
+    path: &Path,
+    reading: &Reading,
+    progress: &Progress,
+) -> Result<RecognisedModel, ReadFailure> {
     let bytes = read_file(path, progress)?;
     progress.begin("parsing", 0);
     progress.advance(0)?;
     let around = Surroundings::of(path, reading, progress);
     let name = path.to_string_lossy();
-    let content = ReadFailure::Content;
     let read = azulejo_formats::read_with(&bytes, &name, &around, &reading.options);
     // What a reader makes of files that it was not given is no reason.
     progress.advance(0)?;
-    let Loaded { scene, warnings } = read.map_err(content)?;
-    let format = azulejo_formats::recognise(&bytes, &name)
-        .map_err(|e| content(ReadError::whole(name, e.looks_like, "a model")))?;
-    Ok(Model {
-        scene,
-        warnings,
-        format,
-    })
+    read.map_err(ReadFailure::Content)
 }
 
 /// The files around a model, as long as nobody cancels.

@@ -6,7 +6,8 @@
 
 #![allow(clippy::print_stdout, reason = "the differences are what it is for")]
 
-use azulejo::formats::{self, Files, Memory, png};
+use azulejo::formats::picture::png;
+use azulejo::formats::{self, Files, Memory};
 use azulejo::render::rtrace::{self, Antialiasing, Model, Options, Textures, View};
 use azulejo::render::srgb_from_linear;
 use azulejo::scene::rtrace::RtraceSurface;

@@ -124,7 +124,7 @@ fn write(
             output.write(progress, |out| {
                 let palette::IndexedImage { palette, indices } = palette::reduce(&pixels);
                 let (width, height) = (pixels.width, pixels.height);
-                azulejo_formats::png::write_indexed(width, height, &palette, &indices, out)
+                azulejo_formats::picture::png::write_indexed(width, height, &palette, &indices, out)
             })
         }
     };

@@ -13,7 +13,7 @@ mod tessellate;
 mod tests;
 
 use super::read::Reader;
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use crate::{Position, ReadError};
 use azulejo_scene::{MaterialId, Mesh};
 use basis::{Basis, Kind, MOST_DEGREE};
@@ -128,7 +128,7 @@ impl FreeForm {
         &self,
         element: &Element,
         lines: &Lines,
-        budget: &mut crate::options::Budget,
+        budget: &mut crate::reading::options::Budget,
     ) -> Result<Loops, Refused> {
         let mut region = Loops::new();
         for pieces in &element.loops {

@@ -3,8 +3,8 @@
 use super::super::opcode::*;
 use super::writer::*;
 use super::{check_warned, load, load_with, only_mesh, said};
-use crate::gloss::Gloss;
-use crate::phong::Highlight;
+use crate::surface::gloss::Gloss;
+use crate::surface::phong::Highlight;
 use crate::{Memory, ReadOptions};
 use azulejo_scene::{Material, Rgb};
 use glam::{DVec2, DVec3};

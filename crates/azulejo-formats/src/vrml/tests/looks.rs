@@ -1,7 +1,7 @@
 //! Materials, colours and pictures.
 
 use super::*;
-use crate::phong::{Angle, Highlight};
+use crate::surface::phong::{Angle, Highlight};
 use azulejo_scene::{Attribute, Material, Rgb};
 use glam::DVec2;
 

@@ -2,8 +2,8 @@
 
 use super::node::Node;
 use super::walk::Walk;
-use crate::phong::Highlight;
-use crate::text::shortened;
+use crate::reading::text::shortened;
+use crate::surface::phong::Highlight;
 use crate::vrml::look;
 use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
 use std::collections::HashMap;

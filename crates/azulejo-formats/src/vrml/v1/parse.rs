@@ -2,7 +2,7 @@
 
 use super::node::{Document, Form, IGNORED_FIELDS, Kind, Node, NodeId, Value};
 use crate::ReadError;
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use crate::vrml::lexer::Lexer;
 use crate::vrml::stage::{Source, Stage};
 use azulejo_scene::Rgb;

@@ -4,7 +4,7 @@ use super::lights;
 use super::looks::Looks;
 use super::node::{Document, Kind, Node, NodeId};
 use super::state::{Hints, Per, State, matrix_transform, rotation, transform, uv_transform};
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use crate::vrml::stage::{Frame, Source, Stage};
 use crate::{Lod, ReadError};
 use azulejo_scene::Rgb;

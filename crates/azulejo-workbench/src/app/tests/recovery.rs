@@ -224,7 +224,7 @@ fn a_name_that_is_no_text_survives_a_crash_and_keeps_no_preferences_away() {
 
 #[test]
 fn pictures_survive_a_crash_with_the_model_and_go_with_the_copy() {
-    use azulejo::formats::{png, read_picture};
+    use azulejo::formats::{picture::png, read_picture};
     let folder = Folder::new("textures");
     let mut file = Vec::new();
     png::write(1, 2, &[9, 99, 200, 0, 50, 255], &mut file).unwrap();

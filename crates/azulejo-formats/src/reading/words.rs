@@ -1,7 +1,7 @@
 //! Text formats whose words stand between blanks: STL, PLY and SFF.
 
-use crate::number;
-use crate::text::{shortened, text};
+use crate::reading::number;
+use crate::reading::text::{shortened, text};
 use crate::{Position, ReadError};
 
 /// A place in a text.

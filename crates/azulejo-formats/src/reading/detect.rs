@@ -1,10 +1,7 @@
 //! Which format bytes are in, by what they say rather than by the file's name.
 
-use crate::text::without_utf16;
-use crate::{Files, Loaded, ReadError, ReadOptions};
-use crate::{
-    dxf, gltf, grf, gzip, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml,
-};
+use super::gzip;
+use super::text::without_utf16;
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
 use std::fmt;
@@ -79,46 +76,8 @@ impl fmt::Display for Unrecognised {
 impl std::error::Error for Unrecognised {}
 
 /// What every message asks for instead.
-const EXPECTED: &str =
+pub(crate) const EXPECTED: &str =
     "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
-
-/// Reads a model in whatever format it is, packed with gzip or not. `name` stands in messages;
-/// `files` gives the files that the model names, relative to the model's folder.
-///
-/// # Errors
-/// A format that is not read, and what the format's own reader says.
-pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
-    read_with(bytes, name, files, &ReadOptions::default())
-}
-
-/// [`read`] with other choices than the default.
-///
-/// # Errors
-/// As [`read`].
-pub fn read_with(
-    bytes: &[u8],
-    name: &str,
-    files: &dyn Files,
-    options: &ReadOptions,
-) -> Result<Loaded, ReadError> {
-    let bytes = &*gzip::unpacked(bytes, name, options)?;
-    match recognise(bytes, name) {
-        Ok(Format::Grf) => grf::read_with(bytes, name, files, options),
-        Ok(Format::Obj) => obj::read_with(bytes, name, files, options),
-        Ok(Format::Studio3ds) => studio3ds::read(bytes, name, files, options),
-        Ok(Format::Dxf) => dxf::read(bytes, name, files, options),
-        Ok(Format::OpenFlight) => openflight::read(bytes, name, files, options),
-        Ok(Format::Vrml) => vrml::read(bytes, name, files, options),
-        Ok(Format::Mgf) => mgf::read(bytes, name, files, options),
-        Ok(Format::Gltf) => gltf::read(bytes, name, files, options),
-        Ok(Format::Ply) => ply::read(bytes, name, files, options),
-        Ok(Format::Stl) => stl::read(bytes, name, files, options),
-        Ok(Format::Sff) => sff::read(bytes, name, files, options),
-        Ok(Format::Scn) => scn::read(bytes, name, files, options),
-        Ok(Format::View3d) => view3d::read(bytes, name, files, options),
-        Err(Unrecognised { looks_like }) => Err(ReadError::whole(name, looks_like, EXPECTED)),
-    }
-}
 
 /// Recognises the format of a model by its content or, where that leaves it open, by its name.
 ///

@@ -1,7 +1,7 @@
 //! The pictures of a scene under construction, each once.
 
-use crate::files::beside;
-use crate::text::shortened;
+use crate::reading::files::beside;
+use crate::reading::text::shortened;
 use crate::{FileError, Files, picture};
 use azulejo_scene::{Image, Texture, TextureId};
 use std::collections::HashMap;
@@ -141,7 +141,8 @@ pub(crate) fn one_spelling(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Memory, hdr};
+    use crate::Memory;
+    use crate::picture::hdr;
 
     fn picture() -> Vec<u8> {
         let image = Image {

@@ -1,9 +1,7 @@
 //! PNG: pictures on surfaces in, finished pictures out.
 
-use crate::PictureError;
-use crate::picture::{
-    check_size, linear_from_srgb, linear_table, malformed, srgb_bytes, srgb_from_linear,
-};
+use super::error::{PictureError, check_size, malformed};
+use super::srgb::{linear_from_srgb, linear_table, srgb_bytes, srgb_from_linear};
 use azulejo_scene::Image;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Transformations};
 use std::io::{self, Cursor, Write};
@@ -142,7 +140,7 @@ pub fn write_indexed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::tests::damage;
+    use crate::picture::error::tests::damage;
 
     fn encoded(color: ColorType, depth: BitDepth, palette: &[u8], data: &[u8]) -> Vec<u8> {
         let mut file = Vec::new();

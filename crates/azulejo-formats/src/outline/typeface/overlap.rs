@@ -272,7 +272,7 @@ fn width_inside(polygons: &[Vec<DVec2>], rule: FillRule, y: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pen::{Ellipse, Pen};
+    use crate::outline::pen::{Ellipse, Pen};
     use std::f64::consts::PI;
 
     fn v(x: f64, y: f64) -> DVec2 {

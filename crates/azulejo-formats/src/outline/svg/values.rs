@@ -1,6 +1,6 @@
 //! Numbers, lengths, transforms and colours as SVG writes them.
 
-use crate::number;
+use crate::reading::number;
 use azulejo_scene::Rgb;
 use glam::{DAffine2, DMat2, DVec2};
 

@@ -1,7 +1,6 @@
 //! OpenEXR: linear pictures without loss.
 
-use crate::PictureError;
-use crate::picture::{assert_whole, check_size, malformed};
+use super::error::{PictureError, assert_whole, check_size, malformed};
 use ::exr::prelude::*;
 use azulejo_scene::Image as Picture;
 use std::io::{self, Cursor};
@@ -70,7 +69,7 @@ pub fn write(image: &Picture, out: &mut dyn io::Write) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::tests::{damage, gradient};
+    use crate::picture::error::tests::{damage, gradient};
 
     #[test]
     fn nothing_is_lost() {

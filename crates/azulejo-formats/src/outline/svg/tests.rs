@@ -1,5 +1,5 @@
 use super::*;
-use crate::drawing::Filled;
+use crate::outline::drawing::Filled;
 use azulejo_scene::{FillRule, Rgb};
 use glam::DVec2;
 

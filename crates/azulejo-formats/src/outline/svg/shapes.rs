@@ -2,7 +2,7 @@
 
 use super::path::{self, Outcome};
 use super::values::{Scanner, length};
-use crate::pen::{Ellipse, Pen};
+use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
 use roxmltree::Node;
 use std::f64::consts::FRAC_PI_2;

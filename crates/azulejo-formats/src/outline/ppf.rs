@@ -14,9 +14,9 @@
 //! crosses itself, or two of them overlap, what is gone around twice is outside. A contour
 //! without area, such as a single line, has no inside, and a glyph without contours is a blank.
 
-use crate::text::{shortened, text};
-use crate::warnings::Warnings;
-use crate::words::Words;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
+use crate::reading::words::Words;
 use crate::{ReadError, Warning};
 use azulejo_scene::{Contour, Curve, Figure, Font, Glyph};
 use glam::DVec2;
@@ -284,7 +284,7 @@ fn push_number(x: f64, text: &mut String) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ppe;
+    use crate::outline::ppe;
     use azulejo_scene::{FillRule, PlacedGlyph};
     use proptest::prelude::*;
 

@@ -1,8 +1,8 @@
 //! PPE: the names of a font's glyphs by character code, one `code/name` per line.
 
-use crate::text::{shortened, text};
-use crate::warnings::Warnings;
-use crate::words::Words;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
+use crate::reading::words::Words;
 use crate::{ReadError, Warning};
 use azulejo_scene::Encoding;
 use std::io::{self, Write};

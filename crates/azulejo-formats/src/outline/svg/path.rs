@@ -1,7 +1,7 @@
 //! Path data: the `d` of a path.
 
 use super::values::Scanner;
-use crate::pen::{Ellipse, Pen};
+use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 

@@ -3,8 +3,7 @@
 //! G. Ward, *Real Pixels*, Graphics Gems II, 1991, and the pages of the Radiance program. A
 //! value has 8 bits of mantissa, so that the largest channel is exact to 0.4 %.
 
-use crate::PictureError;
-use crate::picture::{assert_whole, check_size, malformed};
+use super::error::{PictureError, assert_whole, check_size, malformed};
 use azulejo_scene::Image;
 use std::io::{self, Write};
 
@@ -275,7 +274,7 @@ impl<'a> Input<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::tests::{damage, gradient};
+    use crate::picture::error::tests::{damage, gradient};
 
     fn written(image: &Image) -> Vec<u8> {
         let mut file = Vec::new();

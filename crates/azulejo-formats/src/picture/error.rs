@@ -1,51 +1,7 @@
-//! What the readers of pictures share.
+//! Why pictures are refused, and how large they may be.
 
-use crate::{hdr, jpeg, png};
 use azulejo_scene::Image;
 use std::fmt;
-
-/// Reads a picture as linear light: PNG, JPEG or Radiance HDR, told apart by its content.
-///
-/// # Errors
-/// [`PictureError`]: another format, damaged, or larger than its bytes justify.
-pub fn decode(bytes: &[u8]) -> Result<Image, PictureError> {
-    match bytes {
-        [0xff, 0xd8, ..] => jpeg::read(bytes),
-        [b'#', b'?', ..] => hdr::read(bytes),
-        [0x89, b'P', b'N', b'G', ..] => png::read(bytes),
-        _ => Err(malformed(
-            "a picture that is none of PNG, JPEG and Radiance HDR",
-        )),
-    }
-}
-
-/// Linear light of an sRGB value, both 0..=1. IEC 61966-2-1.
-pub(crate) fn linear_from_srgb(v: f32) -> f32 {
-    if v <= 0.04045 {
-        v / 12.92
-    } else {
-        ((v + 0.055) / 1.055).powf(2.4)
-    }
-}
-
-/// The sRGB value of linear light, both 0..=1 where the light is. IEC 61966-2-1.
-pub(crate) fn srgb_from_linear(v: f32) -> f32 {
-    match v {
-        v if v <= 0.003_130_8 => 12.92 * v,
-        v => 1.055 * v.powf(1.0 / 2.4) - 0.055,
-    }
-}
-
-/// The pixels as sRGB bytes, three a pixel. What is brighter than white becomes white.
-pub(crate) fn srgb_bytes(image: &Image) -> Vec<u8> {
-    let byte = |&v: &f32| (255.0 * srgb_from_linear(v)).round().clamp(0.0, 255.0) as u8;
-    image.pixels.iter().flatten().map(byte).collect()
-}
-
-/// Linear light of each sRGB byte.
-pub(crate) fn linear_table() -> [f32; 256] {
-    std::array::from_fn(|v| linear_from_srgb(v as f32 / 255.0))
-}
 
 /// Why a picture could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]

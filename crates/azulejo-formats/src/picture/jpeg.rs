@@ -1,7 +1,7 @@
 //! JPEG: pictures on surfaces in.
 
-use crate::PictureError;
-use crate::picture::{check_size, linear_table, malformed};
+use super::error::{PictureError, check_size, malformed};
+use super::srgb::linear_table;
 use azulejo_scene::Image;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -50,7 +50,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::tests::damage;
+    use crate::picture::error::tests::damage;
 
     /// 16 × 8 pixels: the left half black, the right half sRGB 188.
     const GREY: &str = "ffd8ffe000104a46494600010100000100010000ffdb0043000302020302020303030304030304050805050404 \

@@ -5,7 +5,7 @@
 //! f_r = Kd/π + Ks/π cosⁿ; `blinn` and `lewis` are that, reciprocal and with ks in place of Ks as
 //! the share that the lobe reflects of light along the normal, which cannot exceed 1 − Kd.
 
-use crate::gloss::{color, model_of, number};
+use super::model::{color, model_of, number};
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{Material, Rgb};
 
@@ -114,7 +114,7 @@ impl Highlight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gloss::Gloss;
+    use crate::surface::gloss::Gloss;
     use glam::DVec3;
     use std::f64::consts::FRAC_1_PI;
 

@@ -13,8 +13,8 @@ mod tests;
 mod values;
 mod walk;
 
-use crate::drawing::Drawing;
-use crate::text::text;
+use crate::outline::drawing::Drawing;
+use crate::reading::text::text;
 use crate::{ReadError, ReadOptions};
 use roxmltree::{Document, ParsingOptions};
 
@@ -43,7 +43,7 @@ pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, 
     if root.tag_name().name() != "svg" {
         let found = format!(
             "the element {}",
-            crate::text::shortened(root.tag_name().name())
+            crate::reading::text::shortened(root.tag_name().name())
         );
         return Err(ReadError::whole(name, found, "the element svg"));
     }

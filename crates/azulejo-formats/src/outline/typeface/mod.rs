@@ -11,7 +11,7 @@ mod overlap;
 mod set;
 
 use crate::ReadError;
-use crate::pen::Pen;
+use crate::outline::pen::Pen;
 use azulejo_scene::{Figure, FillRule};
 use glam::DVec2;
 use read_fonts::model::Font as FontFile;
