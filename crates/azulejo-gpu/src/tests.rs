@@ -2,24 +2,29 @@
 
 use crate::{Backend, Card, Reduction};
 use azulejo_scene::Rgb;
+use azulejo_testing::Need;
 use azulejo_trace::item_buffer::{
     Beyond, Device, Facet, Mirror, NO_MIRROR, Seen, Settings, View, World,
 };
 use glam::DVec3;
 
-/// The card behind an interface, unless there is none here.
-#[allow(clippy::print_stdout, reason = "a test that does nothing says so")]
-fn card(backend: Backend) -> Option<Card> {
-    let card = Card::open(backend);
-    card.map_err(|e| println!("skipped: no adapter ({e})")).ok()
+/// One card for each interface that works here. Records a skip if none does.
+fn by_interface() -> Vec<(Backend, Card)> {
+    let cards: Vec<_> = [Backend::Vulkan, Backend::Gl]
+        .into_iter()
+        .filter_map(|backend| Some((backend, Card::open(backend).ok()?)))
+        .collect();
+    let cards = if cards.is_empty() {
+        Err("no graphics driver")
+    } else {
+        Ok(cards)
+    };
+    azulejo_testing::require(Need::Gpu, cards).unwrap_or_default()
 }
 
-/// One card for each interface that works here.
+/// The cards alone.
 fn found() -> Vec<Card> {
-    [Backend::Vulkan, Backend::Gl]
-        .into_iter()
-        .filter_map(card)
-        .collect()
+    by_interface().into_iter().map(|(_, card)| card).collect()
 }
 
 /// The same, by either way to add up.
@@ -514,10 +519,7 @@ fn small_limits_split_the_world_or_are_named() {
         max_texture_dimension_2d: 256,
         ..limits
     };
-    for backend in [Backend::Vulkan, Backend::Gl] {
-        let Some(card) = card(backend) else {
-            continue;
-        };
+    for (backend, card) in by_interface() {
         let narrow = Card::open_within(backend, narrow).expect("opens as well");
         let settings = windows(32);
         let [expected, found] =

@@ -287,16 +287,10 @@ mod embree {
     use crate::Kernel;
     use crate::embree::Embree;
     use azulejo_scene::Primitive;
+    use azulejo_testing::Need;
 
-    #[allow(clippy::print_stderr, reason = "a test says what it skips")]
     fn loaded() -> Option<Kernel> {
-        match Embree::load(None) {
-            Ok(embree) => Some(Kernel::Embree(embree)),
-            Err(error) => {
-                eprintln!("skipped: {error}");
-                None
-            }
-        }
+        azulejo_testing::require(Need::Embree, Embree::load(None)).map(Kernel::Embree)
     }
 
     /// The same hits to rounding. Two triangles that are met at the same distance are both right;

@@ -201,11 +201,10 @@ mod tests {
         assert!(!found.contains_key("patch_face.npy"));
     }
 
-    /// Asks SciPy itself, where there is one: `AZULEJO_PYTHON` names a Python that has it.
+    /// Asks SciPy itself, where there is one.
     #[test]
     fn scipy_reads_the_archive() {
-        let Some(python) = std::env::var_os("AZULEJO_PYTHON") else {
-            let _ = writeln!(io::stderr(), "skipped: AZULEJO_PYTHON is not set");
+        let Some(python) = azulejo_testing::python() else {
             return;
         };
         let path = std::env::temp_dir().join(format!("azulejo-{}.npz", std::process::id()));

@@ -36,13 +36,11 @@ fn models_are_listed() {
 
 /// The known values of all models, by the names of that table.
 #[test]
-#[allow(clippy::print_stderr, reason = "says that it was skipped")]
 fn eval_agrees_with_the_table() {
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return;
     };
-    let path = Path::new(&data).join("reference/brdf_values.tsv");
+    let path = data.join("reference/brdf_values.tsv");
     let table = std::fs::read_to_string(path).unwrap();
     let folder = Folder::new();
     let rows = table

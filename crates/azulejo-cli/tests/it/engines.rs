@@ -76,14 +76,14 @@ fn a_card_that_is_asked_for_is_opened_or_missed() {
 
 #[cfg(feature = "embree")]
 #[test]
-#[allow(clippy::print_stderr, reason = "a test says what it skips")]
 fn embree_gives_the_same_light_and_factors() {
     use azulejo::radiosity::{FormFactorOptions, PatchSize, form_factors};
     use azulejo::trace::{Kernel, Progress, Tracer, embree::Embree};
-    let kernel = match Embree::load(None) {
-        Ok(embree) => Kernel::Embree(embree),
-        Err(error) => return eprintln!("skipped: {error}"),
+    use azulejo_testing::Need;
+    let Some(embree) = azulejo_testing::require(Need::Embree, Embree::load(None)) else {
+        return;
     };
+    let kernel = Kernel::Embree(embree);
     let folder = Folder::with_room();
     let report = folder.json("solve room.obj -o lit.grf --engine embree --patches 100 --rays 16");
     assert!(

@@ -33,13 +33,11 @@ fn same_record(a: &str, b: &str) -> bool {
 }
 
 #[test]
-#[allow(clippy::print_stderr)]
 fn as_the_original_translated() {
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return;
     };
-    let folder = std::path::Path::new(&data).join("corpus/sff");
+    let folder = data.join("corpus/sff");
     for name in ["example1", "csgdemo"] {
         let scene = std::fs::read(folder.join(format!("scenes/{name}.scn"))).expect("a scene");
         let expected = folder.join(format!("expected_sff/{name}.sff"));

@@ -24,11 +24,10 @@ fn main() -> ExitCode {
     if words.iter().any(|w| w == "--list") {
         return ExitCode::SUCCESS;
     }
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        println!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return ExitCode::SUCCESS;
     };
-    let corpus = Path::new(&data).join("corpus");
+    let corpus = data.join("corpus");
     let parts: Vec<&str> = words
         .iter()
         .map(String::as_str)

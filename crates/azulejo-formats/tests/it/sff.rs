@@ -1,8 +1,8 @@
 //! RTRACE's own scenes, with the files that they name.
 
-use crate::data;
 use azulejo_formats::{Memory, RecognisedModel, read, sff};
 use azulejo_scene::{Operation, PrimitiveKind, Scene, Shape, Solid};
+use azulejo_testing::data;
 use std::path::Path;
 
 /// The stock files under the names that the scenes have for them.

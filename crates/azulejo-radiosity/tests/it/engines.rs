@@ -6,15 +6,10 @@ use azulejo_radiosity::{Engine, FormFactorOptions, Hemicube, Patches};
 use azulejo_trace::{Progress, Tracer};
 use std::collections::HashSet;
 use std::fmt::Write;
-use std::path::PathBuf;
 
 /// Values of the reference table by id, with half a unit of their last digit.
 fn table() -> Option<Vec<(String, f64, f64)>> {
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
-        return None;
-    };
-    let path = PathBuf::from(data).join("reference/view_factors.tsv");
+    let path = azulejo_testing::data()?.join("reference/view_factors.tsv");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let row = |line: &str| {
         let fields: Vec<&str> = line.split('\t').collect();

@@ -4,6 +4,7 @@ use super::*;
 use crate::view::{ColorMap, Fit, Shading};
 use azulejo::render::{Tone, srgb_from_linear};
 use azulejo::scene::{Attribute, Camera, Fog, Image, Material, Mesh, Primitive, Rgb, SurfaceGrid};
+use azulejo_testing::Need;
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::{Mutex, PoisonError};
 
@@ -22,13 +23,12 @@ fn on_each_driver(test: impl Fn(&mut Renderer)) {
         let mut renderer = Renderer::new(card.device, card.queue).expect("shaders are taken");
         test(&mut renderer);
     }
-    if tried == 0 {
-        // A test's output, which is seen where somebody asks for it.
-        #[allow(clippy::print_stderr)]
-        {
-            eprintln!("skipped: no graphics driver");
-        }
-    }
+    let found = if tried > 0 {
+        Ok(())
+    } else {
+        Err("no graphics driver")
+    };
+    let _ = azulejo_testing::require(Need::Gpu, found);
 }
 
 /// A camera on the z axis that looks down it; the picture spans 2 × 2 world units at z = 0.

@@ -1,6 +1,7 @@
 //! Pictures of the whole window, as a driver without a screen draws them.
 
 use crate::window::*;
+use azulejo_testing::Need;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
 use azulejo_workbench::gpu::Headless;
@@ -19,14 +20,8 @@ fn tolerance() -> SnapshotOptions {
 
 /// A window with a card, or `None` where there is none.
 fn drawn(app: App) -> Option<Window> {
-    if Headless::open(wgpu::Backends::all()).is_err() {
-        // A test's output, which is seen where somebody asks for it.
-        #[allow(clippy::print_stderr)]
-        {
-            eprintln!("skipped: no graphics driver");
-        }
-        return None;
-    }
+    let card = Headless::open(wgpu::Backends::all()).map_err(|_| "no graphics driver");
+    azulejo_testing::require(Need::Gpu, card)?;
     let mut window = Harness::builder()
         .with_size([800.0, 520.0])
         .with_max_steps(20)

@@ -6,7 +6,8 @@ use std::path::Path;
 
 /// Each crate and the crates of ours that it may use. What is not here is forbidden; above all,
 /// radiosity and render do not know each other: they meet in data, irradiance on vertices.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
+    ("azulejo-testing", &[]),
     ("azulejo-scene", &[]),
     ("azulejo-formats", &["azulejo-scene"]),
     ("azulejo-trace", &["azulejo-scene"]),

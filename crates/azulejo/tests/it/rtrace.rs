@@ -27,11 +27,7 @@ type Bytes = Vec<u8>;
 
 /// The folder with the original's scenes and pictures.
 fn corpus() -> Option<PathBuf> {
-    let data = std::env::var_os("AZULEJO_DATA");
-    if data.is_none() {
-        println!("skipped: AZULEJO_DATA is not set");
-    }
-    data.map(|data| Path::new(&data).join("corpus/sff"))
+    azulejo_testing::data().map(|data| data.join("corpus/sff"))
 }
 
 /// The files that the scenes name, by the names they have there.

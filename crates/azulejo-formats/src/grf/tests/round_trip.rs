@@ -99,13 +99,11 @@ fn corners_that_disagree_split_their_vertex() {
 
 /// Models that people made: as GRF they keep their faces, and from then on every bit.
 #[test]
-#[allow(clippy::print_stderr)]
 fn models_from_elsewhere() {
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return;
     };
-    let folders = ["scenes", "corpus/obj"].map(|f| std::path::Path::new(&data).join(f));
+    let folders = ["scenes", "corpus/obj"].map(|f| data.join(f));
     let mut count = 0;
     for folder in folders {
         let files = crate::Folder::new(&folder);

@@ -3,6 +3,7 @@
 use super::*;
 use azulejo::scene::Brdf;
 use azulejo::scene::brdf::MODELS;
+use azulejo_testing::Need;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
@@ -392,16 +393,11 @@ fn all_words_of_the_models_are_translated() {
 }
 
 /// Whether pictures of the window can be drawn here.
-#[allow(clippy::print_stdout, reason = "a test that does nothing says so")]
 fn has_driver() -> bool {
     use azulejo::gpu::{Backend, Card};
-    let found = [Backend::Vulkan, Backend::Gl]
-        .into_iter()
-        .any(|b| Card::open(b).is_ok());
-    if !found {
-        println!("skipped: no graphics driver");
-    }
-    found
+    let card = Card::open(Backend::Vulkan).or_else(|_| Card::open(Backend::Gl));
+    let card = card.map_err(|_| "no graphics driver");
+    azulejo_testing::require(Need::Gpu, card).is_some()
 }
 
 /// The editor when all is found, in a panel of a window.
