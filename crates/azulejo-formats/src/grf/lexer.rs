@@ -5,7 +5,7 @@
 
 /// A place in the text and what can be read from there. Copying it is how one looks ahead.
 #[derive(Clone, Copy)]
-pub(crate) struct Lexer<'a> {
+pub(crate) struct GrfLexer<'a> {
     text: &'a str,
     pos: usize,
 }
@@ -31,9 +31,9 @@ fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | b'\n' | b'\r' | 0x0b | 0x0c)
 }
 
-impl<'a> Lexer<'a> {
-    pub fn new(text: &'a str) -> Lexer<'a> {
-        Lexer { text, pos: 0 }
+impl<'a> GrfLexer<'a> {
+    pub fn new(text: &'a str) -> GrfLexer<'a> {
+        GrfLexer { text, pos: 0 }
     }
 
     /// The whole text, wherever this lexer stands.
@@ -199,7 +199,7 @@ impl<'a> Lexer<'a> {
 
     /// What went wrong with something that begins like a number: `3rd` is an identifier.
     fn word_or_malformed(&self, start: usize) -> BadNumber {
-        let mut word = Lexer {
+        let mut word = GrfLexer {
             pos: start,
             ..*self
         };
@@ -215,7 +215,7 @@ impl<'a> Lexer<'a> {
     pub fn index(&mut self) -> Result<u32, BadNumber> {
         let start = self.skip_blank();
         let count = self.skip_digits();
-        let fail = |lexer: &mut Lexer<'a>, bad| {
+        let fail = |lexer: &mut GrfLexer<'a>, bad| {
             lexer.pos = start;
             Err(bad)
         };
@@ -379,7 +379,7 @@ mod tests {
     use super::*;
 
     fn check_number(text: &str, expected: Result<f64, BadNumber>) {
-        assert_eq!(Lexer::new(text).number(), expected, "{text}");
+        assert_eq!(GrfLexer::new(text).number(), expected, "{text}");
     }
 
     #[test]
@@ -402,15 +402,18 @@ mod tests {
 
     #[test]
     fn indices() {
-        assert_eq!(Lexer::new(" 42,").index(), Ok(42));
-        assert_eq!(Lexer::new("4.2").index(), Err(BadNumber::Malformed));
-        assert_eq!(Lexer::new("-4").index(), Err(BadNumber::Missing));
-        assert_eq!(Lexer::new("4294967296").index(), Err(BadNumber::TooLarge));
+        assert_eq!(GrfLexer::new(" 42,").index(), Ok(42));
+        assert_eq!(GrfLexer::new("4.2").index(), Err(BadNumber::Malformed));
+        assert_eq!(GrfLexer::new("-4").index(), Err(BadNumber::Missing));
+        assert_eq!(
+            GrfLexer::new("4294967296").index(),
+            Err(BadNumber::TooLarge)
+        );
     }
 
     #[test]
     fn words_and_names() {
-        let mut lexer = Lexer::new("oren-nayar $a_1-2 \"my file\" plain/name.grf \"open\n");
+        let mut lexer = GrfLexer::new("oren-nayar $a_1-2 \"my file\" plain/name.grf \"open\n");
         assert_eq!(lexer.word(), Some("oren-nayar"));
         assert_eq!(lexer.word(), Some("$a_1"));
         assert_eq!(lexer.number(), Ok(-2.0));
@@ -418,10 +421,10 @@ mod tests {
         assert_eq!(lexer.file_name(), Some("plain/name.grf"));
         assert_eq!(lexer.file_name(), None);
         assert_eq!(
-            Lexer::new(r#""a\"b\\" c"#).escaped_text(),
+            GrfLexer::new(r#""a\"b\\" c"#).escaped_text(),
             Some(r#"a\"b\\"#)
         );
-        assert_eq!(Lexer::new("\"a\\").escaped_text(), None);
+        assert_eq!(GrfLexer::new("\"a\\").escaped_text(), None);
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! Small scenes, and what the original made of larger ones.
 
 use super::{document, read};
-use crate::sff::document::{Document, Sources};
+use crate::sff::document::{SffDocument, SffSources};
 use crate::sff::print::print;
 use crate::warnings::Warnings;
 use crate::{Memory, ReadOptions};
 
-fn translated(text: &[u8]) -> Result<Document, String> {
-    let mut sources = Sources::default();
+fn translated(text: &[u8]) -> Result<SffDocument, String> {
+    let mut sources = SffSources::default();
     sources.add("a.scn", text);
     let options = ReadOptions::default();
     let mut warnings = Warnings::default();
