@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use azulejo::models::read_bytes;
 use azulejo_formats::Folder;
-use azulejo_formats::brdf::Loaded;
+use azulejo_formats::brdf::LoadedBrdf;
 use azulejo_scene::Brdf;
 use azulejo_scene::brdf::{Description, Problem, find};
 use glam::DVec3;
@@ -50,7 +50,7 @@ fn read_file(path: &Path, session: &mut Session) -> Result<Description, Failure>
     session.progress().advance(0)?;
     let name = path.to_string_lossy();
     let read = azulejo_formats::brdf::read(&bytes, &name, &Folder::of_model(path));
-    let Loaded { content, warnings } = read.map_err(Failure::failed)?;
+    let LoadedBrdf { content, warnings } = read.map_err(Failure::failed)?;
     warnings.iter().for_each(|w| session.warn(w));
     Ok(Description::File {
         path: name.into_owned(),

@@ -16,7 +16,7 @@ use super::{input, pass};
 use args::{FormFactorArgs, FormatName};
 use azulejo::output::Output;
 use azulejo_formats::Format;
-use azulejo_formats::view3d::Layout;
+use azulejo_formats::view3d::MatrixLayout;
 use azulejo_radiosity::form_factors::{Forecast, Journal, NoJournal, Plan};
 use azulejo_radiosity::{DrawnBy, Engine, FormFactorOptions, FormFactors, Hemicube, SolveError};
 use azulejo_scene::Scene;
@@ -40,7 +40,7 @@ enum Kind {
     Archive,
     Table,
     /// As View3D does, in the layout that its input asks for if none is given.
-    View3d(Option<Layout>),
+    View3d(Option<MatrixLayout>),
 }
 
 /// Runs `form-factors`.
@@ -115,15 +115,15 @@ fn kind_of(args: &FormFactorArgs, output: &Output) -> Result<Kind, Failure> {
     match args.format {
         Some(FormatName::Npz) => return Ok(Kind::Archive),
         Some(FormatName::Csv) => return Ok(Kind::Table),
-        Some(FormatName::View3d) => return Ok(Kind::View3d(Some(Layout::Text))),
-        Some(FormatName::View3dBinary) => return Ok(Kind::View3d(Some(Layout::Binary))),
+        Some(FormatName::View3d) => return Ok(Kind::View3d(Some(MatrixLayout::Text))),
+        Some(FormatName::View3dBinary) => return Ok(Kind::View3d(Some(MatrixLayout::Binary))),
         None => {}
     }
     let extension = args.output.extension().and_then(|e| e.to_str());
     match extension.unwrap_or("").to_ascii_lowercase().as_str() {
         "npz" => Ok(Kind::Archive),
         "csv" => Ok(Kind::Table),
-        "txt" => Ok(Kind::View3d(Some(Layout::Text))),
+        "txt" => Ok(Kind::View3d(Some(MatrixLayout::Text))),
         "vf" => Ok(Kind::View3d(None)),
         _ if output.is_stdout() => Ok(Kind::Table),
         _ => Err(Failure::misuse(format_args!(

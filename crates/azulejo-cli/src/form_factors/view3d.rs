@@ -7,7 +7,9 @@ use crate::pass;
 use crate::report::{Report, number, percent};
 use crate::session::Session;
 use azulejo::models;
-use azulejo_formats::view3d::{Controls, Document, FactorHeader, Layout, Model, write_factors};
+use azulejo_formats::view3d::{
+    FactorHeader, MatrixLayout, View3dControls, View3dDocument, View3dModel, write_factors,
+};
 use azulejo_formats::{Format, ReadOptions, recognise};
 use azulejo_radiosity::form_factors::{NoInterchange, Scaled};
 use azulejo_radiosity::{Closure, Engine, FaceId, FormFactorOptions, FormFactors, PatchSize};
@@ -18,8 +20,8 @@ use std::path::Path;
 
 /// Surfaces that a View3D file describes.
 pub struct Room {
-    controls: Controls,
-    model: Model,
+    controls: View3dControls,
+    model: View3dModel,
 }
 
 /// Most sweeps over an enclosure, and over grey factors, as in View3D.
@@ -54,9 +56,9 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Room>
     session.progress().begin("reading", 0);
     let bytes = models::read_bytes(path)?;
     let name = path.to_string_lossy();
-    let read = Document::read(&bytes, &name, &ReadOptions::default());
+    let read = View3dDocument::read(&bytes, &name, &ReadOptions::default());
     let (document, mut warnings) = read.map_err(Failure::failed)?;
-    let model = Model::new(&document, &name).map_err(Failure::failed)?;
+    let model = View3dModel::new(&document, &name).map_err(Failure::failed)?;
     warnings.extend(model.warning(&name));
     warnings.iter().for_each(|w| session.warn(w));
     session.has_read(Format::View3d);
@@ -109,7 +111,7 @@ impl Room {
 
     /// Refuses rows that are not there.
     fn check(&self) -> Result<(), Failure> {
-        let Controls { row, column, .. } = self.controls;
+        let View3dControls { row, column, .. } = self.controls;
         let rows = self.rows();
         let missing = [("row", row), ("col", column)];
         match missing.into_iter().find(|(_, n)| *n as usize > rows) {
@@ -194,7 +196,7 @@ impl Room {
 
     /// The one row, or entry, that the file asks for.
     fn tell_row(&self, factors: &FormFactors, report: &mut Report) {
-        let Controls { row, column, .. } = self.controls;
+        let View3dControls { row, column, .. } = self.controls;
         let (Some(i), letter) = (
             (row as usize).checked_sub(1),
             if self.controls.emit { "𝓕" } else { "F" },
@@ -217,7 +219,7 @@ impl Room {
     }
 
     /// What stands before its matrix, in a layout or in that of the file.
-    fn header(&self, layout: Option<Layout>) -> FactorHeader {
+    fn header(&self, layout: Option<MatrixLayout>) -> FactorHeader {
         FactorHeader {
             layout: layout.unwrap_or(self.controls.out),
             encl: self.controls.encl,
@@ -248,7 +250,7 @@ fn describe(scaled: &Scaled, key: &str, report: &mut Report) {
 /// materials absorb.
 pub fn write(
     room: Option<&Room>,
-    layout: Option<Layout>,
+    layout: Option<MatrixLayout>,
     factors: &FormFactors,
     materials: &[Material],
     out: &mut dyn Write,

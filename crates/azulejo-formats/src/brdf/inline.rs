@@ -13,31 +13,31 @@ pub(crate) const MOST_PARTS: usize = 64;
 
 /// What is wrong at an offset of the text.
 #[derive(Clone, Debug)]
-pub(crate) struct Trouble {
+pub(crate) struct InlineError {
     pub offset: usize,
     pub found: String,
     pub expected: String,
 }
 
-pub(crate) type Said<T> = Result<T, Trouble>;
+pub(crate) type InlineResult<T> = Result<T, InlineError>;
 
 /// Where a model stands in the text: its name, and each of its parameters.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Marks {
+pub(crate) struct ModelMarks {
     pub name: usize,
     pub parameters: Vec<usize>,
 }
 
 /// A model on its way, with its weight and where it stands.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub(crate) struct WeightedModel {
     pub weight: f64,
     pub model: Model,
-    pub marks: Marks,
+    pub marks: ModelMarks,
 }
 
-fn trouble(offset: usize, found: impl Into<String>, expected: impl Into<String>) -> Trouble {
-    Trouble {
+fn trouble(offset: usize, found: impl Into<String>, expected: impl Into<String>) -> InlineError {
+    InlineError {
         offset,
         found: found.into(),
         expected: expected.into(),
@@ -45,7 +45,7 @@ fn trouble(offset: usize, found: impl Into<String>, expected: impl Into<String>)
 }
 
 /// Trouble with what comes next.
-pub(crate) fn unexpected(mut lexer: Lexer<'_>, expected: impl Into<String>) -> Trouble {
+pub(crate) fn unexpected(mut lexer: Lexer<'_>, expected: impl Into<String>) -> InlineError {
     trouble(lexer.skip_blank(), lexer.describe(), expected)
 }
 
@@ -61,7 +61,9 @@ pub(crate) fn at_parameter(mut ahead: Lexer<'_>) -> bool {
 }
 
 /// The model or the sum of models that comes next.
-pub(crate) fn description(lexer: &mut Lexer<'_>) -> Said<(Description, Vec<Part>)> {
+pub(crate) fn description(
+    lexer: &mut Lexer<'_>,
+) -> InlineResult<(Description, Vec<WeightedModel>)> {
     let mut ahead = *lexer;
     if ahead.eat_word(COMBINATION) {
         *lexer = ahead;
@@ -74,8 +76,8 @@ pub(crate) fn description(lexer: &mut Lexer<'_>) -> Said<(Description, Vec<Part>
 }
 
 /// `weight = w` holds for the models behind it, up to the next weight.
-fn parts(lexer: &mut Lexer<'_>) -> Said<Vec<Part>> {
-    let (mut parts, mut weight): (Vec<Part>, f64) = (Vec::new(), 1.0);
+fn parts(lexer: &mut Lexer<'_>) -> InlineResult<Vec<WeightedModel>> {
+    let (mut parts, mut weight): (Vec<WeightedModel>, f64) = (Vec::new(), 1.0);
     loop {
         let mut ahead = *lexer;
         if at_parameter(*lexer) && ahead.eat_word("weight") {
@@ -96,7 +98,7 @@ fn parts(lexer: &mut Lexer<'_>) -> Said<Vec<Part>> {
     }
 }
 
-fn part(lexer: &mut Lexer<'_>, weight: f64, before: usize) -> Said<Part> {
+fn part(lexer: &mut Lexer<'_>, weight: f64, before: usize) -> InlineResult<WeightedModel> {
     if before < MOST_PARTS {
         return model(lexer, weight);
     }
@@ -105,8 +107,8 @@ fn part(lexer: &mut Lexer<'_>, weight: f64, before: usize) -> Said<Part> {
 }
 
 /// `name key = value ...`
-fn model(lexer: &mut Lexer<'_>, weight: f64) -> Said<Part> {
-    let mut marks = Marks {
+fn model(lexer: &mut Lexer<'_>, weight: f64) -> InlineResult<WeightedModel> {
+    let mut marks = ModelMarks {
         name: lexer.skip_blank(),
         parameters: Vec::new(),
     };
@@ -137,7 +139,7 @@ fn model(lexer: &mut Lexer<'_>, weight: f64) -> Said<Part> {
             break;
         }
     }
-    Ok(Part {
+    Ok(WeightedModel {
         weight,
         model,
         marks,
@@ -145,7 +147,7 @@ fn model(lexer: &mut Lexer<'_>, weight: f64) -> Said<Part> {
 }
 
 /// A number, `(r, g, b)`, or a word.
-pub(crate) fn value(lexer: &mut Lexer<'_>) -> Said<Value> {
+pub(crate) fn value(lexer: &mut Lexer<'_>) -> InlineResult<Value> {
     let expected = "a number, (r, g, b), or a word";
     let offset = lexer.skip_blank();
     if lexer.at_number() {
@@ -170,7 +172,7 @@ pub(crate) fn value(lexer: &mut Lexer<'_>) -> Said<Value> {
     }
 }
 
-pub(crate) fn number(lexer: &mut Lexer<'_>, expected: &str) -> Said<f64> {
+pub(crate) fn number(lexer: &mut Lexer<'_>, expected: &str) -> InlineResult<f64> {
     lexer.number().map_err(|bad| match bad {
         BadNumber::TooLarge => unexpected(*lexer, format!("{expected} that is not so large")),
         BadNumber::Missing | BadNumber::Malformed => unexpected(*lexer, expected),
@@ -178,14 +180,14 @@ pub(crate) fn number(lexer: &mut Lexer<'_>, expected: &str) -> Said<f64> {
 }
 
 /// What a description makes, or where it cannot.
-pub(crate) fn made(description: &Description, parts: &[Part]) -> Said<Arc<Brdf>> {
+pub(crate) fn made(description: &Description, parts: &[WeightedModel]) -> InlineResult<Arc<Brdf>> {
     Brdf::new(description.clone())
         .map(Arc::new)
         .map_err(|problem| blame(&problem, parts))
 }
 
 /// Checks each model for itself.
-pub(crate) fn check(parts: &[Part]) -> Said<()> {
+pub(crate) fn check(parts: &[WeightedModel]) -> InlineResult<()> {
     parts.iter().try_for_each(|part| {
         let alone = Brdf::new(Description::Model(part.model.clone()));
         alone.map(drop).map_err(|p| of_part(&p, part))
@@ -193,7 +195,7 @@ pub(crate) fn check(parts: &[Part]) -> Said<()> {
 }
 
 /// Finds the model and the parameter that a problem is about.
-fn blame(problem: &Problem, parts: &[Part]) -> Trouble {
+fn blame(problem: &Problem, parts: &[WeightedModel]) -> InlineError {
     match check(parts) {
         Err(trouble) => trouble,
         Ok(()) => {
@@ -204,7 +206,7 @@ fn blame(problem: &Problem, parts: &[Part]) -> Trouble {
     }
 }
 
-fn of_part(problem: &Problem, part: &Part) -> Trouble {
+fn of_part(problem: &Problem, part: &WeightedModel) -> InlineError {
     let (found, expected) = in_words(problem);
     let is_called = |parameter: &Parameter, name: &str| {
         let known = find(&part.model.name).ok();

@@ -1,12 +1,12 @@
 //! Which of the measured forms a file has.
 
-use super::{Loaded, merl, rgl, tensors};
+use super::{LoadedBrdf, merl, rgl, tensors};
 use crate::{ReadError, Warning};
 use azulejo_scene::brdf::{Content, Measured};
 use std::sync::Arc;
 
 /// Reads measured data; `None` for anything else.
-pub(crate) fn measured(bytes: &[u8], name: &str) -> Option<Result<Loaded, ReadError>> {
+pub(crate) fn measured(bytes: &[u8], name: &str) -> Option<Result<LoadedBrdf, ReadError>> {
     if bytes.starts_with(tensors::MAGIC) {
         let rgl = rgl::read(bytes, name);
         return Some(rgl.map(|(rgl, warnings)| loaded(Measured::Rgl(Box::new(rgl)), warnings)));
@@ -18,8 +18,8 @@ pub(crate) fn measured(bytes: &[u8], name: &str) -> Option<Result<Loaded, ReadEr
     None
 }
 
-fn loaded(measured: Measured, warnings: Vec<Warning>) -> Loaded {
-    Loaded {
+fn loaded(measured: Measured, warnings: Vec<Warning>) -> LoadedBrdf {
+    LoadedBrdf {
         content: Content::Measured(Arc::new(measured)),
         warnings,
     }

@@ -88,16 +88,16 @@ fn check_sizes(bytes: &[u8], name: &str, sizes: [usize; 3]) -> Result<(), ReadEr
 
 /// Numbers without data.
 #[derive(Default)]
-struct Missing {
+struct MissingSamples {
     count: usize,
     /// Index of the first.
     first: Option<usize>,
 }
 
 /// Channel by channel to entry by entry; numbers that are none, too, are no data.
-fn values(bytes: &[u8], count: usize) -> (Vec<[f32; 3]>, Missing) {
+fn values(bytes: &[u8], count: usize) -> (Vec<[f32; 3]>, MissingSamples) {
     let mut values = vec![[0.0; 3]; count];
-    let mut missing = Missing::default();
+    let mut missing = MissingSamples::default();
     for (k, number) in bytes.chunks_exact(size_of::<f64>()).enumerate() {
         let channel = k / count;
         let number = number.try_into().map_or(f64::NAN, f64::from_le_bytes);

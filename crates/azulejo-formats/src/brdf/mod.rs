@@ -17,7 +17,7 @@ use azulejo_scene::brdf::Content;
 
 /// A file that was read, and what was skipped or doubtful in it.
 #[derive(Clone, Debug)]
-pub struct Loaded {
+pub struct LoadedBrdf {
     /// What it holds.
     pub content: Content,
     /// What was skipped, and what the model does that a model should not.
@@ -29,7 +29,7 @@ pub struct Loaded {
 ///
 /// # Errors
 /// No form that is known, or something that is wrong in it, with its place.
-pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<LoadedBrdf, ReadError> {
     match measured(bytes, name) {
         Some(read) => read,
         None => text::read(bytes, name, files),

@@ -10,7 +10,7 @@ use crate::{Position, ReadError, Warning};
 use azulejo_scene::brdf::{Grid, Rgl, RglTensors};
 
 /// The tensors of one file, and what was mended in them.
-struct Reader<'a> {
+struct RglReader<'a> {
     file: &'a str,
     tensors: Vec<(String, Tensor<'a>)>,
     warnings: Warnings,
@@ -21,7 +21,7 @@ struct Reader<'a> {
 /// # Errors
 /// [`ReadError`]: a file cut short, tensors that are missing or do not go together.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Rgl, Vec<Warning>), ReadError> {
-    let mut reader = Reader {
+    let mut reader = RglReader {
         file: name,
         tensors: tensors::read(bytes, name)?,
         warnings: Warnings::default(),
@@ -44,7 +44,7 @@ pub fn read(bytes: &[u8], name: &str) -> Result<(Rgl, Vec<Warning>), ReadError> 
     Ok((rgl, reader.warnings.finish(name)))
 }
 
-impl<'a> Reader<'a> {
+impl<'a> RglReader<'a> {
     fn find(&self, name: &str) -> Option<&Tensor<'a>> {
         let found = self.tensors.iter().find(|(known, _)| known == name);
         found.map(|(_, tensor)| tensor)
@@ -172,10 +172,10 @@ pub(super) mod tests {
     use std::sync::Arc;
 
     /// Name, shape, numbers.
-    type Field = (&'static str, Vec<u64>, Vec<f32>);
+    type RglField = (&'static str, Vec<u64>, Vec<f32>);
 
     /// A matt surface of reflectance ½: facets as dense as directions are seen.
-    pub fn fields() -> Vec<Field> {
+    pub fn fields() -> Vec<RglField> {
         let (n, tables) = (5, 2);
         let ones = |count: u64, value: f32| vec![value; count as usize];
         let grid = |lead: &[u64]| [lead, &[n, n]].concat();
@@ -200,7 +200,7 @@ pub(super) mod tests {
         ]
     }
 
-    pub fn file(fields: &[Field]) -> Vec<u8> {
+    pub fn file(fields: &[RglField]) -> Vec<u8> {
         let head: usize = fields
             .iter()
             .map(|(name, shape, _)| 13 + name.len() + 8 * shape.len())
@@ -260,7 +260,7 @@ pub(super) mod tests {
 
     #[test]
     fn what_is_wrong_is_said() {
-        let check = |change: &dyn Fn(&mut Vec<Field>), expected: &str| {
+        let check = |change: &dyn Fn(&mut Vec<RglField>), expected: &str| {
             let mut fields = fields();
             change(&mut fields);
             let error = read(&file(&fields), "r").err().map(|e| e.to_string());

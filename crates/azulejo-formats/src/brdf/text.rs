@@ -13,8 +13,8 @@
 //!
 //! Words, numbers, lists and comments are GRF's. `docs/formats/brdf.md` has the grammar.
 
-use super::inline::{self, MOST_PARTS, Marks, Part, Said, Trouble};
-use super::{Loaded, measured};
+use super::inline::{self, InlineError, InlineResult, MOST_PARTS, ModelMarks, WeightedModel};
+use super::{LoadedBrdf, measured};
 use crate::reading::files::beside;
 use crate::reading::lexer::{Lexer, Locator, line_around};
 use crate::reading::text::text;
@@ -34,9 +34,9 @@ const STATEMENTS: &str =
 ///
 /// # Errors
 /// The first thing that is wrong, with its line; names with the known one that is most like them.
-pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<LoadedBrdf, ReadError> {
     let text = text(bytes);
-    let mut reader = Reader {
+    let mut reader = BrdfTextReader {
         lexer: Lexer::new(&text),
         name,
         files,
@@ -51,13 +51,13 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
     for warning in &mut warnings {
         warning.file = name.to_owned();
     }
-    Ok(Loaded {
+    Ok(LoadedBrdf {
         content: Content::Text(description),
         warnings,
     })
 }
 
-fn error(text: &str, name: &str, trouble: Trouble) -> ReadError {
+fn error(text: &str, name: &str, trouble: InlineError) -> ReadError {
     let (line, column) = Locator::default().locate(text, trouble.offset);
     ReadError {
         position: Position::Line(line, column),
@@ -66,7 +66,7 @@ fn error(text: &str, name: &str, trouble: Trouble) -> ReadError {
     }
 }
 
-struct Reader<'a> {
+struct BrdfTextReader<'a> {
     lexer: Lexer<'a>,
     name: &'a str,
     files: &'a dyn Files,
@@ -79,16 +79,16 @@ struct Reader<'a> {
 
 /// What a block says.
 #[derive(Default)]
-struct Block {
+struct BrdfBlock {
     start: usize,
-    kind: Kind,
+    kind: BlockType,
     weight: f64,
     parameters: Vec<(Parameter, usize)>,
-    layers: Vec<Part>,
+    layers: Vec<WeightedModel>,
 }
 
 #[derive(Default)]
-enum Kind {
+enum BlockType {
     #[default]
     None,
     Model(String, usize),
@@ -96,11 +96,12 @@ enum Kind {
     Measured(Description),
 }
 
-impl Reader<'_> {
-    fn file(&mut self) -> Said<Description> {
-        let (description, parts) = match self.lexer.eat_word("begin") {
-            true => self.whole()?,
-            false => inline::description(&mut self.lexer)?,
+impl BrdfTextReader<'_> {
+    fn file(&mut self) -> InlineResult<Description> {
+        let (description, parts) = if self.lexer.eat_word("begin") {
+            self.whole()?
+        } else {
+            inline::description(&mut self.lexer)?
         };
         if !matches!(description, Description::File { .. }) {
             let brdf = inline::made(&description, &parts)?;
@@ -125,13 +126,13 @@ impl Reader<'_> {
     }
 
     /// The outermost block, behind its `begin`.
-    fn whole(&mut self) -> Said<(Description, Vec<Part>)> {
+    fn whole(&mut self) -> InlineResult<(Description, Vec<WeightedModel>)> {
         let block = self.block(0)?;
         let weight = block.weight;
-        if let Kind::Measured(file) = block.kind {
+        if let BlockType::Measured(file) = block.kind {
             return Ok((file, Vec::new()));
         }
-        let is_layered = matches!(block.kind, Kind::Layered);
+        let is_layered = matches!(block.kind, BlockType::Layered);
         let mut parts = self.parts(block)?;
         if let ([part], false) = (&mut parts[..], is_layered || weight != 1.0) {
             part.weight = 1.0;
@@ -142,11 +143,11 @@ impl Reader<'_> {
     }
 
     /// A block behind `begin`, up to its `end brdf`.
-    fn block(&mut self, depth: usize) -> Said<Block> {
-        let mut block = Block {
+    fn block(&mut self, depth: usize) -> InlineResult<BrdfBlock> {
+        let mut block = BrdfBlock {
             start: self.lexer.skip_blank(),
             weight: 1.0,
-            ..Block::default()
+            ..BrdfBlock::default()
         };
         if !self.lexer.eat_word("brdf") {
             return Err(inline::unexpected(self.lexer, "`brdf`"));
@@ -177,7 +178,7 @@ impl Reader<'_> {
         }
     }
 
-    fn version(&mut self) -> Said<()> {
+    fn version(&mut self) -> InlineResult<()> {
         let before = self.lexer;
         match inline::number(&mut self.lexer, "the version 1")? {
             1.0 => Ok(()),
@@ -185,7 +186,7 @@ impl Reader<'_> {
         }
     }
 
-    fn weight(&mut self) -> Said<f64> {
+    fn weight(&mut self) -> InlineResult<f64> {
         let before = self.lexer;
         let weight = inline::number(&mut self.lexer, "a weight from 0 to 1")?;
         if weight >= 0.0 {
@@ -195,25 +196,25 @@ impl Reader<'_> {
     }
 
     /// `model name`, `model layered`, `model measured "file"`.
-    fn model(&mut self, block: &mut Block) -> Said<()> {
+    fn model(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let before = self.lexer;
         let offset = self.lexer.skip_blank();
-        if !matches!(block.kind, Kind::None) {
+        if !matches!(block.kind, BlockType::None) {
             return Err(inline::unexpected(before, "one `model` in a block"));
         }
         let Some(name) = self.lexer.word() else {
             return Err(inline::unexpected(before, "the name of a reflection model"));
         };
         block.kind = match name.to_ascii_lowercase().as_str() {
-            "layered" => Kind::Layered,
-            "measured" => Kind::Measured(self.measured()?),
-            _ => Kind::Model(name.to_owned(), offset),
+            "layered" => BlockType::Layered,
+            "measured" => BlockType::Measured(self.measured()?),
+            _ => BlockType::Model(name.to_owned(), offset),
         };
         Ok(())
     }
 
     /// Measured data in another file; one that is missing reflects nothing.
-    fn measured(&mut self) -> Said<Description> {
+    fn measured(&mut self) -> InlineResult<Description> {
         let offset = self.lexer.skip_blank();
         // Without quotes a name could hold one, which could not be written again.
         let path = (self.lexer.peek() == Some(b'"')).then(|| self.lexer.file_name());
@@ -240,7 +241,7 @@ impl Reader<'_> {
                     return Err(inline::unexpected(self.lexer, "measured data"));
                 }
                 None => {
-                    return Err(Trouble {
+                    return Err(InlineError {
                         offset,
                         found: format!("the file \"{path}\""),
                         expected: "measured data: MERL .binary or RGL .bsdf".to_owned(),
@@ -255,13 +256,13 @@ impl Reader<'_> {
     }
 
     /// A statement that is a parameter by another name.
-    fn parameter(&mut self, block: &mut Block, name: &str, offset: usize) -> Said<()> {
+    fn parameter(&mut self, block: &mut BrdfBlock, name: &str, offset: usize) -> InlineResult<()> {
         let value = inline::value(&mut self.lexer)?;
         self.push(block, name, value, offset)
     }
 
     /// `param name value`; a `=` between them is let through.
-    fn named(&mut self, block: &mut Block) -> Said<()> {
+    fn named(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let offset = self.lexer.skip_blank();
         let Some(name) = self.lexer.word() else {
             return Err(inline::unexpected(self.lexer, "the name of a parameter"));
@@ -272,7 +273,7 @@ impl Reader<'_> {
 
     /// `fresnel conductor eta v k v`, `dielectric eta n`, `schlick f0 v tint v`, `metal name`,
     /// `constant F v`.
-    fn fresnel(&mut self, block: &mut Block) -> Said<()> {
+    fn fresnel(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let before = self.lexer;
         let offset = self.lexer.skip_blank();
         let kind = self.lexer.word().unwrap_or_default().to_ascii_lowercase();
@@ -306,7 +307,13 @@ impl Reader<'_> {
         names.iter().copied().find(|name| self.lexer.eat_word(name))
     }
 
-    fn push(&mut self, block: &mut Block, name: &str, value: Value, offset: usize) -> Said<()> {
+    fn push(
+        &mut self,
+        block: &mut BrdfBlock,
+        name: &str,
+        value: Value,
+        offset: usize,
+    ) -> InlineResult<()> {
         // More than any model takes: one of them is wrong, and which is said at the end.
         if block.parameters.len() <= MOST_PARTS {
             let name = name.to_owned();
@@ -316,8 +323,8 @@ impl Reader<'_> {
     }
 
     /// A block inside of a layered one.
-    fn layer(&mut self, block: &mut Block, depth: usize) -> Said<()> {
-        if !matches!(block.kind, Kind::Layered) {
+    fn layer(&mut self, block: &mut BrdfBlock, depth: usize) -> InlineResult<()> {
+        if !matches!(block.kind, BlockType::Layered) {
             let expected = "`model layered` before a block inside of a block";
             return Err(inline::unexpected(self.lexer, expected));
         }
@@ -327,8 +334,8 @@ impl Reader<'_> {
         }
         let layer = self.block(depth + 1)?;
         let (weight, start) = (layer.weight, layer.start);
-        if matches!(layer.kind, Kind::Measured(_)) {
-            return Err(Trouble {
+        if matches!(layer.kind, BlockType::Measured(_)) {
+            return Err(InlineError {
                 offset: start,
                 found: "measured data as a layer".to_owned(),
                 expected: "models alone in layers, and measured data in a file of its own".into(),
@@ -342,20 +349,20 @@ impl Reader<'_> {
     }
 
     /// The models of a finished block, with weights inside of it.
-    fn parts(&mut self, block: Block) -> Said<Vec<Part>> {
+    fn parts(&mut self, block: BrdfBlock) -> InlineResult<Vec<WeightedModel>> {
         let (name, offset) = match block.kind {
-            Kind::Model(name, offset) => (name, offset),
-            Kind::Layered if block.parameters.is_empty() => return Ok(block.layers),
-            Kind::Layered => {
+            BlockType::Model(name, offset) => (name, offset),
+            BlockType::Layered if block.parameters.is_empty() => return Ok(block.layers),
+            BlockType::Layered => {
                 let (parameter, offset) = &block.parameters[0];
-                return Err(Trouble {
+                return Err(InlineError {
                     offset: *offset,
                     found: format!("`{}` of layers", parameter.name),
                     expected: "parameters inside of the blocks of the layers".to_owned(),
                 });
             }
-            Kind::None | Kind::Measured(_) => {
-                return Err(Trouble {
+            BlockType::None | BlockType::Measured(_) => {
+                return Err(InlineError {
                     offset: block.start,
                     found: "a block without `model`".to_owned(),
                     expected: "`model` and the name of a reflection model".to_owned(),
@@ -364,13 +371,13 @@ impl Reader<'_> {
         };
         self.layers += 1;
         if self.layers > MOST_PARTS {
-            return Err(Trouble {
+            return Err(InlineError {
                 offset: block.start,
                 found: "one more layer".to_owned(),
                 expected: format!("at most {MOST_PARTS} layers"),
             });
         }
-        let mut marks = Marks {
+        let mut marks = ModelMarks {
             name: offset,
             parameters: Vec::new(),
         };
@@ -391,7 +398,7 @@ impl Reader<'_> {
             marks.parameters.push(offset);
             model.parameters.push(parameter);
         }
-        Ok(vec![Part {
+        Ok(vec![WeightedModel {
             weight: 1.0,
             model,
             marks,

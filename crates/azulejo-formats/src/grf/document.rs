@@ -1,6 +1,6 @@
-//! A GRF file as it stands: what [`Document`] is made of.
+//! A GRF file as it stands: what [`GrfDocument`] is made of.
 
-use super::brdf::Reflection;
+use super::brdf::GrfReflection;
 use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
 use crate::{Position, ReadError};
 use azulejo_scene::{Attribute, Light, PrimitiveKind, Rgb, SurfaceLight};
@@ -11,26 +11,26 @@ use std::sync::Arc;
 /// A GRF file, mirrored literally: its leading comments, definitions and uses, transforms,
 /// includes, parameters, and the extensions that azulejo does not know.
 ///
-/// Layout is not kept: [`write`](Document::write) lays out canonically. Comments behind the
+/// Layout is not kept: [`write`](GrfDocument::write) lays out canonically. Comments behind the
 /// first block are not kept either.
 ///
-/// Every name that [`parse`](Document::parse) let through is defined where it is used.
+/// Every name that [`parse`](GrfDocument::parse) let through is defined where it is used.
 #[derive(Clone, Debug, Default)]
-pub struct Document {
+pub struct GrfDocument {
     /// The comments before the first block, one per line, without their `//`.
     pub comments: Vec<String>,
-    pub(super) blocks: Vec<Block>,
-    /// The file and everything it includes; [`Place::file`] points here.
-    pub(super) sources: Sources,
+    pub(super) blocks: Vec<GrfBlock>,
+    /// The file and everything it includes; [`SourcePosition::file`] points here.
+    pub(super) sources: GrfSources,
 }
 
 /// The files of a document, the outermost first.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sources(Vec<Source>);
+pub(super) struct GrfSources(Vec<GrfSource>);
 
 /// One file, as often as it is included.
 #[derive(Clone, Debug)]
-pub(super) struct Source {
+pub(super) struct GrfSource {
     /// The name that messages show.
     pub shown: String,
     /// The name by which [`Files`](crate::Files) gives it.
@@ -39,20 +39,20 @@ pub(super) struct Source {
     pub parent: Option<(u32, u32)>,
 }
 
-impl Sources {
+impl GrfSources {
     /// Adds a file and returns its index.
-    pub fn push(&mut self, source: Source) -> u32 {
+    pub fn push(&mut self, source: GrfSource) -> u32 {
         self.0.push(source);
         self.0.len() as u32 - 1
     }
 
     /// A file by its index; `None` for a document that was not read from files.
-    pub fn get(&self, file: u32) -> Option<&Source> {
+    pub fn get(&self, file: u32) -> Option<&GrfSource> {
         self.0.get(file as usize)
     }
 
     /// A file and those that include it, innermost first.
-    pub fn chain(&self, file: u32) -> impl Iterator<Item = &Source> {
+    pub fn chain(&self, file: u32) -> impl Iterator<Item = &GrfSource> {
         std::iter::successors(self.get(file), |s| {
             s.parent.and_then(|(parent, _)| self.get(parent))
         })
@@ -61,10 +61,10 @@ impl Sources {
     /// An error at a place.
     pub fn fail(
         &self,
-        place: Place,
+        place: SourcePosition,
         found: impl Into<String>,
         expected: impl Into<String>,
-    ) -> Fail {
+    ) -> BoxedError {
         let shown = self.get(place.file).map_or("", |s| &s.shown);
         let mut error = ReadError::whole(shown, found, expected);
         if place.line > 0 {
@@ -81,12 +81,12 @@ impl Sources {
 }
 
 /// An error on its way out; in a box, because results of numbers should stay small.
-pub(super) type Fail = Box<ReadError>;
+pub(super) type BoxedError = Box<ReadError>;
 
 /// Where something stands.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place {
-    /// Index into [`Document::sources`].
+pub(super) struct SourcePosition {
+    /// Index into [`GrfDocument::sources`].
     pub file: u32,
     /// From 1; 0 for what was not read from a file.
     pub line: u32,
@@ -96,8 +96,8 @@ pub(super) struct Place {
 
 /// One block and where it begins.
 #[derive(Clone, Debug)]
-pub(super) struct Block {
-    pub place: Place,
+pub(super) struct GrfBlock {
+    pub place: SourcePosition,
     pub kind: BlockKind,
 }
 
@@ -116,18 +116,18 @@ pub(super) enum BlockKind {
     /// `include "name"` and what that file holds.
     Include {
         name: String,
-        blocks: Vec<Block>,
+        blocks: Vec<GrfBlock>,
     },
     Transform {
         /// In the order written; the first acts first.
-        steps: Vec<Step>,
-        blocks: Vec<Block>,
+        steps: Vec<TransformStep>,
+        blocks: Vec<GrfBlock>,
     },
     /// `def ...` and the blocks in which the definitions hold. Without blocks they hold in the
     /// list where they stand.
     Definitions {
-        definitions: Vec<Definition>,
-        blocks: Option<Vec<Block>>,
+        definitions: Vec<GrfDefinition>,
+        blocks: Option<Vec<GrfBlock>>,
     },
     Units(Units),
     Camera(Camera),
@@ -136,7 +136,7 @@ pub(super) enum BlockKind {
     Light(Light),
     Material(Box<MaterialNote>),
     Texture {
-        of: Name,
+        of: GrfName,
         path: String,
     },
     /// An extension of somebody else: its name, and the text between `begin` and `end ext`.
@@ -147,11 +147,11 @@ pub(super) enum BlockKind {
 }
 
 /// An identifier; the same one is stored once.
-pub(super) type Name = Arc<str>;
+pub(super) type GrfName = Arc<str>;
 
 /// An elementary transformation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Step {
+pub(super) enum TransformStep {
     Scale(DVec3),
     /// Degrees about x, then y, then z.
     Rotation(DVec3),
@@ -159,22 +159,22 @@ pub(super) enum Step {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Definition {
-    pub name: Name,
-    pub body: Body,
+pub(super) struct GrfDefinition {
+    pub name: GrfName,
+    pub body: DefinitionBody,
 }
 
 /// What a definition or a statement before a face says.
 #[derive(Clone, Debug)]
-pub(super) enum Body {
-    Texture(Name),
+pub(super) enum DefinitionBody {
+    Texture(GrfName),
     Color(Rgb),
-    Brdf(Arc<Reflection>),
+    Brdf(Arc<GrfReflection>),
 }
 
 /// The kinds of name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Kind {
+pub(super) enum NameKind {
     Texture,
     Color,
     Brdf,
@@ -186,9 +186,9 @@ pub(super) enum Kind {
 
 /// What changes the look of the faces that follow.
 #[derive(Clone, Debug)]
-pub(super) enum Change {
-    Set(Body),
-    Use(Kind, Name),
+pub(super) enum AppearanceChange {
+    Set(DefinitionBody),
+    Use(NameKind, GrfName),
 }
 
 /// `begin mesh`, or `mesh light begin`.
@@ -199,39 +199,39 @@ pub(super) struct MeshBlock {
     /// The `rgb` of a `mesh light`: emitted radiance.
     pub radiance: Option<Rgb>,
     /// What stands at the head of the mesh, before its vertices.
-    pub head: Vec<Change>,
-    pub vertices: Vertices,
+    pub head: Vec<AppearanceChange>,
+    pub vertices: VertexList,
     pub faces: Faces,
     /// What stands before a face, with the face's index, ascending.
-    pub changes: Vec<(u32, Change)>,
+    pub changes: Vec<(u32, AppearanceChange)>,
     pub notes: ObjectNotes,
 }
 
 /// A vertex list, by columns.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Vertices {
+pub(super) struct VertexList {
     pub positions: Vec<DVec3>,
-    pub normals: Column<DVec3>,
-    pub irradiance: Column<Rgb>,
-    pub uvs: Column<DVec2>,
-    pub colors: Column<Rgb>,
+    pub normals: VertexColumn<DVec3>,
+    pub irradiance: VertexColumn<Rgb>,
+    pub uvs: VertexColumn<DVec2>,
+    pub colors: VertexColumn<Rgb>,
     /// `use color id` before a vertex, by the vertex's index, ascending.
-    pub named_colors: Vec<(u32, Name)>,
+    pub named_colors: Vec<(u32, GrfName)>,
 }
 
 /// One attribute of the vertices, each of which may have it or not.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Column<T> {
+pub(super) struct VertexColumn<T> {
     /// Values of the first vertices; those behind the end have none.
     values: Vec<T>,
     /// Which of `values` are only place holders, ascending.
     missing: Vec<u32>,
 }
 
-impl<T: Copy + Default> Column<T> {
+impl<T: Copy + Default> VertexColumn<T> {
     /// A column in which no vertex lacks its value, or every vertex does.
-    pub fn full(values: Vec<T>) -> Column<T> {
-        Column {
+    pub fn full(values: Vec<T>) -> VertexColumn<T> {
+        VertexColumn {
             values,
             missing: Vec::new(),
         }
@@ -291,7 +291,7 @@ pub(super) struct PrimitiveBlock {
 pub(super) struct ObjectNotes {
     pub name: String,
     /// The brdf that gives a light or primitive its material.
-    pub material: Option<Name>,
+    pub material: Option<GrfName>,
     /// One smoothing group per face, or empty.
     pub smoothing: Vec<u32>,
     /// Standard error of `irad`, one per vertex, or empty.
@@ -306,7 +306,7 @@ pub(super) struct ObjectNotes {
 #[derive(Clone, Debug, Default)]
 pub(super) struct MaterialNote {
     /// The brdf that it completes.
-    pub of: Name,
+    pub of: GrfName,
     pub name: Option<String>,
     pub diffuse: Option<Rgb>,
     pub mirror: Option<Rgb>,
@@ -315,8 +315,8 @@ pub(super) struct MaterialNote {
     pub ior: Option<f64>,
     pub transmittance: Option<Rgb>,
     pub thin: bool,
-    pub textures: Option<Vec<Name>>,
-    pub brdf_file: Option<Arc<Reflection>>,
+    pub textures: Option<Vec<GrfName>>,
+    pub brdf_file: Option<Arc<GrfReflection>>,
 }
 
 impl MaterialNote {

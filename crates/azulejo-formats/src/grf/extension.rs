@@ -2,12 +2,12 @@
 //!
 //! docs/formats/grf.md lists every extension with its keys.
 
+use super::appearance::MOST_TEXTURES;
 use super::document::{
-    Block, BlockKind, Fail, Kind, MaterialNote, Name, ObjectNotes, PrimitiveBlock,
+    BlockKind, BoxedError, GrfBlock, GrfName, MaterialNote, NameKind, ObjectNotes, PrimitiveBlock,
 };
-use super::entries::{Entries, Entry, Value};
-use super::look::MOST_TEXTURES;
-use super::parser::{Parsed, Parser};
+use super::entries::{EntryValue, ExtensionEntries, ExtensionEntry};
+use super::parser::{GrfParser, ParseResult};
 use super::solids::is_solid;
 use azulejo_scene::{
     Camera, Fog, Light, LightKind, PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Units, Up,
@@ -27,9 +27,9 @@ pub(super) enum Extension {
     Noted,
 }
 
-impl<'a> Parser<'a, '_, '_> {
+impl<'a> GrfParser<'a, '_, '_> {
     /// Reads an extension; `before` is the block that stands before it.
-    pub fn extension(&mut self, before: Option<&mut Block>) -> Parsed<Extension> {
+    pub fn extension(&mut self, before: Option<&mut GrfBlock>) -> ParseResult<Extension> {
         let offset = self.lexer.skip_blank();
         self.expect_word("ext")?;
         let Some(name) = self.lexer.word() else {
@@ -59,7 +59,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// The extensions that hold more than keys and values.
-    fn nesting(&mut self, name: &str, offset: usize) -> Parsed<Option<BlockKind>> {
+    fn nesting(&mut self, name: &str, offset: usize) -> ParseResult<Option<BlockKind>> {
         match name {
             "figure" => self.figure(offset).map(Some),
             "define" => self.solid_definition(offset).map(Some),
@@ -69,7 +69,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// The text of an extension that is not known, up to `end ext`.
-    fn unknown_text(&mut self, offset: usize) -> Parsed<String> {
+    fn unknown_text(&mut self, offset: usize) -> ParseResult<String> {
         let start = self.lexer.skip_blank();
         loop {
             let here = self.lexer.skip_blank();
@@ -90,9 +90,9 @@ impl<'a> Parser<'a, '_, '_> {
     fn known(
         &mut self,
         name: &str,
-        entries: &mut Entries<'a>,
-        before: Option<&mut Block>,
-    ) -> Parsed<Extension> {
+        entries: &mut ExtensionEntries<'a>,
+        before: Option<&mut GrfBlock>,
+    ) -> ParseResult<Extension> {
         let block = match name {
             "units" => BlockKind::Units(self.units(entries)?),
             "camera" => BlockKind::Camera(self.camera(entries)?),
@@ -101,7 +101,7 @@ impl<'a> Parser<'a, '_, '_> {
             "light" => BlockKind::Light(self.light(entries)?),
             "material" => BlockKind::Material(Box::new(self.material_note(entries)?)),
             "texture" => {
-                let of = self.take_name(entries, "of", Kind::Texture)?;
+                let of = self.take_name(entries, "of", NameKind::Texture)?;
                 let path = self.take_text(entries, "path")?;
                 BlockKind::Texture {
                     of: self.required(entries, "of", of)?,
@@ -112,7 +112,7 @@ impl<'a> Parser<'a, '_, '_> {
             "object" => {
                 return Ok(Extension::Names(Box::new(ObjectNotes {
                     name: self.take_text(entries, "name")?.unwrap_or_default(),
-                    material: self.take_name(entries, "material", Kind::Brdf)?,
+                    material: self.take_name(entries, "material", NameKind::Brdf)?,
                     ..ObjectNotes::default()
                 })));
             }
@@ -124,7 +124,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(Extension::Block(Box::new(block)))
     }
 
-    fn units(&mut self, entries: &mut Entries<'a>) -> Parsed<Units> {
+    fn units(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Units> {
         let mut units = Units::default();
         if let Some((metres, offset)) = self.take_number(entries, "metres_per_unit")? {
             if metres <= 0.0 {
@@ -147,7 +147,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(units)
     }
 
-    fn fog(&mut self, entries: &mut Entries<'a>) -> Parsed<Fog> {
+    fn fog(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Fog> {
         let color = self.needed_rgb(entries, "color")?;
         let visibility = self.take_number(entries, "visibility")?;
         let visibility = match visibility {
@@ -164,7 +164,11 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `key = true` or `key = false`.
-    fn take_flag(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<bool>> {
+    fn take_flag(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &str,
+    ) -> ParseResult<Option<bool>> {
         match self.take_word(entries, key)? {
             None => Ok(None),
             Some(("true", _)) => Ok(Some(true)),
@@ -175,7 +179,7 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    fn camera(&mut self, entries: &mut Entries<'a>) -> Parsed<Camera> {
+    fn camera(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Camera> {
         let eye = self.take_point(entries, "eye")?;
         let target = self.take_point(entries, "target")?;
         let up = self.take_point(entries, "up")?;
@@ -198,12 +202,12 @@ impl<'a> Parser<'a, '_, '_> {
         ))
     }
 
-    fn take_size(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<(u32, u32)>> {
+    fn take_size(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Option<(u32, u32)>> {
         let Some(entry) = entries.take("size") else {
             return Ok(None);
         };
         let pixels = |n: f64| (n >= 1.0 && n <= f64::from(u32::MAX)).then_some(n as u32);
-        if let Value::Numbers(numbers) = &entry.value
+        if let EntryValue::Numbers(numbers) = &entry.value
             && let [width, height] = numbers[..]
             && let (Some(width), Some(height)) = (pixels(width), pixels(height))
         {
@@ -212,7 +216,7 @@ impl<'a> Parser<'a, '_, '_> {
         Err(self.wrong(&entry, "two numbers of pixels, 1 or more"))
     }
 
-    fn light(&mut self, entries: &mut Entries<'a>) -> Parsed<Light> {
+    fn light(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Light> {
         let name = self.take_text(entries, "name")?.unwrap_or_default();
         let kind = self.take_word(entries, "kind")?;
         let (kind, offset) = self.required(entries, "kind", kind)?;
@@ -240,7 +244,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(Light { name, kind })
     }
 
-    fn spot(&mut self, entries: &mut Entries<'a>) -> Parsed<LightKind> {
+    fn spot(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<LightKind> {
         let inner = self.take_angle(entries, "inner")?;
         let outer = self.take_angle(entries, "outer")?;
         let inner = self.required(entries, "inner", inner)?;
@@ -261,8 +265,8 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn material_note(&mut self, entries: &mut Entries<'a>) -> Parsed<MaterialNote> {
-        let of = self.take_name(entries, "of", Kind::Brdf)?;
+    fn material_note(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<MaterialNote> {
+        let of = self.take_name(entries, "of", NameKind::Brdf)?;
         let of = self.required(entries, "of", of)?;
         let name = self.take_text(entries, "name")?;
         let diffuse = self.take_reflectance(entries, "diffuse")?;
@@ -294,11 +298,14 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn take_textures(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<Vec<Name>>> {
+    fn take_textures(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<Option<Vec<GrfName>>> {
         let Some(entry) = entries.take("textures") else {
             return Ok(None);
         };
-        let Value::Words(words) = &entry.value else {
+        let EntryValue::Words(words) = &entry.value else {
             return Err(self.wrong(&entry, "names of textures, or `none`"));
         };
         if words.len() > MOST_TEXTURES {
@@ -313,19 +320,19 @@ impl<'a> Parser<'a, '_, '_> {
         let mut names = Vec::new();
         for word in words {
             let name = self.shared.intern(word);
-            self.note_use(entry.offset, Kind::Texture, &name);
+            self.note_use(entry.offset, NameKind::Texture, &name);
             names.push(name);
         }
         Ok(Some(names))
     }
 
-    fn primitive(&mut self, entries: &mut Entries<'a>) -> Parsed<PrimitiveBlock> {
+    fn primitive(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<PrimitiveBlock> {
         let (kind, map) = self.unit_primitive(entries)?;
         Ok(PrimitiveBlock {
             kind,
             map,
             notes: ObjectNotes {
-                material: self.take_name(entries, "material", Kind::Brdf)?,
+                material: self.take_name(entries, "material", NameKind::Brdf)?,
                 ..ObjectNotes::default()
             },
         })
@@ -334,8 +341,8 @@ impl<'a> Parser<'a, '_, '_> {
     /// The kind of a primitive and its map.
     pub fn unit_primitive(
         &mut self,
-        entries: &mut Entries<'a>,
-    ) -> Parsed<(PrimitiveKind, DAffine3)> {
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<(PrimitiveKind, DAffine3)> {
         let kind = self.take_word(entries, "kind")?;
         let (word, offset) = self.required(entries, "kind", kind)?;
         let kind = match word {
@@ -360,7 +367,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok((kind, self.map(entries, kind)?))
     }
 
-    fn top(&mut self, entries: &mut Entries<'a>, default: f64) -> Parsed<f64> {
+    fn top(&mut self, entries: &mut ExtensionEntries<'a>, default: f64) -> ParseResult<f64> {
         let top = self.take_number(entries, "top")?;
         let (top, offset) = top.unwrap_or((default, entries.offset));
         if (0.0..=1.0).contains(&top) {
@@ -373,7 +380,11 @@ impl<'a> Parser<'a, '_, '_> {
         ))
     }
 
-    fn map(&mut self, entries: &mut Entries<'a>, kind: PrimitiveKind) -> Parsed<DAffine3> {
+    fn map(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        kind: PrimitiveKind,
+    ) -> ParseResult<DAffine3> {
         let entry = entries.take("map");
         let entry = self.required(entries, "map", entry)?;
         let is_placing = |map: &DAffine3| super::is_invertible(kind, map);
@@ -384,7 +395,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     #[cold]
-    pub fn not_a_map(&mut self, entry: &Entry<'_>) -> Fail {
+    pub fn not_a_map(&mut self, entry: &ExtensionEntry<'_>) -> BoxedError {
         self.wrong(
             entry,
             "12 numbers, the images of the x, y and z axes and of the origin, that map space onto space",
@@ -395,9 +406,9 @@ impl<'a> Parser<'a, '_, '_> {
     fn note_object(
         &mut self,
         name: &str,
-        entries: &mut Entries<'a>,
-        before: Option<&mut Block>,
-    ) -> Parsed<()> {
+        entries: &mut ExtensionEntries<'a>,
+        before: Option<&mut GrfBlock>,
+    ) -> ParseResult<()> {
         match (name, before.map(|block| &mut block.kind)) {
             ("smoothing", Some(BlockKind::Mesh(mesh))) => {
                 let faces = mesh.faces.len();
@@ -427,16 +438,16 @@ impl<'a> Parser<'a, '_, '_> {
     /// One whole number for each of so many parts.
     pub fn counts(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
         (count, part): (usize, &str),
-    ) -> Parsed<Vec<u32>> {
+    ) -> ParseResult<Vec<u32>> {
         let entry = match entries.take(key) {
             None if count == 0 => return Ok(Vec::new()),
             entry => self.required(entries, key, entry)?,
         };
         let group = |n: &f64| (*n >= 0.0 && *n <= f64::from(u32::MAX)).then_some(*n as u32);
-        if let Value::Numbers(numbers) = &entry.value
+        if let EntryValue::Numbers(numbers) = &entry.value
             && numbers.len() == count
             && let Some(groups) = numbers.iter().map(group).collect()
         {
@@ -447,14 +458,15 @@ impl<'a> Parser<'a, '_, '_> {
 
     fn surface_light(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         kind: PrimitiveKind,
-    ) -> Parsed<SurfaceLight> {
+    ) -> ParseResult<SurfaceLight> {
         let grids = self.grids(entries, kind.parts())?;
         let count = grids.iter().map(SurfaceGrid::vertices).sum();
-        let error = match entries.list.iter().any(|e| e.key == "error") {
-            true => self.rgb_list(entries, "error", count)?,
-            false => Vec::new(),
+        let error = if entries.list.iter().any(|e| e.key == "error") {
+            self.rgb_list(entries, "error", count)?
+        } else {
+            Vec::new()
         };
         Ok(SurfaceLight {
             irradiance: self.rgb_list(entries, "irradiance", count)?,
@@ -463,11 +475,15 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn grids(&mut self, entries: &mut Entries<'a>, parts: usize) -> Parsed<Vec<SurfaceGrid>> {
+    fn grids(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        parts: usize,
+    ) -> ParseResult<Vec<SurfaceGrid>> {
         let entry = entries.take("grids");
         let entry = self.required(entries, "grids", entry)?;
         let is_count = |n: &f64| (1.0..=MOST_CELLS).contains(n);
-        if let Value::Numbers(numbers) = &entry.value
+        if let EntryValue::Numbers(numbers) = &entry.value
             && numbers.len() == 2 * parts
             && numbers.iter().all(is_count)
         {
@@ -486,17 +502,17 @@ impl<'a> Parser<'a, '_, '_> {
     /// As many triples as `count`.
     pub fn rgb_list(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
         count: usize,
-    ) -> Parsed<Vec<Rgb>> {
+    ) -> ParseResult<Vec<Rgb>> {
         let entry = match entries.take(key) {
             // Nothing stands behind the key of an empty list.
             None if count == 0 => return Ok(Vec::new()),
             entry => self.required(entries, key, entry)?,
         };
         match &entry.value {
-            Value::Vectors(list) if list.len() == count => Ok(list
+            EntryValue::Vectors(list) if list.len() == count => Ok(list
                 .iter()
                 .map(|&v| self.not_negative(entry.offset, Rgb::from(v)))
                 .collect()),

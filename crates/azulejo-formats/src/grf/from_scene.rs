@@ -1,9 +1,10 @@
 //! From a scene to a document that says it canonically.
 
-use super::brdf::Reflection;
+use super::brdf::GrfReflection;
 use super::document::{
-    AreaLight, Block, BlockKind, Body, Change, Column, Definition, Document, Kind, MaterialNote,
-    MeshBlock, Name, ObjectNotes, Place, PrimitiveBlock, Vertices,
+    AppearanceChange, AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
+    GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, PrimitiveBlock, SourcePosition,
+    VertexColumn, VertexList,
 };
 use super::materials::surface;
 use super::solids::{Figures, exact_block};
@@ -17,22 +18,22 @@ use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-impl Document {
+impl GrfDocument {
     /// The canonical document of a scene that keeps the promises of [`Scene::validate`].
     ///
     /// Materials and textures become definitions around everything else, under their own names
     /// where these are identifiers. Normals and texture coordinates on corners become attributes
     /// of vertices, which are split where corners disagree. Pixels of textures are left out.
-    pub fn from_scene(scene: &Scene) -> Document {
-        Document::with_pictures(scene, scene.textures.iter().map(|t| t.path.as_str()))
+    pub fn from_scene(scene: &Scene) -> GrfDocument {
+        GrfDocument::with_pictures(scene, scene.textures.iter().map(|t| t.path.as_str()))
     }
 
     /// The same with these files for its textures.
     pub(super) fn with_pictures<'s>(
         scene: &Scene,
         pictures: impl Iterator<Item = &'s str>,
-    ) -> Document {
-        let names = Names::new(scene);
+    ) -> GrfDocument {
+        let names = GrfNames::new(scene);
         let mut outside = Vec::new();
         if scene.units != Units::default() {
             outside.push(BlockKind::Units(scene.units));
@@ -62,33 +63,33 @@ impl Document {
                 blocks: Some(placed(inside)),
             });
         }
-        Document {
+        GrfDocument {
             blocks: placed(outside),
-            ..Document::default()
+            ..GrfDocument::default()
         }
     }
 }
 
-fn placed(kinds: Vec<BlockKind>) -> Vec<Block> {
-    let place = Place::default();
+fn placed(kinds: Vec<BlockKind>) -> Vec<GrfBlock> {
+    let place = SourcePosition::default();
     kinds
         .into_iter()
-        .map(|kind| Block { place, kind })
+        .map(|kind| GrfBlock { place, kind })
         .collect()
 }
 
 /// Identifiers of a scene's materials, textures and figures.
-struct Names {
-    materials: Vec<Name>,
-    textures: Vec<Name>,
+struct GrfNames {
+    materials: Vec<GrfName>,
+    textures: Vec<GrfName>,
     figures: Figures,
 }
 
-impl Names {
-    fn new(scene: &Scene) -> Names {
+impl GrfNames {
+    fn new(scene: &Scene) -> GrfNames {
         let materials = scene.materials.iter().map(|m| &*m.name);
         let textures = scene.textures.iter().map(|_| "");
-        Names {
+        GrfNames {
             materials: identifiers(materials, "m"),
             textures: identifiers(textures, "t"),
             figures: Figures::of(scene),
@@ -110,8 +111,8 @@ impl Names {
         }
     }
 
-    fn material(&self, id: MaterialId) -> Change {
-        Change::Use(Kind::Brdf, self.materials[id as usize].clone())
+    fn material(&self, id: MaterialId) -> AppearanceChange {
+        AppearanceChange::Use(NameKind::Brdf, self.materials[id as usize].clone())
     }
 
     fn mesh(&self, scene: &Scene, mesh: &Mesh, notes: ObjectNotes) -> MeshBlock {
@@ -138,8 +139,8 @@ impl Names {
         }
     }
 
-    fn texture(&self, id: TextureId) -> Change {
-        Change::Use(Kind::Texture, self.textures[id as usize].clone())
+    fn texture(&self, id: TextureId) -> AppearanceChange {
+        AppearanceChange::Use(NameKind::Texture, self.textures[id as usize].clone())
     }
 
     /// A parallelogram that shines is GRF's own area light; everything else is an extension.
@@ -173,7 +174,7 @@ impl Names {
 }
 
 /// Distinct identifiers: names that are identifiers and not taken, or a letter and a number.
-fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<Name> {
+fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<GrfName> {
     let names: Vec<&str> = names.collect();
     let given: HashSet<&str> = names.iter().copied().collect();
     let mut taken: HashSet<&str> = HashSet::new();
@@ -182,13 +183,17 @@ fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<Na
         let name = format!("{letter}{next}");
         next += 1;
         if !given.contains(&*name) {
-            return Name::from(name);
+            return GrfName::from(name);
         }
     };
     let mut out = Vec::with_capacity(names.len());
     for name in names {
         let is_free = is_identifier(name) && taken.insert(name);
-        out.push(if is_free { Name::from(name) } else { fresh() });
+        out.push(if is_free {
+            GrfName::from(name)
+        } else {
+            fresh()
+        });
     }
     out
 }
@@ -209,7 +214,7 @@ fn is_plain_path(path: &str) -> bool {
     !path.contains(|c: char| c == '"' || c.is_control())
 }
 
-fn texture_definition(name: &Name, path: &str, notes: &mut Vec<BlockKind>) -> Definition {
+fn texture_definition(name: &GrfName, path: &str, notes: &mut Vec<BlockKind>) -> GrfDefinition {
     let mut plain = path.to_owned();
     if !is_plain_path(path) {
         plain.retain(|c| c != '"' && !c.is_control());
@@ -218,18 +223,18 @@ fn texture_definition(name: &Name, path: &str, notes: &mut Vec<BlockKind>) -> De
             path: path.to_owned(),
         });
     }
-    Definition {
+    GrfDefinition {
         name: name.clone(),
-        body: Body::Texture(Name::from(plain)),
+        body: DefinitionBody::Texture(GrfName::from(plain)),
     }
 }
 
 /// A material in GRF's words, and what these leave unsaid.
 fn material_definition(
-    name: &Name,
+    name: &GrfName,
     material: &Material,
-    textures: &[Name],
-) -> (Definition, Option<MaterialNote>) {
+    textures: &[GrfName],
+) -> (GrfDefinition, Option<MaterialNote>) {
     let brdf = brdf_of(material);
     let mut said = surface(name, &brdf).material;
     said.limit_reflectance();
@@ -254,18 +259,18 @@ fn material_definition(
             _ => None,
         },
     };
-    let definition = Definition {
+    let definition = GrfDefinition {
         name: name.clone(),
-        body: Body::Brdf(Arc::new(brdf)),
+        body: DefinitionBody::Brdf(Arc::new(brdf)),
     };
     (definition, (!note.is_empty()).then_some(note))
 }
 
 /// The brdf that says most about a material.
-fn brdf_of(material: &Material) -> Reflection {
+fn brdf_of(material: &Material) -> GrfReflection {
     match &material.brdf {
         Some(brdf) if file_of(brdf).is_none_or(is_plain_path) => brdf.into(),
-        _ => Reflection {
+        _ => GrfReflection {
             description: plain_brdf(material.diffuse, material.mirror),
             brdf: None,
         },
@@ -305,12 +310,12 @@ fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
 pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
     let mesh = split_corners(mesh).into_owned();
     MeshBlock {
-        vertices: Vertices {
+        vertices: VertexList {
             positions: mesh.positions,
             normals: column(mesh.normals),
-            irradiance: Column::full(mesh.irradiance),
+            irradiance: VertexColumn::full(mesh.irradiance),
             uvs: column(mesh.uvs),
-            colors: Column::full(mesh.colors),
+            colors: VertexColumn::full(mesh.colors),
             named_colors: Vec::new(),
         },
         faces: mesh.faces,
@@ -328,8 +333,8 @@ fn material_runs(materials: &[MaterialId]) -> impl Iterator<Item = usize> {
     (0..materials.len()).filter(|&f| f == 0 || materials[f] != materials[f - 1])
 }
 
-fn column<T: Copy + Default>(attribute: Option<Attribute<T>>) -> Column<T> {
-    Column::full(attribute.map_or_else(Vec::new, |a| a.values))
+fn column<T: Copy + Default>(attribute: Option<Attribute<T>>) -> VertexColumn<T> {
+    VertexColumn::full(attribute.map_or_else(Vec::new, |a| a.values))
 }
 
 /// A mesh whose normals and texture coordinates belong to vertices: a vertex whose corners
@@ -341,7 +346,7 @@ fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
     if !normals && !uvs {
         return mesh;
     }
-    let mut split = Splitter::new(&mesh);
+    let mut split = VertexSplitter::new(&mesh);
     let mut faces = Faces::default();
     let mut corners = Vec::new();
     for face in 0..mesh.faces.len() {
@@ -355,18 +360,18 @@ fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
 }
 
 /// What a vertex is after splitting: position, normal and texture coordinate by index.
-type Combination = [u32; 3];
+type VertexCombination = [u32; 3];
 
-struct Splitter<'m> {
+struct VertexSplitter<'m> {
     mesh: &'m Mesh,
     /// Of each vertex, old and new; `None` for an old one that no corner has named yet.
-    combinations: Vec<Option<Combination>>,
-    known: HashMap<Combination, u32>,
+    combinations: Vec<Option<VertexCombination>>,
+    known: HashMap<VertexCombination, u32>,
 }
 
-impl Splitter<'_> {
-    fn new(mesh: &Mesh) -> Splitter<'_> {
-        Splitter {
+impl VertexSplitter<'_> {
+    fn new(mesh: &Mesh) -> VertexSplitter<'_> {
+        VertexSplitter {
             mesh,
             combinations: vec![None; mesh.positions.len()],
             known: HashMap::new(),
@@ -399,9 +404,12 @@ impl Splitter<'_> {
         let old = self.mesh;
         let position = |v: usize| self.combinations[v].map_or(v, |c| c[0] as usize);
         let count = self.combinations.len();
-        let taken = |list: &Vec<Rgb>| match list.is_empty() {
-            true => Vec::new(),
-            false => (0..count).map(|v| list[position(v)]).collect(),
+        let taken = |list: &Vec<Rgb>| {
+            if list.is_empty() {
+                Vec::new()
+            } else {
+                (0..count).map(|v| list[position(v)]).collect()
+            }
         };
         Mesh {
             positions: (0..count).map(|v| old.positions[position(v)]).collect(),
@@ -424,8 +432,9 @@ impl Splitter<'_> {
         unused: T,
     ) -> Option<Attribute<T>> {
         let attribute = attribute.as_ref()?;
-        let value =
-            |c: &Option<Combination>| c.map_or(unused, |c| attribute.values[c[part] as usize]);
+        let value = |c: &Option<VertexCombination>| {
+            c.map_or(unused, |c| attribute.values[c[part] as usize])
+        };
         Some(Attribute::per_vertex(
             self.combinations.iter().map(value).collect(),
         ))

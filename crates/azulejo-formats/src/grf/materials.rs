@@ -1,6 +1,6 @@
 //! From what a file says about a surface to a material.
 
-use super::brdf::{Reflection, plain, says_diffuse};
+use super::brdf::{GrfReflection, plain, says_diffuse};
 use super::document::MaterialNote;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{Dielectric, Material, Rgb, TextureId};
@@ -14,14 +14,14 @@ pub(super) const REFLECTS_TOO_MUCH: &str =
 
 /// A material and how much of it the file said.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Surface {
+pub(super) struct DefinedMaterial {
     pub material: Material,
     /// Whether the diffuse reflectance was said; a colour multiplies it then, and is it otherwise.
     pub says_diffuse: bool,
 }
 
 /// What a `brdf` makes.
-pub(super) fn surface(name: &str, reflection: &Reflection) -> Surface {
+pub(super) fn surface(name: &str, reflection: &GrfReflection) -> DefinedMaterial {
     let description = &reflection.description;
     let mut material = match &reflection.brdf {
         Some(brdf) => Material::with_brdf(name, brdf.clone()),
@@ -38,13 +38,13 @@ pub(super) fn surface(name: &str, reflection: &Reflection) -> Surface {
     if matches!(description, Description::File { content: None, .. }) {
         material.diffuse = DEFAULT_REFLECTANCE;
     }
-    Surface {
+    DefinedMaterial {
         material,
         says_diffuse: says_diffuse(description) || !is_black,
     }
 }
 
-impl Surface {
+impl DefinedMaterial {
     /// Completes a material by what its `ext material` says; `textures` are those of the note.
     pub fn annotate(&mut self, note: &MaterialNote, textures: Option<Vec<TextureId>>) {
         let material = &mut self.material;

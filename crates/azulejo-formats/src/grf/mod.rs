@@ -6,20 +6,20 @@
 //! apart is `irad`: a solved scene keeps its light. The grammar as azulejo reads it, its
 //! extensions and its deviations stand in `docs/formats/grf.md`.
 //!
-//! [`read`] and [`write()`] go between bytes and [`Scene`]. A [`Document`] mirrors a file
+//! [`read`] and [`write()`] go between bytes and [`Scene`]. A [`GrfDocument`] mirrors a file
 //! literally, for programs that save a file which somebody wrote by hand.
 //!
 //! Invariants: numbers are written in the shortest form that reads back to the same bits;
 //! `read(write(scene))` is `scene`, but for pixels of textures and for normals and texture
 //! coordinates on corners, which become attributes of vertices by splitting them.
 
+mod appearance;
 mod brdf;
 mod document;
 mod entries;
 mod extension;
 mod from_scene;
 mod irradiance;
-mod look;
 mod materials;
 mod mesh;
 mod parse;
@@ -33,7 +33,7 @@ mod textures;
 mod warnings;
 mod write;
 
-pub use document::Document;
+pub use document::GrfDocument;
 pub use textures::load_textures;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
@@ -61,7 +61,7 @@ pub fn read_with(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let (document, mut warnings) = Document::parse(bytes, name, files)?;
+    let (document, mut warnings) = GrfDocument::parse(bytes, name, files)?;
     let mut loaded = document.resolve_with(options)?;
     warnings.append(&mut loaded.warnings);
     loaded.warnings = warnings;
@@ -76,7 +76,7 @@ pub fn read_with(
 /// # Errors
 /// Those of `out`.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
-    Document::from_scene(scene).write(out)
+    GrfDocument::from_scene(scene).write(out)
 }
 
 /// As [`write()`], with other names for the files of the scene's textures, in their order.
@@ -89,7 +89,7 @@ pub fn write_with_pictures(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let names = pictures.iter().map(String::as_str);
-    Document::with_pictures(scene, names).write(out)
+    GrfDocument::with_pictures(scene, names).write(out)
 }
 
 /// What [`write()`] would leave out of a scene, in words.

@@ -1,11 +1,11 @@
 //! Blocks: the outer grammar.
 
 use super::document::{
-    AreaLight, Block, BlockKind, Body, Definition, Document, Kind, MeshBlock, ObjectNotes, Place,
-    Source, Step,
+    AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument, GrfSource,
+    MeshBlock, NameKind, ObjectNotes, SourcePosition, TransformStep,
 };
 use super::extension::Extension;
-use super::parser::{Parsed, Parser, Shared};
+use super::parser::{GrfParser, ParseResult, SharedParserState};
 use crate::reading::lexer::Lexer;
 use crate::{Files, ReadError, Warning};
 use std::borrow::Cow;
@@ -17,7 +17,7 @@ const MOST_INCLUDES: usize = 10_000;
 /// Bytes of all included files together.
 const MOST_INCLUDED_BYTES: usize = 1 << 30;
 
-impl Document {
+impl GrfDocument {
     /// Reads a file and what it includes.
     ///
     /// `name` is what messages call the file; includes are asked from `files` by their path
@@ -29,19 +29,19 @@ impl Document {
         bytes: &[u8],
         name: &str,
         files: &dyn Files,
-    ) -> Result<(Document, Vec<Warning>), ReadError> {
+    ) -> Result<(GrfDocument, Vec<Warning>), ReadError> {
         let text = decode(bytes);
-        let mut shared = Shared::new(files);
-        let file = shared.sources.push(Source {
+        let mut shared = SharedParserState::new(files);
+        let file = shared.sources.push(GrfSource {
             shown: name.to_owned(),
             path: name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned(),
             parent: None,
         });
-        let mut parser = Parser::new(&text, file, &mut shared);
+        let mut parser = GrfParser::new(&text, file, &mut shared);
         let comments = parser.lexer.leading_comments();
         let blocks = parser.file().map_err(|fail| *fail)?;
         parser.check_names().map_err(|fail| *fail)?;
-        let document = Document {
+        let document = GrfDocument {
             comments,
             blocks,
             sources: shared.sources,
@@ -60,31 +60,31 @@ fn decode(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 /// What may follow `end`, and how the block that it ends is called in messages.
-pub(super) struct Ending {
+pub(super) struct BlockEnd {
     pub words: &'static [&'static str],
     pub is_required: bool,
 }
 
-impl Ending {
-    pub const fn optional(words: &'static [&'static str]) -> Ending {
-        Ending {
+impl BlockEnd {
+    pub const fn optional(words: &'static [&'static str]) -> BlockEnd {
+        BlockEnd {
             words,
             is_required: false,
         }
     }
 
-    pub const fn required(words: &'static [&'static str]) -> Ending {
-        Ending {
+    pub const fn required(words: &'static [&'static str]) -> BlockEnd {
+        BlockEnd {
             words,
             is_required: true,
         }
     }
 }
 
-const TRANSFORM: Ending = Ending::optional(&["transform"]);
-const DEFINITIONS: Ending = Ending::optional(&["def"]);
-const LIGHT: Ending = Ending::optional(&["light"]);
-const PARAMS: Ending = Ending::optional(&["params"]);
+const TRANSFORM: BlockEnd = BlockEnd::optional(&["transform"]);
+const DEFINITIONS: BlockEnd = BlockEnd::optional(&["def"]);
+const LIGHT: BlockEnd = BlockEnd::optional(&["light"]);
+const PARAMS: BlockEnd = BlockEnd::optional(&["params"]);
 
 /// Words that may follow `end` somewhere, so that a wrong one is noticed.
 const CLOSERS: [&str; 10] = [
@@ -100,9 +100,9 @@ const CLOSERS: [&str; 10] = [
     "brdf",
 ];
 
-impl<'a> Parser<'a, '_, '_> {
+impl<'a> GrfParser<'a, '_, '_> {
     /// A whole file.
-    fn file(&mut self) -> Parsed<Vec<Block>> {
+    fn file(&mut self) -> ParseResult<Vec<GrfBlock>> {
         let blocks = self.blocks()?;
         match self.lexer.peek() {
             None => Ok(blocks),
@@ -111,7 +111,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// Blocks up to `end` or the end of the file, neither of which is read.
-    fn blocks(&mut self) -> Parsed<Vec<Block>> {
+    fn blocks(&mut self) -> ParseResult<Vec<GrfBlock>> {
         let mut blocks = Vec::new();
         let mut named: Option<(usize, ObjectNotes)> = None;
         loop {
@@ -156,7 +156,7 @@ impl<'a> Parser<'a, '_, '_> {
         self.lexer.eat(b';')
     }
 
-    fn block(&mut self, offset: usize) -> Parsed<BlockKind> {
+    fn block(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let lexer = &mut self.lexer;
         if lexer.eat_word("begin") {
             if at_mesh(*lexer) {
@@ -198,9 +198,9 @@ impl<'a> Parser<'a, '_, '_> {
     fn nested(
         &mut self,
         offset: usize,
-        definitions: &[Definition],
-        ending: &Ending,
-    ) -> Parsed<Vec<Block>> {
+        definitions: &[GrfDefinition],
+        ending: &BlockEnd,
+    ) -> ParseResult<Vec<GrfBlock>> {
         self.enter(offset)?;
         self.open_scope();
         self.define_all(offset, definitions);
@@ -212,7 +212,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `end`, and the word behind it if it belongs here.
-    pub fn end(&mut self, opened: usize, ending: &Ending) -> Parsed<()> {
+    pub fn end(&mut self, opened: usize, ending: &BlockEnd) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
         if !self.lexer.eat_word("end") {
             let expected = self.expected_end(opened, ending);
@@ -234,14 +234,14 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(())
     }
 
-    fn expected_end(&mut self, opened: usize, ending: &Ending) -> String {
+    fn expected_end(&mut self, opened: usize, ending: &BlockEnd) -> String {
         let line = self.place(opened).line;
         let word = ending.words.first().map_or("", |w| w);
         format!("`end {word}` for the block that begins in line {line}")
     }
 
     /// `begin` was read after definitions, or alone.
-    fn scope(&mut self, offset: usize, definitions: Vec<Definition>) -> Parsed<BlockKind> {
+    fn scope(&mut self, offset: usize, definitions: Vec<GrfDefinition>) -> ParseResult<BlockKind> {
         let blocks = self.nested(offset, &definitions, &DEFINITIONS)?;
         Ok(BlockKind::Definitions {
             definitions,
@@ -249,20 +249,20 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn define_all(&mut self, offset: usize, definitions: &[Definition]) {
+    fn define_all(&mut self, offset: usize, definitions: &[GrfDefinition]) {
         for definition in definitions {
             self.define(offset, definition.body.kind(), &definition.name);
         }
     }
 
     /// `def` was read: `id = body`, more of them, and the blocks in which they hold.
-    fn definitions(&mut self, offset: usize) -> Parsed<BlockKind> {
+    fn definitions(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut definitions = Vec::new();
         loop {
             let name = self.identifier()?;
             self.expect(b'=')?;
             let body = self.body()?;
-            definitions.push(Definition { name, body });
+            definitions.push(GrfDefinition { name, body });
             if !self.lexer.eat_word("def") && !at_definition(self.lexer) {
                 break;
             }
@@ -280,22 +280,22 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `texture file`, `rgb (r, g, b)`, or `brdf` with a file or a model.
-    pub fn body(&mut self) -> Parsed<Body> {
+    pub fn body(&mut self) -> ParseResult<DefinitionBody> {
         if self.lexer.eat_word("texture") {
             let path = self.file_name()?;
-            return Ok(Body::Texture(self.shared.intern(path)));
+            return Ok(DefinitionBody::Texture(self.shared.intern(path)));
         }
         if self.lexer.eat_word("rgb") {
-            return self.rgb().map(Body::Color);
+            return self.rgb().map(DefinitionBody::Color);
         }
         if self.lexer.eat_word("brdf") {
-            return self.brdf().map(Body::Brdf);
+            return self.brdf().map(DefinitionBody::Brdf);
         }
         Err(self.unexpected("`texture`, `rgb` or `brdf`"))
     }
 
     /// `light` was read.
-    fn area_light(&mut self, offset: usize) -> Parsed<BlockKind> {
+    fn area_light(&mut self, offset: usize) -> ParseResult<BlockKind> {
         self.expect_word("begin")?;
         let mut radiance = self.optional_rgb()?;
         let start = self.lexer.skip_blank();
@@ -326,7 +326,7 @@ impl<'a> Parser<'a, '_, '_> {
         })))
     }
 
-    pub fn optional_rgb(&mut self) -> Parsed<Option<azulejo_scene::Rgb>> {
+    pub fn optional_rgb(&mut self) -> ParseResult<Option<azulejo_scene::Rgb>> {
         if self.lexer.eat_word("rgb") {
             self.rgb().map(Some)
         } else {
@@ -335,15 +335,15 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `transform` was read.
-    fn transform(&mut self, offset: usize) -> Parsed<BlockKind> {
+    fn transform(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut steps = Vec::new();
         loop {
             if self.lexer.eat_word("scale") {
-                steps.push(Step::Scale(self.vector3()?));
+                steps.push(TransformStep::Scale(self.vector3()?));
             } else if self.lexer.eat_word("rotation") {
-                steps.push(Step::Rotation(self.vector3()?));
+                steps.push(TransformStep::Rotation(self.vector3()?));
             } else if self.lexer.eat_word("translation") {
-                steps.push(Step::Translation(self.vector3()?));
+                steps.push(TransformStep::Translation(self.vector3()?));
             } else if !steps.is_empty() && self.lexer.eat_word("begin") {
                 break;
             } else {
@@ -358,7 +358,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `params` was read. What stands inside is kept as text, because its words are open.
-    fn params(&mut self, offset: usize) -> Parsed<BlockKind> {
+    fn params(&mut self, offset: usize) -> ParseResult<BlockKind> {
         self.expect_word("begin")?;
         let start = self.lexer.skip_blank();
         loop {
@@ -383,7 +383,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `include` was read.
-    fn include(&mut self, offset: usize) -> Parsed<BlockKind> {
+    fn include(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let at = self.lexer.skip_blank();
         let name = self.file_name()?;
         let here = self.shared.sources.get(self.file);
@@ -408,13 +408,13 @@ impl<'a> Parser<'a, '_, '_> {
         }
         self.enter(offset)?;
         let line = self.place(at).line;
-        let file = self.shared.sources.push(Source {
+        let file = self.shared.sources.push(GrfSource {
             shown: path.clone(),
             path,
             parent: Some((self.file, line)),
         });
         let text = decode(&bytes);
-        let mut inner = Parser::new(&text, file, self.shared);
+        let mut inner = GrfParser::new(&text, file, self.shared);
         let blocks = inner.file()?;
         inner.keep_open_lines();
         self.leave();
@@ -425,7 +425,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// Refuses circles and towers of includes.
-    fn check_include(&mut self, at: usize, path: &str) -> Parsed<()> {
+    fn check_include(&mut self, at: usize, path: &str) -> ParseResult<()> {
         let chain = || self.shared.sources.chain(self.file);
         let depth = chain().count();
         if chain().any(|source| source.path == path) {
@@ -446,7 +446,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `mesh light begin` was read.
-    fn mesh_light(&mut self, offset: usize) -> Parsed<Box<MeshBlock>> {
+    fn mesh_light(&mut self, offset: usize) -> ParseResult<Box<MeshBlock>> {
         let mesh = MeshBlock {
             is_light: true,
             ..MeshBlock::default()
@@ -455,15 +455,15 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `begin mesh` was read.
-    fn mesh(&mut self, offset: usize) -> Parsed<Box<MeshBlock>> {
+    fn mesh(&mut self, offset: usize) -> ParseResult<Box<MeshBlock>> {
         self.mesh_body(offset, MeshBlock::default())
     }
 }
 
 /// Adds a block; an object takes what the `ext object` before it says.
 fn push(
-    blocks: &mut Vec<Block>,
-    place: Place,
+    blocks: &mut Vec<GrfBlock>,
+    place: SourcePosition,
     mut kind: BlockKind,
     named: &mut Option<(usize, ObjectNotes)>,
 ) {
@@ -473,15 +473,15 @@ fn push(
         notes.name = given.name;
         notes.material = given.material.or(notes.material.take());
     }
-    blocks.push(Block { place, kind });
+    blocks.push(GrfBlock { place, kind });
 }
 
-impl Body {
-    pub fn kind(&self) -> Kind {
+impl DefinitionBody {
+    pub fn kind(&self) -> NameKind {
         match self {
-            Body::Texture(_) => Kind::Texture,
-            Body::Color(_) => Kind::Color,
-            Body::Brdf(_) => Kind::Brdf,
+            DefinitionBody::Texture(_) => NameKind::Texture,
+            DefinitionBody::Color(_) => NameKind::Color,
+            DefinitionBody::Brdf(_) => NameKind::Brdf,
         }
     }
 }

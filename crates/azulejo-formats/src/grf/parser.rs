@@ -1,7 +1,7 @@
 //! What every part of the parser needs: where it stands, what went wrong, which names are known.
 
-use super::brdf::Reflection;
-use super::document::{Fail, Kind, Name, Place, Sources};
+use super::brdf::GrfReflection;
+use super::document::{BoxedError, GrfName, GrfSources, NameKind, SourcePosition};
 use super::warnings::Warnings;
 use crate::Files;
 use crate::reading::lexer::{BadNumber, Lexer, Locator, line_around};
@@ -10,24 +10,24 @@ use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-pub(super) type Parsed<T> = Result<T, Fail>;
+pub(super) type ParseResult<T> = Result<T, BoxedError>;
 
 /// Blocks and includes that may stand inside each other. Enough for any scene that a person or
 /// an exporter makes; few enough for the smallest stack of a thread.
 const DEEPEST: usize = 256;
 
 /// Reads one file; an included file gets its own.
-pub(super) struct Parser<'a, 's, 'f> {
+pub(super) struct GrfParser<'a, 's, 'f> {
     pub lexer: Lexer<'a>,
     pub file: u32,
-    pub shared: &'s mut Shared<'f>,
+    pub shared: &'s mut SharedParserState<'f>,
     locator: Locator,
 }
 
 /// What all files of a document share.
-pub(super) struct Shared<'f> {
+pub(super) struct SharedParserState<'f> {
     pub files: &'f dyn Files,
-    pub sources: Sources,
+    pub sources: GrfSources,
     pub warnings: Warnings,
     pub depth: usize,
     /// Solids inside solids.
@@ -35,24 +35,24 @@ pub(super) struct Shared<'f> {
     pub includes: usize,
     pub included_bytes: usize,
     /// Every brdf of the document once, by its text.
-    pub reflections: HashMap<String, Arc<Reflection>>,
+    pub reflections: HashMap<String, Arc<GrfReflection>>,
     /// How many of them are more than matt or a mirror.
     pub models: usize,
-    names: HashSet<Name>,
-    scopes: Vec<Scope>,
+    names: HashSet<GrfName>,
+    scopes: Vec<ParseScope>,
 }
 
 /// The names of one list of blocks.
 #[derive(Default)]
-struct Scope {
-    defined: HashSet<(Kind, Name)>,
+struct ParseScope {
+    defined: HashSet<(NameKind, GrfName)>,
     /// Used, and not defined yet: a definition may still follow in this list or outside it.
-    pending: HashMap<(Kind, Name), Pending>,
+    pending: HashMap<(NameKind, GrfName), PendingName>,
 }
 
 /// The first use of a name without definition.
-struct Pending {
-    place: Place,
+struct PendingName {
+    place: SourcePosition,
     offset: usize,
     source_line: Option<String>,
 }
@@ -60,11 +60,11 @@ struct Pending {
 /// Longest line that is kept for each unknown name of an included file.
 const KEPT_LINE: usize = 200;
 
-impl<'f> Shared<'f> {
-    pub fn new(files: &'f dyn Files) -> Shared<'f> {
-        Shared {
+impl<'f> SharedParserState<'f> {
+    pub fn new(files: &'f dyn Files) -> SharedParserState<'f> {
+        SharedParserState {
             files,
-            sources: Sources::default(),
+            sources: GrfSources::default(),
             warnings: Warnings::default(),
             depth: 0,
             solid_depth: 0,
@@ -73,24 +73,28 @@ impl<'f> Shared<'f> {
             reflections: HashMap::new(),
             models: 0,
             names: HashSet::new(),
-            scopes: vec![Scope::default()],
+            scopes: vec![ParseScope::default()],
         }
     }
 
     /// The one copy of a name.
-    pub fn intern(&mut self, name: &str) -> Name {
+    pub fn intern(&mut self, name: &str) -> GrfName {
         if let Some(known) = self.names.get(name) {
             return known.clone();
         }
-        let new = Name::from(name);
+        let new = GrfName::from(name);
         self.names.insert(new.clone());
         new
     }
 }
 
-impl<'a, 's, 'f> Parser<'a, 's, 'f> {
-    pub fn new(text: &'a str, file: u32, shared: &'s mut Shared<'f>) -> Parser<'a, 's, 'f> {
-        Parser {
+impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
+    pub fn new(
+        text: &'a str,
+        file: u32,
+        shared: &'s mut SharedParserState<'f>,
+    ) -> GrfParser<'a, 's, 'f> {
+        GrfParser {
             lexer: Lexer::new(text),
             file,
             shared,
@@ -98,9 +102,9 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
     }
 
-    pub fn place(&mut self, offset: usize) -> Place {
+    pub fn place(&mut self, offset: usize) -> SourcePosition {
         let (line, column) = self.locator.locate(self.lexer.text(), offset);
-        Place {
+        SourcePosition {
             file: self.file,
             line,
             column,
@@ -114,7 +118,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         offset: usize,
         found: impl Into<String>,
         expected: impl Into<String>,
-    ) -> Fail {
+    ) -> BoxedError {
         let place = self.place(offset);
         let mut fail = self.shared.sources.fail(place, found, expected);
         fail.source_line = line_around(self.lexer.text(), offset);
@@ -123,7 +127,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
 
     /// An error about what comes next.
     #[cold]
-    pub fn unexpected(&mut self, expected: impl Into<String>) -> Fail {
+    pub fn unexpected(&mut self, expected: impl Into<String>) -> BoxedError {
         let offset = self.lexer.skip_blank();
         self.fail(offset, self.lexer.describe(), expected)
     }
@@ -140,7 +144,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
     }
 
-    pub fn expect(&mut self, wanted: u8) -> Parsed<()> {
+    pub fn expect(&mut self, wanted: u8) -> ParseResult<()> {
         if self.lexer.eat(wanted) {
             Ok(())
         } else {
@@ -148,7 +152,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
     }
 
-    pub fn expect_word(&mut self, keyword: &str) -> Parsed<()> {
+    pub fn expect_word(&mut self, keyword: &str) -> ParseResult<()> {
         if self.lexer.eat_word(keyword) {
             Ok(())
         } else {
@@ -157,7 +161,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// An identifier.
-    pub fn identifier(&mut self) -> Parsed<Name> {
+    pub fn identifier(&mut self) -> ParseResult<GrfName> {
         match self.lexer.word() {
             Some(word) => Ok(self.shared.intern(word)),
             None => Err(self.unexpected("a name: letters, digits, `_`, `$`")),
@@ -165,27 +169,27 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// A file name.
-    pub fn file_name(&mut self) -> Parsed<&'a str> {
+    pub fn file_name(&mut self) -> ParseResult<&'a str> {
         match self.lexer.file_name() {
             Some(name) => Ok(name),
             None => Err(self.unexpected("a file name, \"in double quotes\" on one line")),
         }
     }
 
-    pub fn number(&mut self) -> Parsed<f64> {
+    pub fn number(&mut self) -> ParseResult<f64> {
         self.lexer
             .number()
             .map_err(|bad| self.bad_number(bad, "a number"))
     }
 
-    pub fn index(&mut self) -> Parsed<u32> {
+    pub fn index(&mut self) -> ParseResult<u32> {
         self.lexer
             .index()
             .map_err(|bad| self.bad_number(bad, "the index of a vertex, a whole number from 0"))
     }
 
     #[cold]
-    fn bad_number(&mut self, bad: BadNumber, expected: &str) -> Fail {
+    fn bad_number(&mut self, bad: BadNumber, expected: &str) -> BoxedError {
         match bad {
             BadNumber::TooLarge => self.unexpected(format!("{expected} that is not so large")),
             BadNumber::Missing | BadNumber::Malformed => self.unexpected(expected),
@@ -193,7 +197,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// The comma between two numbers, for which a blank is accepted.
-    fn comma(&mut self) -> Parsed<()> {
+    fn comma(&mut self) -> ParseResult<()> {
         let end = self.lexer.pos();
         if self.lexer.eat(b',') {
             return Ok(());
@@ -206,7 +210,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         Ok(())
     }
 
-    fn numbers<const N: usize>(&mut self) -> Parsed<[f64; N]> {
+    fn numbers<const N: usize>(&mut self) -> ParseResult<[f64; N]> {
         self.expect(b'(')?;
         let mut numbers = [0.0; N];
         for (k, number) in numbers.iter_mut().enumerate() {
@@ -220,17 +224,17 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// `( x , y , z )`
-    pub fn vector3(&mut self) -> Parsed<DVec3> {
+    pub fn vector3(&mut self) -> ParseResult<DVec3> {
         self.numbers().map(DVec3::from_array)
     }
 
     /// `( u , v )`
-    pub fn vector2(&mut self) -> Parsed<DVec2> {
+    pub fn vector2(&mut self) -> ParseResult<DVec2> {
         self.numbers().map(DVec2::from_array)
     }
 
     /// `( x , y )` or `( x , y , z )`
-    pub fn vector2_or_3(&mut self) -> Parsed<(DVec2, Option<f64>)> {
+    pub fn vector2_or_3(&mut self) -> ParseResult<(DVec2, Option<f64>)> {
         self.expect(b'(')?;
         let x = self.number()?;
         self.comma()?;
@@ -245,7 +249,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// `( r , g , b )` of light or colour: what is negative becomes 0.
-    pub fn rgb(&mut self) -> Parsed<Rgb> {
+    pub fn rgb(&mut self) -> ParseResult<Rgb> {
         let offset = self.lexer.skip_blank();
         let rgb = Rgb::from(self.numbers()?);
         Ok(self.not_negative(offset, rgb))
@@ -260,7 +264,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// Goes one block or include deeper.
-    pub fn enter(&mut self, offset: usize) -> Parsed<()> {
+    pub fn enter(&mut self, offset: usize) -> ParseResult<()> {
         self.shared.depth += 1;
         if self.shared.depth <= DEEPEST {
             return Ok(());
@@ -277,7 +281,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     pub fn open_scope(&mut self) {
-        self.shared.scopes.push(Scope::default());
+        self.shared.scopes.push(ParseScope::default());
     }
 
     /// Ends a list of blocks: names that it used and did not define must come from outside.
@@ -295,18 +299,18 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
     }
 
-    fn innermost(&mut self) -> &mut Scope {
+    fn innermost(&mut self) -> &mut ParseScope {
         // The outermost scope is never closed before the end of the outermost file.
         let scopes = &mut self.shared.scopes;
         if scopes.is_empty() {
-            scopes.push(Scope::default());
+            scopes.push(ParseScope::default());
         }
         let last = scopes.len() - 1;
         &mut scopes[last]
     }
 
     /// Makes a name known in the list of blocks that is being read.
-    pub fn define(&mut self, offset: usize, kind: Kind, name: &Name) {
+    pub fn define(&mut self, offset: usize, kind: NameKind, name: &GrfName) {
         if !self.innermost().defined.insert((kind, name.clone())) {
             self.warn(
                 offset,
@@ -316,14 +320,14 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// Reads the name after `use color|brdf|texture`, which must be defined somewhere around.
-    pub fn used(&mut self, kind: Kind) -> Parsed<Name> {
+    pub fn used(&mut self, kind: NameKind) -> ParseResult<GrfName> {
         let offset = self.lexer.skip_blank();
         let name = self.identifier()?;
         self.note_use(offset, kind, &name);
         Ok(name)
     }
 
-    pub fn note_use(&mut self, offset: usize, kind: Kind, name: &Name) {
+    pub fn note_use(&mut self, offset: usize, kind: NameKind, name: &GrfName) {
         let key = (kind, name.clone());
         let is_known = self.innermost().pending.contains_key(&key)
             || self
@@ -335,7 +339,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         if is_known {
             return;
         }
-        let pending = Pending {
+        let pending = PendingName {
             place: self.place(offset),
             offset,
             source_line: None,
@@ -355,7 +359,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// At the end of the outermost file: every name must have been defined.
-    pub fn check_names(&mut self) -> Parsed<()> {
+    pub fn check_names(&mut self) -> ParseResult<()> {
         let scope = std::mem::take(self.innermost());
         let open = scope
             .pending
@@ -380,24 +384,24 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 }
 
-impl Kind {
+impl NameKind {
     /// What defines names of this kind.
     fn maker(self) -> &'static str {
         match self {
-            Kind::Texture | Kind::Color | Kind::Brdf => "def",
-            Kind::Figure => "ext figure",
-            Kind::Solid => "ext define",
+            NameKind::Texture | NameKind::Color | NameKind::Brdf => "def",
+            NameKind::Figure => "ext figure",
+            NameKind::Solid => "ext define",
         }
     }
 
     /// The keyword after `use`, and what messages call it.
     pub fn word(self) -> &'static str {
         match self {
-            Kind::Texture => "texture",
-            Kind::Color => "color",
-            Kind::Brdf => "brdf",
-            Kind::Figure => "figure",
-            Kind::Solid => "solid",
+            NameKind::Texture => "texture",
+            NameKind::Color => "color",
+            NameKind::Brdf => "brdf",
+            NameKind::Figure => "figure",
+            NameKind::Solid => "solid",
         }
     }
 }

@@ -1,15 +1,15 @@
 //! Placing things in the world: transforms, and what they do to faces, cameras and lights.
 
-use super::document::Step;
+use super::document::TransformStep;
 use super::unit;
 use azulejo_scene::{Camera, Faces, Light, LightKind, Mesh};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The transform around a block; `None` where there is none, so that numbers stay as written.
-pub(super) type Outer = Option<DAffine3>;
+pub(super) type OuterTransform = Option<DAffine3>;
 
 /// Whether a transform turns left into right.
-pub(super) fn is_mirror(outer: Outer) -> bool {
+pub(super) fn is_mirror(outer: OuterTransform) -> bool {
     outer.is_some_and(|map| map.matrix3.determinant() < 0.0)
 }
 
@@ -54,12 +54,12 @@ pub(super) fn degenerate_faces(mesh: &Mesh) -> usize {
 }
 
 /// Elementary transformations as one; the first written acts first.
-pub(super) fn affine(steps: &[Step]) -> DAffine3 {
+pub(super) fn affine(steps: &[TransformStep]) -> DAffine3 {
     steps.iter().fold(DAffine3::IDENTITY, |done, step| {
         let next = match *step {
-            Step::Scale(s) => DAffine3::from_scale(s),
-            Step::Translation(t) => DAffine3::from_translation(t),
-            Step::Rotation(degrees) => DAffine3::from_mat3(
+            TransformStep::Scale(s) => DAffine3::from_scale(s),
+            TransformStep::Translation(t) => DAffine3::from_translation(t),
+            TransformStep::Rotation(degrees) => DAffine3::from_mat3(
                 DMat3::from_rotation_z(degrees.z.to_radians())
                     * DMat3::from_rotation_y(degrees.y.to_radians())
                     * DMat3::from_rotation_x(degrees.x.to_radians()),
@@ -69,7 +69,7 @@ pub(super) fn affine(steps: &[Step]) -> DAffine3 {
     })
 }
 
-pub(super) fn moved_camera(camera: &Camera, outer: Outer) -> Camera {
+pub(super) fn moved_camera(camera: &Camera, outer: OuterTransform) -> Camera {
     let mut camera = camera.clone();
     if let Some(map) = outer {
         camera.eye = map.transform_point3(camera.eye);
@@ -80,7 +80,7 @@ pub(super) fn moved_camera(camera: &Camera, outer: Outer) -> Camera {
 }
 
 /// A light under a transform; `None` if it loses its direction. Brightness doesn't change.
-pub(super) fn moved_light(light: &Light, outer: Outer) -> Option<Light> {
+pub(super) fn moved_light(light: &Light, outer: OuterTransform) -> Option<Light> {
     let mut light = light.clone();
     let Some(map) = outer else {
         return Some(light);

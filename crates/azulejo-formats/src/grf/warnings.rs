@@ -1,6 +1,6 @@
 //! Warnings, each said once with a count.
 
-use super::document::{Place, Sources};
+use super::document::{GrfSources, SourcePosition};
 use crate::{Position, Warning};
 
 /// Different messages that are kept; a file that earns more is past reading.
@@ -26,12 +26,18 @@ impl Warnings {
     }
 
     /// Says a message.
-    pub fn add(&mut self, sources: &Sources, place: Place, message: String) {
+    pub fn add(&mut self, sources: &GrfSources, place: SourcePosition, message: String) {
         self.add_many(sources, place, message, 1);
     }
 
     /// Says a message about several things, or about none.
-    pub fn add_many(&mut self, sources: &Sources, place: Place, message: String, count: usize) {
+    pub fn add_many(
+        &mut self,
+        sources: &GrfSources,
+        place: SourcePosition,
+        message: String,
+        count: usize,
+    ) {
         if count == 0 || self.counts_many(&message, count) {
             return;
         }

@@ -103,9 +103,10 @@ fn in_triangle(p: DVec2, [a, b, c]: [DVec2; 3]) -> bool {
 fn is_inside_at([before, corner, behind]: [DVec2; 3], to: DVec2) -> bool {
     let left_of = |a: DVec2, b: DVec2| (b - a).perp_dot(to - a) >= 0.0;
     let (first, second) = (left_of(before, corner), left_of(corner, behind));
-    match (corner - before).perp_dot(behind - corner) >= 0.0 {
-        true => first && second,
-        false => first || second,
+    if (corner - before).perp_dot(behind - corner) >= 0.0 {
+        first && second
+    } else {
+        first || second
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) struct Luminaire {
     /// Light that leaves within each degree from the aim, lumens, with all factors.
     pub flux: Vec<f64>,
     /// Luminous opening.
-    pub opening: Opening,
+    pub opening: LuminousOpening,
     /// All factors of the file together: what the emittance of a body is multiplied with.
     pub factor: f64,
     /// MGF file of its body, whose surfaces shine.
@@ -24,7 +24,7 @@ pub(super) struct Luminaire {
 
 /// Where the light comes out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Opening {
+pub(super) enum LuminousOpening {
     /// Too small to have a size.
     Point,
     /// A box of this size; the light comes out of its lower and upper sides.
@@ -51,7 +51,7 @@ pub(super) enum Opening {
 /// What is wrong with it.
 pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     let (head, data) = split_at_tilt(bytes).ok_or("no line that begins with TILT=")?;
-    let mut numbers = Numbers::new(data);
+    let mut numbers = IesNumbers::new(data);
     numbers.skip_tilt(head.tilt_included)?;
     let [
         _lamps,
@@ -72,7 +72,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     if !(factor >= 0.0 && factor.is_finite()) {
         return Err("factors below 0".into());
     }
-    let web = Web {
+    let web = PhotometricWeb {
         vertical: rising(vertical, "vertical angles")?,
         horizontal: rising(horizontal, "horizontal angles")?,
         candelas,
@@ -95,14 +95,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
 }
 
 /// What the lines before the numbers say.
-struct Head {
+struct IesHeader {
     body: Option<String>,
     tilt_included: bool,
 }
 
 /// The head, and what follows the line `TILT=`.
-fn split_at_tilt(bytes: &[u8]) -> Option<(Head, &[u8])> {
-    let mut head = Head {
+fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
+    let mut head = IesHeader {
         body: None,
         tilt_included: false,
     };
@@ -133,16 +133,16 @@ fn after<'a>(line: &'a str, keyword: &str) -> Option<&'a str> {
 }
 
 /// A row of numbers with blanks or commas between.
-struct Numbers<'a> {
+struct IesNumbers<'a> {
     words: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
     /// More of them than this there cannot be.
     most: usize,
 }
 
-impl<'a> Numbers<'a> {
-    fn new(bytes: &'a [u8]) -> Numbers<'a> {
+impl<'a> IesNumbers<'a> {
+    fn new(bytes: &'a [u8]) -> IesNumbers<'a> {
         let words = bytes.split(|b| b.is_ascii_whitespace() || *b == b',');
-        Numbers {
+        IesNumbers {
             words: Box::new(words.filter(|word| !word.is_empty())),
             most: bytes.len() / 2 + 1,
         }
@@ -183,17 +183,18 @@ impl<'a> Numbers<'a> {
 
 /// Angles in radians that do not fall.
 fn rising(degrees: Vec<f64>, what: &str) -> Result<Vec<f64>, String> {
-    match degrees.is_sorted() {
-        true => Ok(degrees.iter().map(|d| d.to_radians()).collect()),
-        false => Err(format!("{what} that do not rise")),
+    if degrees.is_sorted() {
+        Ok(degrees.iter().map(|d| d.to_radians()).collect())
+    } else {
+        Err(format!("{what} that do not rise"))
     }
 }
 
 /// The opening by the file's width, length and height, metres; circles have negative sizes.
-fn opening([width, length, height]: [f64; 3]) -> Opening {
+fn opening([width, length, height]: [f64; 3]) -> LuminousOpening {
     let height = height.abs();
     if width > 0.0 && length > 0.0 {
-        return Opening::Rectangle {
+        return LuminousOpening::Rectangle {
             length,
             width,
             height,
@@ -206,16 +207,16 @@ fn opening([width, length, height]: [f64; 3]) -> Opening {
         } else {
             -width
         };
-        return Opening::Disc {
+        return LuminousOpening::Disc {
             diameter: across,
             height,
         };
     }
-    Opening::Point
+    LuminousOpening::Point
 }
 
 /// Luminous intensities by angles, candela.
-struct Web {
+struct PhotometricWeb {
     vertical: Vec<f64>,
     horizontal: Vec<f64>,
     /// All vertical angles for the first horizontal one, then for the next.
@@ -227,7 +228,7 @@ fn middle(bin: usize) -> f64 {
     (bin as f64 + 0.5).to_radians()
 }
 
-impl Web {
+impl PhotometricWeb {
     /// Intensity at angles that are inside the web, bilinear; 0 elsewhere.
     fn at(&self, vertical: f64, horizontal: f64) -> f64 {
         let (Some((i, f)), Some((j, g))) = (
@@ -327,7 +328,10 @@ mod tests {
     fn light_the_same_everywhere() {
         let l = parse(file("0 0 0", "0 180", "0", "100 100").as_bytes()).unwrap();
         assert!((lumens(&l) - 400.0 * PI).abs() < 1e-9);
-        assert_eq!((l.opening, l.factor, l.body), (Opening::Point, 1.0, None));
+        assert_eq!(
+            (l.opening, l.factor, l.body),
+            (LuminousOpening::Point, 1.0, None)
+        );
         // The same over a quarter of the horizon, and over all of it.
         for horizontal in ["0 90", "0 90 180 270 360"] {
             let candelas = "100 100 ".repeat(horizontal.split(' ').count());
@@ -346,7 +350,7 @@ mod tests {
         let l = l.unwrap();
         // Lambert: Φ = π I.
         assert!((lumens(&l) - 100.0 * PI).abs() < 0.02);
-        let rectangle = Opening::Rectangle {
+        let rectangle = LuminousOpening::Rectangle {
             length: 0.6096,
             width: 0.3048,
             height: 0.0,
@@ -370,7 +374,7 @@ mod tests {
                 lumens(&l)
             );
             assert!(l.flux[15..].iter().all(|&f| f == 0.0));
-            let disc = Opening::Disc {
+            let disc = LuminousOpening::Disc {
                 diameter: 0.2,
                 height: 0.0,
             };

@@ -9,14 +9,14 @@ use crate::reading::text::text;
 
 /// A place in the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]
-pub(super) struct Lines<'a> {
+pub(super) struct MgfLines<'a> {
     bytes: &'a [u8],
-    here: Mark,
+    here: StatementMark,
 }
 
 /// A place to come back to, or to complain about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Mark {
+pub(super) struct StatementMark {
     at: usize,
     line: u32,
 }
@@ -31,29 +31,29 @@ fn is_line_end(b: u8) -> bool {
     matches!(b, b'\n' | b'\r')
 }
 
-impl<'a> Lines<'a> {
+impl<'a> MgfLines<'a> {
     /// The start of a text.
-    pub fn new(bytes: &'a [u8]) -> Lines<'a> {
+    pub fn new(bytes: &'a [u8]) -> MgfLines<'a> {
         let mark = b"\xef\xbb\xbf";
         let at = if bytes.starts_with(mark) { 3 } else { 0 };
-        Lines {
+        MgfLines {
             bytes,
-            here: Mark { at, line: 1 },
+            here: StatementMark { at, line: 1 },
         }
     }
 
     /// The place behind the last statement.
-    pub fn mark(&self) -> Mark {
+    pub fn mark(&self) -> StatementMark {
         self.here
     }
 
     /// Goes back to a place of this text.
-    pub fn return_to(&mut self, mark: Mark) {
+    pub fn return_to(&mut self, mark: StatementMark) {
         self.here = mark;
     }
 
     /// Line and column of a place. Takes time in proportion to the column.
-    pub fn position(&self, mark: Mark) -> Position {
+    pub fn position(&self, mark: StatementMark) -> Position {
         let before = &self.bytes[..mark.at];
         let line_start = before.iter().rposition(|&b| is_line_end(b));
         let column = &before[line_start.map_or(0, |i| i + 1)..];
@@ -62,7 +62,7 @@ impl<'a> Lines<'a> {
 
     /// Puts the words of the next statement, one at least, into `words`, and says where it
     /// begins; `None` at the end of the text.
-    pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<Mark> {
+    pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<StatementMark> {
         words.clear();
         let mut start = self.here;
         loop {
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     fn check(source: &str, expected: &[&str]) {
-        let (mut lines, mut words) = (Lines::new(source.as_bytes()), Vec::new());
+        let (mut lines, mut words) = (MgfLines::new(source.as_bytes()), Vec::new());
         let mut found = Vec::new();
         while let Some(mark) = lines.next(&mut words) {
             let Position::Line(line, column) = lines.position(mark) else {
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn places_can_be_returned_to() {
-        let (mut lines, mut words) = (Lines::new(b"a\nb\n\nc"), Vec::new());
+        let (mut lines, mut words) = (MgfLines::new(b"a\nb\n\nc"), Vec::new());
         lines.next(&mut words);
         let mark = lines.mark();
         lines.next(&mut words);

@@ -1,9 +1,9 @@
 //! Photometric files as lights: `ies`.
 
-use super::ies::{BINS, Luminaire, Opening, parse};
-use super::reader::{Reader, Source, Stop, quoted, skip};
+use super::ies::{BINS, Luminaire, LuminousOpening, parse};
+use super::reader::{EntityError, MgfReader, MgfSource, quoted, skip};
 use super::solids;
-use super::transform::Transform;
+use super::transform::MgfTransform;
 use crate::reading::files::beside;
 use azulejo_scene::{LightKind, Material, Primitive, Rgb};
 use glam::{DAffine3, DVec3};
@@ -23,15 +23,15 @@ const SIDES: u32 = 32;
 /// Least distance between the two sides of an opening that shines both ways, metres.
 const LEAST_HEIGHT: f64 = 2e-3;
 
-impl Reader<'_> {
+impl MgfReader<'_> {
     /// Places a luminaire once for each instance of a transform.
     pub(super) fn place_luminaires(
         &mut self,
-        source: &mut Source,
+        source: &mut MgfSource,
         name: &str,
         multiplier: f64,
-        transform: &Transform,
-    ) -> Result<(), Stop> {
+        transform: &MgfTransform,
+    ) -> Result<(), EntityError> {
         let luminaire = self.luminaire_of(name)?;
         if let Some(body) = &luminaire.body {
             let body = beside(name, body);
@@ -45,7 +45,7 @@ impl Reader<'_> {
                     self.emission = outside;
                     return read;
                 }
-                Err(Stop::Skipped(message)) => self.warn(source, message),
+                Err(EntityError::Skipped(message)) => self.warn(source, message),
                 Err(stop) => return Err(stop),
             }
         }
@@ -56,7 +56,7 @@ impl Reader<'_> {
         skip("luminaire (ies): its intensities are simplified to what lamps and spotlights can say")
     }
 
-    fn luminaire_of(&mut self, name: &str) -> Result<Rc<Luminaire>, Stop> {
+    fn luminaire_of(&mut self, name: &str) -> Result<Rc<Luminaire>, EntityError> {
         let shown = quoted(name.as_bytes());
         if self.open.iter().any(|open| open == name) {
             return skip(format!("the body of {shown} names it again: skipped"));
@@ -72,12 +72,12 @@ impl Reader<'_> {
     }
 
     /// The light below and the light above, each out of its side of the opening.
-    fn shine(&mut self, luminaire: &Luminaire, multiplier: f64) -> Result<(), Stop> {
+    fn shine(&mut self, luminaire: &Luminaire, multiplier: f64) -> Result<(), EntityError> {
         let total: f64 = luminaire.flux.iter().sum();
-        let both = [false, true].map(|up| Side::new(luminaire, up, multiplier));
-        let is_lit = |side: &Side| side.lumens > DARK * total * multiplier;
+        let both = [false, true].map(|up| LuminaireSide::new(luminaire, up, multiplier));
+        let is_lit = |side: &LuminaireSide| side.lumens > DARK * total * multiplier;
         let shines_both_ways = both.iter().all(is_lit);
-        let is_round_about = luminaire.opening == Opening::Point
+        let is_round_about = luminaire.opening == LuminousOpening::Point
             && both
                 .iter()
                 .all(|side| side.lumens > 0.25 * total * multiplier);
@@ -87,7 +87,7 @@ impl Reader<'_> {
         for side in both.iter().filter(|side| is_lit(side)) {
             let is_beam = side.angle_of(0.5) < BEAM;
             match luminaire.opening {
-                Opening::Point => self.spot(side)?,
+                LuminousOpening::Point => self.spot(side)?,
                 _ if is_beam => self.spot(side)?,
                 opening => self.lamp(side, opening, shines_both_ways)?,
             }
@@ -100,7 +100,7 @@ impl Reader<'_> {
         Rgb::grey(local * self.placement.scale * self.placement.scale)
     }
 
-    fn bulb(&mut self, lumens: f64) -> Result<(), Stop> {
+    fn bulb(&mut self, lumens: f64) -> Result<(), EntityError> {
         let position = self.placement.map.translation;
         let intensity = self.candelas(lumens / (4.0 * PI));
         self.light(
@@ -112,7 +112,7 @@ impl Reader<'_> {
         )
     }
 
-    fn spot(&mut self, side: &Side) -> Result<(), Stop> {
+    fn spot(&mut self, side: &LuminaireSide) -> Result<(), EntityError> {
         let map = self.placement.map;
         let position = map.translation;
         let Some(direction) = (map.matrix3 * side.aim()).try_normalize() else {
@@ -132,7 +132,7 @@ impl Reader<'_> {
         self.light(position, kind)
     }
 
-    fn light(&mut self, position: DVec3, kind: LightKind) -> Result<(), Stop> {
+    fn light(&mut self, position: DVec3, kind: LightKind) -> Result<(), EntityError> {
         let (LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. }) = kind else {
             return Ok(());
         };
@@ -144,8 +144,15 @@ impl Reader<'_> {
     }
 
     /// An opening that shines alike in all directions.
-    fn lamp(&mut self, side: &Side, opening: Opening, both: bool) -> Result<(), Stop> {
-        let (Opening::Rectangle { height, .. } | Opening::Disc { height, .. }) = opening else {
+    fn lamp(
+        &mut self,
+        side: &LuminaireSide,
+        opening: LuminousOpening,
+        both: bool,
+    ) -> Result<(), EntityError> {
+        let (LuminousOpening::Rectangle { height, .. } | LuminousOpening::Disc { height, .. }) =
+            opening
+        else {
             return Ok(());
         };
         let height = if both {
@@ -157,13 +164,13 @@ impl Reader<'_> {
         let centre = 0.5 * height * normal;
         let map = self.placement.map;
         match opening {
-            Opening::Rectangle { length, width, .. } => {
+            LuminousOpening::Rectangle { length, width, .. } => {
                 let material = self.lamp_material(side.lumens / (length * width))?;
                 let (along, across) = (length * DVec3::X, width * normal.cross(DVec3::X));
                 let corner = centre - 0.5 * (along + across);
                 self.rectangle([corner, along, across], &map, material)
             }
-            Opening::Disc { diameter, .. } => {
+            LuminousOpening::Disc { diameter, .. } => {
                 let mesh = solids::ring(centre, normal, 0.0, 0.5 * diameter, SIDES);
                 let material = self.lamp_material(side.lumens / mesh.area())?;
                 if !mesh
@@ -176,7 +183,7 @@ impl Reader<'_> {
                 self.builder.solid(mesh, &map, material);
                 Ok(())
             }
-            Opening::Point => Ok(()),
+            LuminousOpening::Point => Ok(()),
         }
     }
 
@@ -185,13 +192,14 @@ impl Reader<'_> {
         [corner, along, across]: [DVec3; 3],
         map: &DAffine3,
         material: u32,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         let corner = map.transform_point3(corner);
         let [along, across] = [along, across].map(|edge| map.transform_vector3(edge));
         // The front follows the edges, so their order keeps it under a map that mirrors.
-        let [first, second] = match self.placement.mirrors() {
-            true => [across, along],
-            false => [along, across],
+        let [first, second] = if self.placement.mirrors() {
+            [across, along]
+        } else {
+            [along, across]
         };
         let size = first.cross(second).length();
         if !(corner.is_finite() && size.is_finite() && size > 0.0) {
@@ -203,7 +211,7 @@ impl Reader<'_> {
     }
 
     /// White of so much emittance, lm/m².
-    fn lamp_material(&mut self, emittance: f64) -> Result<u32, Stop> {
+    fn lamp_material(&mut self, emittance: f64) -> Result<u32, EntityError> {
         let radiance = emittance / PI;
         if !radiance.is_finite() {
             return skip("luminaire that is too bright for numbers: skipped");
@@ -216,20 +224,20 @@ impl Reader<'_> {
 }
 
 /// The light that leaves below or above.
-struct Side {
+struct LuminaireSide {
     up: bool,
     lumens: f64,
     /// Shares of it within each degree from its own axis.
     shares: Vec<f64>,
 }
 
-impl Side {
-    fn new(luminaire: &Luminaire, up: bool, multiplier: f64) -> Side {
+impl LuminaireSide {
+    fn new(luminaire: &Luminaire, up: bool, multiplier: f64) -> LuminaireSide {
         let half = BINS / 2;
         let from_axis = |k: usize| if up { BINS - 1 - k } else { k };
         let flux: Vec<f64> = (0..half).map(|k| luminaire.flux[from_axis(k)]).collect();
         let sum: f64 = flux.iter().sum();
-        Side {
+        LuminaireSide {
             up,
             lumens: sum * multiplier,
             shares: flux

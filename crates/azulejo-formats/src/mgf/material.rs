@@ -17,7 +17,7 @@ const DEFAULT_REFLECTANCE: f64 = 0.5;
 
 /// One of the five ways in which light leaves a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Part {
+pub(super) struct MaterialComponent {
     /// Share of the light that arrives, or lm/m² for emittance; of equal-energy white.
     pub amount: f64,
     /// The colour that was current when the part was read.
@@ -26,7 +26,7 @@ pub(super) struct Part {
     pub roughness: f64,
 }
 
-impl Part {
+impl MaterialComponent {
     fn rgb(&self) -> Rgb {
         self.color.rgb(self.amount)
     }
@@ -34,19 +34,19 @@ impl Part {
 
 /// A material as the file says it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Surface {
+pub(super) struct MgfMaterial {
     /// Whether it is `sides 1`.
     pub is_one_sided: bool,
     /// `rd`: diffuse reflectance.
-    pub rd: Part,
+    pub rd: MaterialComponent,
     /// `td`: diffuse transmittance.
-    pub td: Part,
+    pub td: MaterialComponent,
     /// `ed`: diffuse emittance.
-    pub ed: Part,
+    pub ed: MaterialComponent,
     /// `rs`: specular reflectance.
-    pub rs: Part,
+    pub rs: MaterialComponent,
     /// `ts`: specular transmittance.
-    pub ts: Part,
+    pub ts: MaterialComponent,
     /// `ir`: real part of the index of refraction; `None` for the default of 1.
     pub ior: Option<f64>,
     /// What it has become in the scene, on open and on closed surfaces; whoever changes anything
@@ -54,15 +54,15 @@ pub(super) struct Surface {
     pub made: [Option<MaterialId>; 2],
 }
 
-impl Surface {
+impl MgfMaterial {
     /// What stands for a material that nobody defines: grey.
-    pub fn undefined() -> Surface {
-        Surface {
-            rd: Part {
+    pub fn undefined() -> MgfMaterial {
+        MgfMaterial {
+            rd: MaterialComponent {
                 amount: DEFAULT_REFLECTANCE,
-                ..Part::default()
+                ..MaterialComponent::default()
             },
-            ..Surface::default()
+            ..MgfMaterial::default()
         }
     }
 
@@ -179,15 +179,15 @@ fn ward(roughness: f64, ks: Rgb, kd: Rgb) -> Description {
 mod tests {
     use super::*;
 
-    fn part(amount: f64, roughness: f64) -> Part {
-        Part {
+    fn part(amount: f64, roughness: f64) -> MaterialComponent {
+        MaterialComponent {
             amount,
             roughness,
-            ..Part::default()
+            ..MaterialComponent::default()
         }
     }
 
-    fn check(surface: Surface, expected: Material, losses: &[&str]) {
+    fn check(surface: MgfMaterial, expected: Material, losses: &[&str]) {
         let (found, lost) = surface.material("m", false, &mut Gloss::default());
         let close = |a: Rgb, b: Rgb| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
         assert!(
@@ -206,10 +206,10 @@ mod tests {
 
     #[test]
     fn matt_mirror_gloss() {
-        let surface = |rs| Surface {
+        let surface = |rs| MgfMaterial {
             rd: part(0.3, 0.0),
             rs,
-            ..Surface::default()
+            ..MgfMaterial::default()
         };
         let matt = Material::diffuse("m", Rgb::grey(0.3));
         let mirror = Material {
@@ -230,10 +230,10 @@ mod tests {
 
     #[test]
     fn more_than_all_is_scaled() {
-        let surface = Surface {
+        let surface = MgfMaterial {
             rd: part(0.9, 0.0),
             rs: part(0.3, 0.0),
-            ..Surface::default()
+            ..MgfMaterial::default()
         };
         let expected = Material {
             mirror: Rgb::grey(0.25),
@@ -244,11 +244,11 @@ mod tests {
 
     #[test]
     fn glass_as_sheet_and_as_solid() {
-        let sheet = Surface {
+        let sheet = MgfMaterial {
             rs: part(0.08, 0.0),
             ts: part(0.88, 0.0),
             ior: Some(1.52),
-            ..Surface::default()
+            ..MgfMaterial::default()
         };
         let pane = |ior, transmittance| Material {
             mirror: Rgb::WHITE,
@@ -267,7 +267,7 @@ mod tests {
         // 4.26% is lost at each face; what is left of 0.88 is lost inside.
         let reflected = (0.52f64 / 2.52).powi(2);
         let t = 0.88f64.sqrt() / (1.0 - reflected);
-        let solid = Surface {
+        let solid = MgfMaterial {
             is_one_sided: true,
             ..sheet
         };
@@ -276,11 +276,11 @@ mod tests {
 
     #[test]
     fn emission_by_sides() {
-        let lamp = |is_one_sided| Surface {
+        let lamp = |is_one_sided| MgfMaterial {
             is_one_sided,
             ed: part(PI, 0.0),
             td: part(0.5, 0.0),
-            ..Surface::default()
+            ..MgfMaterial::default()
         };
         let expected = |emits_back| Material {
             emits_back,

@@ -20,7 +20,7 @@ mod transform;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
 pub(crate) use color::rgb_weights;
-use reader::Reader;
+use reader::MgfReader;
 
 /// Reads a scene; `name` stands in messages, `files` gives what the file includes.
 ///
@@ -33,7 +33,7 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let mut reader = Reader::new(files, options);
+    let mut reader = MgfReader::new(files, options);
     reader.run(bytes, name).map_err(|e| e.error(name))?;
     Ok(reader.finish(name))
 }

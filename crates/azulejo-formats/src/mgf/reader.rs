@@ -1,12 +1,12 @@
 //! What each statement does.
 
-use super::build::Builder;
+use super::build::MgfBuilder;
 use super::color::Chroma;
-use super::context::{Contexts, Trouble};
+use super::context::{ContextError, ContextTable};
 use super::ies::Luminaire;
-use super::lines::{Lines, Mark, number};
-use super::material::{Part, Surface};
-use super::transform::Transform;
+use super::lines::{MgfLines, StatementMark, number};
+use super::material::{MaterialComponent, MgfMaterial};
+use super::transform::MgfTransform;
 use crate::reading::files::beside;
 use crate::reading::options::{Budget, Exhausted};
 use crate::reading::text::{shortened, text};
@@ -32,22 +32,22 @@ const COMPLAINT: u64 = 64;
 
 /// Why a statement is not carried out.
 #[derive(Debug)]
-pub(super) enum Stop {
+pub(super) enum EntityError {
     /// It is skipped, or carried out as well as it can be; this is said.
     Skipped(String),
     /// The model unfolds to more than is allowed: nothing more is read.
     Exhausted(Exhausted),
 }
 
-impl From<Exhausted> for Stop {
-    fn from(e: Exhausted) -> Stop {
-        Stop::Exhausted(e)
+impl From<Exhausted> for EntityError {
+    fn from(e: Exhausted) -> EntityError {
+        EntityError::Exhausted(e)
     }
 }
 
 /// A statement that is skipped or mended for a reason.
-pub(super) fn skip<T>(message: impl Into<String>) -> Result<T, Stop> {
-    Err(Stop::Skipped(message.into()))
+pub(super) fn skip<T>(message: impl Into<String>) -> Result<T, EntityError> {
+    Err(EntityError::Skipped(message.into()))
 }
 
 /// A word for a message, in quotes.
@@ -57,7 +57,7 @@ pub(super) fn quoted(word: &[u8]) -> String {
 
 /// A vertex as the file says it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Vertex {
+pub(super) struct MgfVertex {
     pub position: DVec3,
     /// Unit length.
     pub normal: Option<DVec3>,
@@ -67,7 +67,7 @@ pub(super) struct Vertex {
 
 /// The transform in force.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
+pub(super) struct TransformState {
     pub map: DAffine3,
     /// For normals.
     pub normals: DMat3,
@@ -77,9 +77,9 @@ pub(super) struct Placement {
     pub serial: u64,
 }
 
-impl Placement {
-    fn new(map: DAffine3, serial: u64) -> Placement {
-        Placement {
+impl TransformState {
+    fn new(map: DAffine3, serial: u64) -> TransformState {
+        TransformState {
             map,
             normals: normal_matrix(map.matrix3),
             scale: map.matrix3.determinant().abs().cbrt(),
@@ -94,22 +94,22 @@ impl Placement {
 }
 
 /// A file while it is read.
-pub(super) struct Source<'a> {
+pub(super) struct MgfSource<'a> {
     /// Its name for what it names itself, relative to the model's folder.
     name: &'a str,
     /// Its name in messages.
     label: &'a str,
-    lines: Lines<'a>,
+    lines: MgfLines<'a>,
     /// Where the statement at hand begins.
-    statement: Mark,
+    statement: StatementMark,
     /// What has been begun in this file and not ended.
-    blocks: Vec<Block>,
+    blocks: Vec<OpenBlock>,
 }
 
-impl<'a> Source<'a> {
-    fn new(name: &'a str, label: &'a str, bytes: &'a [u8]) -> Source<'a> {
-        let lines = Lines::new(bytes);
-        Source {
+impl<'a> MgfSource<'a> {
+    fn new(name: &'a str, label: &'a str, bytes: &'a [u8]) -> MgfSource<'a> {
+        let lines = MgfLines::new(bytes);
+        MgfSource {
             name,
             label,
             statement: lines.mark(),
@@ -120,32 +120,32 @@ impl<'a> Source<'a> {
 }
 
 /// What has a beginning and an end in one file.
-enum Block {
+enum OpenBlock {
     /// `o name`.
     Object,
     /// `xf ...`.
-    Transform(Box<Instances>),
+    Transform(Box<ArrayInstances>),
 }
 
 /// A transform whose content is read once for each of its instances.
-struct Instances {
-    transform: Transform,
+struct ArrayInstances {
+    transform: MgfTransform,
     next: u64,
     /// Where the content begins.
-    start: Mark,
-    outer: Placement,
+    start: StatementMark,
+    outer: TransformState,
 }
 
 /// Reads files into a scene.
-pub(super) struct Reader<'r> {
+pub(super) struct MgfReader<'r> {
     files: &'r dyn Files,
     pub(super) warnings: Warnings,
     pub(super) budget: Budget,
-    pub(super) builder: Builder,
-    colors: Contexts<Chroma>,
-    pub(super) surfaces: Contexts<Surface>,
-    pub(super) vertices: Contexts<Vertex>,
-    pub(super) placement: Placement,
+    pub(super) builder: MgfBuilder,
+    colors: ContextTable<Chroma>,
+    pub(super) surfaces: ContextTable<MgfMaterial>,
+    pub(super) vertices: ContextTable<MgfVertex>,
+    pub(super) placement: TransformState,
     /// Counts placements and changes of vertices.
     serial: u64,
     /// Files that are being read, outermost first.
@@ -161,18 +161,18 @@ pub(super) struct Reader<'r> {
     pub(super) emission: f64,
 }
 
-impl<'r> Reader<'r> {
+impl<'r> MgfReader<'r> {
     /// A reader that has read nothing yet.
-    pub fn new(files: &'r dyn Files, options: &ReadOptions) -> Reader<'r> {
-        Reader {
+    pub fn new(files: &'r dyn Files, options: &ReadOptions) -> MgfReader<'r> {
+        MgfReader {
             files,
             warnings: Warnings::default(),
             budget: Budget::new(options),
-            builder: Builder::new(),
-            colors: Contexts::new(),
-            surfaces: Contexts::new(),
-            vertices: Contexts::new(),
-            placement: Placement::new(DAffine3::IDENTITY, 0),
+            builder: MgfBuilder::new(),
+            colors: ContextTable::new(),
+            surfaces: ContextTable::new(),
+            vertices: ContextTable::new(),
+            placement: TransformState::new(DAffine3::IDENTITY, 0),
             serial: 0,
             open: Vec::new(),
             texts: HashMap::new(),
@@ -191,7 +191,7 @@ impl<'r> Reader<'r> {
         // Other names are relative to the model's folder, whatever led to it.
         let name = label.rsplit(['/', '\\']).next().unwrap_or(label);
         self.open.push(name.to_owned());
-        self.source(Source::new(name, label, bytes))
+        self.source(MgfSource::new(name, label, bytes))
     }
 
     /// What has been read.
@@ -214,7 +214,7 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn source(&mut self, mut source: Source) -> Result<(), Exhausted> {
+    fn source(&mut self, mut source: MgfSource) -> Result<(), Exhausted> {
         let mut words = Vec::new();
         while let Some(mark) = source.lines.next(&mut words) {
             source.statement = mark;
@@ -234,11 +234,11 @@ impl<'r> Reader<'r> {
     }
 
     /// Carries out a statement, or says why not.
-    fn attempt(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Exhausted> {
+    fn attempt(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), Exhausted> {
         match self.statement(source, words[0], &words[1..]) {
             Ok(()) => Ok(()),
-            Err(Stop::Exhausted(e)) => Err(e),
-            Err(Stop::Skipped(message)) => {
+            Err(EntityError::Exhausted(e)) => Err(e),
+            Err(EntityError::Skipped(message)) => {
                 if self.repeated > 0 {
                     self.budget.spend(COMPLAINT)?;
                 }
@@ -249,17 +249,17 @@ impl<'r> Reader<'r> {
     }
 
     #[cold]
-    pub(super) fn warn(&mut self, source: &Source, message: String) {
+    pub(super) fn warn(&mut self, source: &MgfSource, message: String) {
         let position = || source.lines.position(source.statement);
         self.warnings.add(source.label, message, position);
     }
 
     fn statement(
         &mut self,
-        source: &mut Source,
+        source: &mut MgfSource,
         keyword: &[u8],
         words: &[&[u8]],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         match keyword {
             b"v" => self.choose_vertex(words),
             b"p" => self.vertex(|v, p| v.position = p, words),
@@ -267,7 +267,7 @@ impl<'r> Reader<'r> {
             b"c" => troubled(self.colors.choose(words, || Chroma::WHITE), "colour: white"),
             b"cxy" | b"cspec" | b"cct" | b"cmix" => self.color(keyword, words),
             b"m" => troubled(
-                self.surfaces.choose(words, Surface::undefined),
+                self.surfaces.choose(words, MgfMaterial::undefined),
                 "material: grey, reflectance 0.5",
             ),
             b"sides" | b"ir" | b"rd" | b"td" | b"ed" | b"rs" | b"ts" => {
@@ -284,8 +284,8 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn choose_vertex(&mut self, words: &[&[u8]]) -> Result<(), Stop> {
-        let chosen = self.vertices.choose(words, Vertex::default);
+    fn choose_vertex(&mut self, words: &[&[u8]]) -> Result<(), EntityError> {
+        let chosen = self.vertices.choose(words, MgfVertex::default);
         if words.len() > 1 {
             // A copy is a vertex of its own.
             self.serial += 1;
@@ -294,7 +294,11 @@ impl<'r> Reader<'r> {
         troubled(chosen, "vertex: at the origin")
     }
 
-    fn vertex(&mut self, set: fn(&mut Vertex, DVec3), words: &[&[u8]]) -> Result<(), Stop> {
+    fn vertex(
+        &mut self,
+        set: fn(&mut MgfVertex, DVec3),
+        words: &[&[u8]],
+    ) -> Result<(), EntityError> {
         let value = DVec3::from_array(numbers(words)?);
         self.serial += 1;
         let (_, vertex) = self.vertices.current();
@@ -303,7 +307,7 @@ impl<'r> Reader<'r> {
         Ok(())
     }
 
-    fn color(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), Stop> {
+    fn color(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), EntityError> {
         if self.repeated > 0 && matches!(keyword, b"cspec" | b"cct") {
             self.budget.spend(SPECTRUM)?;
         }
@@ -333,7 +337,7 @@ impl<'r> Reader<'r> {
     }
 
     /// The pairs of weight and colour of `cmix`.
-    fn mixture(&self, words: &[&[u8]]) -> Result<Vec<(f64, Chroma)>, Stop> {
+    fn mixture(&self, words: &[&[u8]]) -> Result<Vec<(f64, Chroma)>, EntityError> {
         let (pairs, rest) = words.as_chunks::<2>();
         if !rest.is_empty() {
             return skip("cmix without pairs of weight and colour: skipped");
@@ -349,7 +353,7 @@ impl<'r> Reader<'r> {
         pairs.iter().map(part).collect()
     }
 
-    fn material(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), Stop> {
+    fn material(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), EntityError> {
         let (_, surface) = self.surfaces.current();
         surface.made = [None; 2];
         match keyword {
@@ -364,7 +368,7 @@ impl<'r> Reader<'r> {
             }
             b"ed" => {
                 let [amount] = numbers(words)?;
-                surface.ed = Part {
+                surface.ed = MaterialComponent {
                     amount: (amount * self.emission).clamp(0.0, f64::MAX),
                     color: *self.colors.current().1,
                     roughness: 0.0,
@@ -379,12 +383,12 @@ impl<'r> Reader<'r> {
     }
 
     /// Sets one of the shares of the light that arrives: rd, td, rs or ts.
-    fn share(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), Stop> {
+    fn share(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), EntityError> {
         let [amount, roughness] = match keyword {
             b"rd" | b"td" => [numbers::<1>(words)?[0], 0.0],
             _ => numbers(words)?,
         };
-        let part = Part {
+        let part = MaterialComponent {
             amount: amount.clamp(0.0, 1.0),
             color: *self.colors.current().1,
             roughness: roughness.max(0.0),
@@ -396,21 +400,22 @@ impl<'r> Reader<'r> {
             b"rs" => surface.rs = part,
             _ => surface.ts = part,
         }
-        match amount == part.amount {
-            true => Ok(()),
-            false => skip(format!("{} outside 0..1: clamped", text(keyword))),
+        if amount == part.amount {
+            Ok(())
+        } else {
+            skip(format!("{} outside 0..1: clamped", text(keyword)))
         }
     }
 
-    fn object(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn object(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         match words {
             [] => {
-                let is_object = |b: &Block| matches!(b, Block::Object);
+                let is_object = |b: &OpenBlock| matches!(b, OpenBlock::Object);
                 self.end(source, is_object, "\"o\" that ends nothing: skipped")
             }
             [name, ..] => {
                 self.builder.open(&text(name));
-                source.blocks.push(Block::Object);
+                source.blocks.push(OpenBlock::Object);
                 Ok(())
             }
         }
@@ -419,10 +424,10 @@ impl<'r> Reader<'r> {
     /// Ends the innermost block of a kind, and what is still open inside.
     fn end(
         &mut self,
-        source: &mut Source,
-        is_meant: fn(&Block) -> bool,
+        source: &mut MgfSource,
+        is_meant: fn(&OpenBlock) -> bool,
         nothing: &str,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         let Some(at) = source.blocks.iter().rposition(is_meant) else {
             return skip(nothing);
         };
@@ -436,10 +441,10 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn close(&mut self, block: Block) {
+    fn close(&mut self, block: OpenBlock) {
         match block {
-            Block::Object => self.builder.close(),
-            Block::Transform(instances) => {
+            OpenBlock::Object => self.builder.close(),
+            OpenBlock::Transform(instances) => {
                 self.placement = instances.outer;
                 if instances.transform.is_array() {
                     self.builder.close();
@@ -449,34 +454,36 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn transform(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn transform(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         if words.is_empty() {
             return self.next_instance(source);
         }
-        let (transform, wrong) = Transform::parse(words);
+        let (transform, wrong) = MgfTransform::parse(words);
         let outer = self.placement;
         self.enter(&transform, 0, outer);
-        source.blocks.push(Block::Transform(Box::new(Instances {
-            transform,
-            next: 1,
-            start: source.lines.mark(),
-            outer,
-        })));
+        source
+            .blocks
+            .push(OpenBlock::Transform(Box::new(ArrayInstances {
+                transform,
+                next: 1,
+                start: source.lines.mark(),
+                outer,
+            })));
         understood(wrong)
     }
 
     /// Puts an instance in force.
-    fn enter(&mut self, transform: &Transform, instance: u64, outer: Placement) {
+    fn enter(&mut self, transform: &MgfTransform, instance: u64, outer: TransformState) {
         self.serial += 1;
-        self.placement = Placement::new(outer.map * transform.map(instance), self.serial);
+        self.placement = TransformState::new(outer.map * transform.map(instance), self.serial);
         if transform.is_array() {
             self.builder.open(&transform.name(instance));
         }
     }
 
     /// At the end of a transform: back to its beginning for the next instance, or on.
-    fn next_instance(&mut self, source: &mut Source) -> Result<(), Stop> {
-        if let Some(Block::Transform(instances)) = source.blocks.last_mut()
+    fn next_instance(&mut self, source: &mut MgfSource) -> Result<(), EntityError> {
+        if let Some(OpenBlock::Transform(instances)) = source.blocks.last_mut()
             && instances.next < instances.transform.instances()
         {
             self.builder.close();
@@ -489,17 +496,17 @@ impl<'r> Reader<'r> {
             self.enter(&transform, next, outer);
             return Ok(());
         }
-        let is_transform = |b: &Block| matches!(b, Block::Transform(_));
+        let is_transform = |b: &OpenBlock| matches!(b, OpenBlock::Transform(_));
         self.end(source, is_transform, "\"xf\" that ends nothing: skipped")
     }
 
-    fn include(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn include(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let [path, options @ ..] = words else {
             return skip("\"i\" without a file: skipped");
         };
         let name = beside(source.name, &text(path));
         let bytes = self.text_of(&name)?;
-        let (transform, wrong) = Transform::parse(options);
+        let (transform, wrong) = MgfTransform::parse(options);
         self.instances_of(&name, &bytes, &transform)?;
         understood(wrong)
     }
@@ -509,15 +516,15 @@ impl<'r> Reader<'r> {
         &mut self,
         name: &str,
         bytes: &[u8],
-        transform: &Transform,
-    ) -> Result<(), Stop> {
+        transform: &MgfTransform,
+    ) -> Result<(), EntityError> {
         let outer = self.placement;
         self.repeated += 1;
         self.open.push(name.to_owned());
         for instance in 0..transform.instances() {
             self.budget.spend(REPEATED)?;
             self.enter(transform, instance, outer);
-            self.source(Source::new(name, name, bytes))?;
+            self.source(MgfSource::new(name, name, bytes))?;
             if transform.is_array() {
                 self.builder.close();
             }
@@ -529,7 +536,7 @@ impl<'r> Reader<'r> {
     }
 
     /// The content of a file that is not being read already.
-    pub(super) fn text_of(&mut self, name: &str) -> Result<Rc<[u8]>, Stop> {
+    pub(super) fn text_of(&mut self, name: &str) -> Result<Rc<[u8]>, EntityError> {
         let shown = quoted(name.as_bytes());
         if self.open.iter().any(|open| open == name) {
             return skip(format!("file {shown} includes itself: skipped"));
@@ -557,7 +564,7 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn count_bytes(&mut self, name: &str, bytes: u64) -> Result<(), Stop> {
+    fn count_bytes(&mut self, name: &str, bytes: u64) -> Result<(), EntityError> {
         match self.bytes_left.checked_sub(bytes) {
             Some(left) => {
                 self.bytes_left = left;
@@ -573,7 +580,7 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn luminaire(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn luminaire(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let [path, rest @ ..] = words else {
             return skip("\"ies\" without a file: skipped");
         };
@@ -584,7 +591,7 @@ impl<'r> Reader<'r> {
             },
             options => (1.0, options),
         };
-        let (transform, wrong) = Transform::parse(options);
+        let (transform, wrong) = MgfTransform::parse(options);
         let name = beside(source.name, &text(path));
         self.place_luminaires(source, &name, multiplier, &transform)?;
         understood(wrong)
@@ -594,9 +601,9 @@ impl<'r> Reader<'r> {
     pub(super) fn for_instances(
         &mut self,
         name: &str,
-        transform: &Transform,
-        mut place: impl FnMut(&mut Self) -> Result<(), Stop>,
-    ) -> Result<(), Stop> {
+        transform: &MgfTransform,
+        mut place: impl FnMut(&mut Self) -> Result<(), EntityError>,
+    ) -> Result<(), EntityError> {
         let outer = self.placement;
         let mut said = Ok(());
         self.builder.open(name);
@@ -604,7 +611,7 @@ impl<'r> Reader<'r> {
             self.budget.spend(REPEATED)?;
             self.enter(transform, instance, outer);
             match place(self) {
-                Err(Stop::Exhausted(e)) => return Err(e.into()),
+                Err(EntityError::Exhausted(e)) => return Err(e.into()),
                 Err(skipped) => said = Err(skipped),
                 Ok(()) => {}
             }
@@ -620,11 +627,13 @@ impl<'r> Reader<'r> {
 
 /// What is wrong with the choice of a context, as a message; `stand_in` says of what and with
 /// what it is replaced.
-fn troubled(chosen: Result<(), Trouble>, stand_in: &str) -> Result<(), Stop> {
+fn troubled(chosen: Result<(), ContextError>, stand_in: &str) -> Result<(), EntityError> {
     match chosen {
         Ok(()) => Ok(()),
-        Err(Trouble::Form) => skip("neither \"id\" nor \"id =\" nor \"id = template\": skipped"),
-        Err(Trouble::Undefined(name)) => {
+        Err(ContextError::Form) => {
+            skip("neither \"id\" nor \"id =\" nor \"id = template\": skipped")
+        }
+        Err(ContextError::Undefined(name)) => {
             let (kind, value) = stand_in.split_once(':').unwrap_or((stand_in, ""));
             skip(format!(
                 "undefined {kind} {}: taken as{value}",
@@ -635,7 +644,7 @@ fn troubled(chosen: Result<(), Trouble>, stand_in: &str) -> Result<(), Stop> {
 }
 
 /// What is wrong with the options of a transform, as a message.
-fn understood(wrong: Option<&str>) -> Result<(), Stop> {
+fn understood(wrong: Option<&str>) -> Result<(), EntityError> {
     match wrong {
         None => Ok(()),
         Some(wrong) => skip(format!("{wrong}: it and the options behind it are skipped")),
@@ -643,7 +652,7 @@ fn understood(wrong: Option<&str>) -> Result<(), Stop> {
 }
 
 /// As many numbers as are expected, no more and no less.
-fn numbers<const N: usize>(words: &[&[u8]]) -> Result<[f64; N], Stop> {
+fn numbers<const N: usize>(words: &[&[u8]]) -> Result<[f64; N], EntityError> {
     let mut values = [0.0; N];
     if words.len() != N {
         return skip(format!("{} arguments, expected {N}: skipped", words.len()));

@@ -22,15 +22,15 @@ pub(super) fn sides(radius: f64) -> u32 {
 }
 
 /// Directions from an axis to the corners of a circle.
-struct Circle {
+struct CircleDirections {
     spokes: Vec<DVec3>,
     /// By how much the corners are farther out than the circle.
     stretch: f64,
 }
 
-impl Circle {
+impl CircleDirections {
     /// Counter-clockwise around a unit axis.
-    fn new(axis: DVec3, sides: u32) -> Circle {
+    fn new(axis: DVec3, sides: u32) -> CircleDirections {
         let frame = Frame::from_normal(one_of_both_ways(axis));
         let turn = frame.x.cross(frame.y).dot(axis);
         let spoke = |i: u32| {
@@ -38,7 +38,7 @@ impl Circle {
             cos * frame.x + turn * sin * frame.y
         };
         let half = PI / f64::from(sides);
-        Circle {
+        CircleDirections {
             spokes: (0..sides).map(spoke).collect(),
             stretch: half / half.sin(),
         }
@@ -60,12 +60,12 @@ fn one_of_both_ways(axis: DVec3) -> DVec3 {
 
 /// A mesh of one material, with normals that belong to its vertices.
 #[derive(Default)]
-struct Draft {
+struct SolidMesh {
     mesh: Mesh,
     normals: Vec<DVec3>,
 }
 
-impl Draft {
+impl SolidMesh {
     fn vertex(&mut self, position: DVec3, normal: DVec3) {
         self.mesh.positions.push(position);
         self.normals.push(normal);
@@ -97,12 +97,12 @@ pub(super) fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64, sides: u32) -> Option<M
     }
     let inward = ra < 0.0 || rb < 0.0;
     let (ra, rb) = (ra.abs(), rb.abs());
-    let circle = Circle::new(axis, sides);
+    let circle = CircleDirections::new(axis, sides);
     // Across the side's slope, in the plane of a spoke and the axis.
     let tilt = (ra - rb) / length;
     let normal = |spoke: DVec3| (spoke + tilt * axis).normalize_or(axis);
     let n = circle.spokes.len();
-    let mut draft = Draft::default();
+    let mut draft = SolidMesh::default();
     for (centre, r) in [(a, ra), (b, rb)] {
         for (i, &spoke) in circle.spokes.iter().enumerate() {
             // The tip has a vertex for each side, so that each is shaded along its own middle.
@@ -124,8 +124,8 @@ pub(super) fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64, sides: u32) -> Option<M
 
 /// A flat ring, or a disc if the inner radius is 0. Only its normal counts for shading.
 pub(super) fn ring(centre: DVec3, normal: DVec3, inner: f64, outer: f64, sides: u32) -> Mesh {
-    let circle = Circle::new(normal, sides);
-    let mut draft = Draft::default();
+    let circle = CircleDirections::new(normal, sides);
+    let mut draft = SolidMesh::default();
     let at = |r: f64, spoke: DVec3| centre + r * circle.stretch * spoke;
     for &spoke in &circle.spokes {
         draft.vertex(at(outer, spoke), normal);
@@ -154,10 +154,10 @@ pub(super) fn torus(centre: DVec3, axis: DVec3, inner: f64, outer: f64, sides: [
         (inner.abs() + outer.abs()) / 2.0,
         (outer.abs() - inner.abs()).abs() / 2.0,
     );
-    let around = Circle::new(axis, sides[0]);
+    let around = CircleDirections::new(axis, sides[0]);
     let half = PI / f64::from(sides[1]);
     let tube_stretch = half / half.sin();
-    let mut draft = Draft::default();
+    let mut draft = SolidMesh::default();
     for &spoke in &around.spokes {
         for j in 0..sides[1] {
             let (sin, cos) = (TAU * f64::from(j) / f64::from(sides[1])).sin_cos();

@@ -1,7 +1,7 @@
 //! The statements that make surfaces.
 
-use super::build::Corner;
-use super::reader::{Reader, Source, Stop, Vertex, quoted, skip};
+use super::build::MgfCorner;
+use super::reader::{EntityError, MgfReader, MgfSource, MgfVertex, quoted, skip};
 use super::{holes, solids};
 use azulejo_scene::{MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DVec3};
@@ -9,14 +9,14 @@ use glam::{DAffine3, DVec3};
 /// What an object costs besides its vertices and corners.
 const OBJECT: u64 = 16;
 
-impl Reader<'_> {
+impl MgfReader<'_> {
     /// Carries out one of the statements that make surfaces.
     pub(super) fn surface(
         &mut self,
-        source: &Source,
+        source: &MgfSource,
         keyword: &[u8],
         words: &[&[u8]],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         match keyword {
             b"f" => self.face(source, words),
             b"fh" => self.face_with_holes(source, words),
@@ -35,7 +35,7 @@ impl Reader<'_> {
         }
     }
 
-    fn named(&self, name: &[u8]) -> Result<Vertex, Stop> {
+    fn named(&self, name: &[u8]) -> Result<MgfVertex, EntityError> {
         match self.vertices.get(name) {
             Some(&vertex) => Ok(vertex),
             None => skip(format!(
@@ -46,7 +46,7 @@ impl Reader<'_> {
     }
 
     /// A vertex under the transform in force.
-    fn corner(&self, name: &[u8]) -> Result<Corner, Stop> {
+    fn corner(&self, name: &[u8]) -> Result<MgfCorner, EntityError> {
         let vertex = self.named(name)?;
         let position = self.placement.map.transform_point3(vertex.position);
         if !position.is_finite() {
@@ -54,7 +54,7 @@ impl Reader<'_> {
         }
         // A map that flattens leaves some normals no direction; theirs is as good as any.
         let placed = |n: DVec3| (self.placement.normals * n).try_normalize().unwrap_or(n);
-        Ok(Corner {
+        Ok(MgfCorner {
             key: (vertex.revision, self.placement.serial),
             position,
             normal: vertex.normal.map(placed),
@@ -63,7 +63,7 @@ impl Reader<'_> {
 
     /// The current material in the scene, as a surface without or with an inside that nobody
     /// sees.
-    fn current_material(&mut self, source: &Source, is_closed: bool) -> MaterialId {
+    fn current_material(&mut self, source: &MgfSource, is_closed: bool) -> MaterialId {
         let (name, surface) = self.surfaces.current();
         if let Some(made) = surface.made[usize::from(is_closed)] {
             return made;
@@ -87,16 +87,20 @@ impl Reader<'_> {
         id
     }
 
-    fn face(&mut self, source: &Source, names: &[&[u8]]) -> Result<(), Stop> {
+    fn face(&mut self, source: &MgfSource, names: &[&[u8]]) -> Result<(), EntityError> {
         if names.len() < 3 {
             return skip("face of fewer than 3 corners: skipped");
         }
         let corners = names.iter().map(|name| self.corner(name));
-        let corners: Vec<Corner> = corners.collect::<Result<_, _>>()?;
+        let corners: Vec<MgfCorner> = corners.collect::<Result<_, _>>()?;
         self.polygon(source, corners)
     }
 
-    fn polygon(&mut self, source: &Source, mut corners: Vec<Corner>) -> Result<(), Stop> {
+    fn polygon(
+        &mut self,
+        source: &MgfSource,
+        mut corners: Vec<MgfCorner>,
+    ) -> Result<(), EntityError> {
         self.budget.spend(2 * corners.len() as u64)?;
         if self.placement.mirrors() {
             corners[1..].reverse();
@@ -107,10 +111,10 @@ impl Reader<'_> {
     }
 
     /// `fh`: the outline and the holes stand behind each other, with `-` between.
-    fn face_with_holes(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn face_with_holes(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let loops: Vec<&[&[u8]]> = words.split(|word| *word == b"-").collect();
         let names = loops.iter().copied().flatten();
-        let corners: Vec<Corner> = names.map(|n| self.corner(n)).collect::<Result<_, _>>()?;
+        let corners: Vec<MgfCorner> = names.map(|n| self.corner(n)).collect::<Result<_, _>>()?;
         let (outline, found) = (loops[0].len(), &loops[1..]);
         if outline < 3 {
             return skip("face of fewer than 3 corners: skipped");
@@ -128,7 +132,7 @@ impl Reader<'_> {
         }
     }
 
-    fn sphere(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn sphere(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let [name, radius] = words else {
             return skip("sph without \"vertex radius\": skipped");
         };
@@ -163,7 +167,12 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn cone(&mut self, source: &Source, ends: [&[u8]; 2], radii: [&[u8]; 2]) -> Result<(), Stop> {
+    fn cone(
+        &mut self,
+        source: &MgfSource,
+        ends: [&[u8]; 2],
+        radii: [&[u8]; 2],
+    ) -> Result<(), EntityError> {
         let [a, b] = [self.named(ends[0])?.position, self.named(ends[1])?.position];
         let [ra, rb] = [length(radii[0])?, length(radii[1])?];
         let sides = solids::sides(ra.abs().max(rb.abs()) * self.placement.scale);
@@ -174,7 +183,7 @@ impl Reader<'_> {
         }
     }
 
-    fn ring(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn ring(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let (centre, normal, inner, outer) = self.round(words)?;
         if !(0.0 <= inner && inner < outer) {
             return skip("ring whose radii are not 0 <= inner < outer: skipped");
@@ -185,7 +194,7 @@ impl Reader<'_> {
         self.solid(source, mesh, false, &self.placement.map.clone())
     }
 
-    fn torus(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn torus(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let (centre, normal, inner, outer) = self.round(words)?;
         if inner * outer < 0.0 || inner.abs() == outer.abs() {
             return skip("torus whose radii are equal or of two signs: skipped");
@@ -201,7 +210,7 @@ impl Reader<'_> {
     }
 
     /// Centre, normal and two radii.
-    fn round(&self, words: &[&[u8]]) -> Result<(DVec3, DVec3, f64, f64), Stop> {
+    fn round(&self, words: &[&[u8]]) -> Result<(DVec3, DVec3, f64, f64), EntityError> {
         let [name, inner, outer] = words else {
             return skip("ring or torus without \"vertex radius radius\": skipped");
         };
@@ -212,13 +221,13 @@ impl Reader<'_> {
         }
     }
 
-    fn prism(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn prism(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let [names @ .., last] = words else {
             return skip("prism without \"vertices length\": skipped");
         };
         let height = length(last)?;
         let base = names.iter().map(|name| self.named(name));
-        let base: Vec<Vertex> = base.collect::<Result<_, _>>()?;
+        let base: Vec<MgfVertex> = base.collect::<Result<_, _>>()?;
         let base: Vec<(DVec3, Option<DVec3>)> =
             base.iter().map(|v| (v.position, v.normal)).collect();
         self.budget.spend(8 * base.len() as u64)?;
@@ -233,11 +242,11 @@ impl Reader<'_> {
     /// Adds a mesh in the file's coordinates as an object of its own.
     fn solid(
         &mut self,
-        source: &Source,
+        source: &MgfSource,
         mesh: Mesh,
         is_closed: bool,
         map: &DAffine3,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         self.budget.spend(OBJECT)?;
         let placed = mesh.positions.iter().map(|p| map.transform_point3(*p));
         let normals = mesh.normals.iter().flat_map(|n| &n.values);
@@ -251,7 +260,7 @@ impl Reader<'_> {
 }
 
 /// A number as a length.
-fn length(word: &[u8]) -> Result<f64, Stop> {
+fn length(word: &[u8]) -> Result<f64, EntityError> {
     match super::lines::number(word) {
         Some(length) => Ok(length),
         None => skip(format!(

@@ -6,43 +6,43 @@ use std::fmt::Write;
 
 /// Maps that act one after the other on what they are applied to.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Transform {
-    pieces: Vec<Piece>,
+pub(super) struct MgfTransform {
+    pieces: Vec<TransformFactor>,
 }
 
 /// A map that is applied several times, or in an array 0, 1, 2... times for its instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
+struct TransformFactor {
     map: DAffine3,
     count: u64,
     is_array: bool,
 }
 
-impl Piece {
-    const ONCE: Piece = Piece {
+impl TransformFactor {
+    const ONCE: TransformFactor = TransformFactor {
         map: DAffine3::IDENTITY,
         count: 1,
         is_array: false,
     };
 }
 
-impl Transform {
+impl MgfTransform {
     /// Reads options, and what is wrong with the first that is not understood; it and those
     /// behind it do nothing.
-    pub fn parse(words: &[&[u8]]) -> (Transform, Option<&'static str>) {
-        let mut transform = Transform {
-            pieces: vec![Piece::ONCE],
+    pub fn parse(words: &[&[u8]]) -> (MgfTransform, Option<&'static str>) {
+        let mut transform = MgfTransform {
+            pieces: vec![TransformFactor::ONCE],
         };
         let mut rest = words;
         while !rest.is_empty() {
             match option(rest) {
-                Ok((taken, Found::Map(map))) => {
+                Ok((taken, TransformOption::Map(map))) => {
                     let last = transform.pieces.last_mut();
                     let last = last.expect("there is a piece from the start");
                     last.map = map * last.map;
                     rest = &rest[taken..];
                 }
-                Ok((taken, Found::Piece(piece))) => {
+                Ok((taken, TransformOption::Piece(piece))) => {
                     transform.pieces.push(piece);
                     rest = &rest[taken..];
                 }
@@ -67,9 +67,10 @@ impl Transform {
     pub fn map(&self, instance: u64) -> DAffine3 {
         let (mut whole, mut left) = (DAffine3::IDENTITY, instance);
         for piece in self.pieces.iter().rev() {
-            let times = match piece.is_array {
-                true => left % piece.count,
-                false => piece.count,
+            let times = if piece.is_array {
+                left % piece.count
+            } else {
+                piece.count
             };
             if piece.is_array {
                 left /= piece.count;
@@ -111,22 +112,24 @@ fn power(map: DAffine3, mut times: u64) -> DAffine3 {
 }
 
 /// What an option is.
-enum Found {
+enum TransformOption {
     /// A map that acts behind those before.
     Map(DAffine3),
     /// The start of a repetition.
-    Piece(Piece),
+    Piece(TransformFactor),
 }
 
 /// The option at the start of some words, and how many of these it takes.
-fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
+fn option(words: &[&[u8]]) -> Result<(usize, TransformOption), &'static str> {
     let (option, arguments) = (words[0], &words[1..]);
     let wrong = "an option of a transform without its numbers";
     let numbers = |n: usize| -> Result<Vec<f64>, &'static str> {
         let words = arguments.get(..n).ok_or(wrong)?;
         words.iter().map(|w| number(w).ok_or(wrong)).collect()
     };
-    let map = |taken: usize, matrix: DMat3| Ok((taken, Found::Map(DAffine3::from_mat3(matrix))));
+    let map = |taken: usize, matrix: DMat3| {
+        Ok((taken, TransformOption::Map(DAffine3::from_mat3(matrix))))
+    };
     let scale = |axes: DVec3| match numbers(1)?[0] {
         0.0 => Err("a scale of 0"),
         f => map(2, DMat3::from_diagonal(axes * f + (DVec3::ONE - axes))),
@@ -136,7 +139,7 @@ fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
     match option {
         b"-t" => {
             let t = DVec3::from_slice(&numbers(3)?);
-            Ok((4, Found::Map(DAffine3::from_translation(t))))
+            Ok((4, TransformOption::Map(DAffine3::from_translation(t))))
         }
         b"-rx" => map(2, DMat3::from_rotation_x(angle()?)),
         b"-ry" => map(2, DMat3::from_rotation_y(angle()?)),
@@ -161,12 +164,12 @@ fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
             if !(n >= least && n <= 1e15) {
                 return Err("a repetition that is no count");
             }
-            let piece = Piece {
+            let piece = TransformFactor {
                 count: n as u64,
                 is_array,
-                ..Piece::ONCE
+                ..TransformFactor::ONCE
             };
-            Ok((2, Found::Piece(piece)))
+            Ok((2, TransformOption::Piece(piece)))
         }
         _ => Err("an unknown option of a transform"),
     }
@@ -176,12 +179,12 @@ fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
 mod tests {
     use super::*;
 
-    fn parse(options: &str) -> (Transform, Option<&'static str>) {
+    fn parse(options: &str) -> (MgfTransform, Option<&'static str>) {
         let words: Vec<&[u8]> = options
             .split_ascii_whitespace()
             .map(str::as_bytes)
             .collect();
-        Transform::parse(&words)
+        MgfTransform::parse(&words)
     }
 
     /// Where each instance puts (1, 0, 0).

@@ -1,7 +1,7 @@
 //! One file: its records as a tree, and its palettes.
 
-use super::fields::Fields;
-use super::opcode::{self, Role};
+use super::fields::RecordFields;
+use super::opcode::{self, OpcodeRole};
 use super::palettes::{self, Palettes};
 use super::vertices::VertexPalette;
 use crate::reading::warnings::Warnings;
@@ -20,7 +20,7 @@ const MOST_ANCILLARY: usize = 16;
 /// A record that is kept. What stands between it and `end` belongs to it: first its ancillary
 /// records, then its children, each followed by its own.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct FltNode {
     pub opcode: u16,
     /// Where the record starts in the file.
     pub at: u32,
@@ -30,13 +30,13 @@ pub(super) struct Node {
 
 /// A file whose records have been found, but not understood.
 #[derive(Debug)]
-pub(super) struct Document<'a> {
+pub(super) struct FltDocument<'a> {
     /// Its name for messages.
     pub file: Rc<str>,
     bytes: Cow<'a, [u8]>,
     /// Records with their continuations, by where they start.
     continued: HashMap<u32, Vec<u8>>,
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<FltNode>,
     /// Numbers of instance definitions, and their nodes.
     pub definitions: HashMap<u16, u32>,
     /// As the header has it, but in hundredths: 1420 for 14.2.
@@ -48,7 +48,7 @@ pub(super) struct Document<'a> {
     pub vertices: VertexPalette,
 }
 
-impl<'a> Document<'a> {
+impl<'a> FltDocument<'a> {
     /// Finds the records of a file. `path` is its name as the root model knows it, empty for the
     /// root model itself.
     ///
@@ -59,12 +59,12 @@ impl<'a> Document<'a> {
         file: &str,
         path: &str,
         warnings: &mut Warnings,
-    ) -> Result<Document<'a>, ReadError> {
+    ) -> Result<FltDocument<'a>, ReadError> {
         let header = check_header(&bytes, file)?;
         let revision = revision(header);
         let metres_per_unit = metres_per_unit(header);
         let packed_colors = header.u32(64).is_some_and(|flags| flags & 1 << 30 != 0);
-        let document = Document {
+        let document = FltDocument {
             file: file.into(),
             bytes,
             continued: HashMap::new(),
@@ -76,7 +76,7 @@ impl<'a> Document<'a> {
             palettes: Palettes::default(),
             vertices: VertexPalette::default(),
         };
-        let mut scan = Scan {
+        let mut scan = RecordScan {
             document,
             path: path.into(),
             warnings,
@@ -90,17 +90,17 @@ impl<'a> Document<'a> {
     }
 
     /// The fields of a record that starts at `at`, with its continuations.
-    pub fn fields(&self, at: u32) -> Fields<'_> {
+    pub fn fields(&self, at: u32) -> RecordFields<'_> {
         if let Some(joined) = self.continued.get(&at) {
-            return Fields(joined);
+            return RecordFields(joined);
         }
         let rest = self.bytes.get(at as usize..).unwrap_or_default();
-        let length = Fields(rest).u16(2).unwrap_or_default();
-        Fields(&rest[..rest.len().min(length.into())])
+        let length = RecordFields(rest).u16(2).unwrap_or_default();
+        RecordFields(&rest[..rest.len().min(length.into())])
     }
 
     /// The fields of a node.
-    pub fn node(&self, node: u32) -> Fields<'_> {
+    pub fn node(&self, node: u32) -> RecordFields<'_> {
         self.fields(self.nodes[node as usize].at)
     }
 
@@ -127,10 +127,10 @@ impl<'a> Document<'a> {
     }
 
     /// An ancillary record of a node.
-    pub fn ancillary(&self, node: u32, opcode: u16) -> Option<Fields<'_>> {
+    pub fn ancillary(&self, node: u32, opcode: u16) -> Option<RecordFields<'_>> {
         self.below(node)
             .take(MOST_ANCILLARY)
-            .take_while(|(_, n)| Role::of(n.opcode) == Role::Ancillary)
+            .take_while(|(_, n)| OpcodeRole::of(n.opcode) == OpcodeRole::Ancillary)
             .find(|(_, n)| n.opcode == opcode)
             .map(|(_, n)| self.fields(n.at))
     }
@@ -151,14 +151,14 @@ impl<'a> Document<'a> {
 /// Nodes next to each other in the tree, with their indices.
 #[derive(Clone, Debug)]
 pub(super) struct Siblings<'a> {
-    nodes: &'a [Node],
+    nodes: &'a [FltNode],
     range: Range<u32>,
 }
 
 impl Iterator for Siblings<'_> {
-    type Item = (u32, Node);
+    type Item = (u32, FltNode);
 
-    fn next(&mut self) -> Option<(u32, Node)> {
+    fn next(&mut self) -> Option<(u32, FltNode)> {
         let index = self.range.start;
         if index >= self.range.end {
             return None;
@@ -169,8 +169,8 @@ impl Iterator for Siblings<'_> {
     }
 }
 
-fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<Fields<'b>, ReadError> {
-    let fields = Fields(bytes);
+fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<RecordFields<'b>, ReadError> {
+    let fields = RecordFields(bytes);
     let expected = "a header record: opcode 1 and a length of at least 16";
     let (found, length) = match (fields.u16(0), fields.u16(2)) {
         _ if bytes.len() as u64 >= LARGEST => {
@@ -180,7 +180,7 @@ fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<Fields<'b>, ReadError
         }
         (Some(opcode::HEADER), Some(length)) if length >= 16 => {
             if let Some(header) = bytes.get(..length.into()) {
-                return Ok(Fields(header));
+                return Ok(RecordFields(header));
             }
             ("a header of", format!("{length} bytes, cut short"))
         }
@@ -196,14 +196,14 @@ fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<Fields<'b>, ReadError
 }
 
 /// Old files say 14, later ones 1420.
-fn revision(header: Fields) -> u32 {
+fn revision(header: RecordFields) -> u32 {
     match header.u32(12).unwrap_or_default() {
         small @ 0..100 => small * 100,
         revision => revision,
     }
 }
 
-fn metres_per_unit(header: Fields) -> Option<f64> {
+fn metres_per_unit(header: RecordFields) -> Option<f64> {
     match header.u8(62)? {
         0 => Some(1.0),
         1 => Some(1000.0),
@@ -215,8 +215,8 @@ fn metres_per_unit(header: Fields) -> Option<f64> {
 }
 
 /// A pass over the records of a file.
-struct Scan<'a, 'w> {
-    document: Document<'a>,
+struct RecordScan<'a, 'w> {
+    document: FltDocument<'a>,
     path: Rc<str>,
     warnings: &'w mut Warnings,
     /// The nodes whose children are being read.
@@ -226,7 +226,7 @@ struct Scan<'a, 'w> {
     at: usize,
 }
 
-impl<'a> Scan<'a, '_> {
+impl<'a> RecordScan<'a, '_> {
     #[cold]
     fn warn(&mut self, message: String) {
         let at = self.at as u64;
@@ -249,7 +249,8 @@ impl<'a> Scan<'a, '_> {
     /// Reads a record; `false` at the end.
     fn record(&mut self) -> bool {
         let rest = &self.document.bytes[self.at..];
-        let (Some(opcode), Some(length)) = (Fields(rest).u16(0), Fields(rest).u16(2)) else {
+        let (Some(opcode), Some(length)) = (RecordFields(rest).u16(0), RecordFields(rest).u16(2))
+        else {
             if !rest.is_empty() {
                 self.warn(format!(
                     "{} bytes after the last record: skipped",
@@ -299,23 +300,23 @@ impl<'a> Scan<'a, '_> {
 
     /// What a continuation record at `at` holds.
     fn continuation(&self, at: usize) -> Option<&[u8]> {
-        let fields = Fields(self.document.bytes.get(at..)?);
+        let fields = RecordFields(self.document.bytes.get(at..)?);
         let length = usize::from(fields.u16(2)?);
         let is_one = fields.u16(0) == Some(opcode::CONTINUATION);
         is_one.then(|| fields.0.get(4..length)).flatten()
     }
 
     fn take(&mut self, opcode: u16) {
-        match Role::of(opcode) {
-            Role::Push => self.push(),
-            Role::Pop => self.pop(),
-            Role::Node => self.node(opcode),
-            Role::Ancillary => {
+        match OpcodeRole::of(opcode) {
+            OpcodeRole::Push => self.push(),
+            OpcodeRole::Pop => self.pop(),
+            OpcodeRole::Node => self.node(opcode),
+            OpcodeRole::Ancillary => {
                 self.add(opcode);
             }
-            Role::Palette => self.palette(opcode),
-            Role::Silent => {}
-            Role::Skipped => {
+            OpcodeRole::Palette => self.palette(opcode),
+            OpcodeRole::Silent => {}
+            OpcodeRole::Skipped => {
                 let name = opcode::name(opcode);
                 self.warn(format!("{name} (opcode {opcode}): skipped"));
             }
@@ -325,7 +326,7 @@ impl<'a> Scan<'a, '_> {
     /// Adds a node, which for now has nothing below it.
     fn add(&mut self, opcode: u16) -> u32 {
         let index = self.document.nodes.len() as u32;
-        self.document.nodes.push(Node {
+        self.document.nodes.push(FltNode {
             opcode,
             at: self.at as u32,
             end: index + 1,
@@ -421,7 +422,7 @@ impl<'a> Scan<'a, '_> {
         }
     }
 
-    fn finish(mut self) -> Document<'a> {
+    fn finish(mut self) -> FltDocument<'a> {
         if !self.open.is_empty() {
             let levels = self.open.len();
             self.warn(format!("the file ends within {levels} levels: closed"));

@@ -1,12 +1,12 @@
 //! Faces and meshes.
 
-use super::look::Style;
+use super::materials::FaceAttributes;
 use super::opcode;
-use super::part::{Part, Slot};
-use super::transform::Place;
+use super::part::{FltPart, VertexSlot};
+use super::transform::InheritedState;
 use super::vertices::{LocalPool, palette_vertex, palette_vertex_color};
-use super::walk::{Source, Walker};
-use super::warn::Notes;
+use super::walk::{FltSource, FltWalker};
+use super::warn::RecordWarnings;
 use crate::ReadError;
 use azulejo_scene::{MaterialId, Rgb};
 
@@ -14,36 +14,36 @@ use azulejo_scene::{MaterialId, Rgb};
 const NONE: u32 = u32::MAX;
 
 /// A face or mesh where it is drawn.
-struct Surface<'d> {
-    source: Source<'d>,
+struct FltSurface<'d> {
+    source: FltSource<'d>,
     node: u32,
-    place: &'d Place,
-    style: &'d Style,
+    place: &'d InheritedState,
+    style: &'d FaceAttributes,
     color: Rgb,
     material: MaterialId,
 }
 
-impl Walker<'_> {
+impl FltWalker<'_> {
     /// Draws a face or a mesh, and the faces that lie on it.
     pub fn surface(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
-        place: &Place,
-        part: &mut Part,
+        place: &InheritedState,
+        part: &mut FltPart,
     ) -> Result<(), ReadError> {
         let document = source.document;
         let is_mesh = document.nodes[node as usize].opcode == opcode::MESH;
-        let style = Style::new(document.node(node), is_mesh, document);
+        let style = FaceAttributes::new(document.node(node), is_mesh, document);
         if let Some(why) = style.skipped() {
             self.notes(source, node).add(why);
             return Ok(());
         }
-        let (color, material) = self.look(source, node, &style, place.opacity);
+        let (color, material) = self.color_and_material(source, node, &style, place.opacity);
         self.deeper(source, node, |walker| {
             walker.each_copy(source, node, place, |walker, place| {
                 part.enter(place, &mut walker.stamps);
-                let surface = Surface {
+                let surface = FltSurface {
                     source,
                     node,
                     place,
@@ -51,23 +51,24 @@ impl Walker<'_> {
                     color,
                     material,
                 };
-                match is_mesh {
-                    true => walker.mesh(&surface, part),
-                    false => walker.face(&surface, part),
+                if is_mesh {
+                    walker.mesh(&surface, part)
+                } else {
+                    walker.face(&surface, part)
                 }
             })
         })
     }
 
     /// The colour of a face and its material, and warnings about both.
-    fn look(
+    fn color_and_material(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
-        style: &Style,
+        style: &FaceAttributes,
         opacity: f64,
     ) -> (Rgb, MaterialId) {
-        let mut notes = Notes::new(&mut self.warnings, source.document, node);
+        let mut notes = RecordWarnings::new(&mut self.warnings, source.document, node);
         let color = style.color(source.palettes, &mut notes);
         if style.opacity(opacity, source.palettes) < 1.0 {
             notes.add("see-through face: opaque");
@@ -82,11 +83,11 @@ impl Walker<'_> {
             color
         };
         let palettes = (source.set, source.palettes);
-        let material = self.looks.material(style, own, palettes, &mut notes);
+        let material = self.materials.material(style, own, palettes, &mut notes);
         (color, material)
     }
 
-    fn face(&mut self, face: &Surface, part: &mut Part) -> Result<(), ReadError> {
+    fn face(&mut self, face: &FltSurface, part: &mut FltPart) -> Result<(), ReadError> {
         let source = face.source;
         let mut has_corners = false;
         for (child, node) in source.document.below(face.node) {
@@ -115,9 +116,9 @@ impl Walker<'_> {
     /// Draws what stands below a face or mesh, but is not its own.
     fn below_surface(
         &mut self,
-        surface: &Surface,
+        surface: &FltSurface,
         child: u32,
-        part: &mut Part,
+        part: &mut FltPart,
     ) -> Result<(), ReadError> {
         let (source, place) = (surface.source, surface.place);
         match source.document.nodes[child as usize].opcode {
@@ -128,7 +129,7 @@ impl Walker<'_> {
                 part.enter(place, &mut self.stamps);
                 Ok(())
             }
-            other if opcode::Role::of(other) == opcode::Role::Node => {
+            other if opcode::OpcodeRole::of(other) == opcode::OpcodeRole::Node => {
                 self.node(source, child, place)
             }
             _ => Ok(()),
@@ -139,10 +140,10 @@ impl Walker<'_> {
     /// offset of a vertex.
     fn polygon(
         &mut self,
-        face: &Surface,
+        face: &FltSurface,
         list: u32,
         size: usize,
-        part: &mut Part,
+        part: &mut FltPart,
     ) -> Result<(), ReadError> {
         let record = face.source.document.node(list);
         let count = (record.0.len() - 4) / size;
@@ -164,7 +165,7 @@ impl Walker<'_> {
     }
 
     /// The vertex of a part that stands for the vertex of the palette at an offset.
-    fn corner(&mut self, face: &Surface, offset: u32, part: &mut Part) -> Option<u32> {
+    fn corner(&mut self, face: &FltSurface, offset: u32, part: &mut FltPart) -> Option<u32> {
         let source = face.source;
         let index = source.document.vertices.find(offset)?;
         let color = if face.style.is_gouraud() {
@@ -179,7 +180,7 @@ impl Walker<'_> {
         }
         let vertex = palette_vertex(source.document, index)?;
         let added = part.add_vertex(&vertex, color, face.place)?;
-        *slot = Slot {
+        *slot = VertexSlot {
             stamp: part.stamp,
             vertex: added,
         };
@@ -187,7 +188,7 @@ impl Walker<'_> {
     }
 
     /// Adds the polygons of a mesh.
-    fn mesh(&mut self, mesh: &Surface, part: &mut Part) -> Result<(), ReadError> {
+    fn mesh(&mut self, mesh: &FltSurface, part: &mut FltPart) -> Result<(), ReadError> {
         let document = mesh.source.document;
         let record = document.ancillary(mesh.node, opcode::LOCAL_VERTEX_POOL);
         let Some(pool) = record.and_then(LocalPool::new) else {
@@ -215,13 +216,13 @@ impl Walker<'_> {
     /// Adds the polygons of a mesh primitive. `local` holds the vertices that the part has.
     fn primitive(
         &mut self,
-        mesh: &Surface,
+        mesh: &FltSurface,
         pool: &LocalPool,
         local: &mut [u32],
         node: u32,
-        part: &mut Part,
+        part: &mut FltPart,
     ) -> Result<(), ReadError> {
-        let primitive = Primitive::new(mesh.source.document.node(node));
+        let primitive = MeshPrimitive::new(mesh.source.document.node(node));
         if primitive.indices.len() < primitive.promised as usize {
             let message = "mesh primitive with fewer indices than it promises";
             self.notes(mesh.source, node).add(message);
@@ -259,7 +260,7 @@ impl Walker<'_> {
         Ok(())
     }
 
-    fn note_missing_uvs(&mut self, surface: &Surface, part: &Part) {
+    fn note_missing_uvs(&mut self, surface: &FltSurface, part: &FltPart) {
         if surface.style.has_texture() && !part.has_uvs {
             let message = "face with a picture, but without texture coordinates";
             self.notes(surface.source, surface.node).add(message);
@@ -268,14 +269,14 @@ impl Walker<'_> {
 }
 
 /// The indices of a mesh primitive, and what they mean.
-struct Primitive {
+struct MeshPrimitive {
     kind: i16,
     indices: Vec<u32>,
     promised: u32,
 }
 
-impl Primitive {
-    fn new(record: super::fields::Fields) -> Primitive {
+impl MeshPrimitive {
+    fn new(record: super::fields::RecordFields) -> MeshPrimitive {
         const FIRST: usize = 12;
         let size = usize::from(record.u16(6).unwrap_or_default());
         let promised = record.u32(8).unwrap_or_default();
@@ -287,7 +288,7 @@ impl Primitive {
             4 => record.u32(FIRST + 4 * k),
             _ => None,
         };
-        Primitive {
+        MeshPrimitive {
             kind: record.i16(4).unwrap_or_default(),
             indices: (0..count).map_while(index).collect(),
             promised,

@@ -9,9 +9,9 @@ use glam::DVec3;
 /// A field that the record is too short for is `None`: records only grew from one revision to the
 /// next, and each reader says what a missing field means.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fields<'a>(pub &'a [u8]);
+pub(super) struct RecordFields<'a>(pub &'a [u8]);
 
-impl<'a> Fields<'a> {
+impl<'a> RecordFields<'a> {
     fn array<const N: usize>(self, at: usize) -> Option<[u8; N]> {
         self.0.get(at..at.checked_add(N)?)?.try_into().ok()
     }
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn fields_end_with_their_record() {
-        let fields = Fields(b"\x00\x05\x00\x0c a\xe9\0zz\xff\x80");
+        let fields = RecordFields(b"\x00\x05\x00\x0c a\xe9\0zz\xff\x80");
         assert_eq!((fields.u16(0), fields.u16(10)), (Some(5), Some(0xff80)));
         assert_eq!((fields.i16(10), fields.u16(11)), (Some(-128), None));
         assert_eq!((fields.u32(9), fields.u32(usize::MAX)), (None, None));

@@ -1,10 +1,10 @@
 //! Light sources.
 
-use super::fields::Fields;
+use super::fields::RecordFields;
 use super::palettes::{PaletteLight, Palettes};
-use super::transform::Place;
-use super::walk::{Source, Walker};
-use super::warn::Notes;
+use super::transform::InheritedState;
+use super::walk::{FltSource, FltWalker};
+use super::warn::RecordWarnings;
 use crate::ReadError;
 use azulejo_scene::{Light, LightKind};
 use glam::DVec3;
@@ -13,9 +13,14 @@ use std::f64::consts::PI;
 const ENABLED: u32 = 1 << 31;
 const GLOBAL: u32 = 1 << 30;
 
-impl Walker<'_> {
+impl FltWalker<'_> {
     /// Adds the light of a light source node.
-    pub fn light(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    pub fn light(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let record = source.document.node(node);
         let mut notes = self.notes(source, node);
         match found(record, source.palettes, place) {
@@ -35,9 +40,9 @@ impl Walker<'_> {
 
 /// The light that a node stands for and its entry in the palette, or why there is none.
 fn found<'p>(
-    record: Fields,
+    record: RecordFields,
     palettes: &'p Palettes,
-    place: &Place,
+    place: &InheritedState,
 ) -> Result<(&'p PaletteLight, LightKind), &'static str> {
     if record.u32(24).unwrap_or_default() & ENABLED == 0 {
         return Err("light source that is turned off: left out");
@@ -51,7 +56,7 @@ fn found<'p>(
     Ok((entry, kind))
 }
 
-fn note_losses(record: Fields, entry: &PaletteLight, notes: &mut Notes) {
+fn note_losses(record: RecordFields, entry: &PaletteLight, notes: &mut RecordWarnings) {
     if record.u32(24).unwrap_or_default() & GLOBAL == 0 {
         notes.add("light source for what is below it alone: lights all");
     }
@@ -70,7 +75,7 @@ const LOCAL: i32 = 1;
 const SPOT: i32 = 2;
 
 /// The light of a node at its place in the world.
-fn kind(record: Fields, entry: &PaletteLight, place: &Place) -> Option<LightKind> {
+fn kind(record: RecordFields, entry: &PaletteLight, place: &InheritedState) -> Option<LightKind> {
     let position = place.world.transform_point3(record.doubles(32)?);
     let aim = aim(record).and_then(|a| place.world.transform_vector3(a).try_normalize());
     let color = entry.diffuse.map(|c| c.max(0.0));
@@ -106,7 +111,7 @@ fn kind(record: Fields, entry: &PaletteLight, place: &Place) -> Option<LightKind
 
 /// The direction that yaw and pitch of a node stand for: +y at zero, yaw turns it toward −x,
 /// pitch toward +z.
-fn aim(record: Fields) -> Option<DVec3> {
+fn aim(record: RecordFields) -> Option<DVec3> {
     let yaw = record.single(56)?.to_radians();
     let pitch = record.single(60)?.to_radians();
     let level = pitch.cos();

@@ -10,7 +10,7 @@ mod external;
 mod faces;
 mod fields;
 mod lights;
-mod look;
+mod materials;
 mod opcode;
 mod palettes;
 mod part;
@@ -25,11 +25,11 @@ mod warn;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Units, Up};
-use document::Document;
-use part::Slot;
+use document::FltDocument;
+use part::VertexSlot;
 use std::borrow::Cow;
-use transform::Place;
-use walk::{Source, Walker};
+use transform::InheritedState;
+use walk::{FltSource, FltWalker};
 
 /// Reads an OpenFlight file. `name` stands in messages; `files` gives the files and pictures that
 /// the model names, relative to the model's folder.
@@ -48,10 +48,10 @@ pub fn read(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     let mut warnings = Warnings::default();
-    let document = Document::parse(Cow::Borrowed(bytes), name, "", &mut warnings)?;
-    let mut walker = Walker::new(name, files, options, warnings);
-    walker.slots = vec![vec![Slot::default(); document.vertices.len()]];
-    let source = Source {
+    let document = FltDocument::parse(Cow::Borrowed(bytes), name, "", &mut warnings)?;
+    let mut walker = FltWalker::new(name, files, options, warnings);
+    walker.slots = vec![vec![VertexSlot::default(); document.vertices.len()]];
+    let source = FltSource {
         document: &document,
         number: 0,
         path: "",
@@ -59,15 +59,15 @@ pub fn read(
         set: 0,
         scale: 1.0,
     };
-    walker.top(source, &Place::world())?;
+    walker.top(source, &InheritedState::world())?;
     let mut scene = walker.scene;
     if scene.objects.is_empty() {
         walker
             .warnings
             .add_whole(name, "no faces: the scene is empty");
     }
-    scene.materials = walker.looks.materials.into_list();
-    scene.textures = walker.looks.textures.into_list();
+    scene.materials = walker.materials.materials.into_list();
+    scene.textures = walker.materials.textures.into_list();
     scene.units = Units {
         metres_per_unit: document.metres_per_unit,
         up: Up::Z,

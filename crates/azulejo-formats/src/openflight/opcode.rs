@@ -55,7 +55,7 @@ pub const POP_ATTRIBUTE: u16 = 123;
 
 /// What a record is to the hierarchy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum OpcodeRole {
     /// Begins the children of the node before it.
     Push,
     /// Ends them.
@@ -72,23 +72,25 @@ pub enum Role {
     Skipped,
 }
 
-impl Role {
-    pub fn of(opcode: u16) -> Role {
+impl OpcodeRole {
+    pub fn of(opcode: u16) -> OpcodeRole {
         match opcode {
-            PUSH | PUSH_SUBFACE | PUSH_EXTENSION | PUSH_ATTRIBUTE => Role::Push,
-            POP | POP_SUBFACE | POP_EXTENSION | POP_ATTRIBUTE => Role::Pop,
+            PUSH | PUSH_SUBFACE | PUSH_EXTENSION | PUSH_ATTRIBUTE => OpcodeRole::Push,
+            POP | POP_SUBFACE | POP_EXTENSION | POP_ATTRIBUTE => OpcodeRole::Pop,
             // Light points, curves, sounds and the like are nodes too: what stands below them
             // must not become a part of their neighbours.
-            HEADER..=FACE | DOF | BSP | INSTANCE_REFERENCE..=EXTERNAL_REFERENCE => Role::Node,
-            VERTEX_LIST | LOD | MESH | MESH_PRIMITIVE | MORPH_VERTEX_LIST => Role::Node,
-            SWITCH | CLIP_REGION | EXTENSION | LIGHT_SOURCE => Role::Node,
-            87 | 91 | 92 | 95 | 111 | 115 | 116 | 126 | 127 | 130 | 131 => Role::Node,
-            LONG_ID | MATRIX | REPLICATE | LOCAL_VERTEX_POOL => Role::Ancillary,
-            COLOR_PALETTE | TEXTURE_PALETTE | OLD_MATERIAL_PALETTE => Role::Palette,
-            VERTEX_PALETTE..=VERTEX_CT | LIGHT_SOURCE_PALETTE | MATERIAL_PALETTE => Role::Palette,
+            HEADER..=FACE | DOF | BSP | INSTANCE_REFERENCE..=EXTERNAL_REFERENCE => OpcodeRole::Node,
+            VERTEX_LIST | LOD | MESH | MESH_PRIMITIVE | MORPH_VERTEX_LIST => OpcodeRole::Node,
+            SWITCH | CLIP_REGION | EXTENSION | LIGHT_SOURCE => OpcodeRole::Node,
+            87 | 91 | 92 | 95 | 111 | 115 | 116 | 126 | 127 | 130 | 131 => OpcodeRole::Node,
+            LONG_ID | MATRIX | REPLICATE | LOCAL_VERTEX_POOL => OpcodeRole::Ancillary,
+            COLOR_PALETTE | TEXTURE_PALETTE | OLD_MATERIAL_PALETTE => OpcodeRole::Palette,
+            VERTEX_PALETTE..=VERTEX_CT | LIGHT_SOURCE_PALETTE | MATERIAL_PALETTE => {
+                OpcodeRole::Palette
+            }
             // Comments, the steps behind a matrix, bounding volumes, names of switch masks.
-            31 | 74 | 76..=82 | 94 | 105..=110 | 119 | 132 => Role::Silent,
-            _ => Role::Skipped,
+            31 | 74 | 76..=82 | 94 | 105..=110 | 119 | 132 => OpcodeRole::Silent,
+            _ => OpcodeRole::Skipped,
         }
     }
 }

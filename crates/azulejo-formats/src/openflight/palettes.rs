@@ -1,6 +1,6 @@
 //! Palettes: colours, materials, textures and light sources that faces and nodes refer to.
 
-use super::fields::Fields;
+use super::fields::RecordFields;
 use azulejo_scene::Rgb;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -104,13 +104,13 @@ fn finite(x: Option<f64>) -> f64 {
 }
 
 /// A colour at `at`, with 0 for what is no number.
-fn color(fields: Fields, at: usize) -> Rgb {
+fn color(fields: RecordFields, at: usize) -> Rgb {
     let given = fields.color(at).unwrap_or_default();
     given.map(|x| finite(Some(x)))
 }
 
 /// The colours of record 32.
-pub(super) fn colors(record: Fields, revision: u32) -> Vec<Rgb> {
+pub(super) fn colors(record: RecordFields, revision: u32) -> Vec<Rgb> {
     const FIRST: usize = 132;
     let most = if revision >= 1510 { 1024 } else { 512 };
     (0..most)
@@ -119,13 +119,13 @@ pub(super) fn colors(record: Fields, revision: u32) -> Vec<Rgb> {
 }
 
 /// The material of record 113 and its index; `None` if the record is too short for it.
-pub(super) fn material(record: Fields) -> Option<(i32, PaletteMaterial)> {
+pub(super) fn material(record: RecordFields) -> Option<(i32, PaletteMaterial)> {
     let name = record.text(8, 12);
     Some((record.i32(4)?, material_numbers(record, 24, name)?))
 }
 
 /// The materials of record 66 with their indices.
-pub(super) fn old_materials(record: Fields) -> impl Iterator<Item = (i32, PaletteMaterial)> {
+pub(super) fn old_materials(record: RecordFields) -> impl Iterator<Item = (i32, PaletteMaterial)> {
     const SIZE: usize = 184;
     (0..64).map_while(move |k| {
         let at = 4 + SIZE * k as usize;
@@ -135,7 +135,7 @@ pub(super) fn old_materials(record: Fields) -> impl Iterator<Item = (i32, Palett
 }
 
 /// Ambient, diffuse, specular and emissive colour, shininess and alpha, which stand together.
-fn material_numbers(record: Fields, at: usize, name: String) -> Option<PaletteMaterial> {
+fn material_numbers(record: RecordFields, at: usize, name: String) -> Option<PaletteMaterial> {
     let alpha = record.single(at + 52)?;
     Some(PaletteMaterial {
         name,
@@ -149,7 +149,7 @@ fn material_numbers(record: Fields, at: usize, name: String) -> Option<PaletteMa
 
 /// The picture of record 64 and its index.
 pub(super) fn texture(
-    record: Fields,
+    record: RecordFields,
     revision: u32,
     named_by: &Rc<str>,
 ) -> Option<(i32, TextureFile)> {
@@ -162,7 +162,7 @@ pub(super) fn texture(
 }
 
 /// The light source of record 102 and its index.
-pub(super) fn light(record: Fields) -> Option<(i32, PaletteLight)> {
+pub(super) fn light(record: RecordFields) -> Option<(i32, PaletteLight)> {
     let light = PaletteLight {
         name: record.text(16, 20),
         diffuse: color(record, 56),

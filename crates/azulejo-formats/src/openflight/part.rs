@@ -1,14 +1,14 @@
 //! An object under construction.
 
-use super::transform::Place;
-use super::vertices::Vertex;
+use super::transform::InheritedState;
+use super::vertices::FltVertex;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Rgb};
 use glam::{DAffine3, DVec2, DVec3};
 
 /// The faces directly below one node.
 #[derive(Debug, Default)]
-pub(super) struct Part {
+pub(super) struct FltPart {
     positions: Vec<DVec3>,
     /// Unit length, or zero where the file gives none.
     normals: Vec<DVec3>,
@@ -17,21 +17,21 @@ pub(super) struct Part {
     faces: Faces,
     materials: Vec<MaterialId>,
     pub has_uvs: bool,
-    /// Tells this part, and this place in it, from all others: see [`Slot`].
+    /// Tells this part, and this place in it, from all others: see [`VertexSlot`].
     pub stamp: u32,
     place: Option<DAffine3>,
 }
 
 /// Which vertex of a part a vertex of the file became, if `stamp` is still the part's.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slot {
+pub(super) struct VertexSlot {
     pub stamp: u32,
     pub vertex: u32,
 }
 
-impl Part {
+impl FltPart {
     /// Vertices added from here on stand at `place`; those of another place are none of them.
-    pub fn enter(&mut self, place: &Place, stamps: &mut u32) {
+    pub fn enter(&mut self, place: &InheritedState, stamps: &mut u32) {
         if self.place != Some(place.world) {
             self.place = Some(place.world);
             *stamps += 1;
@@ -40,7 +40,12 @@ impl Part {
     }
 
     /// Adds a vertex; `None` if the world has no place for it.
-    pub fn add_vertex(&mut self, vertex: &Vertex, color: Rgb, place: &Place) -> Option<u32> {
+    pub fn add_vertex(
+        &mut self,
+        vertex: &FltVertex,
+        color: Rgb,
+        place: &InheritedState,
+    ) -> Option<u32> {
         let position = place.world.transform_point3(vertex.position);
         if !position.is_finite() {
             return None;
@@ -57,7 +62,7 @@ impl Part {
     }
 
     /// Adds a face of three or more corners.
-    pub fn add_face(&mut self, corners: &mut [u32], material: MaterialId, place: &Place) {
+    pub fn add_face(&mut self, corners: &mut [u32], material: MaterialId, place: &InheritedState) {
         if place.mirrored {
             corners[1..].reverse();
         }

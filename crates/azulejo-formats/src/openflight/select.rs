@@ -1,13 +1,13 @@
 //! Which children of a node are drawn: levels of detail, switches, frames of an animation.
 
-use super::document::{Document, Node, Siblings};
-use super::fields::Fields;
+use super::document::{FltDocument, FltNode, Siblings};
+use super::fields::RecordFields;
 use super::opcode;
 use crate::Lod;
 
 /// The choice among the children of one node.
 #[derive(Debug)]
-pub(super) struct Selection<'d> {
+pub(super) struct ChildSelection<'d> {
     by_position: ByPosition<'d>,
     lod: LodRule,
 }
@@ -18,7 +18,7 @@ enum ByPosition<'d> {
     All,
     First,
     /// The bits of a switch's current mask, and where they begin.
-    Mask(Fields<'d>, usize),
+    Mask(RecordFields<'d>, usize),
 }
 
 #[derive(Debug)]
@@ -30,17 +30,17 @@ enum LodRule {
     Distance(f64),
 }
 
-impl<'d> Selection<'d> {
+impl<'d> ChildSelection<'d> {
     /// The choice among `children` below `parent`, for a viewer who asks for `lod`. A unit of
     /// the document is `scale` units of the root model.
     pub fn new(
-        document: &'d Document,
-        parent: Option<Node>,
+        document: &'d FltDocument,
+        parent: Option<FltNode>,
         children: Siblings,
         lod: Lod,
         scale: f64,
-    ) -> Selection<'d> {
-        Selection {
+    ) -> ChildSelection<'d> {
+        ChildSelection {
             by_position: parent.map_or(ByPosition::All, |node| by_position(document, node)),
             lod: lod_rule(document, children, lod, scale),
         }
@@ -49,9 +49,9 @@ impl<'d> Selection<'d> {
     /// Whether a child is left out, and why; `position` counts the children before it.
     pub fn leaves_out(
         &self,
-        document: &Document,
+        document: &FltDocument,
         position: usize,
-        child: Node,
+        child: FltNode,
     ) -> Option<&'static str> {
         let is_on = match self.by_position {
             ByPosition::All => true,
@@ -81,7 +81,7 @@ impl<'d> Selection<'d> {
     }
 }
 
-fn by_position<'d>(document: &'d Document, node: Node) -> ByPosition<'d> {
+fn by_position<'d>(document: &'d FltDocument, node: FltNode) -> ByPosition<'d> {
     let record = document.fields(node.at);
     match node.opcode {
         opcode::GROUP if is_animated(record, document.revision) => ByPosition::First,
@@ -91,7 +91,7 @@ fn by_position<'d>(document: &'d Document, node: Node) -> ByPosition<'d> {
 }
 
 /// Whether the children of a group are frames of an animation.
-fn is_animated(group: Fields, revision: u32) -> bool {
+fn is_animated(group: RecordFields, revision: u32) -> bool {
     const FORWARD: u32 = 1 << 30;
     const SWING: u32 = 1 << 29;
     const BACKWARD: u32 = 1 << 25;
@@ -104,12 +104,12 @@ fn is_animated(group: Fields, revision: u32) -> bool {
 }
 
 /// Whether a switch says which of its children are on.
-pub(super) fn has_current_mask(switch: Fields) -> bool {
+pub(super) fn has_current_mask(switch: RecordFields) -> bool {
     mask(switch).is_some()
 }
 
 /// Where the current mask of a switch begins; `None` if the record has no such mask.
-fn mask(switch: Fields) -> Option<usize> {
+fn mask(switch: RecordFields) -> Option<usize> {
     let [current, count, words] = [16, 20, 24].map(|at| switch.u32(at));
     let (current, words) = (current?, words? as usize);
     let start = words.checked_mul(4 * current as usize)?.checked_add(28)?;
@@ -118,7 +118,7 @@ fn mask(switch: Fields) -> Option<usize> {
 }
 
 /// Distances at which a level of detail switches in and out; `None` for other nodes.
-fn range(document: &Document, node: Node) -> Option<(f64, f64)> {
+fn range(document: &FltDocument, node: FltNode) -> Option<(f64, f64)> {
     let record = document.fields(node.at);
     let (switch_in, switch_out) = match node.opcode {
         opcode::LOD => (record.double(16), record.double(24)),
@@ -133,8 +133,8 @@ fn range(document: &Document, node: Node) -> Option<(f64, f64)> {
     Some((switch_in, finite(switch_out).unwrap_or(0.0)))
 }
 
-fn lod_rule(document: &Document, children: Siblings, lod: Lod, scale: f64) -> LodRule {
-    let switch_out = |(_, node): (u32, Node)| range(document, node).map(|r| r.1);
+fn lod_rule(document: &FltDocument, children: Siblings, lod: Lod, scale: f64) -> LodRule {
+    let switch_out = |(_, node): (u32, FltNode)| range(document, node).map(|r| r.1);
     match lod {
         Lod::All => LodRule::All,
         Lod::Distance(d) => LodRule::Distance(d / scale),
@@ -151,7 +151,7 @@ fn lod_rule(document: &Document, children: Siblings, lod: Lod, scale: f64) -> Lo
 }
 
 /// Whether a node has anything below it that may be seen.
-fn has_surface(document: &Document, node: u32) -> bool {
+fn has_surface(document: &FltDocument, node: u32) -> bool {
     use opcode::*;
     let end = document.nodes[node as usize].end;
     let below = &document.nodes[node as usize..end as usize];

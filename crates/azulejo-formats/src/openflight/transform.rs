@@ -1,12 +1,12 @@
 //! Where nodes stand: matrices, degrees of freedom, and what comes down through the hierarchy.
 
-use super::fields::Fields;
+use super::fields::RecordFields;
 use azulejo_scene::math::normal_matrix;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// What a node inherits from those above it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct InheritedState {
     pub world: DAffine3,
     /// Carries normals to the world, unnormalised.
     pub normals: DMat3,
@@ -16,10 +16,10 @@ pub(super) struct Place {
     pub opacity: f64,
 }
 
-impl Place {
+impl InheritedState {
     /// The world itself.
-    pub fn world() -> Place {
-        Place {
+    pub fn world() -> InheritedState {
+        InheritedState {
             world: DAffine3::IDENTITY,
             normals: DMat3::IDENTITY,
             mirrored: false,
@@ -28,9 +28,9 @@ impl Place {
     }
 
     /// The place of a child with a transform of its own.
-    pub fn then(&self, local: &DAffine3) -> Place {
+    pub fn then(&self, local: &DAffine3) -> InheritedState {
         let world = self.world * *local;
-        Place {
+        InheritedState {
             world,
             normals: normal_matrix(world.matrix3),
             mirrored: world.matrix3.determinant() < 0.0,
@@ -42,7 +42,7 @@ impl Place {
 /// The map of a matrix record; `None` if it is too short or holds what is no number.
 ///
 /// The file multiplies row vectors, so its rows are our columns.
-pub(super) fn matrix(record: Fields) -> Option<DAffine3> {
+pub(super) fn matrix(record: RecordFields) -> Option<DAffine3> {
     let row = |k: usize| record.singles(4 + 16 * k);
     let map = DAffine3::from_cols(row(0)?, row(1)?, row(2)?, row(3)?);
     map.is_finite().then_some(map)
@@ -52,7 +52,7 @@ pub(super) fn matrix(record: Fields) -> Option<DAffine3> {
 ///
 /// In the frame that the record gives by three points, a point is scaled, turned about z (yaw),
 /// about y (roll) and about x (pitch), and moved.
-pub(super) fn degree_of_freedom(record: Fields) -> Option<DAffine3> {
+pub(super) fn degree_of_freedom(record: RecordFields) -> Option<DAffine3> {
     let frame = frame(record)?;
     let current = |group: usize| record.double(88 + 32 * group + 16);
     let vector = |z: usize| Some(DVec3::new(current(z + 2)?, current(z + 1)?, current(z)?));
@@ -68,7 +68,7 @@ pub(super) fn degree_of_freedom(record: Fields) -> Option<DAffine3> {
 }
 
 /// The frame of a degree of freedom: origin, a point on its x axis, a point in its xy plane.
-fn frame(record: Fields) -> Option<DAffine3> {
+fn frame(record: RecordFields) -> Option<DAffine3> {
     // What the editor writes for a point that nobody has set.
     let unset = DVec3::splat(-1e8);
     let point = |at: usize, default: DVec3| {
@@ -100,7 +100,7 @@ mod tests {
     }
 
     fn check(points: [DVec3; 3], current: [f64; 9], from: DVec3, expected: DVec3) {
-        let map = degree_of_freedom(Fields(&dof(points, current))).unwrap();
+        let map = degree_of_freedom(RecordFields(&dof(points, current))).unwrap();
         let to = map.transform_point3(from);
         assert!((to - expected).length() < 1e-12, "{current:?}: {to}");
     }
@@ -145,9 +145,9 @@ mod tests {
     fn what_is_no_number_is_no_map() {
         let mut broken = STILL;
         broken[0] = f64::NAN;
-        assert!(degree_of_freedom(Fields(&dof(WORLD, broken))).is_none());
-        assert!(degree_of_freedom(Fields(&[0; 100])).is_none());
-        assert!(matrix(Fields(&[0; 60])).is_none());
-        assert!(matrix(Fields(&[0xff; 68])).is_none());
+        assert!(degree_of_freedom(RecordFields(&dof(WORLD, broken))).is_none());
+        assert!(degree_of_freedom(RecordFields(&[0; 100])).is_none());
+        assert!(matrix(RecordFields(&[0; 60])).is_none());
+        assert!(matrix(RecordFields(&[0xff; 68])).is_none());
     }
 }

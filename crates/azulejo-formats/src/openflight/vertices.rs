@@ -1,7 +1,7 @@
 //! Vertices: the palette that faces share, and the pools that meshes have for themselves.
 
-use super::document::Document;
-use super::fields::Fields;
+use super::document::FltDocument;
+use super::fields::RecordFields;
 use super::opcode::*;
 use super::palettes::Palettes;
 use azulejo_scene::Rgb;
@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 
 /// A vertex in the coordinates of its node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Vertex {
+pub(super) struct FltVertex {
     pub position: DVec3,
     /// Of any length but 0.
     pub normal: Option<DVec3>,
@@ -61,7 +61,7 @@ impl VertexPalette {
 }
 
 /// A vertex of the palette; `None` if its record is too short or its position no number.
-pub(super) fn palette_vertex(document: &Document, index: u32) -> Option<Vertex> {
+pub(super) fn palette_vertex(document: &FltDocument, index: u32) -> Option<FltVertex> {
     let record = document.fields(document.vertices.record(index));
     let (normal, uv) = match record.u16(0)? {
         VERTEX_CN => (record.singles(32), None),
@@ -74,7 +74,7 @@ pub(super) fn palette_vertex(document: &Document, index: u32) -> Option<Vertex> 
 
 /// The own colour of a vertex of the palette, if it has one.
 pub(super) fn palette_vertex_color(
-    document: &Document,
+    document: &FltDocument,
     palettes: &Palettes,
     index: u32,
 ) -> Option<Rgb> {
@@ -102,13 +102,13 @@ pub(super) fn palette_vertex_color(
     palettes.color(index?)
 }
 
-fn pair(record: Fields, at: usize) -> Option<DVec2> {
+fn pair(record: RecordFields, at: usize) -> Option<DVec2> {
     Some(DVec2::new(record.single(at)?, record.single(at + 4)?))
 }
 
-fn vertex(position: DVec3, normal: Option<DVec3>, uv: Option<DVec2>) -> Option<Vertex> {
+fn vertex(position: DVec3, normal: Option<DVec3>, uv: Option<DVec2>) -> Option<FltVertex> {
     let has_direction = |n: &DVec3| n.is_finite() && *n != DVec3::ZERO;
-    position.is_finite().then_some(Vertex {
+    position.is_finite().then_some(FltVertex {
         position,
         normal: normal.filter(has_direction),
         uv: uv.filter(|uv| uv.is_finite()),
@@ -118,7 +118,7 @@ fn vertex(position: DVec3, normal: Option<DVec3>, uv: Option<DVec2>) -> Option<V
 /// The vertices of one mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalPool<'a> {
-    record: Fields<'a>,
+    record: RecordFields<'a>,
     /// From the highest bit: position, colour index, packed colour, normal, texture coordinates,
     /// and coordinates of seven more textures.
     attributes: u32,
@@ -153,7 +153,7 @@ impl<'a> LocalPool<'a> {
     const FIRST: usize = 12;
 
     /// The pool of a record; `None` without positions.
-    pub fn new(record: Fields<'a>) -> Option<LocalPool<'a>> {
+    pub fn new(record: RecordFields<'a>) -> Option<LocalPool<'a>> {
         let (promised, attributes) = (record.u32(4)?, record.u32(8)?);
         let sizes = ATTRIBUTES.iter().filter(|(bit, _)| attributes & bit != 0);
         let stride: usize = sizes.map(|(_, size)| size).sum();
@@ -180,7 +180,7 @@ impl<'a> LocalPool<'a> {
     }
 
     /// The vertex `index`, which is below `count`; `None` if its position is no number.
-    pub fn vertex(&self, index: u32) -> Option<Vertex> {
+    pub fn vertex(&self, index: u32) -> Option<FltVertex> {
         let position = self.record.doubles(self.at(index, POSITION)?)?;
         let normal = self
             .at(index, NORMAL)

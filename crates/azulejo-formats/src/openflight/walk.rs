@@ -1,14 +1,14 @@
 //! From the tree of records to the scene.
 
-use super::document::{Document, Node, Siblings};
-use super::external::Externals;
-use super::look::Looks;
-use super::opcode::{self, Role};
+use super::document::{FltDocument, FltNode, Siblings};
+use super::external::ExternalFiles;
+use super::materials::FltMaterials;
+use super::opcode::{self, OpcodeRole};
 use super::palettes::Palettes;
-use super::part::{Part, Slot};
-use super::select::{Selection, has_current_mask};
-use super::transform::{self, Place};
-use super::warn::Notes;
+use super::part::{FltPart, VertexSlot};
+use super::select::{ChildSelection, has_current_mask};
+use super::transform::{self, InheritedState};
+use super::warn::RecordWarnings;
 use crate::reading::options::Budget;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Lod, ReadError, ReadOptions};
@@ -23,8 +23,8 @@ pub(super) const BYTES_PER_ELEMENT: u64 = 64;
 
 /// A file in the part that it plays where it is referred to.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'d> {
-    pub document: &'d Document<'d>,
+pub(super) struct FltSource<'d> {
+    pub document: &'d FltDocument<'d>,
     /// Tells documents apart.
     pub number: usize,
     /// Its name as the root model knows it; empty for the root model.
@@ -37,18 +37,18 @@ pub(super) struct Source<'d> {
 }
 
 /// The scene under construction, and where in the tree we are.
-pub(super) struct Walker<'f> {
+pub(super) struct FltWalker<'f> {
     pub name: &'f str,
     pub options: &'f ReadOptions,
     pub budget: Budget,
     pub warnings: Warnings,
-    pub looks: Looks<'f>,
+    pub materials: FltMaterials<'f>,
     pub scene: Scene,
-    pub externals: Externals<'f>,
+    pub externals: ExternalFiles<'f>,
     /// Names of the nodes above, and `/` between them.
     pub path: String,
     /// For each document, what became of the vertices of its palette.
-    pub slots: Vec<Vec<Slot>>,
+    pub slots: Vec<Vec<VertexSlot>>,
     pub stamps: u32,
     pub sets: u32,
     levels: u32,
@@ -56,21 +56,21 @@ pub(super) struct Walker<'f> {
     instances: Vec<(usize, u16)>,
 }
 
-impl<'f> Walker<'f> {
+impl<'f> FltWalker<'f> {
     pub fn new(
         name: &'f str,
         files: &'f dyn Files,
         options: &'f ReadOptions,
         warnings: Warnings,
-    ) -> Walker<'f> {
-        Walker {
+    ) -> FltWalker<'f> {
+        FltWalker {
             name,
             options,
             budget: Budget::new(options),
             warnings,
-            looks: Looks::new(files),
+            materials: FltMaterials::new(files),
             scene: Scene::default(),
-            externals: Externals::new(files, name, options.most_unpacked),
+            externals: ExternalFiles::new(files, name, options.most_unpacked),
             path: String::new(),
             slots: Vec::new(),
             stamps: 0,
@@ -86,14 +86,14 @@ impl<'f> Walker<'f> {
     }
 
     /// For warnings about a node.
-    pub fn notes<'n>(&'n mut self, source: Source<'n>, node: u32) -> Notes<'n> {
-        Notes::new(&mut self.warnings, source.document, node)
+    pub fn notes<'n>(&'n mut self, source: FltSource<'n>, node: u32) -> RecordWarnings<'n> {
+        RecordWarnings::new(&mut self.warnings, source.document, node)
     }
 
     /// Goes a level down, and comes back.
     pub fn deeper(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
         inside: impl FnOnce(&mut Self) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
@@ -112,15 +112,20 @@ impl<'f> Walker<'f> {
     }
 
     /// Draws what stands at the top of a file.
-    pub fn top(&mut self, source: Source, place: &Place) -> Result<(), ReadError> {
+    pub fn top(&mut self, source: FltSource, place: &InheritedState) -> Result<(), ReadError> {
         self.siblings(source, None, source.document.top(), place)
     }
 
     /// Draws a node by itself.
-    pub fn one(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    pub fn one(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         match source.document.nodes[node as usize].opcode {
             opcode::FACE | opcode::MESH => {
-                let mut part = Part::default();
+                let mut part = FltPart::default();
                 self.surface(source, node, place, &mut part)?;
                 self.finish(part)
             }
@@ -129,7 +134,12 @@ impl<'f> Walker<'f> {
     }
 
     /// Draws what is below a node.
-    fn children(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    fn children(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let parent = source.document.nodes[node as usize];
         if self.options.lod == Lod::Coarsest {
             // Whether a level is empty is found by looking through it.
@@ -140,17 +150,17 @@ impl<'f> Walker<'f> {
 
     fn siblings(
         &mut self,
-        source: Source,
-        parent: Option<Node>,
+        source: FltSource,
+        parent: Option<FltNode>,
         siblings: Siblings,
-        place: &Place,
+        place: &InheritedState,
     ) -> Result<(), ReadError> {
         let (lod, document) = (self.options.lod, source.document);
-        let selection = Selection::new(document, parent, siblings.clone(), lod, source.scale);
-        let (mut part, mut position) = (Part::default(), 0);
+        let selection = ChildSelection::new(document, parent, siblings.clone(), lod, source.scale);
+        let (mut part, mut position) = (FltPart::default(), 0);
         for (child, node) in siblings {
             self.spend(1)?;
-            if Role::of(node.opcode) != Role::Node {
+            if OpcodeRole::of(node.opcode) != OpcodeRole::Node {
                 continue;
             }
             let left_out = selection.leaves_out(document, position, node);
@@ -167,7 +177,7 @@ impl<'f> Walker<'f> {
     }
 
     /// Makes an object of the faces that have been found below one node.
-    fn finish(&mut self, part: Part) -> Result<(), ReadError> {
+    fn finish(&mut self, part: FltPart) -> Result<(), ReadError> {
         if let Some(mesh) = part.finish() {
             let object = Object::new(self.full_name()?, Shape::Mesh(mesh));
             self.scene.objects.push(object);
@@ -182,7 +192,12 @@ impl<'f> Walker<'f> {
     }
 
     /// Draws a node that is no face, and all below it.
-    pub fn node(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    pub fn node(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let outer = self.path.len();
         if source.document.nodes[node as usize].opcode != opcode::HEADER {
             let name = source.document.name(node);
@@ -210,10 +225,10 @@ impl<'f> Walker<'f> {
     /// without the matrix and then as often as it is replicated, with the matrix once, twice...
     pub fn each_copy(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
-        place: &Place,
-        mut draw: impl FnMut(&mut Self, &Place) -> Result<(), ReadError>,
+        place: &InheritedState,
+        mut draw: impl FnMut(&mut Self, &InheritedState) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
         let document = source.document;
         let copies = document.ancillary(node, opcode::REPLICATE);
@@ -244,7 +259,12 @@ impl<'f> Walker<'f> {
     }
 
     /// Draws what a node consists of, at its own place.
-    fn inside(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    fn inside(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         use opcode::*;
         let opcode = source.document.nodes[node as usize].opcode;
         let record = source.document.node(node);
@@ -267,7 +287,7 @@ impl<'f> Walker<'f> {
             OBJECT => {
                 let transparency = record.u16(18).unwrap_or_default();
                 let share = 1.0 - f64::from(transparency) / f64::from(u16::MAX);
-                let place = Place {
+                let place = InheritedState {
                     opacity: place.opacity * share,
                     ..*place
                 };
@@ -290,9 +310,9 @@ impl<'f> Walker<'f> {
 
     fn degree_of_freedom(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
-        place: &Place,
+        place: &InheritedState,
     ) -> Result<(), ReadError> {
         let Some(map) = transform::degree_of_freedom(source.document.node(node)) else {
             let message =
@@ -303,7 +323,12 @@ impl<'f> Walker<'f> {
         self.children(source, node, &place.then(&map))
     }
 
-    fn instance(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    fn instance(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let number = source.document.node(node).u16(6).unwrap_or_default();
         let Some(&definition) = source.document.definitions.get(&number) else {
             let message = format!("reference to instance {number}, which is not defined: left out");

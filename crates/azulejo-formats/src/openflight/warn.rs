@@ -1,20 +1,24 @@
 //! Warnings that know where they stand.
 
-use super::document::Document;
+use super::document::FltDocument;
 use crate::Position;
 use crate::reading::warnings::Warnings;
 
 /// Adds warnings about one record.
-pub(super) struct Notes<'a> {
+pub(super) struct RecordWarnings<'a> {
     pub warnings: &'a mut Warnings,
     pub file: &'a str,
     pub at: u32,
 }
 
-impl<'a> Notes<'a> {
+impl<'a> RecordWarnings<'a> {
     /// Warnings about a node.
-    pub fn new(warnings: &'a mut Warnings, document: &'a Document, node: u32) -> Notes<'a> {
-        Notes {
+    pub fn new(
+        warnings: &'a mut Warnings,
+        document: &'a FltDocument,
+        node: u32,
+    ) -> RecordWarnings<'a> {
+        RecordWarnings {
             warnings,
             file: &document.file,
             at: document.nodes[node as usize].at,

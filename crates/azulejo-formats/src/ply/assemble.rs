@@ -1,9 +1,9 @@
 //! From lists to a scene.
 
-use super::Reader;
-use super::faces::{FaceList, Look};
-use super::header::Header;
-use super::vertices::Vertices;
+use super::PlyReader;
+use super::faces::{FaceMaterial, PlyFaceList};
+use super::header::PlyHeader;
+use super::vertices::PlyVertices;
 use crate::reading::warnings::Warnings;
 use crate::surface::textures::Textures;
 use crate::{Files, Position};
@@ -17,8 +17,12 @@ use std::ops::Range;
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
 /// The scene of a file, and all that was wrong with it.
-pub(super) fn scene(reader: Reader<'_>, header: &Header, files: &dyn Files) -> (Scene, Warnings) {
-    let mut builder = Builder {
+pub(super) fn scene(
+    reader: PlyReader<'_>,
+    header: &PlyHeader,
+    files: &dyn Files,
+) -> (Scene, Warnings) {
+    let mut builder = PlyBuilder {
         file: reader.file,
         warnings: reader.warnings,
     };
@@ -59,19 +63,19 @@ pub(super) fn scene(reader: Reader<'_>, header: &Header, files: &dyn Files) -> (
     (scene, builder.warnings)
 }
 
-struct Builder<'a> {
+struct PlyBuilder<'a> {
     file: &'a str,
     warnings: Warnings,
 }
 
-impl Builder<'_> {
+impl PlyBuilder<'_> {
     fn count(&mut self, message: &str, count: usize) {
         self.warnings
             .add_many(self.file, message.into(), count, || Position::Whole);
     }
 
     /// Drops faces whose vertices do not exist or are nowhere.
-    fn check_faces(&mut self, list: &mut FaceList, positions: &[DVec3]) {
+    fn check_faces(&mut self, list: &mut PlyFaceList, positions: &[DVec3]) {
         let is_there = |&c: &u32| positions.get(c as usize).is_some_and(|p| p.is_finite());
         let largest = list.faces.corners.iter().max();
         let all_finite = || positions.iter().all(|p| p.is_finite());
@@ -84,11 +88,12 @@ impl Builder<'_> {
                 continue;
             }
             list.faces.push(corners);
-            list.face_looks.extend(before.face_looks.get(face));
+            list.face_material_indices
+                .extend(before.face_material_indices.get(face));
             let uvs = before.corner_uvs.get(before.faces.corner_range(face));
             list.corner_uvs.extend_from_slice(uvs.unwrap_or_default());
         }
-        list.looks = before.looks;
+        list.materials = before.materials;
         let lost = before.faces.len() - list.faces.len();
         let message = "face with a vertex that does not exist or is not finite: skipped";
         self.count(message, lost);
@@ -97,9 +102,9 @@ impl Builder<'_> {
     /// A material for each look of faces, or one for all.
     fn materials(
         &mut self,
-        list: &FaceList,
-        vertices: &Vertices,
-        header: &Header,
+        list: &PlyFaceList,
+        vertices: &PlyVertices,
+        header: &PlyHeader,
         files: &dyn Files,
         scene: &mut Scene,
     ) -> Vec<MaterialId> {
@@ -115,19 +120,21 @@ impl Builder<'_> {
                 id
             })
             .collect();
-        let plain = [Look::default()];
-        let looks = match list.looks.is_empty() {
-            true => &plain[..],
-            false => &list.looks,
+        let plain = [FaceMaterial::default()];
+        let face_materials = if list.materials.is_empty() {
+            &plain[..]
+        } else {
+            &list.materials
         };
-        let base = match vertices.colors.is_empty() {
-            true => DEFAULT_REFLECTANCE,
-            false => Rgb::WHITE,
+        let base = if vertices.colors.is_empty() {
+            DEFAULT_REFLECTANCE
+        } else {
+            Rgb::WHITE
         };
-        let ids = looks.iter().map(|look| {
-            let picture = pictures.get(look.texture as usize).copied();
+        let ids = face_materials.iter().map(|face_material| {
+            let picture = pictures.get(face_material.texture as usize).copied();
             let shown = picture.is_some_and(|p| textures.is_loaded(p));
-            let mut material = painted(look, if shown { Rgb::WHITE } else { base });
+            let mut material = painted(face_material, if shown { Rgb::WHITE } else { base });
             material.textures.extend(picture);
             scene.add_material(material)
         });
@@ -136,9 +143,9 @@ impl Builder<'_> {
         ids
     }
 
-    fn mesh(&mut self, list: FaceList, vertices: Vertices, materials: &[MaterialId]) -> Mesh {
-        let looks = list.face_looks;
-        let material = |f: usize| materials[looks.get(f).map_or(0, |&l| l as usize)];
+    fn mesh(&mut self, list: PlyFaceList, vertices: PlyVertices, materials: &[MaterialId]) -> Mesh {
+        let indices = list.face_material_indices;
+        let material = |f: usize| materials[indices.get(f).map_or(0, |&l| l as usize)];
         let face_materials = (0..list.faces.len()).map(material).collect();
         let finite = |p: DVec3| if p.is_finite() { p } else { DVec3::ZERO };
         Mesh {
@@ -233,8 +240,8 @@ fn limited(x: f64) -> f64 {
     if x >= 0.0 { x.min(1.0) } else { 0.0 }
 }
 
-fn painted(look: &Look, base: Rgb) -> Material {
-    let Some(color) = look.color.map(|c| c.map(limited)) else {
+fn painted(face_material: &FaceMaterial, base: Rgb) -> Material {
+    let Some(color) = face_material.color.map(|c| c.map(limited)) else {
         return Material::diffuse("default", base);
     };
     let [r, g, b] = color.to_array().map(|c| (255.0 * c).round() as u8);
@@ -242,7 +249,7 @@ fn painted(look: &Look, base: Rgb) -> Material {
 }
 
 /// One of azulejo's objects in the lists of the file.
-struct Piece {
+struct ObjectPiece {
     object: u32,
     faces: Range<usize>,
     vertices: Range<usize>,
@@ -250,11 +257,11 @@ struct Piece {
 
 /// Object, faces and vertices of each of azulejo's objects, where a file says which vertices are
 /// of which. `None` if they do not follow one after the other.
-fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<Piece>> {
+fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<ObjectPiece>> {
     if objects.is_empty() || !objects.is_sorted() {
         return None;
     }
-    let mut parts: Vec<Piece> = Vec::new();
+    let mut parts: Vec<ObjectPiece> = Vec::new();
     for (face, corners) in mesh.faces.iter().enumerate() {
         let object = objects[corners[0] as usize];
         if corners.iter().any(|&c| objects[c as usize] != object) {
@@ -263,7 +270,7 @@ fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<Piece>> {
         match parts.last_mut() {
             Some(last) if last.object == object => last.faces.end = face + 1,
             Some(last) if last.object > object => return None,
-            _ => parts.push(Piece {
+            _ => parts.push(ObjectPiece {
                 object,
                 faces: face..face + 1,
                 vertices: objects.partition_point(|o| *o < object)

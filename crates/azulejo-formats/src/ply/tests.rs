@@ -90,9 +90,12 @@ fn binary_square(big: bool) -> Vec<u8> {
         .replace("property float z", "property char z")
         .replace("uchar int", "ushort uint");
     let mut bytes = header.into_bytes();
-    let mut put = |number: &[u8]| match big {
-        true => bytes.extend(number.iter().rev()),
-        false => bytes.extend(number),
+    let mut put = |number: &[u8]| {
+        if big {
+            bytes.extend(number.iter().rev())
+        } else {
+            bytes.extend(number)
+        }
     };
     for [x, y] in [[0, 0], [1, 0], [1, 1], [0, 1u8]] {
         put(&f32::from(x).to_le_bytes());

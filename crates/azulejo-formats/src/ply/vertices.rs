@@ -1,15 +1,15 @@
 //! The element `vertex`.
 
-use super::header::{Element, Kind, Type};
-use super::source::{Source, Stop};
-use super::{Reader, rows};
+use super::header::{PlyElement, PropertyType, ScalarType};
+use super::rows::{RowError, RowSource};
+use super::{PlyReader, rows};
 use crate::{Position, ReadError};
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 
 /// What is known of each vertex; lists of what the file does not give are empty.
 #[derive(Debug, Default)]
-pub(super) struct Vertices {
+pub(super) struct PlyVertices {
     /// May hold what is not finite.
     pub positions: Vec<DVec3>,
     /// As they stand in the file.
@@ -57,8 +57,8 @@ const UNUSED: usize = MEANINGS.len();
 
 /// What to do with each property of a row, and what comes of it.
 #[derive(Default)]
-struct Plan {
-    steps: Vec<Step>,
+struct VertexPlan {
+    steps: Vec<PropertyTarget>,
     has: [bool; UNUSED],
     /// What stands for 1 in colours.
     one: [f64; 3],
@@ -69,19 +69,23 @@ struct Plan {
     errors: bool,
 }
 
-enum Step {
-    Value(Kind, usize),
+enum PropertyTarget {
+    Value(ScalarType, usize),
     List(usize),
 }
 
-type Values = [f64; UNUSED + 1];
+type RowValues = [f64; UNUSED + 1];
 
-impl Plan {
-    fn new(reader: &mut Reader<'_>, element: &Element, objects_are_named: bool) -> Plan {
-        let mut plan = Plan::default();
+impl VertexPlan {
+    fn new(
+        reader: &mut PlyReader<'_>,
+        element: &PlyElement,
+        objects_are_named: bool,
+    ) -> VertexPlan {
+        let mut plan = VertexPlan::default();
         for (number, property) in element.properties.iter().enumerate() {
-            let Type::Scalar(kind) = property.kind else {
-                plan.steps.push(Step::List(number));
+            let PropertyType::Scalar(kind) = property.kind else {
+                plan.steps.push(PropertyTarget::List(number));
                 reader.unused(element, &property.name);
                 continue;
             };
@@ -93,7 +97,7 @@ impl Plan {
                 None => reader.unused(element, &property.name),
             }
             let slot = wanted.unwrap_or(UNUSED);
-            plan.steps.push(Step::Value(kind, slot));
+            plan.steps.push(PropertyTarget::Value(kind, slot));
             if (COLOR..IRRADIANCE).contains(&slot) {
                 plan.one[slot - COLOR] = kind.one();
             }
@@ -113,32 +117,32 @@ impl Plan {
 
     /// Puts the numbers of a row at the places of their meanings.
     #[inline]
-    fn row<S: Source>(
+    fn row<S: RowSource>(
         &self,
         source: &mut S,
-        element: &Element,
-        values: &mut Values,
-    ) -> Result<(), Stop> {
+        element: &PlyElement,
+        values: &mut RowValues,
+    ) -> Result<(), RowError> {
         for step in &self.steps {
             match *step {
-                Step::Value(kind, slot) => values[slot] = source.number(kind)?,
-                Step::List(number) => element.properties[number].skip(source)?,
+                PropertyTarget::Value(kind, slot) => values[slot] = source.number(kind)?,
+                PropertyTarget::List(number) => element.properties[number].skip(source)?,
             }
         }
         Ok(())
     }
 }
 
-impl Reader<'_> {
+impl PlyReader<'_> {
     /// Reads the vertices and says how many are missing.
-    pub fn read_vertices<S: Source>(
+    pub fn read_vertices<S: RowSource>(
         &mut self,
-        element: &Element,
+        element: &PlyElement,
         objects_are_named: bool,
         source: &mut S,
-    ) -> Result<(Vertices, u64), ReadError> {
-        let plan = Plan::new(self, element, objects_are_named);
-        let mut vertices = Vertices::default();
+    ) -> Result<(PlyVertices, u64), ReadError> {
+        let plan = VertexPlan::new(self, element, objects_are_named);
+        let mut vertices = PlyVertices::default();
         if !plan.all(0, 3) {
             let found = "vertices that lack x, y or z";
             return Err(ReadError {
@@ -158,9 +162,9 @@ impl Reader<'_> {
     }
 }
 
-impl Vertices {
+impl PlyVertices {
     #[inline]
-    fn push(&mut self, plan: &Plan, values: &Values) {
+    fn push(&mut self, plan: &VertexPlan, values: &RowValues) {
         let vector = |first: usize| DVec3::new(values[first], values[first + 1], values[first + 2]);
         let color = |first: usize| Rgb::from(vector(first).to_array());
         self.positions.push(vector(0));

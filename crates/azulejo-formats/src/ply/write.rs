@@ -19,17 +19,17 @@ use std::io::{self, BufWriter, Write};
 /// # Errors
 /// What `out` says, and more than 2³² vertices.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
-    let parts: Vec<Part<'_>> = scene
+    let parts: Vec<PlyPart<'_>> = scene
         .objects
         .iter()
-        .map(|o| Part::new(lit_mesh_of(o)))
+        .map(|o| PlyPart::new(lit_mesh_of(o)))
         .collect();
     let count: usize = parts.iter().map(|p| p.vertices.len()).sum();
     if u32::try_from(count).is_err() {
         let message = "PLY counts at most 2^32 vertices";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    let layout = Layout::new(scene, &parts);
+    let layout = PlyLayout::new(scene, &parts);
     let mut out = BufWriter::new(out);
     layout.header(scene, &parts, &mut out)?;
     for (object, part) in parts.iter().enumerate() {
@@ -88,33 +88,33 @@ fn is_by_corner<T>(attribute: &Option<Attribute<T>>) -> bool {
 }
 
 /// An object, its vertices divided so that each has one normal and one texture coordinate.
-struct Part<'a> {
+struct PlyPart<'a> {
     mesh: Cow<'a, Mesh>,
-    vertices: Vec<Vertex>,
+    vertices: Vec<PlyVertex>,
     /// Index into `vertices` of each corner.
     corners: Vec<u32>,
 }
 
 /// A vertex and which of the values for corners it has.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Vertex {
+struct PlyVertex {
     vertex: u32,
     normal: u32,
     uv: u32,
 }
 
-impl<'a> Part<'a> {
+impl<'a> PlyPart<'a> {
     /// Vertices stay in their order; those that only others have at their corners follow.
-    fn new(mesh: Cow<'a, Mesh>) -> Part<'a> {
-        let plain = |vertex| Vertex {
+    fn new(mesh: Cow<'a, Mesh>) -> PlyPart<'a> {
+        let plain = |vertex| PlyVertex {
             vertex,
             normal: vertex,
             uv: vertex,
         };
-        let mut vertices: Vec<Vertex> = (0..mesh.positions.len() as u32).map(plain).collect();
+        let mut vertices: Vec<PlyVertex> = (0..mesh.positions.len() as u32).map(plain).collect();
         if !is_by_corner(&mesh.normals) && !is_by_corner(&mesh.uvs) {
             let corners = mesh.faces.corners.clone();
-            return Part {
+            return PlyPart {
                 mesh,
                 vertices,
                 corners,
@@ -123,7 +123,7 @@ impl<'a> Part<'a> {
         let mut is_taken = vec![false; vertices.len()];
         let mut others = HashMap::new();
         let own = std::iter::zip(0.., &mesh.faces.corners).map(|(corner, &vertex)| {
-            let wanted = Vertex {
+            let wanted = PlyVertex {
                 vertex,
                 normal: index(mesh.normals.as_ref(), corner, vertex),
                 uv: index(mesh.uvs.as_ref(), corner, vertex),
@@ -148,19 +148,19 @@ impl<'a> Part<'a> {
                 (vertex.normal, vertex.uv) = (0, 0);
             }
         }
-        Part {
+        PlyPart {
             mesh,
             vertices,
             corners,
         }
     }
 
-    fn normal(&self, vertex: Vertex) -> DVec3 {
+    fn normal(&self, vertex: PlyVertex) -> DVec3 {
         let normals = self.mesh.normals.as_ref();
         normals.map_or(DVec3::ZERO, |n| n.values[vertex.normal as usize])
     }
 
-    fn uv(&self, vertex: Vertex) -> DVec2 {
+    fn uv(&self, vertex: PlyVertex) -> DVec2 {
         let uvs = self.mesh.uvs.as_ref();
         uvs.map_or(DVec2::ZERO, |uv| uv.values[vertex.uv as usize])
     }
@@ -174,47 +174,49 @@ fn index<T>(attribute: Option<&Attribute<T>>, corner: usize, vertex: u32) -> u32
 
 /// How numbers of a kind are written.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum ScalarFormat {
     Byte,
     Float,
     Double,
 }
 
-impl Kind {
+impl ScalarFormat {
     fn name(self) -> &'static str {
         match self {
-            Kind::Byte => "uchar",
-            Kind::Float => "float",
-            Kind::Double => "double",
+            ScalarFormat::Byte => "uchar",
+            ScalarFormat::Float => "float",
+            ScalarFormat::Double => "double",
         }
     }
 
     /// Single precision if that is exact for all.
-    fn of_coordinates(mut values: impl Iterator<Item = f64>) -> Kind {
-        match values.all(|x| f64::from(x as f32) == x) {
-            true => Kind::Float,
-            false => Kind::Double,
+    fn of_coordinates(mut values: impl Iterator<Item = f64>) -> ScalarFormat {
+        if values.all(|x| f64::from(x as f32) == x) {
+            ScalarFormat::Float
+        } else {
+            ScalarFormat::Double
         }
     }
 
     /// Bytes if they are exact for all, since that is what other programs expect.
-    fn of_shares(values: impl Iterator<Item = f64> + Clone) -> Kind {
+    fn of_shares(values: impl Iterator<Item = f64> + Clone) -> ScalarFormat {
         let is_byte = |x: f64| (255.0 * x).round() / 255.0 == x && (0.0..=1.0).contains(&x);
-        match values.clone().all(is_byte) {
-            true => Kind::Byte,
-            false => Kind::of_coordinates(values),
+        if values.clone().all(is_byte) {
+            ScalarFormat::Byte
+        } else {
+            ScalarFormat::of_coordinates(values)
         }
     }
 
     fn write(self, values: &[f64], out: &mut dyn Write) -> io::Result<()> {
         for &value in values {
             match self {
-                Kind::Byte => out.write_all(&[(255.0 * value).round() as u8]),
+                ScalarFormat::Byte => out.write_all(&[(255.0 * value).round() as u8]),
                 // Irradiance beyond single precision is as bright as that can say.
-                Kind::Float => {
+                ScalarFormat::Float => {
                     out.write_all(&(value.min(f64::from(f32::MAX)) as f32).to_le_bytes())
                 }
-                Kind::Double => out.write_all(&value.to_le_bytes()),
+                ScalarFormat::Double => out.write_all(&value.to_le_bytes()),
             }?;
         }
         Ok(())
@@ -222,22 +224,22 @@ impl Kind {
 }
 
 /// Which properties are written, and how.
-struct Layout {
-    positions: Kind,
-    normals: Option<Kind>,
-    uvs: Option<Kind>,
-    colors: Option<Kind>,
-    irradiance: Option<Kind>,
-    errors: Option<Kind>,
+struct PlyLayout {
+    positions: ScalarFormat,
+    normals: Option<ScalarFormat>,
+    uvs: Option<ScalarFormat>,
+    colors: Option<ScalarFormat>,
+    irradiance: Option<ScalarFormat>,
+    errors: Option<ScalarFormat>,
     has_objects: bool,
     /// Bytes of the number of corners.
     wide_counts: bool,
-    face_colors: Option<Kind>,
+    face_colors: Option<ScalarFormat>,
     has_textures: bool,
 }
 
-impl Layout {
-    fn new(scene: &Scene, parts: &[Part<'_>]) -> Layout {
+impl PlyLayout {
+    fn new(scene: &Scene, parts: &[PlyPart<'_>]) -> PlyLayout {
         let meshes = || parts.iter().map(|p| &*p.mesh);
         let positions = meshes().flat_map(|m| &m.positions);
         let uvs = meshes()
@@ -256,23 +258,23 @@ impl Layout {
         } else {
             DEFAULT_REFLECTANCE
         };
-        let has_looks = has_textures || used().any(|m| m.diffuse != granted);
-        Layout {
-            positions: Kind::of_coordinates(positions.flat_map(|p| p.to_array())),
-            normals: has(|m| m.normals.is_some()).then_some(Kind::Float),
-            uvs: has_uvs.then(|| Kind::of_coordinates(uvs.flat_map(|uv| uv.to_array()))),
-            colors: has_colors.then(|| Kind::of_shares(colors.flat_map(|c| c.to_array()))),
-            irradiance: has(|m| !m.irradiance.is_empty()).then_some(Kind::Float),
-            errors: has(|m| !m.irradiance_error.is_empty()).then_some(Kind::Float),
+        let has_face_materials = has_textures || used().any(|m| m.diffuse != granted);
+        PlyLayout {
+            positions: ScalarFormat::of_coordinates(positions.flat_map(|p| p.to_array())),
+            normals: has(|m| m.normals.is_some()).then_some(ScalarFormat::Float),
+            uvs: has_uvs.then(|| ScalarFormat::of_coordinates(uvs.flat_map(|uv| uv.to_array()))),
+            colors: has_colors.then(|| ScalarFormat::of_shares(colors.flat_map(|c| c.to_array()))),
+            irradiance: has(|m| !m.irradiance.is_empty()).then_some(ScalarFormat::Float),
+            errors: has(|m| !m.irradiance_error.is_empty()).then_some(ScalarFormat::Float),
             has_objects: parts.len() > 1,
             wide_counts: meshes().any(|m| m.faces.iter().any(|f| f.len() > 255)),
-            face_colors: has_looks
-                .then(|| Kind::of_shares(used().flat_map(|m| m.diffuse.to_array()))),
+            face_colors: has_face_materials
+                .then(|| ScalarFormat::of_shares(used().flat_map(|m| m.diffuse.to_array()))),
             has_textures,
         }
     }
 
-    fn header(&self, scene: &Scene, parts: &[Part<'_>], out: &mut dyn Write) -> io::Result<()> {
+    fn header(&self, scene: &Scene, parts: &[PlyPart<'_>], out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "ply\nformat binary_little_endian 1.0\ncomment written by azulejo"
@@ -340,11 +342,12 @@ impl Layout {
         Ok(())
     }
 
-    fn vertices(&self, object: u32, part: &Part<'_>, out: &mut dyn Write) -> io::Result<()> {
+    fn vertices(&self, object: u32, part: &PlyPart<'_>, out: &mut dyn Write) -> io::Result<()> {
         let mesh = &*part.mesh;
         // Objects that lack what others have get what means nothing.
-        let color = |list: &[Rgb], v: Vertex, none| *list.get(v.vertex as usize).unwrap_or(&none);
-        let colored = |kind: Option<Kind>, color: Rgb, out: &mut dyn Write| match kind {
+        let color =
+            |list: &[Rgb], v: PlyVertex, none| *list.get(v.vertex as usize).unwrap_or(&none);
+        let colored = |kind: Option<ScalarFormat>, color: Rgb, out: &mut dyn Write| match kind {
             Some(kind) => kind.write(&color.to_array(), out),
             None => Ok(()),
         };
@@ -372,15 +375,16 @@ impl Layout {
     fn faces(
         &self,
         scene: &Scene,
-        part: &Part<'_>,
+        part: &PlyPart<'_>,
         first: u32,
         out: &mut dyn Write,
     ) -> io::Result<()> {
         for face in 0..part.mesh.faces.len() {
             let corners = &part.corners[part.mesh.faces.corner_range(face)];
-            match self.wide_counts {
-                true => out.write_all(&(corners.len() as u32).to_le_bytes())?,
-                false => out.write_all(&[corners.len() as u8])?,
+            if self.wide_counts {
+                out.write_all(&(corners.len() as u32).to_le_bytes())?
+            } else {
+                out.write_all(&[corners.len() as u8])?
             }
             for corner in corners {
                 out.write_all(&(first + corner).to_le_bytes())?;
@@ -402,7 +406,7 @@ impl Layout {
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 fn properties(
-    kind: Option<Kind>,
+    kind: Option<ScalarFormat>,
     names: &[impl AsRef<str>],
     out: &mut dyn Write,
 ) -> io::Result<()> {

@@ -405,7 +405,10 @@ mod tests {
         assert_eq!(Lexer::new(" 42,").index(), Ok(42));
         assert_eq!(Lexer::new("4.2").index(), Err(BadNumber::Malformed));
         assert_eq!(Lexer::new("-4").index(), Err(BadNumber::Missing));
-        assert_eq!(Lexer::new("4294967296").index(), Err(BadNumber::TooLarge));
+        assert_eq!(
+            Lexer::new("4294967296").index(),
+            Err(BadNumber::TooLarge)
+        );
     }
 
     #[test]

@@ -5,19 +5,19 @@ use std::collections::HashMap;
 
 /// All names, found in no time.
 #[derive(Debug)]
-pub(super) struct Colors {
+pub(super) struct ColorNames {
     known: HashMap<&'static str, u32>,
 }
 
-impl Colors {
+impl ColorNames {
     /// The table.
-    pub fn new() -> Colors {
+    pub fn new() -> ColorNames {
         let pairs = (SNAKE.split_ascii_whitespace()).chain(CAMEL.split_ascii_whitespace());
         let entry = |pair: &'static str| {
             let (name, hex) = pair.split_once(':')?;
             Some((name, u32::from_str_radix(hex, 16).ok()?))
         };
-        Colors {
+        ColorNames {
             known: pairs.filter_map(entry).collect(),
         }
     }
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn both_spellings() {
-        let colors = Colors::new();
+        let colors = ColorNames::new();
         let check = |name: &str, expected: Option<[u8; 3]>| {
             let bytes = |c: Rgb| c.to_array().map(|v| (255.0 * v).round() as u8);
             assert_eq!(colors.get(name).map(bytes), expected, "{name}");

@@ -3,8 +3,8 @@
 //! A scene becomes the records of SFF and then a scene by the rules of [`sff`](crate::sff).
 //! `docs/formats/scn.md` says how every command is understood.
 
+mod attributes;
 mod colors;
-mod look;
 mod objects;
 mod scope;
 mod solids;
@@ -16,10 +16,13 @@ mod values;
 
 use crate::reading::options::Budget;
 use crate::reading::warnings::Warnings;
-use crate::sff::document::{Document, Sources};
+use crate::sff::document::{SffDocument, SffSources};
 use crate::sff::read_by;
 use crate::{Files, Loaded, ReadError, ReadOptions};
-use values::Stream;
+use values::TokenStream;
+
+/// What the readers of parts of a file return.
+type ScnResult<T> = Result<T, ReadError>;
 
 /// Reads a scene; `name` stands in messages, `files` gives what it includes, fonts, encodings, data,
 /// colour maps and pictures.
@@ -41,12 +44,12 @@ pub fn read(
 
 /// The records that a scene translates to.
 fn document(
-    sources: &mut Sources,
+    sources: &mut SffSources,
     files: &dyn Files,
     options: &ReadOptions,
     warnings: &mut Warnings,
-) -> Result<Document, ReadError> {
+) -> Result<SffDocument, ReadError> {
     let mut budget = Budget::new(options);
     let tokens = tokens::read(sources, files, &mut budget, warnings)?;
-    translate::translate(Stream::new(&tokens, sources, warnings), &mut budget)
+    translate::translate(TokenStream::new(&tokens, sources, warnings), &mut budget)
 }

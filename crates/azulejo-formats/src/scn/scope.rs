@@ -1,11 +1,11 @@
 //! What holds for the objects that follow: surfaces, transforms and textures, by scope.
 
-use crate::sff::document::{Place, Record, RecordKind, TextureKind, TextureRecord};
+use crate::sff::document::{RecordKind, SffPosition, SffRecord, TextureKind, TextureRecord};
 use glam::DMat4;
 
 /// From `group` to `ungroup`, from an object's name to its `data`, or inside of a set operation.
 #[derive(Clone, Debug)]
-pub(super) struct Scope {
+pub(super) struct ScnScope {
     /// From 1; 0 before the first.
     pub surface: u32,
     pub refraction: f64,
@@ -13,7 +13,7 @@ pub(super) struct Scope {
     pub sets_surface: bool,
     pub sets_refraction: bool,
     transforms: Vec<DMat4>,
-    textures: Vec<Texture>,
+    textures: Vec<TextureCommand>,
     /// Whether it is the inside of a set operation or list, to which the transforms and textures
     /// around it belong.
     is_inside: bool,
@@ -21,10 +21,10 @@ pub(super) struct Scope {
 
 /// A texture command.
 #[derive(Clone, Debug)]
-pub(super) enum Texture {
+pub(super) enum TextureCommand {
     /// A texture of its own.
     Record {
-        place: Place,
+        place: SffPosition,
         matrix: DMat4,
         kind: TextureKind,
         file: String,
@@ -37,12 +37,12 @@ pub(super) enum Texture {
 
 /// All scopes, the outermost first.
 #[derive(Clone, Debug)]
-pub(super) struct Scopes(Vec<Scope>);
+pub(super) struct ScnScopes(Vec<ScnScope>);
 
-impl Scopes {
+impl ScnScopes {
     /// The scene's own.
-    pub fn new() -> Scopes {
-        Scopes(vec![Scope {
+    pub fn new() -> ScnScopes {
+        ScnScopes(vec![ScnScope {
             surface: 0,
             refraction: 1.0,
             sets_surface: false,
@@ -54,12 +54,12 @@ impl Scopes {
     }
 
     /// The innermost.
-    pub fn innermost(&self) -> &Scope {
+    pub fn innermost(&self) -> &ScnScope {
         // The scene's own is never left.
         &self.0[self.0.len() - 1]
     }
 
-    fn innermost_mut(&mut self) -> &mut Scope {
+    fn innermost_mut(&mut self) -> &mut ScnScope {
         let last = self.0.len() - 1;
         &mut self.0[last]
     }
@@ -72,7 +72,7 @@ impl Scopes {
     /// Opens a scope, which begins with the surface around it.
     pub fn enter(&mut self, is_inside: bool) {
         let around = self.innermost();
-        let scope = Scope {
+        let scope = ScnScope {
             surface: around.surface,
             refraction: around.refraction,
             sets_surface: false,
@@ -123,7 +123,7 @@ impl Scopes {
     }
 
     /// Adds a texture, or drops those of this scope.
-    pub fn texture(&mut self, texture: Option<Texture>) {
+    pub fn texture(&mut self, texture: Option<TextureCommand>) {
         let textures = &mut self.innermost_mut().textures;
         match texture {
             Some(texture) => textures.push(texture),
@@ -132,7 +132,7 @@ impl Scopes {
     }
 
     /// The scopes whose transforms and textures an object here gets, the innermost first.
-    fn around(&self) -> impl Iterator<Item = &Scope> {
+    fn around(&self) -> impl Iterator<Item = &ScnScope> {
         let inside = self.0.iter().rposition(|s| s.is_inside).unwrap_or(0);
         self.0[inside..].iter().rev()
     }
@@ -144,7 +144,7 @@ impl Scopes {
     }
 
     /// The records behind an object: transforms and textures of the latest.
-    pub fn records(&self, place: Place) -> Vec<Record> {
+    pub fn records(&self, place: SffPosition) -> Vec<SffRecord> {
         let mut records = Vec::new();
         let mut world_from_object = DMat4::IDENTITY;
         for transform in self.around().flat_map(|s| &s.transforms) {
@@ -167,7 +167,7 @@ impl Scopes {
             // A texture gets the point that the one before left: one that does nothing else
             // takes it into the object's space, or back.
             let record = match texture {
-                Texture::Record {
+                TextureCommand::Record {
                     place,
                     matrix,
                     kind,
@@ -179,19 +179,19 @@ impl Scopes {
                     kind: kind.clone(),
                     file: file.clone(),
                 },
-                Texture::Local if !follows => {
+                TextureCommand::Local if !follows => {
                     follows = true;
                     null(world_from_object)
                 }
-                Texture::Invariant if follows => {
+                TextureCommand::Invariant if follows => {
                     follows = false;
                     null(world_from_object.inverse())
                 }
-                Texture::Local | Texture::Invariant => continue,
+                TextureCommand::Local | TextureCommand::Invariant => continue,
             };
             records.push(RecordKind::Texture(Box::new(record)));
         }
-        let placed = |kind| Record { place, kind };
+        let placed = |kind| SffRecord { place, kind };
         records.into_iter().map(placed).collect()
     }
 }

@@ -2,12 +2,12 @@
 
 use super::{document, read};
 use crate::reading::warnings::Warnings;
-use crate::sff::document::{Document, Sources};
+use crate::sff::document::{SffDocument, SffSources};
 use crate::sff::print::print;
 use crate::{Memory, ReadOptions};
 
-fn translated(text: &[u8]) -> Result<Document, String> {
-    let mut sources = Sources::default();
+fn translated(text: &[u8]) -> Result<SffDocument, String> {
+    let mut sources = SffSources::default();
     sources.add("a.scn", text);
     let options = ReadOptions::default();
     let mut warnings = Warnings::default();

@@ -1,12 +1,11 @@
 //! Text blocks: commands that set a string in space.
 
+use super::SffResult;
 use super::document::{TextCommand, TextCommandKind};
-use super::lines::{Lines, quoted};
+use super::lines::{SffLines, quoted};
 use crate::ReadError;
 use crate::reading::text::text;
 use glam::DVec3;
-
-type Read<T> = Result<T, ReadError>;
 
 /// The commands, each with how many numbers follow it.
 const COMMANDS: [(&str, usize); 6] = [
@@ -21,7 +20,7 @@ const COMMANDS: [(&str, usize); 6] = [
 const EXPECTED: &str = "SPACING, SCALE, ORIENTATION, FONT, ENCODING or AT";
 
 /// Reads commands up to an empty line.
-pub(super) fn read(lines: &mut Lines) -> Read<Vec<TextCommand>> {
+pub(super) fn read(lines: &mut SffLines) -> SffResult<Vec<TextCommand>> {
     let mut commands = Vec::new();
     while let Some(word) = next_word(lines) {
         let (place, word) = word;
@@ -45,10 +44,10 @@ pub(super) fn read(lines: &mut Lines) -> Read<Vec<TextCommand>> {
     Ok(commands)
 }
 
-use super::document::Place;
+use super::document::SffPosition;
 
 /// The next word of the block and its place; `None` at the block's end, which is passed.
-fn next_word<'a>(lines: &mut Lines<'a, '_>) -> Option<(Place, &'a [u8])> {
+fn next_word<'a>(lines: &mut SffLines<'a, '_>) -> Option<(SffPosition, &'a [u8])> {
     reach_word(lines).then(|| {
         let place = lines.place();
         (place, lines.words().word().unwrap_or_default())
@@ -56,7 +55,7 @@ fn next_word<'a>(lines: &mut Lines<'a, '_>) -> Option<(Place, &'a [u8])> {
 }
 
 /// Passes line ends and remarks up to the next word; `false` at an empty line, which is passed.
-fn reach_word(lines: &mut Lines) -> bool {
+fn reach_word(lines: &mut SffLines) -> bool {
     loop {
         if !lines.rest_is_blank() {
             if lines.words().peek() != Some(b'#') {
@@ -72,7 +71,7 @@ fn reach_word(lines: &mut Lines) -> bool {
     }
 }
 
-fn unknown(lines: &Lines, place: Place, word: &[u8]) -> ReadError {
+fn unknown(lines: &SffLines, place: SffPosition, word: &[u8]) -> ReadError {
     let upper = word.to_ascii_uppercase();
     let glued = COMMANDS.iter().find(|(name, _)| {
         let behind = upper.strip_prefix(name.as_bytes());
@@ -88,7 +87,12 @@ fn unknown(lines: &Lines, place: Place, word: &[u8]) -> ReadError {
 }
 
 /// The numbers of a command. The error is about the command, whose line is what must be mended.
-fn numbers(lines: &mut Lines, place: Place, name: &str, count: usize) -> Read<[f64; 9]> {
+fn numbers(
+    lines: &mut SffLines,
+    place: SffPosition,
+    name: &str,
+    count: usize,
+) -> SffResult<[f64; 9]> {
     let mut numbers = [0.0; 9];
     for (k, value) in numbers.iter_mut().take(count).enumerate() {
         let is_there = reach_word_in_block(lines) && lines.number_follows();
@@ -106,7 +110,7 @@ fn numbers(lines: &mut Lines, place: Place, name: &str, count: usize) -> Read<[f
 }
 
 /// As [`reach_word`], but an empty line is not passed.
-fn reach_word_in_block(lines: &mut Lines) -> bool {
+fn reach_word_in_block(lines: &mut SffLines) -> bool {
     let before = *lines.words();
     let found = reach_word(lines);
     if !found {
@@ -115,7 +119,7 @@ fn reach_word_in_block(lines: &mut Lines) -> bool {
     found
 }
 
-fn file_name(lines: &mut Lines, place: Place, name: &str) -> Read<String> {
+fn file_name(lines: &mut SffLines, place: SffPosition, name: &str) -> SffResult<String> {
     if !reach_word_in_block(lines) {
         return Err(lines.error(place, name, format!("{name} and the name of a file")));
     }
@@ -124,7 +128,7 @@ fn file_name(lines: &mut Lines, place: Place, name: &str) -> Read<String> {
 }
 
 /// What stands between two quotes on one line.
-fn string(lines: &mut Lines, place: Place) -> Read<String> {
+fn string(lines: &mut SffLines, place: SffPosition) -> SffResult<String> {
     let expected = "a string in quotes, \"…\", on one line";
     if !reach_word_in_block(lines) || lines.words().peek() != Some(b'"') {
         return Err(lines.error(place, "AT without a string", expected));

@@ -1,27 +1,25 @@
 //! The data of patches, polygons and triangles.
 
+use super::SffResult;
 use super::document::*;
-use super::lines::Lines;
-use crate::ReadError;
+use super::lines::SffLines;
 use glam::DVec3;
-
-type Read<T> = Result<T, ReadError>;
 
 /// Data behind a record: the lines below it, or the name of a file. The record's line is passed.
 pub(super) fn here_or_file<T>(
-    lines: &mut Lines,
-    read: impl FnOnce(&mut Lines) -> Read<T>,
-) -> Read<Data<T>> {
+    lines: &mut SffLines,
+    read: impl FnOnce(&mut SffLines) -> SffResult<T>,
+) -> SffResult<RecordData<T>> {
     let file = lines.file_name()?;
     lines.end_record();
     Ok(match file {
-        Some(name) => Data::File(name),
-        None => Data::Here(read(lines)?),
+        Some(name) => RecordData::File(name),
+        None => RecordData::Here(read(lines)?),
     })
 }
 
 /// Twelve vertices a patch; then the vertices.
-pub(super) fn patches(lines: &mut Lines) -> Read<PatchData> {
+pub(super) fn patches(lines: &mut SffLines) -> SffResult<PatchData> {
     let mut largest = 0;
     let mut patches = Vec::new();
     while !lines.section_ends() {
@@ -37,7 +35,7 @@ pub(super) fn patches(lines: &mut Lines) -> Read<PatchData> {
 }
 
 /// A count and as many vertices a polygon; then the vertices.
-pub(super) fn polygons(lines: &mut Lines) -> Read<PolygonData> {
+pub(super) fn polygons(lines: &mut SffLines) -> SffResult<PolygonData> {
     let mut largest = 0;
     let mut faces = azulejo_scene::Faces::default();
     let mut corners = Vec::new();
@@ -61,7 +59,7 @@ pub(super) fn polygons(lines: &mut Lines) -> Read<PolygonData> {
 }
 
 /// The number of a vertex, from 0 on. Raises `largest`, from 1 on.
-fn vertex_index(lines: &mut Lines, largest: &mut u32) -> Read<u32> {
+fn vertex_index(lines: &mut SffLines, largest: &mut u32) -> SffResult<u32> {
     let place = lines.place();
     let index = lines.index()?;
     // Each vertex takes six bytes somewhere below.
@@ -74,7 +72,7 @@ fn vertex_index(lines: &mut Lines, largest: &mut u32) -> Read<u32> {
 }
 
 /// As many vertices as the faces use, and the empty line behind them.
-fn vertices(lines: &mut Lines, count: u32) -> Read<Vec<DVec3>> {
+fn vertices(lines: &mut SffLines, count: u32) -> SffResult<Vec<DVec3>> {
     let mut vertices = Vec::new();
     for k in 0..count {
         let place = lines.place();
@@ -94,7 +92,7 @@ fn vertices(lines: &mut Lines, count: u32) -> Read<Vec<DVec3>> {
 }
 
 /// Three positions with their normals each, and three surfaces if they are `general`.
-pub(super) fn triangles(lines: &mut Lines, general: bool) -> Read<TriangleData> {
+pub(super) fn triangles(lines: &mut SffLines, general: bool) -> SffResult<TriangleData> {
     let mut data = TriangleData::default();
     while !lines.section_ends() {
         let mut corners = [(DVec3::ZERO, DVec3::ZERO); 3];

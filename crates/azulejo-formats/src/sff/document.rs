@@ -8,39 +8,39 @@ use glam::{DMat4, DVec3};
 
 /// A whole file.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Document {
+pub(crate) struct SffDocument {
     /// Whether scn2sff wrote it, by its title.
     pub is_translated: bool,
-    pub view: View,
+    pub view: SffView,
     pub background: Rgb,
     pub ambient: Rgb,
     pub lights: Vec<RtraceLight>,
     pub surfaces: Vec<SurfaceRecord>,
-    pub objects: Vec<Record>,
+    pub objects: Vec<SffRecord>,
     /// The last section, whose records are [`RecordKind::Texture`].
-    pub textures: Vec<Record>,
+    pub textures: Vec<SffRecord>,
 }
 
 /// The first section.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct View {
+pub(crate) struct SffView {
     pub eye: DVec3,
-    pub look: DVec3,
+    pub target: DVec3,
     pub up: DVec3,
     /// Half apertures, degrees.
     pub angles: [f64; 2],
-    pub place: Place,
+    pub place: SffPosition,
 }
 
 /// As SCN has it.
-impl Default for View {
-    fn default() -> View {
-        View {
+impl Default for SffView {
+    fn default() -> SffView {
+        SffView {
             eye: DVec3::new(5.0, 0.0, 0.0),
-            look: DVec3::ZERO,
+            target: DVec3::ZERO,
             up: DVec3::Y,
             angles: [22.5; 2],
-            place: Place::default(),
+            place: SffPosition::default(),
         }
     }
 }
@@ -56,34 +56,45 @@ pub(crate) struct SurfaceRecord {
 
 /// One entry of the objects' section.
 #[derive(Clone, Debug)]
-pub(crate) struct Record {
-    pub place: Place,
+pub(crate) struct SffRecord {
+    pub place: SffPosition,
     pub kind: RecordKind,
 }
 
 /// The kinds of entries.
 #[derive(Clone, Debug)]
 pub(crate) enum RecordKind {
-    Object { look: Look, geometry: Geometry },
+    Object {
+        appearance: RecordAppearance,
+        geometry: SffGeometry,
+    },
     Texture(Box<TextureRecord>),
-    Transform { object: u32, matrix: Box<DMat4> },
-    CsgBegin { look: Look, operation: Operation },
+    Transform {
+        object: u32,
+        matrix: Box<DMat4>,
+    },
+    CsgBegin {
+        appearance: RecordAppearance,
+        operation: Operation,
+    },
     CsgNext,
     CsgEnd,
-    ListBegin { look: Look },
+    ListBegin {
+        appearance: RecordAppearance,
+    },
     ListEnd,
 }
 
 /// What a record says of its surface; 0 where it is the members' own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Look {
+pub(crate) struct RecordAppearance {
     pub surface: u32,
     pub refraction: f64,
 }
 
 /// The shapes.
 #[derive(Clone, Debug)]
-pub(crate) enum Geometry {
+pub(crate) enum SffGeometry {
     Sphere {
         centre: DVec3,
         radius: f64,
@@ -93,16 +104,16 @@ pub(crate) enum Geometry {
         centre: DVec3,
         half: DVec3,
     },
-    Cone(Cone),
-    Patches(Box<Placed<PatchData>>),
-    Polygons(Box<Placed<PolygonData>>),
-    Triangles(Box<Placed<TriangleData>>),
-    Text(Data<Vec<TextCommand>>),
+    Cone(SffCone),
+    Patches(Box<PlacedData<PatchData>>),
+    Polygons(Box<PlacedData<PolygonData>>),
+    Triangles(Box<PlacedData<TriangleData>>),
+    Text(RecordData<Vec<TextCommand>>),
 }
 
 /// The side of a cone or cylinder; the ends in any order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cone {
+pub(crate) struct SffCone {
     pub base: DVec3,
     pub base_radius: f64,
     pub apex: DVec3,
@@ -111,15 +122,15 @@ pub(crate) struct Cone {
 
 /// Data under a scale and, behind it, a shift.
 #[derive(Clone, Debug)]
-pub(crate) struct Placed<T> {
+pub(crate) struct PlacedData<T> {
     pub origin: DVec3,
     pub scale: DVec3,
-    pub data: Data<T>,
+    pub data: RecordData<T>,
 }
 
 /// Data in the file itself, or in another.
 #[derive(Clone, Debug)]
-pub(crate) enum Data<T> {
+pub(crate) enum RecordData<T> {
     Here(T),
     File(String),
 }
@@ -152,7 +163,7 @@ pub(crate) struct TriangleData {
 /// A command of a text block.
 #[derive(Clone, Debug)]
 pub(crate) struct TextCommand {
-    pub place: Place,
+    pub place: SffPosition,
     pub kind: TextCommandKind,
 }
 
@@ -170,7 +181,7 @@ pub(crate) enum TextCommandKind {
 /// A texture record; what it is about stands in `object`, 0 for the latest.
 #[derive(Clone, Debug)]
 pub(crate) struct TextureRecord {
-    pub place: Place,
+    pub place: SffPosition,
     pub object: u32,
     pub matrix: DMat4,
     pub kind: TextureKind,
@@ -186,20 +197,20 @@ pub(crate) struct TextureKind {
     pub values: Vec<f64>,
 }
 
-/// Where something stands: which of the [`Sources`], and the byte in it.
+/// Where something stands: which of the [`SffSources`], and the byte in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct SffPosition {
     pub file: u32,
     pub offset: u32,
 }
 
 /// The texts that a document is made of, for messages about places in them.
 #[derive(Debug, Default)]
-pub(crate) struct Sources<'a> {
+pub(crate) struct SffSources<'a> {
     list: Vec<(String, std::borrow::Cow<'a, [u8]>)>,
 }
 
-impl<'a> Sources<'a> {
+impl<'a> SffSources<'a> {
     /// The number that the next text gets.
     pub fn next(&self) -> u32 {
         self.list.len() as u32
@@ -227,14 +238,14 @@ impl<'a> Sources<'a> {
     }
 
     /// Line and column of a place.
-    pub fn position(&self, place: Place) -> Position {
+    pub fn position(&self, place: SffPosition) -> Position {
         self.words(place.file).position(place.offset as usize)
     }
 
     /// An error at a place.
     pub fn error(
         &self,
-        place: Place,
+        place: SffPosition,
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {

@@ -21,13 +21,13 @@ const POINT: f64 = 1e-6;
 const FLAT: f64 = 0.001;
 
 /// The document of a scene and the glyphs of its text; `stem` begins the names of the font's files.
-pub(super) fn document(scene: &Scene, stem: &str) -> (Document, Font) {
+pub(super) fn document(scene: &Scene, stem: &str) -> (SffDocument, Font) {
     let rtrace = scene.rtrace.as_deref();
-    let mut writer = Writer {
+    let mut writer = SffWriter {
         scene,
         rtrace,
         stem,
-        document: Document::default(),
+        document: SffDocument::default(),
         font: Font::default(),
         glyphs: HashMap::new(),
         number: 0,
@@ -48,11 +48,11 @@ pub(super) fn is_lamp(scene: &Scene, shape: &Shape) -> bool {
     matches!((shape, known), (Shape::Primitive(p), Some(known)) if p.material as usize >= known)
 }
 
-struct Writer<'s> {
+struct SffWriter<'s> {
     scene: &'s Scene,
     rtrace: Option<&'s Rtrace>,
     stem: &'s str,
-    document: Document,
+    document: SffDocument,
     font: Font,
     /// Names of figures by their places in memory, which prisms share.
     glyphs: HashMap<*const Figure, String>,
@@ -60,15 +60,15 @@ struct Writer<'s> {
     number: u32,
 }
 
-impl Writer<'_> {
+impl SffWriter<'_> {
     fn numbers_of_rtrace(&mut self, rtrace: &Rtrace) {
         let document = &mut self.document;
-        document.view = View {
+        document.view = SffView {
             eye: rtrace.eye,
-            look: rtrace.look,
+            target: rtrace.look,
             up: rtrace.up,
             angles: rtrace.half_angles.map(degrees),
-            place: Place::default(),
+            place: SffPosition::default(),
         };
         document.background = rtrace.background;
         document.ambient = rtrace.ambient;
@@ -134,14 +134,14 @@ impl Writer<'_> {
                 Solid::Mesh(mesh) => self.mesh(mesh),
                 Solid::Shell(pieces) => {
                     self.push(RecordKind::ListBegin {
-                        look: Look::default(),
+                        appearance: RecordAppearance::default(),
                     });
                     self.solids(pieces);
                     self.push(RecordKind::ListEnd);
                 }
                 Solid::Csg(csg) => {
                     self.push(RecordKind::CsgBegin {
-                        look: Look::default(),
+                        appearance: RecordAppearance::default(),
                         operation: csg.operation,
                     });
                     self.solids(&csg.left);
@@ -159,8 +159,8 @@ impl Writer<'_> {
             RecordKind::Object { .. } | RecordKind::CsgBegin { .. } | RecordKind::ListBegin { .. }
         );
         self.number += u32::from(begins);
-        let place = Place::default();
-        self.document.objects.push(Record { place, kind });
+        let place = SffPosition::default();
+        self.document.objects.push(SffRecord { place, kind });
     }
 
     fn transform(&mut self, map: &DAffine3) {
@@ -169,9 +169,12 @@ impl Writer<'_> {
     }
 
     /// A record of a material, with the textures of it.
-    fn leaf(&mut self, geometry: Geometry, material: MaterialId) {
-        let look = self.look(material);
-        self.push(RecordKind::Object { look, geometry });
+    fn leaf(&mut self, geometry: SffGeometry, material: MaterialId) {
+        let appearance = self.appearance(material);
+        self.push(RecordKind::Object {
+            appearance,
+            geometry,
+        });
         let Some(of_rtrace) = self.rtrace.and_then(|r| r.materials.get(material as usize)) else {
             return;
         };
@@ -180,27 +183,27 @@ impl Writer<'_> {
         }
         for texture in &of_rtrace.section_textures {
             let kind = RecordKind::Texture(texture_record(texture, self.number));
-            let place = Place::default();
-            self.document.textures.push(Record { place, kind });
+            let place = SffPosition::default();
+            self.document.textures.push(SffRecord { place, kind });
         }
     }
 
-    fn look(&self, material: MaterialId) -> Look {
+    fn appearance(&self, material: MaterialId) -> RecordAppearance {
         if let Some(rtrace) = self.rtrace {
             let known = rtrace.materials.get(material as usize);
             return known.map_or(
-                Look {
+                RecordAppearance {
                     surface: 1,
                     refraction: 1.0,
                 },
-                |m| Look {
+                |m| RecordAppearance {
                     surface: m.surface + 1,
                     refraction: m.ior,
                 },
             );
         }
         let glass = self.scene.materials[material as usize].dielectric;
-        Look {
+        RecordAppearance {
             surface: material + 1,
             refraction: glass.map_or(1.0, |g| g.ior.clamp(1.0, 300.0)),
         }
@@ -218,7 +221,7 @@ impl Writer<'_> {
                 } else {
                     (DVec3::ZERO, 1.0)
                 };
-                self.leaf(Geometry::Sphere { centre, radius }, p.material);
+                self.leaf(SffGeometry::Sphere { centre, radius }, p.material);
                 self.transform_unless(same && radius > 0.0, map);
             }
             PrimitiveKind::Cuboid => {
@@ -227,12 +230,12 @@ impl Writer<'_> {
                 let same = again == *map && half.min_element() > 0.0;
                 let unit = DVec3::splat(0.5);
                 let (centre, half) = if same { (t + half, half) } else { (unit, unit) };
-                self.leaf(Geometry::Cuboid { centre, half }, p.material);
+                self.leaf(SffGeometry::Cuboid { centre, half }, p.material);
                 self.transform_unless(same, map);
             }
             PrimitiveKind::Tube { top } => {
                 let (cone, same) = cone(p, top);
-                self.leaf(Geometry::Cone(cone), p.material);
+                self.leaf(SffGeometry::Cone(cone), p.material);
                 self.transform_unless(same, map);
             }
             PrimitiveKind::Cone { top } => self.closed_cone(p, top),
@@ -243,7 +246,7 @@ impl Writer<'_> {
                 faces.push(&[0, 1, 2, 3]);
                 let vertices = corners.to_vec();
                 let data = PolygonData { faces, vertices };
-                self.leaf(Geometry::Polygons(here(data)), p.material);
+                self.leaf(SffGeometry::Polygons(here(data)), p.material);
             }
         }
     }
@@ -258,10 +261,10 @@ impl Writer<'_> {
     fn closed_cone(&mut self, p: &Primitive, top: f64) {
         let (side, same) = cone(p, top);
         self.push(RecordKind::ListBegin {
-            look: Look::default(),
+            appearance: RecordAppearance::default(),
         });
         self.transform_unless(same, &p.world_from_object);
-        self.leaf(Geometry::Cone(side), p.material);
+        self.leaf(SffGeometry::Cone(side), p.material);
         let axis = (side.apex - side.base).normalize_or_zero();
         let ends = [
             (side.base, side.base_radius, -axis),
@@ -271,13 +274,13 @@ impl Writer<'_> {
             if base_radius <= POINT * side.base_radius {
                 continue;
             }
-            let cap = Cone {
+            let cap = SffCone {
                 base,
                 base_radius,
                 apex: base + FLAT.min(0.01 * base_radius) * outward,
                 apex_radius: POINT * base_radius,
             };
-            self.leaf(Geometry::Cone(cap), p.material);
+            self.leaf(SffGeometry::Cone(cap), p.material);
         }
         self.push(RecordKind::ListEnd);
     }
@@ -299,7 +302,7 @@ impl Writer<'_> {
             }
         }
         if !data.patches.is_empty() {
-            self.leaf(Geometry::Patches(here(data)), material);
+            self.leaf(SffGeometry::Patches(here(data)), material);
         }
         if !others.is_empty() {
             let triangles = others.into_iter().flat_map(tessellated).collect();
@@ -310,7 +313,7 @@ impl Writer<'_> {
     fn triangles(&mut self, corners: Vec<[(DVec3, DVec3); 3]>, material: MaterialId) {
         let surfaces = Vec::new();
         let data = TriangleData { corners, surfaces };
-        self.leaf(Geometry::Triangles(here(data)), material);
+        self.leaf(SffGeometry::Triangles(here(data)), material);
     }
 
     /// A mesh of one record for each of its materials.
@@ -328,7 +331,7 @@ impl Writer<'_> {
                 }
                 None => {
                     let data = polygons(mesh, &faces);
-                    self.leaf(Geometry::Polygons(here(data)), material);
+                    self.leaf(SffGeometry::Polygons(here(data)), material);
                 }
             }
         }
@@ -345,11 +348,11 @@ impl Writer<'_> {
             surfaces: corner_surfaces.iter().map(|s| s.map(|s| s + 1)).collect(),
         };
         let material = mesh.face_materials.first().copied().unwrap_or(0);
-        let geometry = Geometry::Triangles(here(data));
+        let geometry = SffGeometry::Triangles(here(data));
         let start = self.document.objects.len();
         self.leaf(geometry, material);
-        if let RecordKind::Object { look, .. } = &mut self.document.objects[start].kind {
-            look.surface = 0;
+        if let RecordKind::Object { appearance, .. } = &mut self.document.objects[start].kind {
+            appearance.surface = 0;
         }
     }
 
@@ -384,10 +387,10 @@ impl Writer<'_> {
         if commands.len() == settings {
             return;
         }
-        let place = Place::default();
+        let place = SffPosition::default();
         let placed = |kind| TextCommand { place, kind };
         let commands = commands.into_iter().map(placed).collect();
-        self.leaf(Geometry::Text(Data::Here(commands)), material);
+        self.leaf(SffGeometry::Text(RecordData::Here(commands)), material);
     }
 
     /// The name of a prism's figure; `None` if it has no inside.
@@ -408,20 +411,20 @@ impl Writer<'_> {
     }
 }
 
-fn here<T>(data: T) -> Box<Placed<T>> {
-    Box::new(Placed {
+fn here<T>(data: T) -> Box<PlacedData<T>> {
+    Box::new(PlacedData {
         origin: DVec3::ZERO,
         scale: DVec3::ONE,
-        data: Data::Here(data),
+        data: RecordData::Here(data),
     })
 }
 
 /// The record of a cone's side, and whether it stands where it is; a unit cone if it does not.
-fn cone(p: &Primitive, top: f64) -> (Cone, bool) {
+fn cone(p: &Primitive, top: f64) -> (SffCone, bool) {
     let m = p.world_from_object.matrix3;
     let radius = m.x_axis.length();
     let base = p.world_from_object.translation;
-    let placed = Cone {
+    let placed = SffCone {
         base,
         base_radius: radius,
         apex: base + m.z_axis,
@@ -432,7 +435,7 @@ fn cone(p: &Primitive, top: f64) -> (Cone, bool) {
     if again.world_from_object == p.world_from_object && again.kind == p.kind {
         return (placed, true);
     }
-    let unit = Cone {
+    let unit = SffCone {
         base: DVec3::ZERO,
         base_radius: 1.0,
         apex: DVec3::Z,
@@ -444,7 +447,7 @@ fn cone(p: &Primitive, top: f64) -> (Cone, bool) {
 fn texture_record(texture: &RtraceTexture, object: u32) -> Box<TextureRecord> {
     let (number, values) = textures::numbers(&texture.kind);
     Box::new(TextureRecord {
-        place: Place::default(),
+        place: SffPosition::default(),
         object,
         matrix: texture.matrix,
         kind: TextureKind { number, values },
@@ -522,7 +525,7 @@ fn tessellated(patch: &BicubicPatch) -> Vec<[(DVec3, DVec3); 3]> {
 }
 
 /// A view that shows a scene: its own first camera, or one from the front.
-fn view(scene: &Scene) -> View {
+fn view(scene: &Scene) -> SffView {
     let framing = || {
         let bounds = if scene.objects.is_empty() {
             Aabb::around([DVec3::ZERO, DVec3::ONE])
@@ -535,12 +538,12 @@ fn view(scene: &Scene) -> View {
     let vertical = 0.5 * camera.vertical_fov;
     let (width, height) = camera.size.unwrap_or((1, 1));
     let horizontal = (vertical.tan() * f64::from(width) / f64::from(height)).atan();
-    View {
+    SffView {
         eye: camera.eye,
-        look: camera.target,
+        target: camera.target,
         up: camera.up,
         angles: [horizontal, vertical].map(|a| degrees(a).clamp(0.5, 89.5)),
-        place: Place::default(),
+        place: SffPosition::default(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! RTRACE's lights as lights that fall with the square of the distance.
 
-use super::document::View;
+use super::document::SffView;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind};
 use azulejo_scene::{Light, LightKind, Material, Primitive, Rgb};
 use glam::DVec3;
@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 const FAR: f64 = 100.0;
 
 /// What a light becomes.
-pub(super) enum Lamp {
+pub(super) enum SffLight {
     /// Lights without area.
     Lights(Vec<LightKind>),
     /// A body that shines with this radiance.
@@ -23,9 +23,9 @@ pub(super) enum Lamp {
 /// RTRACE's lights fade as g / (g + d/4), where g is the distance from the eye to the point looked
 /// at, or not at all. A physical one is as bright there, falls with the square of the distance
 /// before and behind, and has area if RTRACE's has. `material` is what its body is made of.
-pub(super) fn physical(light: &RtraceLight, view: &View, material: u32) -> Lamp {
-    let gaze = view.eye.distance(view.look);
-    let offset = view.look - light.position;
+pub(super) fn physical(light: &RtraceLight, view: &SffView, material: u32) -> SffLight {
+    let gaze = view.eye.distance(view.target);
+    let offset = view.target - light.position;
     let distance = offset.length().max(1e-3 * gaze);
     let fade = gaze / (gaze + 0.25 * distance);
     let arriving = Rgb::from([0, 1, 2].map(|k| {
@@ -39,12 +39,12 @@ pub(super) fn physical(light: &RtraceLight, view: &View, material: u32) -> Lamp 
     match light.kind {
         RtraceLightKind::Point if light.fades == [false; 3] && distance > FAR * gaze => {
             let direction = offset / distance;
-            Lamp::Lights(vec![LightKind::Directional {
+            SffLight::Lights(vec![LightKind::Directional {
                 direction,
                 irradiance,
             }])
         }
-        RtraceLightKind::Point => Lamp::Lights(vec![LightKind::Point {
+        RtraceLightKind::Point => SffLight::Lights(vec![LightKind::Point {
             position,
             intensity,
         }]),
@@ -52,7 +52,7 @@ pub(super) fn physical(light: &RtraceLight, view: &View, material: u32) -> Lamp 
             direction,
             half_angle,
             factor,
-        } => Lamp::Lights(vec![LightKind::Spot {
+        } => SffLight::Lights(vec![LightKind::Spot {
             position,
             direction,
             intensity,
@@ -61,21 +61,21 @@ pub(super) fn physical(light: &RtraceLight, view: &View, material: u32) -> Lamp 
         }]),
         RtraceLightKind::Extended { radius, .. } => {
             let body = Primitive::sphere(position, radius, material);
-            Lamp::Body(body, intensity / (PI * radius * radius))
+            SffLight::Body(body, intensity / (PI * radius * radius))
         }
         RtraceLightKind::Planar { edges, samples } => {
             let area = edges[0].cross(edges[1]).length();
             if area > 0.0 && area.is_normal() {
                 let corner = position - 0.5 * (edges[0] + edges[1]);
                 let body = Primitive::parallelogram(corner, edges[0], edges[1], material);
-                return Lamp::Body(body, intensity / area);
+                return SffLight::Body(body, intensity / area);
             }
             let count = samples[0].max(1);
             let point = |k: u32| LightKind::Point {
                 position: position + along(k, count) * edges[0],
                 intensity: intensity / f64::from(count),
             };
-            Lamp::Lights((0..count).map(point).collect())
+            SffLight::Lights((0..count).map(point).collect())
         }
     }
 }
@@ -96,10 +96,10 @@ fn full_angle(half_angle: f64, factor: f64) -> f64 {
 
 /// A light as RTRACE has it, which does not fade and is as bright where one looks; `None` for
 /// light from everywhere.
-pub(super) fn of_rtrace(light: &LightKind, view: &View) -> Option<RtraceLight> {
+pub(super) fn of_rtrace(light: &LightKind, view: &SffView) -> Option<RtraceLight> {
     let as_bright = |position: DVec3, intensity: Rgb| {
-        let distance = position.distance(view.look);
-        let distance = distance.max(1e-3 * view.eye.distance(view.look));
+        let distance = position.distance(view.target);
+        let distance = distance.max(1e-3 * view.eye.distance(view.target));
         intensity / (PI * distance * distance)
     };
     let (position, brightness, kind) = match *light {
@@ -128,7 +128,7 @@ pub(super) fn of_rtrace(light: &LightKind, view: &View) -> Option<RtraceLight> {
             direction,
             irradiance,
         } => {
-            let position = view.look - DISTANT * direction;
+            let position = view.target - DISTANT * direction;
             (position, irradiance / PI, RtraceLightKind::Point)
         }
         LightKind::Ambient { .. } => return None,
@@ -187,11 +187,11 @@ pub(super) fn spans(gaze: DVec3, up: DVec3) -> bool {
 mod tests {
     use super::*;
 
-    fn view() -> View {
-        View {
+    fn view() -> SffView {
+        SffView {
             eye: DVec3::new(0.0, 0.0, 4.0),
-            look: DVec3::ZERO,
-            ..View::default()
+            target: DVec3::ZERO,
+            ..SffView::default()
         }
     }
 
@@ -207,8 +207,8 @@ mod tests {
     /// What arrives at the point looked at, by the lamp, is what RTRACE has there times π.
     fn check(light: RtraceLight, expected: f64) {
         let found = match physical(&light, &view(), 0) {
-            Lamp::Lights(lights) => lights.iter().map(irradiance_at_look).sum(),
-            Lamp::Body(body, radiance) => {
+            SffLight::Lights(lights) => lights.iter().map(irradiance_at_look).sum(),
+            SffLight::Body(body, radiance) => {
                 let flat = match light.kind {
                     RtraceLightKind::Extended { radius, .. } => PI * radius * radius,
                     _ => body.area(),

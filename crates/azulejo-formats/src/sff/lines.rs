@@ -1,7 +1,7 @@
 //! SFF text: fields between blanks, records that end with their line, sections that end with an
 //! empty line.
 
-use super::document::Place;
+use super::document::SffPosition;
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
 use crate::reading::warnings::Warnings;
@@ -13,7 +13,7 @@ use glam::{DMat4, DVec3};
 const FARTHEST: f64 = 1e30;
 
 /// A place in the text of a file.
-pub(crate) struct Lines<'a, 'w> {
+pub(crate) struct SffLines<'a, 'w> {
     words: Words<'a>,
     length: usize,
     file: u32,
@@ -21,15 +21,15 @@ pub(crate) struct Lines<'a, 'w> {
     pub warnings: &'w mut Warnings,
 }
 
-impl<'a, 'w> Lines<'a, 'w> {
-    /// The start of a text, which is number `file` of the [`Sources`].
+impl<'a, 'w> SffLines<'a, 'w> {
+    /// The start of a text, which is number `file` of the [`SffSources`].
     pub fn new(bytes: &'a [u8], name: &'a str, file: u32, warnings: &'w mut Warnings) -> Self {
         let start = if bytes.starts_with(b"\xef\xbb\xbf") {
             3
         } else {
             0
         };
-        Lines {
+        SffLines {
             words: Words::new(bytes, name).from(start),
             length: bytes.len(),
             file,
@@ -39,9 +39,9 @@ impl<'a, 'w> Lines<'a, 'w> {
     }
 
     /// Where the next field stands.
-    pub fn place(&mut self) -> Place {
+    pub fn place(&mut self) -> SffPosition {
         self.words.skip_spaces();
-        Place {
+        SffPosition {
             file: self.file,
             offset: self.words.offset() as u32,
         }
@@ -249,7 +249,7 @@ impl<'a, 'w> Lines<'a, 'w> {
     }
 
     /// Warns of something at a place.
-    pub fn warn(&mut self, place: Place, message: String) {
+    pub fn warn(&mut self, place: SffPosition, message: String) {
         let words = &self.words;
         let position = || words.position(place.offset as usize);
         self.warnings.add(self.name, message, position);
@@ -258,7 +258,7 @@ impl<'a, 'w> Lines<'a, 'w> {
     /// An error at a place.
     pub fn error(
         &self,
-        place: Place,
+        place: SffPosition,
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {

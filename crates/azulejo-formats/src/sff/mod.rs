@@ -31,10 +31,13 @@ use crate::reading::options::check_length;
 use crate::reading::text::without_utf16;
 use crate::reading::warnings::Warnings;
 use crate::{FileError, Files, Loaded, ReadError, ReadOptions};
-use document::{Document, Sources};
-use lines::Lines;
+use document::{SffDocument, SffSources};
+use lines::SffLines;
 
 pub use write::{losses, write};
+
+/// What the readers of parts of a file return.
+type SffResult<T> = Result<T, ReadError>;
 
 /// Reads a scene; `name` stands in messages, `files` gives fonts, encodings, data, colour maps and
 /// pictures.
@@ -50,7 +53,7 @@ pub fn read(
 ) -> Result<Loaded, ReadError> {
     read_by(bytes, name, files, options, |text, sources, warnings| {
         let file = sources.add(name, text);
-        Document::parse(&mut Lines::new(text, name, file, warnings))
+        SffDocument::parse(&mut SffLines::new(text, name, file, warnings))
     })
 }
 
@@ -60,12 +63,16 @@ pub(crate) fn read_by(
     name: &str,
     files: &dyn Files,
     options: &ReadOptions,
-    parse: impl for<'t> FnOnce(&'t [u8], &mut Sources<'t>, &mut Warnings) -> Result<Document, ReadError>,
+    parse: impl for<'t> FnOnce(
+        &'t [u8],
+        &mut SffSources<'t>,
+        &mut Warnings,
+    ) -> Result<SffDocument, ReadError>,
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
     let bytes = without_utf16(bytes);
     let mut warnings = Warnings::default();
-    let mut sources = Sources::default();
+    let mut sources = SffSources::default();
     let document = parse(&bytes, &mut sources, &mut warnings)?;
     let scene = resolve::resolve(&document, &mut sources, files, options, &mut warnings)?;
     Ok(Loaded {

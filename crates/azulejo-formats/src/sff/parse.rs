@@ -1,30 +1,28 @@
 //! The sections of a file in their order.
 
+use super::SffResult;
 use super::document::*;
-use super::lines::Lines;
+use super::lines::SffLines;
 use super::{data, record};
-use crate::ReadError;
 use azulejo_scene::Rgb;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind, RtraceSource};
 use glam::DVec3;
 
-type Read<T> = Result<T, ReadError>;
-
-impl Document {
+impl SffDocument {
     /// Reads a whole file.
     ///
     /// # Errors
     /// The first record that is not as the format has it.
-    pub fn parse(lines: &mut Lines) -> Read<Document> {
+    pub fn parse(lines: &mut SffLines) -> SffResult<SffDocument> {
         let title = lines.title();
         let view = view(lines)?;
         lines.title();
-        let mut document = Document {
+        let mut document = SffDocument {
             is_translated: title.starts_with("+L"),
             view,
             background: colors(lines)?,
             ambient: colors(lines)?,
-            ..Document::default()
+            ..SffDocument::default()
         };
         lines.title();
         while !lines.section_ends() {
@@ -40,40 +38,40 @@ impl Document {
         while !lines.section_ends() {
             let place = lines.place();
             let kind = record::read(lines)?;
-            document.objects.push(Record { place, kind });
+            document.objects.push(SffRecord { place, kind });
         }
         document.textures = textures(lines);
         Ok(document)
     }
 }
 
-fn view(lines: &mut Lines) -> Read<View> {
+fn view(lines: &mut SffLines) -> SffResult<SffView> {
     let place = lines.place();
     let mut point = || {
         let p = lines.point();
         lines.end_record();
         p
     };
-    let (eye, look, up) = (point()?, point()?, point()?);
+    let (eye, target, up) = (point()?, point()?, point()?);
     let mut angle = || lines.within(0.5, 89.5, "an angle of the view");
     let angles = [angle()?, angle()?];
     lines.end_record();
-    Ok(View {
+    Ok(SffView {
         eye,
-        look,
+        target,
         up,
         angles,
         place,
     })
 }
 
-fn colors(lines: &mut Lines) -> Read<Rgb> {
+fn colors(lines: &mut SffLines) -> SffResult<Rgb> {
     let color = lines.color("background or ambient light")?;
     lines.end_record();
     Ok(color)
 }
 
-fn light(lines: &mut Lines) -> Read<RtraceLight> {
+fn light(lines: &mut SffLines) -> SffResult<RtraceLight> {
     let place = lines.place();
     let kind = lines.index()?;
     let position = lines.point()?;
@@ -106,13 +104,13 @@ fn light(lines: &mut Lines) -> Read<RtraceLight> {
     })
 }
 
-fn samples(lines: &mut Lines, least: f64) -> Read<u32> {
+fn samples(lines: &mut SffLines, least: f64) -> SffResult<u32> {
     Ok(lines
         .within(least, 256.0, "the samples of a light")?
         .round() as u32)
 }
 
-fn surface(lines: &mut Lines) -> Read<SurfaceRecord> {
+fn surface(lines: &mut SffLines) -> SffResult<SurfaceRecord> {
     let place = lines.place();
     let kind = lines.index()?;
     let mut flagged = || lines.within(-1.0, 1.0, "a surface's number");
@@ -144,16 +142,16 @@ fn surface(lines: &mut Lines) -> Read<SurfaceRecord> {
     })
 }
 
-fn unit(lines: &mut Lines) -> Read<f64> {
+fn unit(lines: &mut SffLines) -> SffResult<f64> {
     lines.within(0.0, 1.0, "a surface's number")
 }
 
-fn triple(lines: &mut Lines) -> Read<Rgb> {
+fn triple(lines: &mut SffLines) -> SffResult<Rgb> {
     lines.color("a surface's number")
 }
 
 /// The last section. Anything may stand behind the objects, so what is no texture ends it.
-fn textures(lines: &mut Lines) -> Vec<Record> {
+fn textures(lines: &mut SffLines) -> Vec<SffRecord> {
     let mut textures = Vec::new();
     lines.title();
     while lines.numbers_left_on_line() >= 2 {
@@ -161,7 +159,7 @@ fn textures(lines: &mut Lines) -> Vec<Record> {
         match record::texture(lines) {
             Ok(texture) => {
                 let kind = RecordKind::Texture(Box::new(texture));
-                textures.push(Record { place, kind });
+                textures.push(SffRecord { place, kind });
             }
             Err(e) => {
                 let (found, expected) = (e.found, e.expected);
@@ -178,14 +176,14 @@ fn textures(lines: &mut Lines) -> Vec<Record> {
 
 /// The shape's own data: where it stands in the file itself, it is read.
 pub(super) fn placed<T>(
-    lines: &mut Lines,
-    read: impl FnOnce(&mut Lines) -> Read<T>,
-) -> Read<Box<Placed<T>>> {
+    lines: &mut SffLines,
+    read: impl FnOnce(&mut SffLines) -> SffResult<T>,
+) -> SffResult<Box<PlacedData<T>>> {
     let origin = lines.point()?;
     let mut scale = || lines.within(0.0, f64::MAX, "the scale of a shape");
     let scale = DVec3::new(scale()?, scale()?, scale()?);
     let data = data::here_or_file(lines, read)?;
-    Ok(Box::new(Placed {
+    Ok(Box::new(PlacedData {
         origin,
         scale,
         data,

@@ -1,7 +1,7 @@
 //! Shapes of records as exact shapes and meshes, before their transforms.
 
 use super::coons;
-use super::document::{Cone, PatchData, PolygonData, TriangleData};
+use super::document::{PatchData, PolygonData, SffCone, TriangleData};
 use azulejo_scene::math::{Frame, normal_matrix};
 use azulejo_scene::{Attribute, BicubicPatch, MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DMat3, DVec3};
@@ -17,7 +17,7 @@ pub(super) fn cuboid(centre: DVec3, half: DVec3, material: MaterialId) -> Primit
 }
 
 /// The side of a cone, or all of it if it is `closed`. The wider end is the base.
-pub(super) fn cone(cone: &Cone, closed: bool, material: MaterialId) -> Primitive {
+pub(super) fn cone(cone: &SffCone, closed: bool, material: MaterialId) -> Primitive {
     let swapped = cone.apex_radius > cone.base_radius;
     let (base, wide, apex, narrow) = if swapped {
         (cone.apex, cone.apex_radius, cone.base, cone.base_radius)
@@ -31,10 +31,12 @@ pub(super) fn cone(cone: &Cone, closed: bool, material: MaterialId) -> Primitive
         translation: base,
     };
     let top = narrow / wide;
-    let kind = match closed {
-        false => PrimitiveKind::Tube { top },
-        true if top == 1.0 => PrimitiveKind::Cylinder,
-        true => PrimitiveKind::Cone { top },
+    let kind = if !closed {
+        PrimitiveKind::Tube { top }
+    } else if top == 1.0 {
+        PrimitiveKind::Cylinder
+    } else {
+        PrimitiveKind::Cone { top }
     };
     Primitive::new(kind, map, material)
 }
@@ -52,16 +54,16 @@ const APART: f64 = 1e-5;
 /// The one cone or cylinder whose side and caps these are; `None` if they are none.
 ///
 /// Caps are flat cones that end in a point, over the ends of the side.
-pub(super) fn closed_cone(pieces: &[Cone]) -> Option<Cone> {
+pub(super) fn closed_cone(pieces: &[SffCone]) -> Option<SffCone> {
     if !(2..=3).contains(&pieces.len()) {
         return None;
     }
-    let height = |c: &Cone| c.base.distance(c.apex);
+    let height = |c: &SffCone| c.base.distance(c.apex);
     let tallest = pieces
         .iter()
         .max_by(|a, b| height(a).total_cmp(&height(b)))?;
     let radius = tallest.base_radius.max(tallest.apex_radius);
-    let is_cap = |piece: &Cone, end: DVec3, end_radius: f64| {
+    let is_cap = |piece: &SffCone, end: DVec3, end_radius: f64| {
         let (base, wide, apex, narrow) = wide_end_first(piece);
         let axis = tallest.apex - tallest.base;
         base.distance(end) <= APART * radius
@@ -86,7 +88,7 @@ pub(super) fn closed_cone(pieces: &[Cone]) -> Option<Cone> {
     (closed && used + 1 == pieces.len()).then_some(*tallest)
 }
 
-fn wide_end_first(c: &Cone) -> (DVec3, f64, DVec3, f64) {
+fn wide_end_first(c: &SffCone) -> (DVec3, f64, DVec3, f64) {
     if c.apex_radius > c.base_radius {
         (c.apex, c.apex_radius, c.base, c.base_radius)
     } else {
@@ -96,12 +98,12 @@ fn wide_end_first(c: &Cone) -> (DVec3, f64, DVec3, f64) {
 
 /// A scale and a shift, as the data of a record stand under them.
 #[derive(Clone, Copy)]
-pub(super) struct Under {
+pub(super) struct ScaleShift {
     pub origin: DVec3,
     pub scale: DVec3,
 }
 
-impl Under {
+impl ScaleShift {
     fn point(&self, p: DVec3) -> DVec3 {
         p * self.scale + self.origin
     }
@@ -110,7 +112,7 @@ impl Under {
 /// Bézier patches.
 pub(super) fn patches(
     data: &PatchData,
-    under: Under,
+    under: ScaleShift,
     material: MaterialId,
 ) -> impl Iterator<Item = BicubicPatch> + '_ {
     data.patches.iter().map(move |patch| {
@@ -120,7 +122,7 @@ pub(super) fn patches(
 }
 
 /// Polygons, as the record lists them.
-pub(super) fn polygons(data: &PolygonData, under: Under, material: MaterialId) -> Mesh {
+pub(super) fn polygons(data: &PolygonData, under: ScaleShift, material: MaterialId) -> Mesh {
     Mesh {
         positions: data.vertices.iter().map(|p| under.point(*p)).collect(),
         face_materials: vec![material; data.faces.len()],
@@ -134,7 +136,7 @@ pub(super) fn polygons(data: &PolygonData, under: Under, material: MaterialId) -
 /// triangles that have them.
 pub(super) fn triangles(
     data: &TriangleData,
-    under: Under,
+    under: ScaleShift,
     map: &DAffine3,
     material: MaterialId,
 ) -> (Mesh, Vec<[u32; 3]>) {
@@ -182,8 +184,8 @@ pub(super) fn triangles(
 mod tests {
     use super::*;
 
-    fn piece(base: f64, base_radius: f64, apex: f64, apex_radius: f64) -> Cone {
-        Cone {
+    fn piece(base: f64, base_radius: f64, apex: f64, apex_radius: f64) -> SffCone {
+        SffCone {
             base: base * DVec3::X,
             base_radius,
             apex: apex * DVec3::X,
@@ -204,7 +206,7 @@ mod tests {
 
     #[test]
     fn a_side_with_its_caps_is_closed() {
-        let check = |pieces: &[Cone], expected: Option<usize>| {
+        let check = |pieces: &[SffCone], expected: Option<usize>| {
             let found = closed_cone(pieces);
             assert_eq!(found, expected.map(|k| pieces[k]), "{pieces:?}");
         };

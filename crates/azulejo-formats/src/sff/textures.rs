@@ -1,6 +1,6 @@
 //! Texture records as RTRACE's textures, with their colour maps and pictures.
 
-use super::document::Sources;
+use super::document::SffSources;
 use super::document::TextureRecord;
 use super::{open_beside, pictures};
 use crate::reading::text::shortened;
@@ -20,9 +20,9 @@ pub(super) struct TextureFiles {
 }
 
 /// What reading a texture needs besides its record.
-pub(super) struct Surroundings<'r, 's> {
+pub(super) struct TextureContext<'r, 's> {
     pub files: &'r dyn Files,
-    pub sources: &'r Sources<'s>,
+    pub sources: &'r SffSources<'s>,
     pub warnings: &'r mut Warnings,
     pub surfaces: u32,
 }
@@ -35,7 +35,7 @@ impl TextureFiles {
     pub fn texture(
         &mut self,
         record: &TextureRecord,
-        around: &mut Surroundings,
+        around: &mut TextureContext,
     ) -> Result<Option<RtraceTexture>, ReadError> {
         let fail = |found: String, expected: &str| {
             Err(around.sources.error(record.place, found, expected))
@@ -72,7 +72,7 @@ impl TextureFiles {
     fn kind(
         &mut self,
         record: &TextureRecord,
-        around: &mut Surroundings,
+        around: &mut TextureContext,
     ) -> Option<RtraceTextureKind> {
         use RtraceTextureKind::*;
         let v = record.kind.values.as_slice();
@@ -147,7 +147,7 @@ impl TextureFiles {
         })
     }
 
-    fn map(&mut self, record: &TextureRecord, around: &mut Surroundings) -> Option<ColorMap> {
+    fn map(&mut self, record: &TextureRecord, around: &mut TextureContext) -> Option<ColorMap> {
         if record.file.is_empty() {
             return None;
         }
@@ -159,7 +159,7 @@ impl TextureFiles {
             .clone()
     }
 
-    fn image(&mut self, record: &TextureRecord, around: &mut Surroundings) -> Option<Arc<Image>> {
+    fn image(&mut self, record: &TextureRecord, around: &mut TextureContext) -> Option<Arc<Image>> {
         let of = around.sources.name(record.place.file);
         let key = crate::reading::files::beside(of, &record.file);
         let known = self.images.entry(key);
@@ -172,7 +172,7 @@ impl TextureFiles {
 /// Reads the file of a texture; `None`, with a warning, if that cannot be.
 fn read<T>(
     record: &TextureRecord,
-    around: &mut Surroundings,
+    around: &mut TextureContext,
     decode: impl FnOnce(&[u8]) -> Result<T, String>,
 ) -> Option<T> {
     let of = around.sources.name(record.place.file);

@@ -12,18 +12,18 @@ const DEEPEST: usize = 256;
 
 /// All objects, members included, in the order that numbers them.
 #[derive(Debug, Default)]
-pub(super) struct Tree<'d> {
-    pub nodes: Vec<Node<'d>>,
+pub(super) struct SffTree<'d> {
+    pub nodes: Vec<SffNode<'d>>,
     /// Those that are members of none.
     pub roots: Vec<usize>,
 }
 
 /// One object.
 #[derive(Debug)]
-pub(super) struct Node<'d> {
-    pub place: Place,
-    pub look: Look,
-    pub kind: NodeKind<'d>,
+pub(super) struct SffNode<'d> {
+    pub place: SffPosition,
+    pub appearance: RecordAppearance,
+    pub kind: SffNodeKind<'d>,
     /// Behind the last of its members, theirs included; the next one for what has none.
     pub end: usize,
     /// On which side of the set operation around it.
@@ -37,39 +37,42 @@ pub(super) struct Node<'d> {
 }
 
 #[derive(Debug)]
-pub(super) enum NodeKind<'d> {
-    Leaf(&'d Geometry),
+pub(super) enum SffNodeKind<'d> {
+    Leaf(&'d SffGeometry),
     Csg(Operation, [Vec<usize>; 2]),
     List(Vec<usize>),
 }
 
 /// A set operation or list that has not ended.
-struct Open {
+struct OpenNode {
     node: usize,
     /// Which side of a set operation.
     side: usize,
 }
 
-impl<'d> Tree<'d> {
+impl<'d> SffTree<'d> {
     /// Builds the tree of a document.
     ///
     /// # Errors
     /// Beginnings and ends that do not match, sides without members, transforms that cannot be
     /// undone, numbers of objects that are not there.
     pub fn new(
-        document: &'d Document,
-        sources: &Sources,
+        document: &'d SffDocument,
+        sources: &SffSources,
         warnings: &mut Warnings,
-    ) -> Result<Tree<'d>, ReadError> {
-        let mut tree = Tree::default();
+    ) -> Result<SffTree<'d>, ReadError> {
+        let mut tree = SffTree::default();
         tree.nodes.reserve(document.objects.len());
-        let mut open: Vec<Open> = Vec::new();
+        let mut open: Vec<OpenNode> = Vec::new();
         for record in &document.objects {
             let place = record.place;
             let fail = |found: String, expected: &str| Err(sources.error(place, found, expected));
             match &record.kind {
-                RecordKind::Object { look, geometry } => {
-                    tree.add(place, *look, NodeKind::Leaf(geometry), &open);
+                RecordKind::Object {
+                    appearance,
+                    geometry,
+                } => {
+                    tree.add(place, *appearance, SffNodeKind::Leaf(geometry), &open);
                 }
                 RecordKind::Texture(texture) => match tree.find(texture.object) {
                     Some(node) => node.inline_textures.push(texture),
@@ -97,14 +100,17 @@ impl<'d> Tree<'d> {
                     let found = format!("operations nested more than {DEEPEST} deep");
                     return fail(found, "fewer levels");
                 }
-                RecordKind::CsgBegin { look, operation } => {
-                    let kind = NodeKind::Csg(*operation, Default::default());
-                    let node = tree.add(place, *look, kind, &open);
-                    open.push(Open { node, side: 0 });
+                RecordKind::CsgBegin {
+                    appearance,
+                    operation,
+                } => {
+                    let kind = SffNodeKind::Csg(*operation, Default::default());
+                    let node = tree.add(place, *appearance, kind, &open);
+                    open.push(OpenNode { node, side: 0 });
                 }
-                RecordKind::ListBegin { look } => {
-                    let node = tree.add(place, *look, NodeKind::List(Vec::new()), &open);
-                    open.push(Open { node, side: 0 });
+                RecordKind::ListBegin { appearance } => {
+                    let node = tree.add(place, *appearance, SffNodeKind::List(Vec::new()), &open);
+                    open.push(OpenNode { node, side: 0 });
                 }
                 RecordKind::CsgNext => match open.last_mut() {
                     Some(open) if open.side == 0 && tree.has_members(open) && tree.is_csg(open) => {
@@ -134,11 +140,17 @@ impl<'d> Tree<'d> {
         Ok(tree)
     }
 
-    fn add(&mut self, place: Place, look: Look, kind: NodeKind<'d>, open: &[Open]) -> usize {
+    fn add(
+        &mut self,
+        place: SffPosition,
+        appearance: RecordAppearance,
+        kind: SffNodeKind<'d>,
+        open: &[OpenNode],
+    ) -> usize {
         let index = self.nodes.len();
-        self.nodes.push(Node {
+        self.nodes.push(SffNode {
             place,
-            look,
+            appearance,
             kind,
             end: index + 1,
             side: open.last().map_or(0, |o| o.side),
@@ -149,41 +161,41 @@ impl<'d> Tree<'d> {
         match open.last() {
             None => self.roots.push(index),
             Some(open) => match &mut self.nodes[open.node].kind {
-                NodeKind::Csg(_, sides) => sides[open.side].push(index),
-                NodeKind::List(members) => members.push(index),
-                NodeKind::Leaf(_) => {}
+                SffNodeKind::Csg(_, sides) => sides[open.side].push(index),
+                SffNodeKind::List(members) => members.push(index),
+                SffNodeKind::Leaf(_) => {}
             },
         }
         index
     }
 
     /// Ends an operation or list behind the latest object.
-    fn close(&mut self, open: &Open) {
+    fn close(&mut self, open: &OpenNode) {
         self.nodes[open.node].end = self.nodes.len();
     }
 
     /// The object of a number, the latest for 0.
-    fn find(&mut self, number: u32) -> Option<&mut Node<'d>> {
+    fn find(&mut self, number: u32) -> Option<&mut SffNode<'d>> {
         match number {
             0 => self.nodes.last_mut(),
             _ => self.nodes.get_mut(number as usize - 1),
         }
     }
 
-    fn is_csg(&self, open: &Open) -> bool {
-        matches!(self.nodes[open.node].kind, NodeKind::Csg(..))
+    fn is_csg(&self, open: &OpenNode) -> bool {
+        matches!(self.nodes[open.node].kind, SffNodeKind::Csg(..))
     }
 
-    fn has_members(&self, open: &Open) -> bool {
+    fn has_members(&self, open: &OpenNode) -> bool {
         match &self.nodes[open.node].kind {
-            NodeKind::Csg(_, sides) => !sides[open.side].is_empty(),
-            NodeKind::List(members) => !members.is_empty(),
-            NodeKind::Leaf(_) => true,
+            SffNodeKind::Csg(_, sides) => !sides[open.side].is_empty(),
+            SffNodeKind::List(members) => !members.is_empty(),
+            SffNodeKind::Leaf(_) => true,
         }
     }
 
     /// What is wrong with a record that divides or ends.
-    fn misplaced(&self, record: &str, open: Option<&Open>) -> String {
+    fn misplaced(&self, record: &str, open: Option<&OpenNode>) -> String {
         match open {
             None => format!("{record} outside"),
             Some(open) if !self.has_members(open) => format!("{record} with nothing before it"),
@@ -191,7 +203,11 @@ impl<'d> Tree<'d> {
         }
     }
 
-    fn add_section(&mut self, document: &'d Document, sources: &Sources) -> Result<(), ReadError> {
+    fn add_section(
+        &mut self,
+        document: &'d SffDocument,
+        sources: &SffSources,
+    ) -> Result<(), ReadError> {
         for record in &document.textures {
             let RecordKind::Texture(texture) = &record.kind else {
                 continue;

@@ -1,6 +1,6 @@
 //! Text blocks as prisms.
 
-use super::document::{Place, Sources, TextCommand, TextCommandKind};
+use super::document::{SffPosition, SffSources, TextCommand, TextCommandKind};
 use super::open_beside;
 use crate::outline::{ppe, ppf};
 use crate::reading::options::Budget;
@@ -24,9 +24,9 @@ pub(super) struct Typesetter {
 }
 
 /// Where files come from, and where it is told what was wrong with them.
-pub(super) struct Desk<'r, 's> {
+pub(super) struct TypesetContext<'r, 's> {
     pub files: &'r dyn Files,
-    pub sources: &'r Sources<'s>,
+    pub sources: &'r SffSources<'s>,
     pub warnings: &'r mut Warnings,
     pub budget: &'r mut Budget,
 }
@@ -41,7 +41,7 @@ impl Typesetter {
         &mut self,
         commands: &[TextCommand],
         material: MaterialId,
-        desk: &mut Desk,
+        desk: &mut TypesetContext,
     ) -> Result<Vec<Prism>, ReadError> {
         let mut prisms = Vec::new();
         for command in commands {
@@ -83,8 +83,8 @@ impl Typesetter {
         origin: DVec3,
         text: &str,
         material: MaterialId,
-        place: Place,
-        sources: &Sources,
+        place: SffPosition,
+        sources: &SffSources,
     ) -> Result<Vec<Prism>, ReadError> {
         let missing = |name: &str| {
             let found = format!("AT before any {name}");
@@ -112,7 +112,11 @@ impl Typesetter {
 }
 
 /// Unit directions that span space.
-fn orientation(axes: &[DVec3; 3], place: Place, desk: &Desk) -> Result<[DVec3; 3], ReadError> {
+fn orientation(
+    axes: &[DVec3; 3],
+    place: SffPosition,
+    desk: &TypesetContext,
+) -> Result<[DVec3; 3], ReadError> {
     let unit = axes.map(DVec3::normalize_or_zero);
     let volume = DMat3::from_cols(unit[0], unit[1], unit[2]).determinant();
     if volume.abs() > 1e-12 {
@@ -124,15 +128,15 @@ fn orientation(axes: &[DVec3; 3], place: Place, desk: &Desk) -> Result<[DVec3; 3
 }
 
 /// What reads a font or an encoding.
-type Reader<T> = fn(&[u8], &str) -> Result<(T, Vec<Warning>), ReadError>;
+type DecodeFn<T> = fn(&[u8], &str) -> Result<(T, Vec<Warning>), ReadError>;
 
 /// The font or encoding of a file, read once.
 fn load<T>(
     known: &mut HashMap<String, Arc<T>>,
     name: &str,
-    place: Place,
-    desk: &mut Desk,
-    read: Reader<T>,
+    place: SffPosition,
+    desk: &mut TypesetContext,
+    read: DecodeFn<T>,
 ) -> Result<Arc<T>, ReadError> {
     let of = desk.sources.name(place.file);
     let key = crate::reading::files::beside(of, name);

@@ -1,6 +1,6 @@
 //! The text format.
 
-use super::{Solid, default_material};
+use super::{StlSolid, default_material};
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
 use crate::reading::warnings::Warnings;
@@ -14,7 +14,7 @@ const SHORTEST_FACET: usize = 90;
 /// Reads text that begins with `solid`.
 pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<Scene, ReadError> {
     let bytes_left = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut reader = Reader {
+    let mut reader = StlAsciiParser {
         words: Words::new(bytes, file).from(bytes.len() - bytes_left.len()),
         file,
         length: bytes.len(),
@@ -27,18 +27,18 @@ pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<
     Ok(reader.scene)
 }
 
-struct Reader<'a> {
+struct StlAsciiParser<'a> {
     words: Words<'a>,
     file: &'a str,
     length: usize,
     warnings: &'a mut Warnings,
     scene: Scene,
-    solid: Option<Solid>,
+    solid: Option<StlSolid>,
     /// Vertices of the current facet.
     corners: Vec<DVec3>,
 }
 
-impl Reader<'_> {
+impl StlAsciiParser<'_> {
     fn statements(&mut self) -> Result<(), ReadError> {
         while let Some(word) = self.words.word() {
             match word {
@@ -104,11 +104,12 @@ impl Reader<'_> {
         let name = text(self.words.rest_of_line()).into_owned();
         let left = self.length - self.words.offset();
         // A file of many small solids must not get room for all of it in each of them.
-        let expected = match self.scene.objects.is_empty() {
-            true => left / (2 * SHORTEST_FACET),
-            false => 0,
+        let expected = if self.scene.objects.is_empty() {
+            left / (2 * SHORTEST_FACET)
+        } else {
+            0
         };
-        self.solid = Some(Solid::new(name, expected));
+        self.solid = Some(StlSolid::new(name, expected));
     }
 
     fn end_solid(&mut self) {
@@ -146,7 +147,7 @@ impl Reader<'_> {
     fn end_loop(&mut self) {
         let solid = self
             .solid
-            .get_or_insert_with(|| Solid::new(String::new(), 0));
+            .get_or_insert_with(|| StlSolid::new(String::new(), 0));
         if let Err(problem) = solid.facet(&self.corners, 0) {
             let at = self.words.offset();
             self.warn_at(at, problem);

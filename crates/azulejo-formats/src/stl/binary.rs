@@ -1,6 +1,6 @@
 //! The binary format: 80 bytes of anything, a count, and 50 bytes for each triangle.
 
-use super::{Solid, default_material};
+use super::{StlSolid, default_material};
 use crate::reading::text::text;
 use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError};
@@ -36,17 +36,18 @@ pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<
     };
     let (triangles, is_big) = triangles(count, rest, &mut warn);
     let mut scene = Scene::default();
-    let mut colors = Colors::new(header, triangles);
+    let mut colors = FacetColors::new(header, triangles);
     if colors.are_odd {
         let message = "bytes behind triangles that are no colours: skipped";
         warn(START + TRIANGLE - 2, message.into(), 1);
     }
-    let mut solid = Solid::new(name(header), triangles.len());
+    let mut solid = StlSolid::new(name(header), triangles.len());
     for (i, triangle) in triangles.iter().enumerate() {
         let material = colors.material(triangle, &mut scene);
-        let corners = match is_big {
-            true => corners(triangle, f32::from_be_bytes),
-            false => corners(triangle, f32::from_le_bytes),
+        let corners = if is_big {
+            corners(triangle, f32::from_be_bytes)
+        } else {
+            corners(triangle, f32::from_le_bytes)
         };
         if let Err(problem) = solid.facet(&corners, material) {
             warn(START + i * TRIANGLE, problem.into(), 1);
@@ -100,7 +101,7 @@ fn name(header: &[u8]) -> String {
 }
 
 /// Colours in the two bytes behind each triangle, 5 bits for each channel.
-struct Colors {
+struct FacetColors {
     /// Colour of the whole in the header of Magics.
     whole: Option<Rgb>,
     /// Whether any triangle has a colour of its own.
@@ -116,13 +117,13 @@ struct Colors {
 /// The top bit of the two bytes: a colour for VisCAM, none for Magics.
 const FLAG: u16 = 0x8000;
 
-impl Colors {
-    fn new(header: &[u8], triangles: &[[u8; TRIANGLE]]) -> Colors {
+impl FacetColors {
+    fn new(header: &[u8], triangles: &[[u8; TRIANGLE]]) -> FacetColors {
         let whole = magics_color(header);
         let is_own = |bits: u16| (bits & FLAG == 0) == whole.is_some();
         let mut found = triangles.iter().map(extra);
         let are_used = found.clone().any(is_own);
-        Colors {
+        FacetColors {
             whole,
             are_used,
             are_odd: found.any(|bits| bits != 0 && !is_own(bits) && whole.is_none()),

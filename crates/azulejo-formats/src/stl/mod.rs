@@ -30,9 +30,10 @@ pub fn read(
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
     let mut warnings = Warnings::default();
-    let mut scene = match is_text(bytes) {
-        true => ascii::read(bytes, name, &mut warnings)?,
-        false => binary::read(bytes, name, &mut warnings)?,
+    let mut scene = if is_text(bytes) {
+        ascii::read(bytes, name, &mut warnings)?
+    } else {
+        binary::read(bytes, name, &mut warnings)?
     };
     if scene.objects.is_empty() {
         warnings.add_whole(name, "no facets: the scene is empty");
@@ -58,20 +59,20 @@ fn is_text(bytes: &[u8]) -> bool {
 }
 
 /// A solid under construction.
-struct Solid {
+struct StlSolid {
     name: String,
     welder: Welder,
     faces: Faces,
     face_materials: Vec<MaterialId>,
 }
 
-impl Solid {
+impl StlSolid {
     /// A solid with room for about so many triangles.
-    fn new(name: String, triangles: usize) -> Solid {
+    fn new(name: String, triangles: usize) -> StlSolid {
         let mut faces = Faces::default();
         faces.starts.reserve(triangles);
         faces.corners.reserve(3 * triangles);
-        Solid {
+        StlSolid {
             name,
             // Around a vertex of a closed surface there are six triangles.
             welder: Welder::new(triangles / 2),

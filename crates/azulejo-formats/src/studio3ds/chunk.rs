@@ -24,13 +24,13 @@ pub(super) struct Chunk<'a> {
 }
 
 /// Walks through chunks and complains about what is wrong with them.
-pub(super) struct Walker<'w> {
+pub(super) struct ChunkWalker<'w> {
     pub file: &'w str,
     pub warnings: Warnings,
     pub gloss: Gloss,
 }
 
-impl<'a> Walker<'_> {
+impl<'a> ChunkWalker<'_> {
     /// The next chunk of a body. One that claims more bytes than its parent has ends with it.
     pub fn next(&mut self, body: &mut Bytes<'a>) -> Option<Chunk<'a>> {
         let at = body.offset();

@@ -1,6 +1,6 @@
 //! The keyframer: where nodes are at the first frame.
 
-use super::chunk::{Chunk, Walker, name, vector};
+use super::chunk::{Chunk, ChunkWalker, name, vector};
 use crate::reading::bytes::Bytes;
 use crate::reading::options::{Budget, Exhausted};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -11,7 +11,7 @@ const DUMMY: &str = "$$$DUMMY";
 
 /// What a node places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Kind {
+pub(super) enum NodeTarget {
     Mesh,
     Camera,
     CameraTarget,
@@ -21,8 +21,8 @@ pub(super) enum Kind {
 
 /// A node as it stands in the file, its tracks at their first key.
 #[derive(Debug)]
-pub(super) struct Node {
-    pub kind: Kind,
+pub(super) struct KeyframerNode {
+    pub kind: NodeTarget,
     pub at: u64,
     id: u16,
     /// Name of the mesh, light or camera.
@@ -43,7 +43,7 @@ pub(super) struct Node {
 
 /// A node in the world.
 #[derive(Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedNode {
     pub world_from_node: DAffine3,
     /// Where a mesh's own origin is in the node.
     pub pivot: DVec3,
@@ -53,26 +53,26 @@ pub(super) struct Placed {
     pub path: String,
 }
 
-impl Kind {
-    fn of(id: u16) -> Option<Kind> {
+impl NodeTarget {
+    fn of(id: u16) -> Option<NodeTarget> {
         Some(match id {
-            0xb002 => Kind::Mesh,
-            0xb003 => Kind::Camera,
-            0xb004 => Kind::CameraTarget,
-            0xb005 | 0xb007 => Kind::Light,
-            0xb006 => Kind::SpotTarget,
+            0xb002 => NodeTarget::Mesh,
+            0xb003 => NodeTarget::Camera,
+            0xb004 => NodeTarget::CameraTarget,
+            0xb005 | 0xb007 => NodeTarget::Light,
+            0xb006 => NodeTarget::SpotTarget,
             _ => return None,
         })
     }
 }
 
 /// The nodes of chunk B000.
-pub(super) fn read(walker: &mut Walker<'_>, chunk: &Chunk<'_>) -> Vec<Node> {
+pub(super) fn read(walker: &mut ChunkWalker<'_>, chunk: &Chunk<'_>) -> Vec<KeyframerNode> {
     let mut nodes = Vec::new();
     let mut count = 0;
     let mut body = chunk.body;
     while let Some(child) = walker.next(&mut body) {
-        match (Kind::of(child.id), child.id) {
+        match (NodeTarget::of(child.id), child.id) {
             (Some(kind), _) => {
                 let node = node(walker, child, kind, count);
                 count = count.wrapping_add(1);
@@ -90,8 +90,13 @@ pub(super) fn read(walker: &mut Walker<'_>, chunk: &Chunk<'_>) -> Vec<Node> {
 
 /// A node; none without the header that says of what. `number` counts the nodes, and is the id of
 /// those that old programs wrote.
-fn node(walker: &mut Walker<'_>, chunk: Chunk<'_>, kind: Kind, number: u16) -> Option<Node> {
-    let mut node = Node {
+fn node(
+    walker: &mut ChunkWalker<'_>,
+    chunk: Chunk<'_>,
+    kind: NodeTarget,
+    number: u16,
+) -> Option<KeyframerNode> {
+    let mut node = KeyframerNode {
         kind,
         at: chunk.at,
         id: number,
@@ -117,8 +122,8 @@ fn node(walker: &mut Walker<'_>, chunk: Chunk<'_>, kind: Kind, number: u16) -> O
     Some(node)
 }
 
-impl Node {
-    fn entry<'a>(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'a>) {
+impl KeyframerNode {
+    fn entry<'a>(&mut self, walker: &mut ChunkWalker<'_>, mut chunk: Chunk<'a>) {
         match chunk.id {
             0xb030 => self.id = walker.data(&mut chunk, Bytes::u16_le).unwrap_or(self.id),
             0xb010 => self.header(walker, chunk),
@@ -138,7 +143,7 @@ impl Node {
         }
     }
 
-    fn header(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'_>) {
+    fn header(&mut self, walker: &mut ChunkWalker<'_>, mut chunk: Chunk<'_>) {
         self.name = name(&mut chunk.body);
         let numbers = |b: &mut Bytes<'_>| Some((b.u16_le()?, b.u16_le()?, b.i16_le()?));
         if let Some((flags, _, parent)) = walker.data(&mut chunk, numbers) {
@@ -174,7 +179,7 @@ fn finite(v: [f64; 3]) -> DVec3 {
 
 /// The value of a track before anything moves.
 fn first_key<'a, const N: usize>(
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
     mut chunk: Chunk<'a>,
 ) -> Option<[f64; N]> {
     let keys = walker.data(&mut chunk, |b| {
@@ -201,12 +206,12 @@ fn first_key<'a, const N: usize>(
 /// # Errors
 /// Names of nested nodes that take more memory than the file justifies.
 pub(super) fn place(
-    nodes: &[Node],
-    walker: &mut Walker<'_>,
+    nodes: &[KeyframerNode],
+    walker: &mut ChunkWalker<'_>,
     budget: &mut Budget,
-) -> Result<Vec<Placed>, Exhausted> {
+) -> Result<Vec<PlacedNode>, Exhausted> {
     let parents = parents(nodes, walker);
-    let mut placed: Vec<Option<Placed>> = nodes.iter().map(|_| None).collect();
+    let mut placed: Vec<Option<PlacedNode>> = nodes.iter().map(|_| None).collect();
     let mut chain = Vec::new();
     for node in 0..nodes.len() {
         // From the node up to the first ancestor that is placed, then down again.
@@ -223,7 +228,11 @@ pub(super) fn place(
     Ok(placed.into_iter().flatten().collect())
 }
 
-fn child(node: &Node, parent: Option<&Placed>, budget: &mut Budget) -> Result<Placed, Exhausted> {
+fn child(
+    node: &KeyframerNode,
+    parent: Option<&PlacedNode>,
+    budget: &mut Budget,
+) -> Result<PlacedNode, Exhausted> {
     let (world_from_parent, above) = match parent {
         Some(parent) => (parent.world_from_node, parent.path.as_str()),
         None => (DAffine3::IDENTITY, ""),
@@ -231,7 +240,7 @@ fn child(node: &Node, parent: Option<&Placed>, budget: &mut Budget) -> Result<Pl
     budget.spend(1 + above.len() as u64 / 16)?;
     let world_from_node = world_from_parent * node.parent_from_node();
     let both = !above.is_empty() && !node.label().is_empty();
-    Ok(Placed {
+    Ok(PlacedNode {
         world_from_node,
         pivot: node.pivot,
         has_position: node.position.is_some(),
@@ -241,14 +250,14 @@ fn child(node: &Node, parent: Option<&Placed>, budget: &mut Budget) -> Result<Pl
 
 /// The parent of each node, by node id or, in files without ids, by running number. Nodes that
 /// are their own ancestors become roots.
-fn parents(nodes: &[Node], walker: &mut Walker<'_>) -> Vec<Option<usize>> {
+fn parents(nodes: &[KeyframerNode], walker: &mut ChunkWalker<'_>) -> Vec<Option<usize>> {
     let by_id: HashMap<u16, usize> = nodes
         .iter()
         .enumerate()
         .rev()
         .map(|(i, n)| (n.id, i))
         .collect();
-    let mut parent = |n: &Node| {
+    let mut parent = |n: &KeyframerNode| {
         let found = by_id.get(&(n.parent as u16)).copied();
         if n.parent != -1 && found.is_none() {
             let message = "node of the keyframer whose parent is missing: at the root";

@@ -1,6 +1,6 @@
 //! Materials: chunk AFFF.
 
-use super::chunk::{Chunk, Walker, name, vector};
+use super::chunk::{Chunk, ChunkWalker, name, vector};
 use crate::reading::bytes::Bytes;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
@@ -12,7 +12,7 @@ pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
 /// What a material chunk says; `None` for what it does not say.
 #[derive(Debug, Default)]
-pub(super) struct Definition {
+pub(super) struct MaterialDefinition {
     pub name: String,
     pub at: u64,
     diffuse: Option<Rgb>,
@@ -25,12 +25,12 @@ pub(super) struct Definition {
     /// Whether the program shades its faces flat, whatever their smoothing groups.
     pub is_flat: bool,
     /// The picture that replaces the diffuse colour.
-    pub map: Option<Map>,
+    pub map: Option<TextureMap>,
 }
 
 /// A picture on a surface.
 #[derive(Debug)]
-pub(super) struct Map {
+pub(super) struct TextureMap {
     pub file: String,
     scale: DVec2,
     offset: DVec2,
@@ -38,12 +38,12 @@ pub(super) struct Map {
     rotation: f64,
 }
 
-impl Definition {
+impl MaterialDefinition {
     /// Reads a material chunk.
-    pub fn read<'a>(walker: &mut Walker<'_>, chunk: &Chunk<'a>) -> Definition {
-        let mut definition = Definition {
+    pub fn read<'a>(walker: &mut ChunkWalker<'_>, chunk: &Chunk<'a>) -> MaterialDefinition {
+        let mut definition = MaterialDefinition {
             at: chunk.at,
-            ..Definition::default()
+            ..MaterialDefinition::default()
         };
         let mut body = chunk.body;
         while let Some(child) = walker.next(&mut body) {
@@ -52,7 +52,7 @@ impl Definition {
         definition
     }
 
-    fn entry<'a>(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'a>) {
+    fn entry<'a>(&mut self, walker: &mut ChunkWalker<'_>, mut chunk: Chunk<'a>) {
         match chunk.id {
             0xa000 => self.name = name(&mut chunk.body),
             // The ambient colour stands for the light that azulejo computes; softened
@@ -68,14 +68,14 @@ impl Definition {
             0xa084 => self.self_illumination = walker.percent(&chunk),
             0xa085 => walker.skipped(&chunk, "wire frame instead of surface"),
             0xa100 => self.is_flat = walker.data(&mut chunk, Bytes::i16_le) == Some(1),
-            0xa200 => self.map = Map::read(walker, &chunk),
+            0xa200 => self.map = TextureMap::read(walker, &chunk),
             0xa052 | 0xa053 | 0xa083 => walker.see_through_detail(&chunk),
             _ => walker.skipped(&chunk, what(chunk.id)),
         }
     }
 
     /// The material without its picture.
-    pub fn material(&self, walker: &mut Walker<'_>) -> Material {
+    pub fn material(&self, walker: &mut ChunkWalker<'_>) -> Material {
         let diffuse = self.diffuse.unwrap_or(DEFAULT_REFLECTANCE);
         let mut material = Material {
             emission: self.self_illumination.unwrap_or(0.0) * diffuse,
@@ -96,7 +96,7 @@ impl Definition {
     }
 
     /// The highlight, with the exponent 2^(10 × shininess).
-    fn highlight(&self, material: &mut Material, walker: &mut Walker<'_>) {
+    fn highlight(&self, material: &mut Material, walker: &mut ChunkWalker<'_>) {
         let strength = self.strength.unwrap_or(1.0);
         let Some(shininess) = self.shininess.or(self.strength) else {
             return;
@@ -109,7 +109,7 @@ impl Definition {
     }
 }
 
-impl Walker<'_> {
+impl ChunkWalker<'_> {
     /// Falloff of transparency and the like come with every material; they say something only
     /// where they are not zero.
     fn see_through_detail(&mut self, chunk: &Chunk<'_>) {
@@ -119,9 +119,9 @@ impl Walker<'_> {
     }
 }
 
-impl Map {
-    fn read<'a>(walker: &mut Walker<'_>, chunk: &Chunk<'a>) -> Option<Map> {
-        let mut map = Map {
+impl TextureMap {
+    fn read<'a>(walker: &mut ChunkWalker<'_>, chunk: &Chunk<'a>) -> Option<TextureMap> {
+        let mut map = TextureMap {
             file: String::new(),
             scale: DVec2::ONE,
             offset: DVec2::ZERO,
@@ -138,7 +138,7 @@ impl Map {
         Some(map)
     }
 
-    fn entry<'a>(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'a>) {
+    fn entry<'a>(&mut self, walker: &mut ChunkWalker<'_>, mut chunk: Chunk<'a>) {
         match chunk.id {
             0x0030 | 0x0031 => self.strength(walker, chunk),
             0xa300 => self.file = name(&mut chunk.body),
@@ -164,7 +164,7 @@ impl Map {
         }
     }
 
-    fn strength(&mut self, walker: &mut Walker<'_>, chunk: Chunk<'_>) {
+    fn strength(&mut self, walker: &mut ChunkWalker<'_>, chunk: Chunk<'_>) {
         let mut bytes = chunk.body;
         let full = match chunk.id {
             0x0030 => bytes.i16_le().map(f32::from) == Some(100.0),
@@ -192,7 +192,7 @@ impl Map {
     }
 }
 
-fn number(walker: &mut Walker<'_>, mut chunk: Chunk<'_>, default: f64) -> f64 {
+fn number(walker: &mut ChunkWalker<'_>, mut chunk: Chunk<'_>, default: f64) -> f64 {
     let [value] = walker.data(&mut chunk, vector).unwrap_or([default]);
     if value.is_finite() { value } else { default }
 }

@@ -1,7 +1,7 @@
 //! One mesh, from the bytes of its lists.
 
-use super::chunk::Walker;
-use super::parse::{FaceList, RawMesh};
+use super::chunk::ChunkWalker;
+use super::parse::{MaterialFaces, RawMesh};
 use crate::surface::smooth;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh};
 use glam::{DAffine2, DVec2, DVec3};
@@ -20,7 +20,7 @@ pub(super) struct MaterialTable {
 }
 
 /// Builds a mesh where its file stores it, which is in the world.
-pub(super) fn mesh(raw: &RawMesh<'_>, table: &MaterialTable, walker: &mut Walker<'_>) -> Mesh {
+pub(super) fn mesh(raw: &RawMesh<'_>, table: &MaterialTable, walker: &mut ChunkWalker<'_>) -> Mesh {
     let mut mesh = Mesh {
         positions: positions(raw, walker),
         ..Mesh::default()
@@ -50,7 +50,7 @@ fn indices(bytes: &[u8]) -> impl Iterator<Item = u16> {
     numbers.iter().map(|n| u16::from_le_bytes(*n))
 }
 
-fn positions(raw: &RawMesh<'_>, walker: &mut Walker<'_>) -> Vec<DVec3> {
+fn positions(raw: &RawMesh<'_>, walker: &mut ChunkWalker<'_>) -> Vec<DVec3> {
     let mut positions: Vec<DVec3> = floats::<3>(raw.vertices).map(DVec3::from).collect();
     for position in positions.iter_mut().filter(|p| !p.is_finite()) {
         walker.warn(raw.at, "vertex that is not finite: at the origin");
@@ -64,7 +64,7 @@ fn faces(
     raw: &RawMesh<'_>,
     faces: &mut Faces,
     vertices: usize,
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
 ) -> Vec<u32> {
     let (entries, _) = raw.faces.as_chunks::<8>();
     let mut kept = Vec::with_capacity(entries.len());
@@ -91,7 +91,7 @@ fn faces(
 fn face_materials(
     raw: &RawMesh<'_>,
     table: &MaterialTable,
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
 ) -> Vec<MaterialId> {
     let mut materials = vec![table.default; raw.faces.len() / 8];
     for list in &raw.face_materials {
@@ -103,10 +103,10 @@ fn face_materials(
 }
 
 fn assign(
-    list: &FaceList<'_>,
+    list: &MaterialFaces<'_>,
     material: MaterialId,
     materials: &mut [MaterialId],
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
 ) {
     let mut lost = 0;
     for face in indices(list.faces) {
@@ -127,7 +127,7 @@ fn uvs(
     raw: &RawMesh<'_>,
     mesh: &Mesh,
     table: &MaterialTable,
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
 ) -> Option<Attribute<DVec2>> {
     let mut uvs: Vec<DVec2> = floats::<2>(raw.uvs).map(DVec2::from).collect();
     if uvs.is_empty() {

@@ -4,12 +4,12 @@
 //! cameras, and where the keyframer puts all of them at its first frame. `docs/formats/3ds.md`
 //! says how every chunk is understood.
 
+mod build;
 mod chunk;
 mod keyframer;
 mod material;
 mod mesh;
 mod parse;
-mod place;
 #[cfg(test)]
 mod tests;
 
@@ -33,10 +33,10 @@ pub fn read(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     check_start(bytes, name)?;
-    let mut parser = parse::Parser::new(name);
+    let mut parser = parse::Studio3dsParser::new(name);
     parser.file(Bytes::new(bytes));
     let (model, walker) = parser.finish();
-    let mut builder = place::Builder {
+    let mut builder = build::Studio3dsBuilder {
         files,
         walker,
         budget: Budget::new(options),

@@ -1,9 +1,9 @@
 //! From chunks to lists of what is in the file.
 
 use super::MAIN;
-use super::chunk::{Chunk, Walker, name, vector};
-use super::keyframer::{self, Node};
-use super::material::Definition;
+use super::chunk::{Chunk, ChunkWalker, name, vector};
+use super::keyframer::{self, KeyframerNode};
+use super::material::MaterialDefinition;
 use crate::reading::bytes::Bytes;
 use crate::reading::warnings::Warnings;
 use crate::surface::gloss::Gloss;
@@ -12,12 +12,12 @@ use glam::DVec3;
 
 /// What a file holds, nothing placed yet.
 #[derive(Debug, Default)]
-pub(super) struct Model<'a> {
-    pub materials: Vec<Definition>,
+pub(super) struct Studio3dsModel<'a> {
+    pub materials: Vec<MaterialDefinition>,
     pub meshes: Vec<RawMesh<'a>>,
     pub lights: Vec<RawLight>,
     pub cameras: Vec<RawCamera>,
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<KeyframerNode>,
     pub background: Option<Rgb>,
 }
 
@@ -34,14 +34,14 @@ pub(super) struct RawMesh<'a> {
     pub faces: &'a [u8],
     /// 4 bytes for each face.
     pub smoothing: &'a [u8],
-    pub face_materials: Vec<FaceList<'a>>,
+    pub face_materials: Vec<MaterialFaces<'a>>,
     /// Three axes and an origin.
     pub frame: Option<[f64; 12]>,
 }
 
 /// The faces of one material.
 #[derive(Debug)]
-pub(super) struct FaceList<'a> {
+pub(super) struct MaterialFaces<'a> {
     pub material: String,
     /// 2 bytes each.
     pub faces: &'a [u8],
@@ -54,12 +54,12 @@ pub(super) struct RawLight {
     pub name: String,
     pub position: DVec3,
     pub intensity: Rgb,
-    pub spot: Option<Spot>,
+    pub spot: Option<SpotCone>,
 }
 
 /// What makes a light a spotlight.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
+pub(super) struct SpotCone {
     pub target: DVec3,
     /// Full angle of full light, degrees.
     pub hot_spot: f64,
@@ -81,26 +81,26 @@ pub(super) struct RawCamera {
 }
 
 /// Reads a file.
-pub(super) struct Parser<'a, 'w> {
-    walker: Walker<'w>,
-    model: Model<'a>,
+pub(super) struct Studio3dsParser<'a, 'w> {
+    walker: ChunkWalker<'w>,
+    model: Studio3dsModel<'a>,
 }
 
-impl<'a, 'w> Parser<'a, 'w> {
+impl<'a, 'w> Studio3dsParser<'a, 'w> {
     /// A parser that has seen nothing. `file` stands in messages.
-    pub fn new(file: &'w str) -> Parser<'a, 'w> {
-        Parser {
-            walker: Walker {
+    pub fn new(file: &'w str) -> Studio3dsParser<'a, 'w> {
+        Studio3dsParser {
+            walker: ChunkWalker {
                 file,
                 warnings: Warnings::default(),
                 gloss: Gloss::default(),
             },
-            model: Model::default(),
+            model: Studio3dsModel::default(),
         }
     }
 
     /// What was read, and what was wrong with it.
-    pub fn finish(self) -> (Model<'a>, Walker<'w>) {
+    pub fn finish(self) -> (Studio3dsModel<'a>, ChunkWalker<'w>) {
         (self.model, self.walker)
     }
 
@@ -135,10 +135,11 @@ impl<'a, 'w> Parser<'a, 'w> {
         while let Some(mut chunk) = self.walker.next(&mut body) {
             match chunk.id {
                 0xafff => {
-                    let definition = Definition::read(&mut self.walker, &chunk);
-                    match definition.name.is_empty() {
-                        true => self.walker.skipped(&chunk, "material without a name"),
-                        false => self.model.materials.push(definition),
+                    let definition = MaterialDefinition::read(&mut self.walker, &chunk);
+                    if definition.name.is_empty() {
+                        self.walker.skipped(&chunk, "material without a name")
+                    } else {
+                        self.model.materials.push(definition)
                     }
                 }
                 0x4000 => self.object(chunk),
@@ -234,9 +235,10 @@ impl<'a, 'w> Parser<'a, 'w> {
                 _ => self.walker.skipped(&chunk, ""),
             }
         }
-        match mesh.faces.is_empty() {
-            true => self.walker.warn(mesh.at, "mesh without faces: skipped"),
-            false => self.model.meshes.push(mesh),
+        if mesh.faces.is_empty() {
+            self.walker.warn(mesh.at, "mesh without faces: skipped")
+        } else {
+            self.model.meshes.push(mesh)
         }
     }
 
@@ -246,7 +248,7 @@ impl<'a, 'w> Parser<'a, 'w> {
         let mut body = chunk.body;
         while let Some(mut chunk) = self.walker.next(&mut body) {
             match chunk.id {
-                0x4130 => mesh.face_materials.push(FaceList {
+                0x4130 => mesh.face_materials.push(MaterialFaces {
                     material: name(&mut chunk.body),
                     faces: self.walker.list(&mut chunk, 2, "faces of a material"),
                     at: chunk.at,
@@ -307,7 +309,7 @@ impl<'a, 'w> Parser<'a, 'w> {
         }
     }
 
-    fn spot(&mut self, mut chunk: Chunk<'a>) -> Option<Spot> {
+    fn spot(&mut self, mut chunk: Chunk<'a>) -> Option<SpotCone> {
         let [x, y, z, hot_spot, fall_off] = self.walker.data(&mut chunk, vector)?;
         let mut body = chunk.body;
         while let Some(chunk) = self.walker.next(&mut body) {
@@ -326,7 +328,7 @@ impl<'a, 'w> Parser<'a, 'w> {
                 _ => self.walker.skipped(&chunk, ""),
             }
         }
-        Some(Spot {
+        Some(SpotCone {
             target: DVec3::new(x, y, z),
             hot_spot,
             fall_off,

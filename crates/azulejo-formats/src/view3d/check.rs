@@ -1,7 +1,7 @@
 //! What View3D asks of surfaces before it computes.
 
-use super::document::{Document, Kind, Surface};
-use super::lines::Lines;
+use super::document::{SurfaceKind, View3dDocument, View3dSurface};
+use super::lines::View3dLines;
 use crate::ReadError;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
@@ -17,24 +17,30 @@ const PARALLEL: f64 = 0.999;
 
 /// Where the fields stand that can only be checked at the end.
 #[derive(Default)]
-pub(super) struct Checker {
+pub(super) struct View3dChecker {
     /// Base and combination of each surface that has these fields: all but obstructions, which
     /// come last.
     pub fields: Vec<[usize; 2]>,
 }
 
-type Check = Result<(), ReadError>;
+type CheckResult = Result<(), ReadError>;
 
-impl Checker {
+impl View3dChecker {
     /// Flat, convex, of some area.
-    pub fn outline(&self, document: &Document, index: usize, at: usize, lines: &Lines) -> Check {
+    pub fn outline(
+        &self,
+        document: &View3dDocument,
+        index: usize,
+        at: usize,
+        lines: &View3dLines,
+    ) -> CheckResult {
         let corners = document.corners(&document.surfaces[index]);
         let number = index + 1;
         let refuse = |found: &str, expected: &str| {
             let found = format!("surface {number}, {found}");
             Err(lines.error(at, found, expected))
         };
-        let plane = Plane::of(&corners);
+        let plane = MeanPlane::of(&corners);
         if !corners.iter().all(|p| p.is_finite()) || !plane.radius.is_finite() {
             return refuse("which is too large", "coordinates below 1e150");
         }
@@ -58,14 +64,14 @@ impl Checker {
     }
 
     /// What is said of a surface that is not quite flat.
-    pub fn bend(&self, document: &Document, index: usize) -> Option<&'static str> {
+    pub fn bend(&self, document: &View3dDocument, index: usize) -> Option<&'static str> {
         let corners = document.corners(&document.surfaces[index]);
-        let is_bent = Plane::of(&corners).bend(&corners) > NOTED_BEND;
+        let is_bent = MeanPlane::of(&corners).bend(&corners) > NOTED_BEND;
         is_bent.then_some("surfaces that are not quite flat")
     }
 
     /// Bases and combinations of all surfaces.
-    pub fn all(&self, document: &Document, lines: &Lines) -> Check {
+    pub fn all(&self, document: &View3dDocument, lines: &View3dLines) -> CheckResult {
         for (index, &[at_base, at_combined]) in self.fields.iter().enumerate() {
             let surface = &document.surfaces[index];
             base(document, index, surface)
@@ -79,14 +85,14 @@ impl Checker {
 }
 
 /// What was found and what was expected.
-type Refused = (String, String);
+type Mismatch = (String, String);
 
-fn refused(found: impl Into<String>, expected: impl Into<String>) -> Result<(), Refused> {
+fn refused(found: impl Into<String>, expected: impl Into<String>) -> Result<(), Mismatch> {
     Err((found.into(), expected.into()))
 }
 
-fn base(document: &Document, index: usize, surface: &Surface) -> Result<(), Refused> {
-    use Kind::*;
+fn base(document: &View3dDocument, index: usize, surface: &View3dSurface) -> Result<(), Mismatch> {
+    use SurfaceKind::*;
     let base = surface.base as usize;
     if base == 0 {
         return match surface.kind {
@@ -117,22 +123,23 @@ fn base(document: &Document, index: usize, surface: &Surface) -> Result<(), Refu
 }
 
 /// Whether a surface lies in its base, and faces as it should.
-fn within(document: &Document, surface: &Surface) -> Result<(), Refused> {
+fn within(document: &View3dDocument, surface: &View3dSurface) -> Result<(), Mismatch> {
     if surface.base == 0 {
         return Ok(());
     }
     let number = surface.base;
     let outer = document.corners(&document.surfaces[number as usize - 1]);
     let inner = document.corners(surface);
-    let (plane, own) = (Plane::of(&outer), Plane::of(&inner));
+    let (plane, own) = (MeanPlane::of(&outer), MeanPlane::of(&inner));
     let size = 2.0 * plane.radius;
-    let same_way = surface.kind == Kind::Radiating;
+    let same_way = surface.kind == SurfaceKind::Radiating;
     let cosine = plane.normal.dot(own.normal) * if same_way { 1.0 } else { -1.0 };
     if cosine < PARALLEL {
         let found = format!("a surface that looks another way than base {number}");
-        let expected = match same_way {
-            true => "one that faces the same way: turn its vertices around",
-            false => "one that faces its base: turn its vertices around",
+        let expected = if same_way {
+            "one that faces the same way: turn its vertices around"
+        } else {
+            "one that faces its base: turn its vertices around"
         };
         return refused(found, expected);
     }
@@ -151,21 +158,26 @@ fn within(document: &Document, surface: &Surface) -> Result<(), Refused> {
             inward.dot(p - a) > -TOLERANCE * size
         })
     };
-    match inner.iter().all(is_inside) {
-        true => Ok(()),
-        false => refused(
+    if inner.iter().all(is_inside) {
+        Ok(())
+    } else {
+        refused(
             format!("a surface that reaches out of base {number}"),
             "one wholly inside",
-        ),
+        )
     }
 }
 
-fn combination(document: &Document, index: usize, surface: &Surface) -> Result<(), Refused> {
+fn combination(
+    document: &View3dDocument,
+    index: usize,
+    surface: &View3dSurface,
+) -> Result<(), Mismatch> {
     let first = surface.combined as usize;
     if first == 0 {
         return Ok(());
     }
-    if surface.kind != Kind::Radiating {
+    if surface.kind != SurfaceKind::Radiating {
         return refused("a mask that is combined", "0: only radiating surfaces are");
     }
     let Some(other) = document.surfaces[..index].get(first - 1) else {
@@ -175,8 +187,8 @@ fn combination(document: &Document, index: usize, surface: &Surface) -> Result<(
         );
     };
     match (other.kind, other.combined) {
-        (Kind::Radiating, 0) => Ok(()),
-        (Kind::Radiating, root) => refused(
+        (SurfaceKind::Radiating, 0) => Ok(()),
+        (SurfaceKind::Radiating, root) => refused(
             format!("surface {first}, which is part of {root} itself"),
             format!("{root}: all parts name the first"),
         ),
@@ -188,7 +200,7 @@ fn combination(document: &Document, index: usize, surface: &Surface) -> Result<(
 }
 
 /// The mean plane of a polygon.
-pub(super) struct Plane {
+pub(super) struct MeanPlane {
     centre: DVec3,
     pub normal: DVec3,
     pub area: f64,
@@ -196,12 +208,12 @@ pub(super) struct Plane {
     pub radius: f64,
 }
 
-impl Plane {
-    pub fn of(corners: &[DVec3]) -> Plane {
+impl MeanPlane {
+    pub fn of(corners: &[DVec3]) -> MeanPlane {
         let area = area_vector(corners);
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let far = |r: f64, p: &DVec3| r.max(p.distance(centre));
-        Plane {
+        MeanPlane {
             centre,
             normal: area.normalize_or_zero(),
             area: area.length(),
@@ -211,7 +223,7 @@ impl Plane {
 
     /// Whether a polygon is flat to a bend over its radius, and convex.
     pub fn is_flat_and_convex(corners: &[DVec3], bend: f64) -> bool {
-        let plane = Plane::of(corners);
+        let plane = MeanPlane::of(corners);
         plane.bend(corners) <= bend && is_convex(corners, plane.normal)
     }
 

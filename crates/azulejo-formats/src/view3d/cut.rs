@@ -1,6 +1,6 @@
 //! Polygons out of polygons.
 
-use super::check::{Plane, edges};
+use super::check::{MeanPlane, edges};
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 
@@ -22,12 +22,12 @@ pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<D
     if holes.len() > MOST_HOLES {
         return None;
     }
-    let plane = Plane::of(whole);
+    let plane = MeanPlane::of(whole);
     let mut pieces = vec![whole.to_vec()];
     for hole in holes {
         let turned = turned_like(hole, plane.normal);
         let corners: Vec<DVec3> = whole.iter().chain(&turned).copied().collect();
-        let cutter = Cutter {
+        let cutter = OverlapCutter {
             normal: plane.normal,
             area: plane.area,
             snap: 1e-9 * plane.radius,
@@ -45,13 +45,14 @@ pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<D
 
 /// The polygon counter-clockwise about a normal.
 fn turned_like(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
-    match Plane::of(polygon).normal.dot(normal) < 0.0 {
-        true => polygon.iter().rev().copied().collect(),
-        false => polygon.to_vec(),
+    if MeanPlane::of(polygon).normal.dot(normal) < 0.0 {
+        polygon.iter().rev().copied().collect()
+    } else {
+        polygon.to_vec()
     }
 }
 
-struct Cutter {
+struct OverlapCutter {
     normal: DVec3,
     area: f64,
     /// What is closer than this to a corner is where the corner is.
@@ -61,7 +62,7 @@ struct Cutter {
     bounds: Aabb,
 }
 
-impl Cutter {
+impl OverlapCutter {
     /// The parts of a convex piece outside of a convex hole: beyond each of its edges in turn,
     /// what the edges before have left.
     fn subtract(&self, piece: Vec<DVec3>, hole: &[DVec3]) -> Vec<Vec<DVec3>> {
@@ -76,9 +77,10 @@ impl Cutter {
             outside.extend((!self.is_speck(&part)).then_some(part));
         }
         // What the hole does not touch stays as it was.
-        match self.is_speck(&rest) {
-            true => vec![piece],
-            false => outside,
+        if self.is_speck(&rest) {
+            vec![piece]
+        } else {
+            outside
         }
     }
 
@@ -90,7 +92,7 @@ impl Cutter {
     }
 
     fn is_speck(&self, polygon: &[DVec3]) -> bool {
-        polygon.len() < 3 || Plane::of(polygon).area <= SPECK * self.area
+        polygon.len() < 3 || MeanPlane::of(polygon).area <= SPECK * self.area
     }
 
     /// The part of a convex polygon beyond a line (Sutherland and Hodgman 1974).
@@ -137,9 +139,13 @@ mod tests {
     fn check(holes: &[Vec<DVec3>], pieces: usize, area: f64) {
         let found = without(&square(0.0, 0.0, 1.0), holes).unwrap();
         assert_eq!(found.len(), pieces, "{found:?}");
-        let left: f64 = found.iter().map(|p| Plane::of(p).area).sum();
+        let left: f64 = found.iter().map(|p| MeanPlane::of(p).area).sum();
         assert!((left - area).abs() < 1e-12, "{left}");
-        assert!(found.iter().all(|p| Plane::of(p).normal.z > 1.0 - 1e-12));
+        assert!(
+            found
+                .iter()
+                .all(|p| MeanPlane::of(p).normal.z > 1.0 - 1e-12)
+        );
     }
 
     #[test]

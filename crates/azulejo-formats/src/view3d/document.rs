@@ -4,20 +4,20 @@ use glam::DVec3;
 
 /// A file for View3D, record by record.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Document {
+pub struct View3dDocument {
     /// The last title.
     pub title: String,
     /// What the control lines say.
-    pub controls: Controls,
+    pub controls: View3dControls,
     /// The vertices of an F 3 file; vertex n is the n-th.
     pub vertices: Vec<DVec3>,
     /// All surfaces; surface n is the n-th.
-    pub surfaces: Vec<Surface>,
+    pub surfaces: Vec<View3dSurface>,
 }
 
 /// Parameters, View3D's defaults where nothing is said.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Controls {
+pub struct View3dControls {
     /// Limit of convergence of the integration.
     pub eps: f64,
     /// The one row that is wanted, from 1; 0 for all.
@@ -29,20 +29,20 @@ pub struct Controls {
     /// Whether grey interchange factors are wanted instead of view factors.
     pub emit: bool,
     /// How the matrix is written.
-    pub out: Layout,
+    pub out: MatrixLayout,
     /// Parameters of View3D's own method that the file sets, by name, with their values.
     pub others: Vec<(&'static str, i16)>,
 }
 
-impl Default for Controls {
-    fn default() -> Controls {
-        Controls {
+impl Default for View3dControls {
+    fn default() -> View3dControls {
+        View3dControls {
             eps: 1e-4,
             row: 0,
             column: 0,
             encl: false,
             emit: false,
-            out: Layout::Text,
+            out: MatrixLayout::Text,
             others: Vec::new(),
         }
     }
@@ -50,7 +50,7 @@ impl Default for Controls {
 
 /// How View3D writes a matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Layout {
+pub enum MatrixLayout {
     /// `out=0`: decimal numbers.
     #[default]
     Text,
@@ -60,7 +60,7 @@ pub enum Layout {
 
 /// What a surface takes part in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SurfaceKind {
     /// S: it radiates from its front.
     Radiating,
     /// M: it covers a part of its base, and faces it.
@@ -73,11 +73,11 @@ pub enum Kind {
 
 /// A surface, a polygon of three or four corners.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surface {
+pub struct View3dSurface {
     /// What it is.
-    pub kind: Kind,
+    pub kind: SurfaceKind,
     /// How its polygon is given.
-    pub outline: Outline,
+    pub outline: SurfaceOutline,
     /// The surface that holds it, from 1; 0 for none.
     pub base: u32,
     /// The surface whose part it is, from 1; 0 for none.
@@ -92,13 +92,13 @@ pub struct Surface {
 
 /// The polygon of a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Outline {
+pub enum SurfaceOutline {
     /// F 3: three or four vertices, from 1, counter-clockwise from the front.
     Vertices(Vec<u32>),
     /// F 3a: a flat shape in space.
     Placed {
         /// Its shape.
-        shape: PlacedShape,
+        shape: PlanarShape,
         /// Where its own origin lies.
         origin: DVec3,
         /// Where its front looks, degrees clockwise from +y.
@@ -110,25 +110,25 @@ pub enum Outline {
 
 /// A shape in its own plane.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PlacedShape {
+pub enum PlanarShape {
     /// R: width and height from the lower left corner, seen from the front.
     Rectangle([f64; 2]),
     /// T or Q: three or four corners (u, v).
     Polygon(Vec<[f64; 2]>),
 }
 
-impl Document {
+impl View3dDocument {
     /// The corners of a surface, counter-clockwise from its front.
     ///
     /// # Panics
     /// If the surface names vertices that the document does not have.
-    pub fn corners(&self, surface: &Surface) -> Vec<DVec3> {
+    pub fn corners(&self, surface: &View3dSurface) -> Vec<DVec3> {
         match &surface.outline {
-            Outline::Vertices(numbers) => {
+            SurfaceOutline::Vertices(numbers) => {
                 let vertex = |&n: &u32| self.vertices[n as usize - 1];
                 numbers.iter().map(vertex).collect()
             }
-            Outline::Placed {
+            SurfaceOutline::Placed {
                 shape,
                 origin,
                 azimuth,
@@ -138,16 +138,16 @@ impl Document {
     }
 }
 
-impl PlacedShape {
+impl PlanarShape {
     fn placed(&self, origin: DVec3, azimuth: f64, tilt: f64) -> Vec<DVec3> {
         let ((sa, ca), (st, ct)) = (sin_cos(azimuth), sin_cos(tilt));
         let (u, v) = (DVec3::new(-ca, sa, 0.0), DVec3::new(-sa * ct, -ca * ct, st));
         let place = |[x, y]: [f64; 2]| origin + x * u + y * v;
         match self {
-            &PlacedShape::Rectangle([w, h]) => {
+            &PlanarShape::Rectangle([w, h]) => {
                 [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(place).to_vec()
             }
-            PlacedShape::Polygon(corners) => corners.iter().map(|&c| place(c)).collect(),
+            PlanarShape::Polygon(corners) => corners.iter().map(|&c| place(c)).collect(),
         }
     }
 }

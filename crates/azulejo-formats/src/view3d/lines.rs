@@ -4,7 +4,7 @@ use crate::reading::words::Words;
 use crate::{Position, ReadError};
 
 /// A place in a file.
-pub(super) struct Lines<'a> {
+pub(super) struct View3dLines<'a> {
     bytes: &'a [u8],
     at: usize,
     /// Number of the line at `at`, from 1.
@@ -14,7 +14,7 @@ pub(super) struct Lines<'a> {
 
 /// A word, and where it begins.
 #[derive(Clone, Copy)]
-pub(super) struct Word<'a> {
+pub(super) struct LineWord<'a> {
     pub bytes: &'a [u8],
     pub at: usize,
     pub line: u32,
@@ -24,10 +24,10 @@ fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b',' | b'\r')
 }
 
-impl<'a> Lines<'a> {
-    pub fn new(bytes: &'a [u8], file: &'a str) -> Lines<'a> {
+impl<'a> View3dLines<'a> {
+    pub fn new(bytes: &'a [u8], file: &'a str) -> View3dLines<'a> {
         let mark = bytes.starts_with(b"\xef\xbb\xbf");
-        Lines {
+        View3dLines {
             bytes,
             at: if mark { 3 } else { 0 },
             line: 1,
@@ -42,18 +42,18 @@ impl<'a> Lines<'a> {
     }
 
     /// The next word of this line; a comment ends it.
-    pub fn word_on_line(&mut self) -> Option<Word<'a>> {
+    pub fn word_on_line(&mut self) -> Option<LineWord<'a>> {
         self.skip_blanks();
         self.plain_word().filter(|w| !w.bytes.starts_with(b"!"))
     }
 
     /// The next word of this line, whatever it begins with.
-    pub fn plain_word(&mut self) -> Option<Word<'a>> {
+    pub fn plain_word(&mut self) -> Option<LineWord<'a>> {
         self.skip_blanks();
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(|&b| is_blank(b) || b == b'\n');
         let word = &rest[..length.unwrap_or(rest.len())];
-        let found = Word {
+        let found = LineWord {
             bytes: word,
             at: self.at,
             line: self.line,
@@ -63,12 +63,12 @@ impl<'a> Lines<'a> {
     }
 
     /// The next word, on this line or on one that follows.
-    pub fn word(&mut self) -> Option<Word<'a>> {
+    pub fn word(&mut self) -> Option<LineWord<'a>> {
         self.word_on_line().or_else(|| self.record())
     }
 
     /// The first word of the next line that is neither empty nor a comment.
-    pub fn record(&mut self) -> Option<Word<'a>> {
+    pub fn record(&mut self) -> Option<LineWord<'a>> {
         loop {
             self.end_line();
             if self.at >= self.bytes.len() {
@@ -81,12 +81,12 @@ impl<'a> Lines<'a> {
     }
 
     /// The first word of the file's first line, or of one that follows.
-    pub fn first_record(&mut self) -> Option<Word<'a>> {
+    pub fn first_record(&mut self) -> Option<LineWord<'a>> {
         self.first_word().or_else(|| self.record())
     }
 
     /// The word with which this line begins, unless it is a comment.
-    fn first_word(&mut self) -> Option<Word<'a>> {
+    fn first_word(&mut self) -> Option<LineWord<'a>> {
         match self.bytes.get(self.at) {
             Some(b'/') => None,
             _ => self.word_on_line(),
@@ -94,8 +94,8 @@ impl<'a> Lines<'a> {
     }
 
     /// The first word of the next record, which is not passed.
-    pub fn peek_record(&self) -> Option<Word<'a>> {
-        let ahead = Lines { ..*self };
+    pub fn peek_record(&self) -> Option<LineWord<'a>> {
+        let ahead = View3dLines { ..*self };
         { ahead }.record()
     }
 

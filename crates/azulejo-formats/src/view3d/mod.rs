@@ -1,6 +1,6 @@
 //! View3D, `.vs3`: polygons whose view factors are wanted, and the matrices that come of them.
 //!
-//! [`Document::read`] gives what a file says, [`Model::new`] the polygons that are left when
+//! [`View3dDocument::read`] gives what a file says, [`View3dModel::new`] the polygons that are left when
 //! subsurfaces, masks and holes are cut out of what holds them, [`read`] a scene of those.
 //! [`write()`] makes a file of a scene, [`write_factors`] a matrix as View3D 4.0.0 lays it out.
 //! `docs/formats/view3d.md` says more.
@@ -16,9 +16,12 @@ mod parse;
 mod tests;
 mod write;
 
-pub use document::{Controls, Document, Kind, Layout, Outline, PlacedShape, Surface};
+pub use document::{
+    MatrixLayout, PlanarShape, SurfaceKind, SurfaceOutline, View3dControls, View3dDocument,
+    View3dSurface,
+};
 pub use factors::{FactorHeader, write_factors};
-pub use model::{CoveringMask, Model};
+pub use model::{CoveringMask, View3dModel};
 pub use write::{losses, write};
 
 use crate::reading::gzip;
@@ -29,15 +32,15 @@ use crate::{Files, Loaded, ReadError, ReadOptions, Warning};
 /// Reads the polygons as a scene; View3D's files name no others.
 ///
 /// # Errors
-/// What [`Document::read`] and [`Model::new`] say.
+/// What [`View3dDocument::read`] and [`View3dModel::new`] say.
 pub fn read(
     bytes: &[u8],
     name: &str,
     _files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let (document, mut warnings) = Document::read(bytes, name, options)?;
-    let model = Model::new(&document, name)?;
+    let (document, mut warnings) = View3dDocument::read(bytes, name, options)?;
+    let model = View3dModel::new(&document, name)?;
     warnings.extend(model.warning(name));
     Ok(Loaded {
         scene: model.scene,
@@ -45,7 +48,7 @@ pub fn read(
     })
 }
 
-impl Document {
+impl View3dDocument {
     /// Reads a file, packed with gzip or not, and checks it as View3D does. `name` stands in messages.
     ///
     /// # Errors
@@ -55,7 +58,7 @@ impl Document {
         bytes: &[u8],
         name: &str,
         options: &ReadOptions,
-    ) -> Result<(Document, Vec<Warning>), ReadError> {
+    ) -> Result<(View3dDocument, Vec<Warning>), ReadError> {
         let bytes = &*gzip::unpacked(bytes, name, options)?;
         check_length(bytes, name)?;
         let mut warnings = Warnings::default();

@@ -1,8 +1,8 @@
 //! The polygons that are left when everything is cut out of what holds it.
 
-use super::check::Plane;
+use super::check::MeanPlane;
 use super::cut::{MOST_HOLES, without};
-use super::document::{Document, Kind, Surface};
+use super::document::{SurfaceKind, View3dDocument, View3dSurface};
 use crate::{Position, ReadError, Warning};
 use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
 use glam::DVec3;
@@ -12,7 +12,7 @@ use std::collections::HashMap;
 ///
 /// Rows are the surfaces S and M, without those that are combined into others, in their order.
 #[derive(Clone, Debug, Default)]
-pub struct Model {
+pub struct View3dModel {
     /// The polygons, z up, without a unit. Surfaces of one name are one object; the last
     /// object, `obstructions`, is black and holds what only blocks: O, and the places of M and N.
     pub scene: Scene,
@@ -39,18 +39,18 @@ pub struct CoveringMask {
     pub area: f64,
 }
 
-impl Model {
+impl View3dModel {
     /// Cuts everything out of what holds it. `name` stands in messages.
     ///
     /// # Errors
     /// More than 4,096 surfaces in one base, or so many that overlap that it would fall to dust.
-    pub fn new(document: &Document, name: &str) -> Result<Model, ReadError> {
-        let row_of = Rows::new(document);
-        let mut builder = Builder::default();
-        let mut model = Model {
+    pub fn new(document: &View3dDocument, name: &str) -> Result<View3dModel, ReadError> {
+        let row_of = RowIndices::new(document);
+        let mut builder = View3dModelBuilder::default();
+        let mut model = View3dModel {
             names: row_of.each(document, |s| s.name.clone()),
             emissivities: row_of.each(document, |s| s.emissivity),
-            ..Model::default()
+            ..View3dModel::default()
         };
         let mut held: Vec<Vec<usize>> = vec![Vec::new(); document.surfaces.len()];
         for (k, surface) in document.surfaces.iter().enumerate() {
@@ -66,14 +66,14 @@ impl Model {
             if overlap(&corners, &holes, &pieces) {
                 model.overlaps.push(surface.line);
             }
-            if surface.kind == Kind::Mask {
+            if surface.kind == SurfaceKind::Mask {
                 model.masks.push(CoveringMask {
                     row: row_of.rows[k].unwrap_or_default(),
                     covers: row_of.rows[surface.base as usize - 1].unwrap_or_default(),
-                    area: Plane::of(&corners).area,
+                    area: MeanPlane::of(&corners).area,
                 });
             }
-            let row = row_of.rows[k].filter(|_| surface.kind == Kind::Radiating);
+            let row = row_of.rows[k].filter(|_| surface.kind == SurfaceKind::Radiating);
             pieces.iter().for_each(|p| builder.add(surface, row, p));
         }
         (model.scene, model.rows) = builder.finish();
@@ -93,7 +93,7 @@ impl Model {
 }
 
 /// Why a surface cannot be cut.
-fn dust(surface: &Surface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
+fn dust(surface: &View3dSurface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
     let found = match holes.len() {
         n if n > MOST_HOLES => format!("{n} surfaces with this one as their base"),
         n => format!("{n} surfaces in one base that overlap everywhere"),
@@ -107,24 +107,25 @@ fn dust(surface: &Surface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
 
 /// Whether holes take less away than they are large, by more than rounding and tolerances do.
 fn overlap(whole: &[DVec3], holes: &[Vec<DVec3>], pieces: &[Vec<DVec3>]) -> bool {
-    let area = |polygons: &[Vec<DVec3>]| polygons.iter().map(|p| Plane::of(p).area).sum::<f64>();
-    let whole = Plane::of(whole).area;
+    let area =
+        |polygons: &[Vec<DVec3>]| polygons.iter().map(|p| MeanPlane::of(p).area).sum::<f64>();
+    let whole = MeanPlane::of(whole).area;
     whole - area(pieces) < area(holes) - 1e-4 * whole
 }
 
 /// Which row each surface belongs to.
-struct Rows {
+struct RowIndices {
     rows: Vec<Option<u32>>,
     /// The first surface of each row.
     first: Vec<usize>,
 }
 
-impl Rows {
-    fn new(document: &Document) -> Rows {
+impl RowIndices {
+    fn new(document: &View3dDocument) -> RowIndices {
         let (mut rows, mut first): (Vec<Option<u32>>, Vec<usize>) = Default::default();
         for (k, surface) in document.surfaces.iter().enumerate() {
             let row = match (surface.kind, surface.combined as usize) {
-                (Kind::Null | Kind::Obstruction, _) => None,
+                (SurfaceKind::Null | SurfaceKind::Obstruction, _) => None,
                 (_, 0) => {
                     first.push(k);
                     Some(first.len() as u32 - 1)
@@ -133,10 +134,10 @@ impl Rows {
             };
             rows.push(row);
         }
-        Rows { rows, first }
+        RowIndices { rows, first }
     }
 
-    fn each<T>(&self, document: &Document, of: impl Fn(&Surface) -> T) -> Vec<T> {
+    fn each<T>(&self, document: &View3dDocument, of: impl Fn(&View3dSurface) -> T) -> Vec<T> {
         let surfaces = self.first.iter().map(|&k| &document.surfaces[k]);
         surfaces.map(of).collect()
     }
@@ -148,7 +149,7 @@ const UNNAMED: &str = "surfaces";
 const BLOCKING: &str = "obstructions";
 
 #[derive(Default)]
-struct Builder {
+struct View3dModelBuilder {
     scene: Scene,
     rows: Vec<Vec<Option<u32>>>,
     /// Objects by name, and their vertices.
@@ -159,8 +160,8 @@ struct Builder {
     blocking: Vec<Vec<DVec3>>,
 }
 
-impl Builder {
-    fn add(&mut self, surface: &Surface, row: Option<u32>, corners: &[DVec3]) {
+impl View3dModelBuilder {
+    fn add(&mut self, surface: &View3dSurface, row: Option<u32>, corners: &[DVec3]) {
         if row.is_none() {
             self.blocking.push(corners.to_vec());
             return;

@@ -1,6 +1,6 @@
 //! Scenes to View3D.
 
-use super::check::Plane;
+use super::check::MeanPlane;
 use crate::surface::tessellate::{self, mesh_of};
 use azulejo_scene::{Material, Mesh, Scene};
 use glam::DVec3;
@@ -28,7 +28,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "V {} {} {} {}", k + 1, p.x, p.y, p.z)?;
     }
     for (k, surface) in surfaces.list.iter().enumerate() {
-        let Written {
+        let WrittenSurface {
             corners: [a, b, c, d],
             combined,
             emissivity,
@@ -73,7 +73,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
 }
 
 /// A surface as it is written.
-struct Written {
+struct WrittenSurface {
     /// Vertices from 1; the last 0 in a triangle.
     corners: [u32; 4],
     /// The surface that it is a part of, from 1, or 0.
@@ -83,9 +83,9 @@ struct Written {
 }
 
 #[derive(Default)]
-struct Surfaces {
+struct WrittenSurfaces {
     vertices: Vec<DVec3>,
-    list: Vec<Written>,
+    list: Vec<WrittenSurface>,
     /// How many are not parts of others.
     firsts: usize,
     degenerate: usize,
@@ -94,8 +94,8 @@ struct Surfaces {
 
 /// All surfaces: the first parts of all faces, then the others, because View3D numbers rows so
 /// that parts at the end change no number.
-fn surfaces(scene: &Scene) -> Surfaces {
-    let mut all = Surfaces::default();
+fn surfaces(scene: &Scene) -> WrittenSurfaces {
+    let mut all = WrittenSurfaces::default();
     let mut parts = Vec::new();
     for object in &scene.objects {
         let mesh = mesh_of(object);
@@ -107,7 +107,7 @@ fn surfaces(scene: &Scene) -> Surfaces {
             let material = &scene.materials[mesh.face_materials[face] as usize];
             let surface = |piece: Vec<u32>, combined| {
                 let corner = |k: usize| piece.get(k).map_or(0, |v| first + v);
-                Written {
+                WrittenSurface {
                     corners: [0, 1, 2, 3].map(corner),
                     combined,
                     emissivity: emissivity(material),
@@ -135,10 +135,11 @@ fn pieces(mesh: &Mesh, face: usize) -> Vec<Vec<u32>> {
     let corners = mesh.faces.get(face);
     let at = |v: &[u32]| -> Vec<DVec3> { v.iter().map(|&v| mesh.positions[v as usize]).collect() };
     let has_area = |v: &[u32]| {
-        let plane = Plane::of(&at(v));
+        let plane = MeanPlane::of(&at(v));
         plane.area > 1e-10 * plane.radius * plane.radius
     };
-    if corners.len() <= 4 && has_area(corners) && Plane::is_flat_and_convex(&at(corners), FLAT) {
+    if corners.len() <= 4 && has_area(corners) && MeanPlane::is_flat_and_convex(&at(corners), FLAT)
+    {
         return vec![corners.to_vec()];
     }
     let triangles = mesh.triangulate(face).into_iter();

@@ -3,10 +3,12 @@
 //! A grammar error costs the node around it and nothing else: the rest of that node is passed by
 //! its brackets, with a warning. A file that ends too soon keeps all that it has.
 
-use super::lexer::Lexer;
-use super::names::Names;
-use super::stage::{Source, Stage};
-use super::tree::{Document, Draft, Field, MOST_DEPTH, Node, Proto, Value, parsed_flag};
+use super::builder::{VrmlSceneBuilder, VrmlSource};
+use super::lexer::VrmlLexer;
+use super::names::NameScopes;
+use super::tree::{
+    FieldValue, MOST_DEPTH, NodeBuilder, Prototype, VrmlDocument, VrmlField, VrmlNode, parsed_flag,
+};
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
 use std::collections::HashMap;
@@ -16,20 +18,23 @@ use std::rc::Rc;
 ///
 /// # Errors
 /// There is no node in it, and something else is; or there are more nodes than the options allow.
-pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, ReadError> {
-    let mut parser = Parser {
-        lexer: Lexer::new(&source.bytes),
+pub(super) fn parse(
+    builder: &mut VrmlSceneBuilder,
+    source: &Rc<VrmlSource>,
+) -> Result<VrmlDocument, ReadError> {
+    let mut parser = ClassicParser {
+        lexer: VrmlLexer::new(&source.bytes),
         source,
-        stage,
+        builder,
         known: HashMap::new(),
-        names: Names::new(),
+        names: NameScopes::new(),
         depth: 0,
         metres: None,
     };
     let mut roots = Vec::new();
     let start = parser.lexer.clone();
     parser.statements(&mut roots)?;
-    let document = Document {
+    let document = VrmlDocument {
         roots,
         protos: parser.names.into_protos(),
         metres: parser.metres,
@@ -43,13 +48,13 @@ pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, 
     Ok(document)
 }
 
-struct Parser<'a, 's, 'f> {
-    lexer: Lexer<'a>,
-    source: &'a Rc<Source>,
-    stage: &'s mut Stage<'f>,
+struct ClassicParser<'a, 's, 'f> {
+    lexer: VrmlLexer<'a>,
+    source: &'a Rc<VrmlSource>,
+    builder: &'s mut VrmlSceneBuilder<'f>,
     /// Words that have been seen, so that all fields of a name share it.
     known: HashMap<&'a [u8], Rc<str>>,
-    names: Names,
+    names: NameScopes,
     depth: u32,
     metres: Option<f64>,
 }
@@ -74,10 +79,10 @@ pub(super) fn holds_integers(field: &str) -> bool {
     field == "index" || field.ends_with("Index")
 }
 
-impl<'a> Parser<'a, '_, '_> {
+impl<'a> ClassicParser<'a, '_, '_> {
     #[cold]
     fn warn(&mut self, at: usize, message: impl Into<String>) {
-        self.stage.warn(self.source, at, message);
+        self.builder.warn(self.source, at, message);
     }
 
     fn intern(&mut self, word: &'a [u8]) -> Rc<str> {
@@ -112,7 +117,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// Nodes and statements up to the end of the file.
-    fn statements(&mut self, into: &mut Vec<Rc<Node>>) -> Result<(), ReadError> {
+    fn statements(&mut self, into: &mut Vec<Rc<VrmlNode>>) -> Result<(), ReadError> {
         while let Some(next) = self.lexer.peek() {
             let at = self.lexer.offset();
             match next {
@@ -132,7 +137,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// A node, a reference to one, a prototype, or a statement about the file. A word comes next.
-    fn statement(&mut self, into: &mut Vec<Rc<Node>>) -> Result<(), ReadError> {
+    fn statement(&mut self, into: &mut Vec<Rc<VrmlNode>>) -> Result<(), ReadError> {
         let at = self.lexer.offset();
         let word = self.lexer.word().unwrap_or_default();
         match word {
@@ -191,7 +196,7 @@ impl<'a> Parser<'a, '_, '_> {
         self.warn(at, "IMPORT or EXPORT of a name: skipped");
     }
 
-    fn reference(&mut self) -> Option<Rc<Node>> {
+    fn reference(&mut self) -> Option<Rc<VrmlNode>> {
         let at = self.lexer.offset();
         let name = self.name()?;
         let node = self.names.node(&name);
@@ -209,14 +214,14 @@ impl<'a> Parser<'a, '_, '_> {
         kind: &'a [u8],
         name: Option<Rc<str>>,
         at: usize,
-    ) -> Result<Option<Rc<Node>>, ReadError> {
+    ) -> Result<Option<Rc<VrmlNode>>, ReadError> {
         let kind = self.intern(kind);
         if !self.lexer.take(b'{') {
             let kind = shortened(&kind);
             self.unexpected(&format!("\"{{\" behind \"{kind}\""));
             return Ok(None);
         }
-        self.stage.spend(1)?;
+        self.builder.spend(1)?;
         if self.depth == MOST_DEPTH {
             self.too_deep(at);
             self.lexer.skip_to_close();
@@ -225,7 +230,7 @@ impl<'a> Parser<'a, '_, '_> {
         self.depth += 1;
         let fields = self.body(&kind)?;
         self.depth -= 1;
-        let draft = Draft {
+        let draft = NodeBuilder {
             proto: self.names.proto(&kind),
             kind,
             name: name.clone(),
@@ -248,7 +253,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// The fields of a node, up to the bracket that closes it.
-    fn body(&mut self, kind: &str) -> Result<Vec<Field>, ReadError> {
+    fn body(&mut self, kind: &str) -> Result<Vec<VrmlField>, ReadError> {
         let mut fields = Vec::new();
         loop {
             match self.lexer.peek() {
@@ -277,7 +282,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// A field with its value, or a statement, which may stand among fields. A word comes next.
-    fn field(&mut self, fields: &mut Vec<Field>) -> Result<(), ReadError> {
+    fn field(&mut self, fields: &mut Vec<VrmlField>) -> Result<(), ReadError> {
         let at = self.lexer.offset();
         let word = self.lexer.word().unwrap_or_default();
         match word {
@@ -288,14 +293,14 @@ impl<'a> Parser<'a, '_, '_> {
             _ => {
                 let name = self.intern(word);
                 let value = self.value(&name)?;
-                fields.extend(value.map(|value| Field { name, value }));
+                fields.extend(value.map(|value| VrmlField { name, value }));
             }
         }
         Ok(())
     }
 
     /// A field of a prototype or of a script, behind the word that says how it is accessed.
-    fn declaration(&mut self, access: &[u8]) -> Result<Option<Field>, ReadError> {
+    fn declaration(&mut self, access: &[u8]) -> Result<Option<VrmlField>, ReadError> {
         // The type shows in the value.
         self.lexer.word();
         let Some(name) = self.name() else {
@@ -309,11 +314,11 @@ impl<'a> Parser<'a, '_, '_> {
             return Ok(None);
         }
         let value = self.value(&name)?;
-        Ok(value.map(|value| Field { name, value }))
+        Ok(value.map(|value| VrmlField { name, value }))
     }
 
     /// The value of a field; `None` if there is none.
-    fn value(&mut self, field: &str) -> Result<Option<Value>, ReadError> {
+    fn value(&mut self, field: &str) -> Result<Option<FieldValue>, ReadError> {
         match self.lexer.peek() {
             Some(b'[') => {
                 self.lexer.take(b'[');
@@ -321,7 +326,9 @@ impl<'a> Parser<'a, '_, '_> {
             }
             Some(b'"') => {
                 let string = self.lexer.string().unwrap_or_default();
-                return Ok(Some(Value::Strings(Rc::new(vec![string.into_owned()]))));
+                return Ok(Some(FieldValue::Strings(Rc::new(vec![
+                    string.into_owned(),
+                ]))));
             }
             None | Some(b'{' | b'}' | b']') => return Ok(None),
             _ => {}
@@ -332,35 +339,35 @@ impl<'a> Parser<'a, '_, '_> {
         let word = self.lexer.peek_word().unwrap_or_default();
         if let Some(flag) = parsed_flag(word) {
             self.lexer.word();
-            return Ok(Some(Value::Flag(flag)));
+            return Ok(Some(FieldValue::Flag(flag)));
         }
         if word == b"IS" {
             self.lexer.word();
-            return Ok(self.name().map(Value::Is));
+            return Ok(self.name().map(FieldValue::Is));
         }
         let mut nodes = Vec::new();
         self.statement(&mut nodes)?;
-        Ok(Some(Value::Nodes(nodes)))
+        Ok(Some(FieldValue::Nodes(nodes)))
     }
 
     /// The numbers that come next, without brackets; `None` if there are none.
-    fn numbers(&mut self, field: &str) -> Option<Value> {
+    fn numbers(&mut self, field: &str) -> Option<FieldValue> {
         if holds_integers(field) {
             let mut integers = Vec::new();
             self.lexer.integers(&mut integers);
-            return (!integers.is_empty()).then(|| Value::Integers(Rc::new(integers)));
+            return (!integers.is_empty()).then(|| FieldValue::Integers(Rc::new(integers)));
         }
         let mut numbers = Vec::new();
         self.lexer.numbers(usize::MAX, &mut numbers);
-        (!numbers.is_empty()).then(|| Value::Numbers(Rc::new(numbers)))
+        (!numbers.is_empty()).then(|| FieldValue::Numbers(Rc::new(numbers)))
     }
 
     /// The values up to the bracket that closes a list, whose opening one has been taken. The
     /// first says of which sort they are.
-    fn list(&mut self, field: &str) -> Result<Value, ReadError> {
+    fn list(&mut self, field: &str) -> Result<FieldValue, ReadError> {
         let value = match self.lexer.peek() {
             Some(b'"') => self.strings(),
-            Some(b']') => Value::Nodes(Vec::new()),
+            Some(b']') => FieldValue::Nodes(Vec::new()),
             _ => match self.number_list(field) {
                 Some(numbers) => numbers,
                 None => return self.node_list(),
@@ -370,16 +377,16 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(value)
     }
 
-    fn strings(&mut self) -> Value {
+    fn strings(&mut self) -> FieldValue {
         let mut strings = Vec::new();
         while let Some(string) = self.lexer.string() {
             strings.push(string.into_owned());
         }
-        Value::Strings(Rc::new(strings))
+        FieldValue::Strings(Rc::new(strings))
     }
 
     /// Numbers in brackets. A word among them is a number that is none.
-    fn number_list(&mut self, field: &str) -> Option<Value> {
+    fn number_list(&mut self, field: &str) -> Option<FieldValue> {
         let mut value = self.numbers(field)?;
         loop {
             let at = self.lexer.offset();
@@ -392,26 +399,26 @@ impl<'a> Parser<'a, '_, '_> {
                 "word or string in a list of numbers: no number in its place",
             );
             match &mut value {
-                Value::Numbers(numbers) => {
+                FieldValue::Numbers(numbers) => {
                     let numbers = Rc::make_mut(numbers);
                     numbers.push(f64::NAN);
                     self.lexer.numbers(usize::MAX, numbers);
                 }
-                Value::Integers(integers) => self.lexer.integers(Rc::make_mut(integers)),
+                FieldValue::Integers(integers) => self.lexer.integers(Rc::make_mut(integers)),
                 _ => {}
             }
         }
         // The lists are as long as the file, and stay until the scene is made.
         match &mut value {
-            Value::Numbers(numbers) => Rc::make_mut(numbers).shrink_to_fit(),
-            Value::Integers(integers) => Rc::make_mut(integers).shrink_to_fit(),
+            FieldValue::Numbers(numbers) => Rc::make_mut(numbers).shrink_to_fit(),
+            FieldValue::Integers(integers) => Rc::make_mut(integers).shrink_to_fit(),
             _ => {}
         }
         Some(value)
     }
 
     /// Nodes in brackets, or flags, of which the last counts.
-    fn node_list(&mut self) -> Result<Value, ReadError> {
+    fn node_list(&mut self) -> Result<FieldValue, ReadError> {
         let (mut nodes, mut flag) = (Vec::new(), None);
         loop {
             match self.lexer.peek() {
@@ -433,7 +440,7 @@ impl<'a> Parser<'a, '_, '_> {
                 },
             }
         }
-        Ok(flag.map_or(Value::Nodes(nodes), Value::Flag))
+        Ok(flag.map_or(FieldValue::Nodes(nodes), FieldValue::Flag))
     }
 
     /// `name [ interface ] { body }`
@@ -456,7 +463,7 @@ impl<'a> Parser<'a, '_, '_> {
         let body = self.proto_body()?;
         self.names.leave();
         self.depth -= 1;
-        self.names.define_proto(Proto {
+        self.names.define_proto(Prototype {
             name,
             interface,
             body,
@@ -465,7 +472,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(())
     }
 
-    fn proto_body(&mut self) -> Result<Vec<Rc<Node>>, ReadError> {
+    fn proto_body(&mut self) -> Result<Vec<Rc<VrmlNode>>, ReadError> {
         let mut body = Vec::new();
         loop {
             match self.lexer.peek() {
@@ -492,10 +499,10 @@ impl<'a> Parser<'a, '_, '_> {
         // The file that defines it also says what its fields are without a value.
         self.interface()?;
         let urls = match self.value("url")? {
-            Some(Value::Strings(urls)) => urls.to_vec(),
+            Some(FieldValue::Strings(urls)) => urls.to_vec(),
             _ => Vec::new(),
         };
-        self.names.define_proto(Proto {
+        self.names.define_proto(Prototype {
             name,
             interface: Vec::new(),
             body: Vec::new(),
@@ -505,7 +512,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `[ access type name value … ]`
-    fn interface(&mut self) -> Result<Vec<Field>, ReadError> {
+    fn interface(&mut self) -> Result<Vec<VrmlField>, ReadError> {
         let mut fields = Vec::new();
         if !self.expect(b'[') {
             return Ok(fields);
@@ -533,7 +540,7 @@ impl<'a> Parser<'a, '_, '_> {
 }
 
 /// Whether `type name` stands alone, as in the interface of an `EXTERNPROTO`.
-fn word_begins_external(mut ahead: Lexer) -> bool {
+fn word_begins_external(mut ahead: VrmlLexer) -> bool {
     ahead.word();
     ahead.word();
     match ahead.peek_word() {

@@ -1,8 +1,8 @@
 //! Heights over a grid.
 
-use super::shape::{Pool, Surface, attributes};
-use super::stage::Stage;
-use super::tree::Node;
+use super::builder::VrmlSceneBuilder;
+use super::shape::{SurfaceFields, ValuePool, attributes};
+use super::tree::VrmlNode;
 use crate::ReadError;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -12,9 +12,9 @@ use std::borrow::Cow;
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn surface<'n>(
-    stage: &mut Stage,
-    node: &'n Node,
-) -> Result<Option<Surface<'n>>, ReadError> {
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+) -> Result<Option<SurfaceFields<'n>>, ReadError> {
     let heights = node.numbers("height");
     let size = |name: &str| node.number(name, 0.0).max(0.0) as usize;
     let (columns, wanted) = (size("xDimension"), size("zDimension"));
@@ -23,11 +23,11 @@ pub(super) fn surface<'n>(
     }
     let rows = wanted.min(heights.len() / columns);
     let message = "row of an ElevationGrid without its heights: skipped";
-    stage.warn_many(&node.source, node.at, message, wanted - rows);
+    builder.warn_many(&node.source, node.at, message, wanted - rows);
     if rows < 2 {
         return Ok(None);
     }
-    stage.spend(6 * (columns * rows) as u64)?;
+    builder.spend(6 * (columns * rows) as u64)?;
     let spacing = |name: &str| node.number(name, 1.0);
     let (dx, dz) = (spacing("xSpacing"), spacing("zSpacing"));
     let mut lost = 0;
@@ -39,11 +39,11 @@ pub(super) fn surface<'n>(
         positions.push(DVec3::new(dx * column, height, dz * row));
     }
     let message = "height that is not a finite number: 0";
-    stage.warn_many(&node.source, node.at, message, lost);
-    let mut surface = Surface::new(node, positions, Cow::Owned(quads(columns, rows)));
-    attributes(stage, node, &mut surface)?;
+    builder.warn_many(&node.source, node.at, message, lost);
+    let mut surface = SurfaceFields::new(node, positions, Cow::Owned(quads(columns, rows)));
+    attributes(builder, node, &mut surface)?;
     if surface.uvs.is_none() {
-        surface.uvs = Some(Pool::per_vertex(mapping(columns, rows)));
+        surface.uvs = Some(ValuePool::per_vertex(mapping(columns, rows)));
     }
     Ok(Some(surface))
 }

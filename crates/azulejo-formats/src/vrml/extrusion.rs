@@ -1,8 +1,8 @@
 //! A cross-section along a spine.
 
-use super::shape::{Pool, Surface};
-use super::stage::Stage;
-use super::tree::{Node, triples};
+use super::builder::VrmlSceneBuilder;
+use super::shape::{SurfaceFields, ValuePool};
+use super::tree::{VrmlNode, triples};
 use super::world::rotation;
 use crate::ReadError;
 use glam::{DMat3, DQuat, DVec2, DVec3};
@@ -13,23 +13,23 @@ use std::borrow::Cow;
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn surface<'n>(
-    stage: &mut Stage,
-    node: &'n Node,
-) -> Result<Option<Surface<'n>>, ReadError> {
-    let form = Form::new(node);
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+) -> Result<Option<SurfaceFields<'n>>, ReadError> {
+    let form = ExtrusionFields::new(node);
     if form.spine.len() < 2 || form.section.len() < 2 {
         return Ok(None);
     }
     let vertices = form.spine.len() as u64 * form.section.len() as u64;
-    stage.spend(12 * vertices)?;
+    builder.spend(12 * vertices)?;
     let numbers = [&*node.numbers("spine"), &*node.numbers("crossSection")];
     let lost = numbers
         .iter()
         .flat_map(|n| n.iter())
         .filter(|x| !x.is_finite());
     let message = "number of an Extrusion that is not finite: its point is left out";
-    stage.warn_many(&node.source, node.at, message, lost.count());
-    let mut body = Body::new(&form);
+    builder.warn_many(&node.source, node.at, message, lost.count());
+    let mut body = ExtrusionFaces::new(&form);
     body.sides();
     if !form.is_ring() {
         if node.flag("beginCap", true) {
@@ -39,16 +39,16 @@ pub(super) fn surface<'n>(
             body.cap(form.spine.len() - 1);
         }
     }
-    let mut surface = Surface::new(node, body.positions, Cow::Owned(body.coord_index));
-    surface.uvs = Some(Pool {
+    let mut surface = SurfaceFields::new(node, body.positions, Cow::Owned(body.coord_index));
+    surface.uvs = Some(ValuePool {
         index: Some(Cow::Owned(body.uv_index)),
-        ..Pool::per_vertex(body.uvs)
+        ..ValuePool::per_vertex(body.uvs)
     });
     Ok(Some(surface))
 }
 
 /// What the node says.
-struct Form {
+struct ExtrusionFields {
     spine: Vec<DVec3>,
     /// x and z of the cross-section.
     section: Vec<DVec2>,
@@ -65,8 +65,8 @@ const SQUARE: [[f64; 2]; 5] = [
     [1.0, 1.0],
 ];
 
-impl Form {
-    fn new(node: &Node) -> Form {
+impl ExtrusionFields {
+    fn new(node: &VrmlNode) -> ExtrusionFields {
         let mut spine = match node.value("spine") {
             Some(_) => triples(&node.numbers("spine")),
             None => vec![DVec3::ZERO, DVec3::Y],
@@ -83,7 +83,7 @@ impl Form {
             [x, y, z, angle] if t.iter().all(|x| x.is_finite()) => rotation([x, y, z, angle]),
             _ => DQuat::IDENTITY,
         };
-        Form {
+        ExtrusionFields {
             spine,
             section,
             scale: node.points2("scale").iter().map(finite).collect(),
@@ -196,17 +196,17 @@ fn straight(tangents: &[DVec3]) -> Vec<DMat3> {
 }
 
 /// The polygons.
-struct Body<'f> {
-    form: &'f Form,
+struct ExtrusionFaces<'f> {
+    form: &'f ExtrusionFields,
     positions: Vec<DVec3>,
     coord_index: Vec<i32>,
     uvs: Vec<DVec2>,
     uv_index: Vec<i32>,
 }
 
-impl<'f> Body<'f> {
+impl<'f> ExtrusionFaces<'f> {
     /// The cross-sections, placed along the spine, without faces.
-    fn new(form: &'f Form) -> Body<'f> {
+    fn new(form: &'f ExtrusionFields) -> ExtrusionFaces<'f> {
         let planes = planes(&form.spine, form.is_ring());
         let mut positions = Vec::with_capacity(form.spine.len() * form.around());
         for (i, (point, plane)) in form.spine.iter().zip(&planes).enumerate() {
@@ -216,7 +216,7 @@ impl<'f> Body<'f> {
             let place = |s: &DVec2| *point + matrix * DVec3::new(s.x * scale.x, 0.0, s.y * scale.y);
             positions.extend(form.section[..form.around()].iter().map(place));
         }
-        Body {
+        ExtrusionFaces {
             form,
             positions,
             coord_index: Vec::new(),

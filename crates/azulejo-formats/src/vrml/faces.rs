@@ -20,12 +20,12 @@ pub(super) struct FaceSet<'a> {
     /// Indices into `positions`; −1 ends a face, and the last face needs none.
     pub coord_index: &'a [i32],
     /// Colours, or what else stands for a surface. By face they come back as
-    /// [`Built::face_values`], by vertex they become [`Mesh::colors`].
-    pub colors: Option<Bound<'a, Rgb>>,
+    /// [`BuiltFaceSet::face_values`], by vertex they become [`Mesh::colors`].
+    pub colors: Option<BoundPool<'a, Rgb>>,
     /// Normals of any length; absent ones are made by `crease_angle`.
-    pub normals: Option<Bound<'a, DVec3>>,
+    pub normals: Option<BoundPool<'a, DVec3>>,
     /// Texture coordinates.
-    pub uvs: Option<Bound<'a, DVec2>>,
+    pub uvs: Option<BoundPool<'a, DVec2>>,
     /// Whether corners run counter-clockwise when the front is seen.
     pub ccw: bool,
     /// Faces whose normals differ by less are smooth where they meet, radians. With 0 the mesh
@@ -37,7 +37,7 @@ pub(super) struct FaceSet<'a> {
 
 /// A pool of values and how it is bound to faces and corners.
 #[derive(Clone, Copy)]
-pub(super) struct Bound<'a, T> {
+pub(super) struct BoundPool<'a, T> {
     /// The pool.
     pub values: &'a [T],
     /// The list that the `Indexed` bindings look into. Without one, vertices take
@@ -64,19 +64,19 @@ pub(super) enum Binding {
 
 /// What became of a face set.
 #[derive(Debug, Default)]
-pub(super) struct Built {
+pub(super) struct BuiltFaceSet {
     /// The polygons, all of material 0, in the coordinates of `positions`.
     pub mesh: Mesh,
     /// The colour of each face as an index into [`FaceSet::colors`], when these are bound to
     /// faces or to everything; otherwise empty.
     pub face_values: Vec<u32>,
     /// What was wrong.
-    pub problems: Problems,
+    pub problems: FaceSetProblems,
 }
 
 /// What was wrong with a face set, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Problems {
+pub(super) struct FaceSetProblems {
     /// Faces of one or two corners, dropped.
     pub slivers: usize,
     /// Faces with a corner that no position is given for, or none that is finite, dropped.
@@ -91,7 +91,7 @@ pub(super) struct Problems {
     pub stray_uvs: usize,
 }
 
-impl Problems {
+impl FaceSetProblems {
     /// Each as a message and how often it happened, which may be 0.
     pub fn messages(&self) -> [(&'static str, usize); 6] {
         [
@@ -133,8 +133,8 @@ impl FaceSet<'_> {
 }
 
 /// Makes the mesh.
-pub(super) fn build(set: &FaceSet) -> Built {
-    let mut built = Built::default();
+pub(super) fn build(set: &FaceSet) -> BuiltFaceSet {
+    let mut built = BuiltFaceSet::default();
     let kept = faces(set, &mut built);
     color(set, &kept, &mut built);
     built.mesh.face_materials = vec![0; kept.len()];
@@ -175,7 +175,7 @@ pub(super) fn box_mapping(positions: &[DVec3]) -> Vec<DVec2> {
 }
 
 /// A face that was kept, as it stands in the file.
-struct Kept {
+struct KeptFace {
     /// Where its corners begin in `coord_index`.
     start: u32,
     /// How many corners stand before it.
@@ -185,7 +185,7 @@ struct Kept {
 }
 
 /// Puts the faces and the positions into the mesh and says which faces these are.
-fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
+fn faces(set: &FaceSet, built: &mut BuiltFaceSet) -> Vec<KeptFace> {
     let mut kept = Vec::new();
     let mut corners = Vec::with_capacity(set.coord_index.len());
     let mut starts = vec![0];
@@ -202,7 +202,7 @@ fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
         } else {
             corners.extend(polygon.iter().map(|i| *i as u32));
             starts.push(corners.len() as u32);
-            kept.push(Kept {
+            kept.push(KeptFace {
                 start,
                 corners_before,
                 ordinal,
@@ -255,9 +255,9 @@ fn renumber(indices: &mut [u32], pool: usize) -> Vec<u32> {
     used
 }
 
-impl<T> Bound<'_, T> {
+impl<T> BoundPool<'_, T> {
     /// The value of a face, [`NONE`] if there is none.
-    fn of_face(&self, face: &Kept) -> u32 {
+    fn of_face(&self, face: &KeptFace) -> u32 {
         self.checked(match (self.binding, self.index) {
             (Binding::PerFaceIndexed, Some(index)) => entry(index, face.ordinal),
             (Binding::Overall, _) => 0,
@@ -266,7 +266,7 @@ impl<T> Bound<'_, T> {
     }
 
     /// The value of the `k`-th corner of a face, [`NONE`] if there is none.
-    fn of_corner(&self, coord_index: &[i32], face: &Kept, k: u32) -> u32 {
+    fn of_corner(&self, coord_index: &[i32], face: &KeptFace, k: u32) -> u32 {
         match self.binding {
             Binding::PerVertex => self.checked(face.corners_before + k),
             Binding::PerVertexIndexed => {
@@ -293,7 +293,7 @@ fn entry(index: &[i32], at: u32) -> u32 {
 }
 
 /// For each corner its value in the pool, [`NONE`] where there is none.
-fn corner_values<T>(set: &FaceSet, kept: &[Kept], bound: &Bound<T>) -> Vec<u32> {
+fn corner_values<T>(set: &FaceSet, kept: &[KeptFace], bound: &BoundPool<T>) -> Vec<u32> {
     let mut values = Vec::new();
     for face in kept {
         let rest = &set.coord_index[face.start as usize..];
@@ -304,7 +304,7 @@ fn corner_values<T>(set: &FaceSet, kept: &[Kept], bound: &Bound<T>) -> Vec<u32> 
 }
 
 /// Gives faces or vertices their colours.
-fn color(set: &FaceSet, kept: &[Kept], built: &mut Built) {
+fn color(set: &FaceSet, kept: &[KeptFace], built: &mut BuiltFaceSet) {
     let Some(bound) = set.colors.filter(|c| !c.values.is_empty()) else {
         return;
     };
@@ -356,9 +356,9 @@ fn color_vertices(mesh: &mut Mesh, pool: &[Rgb], corners: &[u32]) {
 
 fn uv_attribute(
     mesh: &Mesh,
-    bound: &Bound<DVec2>,
+    bound: &BoundPool<DVec2>,
     mut corners: Vec<u32>,
-    problems: &mut Problems,
+    problems: &mut FaceSetProblems,
 ) -> Attribute<DVec2> {
     let used = renumber(&mut corners, bound.values.len());
     let finite = |i: &u32| Some(bound.values[*i as usize]).filter(|uv| uv.is_finite());
@@ -377,9 +377,9 @@ fn uv_attribute(
 fn normal_attribute(
     mesh: &Mesh,
     ccw: bool,
-    bound: &Bound<DVec3>,
+    bound: &BoundPool<DVec3>,
     mut corners: Vec<u32>,
-    problems: &mut Problems,
+    problems: &mut FaceSetProblems,
 ) -> Attribute<DVec3> {
     let used = renumber(&mut corners, bound.values.len());
     let unit = |i: &u32| bound.values[*i as usize].normalize_or_zero();
@@ -473,8 +473,12 @@ mod tests {
         }
     }
 
-    fn bound<'a, T>(values: &'a [T], index: Option<&'a [i32]>, binding: Binding) -> Bound<'a, T> {
-        Bound {
+    fn bound<'a, T>(
+        values: &'a [T],
+        index: Option<&'a [i32]>,
+        binding: Binding,
+    ) -> BoundPool<'a, T> {
+        BoundPool {
             values,
             index,
             binding,
@@ -485,10 +489,10 @@ mod tests {
     fn polygons_and_what_is_none() {
         let check = |index: &[i32], faces: usize, slivers: usize, stray_faces: usize| {
             let built = build(&plain(index));
-            let expected = Problems {
+            let expected = FaceSetProblems {
                 slivers,
                 stray_faces,
-                ..Problems::default()
+                ..FaceSetProblems::default()
             };
             assert_eq!(built.mesh.faces.len(), faces, "{index:?}");
             assert_eq!(built.mesh.face_materials.len(), faces, "{index:?}");

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 
 /// A place in the bytes of a text file, which it walks.
 #[derive(Clone, Debug)]
-pub(super) struct Lexer<'a> {
+pub(super) struct VrmlLexer<'a> {
     bytes: &'a [u8],
     at: usize,
 }
@@ -28,15 +28,15 @@ fn ends_word(b: u8) -> bool {
     is_blank(b) || matches!(b, b'{' | b'}' | b'[' | b']' | b'"' | b'#')
 }
 
-impl<'a> Lexer<'a> {
+impl<'a> VrmlLexer<'a> {
     /// The start of a text; a byte order mark is passed. The header is a comment.
-    pub fn new(bytes: &'a [u8]) -> Lexer<'a> {
+    pub fn new(bytes: &'a [u8]) -> VrmlLexer<'a> {
         let at = if bytes.starts_with(b"\xef\xbb\xbf") {
             3
         } else {
             0
         };
-        Lexer { bytes, at }
+        VrmlLexer { bytes, at }
     }
 
     /// Where it stands, for coming back to with [`position`].
@@ -100,7 +100,7 @@ impl<'a> Lexer<'a> {
         self.word_until(|_| false)
     }
 
-    /// As [`Lexer::word`], but what `is_mark` says ends a word too.
+    /// As [`VrmlLexer::word`], but what `is_mark` says ends a word too.
     #[inline]
     pub fn word_until(&mut self, is_mark: impl Fn(u8) -> bool) -> Option<&'a [u8]> {
         self.skip_blanks();
@@ -365,7 +365,8 @@ mod tests {
 
     #[test]
     fn tokens() {
-        let mut l = Lexer::new(b"\xef\xbb\xbf#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
+        let mut l =
+            VrmlLexer::new(b"\xef\xbb\xbf#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
         assert_eq!(l.word(), Some(&b"DEF"[..]));
         assert!(!l.take_word(b"a"));
         assert!(l.take_word(b"a.b-1"));
@@ -380,7 +381,7 @@ mod tests {
     #[test]
     fn numbers_of_every_kind() {
         let check = |text: &str, expected: Option<f64>| {
-            let found = Lexer::new(text.as_bytes()).number();
+            let found = VrmlLexer::new(text.as_bytes()).number();
             assert_eq!(
                 found.map(f64::to_bits),
                 expected.map(f64::to_bits),
@@ -401,7 +402,7 @@ mod tests {
     fn integers_of_every_kind() {
         let check = |text: &str, expected: &[i32]| {
             let mut found = Vec::new();
-            Lexer::new(text.as_bytes()).integers(&mut found);
+            VrmlLexer::new(text.as_bytes()).integers(&mut found);
             assert_eq!(found, expected, "{text}");
         };
         check("0 1,2 -1]", &[0, 1, 2, -1]);
@@ -416,7 +417,7 @@ mod tests {
     #[test]
     fn strings() {
         let check = |text: &str, expected: Option<&str>, rest: &str| {
-            let mut l = Lexer::new(text.as_bytes());
+            let mut l = VrmlLexer::new(text.as_bytes());
             assert_eq!(l.string().as_deref(), expected, "{text}");
             assert_eq!(l.rest(), rest.as_bytes(), "{text}");
         };
@@ -429,7 +430,7 @@ mod tests {
 
     #[test]
     fn closing_brackets_are_found_past_strings_and_comments() {
-        let mut l = Lexer::new(b"a [ b { \"}\" # }\n } ] } c");
+        let mut l = VrmlLexer::new(b"a [ b { \"}\" # }\n } ] } c");
         assert!(l.skip_to_close());
         assert_eq!(l.word(), Some(&b"c"[..]));
         assert!(!l.skip_to_close());
@@ -451,7 +452,7 @@ mod tests {
 
     #[test]
     fn an_error_shows_its_line() {
-        let mut l = Lexer::new(b"Group {\r  children ]\r}");
+        let mut l = VrmlLexer::new(b"Group {\r  children ]\r}");
         l.word();
         l.take(b'{');
         l.word();

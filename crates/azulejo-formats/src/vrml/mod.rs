@@ -5,20 +5,20 @@
 //! stage, because files of one version may stand inside files of another.
 //! `docs/formats/vrml.md` says how every node is understood.
 
+mod appearance;
+mod builder;
 mod classic;
 mod elevation;
+mod environment;
 mod extrusion;
 mod faces;
 mod flat;
 mod lexer;
 mod lights;
-mod look;
 mod names;
 mod shape;
 mod solid;
 mod solids;
-mod stage;
-mod surroundings;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -28,9 +28,9 @@ mod world;
 mod xml;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
-use stage::{Frame, Opened, Source, Stage};
+use builder::{OpenedFile, VrmlPlacement, VrmlSceneBuilder, VrmlSource};
 use std::rc::Rc;
-use tree::Document;
+use tree::VrmlDocument;
 
 /// Reads a model, with the files that it names.
 ///
@@ -43,41 +43,48 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let source = Rc::new(Source::model(name, bytes));
-    let mut stage = Stage::new(name, files, options);
-    read_into(&mut stage, &source, &Frame::default())?;
-    Ok(stage.finish(name))
+    let source = Rc::new(VrmlSource::model(name, bytes));
+    let mut builder = VrmlSceneBuilder::new(name, files, options);
+    read_into(&mut builder, &source, &VrmlPlacement::default())?;
+    Ok(builder.finish(name))
 }
 
 /// Reads a file and puts what it holds under `frame`: the model itself, or a file inside it.
 ///
 /// # Errors
 /// As [`read`].
-fn read_into(stage: &mut Stage, source: &Rc<Source>, frame: &Frame) -> Result<(), ReadError> {
+fn read_into(
+    builder: &mut VrmlSceneBuilder,
+    source: &Rc<VrmlSource>,
+    frame: &VrmlPlacement,
+) -> Result<(), ReadError> {
     if v1::is_meant(source.text()) {
-        return v1::read_into(stage, source, frame);
+        return v1::read_into(builder, source, frame);
     }
-    let document = document(stage, source)?;
-    world::build(stage, &document, frame)
+    let document = document(builder, source)?;
+    world::build(builder, &document, frame)
 }
 
 /// Reads a file of nodes with fields.
 ///
 /// # Errors
 /// A header of another version, text of which nothing could be used.
-fn document(stage: &mut Stage, source: &Rc<Source>) -> Result<Rc<Document>, ReadError> {
+fn document(
+    builder: &mut VrmlSceneBuilder,
+    source: &Rc<VrmlSource>,
+) -> Result<Rc<VrmlDocument>, ReadError> {
     let text = source.text();
     let document = match text.trim_ascii_start() {
-        [b'#', b'V' | b'X', ..] => classic::parse(stage, source)?,
-        [b'<', ..] => xml::parse(stage, source)?,
+        [b'#', b'V' | b'X', ..] => classic::parse(builder, source)?,
+        [b'<', ..] => xml::parse(builder, source)?,
         _ => {
-            let mut lexer = lexer::Lexer::new(&source.bytes);
+            let mut lexer = lexer::VrmlLexer::new(&source.bytes);
             let expected = "\"#VRML V2.0 utf8\", \"#VRML V1.0 ascii\", \"#X3D V3.3 utf8\" or XML";
             return Err(lexer.error(&source.name, expected));
         }
     };
     let document = Rc::new(document);
-    stage.know(source, &document);
+    builder.know(source, &document);
     Ok(document)
 }
 
@@ -87,21 +94,21 @@ fn document(stage: &mut Stage, source: &Rc<Source>) -> Result<Rc<Document>, Read
 /// # Errors
 /// The model unfolds to more than the options allow.
 fn include(
-    stage: &mut Stage,
-    from: &Source,
+    builder: &mut VrmlSceneBuilder,
+    from: &VrmlSource,
     at: usize,
     urls: &[String],
-    frame: &Frame,
+    frame: &VrmlPlacement,
 ) -> Result<(), ReadError> {
-    let done = match stage.open(from, at, urls) {
+    let done = match builder.open(from, at, urls) {
         None => return Ok(()),
-        Some(Opened::Known(document)) => world::build(stage, &document, frame),
-        Some(Opened::New(source)) => match read_into(stage, &source, frame) {
-            Err(e) => refuse(stage, from, at, &source, e),
+        Some(OpenedFile::Known(document)) => world::build(builder, &document, frame),
+        Some(OpenedFile::New(source)) => match read_into(builder, &source, frame) {
+            Err(e) => refuse(builder, from, at, &source, e),
             Ok(()) => Ok(()),
         },
     };
-    stage.close();
+    builder.close();
     done
 }
 
@@ -110,10 +117,10 @@ fn include(
 /// # Errors
 /// What is wrong with the model as a whole.
 fn refuse(
-    stage: &mut Stage,
-    from: &Source,
+    builder: &mut VrmlSceneBuilder,
+    from: &VrmlSource,
     at: usize,
-    inside: &Source,
+    inside: &VrmlSource,
     e: ReadError,
 ) -> Result<(), ReadError> {
     if e.file != inside.name {
@@ -121,7 +128,7 @@ fn refuse(
     }
     let (place, found, expected) = (e.position, e.found, e.expected);
     let why = format!("{}{place}: found {found}, expected {expected}", e.file);
-    stage.warn(
+    builder.warn(
         from,
         at,
         format!("a file inside this one is not shown: {why}"),

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 const CHORD_ERROR: f64 = 1e-3;
 
 /// A solid as the exact primitive that it is.
-pub(super) struct Solid {
+pub(super) struct PlacedPrimitive {
     pub kind: PrimitiveKind,
     /// Sizes it. The azimuth of round ones begins at the back, where VRML has the seam of
     /// pictures.
@@ -17,10 +17,10 @@ pub(super) struct Solid {
     pub parts: Vec<bool>,
 }
 
-impl Solid {
+impl PlacedPrimitive {
     /// A sphere.
-    pub fn sphere(radius: f64) -> Solid {
-        Solid {
+    pub fn sphere(radius: f64) -> PlacedPrimitive {
+        PlacedPrimitive {
             kind: PrimitiveKind::Sphere,
             object_from_unit: upright(radius, radius, 0.0),
             parts: vec![true],
@@ -28,8 +28,8 @@ impl Solid {
     }
 
     /// A box around the origin.
-    pub fn cuboid(size: DVec3) -> Solid {
-        Solid {
+    pub fn cuboid(size: DVec3) -> PlacedPrimitive {
+        PlacedPrimitive {
             kind: PrimitiveKind::Cuboid,
             object_from_unit: DAffine3 {
                 matrix3: DMat3::from_diagonal(size),
@@ -40,8 +40,14 @@ impl Solid {
     }
 
     /// A cylinder around the y axis.
-    pub fn cylinder(radius: f64, height: f64, side: bool, bottom: bool, top: bool) -> Solid {
-        Solid {
+    pub fn cylinder(
+        radius: f64,
+        height: f64,
+        side: bool,
+        bottom: bool,
+        top: bool,
+    ) -> PlacedPrimitive {
+        PlacedPrimitive {
             kind: PrimitiveKind::Cylinder,
             object_from_unit: upright(radius, height, -0.5 * height),
             parts: vec![side, bottom, top],
@@ -49,8 +55,8 @@ impl Solid {
     }
 
     /// A cone around the y axis.
-    pub fn cone(radius: f64, height: f64, side: bool, bottom: bool) -> Solid {
-        Solid {
+    pub fn cone(radius: f64, height: f64, side: bool, bottom: bool) -> PlacedPrimitive {
+        PlacedPrimitive {
             kind: PrimitiveKind::Cone { top: 0.0 },
             object_from_unit: upright(radius, height, -0.5 * height),
             parts: vec![side, bottom],

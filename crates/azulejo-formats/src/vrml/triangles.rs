@@ -1,15 +1,15 @@
 //! X3D's sets of triangles and quadrilaterals, with and without an index.
 
-use super::shape::{Surface, attributes, coordinates};
-use super::stage::Stage;
-use super::tree::Node;
+use super::builder::VrmlSceneBuilder;
+use super::shape::{SurfaceFields, attributes, coordinates};
+use super::tree::VrmlNode;
 use crate::ReadError;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// How corners follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Order {
+enum CornerOrder {
     /// Faces of so many corners each.
     Each(usize),
     /// Triangles around the first corner.
@@ -20,27 +20,27 @@ enum Order {
 
 /// How a node's corners are to be read.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Layout {
-    order: Order,
+pub(super) struct TriangleLayout {
+    order: CornerOrder,
     /// The field with the index, or for fans and strips without one the counts of their corners.
     list: Option<&'static str>,
     indexed: bool,
 }
 
 /// The layout of a type of node; `None` if it is none of these.
-pub(super) fn layout(kind: &str) -> Option<Layout> {
+pub(super) fn layout(kind: &str) -> Option<TriangleLayout> {
     let (order, list) = match kind {
-        "TriangleSet" => (Order::Each(3), None),
-        "QuadSet" => (Order::Each(4), None),
-        "TriangleFanSet" => (Order::Fan, Some("fanCount")),
-        "TriangleStripSet" => (Order::Strip, Some("stripCount")),
-        "IndexedTriangleSet" => (Order::Each(3), Some("index")),
-        "IndexedQuadSet" => (Order::Each(4), Some("index")),
-        "IndexedTriangleFanSet" => (Order::Fan, Some("index")),
-        "IndexedTriangleStripSet" => (Order::Strip, Some("index")),
+        "TriangleSet" => (CornerOrder::Each(3), None),
+        "QuadSet" => (CornerOrder::Each(4), None),
+        "TriangleFanSet" => (CornerOrder::Fan, Some("fanCount")),
+        "TriangleStripSet" => (CornerOrder::Strip, Some("stripCount")),
+        "IndexedTriangleSet" => (CornerOrder::Each(3), Some("index")),
+        "IndexedQuadSet" => (CornerOrder::Each(4), Some("index")),
+        "IndexedTriangleFanSet" => (CornerOrder::Fan, Some("index")),
+        "IndexedTriangleStripSet" => (CornerOrder::Strip, Some("index")),
         _ => return None,
     };
-    Some(Layout {
+    Some(TriangleLayout {
         order,
         list,
         indexed: kind.starts_with("Indexed"),
@@ -52,11 +52,11 @@ pub(super) fn layout(kind: &str) -> Option<Layout> {
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn surface<'n>(
-    stage: &mut Stage,
-    node: &'n Node,
-    layout: Layout,
-) -> Result<Surface<'n>, ReadError> {
-    let (positions, is_shared) = coordinates(stage, node)?;
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+    layout: TriangleLayout,
+) -> Result<SurfaceFields<'n>, ReadError> {
+    let (positions, is_shared) = coordinates(builder, node)?;
     let list = layout.list.map(|field| node.integers(field));
     let list = list.unwrap_or_default();
     // A strip has a triangle for each corner, an index three corners and an end for each of them.
@@ -65,11 +65,11 @@ pub(super) fn surface<'n>(
     } else {
         positions.len()
     };
-    stage.spend(most as u64)?;
-    let mut faces = Faces::default();
+    builder.spend(most as u64)?;
+    let mut faces = TriangleCorners::default();
     match (layout.order, layout.indexed) {
-        (Order::Each(corners), true) => faces.each(&list, corners),
-        (Order::Each(corners), false) => faces.each(&counting(0, positions.len()), corners),
+        (CornerOrder::Each(corners), true) => faces.each(&list, corners),
+        (CornerOrder::Each(corners), false) => faces.each(&counting(0, positions.len()), corners),
         (order, true) => {
             for run in list.split(|i| *i < 0) {
                 faces.run(run, order);
@@ -81,14 +81,14 @@ pub(super) fn surface<'n>(
         "corner of {} beyond the last whole face: skipped",
         node.kind
     );
-    stage.warn_many(&node.source, node.at, message, faces.lost);
-    let mut surface = Surface::new(node, positions, Cow::Owned(faces.coord_index));
+    builder.warn_many(&node.source, node.at, message, faces.lost);
+    let mut surface = SurfaceFields::new(node, positions, Cow::Owned(faces.coord_index));
     surface.is_shared = is_shared;
     // These nodes have no creaseAngle: what shares a vertex is smooth.
-    let shares = layout.indexed || !matches!(layout.order, Order::Each(_));
+    let shares = layout.indexed || !matches!(layout.order, CornerOrder::Each(_));
     let smooth = shares && node.flag("normalPerVertex", true);
     surface.crease_angle = if smooth { PI } else { 0.0 };
-    attributes(stage, node, &mut surface)?;
+    attributes(builder, node, &mut surface)?;
     if let Some(colors) = &mut surface.colors {
         // ISO/IEC 19775-1, 11.4: colorPerVertex is ignored, and always TRUE.
         colors.binding = super::faces::Binding::PerVertexIndexed;
@@ -98,7 +98,7 @@ pub(super) fn surface<'n>(
 
 /// Corners as they come out.
 #[derive(Default)]
-struct Faces {
+struct TriangleCorners {
     coord_index: Vec<i32>,
     /// Corners that make no face.
     lost: usize,
@@ -108,7 +108,7 @@ fn counting(start: usize, count: usize) -> Vec<i32> {
     (start..start + count).map(|i| i as i32).collect()
 }
 
-impl Faces {
+impl TriangleCorners {
     fn push(&mut self, face: &[i32]) {
         self.coord_index.extend_from_slice(face);
         self.coord_index.push(-1);
@@ -123,13 +123,13 @@ impl Faces {
     }
 
     /// A fan or a strip.
-    fn run(&mut self, run: &[i32], order: Order) {
+    fn run(&mut self, run: &[i32], order: CornerOrder) {
         if run.len() < 3 {
             self.lost += run.len();
         }
         for k in 2..run.len() {
             match order {
-                Order::Fan => self.push(&[run[0], run[k - 1], run[k]]),
+                CornerOrder::Fan => self.push(&[run[0], run[k - 1], run[k]]),
                 _ if k % 2 == 0 => self.push(&run[k - 2..=k]),
                 _ => self.push(&[run[k - 1], run[k - 2], run[k]]),
             }
@@ -137,7 +137,7 @@ impl Faces {
     }
 
     /// Fans or strips of so many corners each, of all positions in their order.
-    fn counted(&mut self, counts: &[i32], positions: usize, order: Order) {
+    fn counted(&mut self, counts: &[i32], positions: usize, order: CornerOrder) {
         let mut start = 0;
         for &count in counts {
             let count = usize::try_from(count).unwrap_or(0).min(positions - start);

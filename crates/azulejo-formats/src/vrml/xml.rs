@@ -4,11 +4,12 @@
 //! that its `containerField` or its type says. The numbers of large fields are read at once,
 //! everything else keeps its text until someone asks for it.
 
+use super::builder::{VrmlSceneBuilder, VrmlSource};
 use super::classic::holds_integers;
-use super::names::Names;
-use super::stage::{Source, Stage};
+use super::names::NameScopes;
 use super::tree::{
-    Document, Draft, Field, MOST_DEPTH, Node, Proto, Value, parsed_integers, parsed_numbers,
+    FieldValue, MOST_DEPTH, NodeBuilder, Prototype, VrmlDocument, VrmlField, VrmlNode,
+    parsed_integers, parsed_numbers,
 };
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
@@ -21,7 +22,10 @@ use std::rc::Rc;
 /// # Errors
 /// What is wrong with its XML, if not even the elements before that can be used; no element
 /// `Scene`; more nodes than the options allow.
-pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, ReadError> {
+pub(super) fn parse(
+    builder: &mut VrmlSceneBuilder,
+    source: &Rc<VrmlSource>,
+) -> Result<VrmlDocument, ReadError> {
     let text = text(&source.bytes);
     if let Some(at) = text.find("<!ENTITY") {
         // One entity may stand for a megabyte, and be named a million times.
@@ -36,15 +40,15 @@ pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, 
     }
     let whole = roxmltree::Document::parse_with_options(&text, options());
     let broken = match &whole {
-        Ok(xml) => return read(stage, source, xml),
-        Err(e) => Broken::new(&text, e),
+        Ok(xml) => return read(builder, source, xml),
+        Err(e) => XmlError::new(&text, e),
     };
     let mended = mended(&text[..broken.at]).unwrap_or_default();
     match roxmltree::Document::parse_with_options(&mended, options()) {
         Ok(xml) if scene(&xml).is_some() => {
             let what = format!("{}: only what stands before is read", broken.what);
-            stage.warn(source, broken.at, what);
-            read(stage, source, &xml)
+            builder.warn(source, broken.at, what);
+            read(builder, source, &xml)
         }
         _ => Err(ReadError {
             position: source.position(broken.at),
@@ -73,14 +77,14 @@ fn options<'a>() -> ParsingOptions<'a> {
 }
 
 /// What is wrong with XML.
-struct Broken {
+struct XmlError {
     /// At which byte.
     at: usize,
     what: String,
 }
 
-impl Broken {
-    fn new(text: &str, e: &roxmltree::Error) -> Broken {
+impl XmlError {
+    fn new(text: &str, e: &roxmltree::Error) -> XmlError {
         let said = e.to_string();
         // The crate's own words end with the place; where the text just ends, it gives none.
         let what = said.rsplit_once(" at ").map_or(&*said, |(what, _)| what);
@@ -89,7 +93,7 @@ impl Broken {
             (1, 1) => text.len(),
             (row, column) => offset(text, row, column),
         };
-        Broken {
+        XmlError {
             at,
             what: format!("XML that is not well-formed ({what})"),
         }
@@ -109,10 +113,10 @@ fn offset(text: &str, row: u32, column: u32) -> usize {
 }
 
 fn read(
-    stage: &mut Stage,
-    source: &Rc<Source>,
+    builder: &mut VrmlSceneBuilder,
+    source: &Rc<VrmlSource>,
     xml: &roxmltree::Document,
-) -> Result<Document, ReadError> {
+) -> Result<VrmlDocument, ReadError> {
     let Some(scene) = scene(xml) else {
         return Err(ReadError::whole(
             &*source.name,
@@ -120,11 +124,11 @@ fn read(
             "the element Scene of X3D",
         ));
     };
-    let mut reader = Reader {
+    let mut reader = X3dParser {
         source,
-        stage,
+        builder,
         known: HashMap::new(),
-        names: Names::new(),
+        names: NameScopes::new(),
         depth: 0,
     };
     let mut roots = Vec::new();
@@ -134,29 +138,30 @@ fn read(
     let mut elements = xml.root_element().descendants();
     let unit = elements.find(|e| is(*e, "unit") && e.attribute("category") == Some("length"));
     let factor = unit.and_then(|e| e.attribute("conversionFactor"));
-    Ok(Document {
+    Ok(VrmlDocument {
         roots: roots.into_iter().map(|(_, node)| node).collect(),
         protos: reader.names.into_protos(),
         metres: factor.and_then(|f| parsed_numbers(f).first().copied()),
     })
 }
 
-struct Reader<'a, 's, 'f> {
-    source: &'a Rc<Source>,
-    stage: &'s mut Stage<'f>,
+struct X3dParser<'a, 's, 'f> {
+    source: &'a Rc<VrmlSource>,
+    builder: &'s mut VrmlSceneBuilder<'f>,
     /// Words that have been seen, so that all fields of a name share it.
     known: HashMap<String, Rc<str>>,
-    names: Names,
+    names: NameScopes,
     depth: u32,
 }
 
 /// A node, and the field of its parent in which it stands.
-type Contained = (Rc<str>, Rc<Node>);
+type ContainedNode = (Rc<str>, Rc<VrmlNode>);
 
-impl Reader<'_, '_, '_> {
+impl X3dParser<'_, '_, '_> {
     #[cold]
     fn warn(&mut self, element: Element, message: impl Into<String>) {
-        self.stage.warn(self.source, element.range().start, message);
+        self.builder
+            .warn(self.source, element.range().start, message);
     }
 
     fn intern(&mut self, word: &str) -> Rc<str> {
@@ -169,7 +174,7 @@ impl Reader<'_, '_, '_> {
     }
 
     /// A node, or something that is none.
-    fn statement(&mut self, element: Element) -> Result<Option<Contained>, ReadError> {
+    fn statement(&mut self, element: Element) -> Result<Option<ContainedNode>, ReadError> {
         match element.tag_name().name() {
             "ROUTE" => self.warn(element, "ROUTE: skipped, nothing moves"),
             "IMPORT" | "EXPORT" => self.warn(element, "IMPORT or EXPORT of a name: skipped"),
@@ -184,13 +189,13 @@ impl Reader<'_, '_, '_> {
         Ok(None)
     }
 
-    fn node(&mut self, element: Element, kind: &str) -> Result<Option<Contained>, ReadError> {
+    fn node(&mut self, element: Element, kind: &str) -> Result<Option<ContainedNode>, ReadError> {
         let field = element.attribute("containerField");
         let field = self.intern(field.unwrap_or(container(kind)));
         if let Some(name) = element.attribute("USE") {
             return Ok(self.reference(element, name).map(|node| (field, node)));
         }
-        self.stage.spend(1)?;
+        self.builder.spend(1)?;
         if self.depth == MOST_DEPTH {
             self.too_deep(element);
             return Ok(None);
@@ -201,7 +206,7 @@ impl Reader<'_, '_, '_> {
         self.depth -= 1;
         let name = element.attribute("DEF").map(|name| self.intern(name));
         let kind = self.intern(kind);
-        let draft = Draft {
+        let draft = NodeBuilder {
             proto: self.names.proto(&kind),
             kind,
             name: name.clone(),
@@ -224,7 +229,7 @@ impl Reader<'_, '_, '_> {
         self.warn(element, message);
     }
 
-    fn reference(&mut self, element: Element, name: &str) -> Option<Rc<Node>> {
+    fn reference(&mut self, element: Element, name: &str) -> Option<Rc<VrmlNode>> {
         let node = self.names.node(name);
         if node.is_none() {
             let name = shortened(name);
@@ -234,7 +239,7 @@ impl Reader<'_, '_, '_> {
         node
     }
 
-    fn attributes(&mut self, element: Element) -> Vec<Field> {
+    fn attributes(&mut self, element: Element) -> Vec<VrmlField> {
         let is_field = |name: &str| {
             !matches!(
                 name,
@@ -242,7 +247,7 @@ impl Reader<'_, '_, '_> {
             )
         };
         let attributes = element.attributes().filter(|a| is_field(a.name()));
-        let fields = attributes.map(|a| Field {
+        let fields = attributes.map(|a| VrmlField {
             name: self.intern(a.name()),
             value: value(a.name(), a.value()),
         });
@@ -250,8 +255,8 @@ impl Reader<'_, '_, '_> {
     }
 
     /// The elements inside a node: nodes, and what a prototype has to do with it.
-    fn children(&mut self, element: Element, fields: &mut Vec<Field>) -> Result<(), ReadError> {
-        let mut nodes: Vec<Field> = Vec::new();
+    fn children(&mut self, element: Element, fields: &mut Vec<VrmlField>) -> Result<(), ReadError> {
+        let mut nodes: Vec<VrmlField> = Vec::new();
         for child in element.children().filter(Element::is_element) {
             match child.tag_name().name() {
                 "IS" => self.connections(child, fields),
@@ -268,28 +273,28 @@ impl Reader<'_, '_, '_> {
     }
 
     /// `<connect nodeField="…" protoField="…"/>`
-    fn connections(&mut self, element: Element, fields: &mut Vec<Field>) {
+    fn connections(&mut self, element: Element, fields: &mut Vec<VrmlField>) {
         for connect in element.children().filter(Element::is_element) {
             let ends = (
                 connect.attribute("nodeField"),
                 connect.attribute("protoField"),
             );
             if let (Some(name), Some(of)) = ends {
-                let value = Value::Is(self.intern(of));
+                let value = FieldValue::Is(self.intern(of));
                 let name = self.intern(name);
-                fields.push(Field { name, value });
+                fields.push(VrmlField { name, value });
             }
         }
     }
 
     /// A field of a prototype or of its instance, with its value, if it has one.
-    fn given(&mut self, element: Element) -> Result<Option<Field>, ReadError> {
+    fn given(&mut self, element: Element) -> Result<Option<VrmlField>, ReadError> {
         let Some(name) = element.attribute("name") else {
             return Ok(None);
         };
         let is_node = |e: Element| e.attribute("type").is_some_and(|t| t.ends_with("Node"));
         let value = match element.attribute("value") {
-            Some(text) => Value::Text(text.into()),
+            Some(text) => FieldValue::Text(text.into()),
             None => {
                 let mut nodes = Vec::new();
                 for child in element.children().filter(Element::is_element) {
@@ -298,11 +303,11 @@ impl Reader<'_, '_, '_> {
                 if nodes.is_empty() && !is_node(element) {
                     return Ok(None);
                 }
-                Value::Nodes(nodes)
+                FieldValue::Nodes(nodes)
             }
         };
         let name = self.intern(name);
-        Ok(Some(Field { name, value }))
+        Ok(Some(VrmlField { name, value }))
     }
 
     fn proto(&mut self, element: Element) -> Result<(), ReadError> {
@@ -328,7 +333,7 @@ impl Reader<'_, '_, '_> {
         self.names.leave();
         self.depth -= 1;
         let name = self.intern(element.attribute("name").unwrap_or_default());
-        self.names.define_proto(Proto {
+        self.names.define_proto(Prototype {
             name,
             interface,
             body,
@@ -339,9 +344,9 @@ impl Reader<'_, '_, '_> {
 
     fn extern_proto(&mut self, element: Element) {
         let urls = element.attribute("url").map(|url| value("url", url));
-        let urls = urls.as_ref().and_then(Value::strings);
+        let urls = urls.as_ref().and_then(FieldValue::strings);
         let name = self.intern(element.attribute("name").unwrap_or_default());
-        self.names.define_proto(Proto {
+        self.names.define_proto(Prototype {
             name,
             interface: Vec::new(),
             body: Vec::new(),
@@ -351,26 +356,26 @@ impl Reader<'_, '_, '_> {
 }
 
 /// Adds a node to the field in which it stands.
-fn contain(fields: &mut Vec<Field>, name: Rc<str>, node: Rc<Node>) {
+fn contain(fields: &mut Vec<VrmlField>, name: Rc<str>, node: Rc<VrmlNode>) {
     for field in fields.iter_mut() {
-        if let Value::Nodes(nodes) = &mut field.value
+        if let FieldValue::Nodes(nodes) = &mut field.value
             && field.name == name
         {
             return nodes.push(node);
         }
     }
-    let value = Value::Nodes(vec![node]);
-    fields.push(Field { name, value });
+    let value = FieldValue::Nodes(vec![node]);
+    fields.push(VrmlField { name, value });
 }
 
 /// The value of an attribute: numbers at once where there may be many.
-fn value(field: &str, text: &str) -> Value {
+fn value(field: &str, text: &str) -> FieldValue {
     match field {
         "point" | "vector" | "color" | "height" | "spine" | "crossSection" | "image" => {
-            Value::Numbers(Rc::new(parsed_numbers(text)))
+            FieldValue::Numbers(Rc::new(parsed_numbers(text)))
         }
-        _ if holds_integers(field) => Value::Integers(Rc::new(parsed_integers(text))),
-        _ => Value::Text(text.into()),
+        _ if holds_integers(field) => FieldValue::Integers(Rc::new(parsed_integers(text))),
+        _ => FieldValue::Text(text.into()),
     }
 }
 

@@ -40,9 +40,10 @@ fn main() -> ExitCode {
         .filter_map(|row| Some(check(&corpus, row, rules::of(row.path())?)))
         .collect();
     print(&lines);
-    match lines.iter().all(|line| line.result != Outcome::Differs) {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::FAILURE,
+    if lines.iter().all(|line| line.result != Outcome::Differs) {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
     }
 }
 

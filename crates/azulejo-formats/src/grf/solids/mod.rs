@@ -14,7 +14,7 @@ pub(super) use resolve::Defined;
 pub(super) use skin::skin_block;
 pub(super) use write::{define, exact};
 
-use super::document::{MeshBlock, Name, ObjectNotes, Place};
+use super::document::{GrfName, MeshBlock, ObjectNotes, SourcePosition};
 use azulejo_scene::{Figure, Operation, PrimitiveKind};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
@@ -26,15 +26,15 @@ const DEEPEST: usize = 256;
 /// `ext figure`: an outline that prisms and texts name.
 #[derive(Clone, Debug)]
 pub(super) struct FigureBlock {
-    pub name: Name,
+    pub name: GrfName,
     pub figure: Arc<Figure>,
 }
 
 /// `ext define`: solids that instances name.
 #[derive(Clone, Debug)]
 pub(super) struct SolidDefinition {
-    pub name: Name,
-    pub material: Option<Name>,
+    pub name: GrfName,
+    pub material: Option<GrfName>,
     pub solids: Vec<SolidBlock>,
 }
 
@@ -60,16 +60,16 @@ pub(super) struct SkinBlock {
 /// A solid and where it begins.
 #[derive(Clone, Debug)]
 pub(super) struct SolidBlock {
-    pub place: Place,
+    pub place: SourcePosition,
     /// That of the block around it if there is none.
-    pub material: Option<Name>,
+    pub material: Option<GrfName>,
     pub kind: SolidKind,
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum SolidKind {
     Primitive(PrimitiveKind, Box<DAffine3>),
-    Prism(Name, Box<DAffine3>),
+    Prism(GrfName, Box<DAffine3>),
     Text(Box<TextBlock>),
     /// Sixteen control points, row after row.
     Patch(Box<[[DVec3; 4]; 4]>),
@@ -78,7 +78,7 @@ pub(super) enum SolidKind {
     Shell(Vec<SolidBlock>),
     Csg(Box<CsgBlock>),
     /// A copy of defined solids, under a map if there is one.
-    Instance(Name, Option<Box<DAffine3>>),
+    Instance(GrfName, Option<Box<DAffine3>>),
 }
 
 #[derive(Clone, Debug)]
@@ -100,13 +100,13 @@ pub(super) struct TextBlock {
 
 #[derive(Clone, Debug)]
 pub(super) struct GlyphBlock {
-    pub figure: Name,
-    pub pen: Pen,
+    pub figure: GrfName,
+    pub pen: GlyphOrigin,
 }
 
 /// Where a glyph's origin goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Pen {
+pub(super) enum GlyphOrigin {
     /// On the line of the text, in the units of its figures.
     Along(DVec2),
     /// In the space around the text.
@@ -115,11 +115,13 @@ pub(super) enum Pen {
 
 impl TextBlock {
     /// The map of a glyph's prism.
-    pub fn map_at(&self, pen: Pen) -> DAffine3 {
+    pub fn map_at(&self, pen: GlyphOrigin) -> DAffine3 {
         let axes = self.map.matrix3;
         let translation = match pen {
-            Pen::At(place) => place,
-            Pen::Along(pen) => self.map.translation + pen.x * axes.x_axis + pen.y * axes.y_axis,
+            GlyphOrigin::At(place) => place,
+            GlyphOrigin::Along(pen) => {
+                self.map.translation + pen.x * axes.x_axis + pen.y * axes.y_axis
+            }
         };
         DAffine3 {
             matrix3: axes,

@@ -1,8 +1,8 @@
 //! From blocks to solids: figures and definitions by their names, instances as copies.
 
-use super::super::document::{Block, BlockKind, Kind, MeshBlock, Name, Place};
-use super::super::placement::Outer;
-use super::super::resolve::{Resolved, Resolver};
+use super::super::document::{BlockKind, GrfBlock, GrfName, MeshBlock, NameKind, SourcePosition};
+use super::super::placement::OuterTransform;
+use super::super::resolve::{GrfResolver, ResolveResult};
 use super::{
     CsgBlock, DEEPEST, ExactBlock, SolidBlock, SolidDefinition, SolidKind, TextBlock, has_inverse,
 };
@@ -24,17 +24,17 @@ pub(in crate::grf) struct Made {
 #[derive(Debug)]
 pub(in crate::grf) enum Defined<'d> {
     /// Not looked at yet.
-    Open(&'d SolidDefinition, Place),
+    Open(&'d SolidDefinition, SourcePosition),
     /// Being made: who needs it now is inside of it.
     Busy,
     Done(Rc<Made>),
 }
 
 /// Definitions.
-impl<'d> Resolver<'d> {
+impl<'d> GrfResolver<'d> {
     /// Makes the solids of all definitions of a list of blocks, before any block can name one:
     /// the names in them mean what they mean where they are defined.
-    pub fn make_definitions(&mut self, blocks: &'d [Block]) -> Resolved<()> {
+    pub fn make_definitions(&mut self, blocks: &'d [GrfBlock]) -> ResolveResult<()> {
         for block in blocks {
             match &block.kind {
                 BlockKind::Include { blocks, .. } => self.make_definitions(blocks)?,
@@ -47,12 +47,12 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    fn defined(&mut self, name: &'d Name, place: Place) -> Resolved<Rc<Made>> {
+    fn defined(&mut self, name: &'d GrfName, place: SourcePosition) -> ResolveResult<Rc<Made>> {
         let name: &'d str = name;
         let mut scopes = self.scopes.iter_mut().enumerate().rev();
         let found = scopes.find_map(|(level, s)| Some((level, s.solids.get_mut(name)?)));
         let Some((level, slot)) = found else {
-            return Err(self.undefined(Kind::Solid, name, place));
+            return Err(self.undefined(NameKind::Solid, name, place));
         };
         let (definition, at) = match slot {
             Defined::Done(made) => return Ok(Rc::clone(made)),
@@ -77,13 +77,13 @@ impl<'d> Resolver<'d> {
         Ok(made)
     }
 
-    fn deeper(&mut self, place: Place) -> Resolved<()> {
+    fn deeper(&mut self, place: SourcePosition) -> ResolveResult<()> {
         self.depth += 1;
         self.check_depth(self.depth - 1, place)
     }
 
     /// Refuses one more solid around solids that nest so deep.
-    fn check_depth(&self, depth: usize, place: Place) -> Resolved<()> {
+    fn check_depth(&self, depth: usize, place: SourcePosition) -> ResolveResult<()> {
         if depth <= DEEPEST {
             return Ok(());
         }
@@ -94,17 +94,22 @@ impl<'d> Resolver<'d> {
         ))
     }
 
-    fn figure_named(&self, name: &Name, place: Place) -> Resolved<Arc<Figure>> {
+    fn figure_named(&self, name: &GrfName, place: SourcePosition) -> ResolveResult<Arc<Figure>> {
         let scopes = self.scopes.iter().rev();
         let found = scopes.filter_map(|s| s.figures.get(&**name)).next();
         let found = found.map(|&figure| Arc::clone(figure));
-        found.ok_or_else(|| self.undefined(Kind::Figure, name, place))
+        found.ok_or_else(|| self.undefined(NameKind::Figure, name, place))
     }
 }
 
 /// Objects.
-impl<'d> Resolver<'d> {
-    pub fn exact(&mut self, block: &'d ExactBlock, place: Place, outer: Outer) -> Resolved<()> {
+impl<'d> GrfResolver<'d> {
+    pub fn exact(
+        &mut self,
+        block: &'d ExactBlock,
+        place: SourcePosition,
+        outer: OuterTransform,
+    ) -> ResolveResult<()> {
         let mut made = Made::default();
         self.solids(&block.solids, block.notes.material.as_ref(), &mut made)?;
         let mut exact = Exact::new(made.solids);
@@ -134,9 +139,9 @@ impl<'d> Resolver<'d> {
     fn solids(
         &mut self,
         blocks: &'d [SolidBlock],
-        around: Option<&'d Name>,
+        around: Option<&'d GrfName>,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         // Blocks that make one solid are most, and a definition keeps its list.
         made.solids.reserve_exact(blocks.len());
         for block in blocks {
@@ -149,9 +154,9 @@ impl<'d> Resolver<'d> {
     fn solid(
         &mut self,
         block: &'d SolidBlock,
-        brdf: Option<&'d Name>,
+        brdf: Option<&'d GrfName>,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         let place = block.place;
         match &block.kind {
             SolidKind::Text(text) => self.text(text, brdf, place, made),
@@ -170,9 +175,9 @@ impl<'d> Resolver<'d> {
     fn leaf(
         &mut self,
         block: &'d SolidBlock,
-        brdf: Option<&'d Name>,
+        brdf: Option<&'d GrfName>,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         let place = block.place;
         let solid = match &block.kind {
             SolidKind::Primitive(kind, map) => {
@@ -199,10 +204,10 @@ impl<'d> Resolver<'d> {
     fn operand(
         &mut self,
         blocks: &'d [SolidBlock],
-        brdf: Option<&'d Name>,
-        place: Place,
+        brdf: Option<&'d GrfName>,
+        place: SourcePosition,
         depth: &mut usize,
-    ) -> Resolved<Vec<Solid>> {
+    ) -> ResolveResult<Vec<Solid>> {
         let mut made = Made::default();
         self.deeper(place)?;
         self.solids(blocks, brdf, &mut made)?;
@@ -215,10 +220,10 @@ impl<'d> Resolver<'d> {
     fn csg(
         &mut self,
         block: &'d CsgBlock,
-        brdf: Option<&'d Name>,
-        place: Place,
+        brdf: Option<&'d GrfName>,
+        place: SourcePosition,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         let left = self.operand(&block.left, brdf, place, &mut made.depth)?;
         let right = self.operand(&block.right, brdf, place, &mut made.depth)?;
         self.check_operand(&left, &block.left)?;
@@ -232,8 +237,10 @@ impl<'d> Resolver<'d> {
     }
 
     /// Refuses sides of a set operation that hold nothing, or something without an inside.
-    fn check_operand(&self, solids: &[Solid], blocks: &[SolidBlock]) -> Resolved<()> {
-        let place = blocks.first().map_or(Place::default(), |b| b.place);
+    fn check_operand(&self, solids: &[Solid], blocks: &[SolidBlock]) -> ResolveResult<()> {
+        let place = blocks
+            .first()
+            .map_or(SourcePosition::default(), |b| b.place);
         if solids.is_empty() {
             let found = "nothing on one side of a set operation: texts or instances without solids";
             return Err(self.fail(place, found, "solids on both sides"));
@@ -257,10 +264,10 @@ impl<'d> Resolver<'d> {
     fn text(
         &mut self,
         text: &'d TextBlock,
-        brdf: Option<&'d Name>,
-        place: Place,
+        brdf: Option<&'d GrfName>,
+        place: SourcePosition,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         made.solids.reserve_exact(text.glyphs.len());
         let material = self.named_material(brdf, None, place)?;
         for glyph in &text.glyphs {
@@ -278,9 +285,9 @@ impl<'d> Resolver<'d> {
     fn solid_mesh(
         &mut self,
         mesh: &'d MeshBlock,
-        brdf: Option<&'d Name>,
-        place: Place,
-    ) -> Resolved<Mesh> {
+        brdf: Option<&'d GrfName>,
+        place: SourcePosition,
+    ) -> ResolveResult<Mesh> {
         let faces = mesh.faces.len();
         let materials = match faces {
             0 => Vec::new(),
@@ -291,11 +298,11 @@ impl<'d> Resolver<'d> {
 
     fn instance(
         &mut self,
-        of: &'d Name,
+        of: &'d GrfName,
         map: Option<&DAffine3>,
-        place: Place,
+        place: SourcePosition,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         let defined = self.defined(of, place)?;
         let elements = defined.solids.iter().map(elements).sum();
         if let Err(exhausted) = self.instances.spend(elements) {
@@ -319,8 +326,8 @@ impl<'d> Resolver<'d> {
         &self,
         skin: &super::SkinBlock,
         exact: &Exact,
-        place: Place,
-    ) -> Resolved<Vec<MaterialId>> {
+        place: SourcePosition,
+    ) -> ResolveResult<Vec<MaterialId>> {
         let leaves = exact.leaves();
         let material = |leaf: u32| match leaves.get(leaf as usize) {
             Some(leaf) => Ok(leaf.material()),
@@ -333,9 +340,10 @@ impl<'d> Resolver<'d> {
                 "a solid that is there",
             )),
         };
-        match skin.leaves.is_empty() {
-            true => (0..skin.mesh.faces.len()).map(|_| material(0)).collect(),
-            false => skin.leaves.iter().map(|&leaf| material(leaf)).collect(),
+        if skin.leaves.is_empty() {
+            (0..skin.mesh.faces.len()).map(|_| material(0)).collect()
+        } else {
+            skin.leaves.iter().map(|&leaf| material(leaf)).collect()
         }
     }
 }

@@ -1,12 +1,12 @@
 //! `ext skin`: what stood for an exact shape in the first pass, with the light on it.
 
-use super::super::document::{Block, BlockKind, MeshBlock, ObjectNotes};
-use super::super::entries::Entries;
+use super::super::document::{BlockKind, GrfBlock, MeshBlock, ObjectNotes};
+use super::super::entries::ExtensionEntries;
 use super::super::from_scene::polygons;
-use super::super::parse::Ending;
-use super::super::parser::{Parsed, Parser};
-use super::super::placement::Outer;
-use super::super::write::{Out, faces, point, rgb_list, vertices};
+use super::super::parse::BlockEnd;
+use super::super::parser::{GrfParser, ParseResult};
+use super::super::placement::OuterTransform;
+use super::super::write::{GrfOutput, faces, point, rgb_list, vertices};
 use super::SkinBlock;
 use azulejo_scene::{Exact, MaterialId, Mesh};
 use std::borrow::Cow;
@@ -14,16 +14,17 @@ use std::collections::HashMap;
 use std::fmt::Display;
 use std::io::{self, Write};
 
-const EXTENSION: Ending = Ending::required(&["ext"]);
+const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 
-impl Parser<'_, '_, '_> {
+impl GrfParser<'_, '_, '_> {
     /// `ext skin begin` was read; the exact shape is the block `before`.
-    pub fn skin(&mut self, offset: usize, before: Option<&mut Block>) -> Parsed<()> {
-        let mut entries = Entries::new("`ext skin`", offset);
+    pub fn skin(&mut self, offset: usize, before: Option<&mut GrfBlock>) -> ParseResult<()> {
+        let mut entries = ExtensionEntries::new("`ext skin`", offset);
         let mesh = self.polygons(&mut entries, &EXTENSION)?;
-        let leaves = match entries.has("leaves") {
-            true => self.counts(&mut entries, "leaves", (mesh.faces.len(), "face"))?,
-            false => Vec::new(),
+        let leaves = if entries.has("leaves") {
+            self.counts(&mut entries, "leaves", (mesh.faces.len(), "face"))?
+        } else {
+            Vec::new()
         };
         self.warn_of_rest(&entries);
         let Some(BlockKind::Exact(exact)) = before.map(|block| &mut block.kind) else {
@@ -42,7 +43,7 @@ impl Parser<'_, '_, '_> {
 }
 
 /// Writes a skin.
-pub(super) fn skin(out: &mut Out<'_>, skin: &SkinBlock) -> io::Result<()> {
+pub(super) fn skin(out: &mut GrfOutput<'_>, skin: &SkinBlock) -> io::Result<()> {
     out.write_all(b"ext skin begin\n")?;
     counts(out, "leaves", &skin.leaves)?;
     polygons_without_looks(out, &skin.mesh)?;
@@ -50,7 +51,7 @@ pub(super) fn skin(out: &mut Out<'_>, skin: &SkinBlock) -> io::Result<()> {
 }
 
 /// The keys and lists of a mesh that has no looks.
-pub(super) fn polygons_without_looks(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+pub(super) fn polygons_without_looks(out: &mut GrfOutput<'_>, mesh: &MeshBlock) -> io::Result<()> {
     counts(out, "smoothing", &mesh.notes.smoothing)?;
     if !mesh.notes.irradiance_error.is_empty() {
         rgb_list(out, "irad_error", &mesh.notes.irradiance_error)?;
@@ -73,7 +74,7 @@ pub(super) fn polygons_without_looks(out: &mut Out<'_>, mesh: &MeshBlock) -> io:
     faces(out, mesh)
 }
 
-fn counts<T: Display>(out: &mut Out<'_>, key: &str, counts: &[T]) -> io::Result<()> {
+fn counts<T: Display>(out: &mut GrfOutput<'_>, key: &str, counts: &[T]) -> io::Result<()> {
     if counts.is_empty() {
         return Ok(());
     }
@@ -83,7 +84,7 @@ fn counts<T: Display>(out: &mut Out<'_>, key: &str, counts: &[T]) -> io::Result<
 }
 
 /// The block of a solved shape's skin, in the space inside of the transforms `outer`.
-pub(in crate::grf) fn skin_block(exact: &Exact, outer: Outer) -> Option<Box<SkinBlock>> {
+pub(in crate::grf) fn skin_block(exact: &Exact, outer: OuterTransform) -> Option<Box<SkinBlock>> {
     let mut skin = Mesh::clone(exact.skin.as_ref()?);
     if let Some(map) = outer {
         skin.transform(&map.inverse());

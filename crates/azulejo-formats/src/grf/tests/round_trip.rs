@@ -311,9 +311,10 @@ fn primitive(materials: u32) -> impl Strategy<Value = Shape> {
                 matrix3: DMat3::from_cols(x, y, z),
                 translation: at,
             };
-            match is_plain {
-                true => Primitive::parallelogram(at, x, y, material),
-                false => Primitive::new(kind, map, material),
+            if is_plain {
+                Primitive::parallelogram(at, x, y, material)
+            } else {
+                Primitive::new(kind, map, material)
             }
         })
         .prop_filter("flat", |p| {

@@ -1,6 +1,6 @@
 //! Lights without area, and cameras.
 
-use super::node::Node;
+use super::node::V1Node;
 use super::state::rotation;
 use azulejo_scene::{Camera, LightKind, Rgb};
 use glam::{DAffine3, DVec3};
@@ -8,8 +8,8 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 /// A light in the world: colour × intensity is taken as W/sr, or W/m² of a directional light.
 /// `None` if its place or direction is lost.
-pub(super) fn light(node: &Node, world_from_node: &DAffine3) -> Option<LightKind> {
-    use super::node::Kind;
+pub(super) fn light(node: &V1Node, world_from_node: &DAffine3) -> Option<LightKind> {
+    use super::node::V1NodeKind;
     let color = node.colors("color").and_then(|c| c.first().copied());
     let light = color.unwrap_or(Rgb::WHITE) * node.number("intensity", 1.0);
     let light = light.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
@@ -17,12 +17,12 @@ pub(super) fn light(node: &Node, world_from_node: &DAffine3) -> Option<LightKind
     let direction = node.vector("direction", DVec3::NEG_Z);
     let direction = (world_from_node.matrix3 * direction).try_normalize();
     match node.kind {
-        Kind::DirectionalLight => Some(LightKind::Directional {
+        V1NodeKind::DirectionalLight => Some(LightKind::Directional {
             direction: direction?,
             irradiance: light,
         }),
         _ if !position.is_finite() => None,
-        Kind::SpotLight => {
+        V1NodeKind::SpotLight => {
             let cut_off = node.number("cutOffAngle", FRAC_PI_4).clamp(0.0, PI);
             let drop_off = node.number("dropOffRate", 0.0);
             let (inner, outer) = cone(cut_off, drop_off);
@@ -62,7 +62,7 @@ fn cone(cut_off: f64, drop_off: f64) -> (f64, f64) {
 }
 
 /// A camera in the world, without its name; `None` if it would see nothing.
-pub(super) fn camera(node: &Node, world_from_node: &DAffine3) -> Option<Camera> {
+pub(super) fn camera(node: &V1Node, world_from_node: &DAffine3) -> Option<Camera> {
     let turn = rotation(node.exactly("orientation"));
     let forward = (world_from_node.matrix3 * (turn * DVec3::NEG_Z)).try_normalize()?;
     let up = (world_from_node.matrix3 * (turn * DVec3::Y)).try_normalize()?;

@@ -3,11 +3,11 @@
 //! A file is a stream of nodes: some change a state (where, what colour, which points), the
 //! shapes take what the state is when they come, and separators bring back what it was before.
 //! [`parse`] makes nodes of the text; [`walk`] follows the stream; [`shapes`], [`solids`],
-//! [`looks`] and [`lights`] turn what it meets into objects, materials, and lights and cameras.
+//! [`materials`] and [`lights`] turn what it meets into objects, materials, and lights and cameras.
 //! `docs/formats/vrml1.md` says how every node is understood.
 
 mod lights;
-mod looks;
+mod materials;
 mod node;
 mod parse;
 mod shapes;
@@ -17,7 +17,7 @@ mod state;
 mod tests;
 mod walk;
 
-use super::stage::{Frame, Source, Stage};
+use super::builder::{VrmlPlacement, VrmlSceneBuilder, VrmlSource};
 use crate::ReadError;
 
 /// Whether a text is one that [`read_into`] reads, by its header.
@@ -37,15 +37,15 @@ fn is_inventor(text: &[u8]) -> bool {
 /// Text without a node, nodes nested too deep, and a model that unfolds to more than the options
 /// allow.
 pub(super) fn read_into(
-    stage: &mut Stage,
-    source: &Source,
-    frame: &Frame,
+    builder: &mut VrmlSceneBuilder,
+    source: &VrmlSource,
+    frame: &VrmlPlacement,
 ) -> Result<(), ReadError> {
-    let document = parse::parse(stage, source)?;
+    let document = parse::parse(builder, source)?;
     let inventor = is_inventor(source.text());
-    if inventor && stage.is_outermost() {
+    if inventor && builder.is_outermost() {
         // VRML 1.0 counts in metres, Inventor does not say.
-        stage.scene.units.metres_per_unit = None;
+        builder.scene.units.metres_per_unit = None;
     }
-    walk::walk(stage, source, &document, frame, inventor)
+    walk::walk(builder, source, &document, frame, inventor)
 }

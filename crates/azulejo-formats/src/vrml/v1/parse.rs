@@ -1,10 +1,10 @@
 //! Text to nodes.
 
-use super::node::{Document, Form, IGNORED_FIELDS, Kind, Node, NodeId, Value};
+use super::node::{IGNORED_FIELDS, NodeId, V1Document, V1FieldType, V1Node, V1NodeKind, V1Value};
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
-use crate::vrml::lexer::Lexer;
-use crate::vrml::stage::{Source, Stage};
+use crate::vrml::builder::{VrmlSceneBuilder, VrmlSource};
+use crate::vrml::lexer::VrmlLexer;
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -17,37 +17,40 @@ const MOST_NESTED: usize = 256;
 ///
 /// # Errors
 /// Text without a single node, and nodes nested too deep.
-pub(super) fn parse<'a>(stage: &mut Stage, source: &'a Source) -> Result<Document<'a>, ReadError> {
-    let mut parser = Parser {
-        lexer: Lexer::new(&source.bytes),
+pub(super) fn parse<'a>(
+    builder: &mut VrmlSceneBuilder,
+    source: &'a VrmlSource,
+) -> Result<V1Document<'a>, ReadError> {
+    let mut parser = V1Parser {
+        lexer: VrmlLexer::new(&source.bytes),
         source,
-        stage,
+        builder,
         nodes: Vec::new(),
         names: HashMap::new(),
         open: Vec::new(),
     };
     let roots = parser.roots()?;
-    Ok(Document {
+    Ok(V1Document {
         nodes: parser.nodes,
         roots,
     })
 }
 
-struct Parser<'a, 's, 'f> {
-    lexer: Lexer<'a>,
-    source: &'a Source,
-    stage: &'s mut Stage<'f>,
-    nodes: Vec<Node<'a>>,
+struct V1Parser<'a, 's, 'f> {
+    lexer: VrmlLexer<'a>,
+    source: &'a VrmlSource,
+    builder: &'s mut VrmlSceneBuilder<'f>,
+    nodes: Vec<V1Node<'a>>,
     /// The latest node of each name, once it has ended: a node cannot be used inside itself.
     names: HashMap<&'a [u8], NodeId>,
     /// The nodes around the place that is read, each with its name.
     open: Vec<Option<&'a [u8]>>,
 }
 
-impl<'a> Parser<'a, '_, '_> {
+impl<'a> V1Parser<'a, '_, '_> {
     #[cold]
     fn warn(&mut self, at: usize, message: impl Into<String>) {
-        self.stage.warn(self.source, at, message);
+        self.builder.warn(self.source, at, message);
     }
 
     /// Where the next token begins.
@@ -71,9 +74,10 @@ impl<'a> Parser<'a, '_, '_> {
                 }
             }
         }
-        match roots.is_empty() {
-            true => Err(start.clone().error(&self.source.name, "a node")),
-            false => Ok(roots),
+        if roots.is_empty() {
+            Err(start.clone().error(&self.source.name, "a node"))
+        } else {
+            Ok(roots)
         }
     }
 
@@ -119,9 +123,10 @@ impl<'a> Parser<'a, '_, '_> {
             return Some(known);
         }
         let shown = shortened(&text(name));
-        let why = match self.open.contains(&Some(name)) {
-            true => "stands inside the node of that name",
-            false => "names no node before it",
+        let why = if self.open.contains(&Some(name)) {
+            "stands inside the node of that name"
+        } else {
+            "names no node before it"
         };
         self.warn(at, format!("USE {shown} {why}: skipped"));
         None
@@ -142,8 +147,8 @@ impl<'a> Parser<'a, '_, '_> {
             let expected = format!("nodes nested at most {MOST_NESTED} deep");
             return Err(self.lexer.error(&self.source.name, &expected));
         }
-        let mut node = Node {
-            kind: Kind::named(type_name),
+        let mut node = V1Node {
+            kind: V1NodeKind::named(type_name),
             type_name,
             name: name.map(text),
             at,
@@ -164,12 +169,13 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// Says what will become of a node that is not understood.
-    fn judge(&mut self, node: &Node) {
+    fn judge(&mut self, node: &V1Node) {
         let name = shortened(&text(node.type_name));
-        if node.kind == Kind::Unknown {
-            let what = match node.children.is_empty() {
-                true => "skipped",
-                false => "what is inside is read as in a Separator",
+        if node.kind == V1NodeKind::Unknown {
+            let what = if node.children.is_empty() {
+                "skipped"
+            } else {
+                "what is inside is read as in a Separator"
             };
             self.warn(node.at, format!("node {name} is not known: {what}"));
         } else if !node.kind.is_group() && !node.children.is_empty() {
@@ -178,7 +184,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// Fields and nodes up to the `}`.
-    fn body(&mut self, node: &mut Node<'a>) -> Result<(), ReadError> {
+    fn body(&mut self, node: &mut V1Node<'a>) -> Result<(), ReadError> {
         loop {
             let at = self.here();
             if self.lexer.take(b'}') {
@@ -202,7 +208,7 @@ impl<'a> Parser<'a, '_, '_> {
         &mut self,
         at: usize,
         word: &'a [u8],
-        node: &mut Node<'a>,
+        node: &mut V1Node<'a>,
     ) -> Result<(), ReadError> {
         let mut known = node.kind.fields().iter();
         if let Some(&(name, form)) = known.find(|(name, _)| name.as_bytes() == word) {
@@ -219,14 +225,14 @@ impl<'a> Parser<'a, '_, '_> {
             self.lexer.skip_to_close();
         } else if word == b"isA" {
             let names = self.words();
-            if node.kind == Kind::Unknown {
-                let kinds = names.iter().map(|name| Kind::named(name.as_bytes()));
+            if node.kind == V1NodeKind::Unknown {
+                let kinds = names.iter().map(|name| V1NodeKind::named(name.as_bytes()));
                 node.kind = kinds
                     .into_iter()
-                    .find(|k| *k != Kind::Unknown)
+                    .find(|k| *k != V1NodeKind::Unknown)
                     .unwrap_or(node.kind);
             }
-        } else if word == b"alternateRep" && node.kind == Kind::Unknown {
+        } else if word == b"alternateRep" && node.kind == V1NodeKind::Unknown {
             // The value is a node, which the next turn finds.
         } else {
             self.skip_field(at, word, node);
@@ -236,9 +242,9 @@ impl<'a> Parser<'a, '_, '_> {
 
     /// Passes the value of a field that is not known. Without its type only its look helps: all
     /// numbers, or one of anything else.
-    fn skip_field(&mut self, at: usize, word: &[u8], node: &Node) {
+    fn skip_field(&mut self, at: usize, word: &[u8], node: &V1Node) {
         // The fields of an unknown node are not worth a warning each.
-        if node.kind != Kind::Unknown && !IGNORED_FIELDS.contains(&word) {
+        if node.kind != V1NodeKind::Unknown && !IGNORED_FIELDS.contains(&word) {
             let (node, field) = (text(node.type_name), text(word));
             let shown = shortened(&format!("{node}.{field}"));
             self.warn(at, format!("field {shown} is not used"));
@@ -271,24 +277,24 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    fn value(&mut self, name: &str, form: Form) -> Value<'a> {
+    fn value(&mut self, name: &str, form: V1FieldType) -> V1Value<'a> {
         match form {
-            Form::Exactly(count) => Value::Numbers(self.exactly(name, count)),
-            Form::Numbers => {
+            V1FieldType::Exactly(count) => V1Value::Numbers(self.exactly(name, count)),
+            V1FieldType::Numbers => {
                 let mut list = self.list(name, |[x]| x);
                 keep_one_of_equals(&mut list);
-                Value::Numbers(list)
+                V1Value::Numbers(list)
             }
-            Form::Integers => Value::Integers(self.integers(name)),
-            Form::Vectors => Value::Vectors(self.list(name, DVec3::from_array)),
-            Form::Vectors2 => Value::Vectors2(self.list(name, DVec2::from_array)),
-            Form::Colors => {
+            V1FieldType::Integers => V1Value::Integers(self.integers(name)),
+            V1FieldType::Vectors => V1Value::Vectors(self.list(name, DVec3::from_array)),
+            V1FieldType::Vectors2 => V1Value::Vectors2(self.list(name, DVec2::from_array)),
+            V1FieldType::Colors => {
                 let mut list = self.list(name, |[r, g, b]| Rgb::new(r, g, b).map(finite));
                 keep_one_of_equals(&mut list);
-                Value::Colors(list)
+                V1Value::Colors(list)
             }
-            Form::Words => Value::Words(self.words()),
-            Form::Image => Value::Numbers(self.image()),
+            V1FieldType::Words => V1Value::Words(self.words()),
+            V1FieldType::Image => V1Value::Numbers(self.image()),
         }
     }
 

@@ -1,13 +1,13 @@
 //! Where rows come from: text, or bytes of either order.
 
 use super::NONE;
-use super::header::Kind;
+use super::header::ScalarType;
 use crate::reading::warnings::Warnings;
 use crate::reading::words::Words;
 use crate::{Position, ReadError};
 
 /// Why a row could not be read.
-pub(super) enum Stop {
+pub(super) enum RowError {
     /// The file ends.
     End,
     /// Something that is no number.
@@ -15,18 +15,18 @@ pub(super) enum Stop {
 }
 
 /// Gives the numbers of a file in their order.
-pub(super) trait Source {
+pub(super) trait RowSource {
     /// Goes to the start of the next row.
-    fn begin_row(&mut self) -> Result<(), Stop>;
+    fn begin_row(&mut self) -> Result<(), RowError>;
 
     /// The next number.
-    fn number(&mut self, kind: Kind) -> Result<f64, Stop>;
+    fn number(&mut self, kind: ScalarType) -> Result<f64, RowError>;
 
     /// The next number as an index; [`NONE`] if it is none.
-    fn index(&mut self, kind: Kind) -> Result<u32, Stop>;
+    fn index(&mut self, kind: ScalarType) -> Result<u32, RowError>;
 
     /// How many items a list has that follow. There are bytes enough for them.
-    fn count(&mut self, count: Kind, item: Kind) -> Result<usize, Stop>;
+    fn count(&mut self, count: ScalarType, item: ScalarType) -> Result<usize, RowError>;
 
     /// Passes what the row should not hold.
     fn end_row(&mut self);
@@ -45,21 +45,21 @@ pub(super) trait Source {
 }
 
 /// Rows as lines of text.
-pub(super) struct Text<'a> {
+pub(super) struct AsciiRows<'a> {
     words: Words<'a>,
     length: usize,
-    longer: Oddity,
-    without_list: Oddity,
+    longer: LineOddity,
+    without_list: LineOddity,
 }
 
 /// Something that is wrong with lines: where first, and how often.
 #[derive(Default)]
-struct Oddity {
+struct LineOddity {
     first: usize,
     count: usize,
 }
 
-impl Oddity {
+impl LineOddity {
     #[cold]
     fn at(&mut self, offset: usize) {
         if self.count == 0 {
@@ -69,49 +69,52 @@ impl Oddity {
     }
 }
 
-impl<'a> Text<'a> {
-    pub fn new(bytes: &'a [u8], start: usize, file: &'a str) -> Text<'a> {
-        Text {
+impl<'a> AsciiRows<'a> {
+    pub fn new(bytes: &'a [u8], start: usize, file: &'a str) -> AsciiRows<'a> {
+        AsciiRows {
             words: Words::new(bytes, file).from(start),
             length: bytes.len(),
-            longer: Oddity::default(),
-            without_list: Oddity::default(),
+            longer: LineOddity::default(),
+            without_list: LineOddity::default(),
         }
     }
 
     /// What to make of a line that ends before its row, or of the end of the file.
     #[cold]
-    fn ends(&self) -> Stop {
+    fn ends(&self) -> RowError {
         if self.words.at_end() {
-            return Stop::End;
+            return RowError::End;
         }
         let at = self.words.offset();
         let found = "the end of the line";
         let expected = "as many numbers as the header promises";
-        Stop::Error(Box::new(self.words.error_saying(at, found, expected)))
+        RowError::Error(Box::new(self.words.error_saying(at, found, expected)))
     }
 }
 
-impl Source for Text<'_> {
-    fn begin_row(&mut self) -> Result<(), Stop> {
+impl RowSource for AsciiRows<'_> {
+    fn begin_row(&mut self) -> Result<(), RowError> {
         self.words.skip_blanks();
-        match self.words.at_end() {
-            true => Err(Stop::End),
-            false => Ok(()),
+        if self.words.at_end() {
+            Err(RowError::End)
+        } else {
+            Ok(())
         }
     }
 
     #[inline]
-    fn number(&mut self, _kind: Kind) -> Result<f64, Stop> {
+    fn number(&mut self, _kind: ScalarType) -> Result<f64, RowError> {
         self.words.skip_spaces();
         if self.words.at_line_end() {
             return Err(self.ends());
         }
-        self.words.number().map_err(|e| Stop::Error(Box::new(e)))
+        self.words
+            .number()
+            .map_err(|e| RowError::Error(Box::new(e)))
     }
 
     #[inline]
-    fn index(&mut self, kind: Kind) -> Result<u32, Stop> {
+    fn index(&mut self, kind: ScalarType) -> Result<u32, RowError> {
         match self.words.small_integer() {
             Some(index) => Ok(index),
             None => self.number(kind).map(index_of),
@@ -119,7 +122,7 @@ impl Source for Text<'_> {
     }
 
     #[inline]
-    fn count(&mut self, count: Kind, _item: Kind) -> Result<usize, Stop> {
+    fn count(&mut self, count: ScalarType, _item: ScalarType) -> Result<usize, RowError> {
         if let Some(count) = self.words.small_integer() {
             return Ok(count as usize);
         }
@@ -155,7 +158,7 @@ impl Source for Text<'_> {
 
     fn finish(&mut self, file: &str, warnings: &mut Warnings) {
         let words = self.words;
-        let mut add = |odd: &Oddity, message: &str| {
+        let mut add = |odd: &LineOddity, message: &str| {
             let position = || words.position(odd.first);
             warnings.add_many(file, message.into(), odd.count, position);
         };
@@ -168,7 +171,7 @@ impl Source for Text<'_> {
             "line that ends before a list: taken as empty",
         );
         self.words.skip_blanks();
-        let behind = Oddity {
+        let behind = LineOddity {
             first: self.words.offset(),
             count: usize::from(!self.words.at_end()),
         };
@@ -177,22 +180,22 @@ impl Source for Text<'_> {
 }
 
 /// Rows as bytes, big-endian or little-endian.
-pub(super) struct Binary<'a, const BIG: bool> {
+pub(super) struct BinaryRows<'a, const BIG: bool> {
     rest: &'a [u8],
     length: usize,
 }
 
-impl<'a, const BIG: bool> Binary<'a, BIG> {
-    pub fn new(bytes: &'a [u8], start: usize) -> Binary<'a, BIG> {
-        Binary {
+impl<'a, const BIG: bool> BinaryRows<'a, BIG> {
+    pub fn new(bytes: &'a [u8], start: usize) -> BinaryRows<'a, BIG> {
+        BinaryRows {
             rest: &bytes[start..],
             length: bytes.len(),
         }
     }
 
     #[inline]
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Stop> {
-        let (taken, rest) = self.rest.split_first_chunk::<N>().ok_or(Stop::End)?;
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], RowError> {
+        let (taken, rest) = self.rest.split_first_chunk::<N>().ok_or(RowError::End)?;
         self.rest = rest;
         let mut bytes = *taken;
         if BIG {
@@ -202,45 +205,46 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
     }
 }
 
-impl<const BIG: bool> Source for Binary<'_, BIG> {
+impl<const BIG: bool> RowSource for BinaryRows<'_, BIG> {
     #[inline]
-    fn begin_row(&mut self) -> Result<(), Stop> {
+    fn begin_row(&mut self) -> Result<(), RowError> {
         Ok(())
     }
 
     #[inline]
-    fn number(&mut self, kind: Kind) -> Result<f64, Stop> {
+    fn number(&mut self, kind: ScalarType) -> Result<f64, RowError> {
         Ok(match kind {
-            Kind::I8 => i8::from_le_bytes(self.take()?).into(),
-            Kind::U8 => u8::from_le_bytes(self.take()?).into(),
-            Kind::I16 => i16::from_le_bytes(self.take()?).into(),
-            Kind::U16 => u16::from_le_bytes(self.take()?).into(),
-            Kind::I32 => i32::from_le_bytes(self.take()?).into(),
-            Kind::U32 => u32::from_le_bytes(self.take()?).into(),
-            Kind::F32 => f32::from_le_bytes(self.take()?).into(),
-            Kind::F64 => f64::from_le_bytes(self.take()?),
+            ScalarType::I8 => i8::from_le_bytes(self.take()?).into(),
+            ScalarType::U8 => u8::from_le_bytes(self.take()?).into(),
+            ScalarType::I16 => i16::from_le_bytes(self.take()?).into(),
+            ScalarType::U16 => u16::from_le_bytes(self.take()?).into(),
+            ScalarType::I32 => i32::from_le_bytes(self.take()?).into(),
+            ScalarType::U32 => u32::from_le_bytes(self.take()?).into(),
+            ScalarType::F32 => f32::from_le_bytes(self.take()?).into(),
+            ScalarType::F64 => f64::from_le_bytes(self.take()?),
         })
     }
 
     #[inline]
-    fn index(&mut self, kind: Kind) -> Result<u32, Stop> {
+    fn index(&mut self, kind: ScalarType) -> Result<u32, RowError> {
         match kind {
-            Kind::I32 => Ok(u32::try_from(i32::from_le_bytes(self.take()?)).unwrap_or(NONE)),
-            Kind::U32 => Ok(u32::from_le_bytes(self.take()?)),
+            ScalarType::I32 => Ok(u32::try_from(i32::from_le_bytes(self.take()?)).unwrap_or(NONE)),
+            ScalarType::U32 => Ok(u32::from_le_bytes(self.take()?)),
             _ => self.number(kind).map(index_of),
         }
     }
 
     #[inline]
-    fn count(&mut self, count: Kind, item: Kind) -> Result<usize, Stop> {
+    fn count(&mut self, count: ScalarType, item: ScalarType) -> Result<usize, RowError> {
         let count = match count {
-            Kind::U8 => u8::from_le_bytes(self.take()?).into(),
+            ScalarType::U8 => u8::from_le_bytes(self.take()?).into(),
             _ => self.number(count)?.max(0.0) as usize,
         };
         // Saturating: an absurd count is more than any file holds.
-        match count.saturating_mul(item.size()) > self.rest.len() {
-            true => Err(Stop::End),
-            false => Ok(count),
+        if count.saturating_mul(item.size()) > self.rest.len() {
+            Err(RowError::End)
+        } else {
+            Ok(count)
         }
     }
 

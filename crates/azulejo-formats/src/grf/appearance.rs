@@ -1,9 +1,11 @@
 //! Looks of faces, and the materials that they make.
 
-use super::brdf::Reflection;
-use super::document::{Body, Change, Kind, Name, ObjectNotes, Place};
-use super::materials::{DEFAULT_REFLECTANCE, REFLECTS_TOO_MUCH, Surface, surface};
-use super::resolve::{Resolved, Resolver};
+use super::brdf::GrfReflection;
+use super::document::{
+    AppearanceChange, DefinitionBody, GrfName, NameKind, ObjectNotes, SourcePosition,
+};
+use super::materials::{DEFAULT_REFLECTANCE, DefinedMaterial, REFLECTS_TOO_MUCH, surface};
+use super::resolve::{GrfResolver, ResolveResult};
 use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
 use std::sync::Arc;
 
@@ -12,24 +14,24 @@ pub(super) const MOST_TEXTURES: usize = 64;
 
 /// How faces look at some point of a list.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Look<'d> {
+pub(super) struct FaceAppearance<'d> {
     color: Option<Rgb>,
     color_name: &'d str,
-    brdf: Option<Base<'d>>,
+    brdf: Option<AppearanceBase<'d>>,
     textures: Vec<TextureId>,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Base<'d> {
+enum AppearanceBase<'d> {
     /// A `def brdf`.
     Named(MaterialId),
     /// One that stands before a face.
-    InPlace(&'d Arc<Reflection>),
+    InPlace(&'d Arc<GrfReflection>),
 }
 
 /// What makes a derived material distinct. Numbers are compared by their bits.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Key {
+pub(super) struct DerivedMaterialKey {
     named: Option<MaterialId>,
     /// The address of the brdf in the document: of equal ones there is one.
     in_place: Option<usize>,
@@ -45,41 +47,45 @@ fn bits(rgb: Rgb) -> [u64; 3] {
 }
 
 /// Looks of faces.
-impl<'d> Resolver<'d> {
+impl<'d> GrfResolver<'d> {
     pub fn change(
         &mut self,
-        look: &mut Look<'d>,
-        change: &'d Change,
+        appearance: &mut FaceAppearance<'d>,
+        change: &'d AppearanceChange,
         is_stacking: &mut bool,
-        place: Place,
-    ) -> Resolved<()> {
+        place: SourcePosition,
+    ) -> ResolveResult<()> {
         match change {
-            Change::Set(Body::Color(rgb)) => (look.color, look.color_name) = (Some(*rgb), ""),
-            Change::Use(Kind::Color, name) => {
-                (look.color, look.color_name) = (Some(self.color_named(name, place)?), name);
+            AppearanceChange::Set(DefinitionBody::Color(rgb)) => {
+                (appearance.color, appearance.color_name) = (Some(*rgb), "")
             }
-            Change::Set(Body::Brdf(brdf)) => {
-                look.brdf = Some(Base::InPlace(brdf));
+            AppearanceChange::Use(NameKind::Color, name) => {
+                (appearance.color, appearance.color_name) =
+                    (Some(self.color_named(name, place)?), name);
             }
-            Change::Use(Kind::Brdf, name) => {
+            AppearanceChange::Set(DefinitionBody::Brdf(brdf)) => {
+                appearance.brdf = Some(AppearanceBase::InPlace(brdf));
+            }
+            AppearanceChange::Use(NameKind::Brdf, name) => {
                 let id = self.brdf_named(name, place)?;
-                look.brdf = Some(Base::Named(id));
+                appearance.brdf = Some(AppearanceBase::Named(id));
                 if self.surfaces.get(&id).is_some_and(|s| s.sets_textures) {
-                    look.textures
+                    appearance
+                        .textures
                         .clone_from(&self.scene.materials[id as usize].textures);
                     *is_stacking = false;
                 }
             }
-            Change::Set(Body::Texture(path)) => {
+            AppearanceChange::Set(DefinitionBody::Texture(path)) => {
                 let id = self.texture_in_place(path, place);
-                look.texture(id, is_stacking);
+                appearance.texture(id, is_stacking);
             }
-            Change::Use(Kind::Texture, name) => {
+            AppearanceChange::Use(NameKind::Texture, name) => {
                 let id = self.texture_named(name, place)?;
-                look.texture(id, is_stacking);
+                appearance.texture(id, is_stacking);
             }
             // The parser lets `use` have the three others alone.
-            Change::Use(Kind::Figure | Kind::Solid, _) => {}
+            AppearanceChange::Use(NameKind::Figure | NameKind::Solid, _) => {}
         }
         Ok(())
     }
@@ -88,30 +94,30 @@ impl<'d> Resolver<'d> {
     /// colours at its vertices `is_colored`.
     pub fn material(
         &mut self,
-        look: &Look<'d>,
+        appearance: &FaceAppearance<'d>,
         emission: Option<Rgb>,
         is_colored: bool,
-        place: Place,
+        place: SourcePosition,
     ) -> MaterialId {
-        let key = Key {
-            named: match look.brdf {
-                Some(Base::Named(id)) => Some(id),
+        let key = DerivedMaterialKey {
+            named: match appearance.brdf {
+                Some(AppearanceBase::Named(id)) => Some(id),
                 _ => None,
             },
-            in_place: match look.brdf {
-                Some(Base::InPlace(brdf)) => Some(Arc::as_ptr(brdf) as usize),
+            in_place: match appearance.brdf {
+                Some(AppearanceBase::InPlace(brdf)) => Some(Arc::as_ptr(brdf) as usize),
                 _ => None,
             },
-            color: look.color.map(bits),
-            color_name: look.color_name.to_owned(),
-            textures: look.textures.clone(),
+            color: appearance.color.map(bits),
+            color_name: appearance.color_name.to_owned(),
+            textures: appearance.textures.clone(),
             emission: emission.map(bits),
             is_colored,
         };
         if let Some(&known) = self.derived.get(&key) {
             return known;
         }
-        let material = self.derive(look, emission, is_colored, place);
+        let material = self.derive(appearance, emission, is_colored, place);
         let id = match key.named {
             Some(base) if self.scene.materials[base as usize] == material => base,
             _ => {
@@ -125,7 +131,7 @@ impl<'d> Resolver<'d> {
 
     /// Each face may make a material of its own out of a few bytes, with a copy of a long name;
     /// that ends somewhere.
-    fn within_budget(&mut self, mut material: Material, place: Place) -> Material {
+    fn within_budget(&mut self, mut material: Material, place: SourcePosition) -> Material {
         match self.budget.checked_sub(material.name.len()) {
             Some(left) => self.budget = left,
             None => {
@@ -138,33 +144,34 @@ impl<'d> Resolver<'d> {
 
     fn derive(
         &mut self,
-        look: &Look<'d>,
+        appearance: &FaceAppearance<'d>,
         emission: Option<Rgb>,
         is_colored: bool,
-        place: Place,
+        place: SourcePosition,
     ) -> Material {
-        let mut made = match look.brdf {
-            Some(Base::Named(id)) => match self.surfaces.get(&id) {
+        let mut made = match appearance.brdf {
+            Some(AppearanceBase::Named(id)) => match self.surfaces.get(&id) {
                 Some(known) => known.surface.clone(),
-                None => Surface::default(),
+                None => DefinedMaterial::default(),
             },
-            Some(Base::InPlace(brdf)) => surface("", brdf),
-            None => Surface {
+            Some(AppearanceBase::InPlace(brdf)) => surface("", brdf),
+            None => DefinedMaterial {
                 material: Material::diffuse("", silent_reflectance(emission, is_colored)),
-                ..Surface::default()
+                ..DefinedMaterial::default()
             },
         };
         let material = &mut made.material;
-        if let Some(color) = look.color {
-            material.diffuse = match made.says_diffuse {
-                true => material.diffuse * color,
-                false => color,
+        if let Some(color) = appearance.color {
+            material.diffuse = if made.says_diffuse {
+                material.diffuse * color
+            } else {
+                color
             };
         }
         if material.name.is_empty() {
-            material.name = look.color_name.to_owned();
+            material.name = appearance.color_name.to_owned();
         }
-        material.textures.clone_from(&look.textures);
+        material.textures.clone_from(&appearance.textures);
         if let Some(radiance) = emission {
             material.emission = radiance;
         }
@@ -179,26 +186,27 @@ impl<'d> Resolver<'d> {
         &mut self,
         notes: &'d ObjectNotes,
         emission: Option<Rgb>,
-        place: Place,
-    ) -> Resolved<MaterialId> {
+        place: SourcePosition,
+    ) -> ResolveResult<MaterialId> {
         self.named_material(notes.material.as_ref(), emission, place)
     }
 
     /// The material that a brdf's name alone makes; grey without one.
     pub fn named_material(
         &mut self,
-        name: Option<&'d Name>,
+        name: Option<&'d GrfName>,
         emission: Option<Rgb>,
-        place: Place,
-    ) -> Resolved<MaterialId> {
-        let mut look = Look::default();
+        place: SourcePosition,
+    ) -> ResolveResult<MaterialId> {
+        let mut appearance = FaceAppearance::default();
         if let Some(name) = name {
             let id = self.brdf_named(name, place)?;
-            look.brdf = Some(Base::Named(id));
-            look.textures
+            appearance.brdf = Some(AppearanceBase::Named(id));
+            appearance
+                .textures
                 .clone_from(&self.scene.materials[id as usize].textures);
         }
-        Ok(self.material(&look, emission, false, place))
+        Ok(self.material(&appearance, emission, false, place))
     }
 }
 
@@ -212,7 +220,7 @@ fn silent_reflectance(emission: Option<Rgb>, is_colored: bool) -> Rgb {
     }
 }
 
-impl Look<'_> {
+impl FaceAppearance<'_> {
     /// A texture replaces those before the last face, and is added to those behind it, of which a
     /// file that means well has a few.
     fn texture(&mut self, id: TextureId, is_stacking: &mut bool) {

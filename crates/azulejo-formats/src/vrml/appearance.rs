@@ -1,7 +1,7 @@
 //! Appearances: materials, pictures, and how pictures lie.
 
-use super::stage::Stage;
-use super::tree::Node;
+use super::builder::VrmlSceneBuilder;
+use super::tree::VrmlNode;
 use super::world::child;
 use crate::ReadError;
 use crate::reading::text::shortened;
@@ -19,7 +19,7 @@ const SHININESS: f64 = 128.0;
 
 /// How a shape looks.
 #[derive(Debug)]
-pub(super) struct Look {
+pub(super) struct ShapeAppearance {
     /// Its material, without pictures.
     pub material: Material,
     /// Its pictures.
@@ -30,12 +30,13 @@ pub(super) struct Look {
     pub picture_from_uv: Option<DAffine2>,
 }
 
-impl Look {
+impl ShapeAppearance {
     /// The material of a surface with texture coordinates; `color` replaces its own.
     pub fn textured(&self, color: Option<Rgb>) -> Material {
-        let own = match self.replaces {
-            true => Rgb::WHITE,
-            false => self.material.diffuse,
+        let own = if self.replaces {
+            Rgb::WHITE
+        } else {
+            self.material.diffuse
         };
         let mut material = Material {
             textures: self.textures.clone(),
@@ -50,26 +51,26 @@ impl Look {
 /// Looks of appearances that were asked for, because many shapes share one, and pictures take
 /// time to find.
 #[derive(Default)]
-pub(super) struct Looks {
+pub(super) struct AppearanceCache {
     /// By the address of the node, which is kept so that no other takes its place.
-    known: HashMap<*const Node, (Rc<Node>, Option<Rc<Look>>)>,
+    known: HashMap<*const VrmlNode, (Rc<VrmlNode>, Option<Rc<ShapeAppearance>>)>,
 }
 
-impl Looks {
+impl AppearanceCache {
     /// Most that are kept: instances of prototypes may each have an appearance of their own.
     const MOST: usize = 4096;
 
-    fn get(&self, appearance: &Rc<Node>) -> Option<Option<Rc<Look>>> {
+    fn get(&self, appearance: &Rc<VrmlNode>) -> Option<Option<Rc<ShapeAppearance>>> {
         let known = self.known.get(&Rc::as_ptr(appearance));
-        known.map(|(_, look)| look.clone())
+        known.map(|(_, shape_appearance)| shape_appearance.clone())
     }
 
-    fn keep(&mut self, appearance: Rc<Node>, look: Option<Rc<Look>>) {
-        if self.known.len() == Looks::MOST {
+    fn keep(&mut self, appearance: Rc<VrmlNode>, shape_appearance: Option<Rc<ShapeAppearance>>) {
+        if self.known.len() == AppearanceCache::MOST {
             self.known.clear();
         }
         let address = Rc::as_ptr(&appearance);
-        self.known.insert(address, (appearance, look));
+        self.known.insert(address, (appearance, shape_appearance));
     }
 }
 
@@ -77,34 +78,42 @@ impl Looks {
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
-pub(super) fn of(stage: &mut Stage, shape: &Node) -> Result<Option<Rc<Look>>, ReadError> {
+pub(super) fn of(
+    builder: &mut VrmlSceneBuilder,
+    shape: &VrmlNode,
+) -> Result<Option<Rc<ShapeAppearance>>, ReadError> {
     let appearance = shape.nodes("appearance").first();
-    let known = appearance.and_then(|a| stage.looks.get(a));
-    let look = match known {
-        Some(look) => look,
+    let known = appearance.and_then(|a| builder.appearances.get(a));
+    let shape_appearance = match known {
+        Some(shape_appearance) => shape_appearance,
         None => {
-            let look = new(stage, shape)?.map(Rc::new);
+            let shape_appearance = new(builder, shape)?.map(Rc::new);
             if let Some(appearance) = appearance {
-                stage.looks.keep(appearance.clone(), look.clone());
+                builder
+                    .appearances
+                    .keep(appearance.clone(), shape_appearance.clone());
             }
-            look
+            shape_appearance
         }
     };
-    if look.is_none() {
+    if shape_appearance.is_none() {
         let message = "shape of a transparency of 1: invisible, not shown";
-        stage.warn(&shape.source, shape.at, message);
+        builder.warn(&shape.source, shape.at, message);
     }
-    Ok(look)
+    Ok(shape_appearance)
 }
 
 /// How a shape looks whose appearance is new; `None` if it is invisible.
-fn new(stage: &mut Stage, shape: &Node) -> Result<Option<Look>, ReadError> {
-    let appearance = child(stage, shape, "appearance")?;
+fn new(
+    builder: &mut VrmlSceneBuilder,
+    shape: &VrmlNode,
+) -> Result<Option<ShapeAppearance>, ReadError> {
+    let appearance = child(builder, shape, "appearance")?;
     let material = match &appearance {
-        Some(appearance) => child(stage, appearance, "material")?,
+        Some(appearance) => child(builder, appearance, "material")?,
         None => None,
     };
-    let mut look = Look {
+    let mut shape_appearance = ShapeAppearance {
         material: Material::diffuse("", DIFFUSE),
         textures: Vec::new(),
         replaces: false,
@@ -112,50 +121,55 @@ fn new(stage: &mut Stage, shape: &Node) -> Result<Option<Look>, ReadError> {
     };
     match &material {
         Some(m) if m.number("transparency", 0.0) >= 1.0 => return Ok(None),
-        Some(material) => look.material = surface(stage, material),
+        Some(material) => shape_appearance.material = surface(builder, material),
         None => {
             let message =
                 "shape without a material, which VRML shows without light: matt, reflectance 0.8";
-            stage.warn(&shape.source, shape.at, message);
+            builder.warn(&shape.source, shape.at, message);
         }
     }
     let Some(appearance) = appearance else {
-        return Ok(Some(look));
+        return Ok(Some(shape_appearance));
     };
-    if look.material.name.is_empty() {
+    if shape_appearance.material.name.is_empty() {
         let name = appearance.name.as_deref().unwrap_or_default();
-        look.material.name = name.to_owned();
+        shape_appearance.material.name = name.to_owned();
     }
-    pictures(stage, &appearance, material.as_deref(), &mut look)?;
+    pictures(
+        builder,
+        &appearance,
+        material.as_deref(),
+        &mut shape_appearance,
+    )?;
     say_what_is_lost(
-        stage,
+        builder,
         &appearance,
         &["material", "texture", "textureTransform"],
     );
-    Ok(Some(look))
+    Ok(Some(shape_appearance))
 }
 
 /// A material without pictures.
-fn surface(stage: &mut Stage, node: &Rc<Node>) -> Material {
+fn surface(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Material {
     let mut material = match &*node.kind {
-        "PhysicalMaterial" => physical(stage, node),
+        "PhysicalMaterial" => physical(builder, node),
         "UnlitMaterial" => Material::emitter("", node.color("emissiveColor", Rgb::WHITE)),
-        "Material" | "TwoSidedMaterial" => phong_material(stage, node),
+        "Material" | "TwoSidedMaterial" => phong_material(builder, node),
         kind => {
             let message = format!("material {}: matt, reflectance 0.8", shortened(kind));
-            stage.warn(&node.source, node.at, message);
+            builder.warn(&node.source, node.at, message);
             Material::diffuse("", DIFFUSE)
         }
     };
     if node.number("transparency", 0.0) > 0.0 {
         let message = "see-through material (transparency): opaque";
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
     if node.flag("separateBackColor", false) {
         let message = "TwoSidedMaterial with colours of its back: the front's are on both sides";
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
-    say_what_is_lost(stage, node, KNOWN);
+    say_what_is_lost(builder, node, KNOWN);
     material.name = node.name.as_deref().unwrap_or_default().to_owned();
     material
 }
@@ -185,15 +199,15 @@ const KNOWN: &[&str] = &[
 ];
 
 /// Names every field that is not among `known`.
-fn say_what_is_lost(stage: &mut Stage, node: &Node, known: &[&str]) {
+fn say_what_is_lost(builder: &mut VrmlSceneBuilder, node: &VrmlNode, known: &[&str]) {
     let is_lost = |name: &str| !known.contains(&name) && !name.starts_with("metadata");
     for field in node.fields().iter().filter(|f| is_lost(&f.name)) {
         let message = format!("{} of {}: skipped", shortened(&field.name), node.kind);
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
 }
 
-fn phong_material(stage: &mut Stage, node: &Node) -> Material {
+fn phong_material(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
     let diffuse = node.color("diffuseColor", DIFFUSE);
     let specular = node.color("specularColor", Rgb::BLACK);
     // Castle Game Engine's own field: the share that a perfect mirror reflects.
@@ -205,14 +219,14 @@ fn phong_material(stage: &mut Stage, node: &Node) -> Material {
     };
     let exponent = SHININESS * node.number("shininess", 0.2).clamp(0.0, 1.0);
     let highlight = Highlight::half(exponent, specular);
-    if let Err(message) = stage.gloss.highlight(&mut material, highlight) {
-        stage.warn(&node.source, node.at, message);
+    if let Err(message) = builder.gloss.highlight(&mut material, highlight) {
+        builder.warn(&node.source, node.at, message);
     }
     material
 }
 
 /// glTF's base colour, metalness and roughness.
-fn physical(stage: &mut Stage, node: &Node) -> Material {
+fn physical(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
     let share = |name: &str| node.number(name, 1.0).clamp(0.0, 1.0);
     let base = node.color("baseColor", Rgb::WHITE);
     let mut material = Material {
@@ -220,35 +234,36 @@ fn physical(stage: &mut Stage, node: &Node) -> Material {
         ..Material::default()
     };
     let (metallic, roughness) = (share("metallic"), share("roughness"));
-    let gloss = &mut stage.gloss;
+    let gloss = &mut builder.gloss;
     if let Err(message) = gloss.metallic_roughness(&mut material, base, metallic, roughness) {
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
     material
 }
 
 /// Finds the pictures of an appearance: its own, or since X3D 4 those of its material.
 fn pictures(
-    stage: &mut Stage,
-    appearance: &Node,
-    material: Option<&Node>,
-    look: &mut Look,
+    builder: &mut VrmlSceneBuilder,
+    appearance: &VrmlNode,
+    material: Option<&VrmlNode>,
+    shape_appearance: &mut ShapeAppearance,
 ) -> Result<(), ReadError> {
-    let mut texture = child(stage, appearance, "texture")?;
+    let mut texture = child(builder, appearance, "texture")?;
     for field in ["diffuseTexture", "baseTexture"] {
         if let (None, Some(material)) = (&texture, material) {
-            texture = child(stage, material, field)?;
+            texture = child(builder, material, field)?;
         }
     }
     let Some(texture) = texture else {
         return Ok(());
     };
-    picture(stage, &texture, look)?;
-    let is_colored = |id: &TextureId| stage.textures.image(*id).is_some_and(is_colored);
+    picture(builder, &texture, shape_appearance)?;
+    let is_colored = |id: &TextureId| builder.textures.image(*id).is_some_and(is_colored);
     // Pictures of a single channel, and all pictures since X3D 4, are multiplied.
-    look.replaces = !appearance.source.is_x3d_4() && look.textures.iter().any(is_colored);
-    if let Some(transform) = child(stage, appearance, "textureTransform")? {
-        look.picture_from_uv = texture_transform(stage, &transform);
+    shape_appearance.replaces =
+        !appearance.source.is_x3d_4() && shape_appearance.textures.iter().any(is_colored);
+    if let Some(transform) = child(builder, appearance, "textureTransform")? {
+        shape_appearance.picture_from_uv = texture_transform(builder, &transform);
     }
     Ok(())
 }
@@ -258,33 +273,37 @@ fn is_colored(image: &Image) -> bool {
     image.pixels.iter().any(|[r, g, b]| r != g || g != b)
 }
 
-fn picture(stage: &mut Stage, node: &Rc<Node>, look: &mut Look) -> Result<(), ReadError> {
+fn picture(
+    builder: &mut VrmlSceneBuilder,
+    node: &Rc<VrmlNode>,
+    shape_appearance: &mut ShapeAppearance,
+) -> Result<(), ReadError> {
     match &*node.kind {
-        "ImageTexture" => look.textures.extend(named(stage, node)),
-        "PixelTexture" => look.textures.extend(drawn(stage, node)),
+        "ImageTexture" => shape_appearance.textures.extend(named(builder, node)),
+        "PixelTexture" => shape_appearance.textures.extend(drawn(builder, node)),
         "MultiTexture" => {
             let message =
                 "MultiTexture: its pictures are multiplied, by the first texture coordinates";
-            stage.warn(&node.source, node.at, message);
+            builder.warn(&node.source, node.at, message);
             // A MultiTexture inside another is nothing that the standard has.
             for part in node.nodes("texture") {
-                if let Some(part) = super::world::unfold(stage, part)?
+                if let Some(part) = super::world::unfold(builder, part)?
                     && &*part.kind != "MultiTexture"
                 {
-                    picture(stage, &part, look)?;
+                    picture(builder, &part, shape_appearance)?;
                 }
             }
         }
-        _ => super::world::skip(stage, node),
+        _ => super::world::skip(builder, node),
     }
     Ok(())
 }
 
 /// The picture in a file: the first of the URLs that there is.
-fn named(stage: &mut Stage, node: &Node) -> Option<TextureId> {
+fn named(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
     let urls = node.strings("url");
     let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
-    let exists = |url: &&String| stage.files.read(&beside(url)).is_ok();
+    let exists = |url: &&String| builder.files.read(&beside(url)).is_ok();
     let url = match &*urls {
         [] => return None,
         [only] => only,
@@ -292,34 +311,36 @@ fn named(stage: &mut Stage, node: &Node) -> Option<TextureId> {
     };
     for repeat in ["repeatS", "repeatT"] {
         if !node.flag(repeat, true) {
-            stage.warn(
+            builder.warn(
                 &node.source,
                 node.at,
                 "picture that does not repeat: it does",
             );
         }
     }
-    let (id, problem) = stage.textures.index(&node.source.path, url, stage.files);
+    let (id, problem) = builder
+        .textures
+        .index(&node.source.path, url, builder.files);
     if let Some(problem) = problem {
-        stage.warn(&node.source, node.at, problem);
+        builder.warn(&node.source, node.at, problem);
     }
     Some(id)
 }
 
 /// The picture in the file itself.
-fn drawn(stage: &mut Stage, node: &Node) -> Option<TextureId> {
+fn drawn(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
     let numbers = node.numbers("image");
     let drawn = match pixels(&numbers) {
         Some(image) => {
             let name = node.name.as_deref().unwrap_or("PixelTexture");
-            stage.textures.drawn(shortened(name), image)
+            builder.textures.drawn(shortened(name), image)
         }
         None => Err("it has fewer pixels than it says".to_owned()),
     };
     drawn
         .map_err(|why| {
             let message = format!("picture of numbers is not shown: {why}");
-            stage.warn(&node.source, node.at, message);
+            builder.warn(&node.source, node.at, message);
         })
         .ok()
 }
@@ -363,9 +384,9 @@ fn linear(byte: u8) -> f32 {
 }
 
 /// −C × S × R × C × T, ISO/IEC 14772-1, 6.49.
-fn texture_transform(stage: &mut Stage, node: &Rc<Node>) -> Option<DAffine2> {
+fn texture_transform(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Option<DAffine2> {
     if &*node.kind != "TextureTransform" {
-        super::world::skip(stage, node);
+        super::world::skip(builder, node);
         return None;
     }
     let vector = |name: &str, default: f64| DVec2::from(node.array(name, [default; 2]));

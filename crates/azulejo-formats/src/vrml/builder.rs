@@ -1,8 +1,8 @@
 //! What the files of one model become together, whatever versions of VRML they are in.
 
+use super::appearance::AppearanceCache;
 use super::lexer::position;
-use super::look::Looks;
-use super::tree::Document;
+use super::tree::VrmlDocument;
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
@@ -24,7 +24,7 @@ const MOST_NAME: usize = 200;
 
 /// A text file of the model, kept for saying where in it something stands.
 #[derive(Debug)]
-pub(super) struct Source {
+pub(super) struct VrmlSource {
     /// Its name in messages.
     pub name: String,
     /// Its name as the model's folder knows it.
@@ -34,17 +34,17 @@ pub(super) struct Source {
 }
 
 /// A file that was asked for.
-pub(super) enum Opened {
+pub(super) enum OpenedFile {
     /// It has not been read before.
-    New(Rc<Source>),
+    New(Rc<VrmlSource>),
     /// It has, and is a tree of nodes.
-    Known(Rc<Document>),
+    Known(Rc<VrmlDocument>),
 }
 
-impl Source {
+impl VrmlSource {
     /// The model itself, whose name in messages may tell folders that its own does not know.
-    pub fn model(name: &str, bytes: &[u8]) -> Source {
-        Source {
+    pub fn model(name: &str, bytes: &[u8]) -> VrmlSource {
+        VrmlSource {
             name: name.to_owned(),
             path: in_own_folder(name),
             bytes: crate::reading::text::without_utf16(bytes).into_owned(),
@@ -80,24 +80,24 @@ impl Source {
 
 /// Where in the world, and under what name, something is placed.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Frame {
+pub(super) struct VrmlPlacement {
     /// The transformations on the way here.
     pub world_from_object: DAffine3,
     /// The names on the way here, joined by `/`.
     path: String,
 }
 
-impl Frame {
+impl VrmlPlacement {
     /// The frame inside a group, which may have a name.
-    pub fn named(&self, name: Option<&str>) -> Frame {
-        Frame {
+    pub fn named(&self, name: Option<&str>) -> VrmlPlacement {
+        VrmlPlacement {
             path: self.name(name),
             ..*self
         }
     }
 
     /// The frame inside a transformation.
-    pub fn moved(mut self, map: DAffine3) -> Frame {
+    pub fn moved(mut self, map: DAffine3) -> VrmlPlacement {
         self.world_from_object *= map;
         self
     }
@@ -117,7 +117,7 @@ impl Frame {
 }
 
 /// The scene under construction, and what reading it takes.
-pub(super) struct Stage<'a> {
+pub(super) struct VrmlSceneBuilder<'a> {
     pub files: &'a dyn Files,
     pub options: &'a ReadOptions,
     /// Objects, lights, cameras, background and fog. Materials and textures come at the end.
@@ -131,22 +131,26 @@ pub(super) struct Stage<'a> {
     model: String,
     /// Bytes that files named by the model may still have.
     bytes_left: u64,
-    pub looks: Looks,
+    pub appearances: AppearanceCache,
     /// Files that were read, by name.
-    documents: HashMap<String, Rc<Document>>,
+    documents: HashMap<String, Rc<VrmlDocument>>,
     /// The files that are being read, the model itself first.
     open: Vec<String>,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> VrmlSceneBuilder<'a> {
     /// An empty scene.
-    pub fn new(model: &str, files: &'a dyn Files, options: &'a ReadOptions) -> Stage<'a> {
+    pub fn new(
+        model: &str,
+        files: &'a dyn Files,
+        options: &'a ReadOptions,
+    ) -> VrmlSceneBuilder<'a> {
         let units = Units {
             // ISO/IEC 14772-1, 4.4.5: the unit of length is the metre.
             metres_per_unit: Some(1.0),
             ..Units::default()
         };
-        Stage {
+        VrmlSceneBuilder {
             files,
             options,
             scene: Scene {
@@ -160,7 +164,7 @@ impl<'a> Stage<'a> {
             budget: Budget::new(options),
             model: model.to_owned(),
             bytes_left: options.most_unpacked,
-            looks: Looks::default(),
+            appearances: AppearanceCache::default(),
             documents: HashMap::new(),
             open: vec![in_own_folder(model)],
         }
@@ -168,14 +172,14 @@ impl<'a> Stage<'a> {
 
     /// Counts a warning about the byte `at` of a file.
     #[cold]
-    pub fn warn(&mut self, source: &Source, at: usize, message: impl Into<String>) {
+    pub fn warn(&mut self, source: &VrmlSource, at: usize, message: impl Into<String>) {
         self.warn_many(source, at, message, 1);
     }
 
     /// Counts a warning about the byte `at` of a file `count` times, which may be 0.
     pub fn warn_many(
         &mut self,
-        source: &Source,
+        source: &VrmlSource,
         at: usize,
         message: impl Into<String>,
         count: usize,
@@ -194,14 +198,19 @@ impl<'a> Stage<'a> {
     }
 
     /// Puts a mesh into the world and makes it an object. `mesh` is in object coordinates, its
-    /// materials are final, and [`Stage::spend`] has been asked.
-    pub fn place_mesh(&mut self, frame: &Frame, own_name: Option<&str>, mut mesh: Mesh) -> Placed {
+    /// materials are final, and [`VrmlSceneBuilder::spend`] has been asked.
+    pub fn place_mesh(
+        &mut self,
+        frame: &VrmlPlacement,
+        own_name: Option<&str>,
+        mut mesh: Mesh,
+    ) -> ShapeOutcome {
         if mesh.faces.is_empty() {
-            return Placed::Nothing;
+            return ShapeOutcome::Nothing;
         }
         mesh.transform(&frame.world_from_object);
         if !mesh.positions.iter().all(|p| p.is_finite()) {
-            return Placed::Nowhere;
+            return ShapeOutcome::Nowhere;
         }
         self.push(frame, own_name, Shape::Mesh(mesh))
     }
@@ -210,31 +219,36 @@ impl<'a> Stage<'a> {
     /// Where the world flattens it, nothing is placed: what is flat has no inside.
     pub fn place_primitive(
         &mut self,
-        frame: &Frame,
+        frame: &VrmlPlacement,
         own_name: Option<&str>,
         kind: PrimitiveKind,
         object_from_unit: DAffine3,
         material: MaterialId,
-    ) -> Placed {
+    ) -> ShapeOutcome {
         let map = frame.world_from_object * object_from_unit;
         let volume = map.matrix3.determinant();
         if !map.is_finite() || !volume.is_normal() || !map.inverse().is_finite() {
-            return Placed::Nowhere;
+            return ShapeOutcome::Nowhere;
         }
         let primitive = Primitive::new(kind, map, material);
         self.push(frame, own_name, Shape::Primitive(primitive))
     }
 
-    fn push(&mut self, frame: &Frame, own_name: Option<&str>, shape: Shape) -> Placed {
+    fn push(
+        &mut self,
+        frame: &VrmlPlacement,
+        own_name: Option<&str>,
+        shape: Shape,
+    ) -> ShapeOutcome {
         let object = Object::new(frame.name(own_name), shape);
         self.scene.objects.push(object);
-        Placed::Object
+        ShapeOutcome::Object
     }
 
     /// Opens the first of `urls` that can be had, beside the file that names it, unpacked. What
     /// stands behind `#` is not looked at. `None`, with a warning, if there is none, or if it is
-    /// one of the files inside which this one stands. Call [`Stage::close`] when it is read.
-    pub fn open(&mut self, from: &Source, at: usize, urls: &[String]) -> Option<Opened> {
+    /// one of the files inside which this one stands. Call [`VrmlSceneBuilder::close`] when it is read.
+    pub fn open(&mut self, from: &VrmlSource, at: usize, urls: &[String]) -> Option<OpenedFile> {
         let mut why = "it names no file".to_owned();
         for url in urls {
             let file = url.split('#').next().unwrap_or_default();
@@ -252,7 +266,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Keeps what a file holds, in case it is asked for again.
-    pub fn know(&mut self, source: &Source, document: &Rc<Document>) {
+    pub fn know(&mut self, source: &VrmlSource, document: &Rc<VrmlDocument>) {
         self.documents.insert(source.path.clone(), document.clone());
     }
 
@@ -266,7 +280,7 @@ impl<'a> Stage<'a> {
         self.open.pop();
     }
 
-    fn read(&mut self, name: &str) -> Result<Opened, String> {
+    fn read(&mut self, name: &str) -> Result<OpenedFile, String> {
         if self.open.iter().any(|open| open == name) {
             return Err("the file is inside itself".into());
         }
@@ -274,7 +288,7 @@ impl<'a> Stage<'a> {
             return Err(format!("more than {MOST_NESTED} files inside one another"));
         }
         if let Some(document) = self.documents.get(name) {
-            return Ok(Opened::Known(document.clone()));
+            return Ok(OpenedFile::Known(document.clone()));
         }
         let packed = self.files.read(name).map_err(|e| e.to_string())?;
         let options = ReadOptions {
@@ -286,7 +300,7 @@ impl<'a> Stage<'a> {
             Some(left) => self.bytes_left = left,
             None => return Err("the files of the model are too large together".into()),
         }
-        Ok(Opened::New(Rc::new(Source {
+        Ok(OpenedFile::New(Rc::new(VrmlSource {
             name: name.to_owned(),
             path: name.to_owned(),
             bytes: crate::reading::text::without_utf16(&bytes).into_owned(),
@@ -311,7 +325,7 @@ impl<'a> Stage<'a> {
 /// What became of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use]
-pub(super) enum Placed {
+pub(super) enum ShapeOutcome {
     /// It is an object.
     Object,
     /// It has no faces.
@@ -340,7 +354,7 @@ mod tests {
 
     #[test]
     fn names_stay_short() {
-        let frame = Frame::default().named(Some("house")).named(None);
+        let frame = VrmlPlacement::default().named(Some("house")).named(None);
         assert_eq!(frame.name(Some("table")), "house/table");
         assert_eq!(frame.name(None), "house");
         let mut deep = frame;
@@ -354,18 +368,18 @@ mod tests {
     fn files_are_opened_once_inside_one_another() {
         let files = Memory::new().with("parts/a.wrl", "a").with("b.wrl", "b");
         let options = ReadOptions::default();
-        let mut stage = Stage::new("/models/m.wrl", &files, &options);
-        let model = Source::model("/models/m.wrl", b"");
+        let mut builder = VrmlSceneBuilder::new("/models/m.wrl", &files, &options);
+        let model = VrmlSource::model("/models/m.wrl", b"");
         let urls = ["none.wrl", "file:parts/a.wrl#x"].map(String::from);
-        let Some(Opened::New(a)) = stage.open(&model, 0, &urls) else {
+        let Some(OpenedFile::New(a)) = builder.open(&model, 0, &urls) else {
             panic!("a file that was not read before");
         };
         assert_eq!((a.name.as_str(), &a.bytes[..]), ("parts/a.wrl", &b"a"[..]));
-        assert!(stage.open(&a, 0, &["../b.wrl".into()]).is_some());
-        stage.close();
-        assert!(stage.open(&a, 0, &["a.wrl".into()]).is_none());
-        assert!(stage.open(&a, 0, &[]).is_none());
-        let warnings = stage.finish("m.wrl").warnings;
+        assert!(builder.open(&a, 0, &["../b.wrl".into()]).is_some());
+        builder.close();
+        assert!(builder.open(&a, 0, &["a.wrl".into()]).is_none());
+        assert!(builder.open(&a, 0, &[]).is_none());
+        let warnings = builder.finish("m.wrl").warnings;
         assert!(
             warnings[0].message.contains("inside itself"),
             "{warnings:?}"

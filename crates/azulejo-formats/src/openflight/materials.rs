@@ -1,9 +1,9 @@
 //! How faces look: their own fields, and the material that comes of them.
 
-use super::document::Document;
-use super::fields::Fields;
+use super::document::FltDocument;
+use super::fields::RecordFields;
 use super::palettes::{PaletteMaterial, Palettes};
-use super::warn::Notes;
+use super::warn::RecordWarnings;
 use crate::Files;
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
@@ -14,7 +14,7 @@ use std::collections::HashMap;
 
 /// What faces and meshes say about themselves, in the same order.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Style {
+pub(super) struct FaceAttributes {
     /// 0 one-sided, 1 two-sided, more for what is no plain surface.
     draw: u8,
     texture_white: bool,
@@ -29,13 +29,13 @@ pub(super) struct Style {
     color: Option<u32>,
 }
 
-impl Style {
+impl FaceAttributes {
     const NO_COLOR: u32 = 1 << 30;
     const PACKED: u32 = 1 << 28;
     const HIDDEN: u32 = 1 << 26;
 
     /// The style of a face, or of a mesh, whose fields stand four bytes further.
-    pub fn new(record: Fields, is_mesh: bool, document: &Document) -> Style {
+    pub fn new(record: RecordFields, is_mesh: bool, document: &FltDocument) -> FaceAttributes {
         let shift = if is_mesh { 4 } else { 0 };
         let index = |at: usize| record.i16(at + shift).map_or(-1, i32::from);
         let flags = record.u32(44 + shift).unwrap_or_default();
@@ -44,9 +44,9 @@ impl Style {
             ..1510 => record.u16(20 + shift).map(u32::from),
             _ => record.u32(68 + shift),
         };
-        let is_packed = flags & Style::PACKED != 0 || document.packed_colors;
+        let is_packed = flags & FaceAttributes::PACKED != 0 || document.packed_colors;
         let packed = is_packed.then(|| record.packed_color(56 + shift));
-        Style {
+        FaceAttributes {
             draw: record.u8(18 + shift).unwrap_or_default(),
             texture_white: record.u8(19 + shift).is_some_and(|white| white != 0),
             billboard: matches!(record.u8(25 + shift), Some(2 | 4)),
@@ -77,7 +77,7 @@ impl Style {
     /// Why faces of this style are no surfaces, if so.
     pub fn skipped(&self) -> Option<&'static str> {
         match self.draw {
-            _ if self.flags & Style::HIDDEN != 0 => Some("hidden face: skipped"),
+            _ if self.flags & FaceAttributes::HIDDEN != 0 => Some("hidden face: skipped"),
             2 | 3 => Some("face drawn as a wireframe: skipped"),
             8..=10 => Some("face drawn as light points: skipped"),
             _ if self.transparency == u16::MAX => Some("wholly transparent face: skipped"),
@@ -94,8 +94,9 @@ impl Style {
     }
 
     /// The colour of the face itself.
-    pub fn color(&self, palettes: &Palettes, notes: &mut Notes) -> Rgb {
-        if (self.texture_white && self.has_texture()) || self.flags & Style::NO_COLOR != 0 {
+    pub fn color(&self, palettes: &Palettes, notes: &mut RecordWarnings) -> Rgb {
+        if (self.texture_white && self.has_texture()) || self.flags & FaceAttributes::NO_COLOR != 0
+        {
             return Rgb::WHITE;
         }
         let index = match (self.packed_color, self.color) {
@@ -111,17 +112,17 @@ impl Style {
 }
 
 /// The materials of the scene, with a memory of what faces have asked for.
-pub(super) struct Looks<'f> {
+pub(super) struct FltMaterials<'f> {
     files: &'f dyn Files,
     pub materials: Materials,
     gloss: Gloss,
     pub textures: Textures,
-    known: HashMap<Request, MaterialId>,
+    known: HashMap<FltMaterialKey, MaterialId>,
 }
 
 /// All that the material of a face depends on; palettes stand for themselves by number.
 #[derive(Debug, PartialEq, Eq, Hash)]
-struct Request {
+struct FltMaterialKey {
     palettes: u32,
     material: Option<i32>,
     texture: i32,
@@ -129,9 +130,9 @@ struct Request {
     two_sided: bool,
 }
 
-impl<'f> Looks<'f> {
-    pub fn new(files: &'f dyn Files) -> Looks<'f> {
-        Looks {
+impl<'f> FltMaterials<'f> {
+    pub fn new(files: &'f dyn Files) -> FltMaterials<'f> {
+        FltMaterials {
             files,
             materials: Materials::default(),
             gloss: Gloss::default(),
@@ -143,12 +144,12 @@ impl<'f> Looks<'f> {
     /// The material of a face of colour `color`. `set` is the number of the palettes.
     pub fn material(
         &mut self,
-        style: &Style,
+        style: &FaceAttributes,
         color: Rgb,
         (set, palettes): (u32, &Palettes),
-        notes: &mut Notes,
+        notes: &mut RecordWarnings,
     ) -> MaterialId {
-        let request = Request {
+        let request = FltMaterialKey {
             palettes: set,
             material: style.is_lit().then_some(style.material),
             texture: style.texture,
@@ -165,10 +166,10 @@ impl<'f> Looks<'f> {
 
     fn build(
         &mut self,
-        request: &Request,
+        request: &FltMaterialKey,
         color: Rgb,
         palettes: &Palettes,
-        notes: &mut Notes,
+        notes: &mut RecordWarnings,
     ) -> MaterialId {
         let mut material = Material::diffuse("", color);
         if let Some(index) = request.material.filter(|index| *index >= 0) {
@@ -206,7 +207,7 @@ impl<'f> Looks<'f> {
 }
 
 /// Multiplies a face's colour with an entry of the material palette.
-fn apply(entry: &PaletteMaterial, material: &mut Material, notes: &mut Notes) {
+fn apply(entry: &PaletteMaterial, material: &mut Material, notes: &mut RecordWarnings) {
     material.name.clone_from(&entry.name);
     material.diffuse *= entry.diffuse;
     material.emission = entry.emissive.map(|e| e.max(0.0));

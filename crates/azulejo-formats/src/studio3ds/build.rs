@@ -1,10 +1,10 @@
 //! From lists to a scene: materials, and everything where the keyframer puts it.
 
-use super::chunk::Walker;
-use super::keyframer::{self, Kind, Node, Placed};
-use super::material::{DEFAULT_REFLECTANCE, Map};
+use super::chunk::ChunkWalker;
+use super::keyframer::{self, KeyframerNode, NodeTarget, PlacedNode};
+use super::material::{DEFAULT_REFLECTANCE, TextureMap};
 use super::mesh::{self, MaterialTable};
-use super::parse::{Model, RawCamera, RawLight, RawMesh};
+use super::parse::{RawCamera, RawLight, RawMesh, Studio3dsModel};
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
 use crate::surface::textures::Textures;
@@ -30,45 +30,49 @@ const UPRIGHT: f64 = 0.999_999;
 const MOST_ZOOM: f64 = 0.01;
 
 /// Builds a scene.
-pub(super) struct Builder<'b> {
+pub(super) struct Studio3dsBuilder<'b> {
     pub files: &'b dyn Files,
-    pub walker: Walker<'b>,
+    pub walker: ChunkWalker<'b>,
     pub budget: Budget,
 }
 
 /// The nodes of the keyframer, placed.
-struct Nodes<'n> {
-    nodes: &'n [Node],
-    placed: Vec<Placed>,
-    by_name: HashMap<(Kind, &'n str), Vec<usize>>,
+struct PlacedNodes<'n> {
+    nodes: &'n [KeyframerNode],
+    placed: Vec<PlacedNode>,
+    by_name: HashMap<(NodeTarget, &'n str), Vec<usize>>,
 }
 
-impl Nodes<'_> {
+impl PlacedNodes<'_> {
     /// The nodes of a thing.
-    fn of<'a>(&'a self, kind: Kind, name: &'a str) -> &'a [usize] {
+    fn of<'a>(&'a self, kind: NodeTarget, name: &'a str) -> &'a [usize] {
         self.by_name.get(&(kind, name)).map_or(&[], Vec::as_slice)
     }
 
     /// The node of a thing that can be but once.
-    fn first<'a>(&'a self, kind: Kind, name: &'a str) -> Option<(&'a Node, &'a Placed)> {
+    fn first<'a>(
+        &'a self,
+        kind: NodeTarget,
+        name: &'a str,
+    ) -> Option<(&'a KeyframerNode, &'a PlacedNode)> {
         let first = *self.of(kind, name).first()?;
         Some((&self.nodes[first], &self.placed[first]))
     }
 
     /// Where a thing without extent is, if the keyframer says so.
-    fn point(&self, kind: Kind, name: &str) -> Option<DVec3> {
+    fn point(&self, kind: NodeTarget, name: &str) -> Option<DVec3> {
         let (_, placed) = self.first(kind, name)?;
         let point = placed.world_from_node.translation;
         (placed.has_position && point.is_finite()).then_some(point)
     }
 }
 
-impl Builder<'_> {
+impl Studio3dsBuilder<'_> {
     /// The scene of a file.
     ///
     /// # Errors
     /// Instances that unfold to too much.
-    pub fn scene(&mut self, model: &Model<'_>) -> Result<Scene, ReadError> {
+    pub fn scene(&mut self, model: &Studio3dsModel<'_>) -> Result<Scene, ReadError> {
         let mut scene = Scene {
             background: model.background,
             units: Units {
@@ -94,7 +98,7 @@ impl Builder<'_> {
     }
 
     /// Materials of the file in their order, then those that it names and does not define.
-    fn materials(&mut self, model: &Model<'_>, scene: &mut Scene) -> MaterialTable {
+    fn materials(&mut self, model: &Studio3dsModel<'_>, scene: &mut Scene) -> MaterialTable {
         let mut table = MaterialTable::default();
         let mut textures = Textures::default();
         for definition in &model.materials {
@@ -102,7 +106,7 @@ impl Builder<'_> {
             if let Some(map) = &definition.map {
                 self.picture(map, definition.at, &mut textures, &mut material);
             }
-            let transform = definition.map.as_ref().and_then(Map::transform);
+            let transform = definition.map.as_ref().and_then(TextureMap::transform);
             table.transforms.push(transform);
             table.are_flat.push(definition.is_flat);
             let id = scene.add_material(material);
@@ -118,7 +122,13 @@ impl Builder<'_> {
         table
     }
 
-    fn picture(&mut self, map: &Map, at: u64, textures: &mut Textures, material: &mut Material) {
+    fn picture(
+        &mut self,
+        map: &TextureMap,
+        at: u64,
+        textures: &mut Textures,
+        material: &mut Material,
+    ) {
         let (id, problem) = textures.index("", &map.file, self.files);
         material.textures.push(id);
         if let Some(problem) = problem {
@@ -133,7 +143,7 @@ impl Builder<'_> {
     /// Grey materials for the names that meshes use and the file does not define.
     fn undefined_materials(
         &mut self,
-        model: &Model<'_>,
+        model: &Studio3dsModel<'_>,
         scene: &mut Scene,
         table: &mut MaterialTable,
     ) {
@@ -152,7 +162,7 @@ impl Builder<'_> {
         }
     }
 
-    fn nodes<'n>(&mut self, nodes: &'n [Node]) -> Result<Nodes<'n>, ReadError> {
+    fn nodes<'n>(&mut self, nodes: &'n [KeyframerNode]) -> Result<PlacedNodes<'n>, ReadError> {
         let file = self.walker.file;
         let placed = keyframer::place(nodes, &mut self.walker, &mut self.budget);
         let mut by_name: HashMap<_, Vec<usize>> = HashMap::new();
@@ -162,7 +172,7 @@ impl Builder<'_> {
                 .or_default()
                 .push(i);
         }
-        Ok(Nodes {
+        Ok(PlacedNodes {
             nodes,
             placed: placed.map_err(|e| e.error(file))?,
             by_name,
@@ -171,9 +181,9 @@ impl Builder<'_> {
 
     fn meshes(
         &mut self,
-        model: &Model<'_>,
+        model: &Studio3dsModel<'_>,
         table: &MaterialTable,
-        nodes: &Nodes<'_>,
+        nodes: &PlacedNodes<'_>,
         scene: &mut Scene,
     ) -> Result<(), ReadError> {
         let mut alike: HashMap<&str, usize> = HashMap::new();
@@ -183,7 +193,7 @@ impl Builder<'_> {
         let mut seen: HashMap<&str, usize> = HashMap::new();
         for raw in &model.meshes {
             let nth = seen.entry(&raw.name).or_default();
-            let of_name = nodes.of(Kind::Mesh, &raw.name);
+            let of_name = nodes.of(NodeTarget::Mesh, &raw.name);
             let own = match alike[raw.name.as_str()] {
                 1 => of_name,
                 // Meshes of one name share the nodes of that name out, in their order.
@@ -204,7 +214,7 @@ impl Builder<'_> {
         raw: &RawMesh<'_>,
         own: &[usize],
         table: &MaterialTable,
-        nodes: &Nodes<'_>,
+        nodes: &PlacedNodes<'_>,
         scene: &mut Scene,
     ) -> Result<(), ReadError> {
         let stored = mesh::mesh(raw, table, &mut self.walker);
@@ -241,7 +251,12 @@ impl Builder<'_> {
     }
 
     /// How a node moves a mesh from where it is stored; `None` if it does not.
-    fn placement(&mut self, raw: &RawMesh<'_>, stored: &Mesh, placed: &Placed) -> Option<DAffine3> {
+    fn placement(
+        &mut self,
+        raw: &RawMesh<'_>,
+        stored: &Mesh,
+        placed: &PlacedNode,
+    ) -> Option<DAffine3> {
         if !placed.has_position {
             return None;
         }
@@ -268,8 +283,10 @@ impl Builder<'_> {
         moves(&map, bounds).then_some(map)
     }
 
-    fn light(&mut self, raw: &RawLight, nodes: &Nodes<'_>) -> Light {
-        let position = nodes.point(Kind::Light, &raw.name).unwrap_or(raw.position);
+    fn light(&mut self, raw: &RawLight, nodes: &PlacedNodes<'_>) -> Light {
+        let position = nodes
+            .point(NodeTarget::Light, &raw.name)
+            .unwrap_or(raw.position);
         let intensity = raw.intensity;
         let kind = match raw.spot {
             None => LightKind::Point {
@@ -278,7 +295,7 @@ impl Builder<'_> {
             },
             Some(spot) => {
                 let target = nodes
-                    .point(Kind::SpotTarget, &raw.name)
+                    .point(NodeTarget::SpotTarget, &raw.name)
                     .unwrap_or(spot.target);
                 let half = |full: f64| 0.5 * full.clamp(0.0, 360.0).to_radians();
                 let outer = half(spot.fall_off);
@@ -297,17 +314,21 @@ impl Builder<'_> {
         }
     }
 
-    fn camera(&mut self, raw: &RawCamera, nodes: &Nodes<'_>) -> Option<Camera> {
-        let eye = nodes.point(Kind::Camera, &raw.name).unwrap_or(raw.position);
+    fn camera(&mut self, raw: &RawCamera, nodes: &PlacedNodes<'_>) -> Option<Camera> {
+        let eye = nodes
+            .point(NodeTarget::Camera, &raw.name)
+            .unwrap_or(raw.position);
         let target = nodes
-            .point(Kind::CameraTarget, &raw.name)
+            .point(NodeTarget::CameraTarget, &raw.name)
             .unwrap_or(raw.target);
         let Some(forward) = (target - eye).try_normalize() else {
             self.walker
                 .warn(raw.at, "camera that looks nowhere: left out");
             return None;
         };
-        let node = nodes.first(Kind::Camera, &raw.name).map(|(node, _)| node);
+        let node = nodes
+            .first(NodeTarget::Camera, &raw.name)
+            .map(|(node, _)| node);
         let roll = node.and_then(|n| n.roll).unwrap_or(raw.bank);
         let upright = if forward.z.abs() > UPRIGHT {
             DVec3::Y
@@ -331,7 +352,7 @@ impl Builder<'_> {
 
     /// From the horizontal field of view, which is 2400 / lens degrees: the program's own rule,
     /// and the keyframer's value beside it where a file has both.
-    fn vertical_fov(&mut self, raw: &RawCamera, node: Option<&Node>) -> f64 {
+    fn vertical_fov(&mut self, raw: &RawCamera, node: Option<&KeyframerNode>) -> f64 {
         let mut horizontal = node
             .and_then(|n| n.field_of_view)
             .unwrap_or(2400.0 / raw.lens);

@@ -1,10 +1,10 @@
 //! Materials and pictures.
 
-use super::node::Node;
-use super::walk::Walk;
+use super::node::V1Node;
+use super::walk::V1Traversal;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
-use crate::vrml::look;
+use crate::vrml::appearance;
 use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
 use std::collections::HashMap;
 
@@ -16,15 +16,15 @@ const DEFAULT_DIFFUSE: Rgb = Rgb::grey(0.8);
 
 /// What has been made of the nodes of this file.
 #[derive(Debug, Default)]
-pub(super) struct Looks {
-    materials: HashMap<Look, MaterialId>,
+pub(super) struct V1MaterialCache {
+    materials: HashMap<V1MaterialKey, MaterialId>,
     /// By the place of their node.
     textures: HashMap<usize, Option<TextureId>>,
 }
 
 /// Everything that makes two materials of a file different.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Look {
+struct V1MaterialKey {
     /// The place of the node Material, and which of its materials.
     material: Option<(usize, u32)>,
     texture: Option<TextureId>,
@@ -33,18 +33,18 @@ struct Look {
 }
 
 /// How many materials a node Material holds.
-pub(super) fn count(material: &Node) -> usize {
+pub(super) fn count(material: &V1Node) -> usize {
     let diffuse = material.colors("diffuseColor").map_or(1, <[Rgb]>::len);
     beyond_diffuse(material).fold(diffuse, usize::max).max(1)
 }
 
 /// Whether the materials of a node have more that is not alike than their diffuse colours.
-pub(super) fn differ_beyond_diffuse(material: &Node) -> bool {
+pub(super) fn differ_beyond_diffuse(material: &V1Node) -> bool {
     beyond_diffuse(material).any(|count| count > 1)
 }
 
 /// How many values the other fields have that matter.
-fn beyond_diffuse<'n>(material: &'n Node) -> impl Iterator<Item = usize> + 'n {
+fn beyond_diffuse<'n>(material: &'n V1Node) -> impl Iterator<Item = usize> + 'n {
     let colors = ["specularColor", "emissiveColor"];
     let numbers = ["shininess", "transparency", "mirror"];
     let colors = colors
@@ -62,17 +62,17 @@ fn nth<T: Copy>(list: Option<&[T]>, i: usize) -> Option<T> {
     list.get(i).or(list.last()).copied()
 }
 
-impl Walk<'_, '_, '_> {
+impl V1Traversal<'_, '_, '_> {
     /// The current materials' `i`-th, for a surface that is closed, or open and seen from both
     /// sides; with `is_colored`, for one whose vertices have the diffuse colours.
     pub fn material(&mut self, i: usize, is_open: bool, is_colored: bool) -> MaterialId {
-        let look = Look {
+        let key = V1MaterialKey {
             material: self.state.material.map(|node| (node.at, i as u32)),
             texture: self.state.texture,
             is_open,
             is_colored,
         };
-        if let Some(&known) = self.looks.materials.get(&look) {
+        if let Some(&known) = self.cache.materials.get(&key) {
             return known;
         }
         let mut material = match self.state.material {
@@ -85,14 +85,14 @@ impl Walk<'_, '_, '_> {
             material.limit_reflectance();
         }
         material.emits_back = is_open && material.is_emitter();
-        material.textures.extend(look.texture);
-        let id = self.stage.materials.index(material);
-        self.looks.materials.insert(look, id);
+        material.textures.extend(key.texture);
+        let id = self.builder.materials.index(material);
+        self.cache.materials.insert(key, id);
         id
     }
 
     /// The `i`-th material of a node.
-    fn described(&mut self, node: &Node, i: usize) -> Material {
+    fn described(&mut self, node: &V1Node, i: usize) -> Material {
         let color = |field| nth(node.colors(field), i);
         let number = |field, default| nth(node.numbers(field), i).unwrap_or(default);
         let share = |x: f64| {
@@ -124,7 +124,7 @@ impl Walk<'_, '_, '_> {
         let specular = color("specularColor").unwrap_or_default().map(share);
         let exponent = MOST_EXPONENT * share(number("shininess", 0.2));
         let highlight = Highlight::half(exponent, specular);
-        if let Err(message) = self.stage.gloss.highlight(&mut material, highlight) {
+        if let Err(message) = self.builder.gloss.highlight(&mut material, highlight) {
             self.warn(node, message);
         }
         if number("transparency", 0.0) > 0.0 {
@@ -140,8 +140,8 @@ impl Walk<'_, '_, '_> {
     }
 
     /// The picture of a node Texture2; `None` for one without.
-    pub fn texture(&mut self, node: &Node) -> Option<TextureId> {
-        if let Some(&known) = self.looks.textures.get(&node.at) {
+    pub fn texture(&mut self, node: &V1Node) -> Option<TextureId> {
+        if let Some(&known) = self.cache.textures.get(&node.at) {
             return known;
         }
         for field in ["wrapS", "wrapT"] {
@@ -153,14 +153,16 @@ impl Walk<'_, '_, '_> {
             "" => self.written_out(node),
             name => Some(self.picture(node, name)),
         };
-        self.looks.textures.insert(node.at, id);
+        self.cache.textures.insert(node.at, id);
         id
     }
 
     /// The picture in a file.
-    fn picture(&mut self, node: &Node, name: &str) -> TextureId {
-        let stage = &mut *self.stage;
-        let (id, problem) = stage.textures.index(&self.source.path, name, stage.files);
+    fn picture(&mut self, node: &V1Node, name: &str) -> TextureId {
+        let builder = &mut *self.builder;
+        let (id, problem) = builder
+            .textures
+            .index(&self.source.path, name, builder.files);
         if let Some(problem) = problem {
             self.warn(node, problem);
         }
@@ -168,14 +170,14 @@ impl Walk<'_, '_, '_> {
     }
 
     /// The picture whose pixels stand in the node; `None` if it has none.
-    fn written_out(&mut self, node: &Node) -> Option<TextureId> {
+    fn written_out(&mut self, node: &V1Node) -> Option<TextureId> {
         let numbers = node.numbers("image")?;
         if numbers.iter().take(3).any(|n| *n == 0.0) {
             return None;
         }
         let name = shortened(node.name.as_deref().unwrap_or("Texture2"));
-        let drawn = match look::pixels(numbers) {
-            Some(image) => self.stage.textures.drawn(name, image),
+        let drawn = match appearance::pixels(numbers) {
+            Some(image) => self.builder.textures.drawn(name, image),
             None => Err("it has fewer pixels than it says".to_owned()),
         };
         let said = |why| self.warn(node, format!("picture of numbers is not shown: {why}"));

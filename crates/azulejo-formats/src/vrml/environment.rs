@@ -1,7 +1,7 @@
 //! What belongs to the viewer: viewpoints, background, fog and the way to move.
 
-use super::stage::{Frame, Stage};
-use super::tree::{Node, limited, triples};
+use super::builder::{VrmlPlacement, VrmlSceneBuilder};
+use super::tree::{VrmlNode, limited, triples};
 use super::world::rotation;
 use crate::reading::text::shortened;
 use azulejo_scene::{Camera, Fog, Rgb};
@@ -9,16 +9,16 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Puts a node of this sort into the scene.
-pub(super) fn place(stage: &mut Stage, node: &Node, frame: &Frame) {
+pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {
     match &*node.kind {
-        "Viewpoint" => viewpoint(stage, node, frame),
-        "Fog" => fog(stage, node, frame),
-        "NavigationInfo" => navigation(stage, node),
-        _ => background(stage, node),
+        "Viewpoint" => viewpoint(builder, node, frame),
+        "Fog" => fog(builder, node, frame),
+        "NavigationInfo" => navigation(builder, node),
+        _ => background(builder, node),
     }
 }
 
-fn viewpoint(stage: &mut Stage, node: &Node, frame: &Frame) {
+fn viewpoint(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {
     let map = &frame.world_from_object;
     let turn = rotation(node.array("orientation", [0.0, 0.0, 1.0, 0.0]));
     let eye = map.transform_point3(node.vector("position", DVec3::new(0.0, 0.0, 10.0)));
@@ -27,7 +27,7 @@ fn viewpoint(stage: &mut Stage, node: &Node, frame: &Frame) {
     let field = node.number("fieldOfView", FRAC_PI_4);
     let sane = field > 0.0 && field < PI;
     let (Some(forward), Some(up)) = (forward, up) else {
-        return nowhere(stage, node);
+        return nowhere(builder, node);
     };
     let camera = Camera {
         name: match node.strings("description").first() {
@@ -42,17 +42,17 @@ fn viewpoint(stage: &mut Stage, node: &Node, frame: &Frame) {
     };
     let (right, up, forward) = camera.axes();
     if !(eye.is_finite() && right.is_finite() && up.is_finite() && forward.is_finite()) {
-        return nowhere(stage, node);
+        return nowhere(builder, node);
     }
     if !sane {
         let message = "Viewpoint with a fieldOfView outside 0..π: taken as π/4";
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
-    stage.scene.cameras.push(camera);
+    builder.scene.cameras.push(camera);
 }
 
-fn nowhere(stage: &mut Stage, node: &Node) {
-    stage.warn(
+fn nowhere(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
+    builder.warn(
         &node.source,
         node.at,
         "Viewpoint that sees nothing: skipped",
@@ -60,17 +60,17 @@ fn nowhere(stage: &mut Stage, node: &Node) {
 }
 
 /// The one that is shown: the first.
-fn is_first(stage: &mut Stage, node: &Node, is_there: bool) -> bool {
+fn is_first(builder: &mut VrmlSceneBuilder, node: &VrmlNode, is_there: bool) -> bool {
     if is_there {
         let message = format!("{} behind the first: not shown", node.kind);
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
     !is_there
 }
 
-fn background(stage: &mut Stage, node: &Node) {
-    let is_there = stage.scene.background.is_some();
-    if !is_first(stage, node, is_there) {
+fn background(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
+    let is_there = builder.scene.background.is_some();
+    if !is_first(builder, node, is_there) {
         return;
     }
     let colors = triples(&node.numbers("skyColor"));
@@ -79,14 +79,14 @@ fn background(stage: &mut Stage, node: &Node) {
         .map(|c| limited(c.to_array().into()))
         .collect();
     let many = colors.len().max(1) as f64;
-    stage.scene.background = Some(colors.iter().copied().sum::<Rgb>() / many);
+    builder.scene.background = Some(colors.iter().copied().sum::<Rgb>() / many);
     if colors.len() > 1 {
         let message = "sky of several colours: their mean is the background";
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
     let ground = node.color("groundColor", colors.first().copied().unwrap_or_default());
     if Some(&ground) != colors.first() && node.value("groundColor").is_some() {
-        stage.warn(
+        builder.warn(
             &node.source,
             node.at,
             "groundColor of a background: skipped",
@@ -99,20 +99,20 @@ fn background(stage: &mut Stage, node: &Node) {
     };
     let pictures = sides.into_iter().filter(has_picture).count();
     let message = "picture of a background: skipped";
-    stage.warn_many(&node.source, node.at, message, pictures);
+    builder.warn_many(&node.source, node.at, message, pictures);
 }
 
-fn fog(stage: &mut Stage, node: &Node, frame: &Frame) {
+fn fog(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {
     let scale = frame.world_from_object.matrix3.determinant().abs().cbrt();
     let visibility = node.number("visibilityRange", 0.0) * scale;
     if !(visibility > 0.0 && visibility.is_finite()) {
         // The standard's way to say that there is none.
         return;
     }
-    let is_there = stage.scene.fog.is_some();
-    if is_first(stage, node, is_there) {
+    let is_there = builder.scene.fog.is_some();
+    if is_first(builder, node, is_there) {
         let kind = node.strings("fogType");
-        stage.scene.fog = Some(Fog {
+        builder.scene.fog = Some(Fog {
             color: node.color("color", Rgb::WHITE),
             visibility,
             exponential: kind
@@ -122,9 +122,9 @@ fn fog(stage: &mut Stage, node: &Node, frame: &Frame) {
     }
 }
 
-fn navigation(stage: &mut Stage, node: &Node) {
+fn navigation(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
     if node.flag("headlight", true) {
         let message = "headlight of NavigationInfo: no light of the scene, skipped";
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
 }

@@ -1,14 +1,12 @@
 //! Surfaces, transforms, textures and lights.
 
-use super::scope::Texture;
-use super::translate::Translator;
-use crate::ReadError;
+use super::ScnResult;
+use super::scope::TextureCommand;
+use super::translate::ScnTranslator;
 use crate::sff::document::{SurfaceRecord, TextureKind};
 use azulejo_scene::Rgb;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind, RtraceSource};
 use glam::{DMat3, DMat4, DVec3};
-
-type Read<T> = Result<T, ReadError>;
 
 /// Words that begin a transform, but for `none`.
 const TRANSFORMS: [&str; 4] = ["scale", "translate", "rotate", "general"];
@@ -45,9 +43,9 @@ fn plain(color: Rgb, source: RtraceSource) -> SurfaceRecord {
     }
 }
 
-impl Translator<'_> {
+impl ScnTranslator<'_> {
     /// A surface behind its keyword; returns its number.
-    pub fn surface(&mut self) -> Read<u32> {
+    pub fn surface(&mut self) -> ScnResult<u32> {
         let is_emitter = self.stream.take(&["emitter"]);
         let is_unshadowed = self.stream.take(&["noshadow"]);
         let is_emitter = is_emitter || self.stream.take(&["emitter"]);
@@ -63,7 +61,7 @@ impl Translator<'_> {
         self.number_of(surface)
     }
 
-    fn surface_form(&mut self) -> Read<SurfaceRecord> {
+    fn surface_form(&mut self) -> ScnResult<SurfaceRecord> {
         let stream = &mut self.stream;
         let (black, white) = (Rgb::BLACK, Rgb::WHITE);
         let tenth = Rgb::grey(0.1);
@@ -98,9 +96,10 @@ impl Translator<'_> {
         let glass = stream.take(&["glass"]);
         if glass || stream.take(&["dielectric", "die"]) {
             let (color, t) = (stream.color()?, stream.color()?);
-            let n = match glass {
-                true => 1.52,
-                false => stream.within(1.0, 300.0, "an index of refraction")?,
+            let n = if glass {
+                1.52
+            } else {
+                stream.within(1.0, 300.0, "an index of refraction")?
             };
             self.scopes.set_refraction(n);
             return Ok(phong(color, black, white - t, [100.0, 0.0], t));
@@ -122,21 +121,22 @@ impl Translator<'_> {
         ))
     }
 
-    fn transparency(&mut self) -> Read<Rgb> {
-        match self.stream.color_follows() {
-            true => self.stream.color(),
-            false => Ok(Rgb::BLACK),
+    fn transparency(&mut self) -> ScnResult<Rgb> {
+        if self.stream.color_follows() {
+            self.stream.color()
+        } else {
+            Ok(Rgb::BLACK)
         }
     }
 
     /// The surface of objects that have none.
-    pub fn default_surface(&mut self) -> Read<u32> {
+    pub fn default_surface(&mut self) -> ScnResult<u32> {
         let (color, dim) = (Rgb::grey(0.9), Rgb::grey(0.1));
         self.number_of(phong(color, color, dim, [4.0, 0.0], Rgb::BLACK))
     }
 
     /// A transform behind its keyword, `None` for one that drops those before.
-    pub fn transform(&mut self) -> Read<Option<DMat4>> {
+    pub fn transform(&mut self) -> ScnResult<Option<DMat4>> {
         if self.stream.take(&["none", "reset"]) {
             return Ok(None);
         }
@@ -150,7 +150,7 @@ impl Translator<'_> {
     }
 
     /// A transform without its keyword, if one follows.
-    pub fn transform_if_any(&mut self) -> Read<Option<DMat4>> {
+    pub fn transform_if_any(&mut self) -> ScnResult<Option<DMat4>> {
         let stream = &mut self.stream;
         let place = stream.place();
         let Some(word) = stream.peek_word().filter(|w| TRANSFORMS.contains(w)) else {
@@ -160,9 +160,10 @@ impl Translator<'_> {
         let matrix = match word {
             "scale" => {
                 let x = stream.real()?;
-                let scale = match stream.real_follows() {
-                    true => DVec3::new(x, stream.real()?, stream.real()?),
-                    false => DVec3::splat(x),
+                let scale = if stream.real_follows() {
+                    DVec3::new(x, stream.real()?, stream.real()?)
+                } else {
+                    DVec3::splat(x)
                 };
                 DMat4::from_scale(scale)
             }
@@ -174,20 +175,20 @@ impl Translator<'_> {
                     Some("z") => DVec3::Z,
                     _ => DVec3::ZERO,
                 };
-                let axis = match axis == DVec3::ZERO {
-                    true => stream.vector()?.normalize(),
-                    false => {
-                        stream.word();
-                        axis
-                    }
+                let axis = if axis == DVec3::ZERO {
+                    stream.vector()?.normalize()
+                } else {
+                    stream.word();
+                    axis
                 };
                 DMat4::from_axis_angle(axis, stream.real()?.to_radians())
             }
             _ => {
                 let rows = [stream.point()?, stream.point()?, stream.point()?];
-                let shift = match stream.point_follows() {
-                    true => stream.point()?,
-                    false => DVec3::ZERO,
+                let shift = if stream.point_follows() {
+                    stream.point()?
+                } else {
+                    DVec3::ZERO
                 };
                 let linear = DMat3::from_cols_array_2d(&rows.map(|r| r.to_array())).transpose();
                 let mut matrix = DMat4::from_mat3(linear);
@@ -203,19 +204,19 @@ impl Translator<'_> {
     }
 
     /// What stands behind `texture`; `None` drops the textures before.
-    pub fn texture(&mut self) -> Read<Option<Texture>> {
+    pub fn texture(&mut self) -> ScnResult<Option<TextureCommand>> {
         let place = self.stream.place();
         if self.stream.take(&["none", "reset"]) {
             return Ok(None);
         }
         if self.stream.take(&["local"]) {
-            return Ok(Some(Texture::Local));
+            return Ok(Some(TextureCommand::Local));
         }
         if self.stream.take(&["invariant"]) {
-            return Ok(Some(Texture::Invariant));
+            return Ok(Some(TextureCommand::Invariant));
         }
         if let Some(matrix) = self.transform_if_any()? {
-            return Ok(Some(Texture::Record {
+            return Ok(Some(TextureCommand::Record {
                 place,
                 matrix,
                 kind: TextureKind {
@@ -235,7 +236,7 @@ impl Translator<'_> {
     }
 
     /// A texture that begins with its name, if one follows.
-    pub fn named_texture(&mut self) -> Read<Option<Texture>> {
+    pub fn named_texture(&mut self) -> ScnResult<Option<TextureCommand>> {
         let place = self.stream.place();
         let word = self.stream.peek_word().unwrap_or_default();
         let Some(number) = TEXTURES.iter().position(|t| t.0 == word) else {
@@ -271,17 +272,19 @@ impl Translator<'_> {
                 }
             }
         }
-        let file = match has_file {
-            true if word == "image_map" => self.stream.file_name()?,
-            true => self.stream.file_name_if_any(),
-            false => String::new(),
+        let file = if !has_file {
+            String::new()
+        } else if word == "image_map" {
+            self.stream.file_name()?
+        } else {
+            self.stream.file_name_if_any()
         };
         let matrix = self.transform_if_any()?.unwrap_or(DMat4::ZERO);
         let kind = TextureKind {
             number: number as u32,
             values,
         };
-        Ok(Some(Texture::Record {
+        Ok(Some(TextureCommand::Record {
             place,
             matrix,
             kind,
@@ -293,7 +296,7 @@ impl Translator<'_> {
         }))
     }
 
-    fn texture_surface(&mut self) -> Read<f64> {
+    fn texture_surface(&mut self) -> ScnResult<f64> {
         if !self.stream.take(&["surface"]) {
             return Err(self.stream.unexpected("surface"));
         }
@@ -306,7 +309,7 @@ impl Translator<'_> {
     }
 
     /// A light behind its keyword.
-    pub fn light(&mut self) -> Read<RtraceLight> {
+    pub fn light(&mut self) -> ScnResult<RtraceLight> {
         let stream = &mut self.stream;
         let place = stream.place();
         let kind = stream.word().unwrap_or_default();
@@ -385,7 +388,7 @@ impl Translator<'_> {
     }
 }
 
-fn samples(stream: &mut super::values::Stream) -> Read<u32> {
+fn samples(stream: &mut super::values::TokenStream) -> ScnResult<u32> {
     Ok(stream.within(1.0, 256.0, "the samples of a light")?.round() as u32)
 }
 
