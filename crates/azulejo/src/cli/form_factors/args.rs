@@ -3,7 +3,7 @@
 use crate::cli::args::{Division, Input};
 use crate::cli::engine::EngineArgs;
 use crate::cli::values;
-use azulejo_radiosity::Closure;
+use azulejo_factors::Closure;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 
