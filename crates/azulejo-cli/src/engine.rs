@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::report::Report;
 use super::values;
-use azulejo_radiosity::{DrawnBy, Engine, Hemicube, Ran};
+use azulejo_factors::{Engine, EngineUsed, Hemicube, HemicubeBackend};
 use azulejo_scene::Scene;
 use azulejo_trace::item_buffer::Device;
 use azulejo_trace::{Kernel, Tracer};
@@ -143,9 +143,9 @@ impl EngineArgs {
     fn hemicube(&self, notes: &mut Vec<String>) -> Result<Hemicube, Failure> {
         let default = Hemicube::default();
         let device = match self.gpu.unwrap_or(GpuName::Auto) {
-            GpuName::Off => DrawnBy::Processor,
+            GpuName::Off => HemicubeBackend::Processor,
             GpuName::Auto => fastest_device(notes),
-            name => DrawnBy::Device(open_card(name).map_err(Failure::failed)?.0),
+            name => HemicubeBackend::Device(open_card(name).map_err(Failure::failed)?.0),
         };
         Ok(Hemicube {
             resolution: self.resolution.unwrap_or(default.resolution),
@@ -156,16 +156,16 @@ impl EngineArgs {
 }
 
 /// A real card if there is one; software drivers are slower than the processor by itself.
-fn fastest_device(notes: &mut Vec<String>) -> DrawnBy {
+fn fastest_device(notes: &mut Vec<String>) -> HemicubeBackend {
     match open_card(GpuName::Auto) {
-        Ok((card, false)) => return DrawnBy::Device(card),
+        Ok((card, false)) => return HemicubeBackend::Device(card),
         Ok((card, true)) => notes.push(format!(
             "the processor draws, since {} is software too (--gpu vulkan or gl takes it)",
             card.name()
         )),
         Err(why) => notes.push(format!("the processor draws: {why}")),
     }
-    DrawnBy::Processor
+    HemicubeBackend::Processor
 }
 
 /// A card, and whether it is software.
@@ -239,12 +239,12 @@ impl Chosen {
     }
 
     /// Says which engine ran, on what, and why.
-    pub fn describe(&self, ran: &Ran, report: &mut Report) {
+    pub fn describe(&self, ran: &EngineUsed, report: &mut Report) {
         let words = match ran.device.as_str() {
-            "" => ran.engine.clone(),
-            device => format!("{}, by {device}", ran.engine),
+            "" => ran.name.clone(),
+            device => format!("{}, by {device}", ran.name),
         };
-        report.fact("engine", ran.engine.clone(), "engine", words);
+        report.fact("engine", ran.name.clone(), "engine", words);
         report.value("device", ran.device.clone());
         let notes: Vec<String> = self.notes.iter().chain(&ran.notes).cloned().collect();
         for note in &notes {

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
 use super::session::Session;
 use azulejo::machine;
-use azulejo_radiosity::{Balance, FirstPass, Light, Method, PatchSize, SolveError};
+use azulejo_radiosity::{EnergyBalance, FirstPass, LightSolution, Method, PatchSize, SolveError};
 use azulejo_scene::{Rgb, Scene, Units};
 use azulejo_trace::Tracer;
 
@@ -37,7 +37,7 @@ pub fn solve(
     args: &FirstPassArgs,
     chosen: &Chosen,
     session: &Session,
-) -> Result<Light, Failure> {
+) -> Result<LightSolution, Failure> {
     session.limit_time(args.time);
     let options = options(args, chosen);
     session
@@ -46,8 +46,8 @@ pub fn solve(
 }
 
 /// Why the library gave up, as a failure of the command.
-pub fn failure(error: SolveError) -> Failure {
-    match error {
+pub fn failure(error: impl Into<SolveError>) -> Failure {
+    match error.into() {
         SolveError::Cancelled => Failure::Cancelled,
         other => Failure::failed(other),
     }
@@ -65,7 +65,7 @@ pub fn describe(
     units: Units,
     report: &mut Report,
 ) {
-    chosen.describe(&pass.ran, report);
+    chosen.describe(&pass.engine_used, report);
     let method = match pass.method {
         Method::Matrix => "matrix",
         Method::Stochastic => "stochastic",
@@ -121,7 +121,7 @@ pub fn describe(
 }
 
 /// Where the emitted power went, in W or lm and as shares.
-fn energy(balance: &Balance, units: Units, report: &mut Report) {
+fn energy(balance: &EnergyBalance, units: Units, report: &mut Report) {
     let emitted = balance.emitted.mean();
     let share = |power: Rgb| percent(power.mean() / emitted.max(f64::MIN_POSITIVE));
     report.line(

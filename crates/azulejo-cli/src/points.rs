@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::npy::{self, Array};
 use azulejo::models;
 use azulejo::output::Output;
-use azulejo_radiosity::PointNormal;
+use azulejo_factors::PointNormal;
 use azulejo_scene::math::Ray;
 use azulejo_trace::Progress;
 use glam::DVec3;

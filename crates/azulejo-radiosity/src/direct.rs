@@ -1,7 +1,8 @@
 //! The direct light of patches: what formulas count, area-averaged.
 
-use crate::patch::{Patches, Sampler};
-use crate::row::Side;
+use azulejo_factors::Patches;
+use azulejo_factors::patch::Sampler;
+use azulejo_factors::row::Side;
 use azulejo_trace::sampling::{hash, seeds, sobol};
 use azulejo_trace::{DirectLight, GatherPoint, Gatherer, Places, RAYS_PER_FORMULA, REPLICATES};
 use std::ops::Range;

@@ -34,7 +34,7 @@ const DARK: f64 = 0.1;
 
 /// When gathering stops: at an error, at a number of rays, or at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
+pub struct GatherEffort {
     /// Relative RMS error of irradiance to reach, see [`Gathering::relative_error`]; `None` spends all the
     /// rays.
     pub error: Option<f64>,
@@ -115,7 +115,7 @@ pub fn gather(
     gatherer: &Gatherer,
     light: &impl DiffuseLight,
     points: &[GatherPoint],
-    effort: Effort,
+    effort: GatherEffort,
     seed: u32,
     progress: &Progress,
 ) -> Result<Gathering, Cancelled> {
@@ -127,12 +127,12 @@ pub(crate) fn gather_watched(
     gatherer: &Gatherer,
     light: &impl DiffuseLight,
     points: &[GatherPoint],
-    effort: Effort,
+    effort: GatherEffort,
     seed: u32,
     progress: &Progress,
     watch: &mut dyn FnMut(&Gathering),
 ) -> Result<Gathering, Cancelled> {
-    let task = Task {
+    let task = GatherPass {
         gatherer,
         light,
         points,
@@ -169,7 +169,7 @@ pub(crate) fn gather_watched(
 }
 
 /// What stays the same over all passes.
-struct Task<'a, L> {
+struct GatherPass<'a, L> {
     gatherer: &'a Gatherer<'a>,
     light: &'a L,
     points: &'a [GatherPoint],
@@ -177,7 +177,7 @@ struct Task<'a, L> {
     progress: &'a Progress,
 }
 
-impl<L: DiffuseLight> Task<'_, L> {
+impl<L: DiffuseLight> GatherPass<'_, L> {
     /// Brings every point to its total, in groups that have the same way to go; points that have
     /// something already keep it when time runs out.
     fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {

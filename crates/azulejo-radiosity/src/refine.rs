@@ -15,10 +15,10 @@
 //! decline as count^−rate that is in proportion to (A ρ² σ² / cost)^(1/(1 + rate)), by Lagrange.
 
 use crate::direct::{DIRECT_POSITIONS, direct_at};
-use crate::patch::Patches;
-use crate::rays::{BATCH, HitPatches, Starts};
-use crate::row::{Side, side};
-use crate::system::{Found, System};
+use crate::system::{RadiositySolution, System};
+use azulejo_factors::Patches;
+use azulejo_factors::rays::{BATCH, HitPatches, RowSampler};
+use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::hash;
@@ -44,8 +44,8 @@ const MOST_POSITIONS: u32 = 1024;
 
 /// What refinement aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Goal {
-    /// Relative RMS error of the radiosity, as [`Found::error`] says it.
+pub struct RefinementGoal {
+    /// Relative RMS error of the radiosity, as [`RadiositySolution::error`] says it.
     pub error: f64,
     /// Most rays per row.
     pub rays: u32,
@@ -53,7 +53,7 @@ pub struct Goal {
 
 /// What refinement did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Spent {
+pub struct RefinementWork {
     /// Rays beyond those of the coarse rows.
     pub rays: u64,
     /// Rows that got more rays, or more positions of direct light.
@@ -73,20 +73,20 @@ pub struct Spent {
 )]
 pub fn refine(
     system: &mut System,
-    coarse: &Found,
+    coarse: &RadiositySolution,
     gatherer: &Gatherer,
     patches: &Patches,
     rays: u32,
-    goal: Goal,
+    goal: RefinementGoal,
     seed: u32,
     progress: &Progress,
-) -> Result<Spent, Cancelled> {
+) -> Result<RefinementWork, Cancelled> {
     let most = (goal.rays / REPLICATES as u32).max(1) as usize;
     let tracer = gatherer.surfaces().tracer;
     let refiner = Refiner {
         gatherer,
         patches,
-        starts: Starts::new(tracer, patches, most, seed),
+        starts: RowSampler::new(tracer, patches, most, seed),
         hit_patches: HitPatches::new(gatherer.surfaces(), patches),
         seed,
         reference: coarse.mean().iter().map(|r| r.to_f32()).collect(),
@@ -96,7 +96,7 @@ pub fn refine(
     let mut rows = refiner.begin(system, &reference, rays);
     let costs = [1.0, gatherer.direct_cost()];
     let most = [most as u32, MOST_POSITIONS];
-    let mut spent = Spent::default();
+    let mut spent = RefinementWork::default();
     for _ in 0..MOST_ROUNDS {
         let strengths = strengths(&rows, system, patches);
         let reached = reached(&rows, &strengths);
@@ -132,20 +132,20 @@ const RAYS: usize = 0;
 const LAMPS: usize = 1;
 
 /// Irradiance of one row, as it is known so far.
-struct Fine {
+struct RefinedRow {
     side: Side,
-    parts: [Part; 2],
+    parts: [RowPart; 2],
     is_refined: bool,
 }
 
 /// One part of it per replicate, and how many samples of each replicate made it.
 #[derive(Clone, Copy)]
-struct Part {
+struct RowPart {
     values: [Rgb; REPLICATES],
     count: u32,
 }
 
-impl Part {
+impl RowPart {
     /// Adds what `count` further samples of each replicate found.
     fn add(&mut self, values: &[Rgb; REPLICATES], count: u32) {
         let total = self.count + count;
@@ -158,7 +158,7 @@ impl Part {
 }
 
 /// More samples for one part of one row.
-struct Task {
+struct RefinementTask {
     row: usize,
     part: usize,
     side: Side,
@@ -170,7 +170,7 @@ struct Task {
 struct Refiner<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
-    starts: Starts<'a>,
+    starts: RowSampler<'a>,
     hit_patches: HitPatches<'a>,
     seed: u32,
     /// R₀ per side.
@@ -180,21 +180,21 @@ struct Refiner<'a> {
 
 impl Refiner<'_> {
     /// What the coarse rows know.
-    fn begin(&self, system: &System, reference: &[Rgb], rays: u32) -> Vec<Fine> {
+    fn begin(&self, system: &System, reference: &[Rgb], rays: u32) -> Vec<RefinedRow> {
         let row = |i: usize| {
             let u = &system.unknowns[i];
             let met = |r: usize| u.stray[r] + system.matrices[r].row_times(i, reference);
             let parts = [
-                Part {
+                RowPart {
                     values: std::array::from_fn(met),
                     count: rays.div_ceil(REPLICATES as u32).max(1),
                 },
-                Part {
+                RowPart {
                     values: u.direct,
                     count: DIRECT_POSITIONS,
                 },
             ];
-            Fine {
+            RefinedRow {
                 side: u.side,
                 parts,
                 is_refined: false,
@@ -207,13 +207,13 @@ impl Refiner<'_> {
     }
 
     /// Does the tasks that there is time for; returns the number of rays.
-    fn round(&self, rows: &mut [Fine], tasks: &[Task]) -> Result<u64, Cancelled> {
-        let steps = |t: &Task| u64::from(t.to - t.from);
+    fn round(&self, rows: &mut [RefinedRow], tasks: &[RefinementTask]) -> Result<u64, Cancelled> {
+        let steps = |t: &RefinementTask| u64::from(t.to - t.from);
         self.progress
             .begin("refining", tasks.iter().map(steps).sum());
         let found: Vec<Option<[Rgb; REPLICATES]>> = tasks
             .par_iter()
-            .map_init(Work::default, |work, task| {
+            .map_init(RayScratch::default, |work, task| {
                 self.progress.advance(steps(task))?;
                 if self.progress.out_of_time() {
                     return Ok(None);
@@ -238,8 +238,8 @@ impl Refiner<'_> {
     }
 
     /// Irradiance by a stretch of each replicate's rays, in the light R₀.
-    fn rays(&self, task: &Task, work: &mut Work) -> [Rgb; REPLICATES] {
-        let Work {
+    fn rays(&self, task: &RefinementTask, work: &mut RayScratch) -> [Rgb; REPLICATES] {
+        let RayScratch {
             paths,
             scratch,
             glints,
@@ -275,7 +275,7 @@ impl Refiner<'_> {
     }
 
     /// Direct light from a stretch of each replicate's positions.
-    fn lamps(&self, task: &Task) -> [Rgb; REPLICATES] {
+    fn lamps(&self, task: &RefinementTask) -> [Rgb; REPLICATES] {
         let stretch = task.from..task.to;
         let light = direct_at(self.gatherer, self.patches, self.seed, task.side, stretch);
         light.lamps.replicates.map(|e| e + light.lights)
@@ -284,7 +284,7 @@ impl Refiner<'_> {
 
 /// Working memory of one thread.
 #[derive(Default)]
-struct Work {
+struct RayScratch {
     paths: Vec<Path>,
     scratch: Scratch,
     glints: Glints,
@@ -293,7 +293,7 @@ struct Work {
 /// For every row and part, what it adds to the square of the relative error, times count^rate.
 ///
 /// Four replicates tell a variance badly, so that neighbours on a surface share theirs.
-fn strengths(rows: &[Fine], system: &System, patches: &Patches) -> Vec<[f64; 2]> {
+fn strengths(rows: &[RefinedRow], system: &System, patches: &Patches) -> Vec<[f64; 2]> {
     let shares = relative_shares(rows, system);
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_unstable_by_key(|&i| rows[i].side);
@@ -318,7 +318,7 @@ fn strengths(rows: &[Fine], system: &System, patches: &Patches) -> Vec<[f64; 2]>
 
 /// What each row and part adds to the square of the relative error, as its own replicates say,
 /// times count^rate.
-fn relative_shares(rows: &[Fine], system: &System) -> Vec<[f64; 2]> {
+fn relative_shares(rows: &[RefinedRow], system: &System) -> Vec<[f64; 2]> {
     let unknowns = &system.unknowns[..rows.len()];
     let (mut shares, mut squares) = (Vec::with_capacity(rows.len()), 0.0);
     for (row, u) in rows.iter().zip(unknowns) {
@@ -337,8 +337,8 @@ fn relative_shares(rows: &[Fine], system: &System) -> Vec<[f64; 2]> {
 }
 
 /// The square of the relative error that the strengths predict.
-fn reached(rows: &[Fine], strengths: &[[f64; 2]]) -> f64 {
-    let of = |(row, s): (&Fine, &[f64; 2])| {
+fn reached(rows: &[RefinedRow], strengths: &[[f64; 2]]) -> f64 {
+    let of = |(row, s): (&RefinedRow, &[f64; 2])| {
         (0..2)
             .map(|p| s[p] * f64::from(row.parts[p].count).powf(-RATE))
             .sum::<f64>()
@@ -349,7 +349,7 @@ fn reached(rows: &[Fine], strengths: &[[f64; 2]]) -> f64 {
 /// Counts that bring the error to the goal at least cost, as far as one round should go: powers
 /// of two times what there is.
 fn allot(
-    rows: &[Fine],
+    rows: &[RefinedRow],
     strengths: &[[f64; 2]],
     costs: [f64; 2],
     goal: f64,
@@ -362,7 +362,7 @@ fn allot(
             .sum::<f64>()
     };
     let scale = (strengths.iter().map(term).sum::<f64>() / (goal * goal)).powf(1.0 / RATE);
-    let total = |(row, s): (&Fine, &[f64; 2])| {
+    let total = |(row, s): (&RefinedRow, &[f64; 2])| {
         [RAYS, LAMPS].map(|p| {
             let count = row.parts[p].count;
             let wanted = (scale * (s[p] / costs[p]).powf(power)).min(GROWTH * f64::from(count));
@@ -378,13 +378,13 @@ fn allot(
 }
 
 /// What is to be done to reach the totals; the longest first, so that threads end together.
-fn tasks(rows: &[Fine], totals: &[[u32; 2]]) -> Vec<Task> {
+fn tasks(rows: &[RefinedRow], totals: &[[u32; 2]]) -> Vec<RefinementTask> {
     let mut tasks = Vec::new();
     for (k, (row, total)) in rows.iter().zip(totals).enumerate() {
         for part in [RAYS, LAMPS] {
             let from = row.parts[part].count;
             if total[part] > from {
-                tasks.push(Task {
+                tasks.push(RefinementTask {
                     row: k,
                     part,
                     side: row.side,

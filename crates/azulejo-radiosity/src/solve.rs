@@ -1,14 +1,12 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
-use crate::engine::{Engine, Ran};
-use crate::gather::{Effort, MOST_RAYS, gather, gather_watched};
-use crate::patch::PatchSize;
-use crate::refine::Goal;
-use crate::solved::Solved;
-use crate::stand_in::StandIn;
-use crate::system::Balance;
+use crate::gather::{GatherEffort, MOST_RAYS, gather, gather_watched};
+use crate::preview::{Preview, PreviewReporter};
+use crate::refine::RefinementGoal;
+use crate::solved::SolvedPatches;
+use crate::system::EnergyBalance;
 use crate::vertices;
-use crate::watch::{Preview, Watcher};
+use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, PointNormal, ProxyScene};
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, Tracer};
@@ -64,13 +62,13 @@ const DEFAULT_RAYS: u32 = 2048;
 const MOST_PATCH_RAYS: u32 = 1 << 17;
 
 impl FirstPass {
-    fn effort(&self) -> Effort {
+    fn effort(&self) -> GatherEffort {
         match (self.error, self.rays) {
-            (None, None) => Effort {
+            (None, None) => GatherEffort {
                 error: Some(DEFAULT_ERROR),
                 rays: DEFAULT_RAYS,
             },
-            (error, rays) => Effort {
+            (error, rays) => GatherEffort {
                 error,
                 rays: rays.unwrap_or(MOST_RAYS),
             },
@@ -97,13 +95,13 @@ impl FirstPass {
 
     /// What the rows are refined to, if an error is asked for. Bounces that are counted cannot be
     /// refined: the light of the last but one would be needed.
-    pub(crate) fn goal(&self) -> Option<Goal> {
+    pub(crate) fn goal(&self) -> Option<RefinementGoal> {
         let error = match (self.error, self.rays) {
             (None, Some(_)) => None,
             (error, _) => Some(error.unwrap_or(DEFAULT_ERROR)),
         };
         let rays = self.rays.unwrap_or(MOST_PATCH_RAYS);
-        let goal = error.map(|error| Goal { error, rays });
+        let goal = error.map(|error| RefinementGoal { error, rays });
         goal.filter(|_| self.bounces.is_none())
     }
 
@@ -116,21 +114,25 @@ impl FirstPass {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SolveError {
-    /// Nothing in the scene shines.
+    /// Nothing in the scene emits light.
     NoLight,
     /// There is no surface with an area.
     NoSurface,
     /// The caller cancelled.
     Cancelled,
-    /// The matrix of so many rows needs more memory than may be used, by a forecast; in bytes.
-    TooLarge {
-        /// Rows of the matrix.
-        rows: usize,
-        /// What it needs.
-        bytes: u64,
-        /// What there is.
-        memory: u64,
-    },
+    /// Form factors failed for another reason. [`solve`] keeps to its memory and never returns
+    /// this; programs that also compute matrices do.
+    Factors(FactorsError),
+}
+
+impl From<FactorsError> for SolveError {
+    fn from(error: FactorsError) -> SolveError {
+        match error {
+            FactorsError::NoSurface => SolveError::NoSurface,
+            FactorsError::Cancelled => SolveError::Cancelled,
+            other => SolveError::Factors(other),
+        }
+    }
 }
 
 impl From<Cancelled> for SolveError {
@@ -141,29 +143,14 @@ impl From<Cancelled> for SolveError {
 
 impl fmt::Display for SolveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = match self {
+        match self {
             SolveError::NoLight => {
-                "nothing in the scene shines: add a light, or a material that emits"
+                f.write_str("nothing in the scene shines: add a light, or a material that emits")
             }
-            SolveError::NoSurface => "the scene has no surface for light to fall on",
-            SolveError::Cancelled => "cancelled",
-            SolveError::TooLarge {
-                rows,
-                bytes,
-                memory,
-            } => {
-                let gibibytes = |bytes: &u64| *bytes as f64 / f64::from(1 << 30);
-                return write!(
-                    f,
-                    "form factors between {rows} patches need about {:.1} GiB of memory, and \
-                     {:.1} GiB may be used: divide into fewer patches, trace fewer rays from \
-                     each, or allow more memory",
-                    gibibytes(bytes),
-                    gibibytes(memory)
-                );
-            }
-        };
-        f.write_str(text)
+            SolveError::NoSurface => FactorsError::NoSurface.fmt(f),
+            SolveError::Cancelled => FactorsError::Cancelled.fmt(f),
+            SolveError::Factors(error) => error.fmt(f),
+        }
     }
 }
 
@@ -184,7 +171,7 @@ pub struct Report {
     /// How.
     pub method: Method,
     /// Which engine found the form factors; nothing, where there are none.
-    pub ran: Ran,
+    pub engine_used: EngineUsed,
     /// Number of patches.
     pub patches: usize,
     /// Vertices or points at which irradiance was gathered.
@@ -194,7 +181,7 @@ pub struct Report {
     /// Rows of patches that got more rays than the others, to reach the error.
     pub refined_rows: usize,
     /// Estimated relative RMS error of the radiosity that patches reflect, as
-    /// [`Found::error`](crate::system::Found::error) says.
+    /// [`RadiositySolution::error`](crate::system::RadiositySolution::error) says.
     pub patch_error: f64,
     /// Rays that started at each point, on average.
     pub point_rays: u32,
@@ -205,14 +192,14 @@ pub struct Report {
     /// Change of the last bounce relative to the brightest patch.
     pub residual: f64,
     /// Where the emitted power went, W.
-    pub balance: Balance,
+    pub balance: EnergyBalance,
     /// Estimated relative RMS error of irradiance, as [`Gathering::relative_error`](crate::gather::Gathering::relative_error) says.
     pub error: f64,
 }
 
 /// A solved scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Light {
+pub struct LightSolution {
     /// What [`Scene::set_irradiance`] takes.
     pub irradiance: Irradiance,
     /// How it was found.
@@ -222,7 +209,7 @@ pub struct Light {
 /// Solves the light of a scene for all viewpoints and gathers it to the vertices.
 ///
 /// In the place of [`Shape::Exact`](azulejo_scene::Shape::Exact) objects polygons are divided
-/// whose chords leave them by at most [`CHORD_ERROR`](crate::CHORD_ERROR) patch edges; they
+/// whose chords leave them by at most [`CHORD_ERROR`](azulejo_factors::CHORD_ERROR) patch edges; they
 /// become the skins of the objects, with `keep_mesh` too.
 ///
 /// # Errors
@@ -233,7 +220,7 @@ pub fn solve(
     tracer: &Tracer,
     pass: &FirstPass,
     progress: &Progress,
-) -> Result<Light, SolveError> {
+) -> Result<LightSolution, SolveError> {
     solve_for(None, scene, tracer, pass, progress)
 }
 
@@ -248,7 +235,8 @@ pub fn solve(
 /// As [`solve`].
 ///
 /// ```
-/// use azulejo_radiosity::{FirstPass, PatchSize, solve_watched};
+/// use azulejo_radiosity::{FirstPass, solve_watched};
+/// use azulejo_factors::PatchSize;
 /// use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 /// use azulejo_trace::{Progress, Tracer};
 ///
@@ -270,7 +258,7 @@ pub fn solve_watched(
     pass: &FirstPass,
     progress: &Progress,
     watch: &mut dyn FnMut(Preview),
-) -> Result<Light, SolveError> {
+) -> Result<LightSolution, SolveError> {
     solve_for(Some(watch), scene, tracer, pass, progress)
 }
 
@@ -280,13 +268,13 @@ fn solve_for(
     tracer: &Tracer,
     pass: &FirstPass,
     progress: &Progress,
-) -> Result<Light, SolveError> {
-    let stand_in = StandIn::new(scene, tracer, pass.size);
-    let mut watcher = Watcher::new(watch, &stand_in, pass.keep_mesh);
-    let solved = Solved::new(&stand_in, pass, progress, &mut |patches, found| {
-        watcher.see_patches(patches, found);
+) -> Result<LightSolution, SolveError> {
+    let proxy = ProxyScene::new(scene, tracer, pass.size);
+    let mut reporter = PreviewReporter::new(watch, &proxy, pass.keep_mesh);
+    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |patches, found| {
+        reporter.show_patches(patches, found);
     })?;
-    watcher.see_patches(&solved.patches, &solved.found);
+    reporter.show_patches(&solved.patches, &solved.found);
     let targets = vertices::targets(
         scene,
         &solved.patches,
@@ -302,22 +290,13 @@ fn solve_for(
         pass.effort(),
         seed,
         progress,
-        &mut |found| watcher.see_vertices(&targets, &solved.patches, found),
+        &mut |found| reporter.show_vertices(&targets, &solved.patches, found),
     )?;
-    let irradiance = targets.irradiance(&stand_in.scene, &solved.patches, &found);
-    Ok(Light {
+    let irradiance = targets.irradiance(&proxy.scene, &solved.patches, &found);
+    Ok(LightSolution {
         irradiance,
         report: solved.report(&found),
     })
-}
-
-/// A place and a direction at which irradiance is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointNormal {
-    /// World position.
-    pub position: glam::DVec3,
-    /// Unit normal of the side that receives.
-    pub normal: glam::DVec3,
 }
 
 /// An estimate with its standard error.
@@ -352,9 +331,9 @@ pub fn probe(
     pass: &FirstPass,
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
-    let stand_in = StandIn::new(scene, tracer, pass.size);
-    let solved = Solved::new(&stand_in, pass, progress, &mut |_, _| ())?;
-    let points = stand_in.on_polygons(points);
+    let proxy = ProxyScene::new(scene, tracer, pass.size);
+    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |_, _| ())?;
+    let points = proxy.on_polygons(points);
     let light = solved.light(pass);
     let place = |(i, p): (usize, &PointNormal)| GatherPoint {
         position: p.position,

@@ -5,9 +5,9 @@
 //! first. Neumann, *Monte Carlo radiosity*, Computing 55, 1995; Bekaert, *Hierarchical and
 //! stochastic algorithms for radiosity*, 1999, section 6.
 
-use crate::patch::Patches;
-use crate::row::{Side, side};
-use crate::system::{Balance, Convergence, Found};
+use crate::system::{Convergence, EnergyBalance, RadiositySolution};
+use azulejo_factors::Patches;
+use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
@@ -34,7 +34,7 @@ const AMBIENT_RAYS: u32 = 16;
 
 /// What is being shot, which decides what counts where it arrives.
 #[derive(Clone, Copy, PartialEq)]
-enum Shot {
+enum ShotKind {
     /// Emission: counts only where formulas have not counted it.
     Emission,
     /// Diffusely reflected light: counts everywhere.
@@ -43,10 +43,10 @@ enum Shot {
 
 /// What one batch of rays found.
 #[derive(Default)]
-struct Arrivals {
+struct BatchResult {
     /// Power that reached diffuse sides, W.
     deposits: Vec<(Side, Rgb)>,
-    balance: Balance,
+    balance: EnergyBalance,
 }
 
 /// Solves for R with about `rays` rays per patch in all replicates together.
@@ -61,7 +61,7 @@ pub fn solve(
     bounces: Option<u32>,
     seed: u32,
     progress: &Progress,
-) -> Result<Found, Cancelled> {
+) -> Result<RadiositySolution, Cancelled> {
     let shooter = Shooter {
         gatherer,
         patches,
@@ -70,15 +70,15 @@ pub fn solve(
     };
     let direct = shooter.direct(progress)?;
     let budget = u64::from(rays) * patches.len() as u64 / REPLICATES as u64;
-    let mut found = Found::new(2 * patches.len());
+    let mut found = RadiositySolution::new(2 * patches.len());
     for r in 0..REPLICATES {
         let mut incident: Vec<Rgb> = direct.iter().map(|d| d.0[r]).collect();
         let mut solution = vec![Rgb::BLACK; incident.len()];
         let share = 1.0 / REPLICATES as f64;
-        for (s, (_, foreign)) in direct.iter().enumerate() {
+        for (s, (_, external)) in direct.iter().enumerate() {
             let (area, rho) = (patches.area(s / 2), reflectance[s / 2]);
-            found.balance.emitted += *foreign * (area * share);
-            found.balance.absorbed += *foreign * (Rgb::WHITE - rho) * (area * share);
+            found.balance.emitted += *external * (area * share);
+            found.balance.absorbed += *external * (Rgb::WHITE - rho) * (area * share);
         }
         let exitance: Vec<Rgb> = (0..incident.len())
             .map(|s| shooter.exitance(s as Side))
@@ -87,7 +87,7 @@ pub fn solve(
         let stray = shooter.shoot(
             &exitance,
             budget,
-            Shot::Emission,
+            ShotKind::Emission,
             r as u32,
             0,
             &mut found,
@@ -119,7 +119,7 @@ pub fn solve(
             let arrived = shooter.shoot(
                 &unshot,
                 count,
-                Shot::Reflected,
+                ShotKind::Reflected,
                 r as u32,
                 state.iterations,
                 &mut found,
@@ -263,10 +263,10 @@ impl Shooter<'_> {
         &self,
         radiosity: &[Rgb],
         count: u64,
-        shot: Shot,
+        shot: ShotKind,
         replicate: u32,
         iteration: u32,
-        found: &mut Found,
+        found: &mut RadiositySolution,
         progress: &Progress,
     ) -> Result<Vec<Rgb>, Cancelled> {
         let mut power = vec![Rgb::BLACK; radiosity.len()];
@@ -279,7 +279,7 @@ impl Shooter<'_> {
         let work = self.share_out(radiosity, count, uniform(&[key]).into());
         for block in split(&work, BLOCK) {
             let batches: Vec<&[(Side, u32, Rgb)]> = split(block, BATCH).collect();
-            let arrivals: Vec<Arrivals> = batches
+            let arrivals: Vec<BatchResult> = batches
                 .par_iter()
                 .map_init(Scratch::default, |scratch, batch| {
                     progress.advance(batch.iter().map(|w| u64::from(w.1)).sum())?;
@@ -325,16 +325,16 @@ impl Shooter<'_> {
     fn shoot_batch(
         &self,
         batch: &[(Side, u32, Rgb)],
-        shot: Shot,
+        shot: ShotKind,
         key: u32,
         scratch: &mut Scratch,
-    ) -> Arrivals {
+    ) -> BatchResult {
         let surfaces = self.gatherer.surfaces();
         let one = |&(s, rays, weight): &(Side, u32, Rgb)| {
             (0..rays).map(move |k| self.path(s, k, key, s, weight))
         };
         let mut paths: Vec<Path> = batch.iter().flat_map(one).collect();
-        let mut a = Arrivals::default();
+        let mut a = BatchResult::default();
         let first = batch.first().map_or(0, |w| w.0);
         follow(
             surfaces,
@@ -353,7 +353,7 @@ impl Shooter<'_> {
                             a.balance.absorbed +=
                                 weight * (Rgb::WHITE - material.mirror - material.diffuse);
                         }
-                        let counted = shot == Shot::Emission
+                        let counted = shot == ShotKind::Emission
                             && self.gatherer.counts_direct(
                                 self.patches.polygon((path.id / 2) as usize).is_some(),
                                 path.via,

@@ -6,10 +6,10 @@
 //! their solutions carries the noise of the rows through to the answer.
 
 use crate::direct::direct;
-use crate::engine::Estimator;
-use crate::matrix::Matrix;
-use crate::patch::Patches;
-use crate::row::{Entry, Row, Side, side};
+use azulejo_factors::Patches;
+use azulejo_factors::engine::Estimator;
+use azulejo_factors::row::{Entry, Row, Side, side};
+use azulejo_factors::sparse::SparseMatrix;
 use azulejo_scene::{Material, Rgb};
 use azulejo_trace::{Cancelled, DirectLight, Gathered, Gatherer, Measure, Progress, REPLICATES};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ pub struct Unknown {
     /// met beyond what the rows say.
     pub stray: [Rgb; REPLICATES],
     /// The part of H₀ that no patch emitted: lights without area and the surroundings.
-    pub foreign: Rgb,
+    pub external: Rgb,
     /// Shares of what leaves this side: absorbed, escaped, cut off; zero without a row.
     pub fates: [Rgb; 3],
 }
@@ -49,7 +49,7 @@ pub struct System {
     /// The unknowns; the first ones have the matrices' rows, in their order.
     pub unknowns: Vec<Unknown>,
     /// One matrix per replicate; columns are sides.
-    pub matrices: Vec<Matrix>,
+    pub matrices: Vec<SparseMatrix>,
     /// Number of sides: twice the patches.
     pub sides: usize,
     /// Rays traced from patches.
@@ -99,7 +99,7 @@ impl System {
         let channels = if materials.iter().all(is_grey) { 1 } else { 3 };
         let mut system = System {
             unknowns: Vec::new(),
-            matrices: vec![Matrix::new(channels); REPLICATES],
+            matrices: vec![SparseMatrix::new(channels); REPLICATES],
             sides: 2 * patches.len(),
             rays: 0,
         };
@@ -183,7 +183,7 @@ impl System {
 
     /// Bytes of all rows.
     pub fn bytes(&self) -> usize {
-        self.matrices.iter().map(Matrix::bytes).sum::<usize>()
+        self.matrices.iter().map(SparseMatrix::bytes).sum::<usize>()
             + self.unknowns.len() * size_of::<Unknown>()
     }
 
@@ -278,13 +278,13 @@ impl System {
 
     /// Where the emitted power goes, W, with the reflected light `reflected` (mean of the
     /// replicates, per side).
-    pub fn balance(&self, reflected: &[Rgb]) -> Balance {
-        let mut b = Balance::default();
+    pub fn balance(&self, reflected: &[Rgb]) -> EnergyBalance {
+        let mut b = EnergyBalance::default();
         for u in &self.unknowns {
             let leaving = (u.exitance + reflected[u.side as usize]) * u.area;
-            b.emitted += u.exitance * u.area + u.foreign * u.area;
+            b.emitted += u.exitance * u.area + u.external * u.area;
             // Light of no patch is met by its first surface here; the rest is met by rows.
-            b.absorbed += leaving * u.fates[0] + u.foreign * (Rgb::WHITE - u.reflectance) * u.area;
+            b.absorbed += leaving * u.fates[0] + u.external * (Rgb::WHITE - u.reflectance) * u.area;
             b.escaped += leaving * u.fates[1];
             b.cut += leaving * u.fates[2];
         }
@@ -308,7 +308,7 @@ impl Unknown {
             exitance,
             direct: light.lamps.replicates.map(|e| e + light.lights),
             stray: [Rgb::BLACK; REPLICATES],
-            foreign: light.lights,
+            external: light.lights,
             fates: [Rgb::BLACK; 3],
         }
     }
@@ -326,7 +326,7 @@ impl Unknown {
     /// Adds what the rays found; `lost` is what patterns on a patch absorb beyond its material.
     fn add_row(&mut self, row: &Row, lost: impl Fn(usize) -> Rgb) {
         self.stray = row.stray;
-        self.foreign += row.foreign;
+        self.external += row.external;
         let share = 1.0 / REPLICATES as f64;
         let pattern = |e: &Entry| lost((e.side / 2) as usize) * e.weight * share;
         let patterns: Rgb = row.entries.iter().flatten().map(pattern).sum();
@@ -339,9 +339,13 @@ impl System {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn solve_all(&self, bounces: Option<u32>, progress: &Progress) -> Result<Found, Cancelled> {
+    pub fn solve_all(
+        &self,
+        bounces: Option<u32>,
+        progress: &Progress,
+    ) -> Result<RadiositySolution, Cancelled> {
         progress.begin("bounces", REPLICATES as u64);
-        let mut found = Found::new(self.sides);
+        let mut found = RadiositySolution::new(self.sides);
         for r in 0..REPLICATES {
             let (solution, state) = self.solve(r, bounces, TOLERANCE, progress)?;
             let mut incident = vec![Rgb::BLACK; self.sides];
@@ -363,7 +367,7 @@ impl System {
 }
 
 /// The light on the sides of patches, however it was found.
-pub struct Found {
+pub struct RadiositySolution {
     /// R per side, one solution per replicate, W/m².
     pub solutions: Vec<Vec<Rgb>>,
     /// Irradiance per side, mean of the replicates, W/m²; black on sides without a row.
@@ -371,24 +375,24 @@ pub struct Found {
     /// The worst of the replicates.
     pub convergence: Convergence,
     /// Where the power went.
-    pub balance: Balance,
+    pub balance: EnergyBalance,
     /// Rays that started at patches.
     pub rays: u64,
     /// Bytes of stored rows.
     pub bytes: usize,
 }
 
-impl Found {
+impl RadiositySolution {
     /// Nothing found yet on so many sides.
-    pub fn new(sides: usize) -> Found {
-        Found {
+    pub fn new(sides: usize) -> RadiositySolution {
+        RadiositySolution {
             solutions: Vec::with_capacity(REPLICATES),
             incident: vec![Rgb::BLACK; sides],
             convergence: Convergence {
                 iterations: 0,
                 residual: 0.0,
             },
-            balance: Balance::default(),
+            balance: EnergyBalance::default(),
             rays: 0,
             bytes: 0,
         }
@@ -439,7 +443,7 @@ const MOST_ITERATIONS: u32 = 2_000;
 
 /// Where the emitted power went, per channel: W, where areas are in m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Balance {
+pub struct EnergyBalance {
     /// By surfaces, and by lights without area as far as it reaches a surface.
     pub emitted: Rgb,
     /// By surfaces.
@@ -450,16 +454,16 @@ pub struct Balance {
     pub cut: Rgb,
 }
 
-impl Balance {
+impl EnergyBalance {
     /// All powers times `factor`.
-    pub fn scaled(&self, factor: f64) -> Balance {
-        let mut scaled = Balance::default();
+    pub fn scaled(&self, factor: f64) -> EnergyBalance {
+        let mut scaled = EnergyBalance::default();
         scaled.add(self, factor);
         scaled
     }
 
     /// Adds `share` of another balance.
-    pub fn add(&mut self, other: &Balance, share: f64) {
+    pub fn add(&mut self, other: &EnergyBalance, share: f64) {
         self.emitted += other.emitted * share;
         self.absorbed += other.absorbed * share;
         self.escaped += other.escaped * share;
@@ -503,7 +507,7 @@ mod tests {
             exitance: Rgb::BLACK,
             direct: [Rgb::WHITE; REPLICATES],
             stray: [Rgb::BLACK; REPLICATES],
-            foreign: Rgb::BLACK,
+            external: Rgb::BLACK,
             fates: [Rgb::BLACK; 3],
         }
     }
@@ -512,7 +516,7 @@ mod tests {
     /// time: by reciprocity alone the two would send each other ever more light.
     #[test]
     fn reciprocity_makes_no_light() {
-        let mut matrix = Matrix::new(1);
+        let mut matrix = SparseMatrix::new(1);
         matrix.push_row(&[Entry {
             side: 2,
             order: 0,

@@ -7,8 +7,8 @@
 //! that stand for them are never turned.
 
 use crate::gather::Gathering;
-use crate::patch::{Patches, RefinedShape};
-use crate::row::side;
+use azulejo_factors::row::side;
+use azulejo_factors::{Patches, RefinedShape};
 use azulejo_scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Scene, Shape, SurfaceLight};
 use azulejo_trace::{GatherPoint, Gathered};
 
@@ -65,7 +65,7 @@ pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bo
 }
 
 /// Irradiance of all display vertices, and its standard error or nothing.
-struct Values<'a> {
+struct VertexValues<'a> {
     irradiance: &'a [Rgb],
     error: &'a [Rgb],
 }
@@ -75,7 +75,7 @@ impl Targets {
     pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &Gathering) -> Irradiance {
         let means = found.gathered.iter().map(Gathered::mean);
         let values: Vec<Rgb> = means.map(positive).collect();
-        let light = Values {
+        let light = VertexValues {
             irradiance: &values,
             error: &found.standard_errors(),
         };
@@ -100,14 +100,14 @@ impl Targets {
             }
         };
         let values: Vec<Rgb> = self.is_turned.iter().enumerate().map(at).collect();
-        let light = Values {
+        let light = VertexValues {
             irradiance: &values,
             error: &[],
         };
         self.of_objects(scene, patches, &light)
     }
 
-    fn of_objects(&self, scene: &Scene, patches: &Patches, light: &Values) -> Irradiance {
+    fn of_objects(&self, scene: &Scene, patches: &Patches, light: &VertexValues) -> Irradiance {
         let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
             Shape::Mesh(mesh) if self.is_kept[object] => given(patches, object as u32, mesh, light),
             _ => self.refined(scene, patches, object as u32, light),
@@ -122,7 +122,7 @@ impl Targets {
         scene: &Scene,
         patches: &Patches,
         object: u32,
-        light: &Values,
+        light: &VertexValues,
     ) -> ObjectIrradiance {
         let range = patches.vertices_of(object);
         let values = light.irradiance[range.clone()].to_vec();
@@ -145,7 +145,7 @@ impl Targets {
 
 /// Irradiance on the vertices that the mesh came with: where a crease gives a vertex several
 /// display vertices, their mean by corner angle.
-fn given(patches: &Patches, object: u32, mesh: &Mesh, light: &Values) -> ObjectIrradiance {
+fn given(patches: &Patches, object: u32, mesh: &Mesh, light: &VertexValues) -> ObjectIrradiance {
     let (mut irradiance, mut error) = (Vec::new(), Vec::new());
     for vertex in 0..mesh.positions.len() as u32 {
         let shown = patches.given_vertices(object, vertex);

@@ -4,11 +4,9 @@ use crate::app::Found;
 use crate::command::PatchAt;
 use crate::document::{Document, Id, Solution};
 use crate::jobs::Outbox;
-use azulejo::radiosity::form_factors::{Factor, Plan};
-use azulejo::radiosity::{
-    Engine, Estimate, FirstPass, FormFactorOptions, Hemicube, PatchSize, PointNormal, Preview,
-    SolveError, probe, solve_watched,
-};
+use azulejo::factors::form_factors::{Factor, Plan};
+use azulejo::factors::{Engine, FormFactorOptions, Hemicube, PatchSize, PointNormal};
+use azulejo::radiosity::{Estimate, FirstPass, Preview, SolveError, probe, solve_watched};
 use azulejo::scene::Mesh;
 use azulejo::scene::math::Ray;
 use azulejo::trace::{Progress, Tracer};
@@ -243,7 +241,7 @@ pub fn seen_from(
     let picked = plan.patch_at(&surface.from_outside).ok_or_else(nowhere)?;
     // Rows and columns are sides: the front of a patch, then its back.
     let row = 2 * picked + usize::from(!surface.is_front);
-    let Ok(sides) = plan.row(row, progress) else {
+    let Ok(sides) = plan.prepare().row(row, progress) else {
         return Ok(None);
     };
     let both = |side: &[Factor]| Factor {

@@ -8,6 +8,7 @@
 //! | [`scene`] | what is there: geometry, materials, lights, cameras, images, as plain data |
 //! | [`formats`] | bytes to scene and back, pictures to files |
 //! | [`trace`] | what does a point see: rays against the scene |
+//! | [`factors`] | form factors between the patches of a scene |
 //! | [`radiosity`] | first pass: scene to irradiance on its vertices |
 //! | [`render`] | second pass: scene to image |
 //! | [`models`] | models as files: read, put together, written whole or not at all |
@@ -28,6 +29,7 @@ pub mod models;
 pub mod output;
 pub mod typeface;
 
+pub use azulejo_factors as factors;
 pub use azulejo_formats as formats;
 #[cfg(feature = "gpu")]
 pub use azulejo_gpu as gpu;

@@ -1,8 +1,8 @@
 //! What is measured of a matrix of form factors: how far it is from another, and how well it keeps
 //! the laws of light.
 
-use azulejo_radiosity::light::reflectances;
-use azulejo_radiosity::{FormFactors, Patches};
+use azulejo_factors::reflectances;
+use azulejo_factors::{FormFactors, Patches};
 use azulejo_scene::{Rgb, Scene};
 
 /// A row: columns ascending, with their form factors.
@@ -153,7 +153,7 @@ pub fn energy_error(factors: &FormFactors, surfaces: &Surfaces, light: &Radiosit
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo_radiosity::{FormFactorOptions, PatchSize, form_factors};
+    use azulejo_factors::{FormFactorOptions, PatchSize, form_factors};
     use azulejo_scene::Shape;
     use azulejo_scene::synthetic::cube_room;
     use azulejo_trace::{Progress, Tracer};

@@ -5,7 +5,7 @@ use crate::engine::{EngineArgs, EngineName, GpuName};
 use crate::failure::Failure;
 use crate::values;
 use azulejo::models;
-use azulejo_radiosity::form_factors::{Closure, MOST_RAYS};
+use azulejo_factors::form_factors::{Closure, MOST_RAYS};
 use clap::ValueEnum;
 use std::fmt;
 use std::path::PathBuf;

@@ -9,9 +9,9 @@ use crate::engine::Chosen;
 use crate::failure::Failure;
 use crate::pass;
 use azulejo::models;
+use azulejo_factors::truth::{Case, cases};
+use azulejo_factors::{FormFactorOptions, FormFactors, PatchSize, Patches, faceted};
 use azulejo_formats::{Folder, ReadOptions};
-use azulejo_radiosity::truth::{Case, cases};
-use azulejo_radiosity::{FormFactorOptions, FormFactors, PatchSize, Patches, faceted};
 use azulejo_scene::{Scene, synthetic};
 use azulejo_trace::Progress;
 use std::path::Path;
@@ -93,7 +93,7 @@ impl Computed {
         };
         let clock = Clock::start();
         let tracer = chosen.tracer(&scene)?;
-        let factors = azulejo_radiosity::form_factors(&scene, &tracer, &options, progress)
+        let factors = azulejo_factors::form_factors(&scene, &tracer, &options, progress)
             .map_err(pass::failure)?;
         Ok(Computed {
             seconds: clock.wall(),
@@ -144,14 +144,14 @@ impl Computed {
             .zip(&sums)
             .filter(|(_, sum)| **sum > 0.0);
         let stated: Vec<f64> = stated.map(|(error, sum)| error / sum).collect();
-        let ran = &factors.ran;
+        let ran = &factors.engine_used;
         let run = Run {
             scene: self.choice.to_string(),
             mirrors: self.choice.mirrors(),
             engine: self.setting.name.clone(),
             setting: self.setting.to_string(),
             seed: self.seed,
-            ran: ran.engine.clone(),
+            ran: ran.name.clone(),
             device: ran.device.clone(),
             notes: self.notes.iter().chain(&ran.notes).cloned().collect(),
             facets: factors.len(),
@@ -237,9 +237,9 @@ fn answered(
     Ok(Truth {
         engine: setting.name.clone(),
         setting: setting.to_string(),
-        ran: factors.ran.engine,
+        ran: factors.engine_used.name,
         case: case.id.to_owned(),
-        words: case.words.clone(),
+        words: case.description.clone(),
         source: case.source.to_owned(),
         kind: format!("{:?}", case.kind).to_lowercase(),
         value: answer.value,

@@ -3,8 +3,8 @@
 use super::Matrix;
 use crate::npy::{self, Element};
 use crate::npz::Archive;
-use azulejo_radiosity::FormFactors;
-use azulejo_radiosity::form_factors::Rest;
+use azulejo_factors::FormFactors;
+use azulejo_factors::form_factors::RowRemainder;
 use std::io::{self, Write};
 use std::ops::Range;
 
@@ -44,13 +44,14 @@ pub fn write(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
     }
     archive.add("areas.npy", |w| list(&factors.areas, |&x| x, w))?;
     archive.add("row_error.npy", |w| list(&factors.row_errors, |&x| x, w))?;
-    let mut add =
-        |name, share: fn(&Rest) -> f64| archive.add(name, |w| list(&factors.rest, share, w));
+    let mut add = |name, share: fn(&RowRemainder) -> f64| {
+        archive.add(name, |w| list(&factors.rest, share, w))
+    };
     add("sky.npy", |r| r.sky)?;
     add("sky_error.npy", |r| r.sky_error)?;
     add("ground.npy", |r| r.ground)?;
     add("ground_error.npy", |r| r.ground_error)?;
-    add("escaped.npy", Rest::escaped)?;
+    add("escaped.npy", RowRemainder::escaped)?;
     add("hidden.npy", |r| r.hidden)?;
     add("cut.npy", |r| r.cut)?;
     match matrix.names {

@@ -3,7 +3,7 @@
 use crate::args::{Division, Input};
 use crate::engine::EngineArgs;
 use crate::values;
-use azulejo_radiosity::Closure;
+use azulejo_factors::Closure;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 

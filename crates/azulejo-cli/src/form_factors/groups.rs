@@ -1,7 +1,7 @@
 //! Rows that belong together, and their names.
 
 use super::args::GroupBy;
-use azulejo_radiosity::{FaceId, FormFactors};
+use azulejo_factors::{FaceId, FormFactors};
 use azulejo_scene::{MaterialId, Scene};
 use std::collections::HashMap;
 
@@ -82,7 +82,7 @@ fn material_name(scene: &Scene, material: MaterialId) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo_radiosity::{FormFactorOptions, form_factors};
+    use azulejo_factors::{FormFactorOptions, form_factors};
     use azulejo_scene::synthetic::cube_room;
     use azulejo_trace::{Progress, Tracer};
 

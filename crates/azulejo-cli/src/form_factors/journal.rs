@@ -6,7 +6,7 @@
 //! what was finished before is whole, and a half record at the end is recognised and cut off.
 
 use crate::failure::Failure;
-use azulejo_radiosity::form_factors::{Journal, Stage};
+use azulejo_factors::form_factors::{Journal, JournalStage};
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -32,7 +32,7 @@ pub struct FileJournal {
 struct State {
     /// Absent until there is something to keep.
     file: Option<File>,
-    places: HashMap<(Stage, usize), Place>,
+    places: HashMap<(JournalStage, usize), Place>,
     /// Where the next record goes.
     end: u64,
     /// Set after an error of writing: nothing is kept from then on.
@@ -98,7 +98,7 @@ impl FileJournal {
 }
 
 impl Journal for FileJournal {
-    fn load(&self, stage: Stage, block: usize) -> Option<Vec<u8>> {
+    fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
         let mut state = self.state();
         let place = *state.places.get(&(stage, block))?;
         let read = state.read(place);
@@ -110,7 +110,7 @@ impl Journal for FileJournal {
         read
     }
 
-    fn save(&self, stage: Stage, block: usize, bytes: &[u8]) {
+    fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
         let mut state = self.state();
         if state.is_broken {
             return;
@@ -202,7 +202,7 @@ impl State {
         &mut self,
         path: &Path,
         key: u64,
-        stage: Stage,
+        stage: JournalStage,
         block: usize,
         bytes: &[u8],
     ) -> io::Result<()> {
@@ -254,7 +254,7 @@ fn header(key: u64) -> [u8; HEADER as usize] {
     header
 }
 
-fn head_of(stage: Stage, block: usize, bytes: &[u8]) -> Vec<u8> {
+fn head_of(stage: JournalStage, block: usize, bytes: &[u8]) -> Vec<u8> {
     let mut head = number_of(stage).to_le_bytes().to_vec();
     head.extend((block as u64).to_le_bytes());
     head.extend((bytes.len() as u64).to_le_bytes());
@@ -264,7 +264,7 @@ fn head_of(stage: Stage, block: usize, bytes: &[u8]) -> Vec<u8> {
 }
 
 /// What a record's head says, if it is whole.
-fn place_of(head: &[u8; HEAD], start: u64) -> Option<((Stage, usize), Place)> {
+fn place_of(head: &[u8; HEAD], start: u64) -> Option<((JournalStage, usize), Place)> {
     let (said, checksum) = head.split_last_chunk::<4>()?;
     if crc32fast::hash(said) != u32::from_le_bytes(*checksum) {
         return None;
@@ -281,15 +281,15 @@ fn place_of(head: &[u8; HEAD], start: u64) -> Option<((Stage, usize), Place)> {
     Some(((stage, u64::from_le_bytes(*block) as usize), place))
 }
 
-fn number_of(stage: Stage) -> u32 {
+fn number_of(stage: JournalStage) -> u32 {
     match stage {
-        Stage::Rows => 0,
-        Stage::Pairs => 1,
+        JournalStage::Rows => 0,
+        JournalStage::Pairs => 1,
     }
 }
 
-fn stage_of(number: u32) -> Option<Stage> {
-    [Stage::Rows, Stage::Pairs]
+fn stage_of(number: u32) -> Option<JournalStage> {
+    [JournalStage::Rows, JournalStage::Pairs]
         .into_iter()
         .find(|&s| number_of(s) == number)
 }
@@ -335,7 +335,7 @@ mod tests {
         /// A journal of three blocks, and its bytes.
         fn filled(&self) -> Vec<u8> {
             let journal = self.open(7);
-            (0..3).for_each(|k| journal.save(Stage::Rows, k, &[k as u8; 100]));
+            (0..3).for_each(|k| journal.save(JournalStage::Rows, k, &[k as u8; 100]));
             drop(journal);
             fs::read(self.journal()).unwrap()
         }
@@ -344,7 +344,7 @@ mod tests {
         fn after(&self, bytes: &[u8], key: u64) -> (Vec<usize>, String) {
             fs::write(self.journal(), bytes).unwrap();
             let journal = self.open(key);
-            let has = |k: &usize| journal.load(Stage::Rows, *k).is_some();
+            let has = |k: &usize| journal.load(JournalStage::Rows, *k).is_some();
             let there = (0..3).filter(has).collect();
             (there, journal.said().join("\n"))
         }
@@ -362,10 +362,10 @@ mod tests {
         let whole = folder.filled();
         let journal = folder.open(7);
         assert_eq!((journal.blocks(), journal.said()), (3, vec![]));
-        assert_eq!(journal.load(Stage::Rows, 1), Some(vec![1; 100]));
-        assert_eq!(journal.load(Stage::Pairs, 1), None);
-        journal.save(Stage::Pairs, 9, b"more");
-        assert_eq!(journal.load(Stage::Pairs, 9).unwrap(), b"more");
+        assert_eq!(journal.load(JournalStage::Rows, 1), Some(vec![1; 100]));
+        assert_eq!(journal.load(JournalStage::Pairs, 1), None);
+        journal.save(JournalStage::Pairs, 9, b"more");
+        assert_eq!(journal.load(JournalStage::Pairs, 9).unwrap(), b"more");
         assert!(fs::read(folder.journal()).unwrap().starts_with(&whole));
         journal.remove();
         assert!(!folder.journal().exists());
@@ -412,7 +412,7 @@ mod tests {
                     "{at}: {e}"
                 ),
                 Ok(journal) => {
-                    let loaded = (0..3).map(|k| journal.load(Stage::Rows, k));
+                    let loaded = (0..3).map(|k| journal.load(JournalStage::Rows, k));
                     let right =
                         |(k, b): (usize, Option<Vec<u8>>)| b.is_none_or(|b| b == [k as u8; 100]);
                     assert!(loaded.enumerate().all(right), "{at}");
@@ -475,13 +475,13 @@ mod tests {
             .open("/dev/full")
             .unwrap();
         journal.state().file = Some(full);
-        journal.save(Stage::Rows, 0, b"block");
-        journal.save(Stage::Rows, 1, b"block");
+        journal.save(JournalStage::Rows, 0, b"block");
+        journal.save(JournalStage::Rows, 1, b"block");
         let said = journal.said();
         assert!(
             said.len() == 1 && said[0].contains("No space left"),
             "{said:?}"
         );
-        assert_eq!(journal.load(Stage::Rows, 0), None);
+        assert_eq!(journal.load(JournalStage::Rows, 0), None);
     }
 }

@@ -15,10 +15,12 @@ use super::session::Session;
 use super::{input, pass};
 use args::{FormFactorArgs, FormatName};
 use azulejo::output::Output;
+use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
+use azulejo_factors::{
+    Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend,
+};
 use azulejo_formats::Format;
 use azulejo_formats::view3d::MatrixLayout;
-use azulejo_radiosity::form_factors::{Forecast, Journal, NoJournal, Plan};
-use azulejo_radiosity::{DrawnBy, Engine, FormFactorOptions, FormFactors, Hemicube, SolveError};
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
 use journal::FileJournal;
@@ -61,9 +63,10 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     }
     let mut report = Report::default();
     let plan = Plan::new(&scene, &tracer, &options).map_err(pass::failure)?;
-    forecast(&plan, session, &mut report)?;
+    let prepared = plan.prepare();
+    forecast(&prepared, session, &mut report)?;
     let journal = open_journal(args, &output, &scene, &tracer, &options)?;
-    let computed = compute(&plan, journal.as_ref(), session);
+    let computed = compute(&prepared, journal.as_ref(), session);
     journal
         .iter()
         .flat_map(FileJournal::said)
@@ -92,7 +95,7 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     if let Some(journal) = journal {
         journal.remove();
     }
-    chosen.describe(&factors.ran, &mut report);
+    chosen.describe(&factors.engine_used, &mut report);
     summary::describe(&matrix, &mut report);
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
@@ -170,7 +173,11 @@ fn options(args: &FormFactorArgs, chosen: &Chosen) -> FormFactorOptions {
 }
 
 /// Says what the matrix will take, before the work begins.
-fn forecast(plan: &Plan, session: &mut Session, report: &mut Report) -> Result<(), Failure> {
+fn forecast(
+    plan: &PreparedPlan,
+    session: &mut Session,
+    report: &mut Report,
+) -> Result<(), Failure> {
     let forecast = session
         .watched(|p| plan.forecast(p))
         .map_err(pass::failure)?;
@@ -236,8 +243,8 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
 fn described(engine: &Engine) -> String {
     let drawn = |kind: &str, hemicube: &Hemicube| {
         let device = match &hemicube.device {
-            DrawnBy::Processor => "processor".to_owned(),
-            DrawnBy::Device(device) => device.name(),
+            HemicubeBackend::Processor => "processor".to_owned(),
+            HemicubeBackend::Device(device) => device.name(),
         };
         let Hemicube {
             resolution, points, ..
@@ -263,7 +270,7 @@ impl Write for Words {
 
 /// Computes under a progress bar; says how to go on if that is interrupted.
 fn compute(
-    plan: &Plan,
+    plan: &PreparedPlan,
     journal: Option<&FileJournal>,
     session: &mut Session,
 ) -> Result<FormFactors, Failure> {
@@ -277,7 +284,7 @@ fn compute(
     };
     match session.watched(|p| plan.compute(kept, p)) {
         Ok(factors) => Ok(factors),
-        Err(SolveError::Cancelled) if journal.is_some_and(|j| j.blocks() > 0) => {
+        Err(FactorsError::Cancelled) if journal.is_some_and(|j| j.blocks() > 0) => {
             session.say("what is done is kept: the same command goes on from there");
             Err(Failure::Cancelled)
         }
@@ -294,8 +301,8 @@ fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo_radiosity::FaceId;
-    use azulejo_radiosity::form_factors::{Exchange, ExchangeAreas, Rest};
+    use azulejo_factors::FaceId;
+    use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
 
     /// A matrix of two rows, half of whose light came by a mirror.
     pub fn two_squares() -> FormFactors {
@@ -306,10 +313,10 @@ mod tests {
             error: 0.25 * share as f32,
         };
         let areas = |share| ExchangeAreas::from_iter([vec![pair(share)], vec![]]);
-        let rest = |sky| Rest {
+        let rest = |sky| RowRemainder {
             sky,
             sky_error: 0.0625,
-            ..Rest::default()
+            ..RowRemainder::default()
         };
         FormFactors {
             exchange: areas(1.0),

@@ -2,8 +2,8 @@
 
 use super::Matrix;
 use crate::report::{Report, count, number, percent};
-use azulejo_radiosity::FormFactors;
-use azulejo_radiosity::form_factors::{Moved, Rest, Truncated};
+use azulejo_factors::FormFactors;
+use azulejo_factors::form_factors::{Adjustment, RowRemainder, Truncation};
 use serde_json::{Value, json};
 
 /// What is in the matrix and how good it is.
@@ -29,7 +29,7 @@ pub fn describe(matrix: &Matrix, report: &mut Report) {
 
 /// Sky and ground.
 fn surroundings(factors: &FormFactors, report: &mut Report) {
-    let of = |share: fn(&Rest) -> f64| {
+    let of = |share: fn(&RowRemainder) -> f64| {
         let shares: Vec<f64> = factors.rest.iter().map(share).collect();
         mean(factors, &shares)
     };
@@ -66,7 +66,7 @@ fn sums(factors: &FormFactors, report: &mut Report) {
     report.value("row_sum_max", number(high));
     report.value("row_sum_mean", number(middle));
     let ended = factors.ended().into_iter().zip(&factors.rest);
-    let missing = |(ended, rest): (f64, &Rest)| {
+    let missing = |(ended, rest): (f64, &RowRemainder)| {
         if ended > 0.0 {
             (1.0 - ended - rest.sum()).abs()
         } else {
@@ -100,7 +100,7 @@ fn truncation(factors: &FormFactors, report: &mut Report) {
     let Some(done) = &factors.truncated else {
         return;
     };
-    let Truncated {
+    let Truncation {
         before,
         after,
         dropped,
@@ -121,7 +121,7 @@ fn truncation(factors: &FormFactors, report: &mut Report) {
     report.value("truncation", value);
 }
 
-fn in_words(moved: &Moved) -> String {
+fn in_words(moved: &Adjustment) -> String {
     format!(
         "{} of the light, {} of a row, at most {}",
         percent(moved.total),
@@ -130,10 +130,10 @@ fn in_words(moved: &Moved) -> String {
     )
 }
 
-fn moved(moved: &Moved) -> Value {
+fn moved(moved: &Adjustment) -> Value {
     json!({
         "moved": number(moved.total), "row_mean": number(moved.mean),
-        "row_max": number(moved.most), "lacks_max": number(moved.lacks),
+        "row_max": number(moved.most), "lacks_max": number(moved.deficit),
     })
 }
 

@@ -1,7 +1,7 @@
 //! The matrix as spreadsheets read it.
 
 use super::Matrix;
-use azulejo_radiosity::FaceId;
+use azulejo_factors::FaceId;
 use std::borrow::Cow;
 use std::io::{self, Write};
 

@@ -7,12 +7,12 @@ use crate::pass;
 use crate::report::{Report, number, percent};
 use crate::session::Session;
 use azulejo::models;
+use azulejo_factors::form_factors::{InterchangeError, Scaled};
+use azulejo_factors::{Closure, Engine, FaceId, FormFactorOptions, FormFactors, PatchSize};
 use azulejo_formats::view3d::{
     FactorHeader, MatrixLayout, View3dControls, View3dDocument, View3dModel, write_factors,
 };
 use azulejo_formats::{Format, ReadOptions, recognise};
-use azulejo_radiosity::form_factors::{NoInterchange, Scaled};
-use azulejo_radiosity::{Closure, Engine, FaceId, FormFactorOptions, FormFactors, PatchSize};
 use azulejo_scene::{Material, Scene};
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -182,7 +182,7 @@ impl Room {
             let emissivities = &self.model.emissivities;
             let grey = session.watched(|p| factors.interchange(emissivities, p));
             factors = grey.map_err(|e| match e {
-                NoInterchange::Cancelled => Failure::Cancelled,
+                InterchangeError::Cancelled => Failure::Cancelled,
                 other => Failure::failed(other),
             })?;
             if self.controls.encl {

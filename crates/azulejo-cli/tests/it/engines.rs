@@ -77,7 +77,7 @@ fn a_card_that_is_asked_for_is_opened_or_missed() {
 #[cfg(feature = "embree")]
 #[test]
 fn embree_gives_the_same_light_and_factors() {
-    use azulejo::radiosity::{FormFactorOptions, PatchSize, form_factors};
+    use azulejo::factors::{FormFactorOptions, PatchSize, form_factors};
     use azulejo::trace::{Kernel, Progress, Tracer, embree::Embree};
     use azulejo_testing::Need;
     let Some(embree) = azulejo_testing::require(Need::Embree, Embree::load(None)) else {
@@ -110,7 +110,7 @@ fn embree_gives_the_same_light_and_factors() {
             factors(&Tracer::new(&scene)),
             factors(&Tracer::with_kernel(&scene, &kernel)),
         );
-        assert!(theirs.ran.device.starts_with("Embree"));
+        assert!(theirs.engine_used.device.starts_with("Embree"));
         // A ray that passes an edge within rounding may go either way, once in many thousands.
         let one_ray = 4.0 / 256.0;
         let mut apart = 0.0;

@@ -12,7 +12,7 @@ fn two_passes(scene: &Scene) -> Image {
     let mut lit = scene.clone();
     let progress = Progress::new();
     let first = FirstPass {
-        size: radiosity::PatchSize::Count(1_500),
+        size: azulejo::factors::PatchSize::Count(1_500),
         ..FirstPass::default()
     };
     let light = radiosity::solve(&lit, &Tracer::new(&lit), &first, &progress).unwrap();

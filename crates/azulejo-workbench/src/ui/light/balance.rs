@@ -4,12 +4,12 @@ use super::super::desk::Desk;
 use super::super::paint::lines;
 use super::percent;
 use crate::ui::viewport::value;
-use azulejo::radiosity::Balance;
+use azulejo::radiosity::EnergyBalance;
 use azulejo::scene::Rgb;
 use egui::{Color32, Grid, ProgressBar, RichText, Ui};
 
 /// Draws numbers and bars, and a caution where the energy does not add up.
-pub fn show(ui: &mut Ui, desk: &Desk, balance: &Balance) {
+pub fn show(ui: &mut Ui, desk: &Desk, balance: &EnergyBalance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
     let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
     let grid = Grid::new("energy").num_columns(3).spacing([10.0, 3.0]);

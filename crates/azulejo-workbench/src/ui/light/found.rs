@@ -10,15 +10,18 @@ use egui::{Grid, RichText, Ui};
 pub fn show(ui: &mut Ui, desk: &Desk, report: &Report) {
     let grid = Grid::new("report").num_columns(2).spacing([12.0, 2.0]);
     grid.show(ui, |ui| rows(ui, desk, report));
-    for note in &report.ran.notes {
+    for note in &report.engine_used.notes {
         let text = RichText::new(format!("ℹ {note}")).small();
         ui.add(egui::Label::new(text).wrap());
     }
 }
 
 fn rows(ui: &mut Ui, desk: &Desk, report: &Report) {
-    if !report.ran.engine.is_empty() {
-        let text = format!("{} ({})", report.ran.engine, report.ran.device);
+    if !report.engine_used.name.is_empty() {
+        let text = format!(
+            "{} ({})",
+            report.engine_used.name, report.engine_used.device
+        );
         row(ui, desk.say("Engine"), "", text);
     }
     let patches = count(report.patches as u64);

@@ -5,7 +5,8 @@ use crate::document::{Document, Solution};
 use crate::jobs::Kind;
 use crate::light::{EngineName, LightSettings, SeenFromPatch};
 use crate::words::Language;
-use azulejo::radiosity::{Balance, Method, Ran, Report};
+use azulejo::factors::EngineUsed;
+use azulejo::radiosity::{EnergyBalance, Method, Report};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Shape};
 use azulejo::trace::{Measure, Measured};
@@ -57,11 +58,11 @@ fn bench(app: App) -> Harness<'static, Bench> {
 }
 
 /// A light with a report, as if it had been solved.
-fn solved(app: &mut App, balance: Balance) {
+fn solved(app: &mut App, balance: EnergyBalance) {
     let report = Report {
         method: Method::Matrix,
-        ran: Ran {
-            engine: "rays".into(),
+        engine_used: EngineUsed {
+            name: "rays".into(),
             device: "own kernel".into(),
             notes: vec!["glass bends light".into()],
         },
@@ -101,8 +102,8 @@ fn positions(shape: &Shape) -> usize {
     }
 }
 
-fn balance(absorbed: f64) -> Balance {
-    Balance {
+fn balance(absorbed: f64) -> EnergyBalance {
+    EnergyBalance {
         emitted: Rgb::grey(100.0),
         absorbed: Rgb::grey(absorbed),
         escaped: Rgb::grey(8.0),

@@ -1,0 +1,187 @@
+//! Who computes form factors: the engines, and what is said about which of them ran.
+
+pub use crate::analytic_engine::estimator::AnalyticEstimator;
+use crate::hemicube::{HemicubeEstimator, MirrorHandling};
+use crate::patch::Patches;
+use crate::rays::RayEstimator;
+use crate::row::{Columns, Row, Side};
+use azulejo_trace::item_buffer::Device;
+use azulejo_trace::{Cancelled, Gatherer, Progress};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// A way to compute form factors. All estimate the same quantity; each says its error.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Engine {
+    /// Formulas or rays, whichever the patches and the asked error suggest; [`EngineUsed::notes`] says
+    /// which, and why.
+    #[default]
+    Auto,
+    /// Rays from all over each patch, through mirrors and glass (Malley's method, Sobol points).
+    Rays,
+    /// Item buffers on hemicubes; flat mirrors are windows to reflected worlds.
+    Hemicube(Hemicube),
+    /// Item buffers for what is seen straight, rays from the pixels of whatever is specular.
+    Hybrid(Hemicube),
+    /// Closed forms for pairs of polygons, with exact shadows; rays for what has no formula.
+    Analytic,
+}
+
+impl Engine {
+    /// Rays or pixels per row where `rays` are requested, as [`Estimator::rays`] returns them.
+    pub(crate) fn rays_per_row(&self, rays: u32) -> u32 {
+        match self {
+            Engine::Hemicube(options) | Engine::Hybrid(options) => options.pixels_per_row(),
+            Engine::Auto | Engine::Rays | Engine::Analytic => RayEstimator::rounded(rays),
+        }
+    }
+}
+
+/// How hemicubes are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hemicube {
+    /// Pixels along the side of the top face, even.
+    pub resolution: u32,
+    /// Points of each patch from which one is drawn, rounded up to a multiple of four.
+    pub points: u32,
+    /// Who draws.
+    pub device: HemicubeBackend,
+}
+
+impl Default for Hemicube {
+    /// 128 pixels, from 16 points, on the processor.
+    fn default() -> Hemicube {
+        Hemicube {
+            resolution: 128,
+            points: 16,
+            device: HemicubeBackend::Processor,
+        }
+    }
+}
+
+/// Who draws item buffers.
+#[derive(Clone, Debug, Default)]
+pub enum HemicubeBackend {
+    /// The processor, in software.
+    #[default]
+    Processor,
+    /// Another device; the processor takes over if it fails, and the report says so.
+    Device(Arc<dyn Device>),
+}
+
+impl PartialEq for HemicubeBackend {
+    /// Devices are equal if they are one.
+    fn eq(&self, other: &HemicubeBackend) -> bool {
+        match (self, other) {
+            (HemicubeBackend::Processor, HemicubeBackend::Processor) => true,
+            (HemicubeBackend::Device(a), HemicubeBackend::Device(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+/// Which engine really ran, and why.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EngineUsed {
+    /// The engine's name as it is typed: `rays`, `hemicube`, `hybrid` or `analytic`.
+    pub name: String,
+    /// The kernel or device that did the work.
+    pub device: String,
+    /// Why this one, and what was not done as asked; sentences without full stops.
+    pub notes: Vec<String>,
+}
+
+impl EngineUsed {
+    /// The same with the reason for an automatic choice as the first note.
+    pub fn because(mut self, why: Option<String>) -> EngineUsed {
+        self.notes.splice(0..0, why);
+        self
+    }
+}
+
+/// Computes rows of form factors by one of the engines. Immutable; shared by all threads.
+pub enum Estimator<'a> {
+    /// By rays.
+    Rays(RayEstimator<'a>),
+    /// By item buffers.
+    Hemicube(Box<HemicubeEstimator<'a>>),
+    /// By formulas.
+    Analytic(Box<AnalyticEstimator<'a>>),
+}
+
+impl<'a> Estimator<'a> {
+    /// The estimator of an engine, with `rays` per row where it is rays that it takes.
+    pub fn new(
+        engine: &Engine,
+        gatherer: &'a Gatherer<'a>,
+        patches: &'a Patches,
+        rays: u32,
+        seed: u32,
+        columns: Columns,
+    ) -> Estimator<'a> {
+        let drawn = |options: &Hemicube, mirrors: MirrorHandling| {
+            let new = HemicubeEstimator::new;
+            let estimator = new(options, mirrors, gatherer, patches, seed, columns);
+            Estimator::Hemicube(Box::new(estimator))
+        };
+        match engine {
+            Engine::Hemicube(options) => drawn(options, MirrorHandling::Windows),
+            Engine::Hybrid(options) => drawn(options, MirrorHandling::Rays),
+            Engine::Analytic => {
+                let new = AnalyticEstimator::new;
+                Estimator::Analytic(Box::new(new(gatherer, patches, rays, seed, columns)))
+            }
+            // Who has rows to choose for has chosen before; rays bear every scene.
+            Engine::Auto | Engine::Rays => {
+                Estimator::Rays(RayEstimator::new(gatherer, patches, rays, seed, columns))
+            }
+        }
+    }
+
+    /// Which engine runs and who does the work; after the last row also what went otherwise than
+    /// asked, such as a device that was lost.
+    pub fn engine_used(&self) -> EngineUsed {
+        match self {
+            Estimator::Rays(estimator) => EngineUsed {
+                name: "rays".to_owned(),
+                device: estimator.kernel_name(),
+                notes: Vec::new(),
+            },
+            Estimator::Hemicube(estimator) => estimator.engine_used(),
+            Estimator::Analytic(estimator) => estimator.engine_used(),
+        }
+    }
+
+    /// Rays or pixels per row.
+    pub fn rays(&self) -> u32 {
+        match self {
+            Estimator::Rays(estimator) => estimator.rays(),
+            Estimator::Hemicube(estimator) => estimator.pixels(),
+            Estimator::Analytic(estimator) => estimator.rays(),
+        }
+    }
+
+    /// Whether rows are drawn from a handful of points, which all their entries share.
+    pub(crate) fn is_drawn(&self) -> bool {
+        matches!(self, Estimator::Hemicube(_))
+    }
+
+    /// The rows of some sides, in their order; each depends on its side alone. Advances
+    /// `progress` by one for each.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
+        match self {
+            Estimator::Rays(estimator) => {
+                let row = |&side: &Side| {
+                    progress.advance(1)?;
+                    Ok(estimator.row(side))
+                };
+                sides.par_iter().map(row).collect()
+            }
+            Estimator::Hemicube(estimator) => estimator.rows(sides, progress),
+            Estimator::Analytic(estimator) => estimator.rows(sides, progress),
+        }
+    }
+}
