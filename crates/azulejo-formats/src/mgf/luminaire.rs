@@ -59,7 +59,9 @@ impl MgfReader<'_> {
     fn luminaire_of(&mut self, name: &str) -> Result<Rc<Luminaire>, EntityError> {
         let shown = quoted(name.as_bytes());
         if self.open.iter().any(|open| open == name) {
-            return skip(format!("the geometry of {shown} includes it again: skipped"));
+            return skip(format!(
+                "the geometry of {shown} includes it again: skipped"
+            ));
         }
         if let Some(known) = self.luminaires.get(name) {
             let known = known.clone();
@@ -68,7 +70,11 @@ impl MgfReader<'_> {
         let bytes = self.text_of(name)?;
         let parsed = parse(&bytes).map(Rc::new);
         self.luminaires.insert(name.to_owned(), parsed.clone().ok());
-        parsed.or_else(|wrong| skip(format!("{shown} is not a valid photometric file: found {wrong}")))
+        parsed.or_else(|wrong| {
+            skip(format!(
+                "{shown} is not a valid photometric file: found {wrong}"
+            ))
+        })
     }
 
     /// Adds the downward and the upward light, each on its side of the opening.

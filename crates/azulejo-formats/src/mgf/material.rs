@@ -95,7 +95,8 @@ impl MgfMaterial {
             ..Material::default()
         };
         if !td.is_black() {
-            losses.push("diffuse transmittance (td) is not supported: transmitted light is absorbed");
+            losses
+                .push("diffuse transmittance (td) is not supported: transmitted light is absorbed");
         }
         if !ts.is_black() {
             self.glass(&mut material, rs, ts, &mut losses);

@@ -196,7 +196,8 @@ impl<'r> MgfReader<'r> {
     /// The scene and the warnings.
     pub fn finish(mut self, label: &str) -> Loaded {
         if self.builder.is_empty() {
-            self.warnings.add_whole(label, "the file contains no geometry");
+            self.warnings
+                .add_whole(label, "the file contains no geometry");
             self.keep_materials();
         }
         Loaded {
@@ -344,10 +345,7 @@ impl<'r> MgfReader<'r> {
         let part = |[weight, name]: &[&[u8]; 2]| match (number(weight), self.colors.get(name)) {
             (Some(weight), Some(&color)) => Ok((weight, color)),
             (None, _) => skip(format!("{} is not a weight: cmix skipped", quoted(weight))),
-            _ => skip(format!(
-                "undefined colour {}: cmix skipped",
-                quoted(name)
-            )),
+            _ => skip(format!("undefined colour {}: cmix skipped", quoted(name))),
         };
         pairs.iter().map(part).collect()
     }
@@ -496,7 +494,11 @@ impl<'r> MgfReader<'r> {
             return Ok(());
         }
         let is_transform = |b: &OpenBlock| matches!(b, OpenBlock::Transform(_));
-        self.end(source, is_transform, "\"xf\" without a matching begin: skipped")
+        self.end(
+            source,
+            is_transform,
+            "\"xf\" without a matching begin: skipped",
+        )
     }
 
     fn include(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
@@ -541,9 +543,7 @@ impl<'r> MgfReader<'r> {
             return skip(format!("file {shown} includes itself: skipped"));
         }
         if self.open.len() > DEEPEST {
-            return skip(format!(
-                "files included more than {DEEPEST} deep: skipped"
-            ));
+            return skip(format!("files included more than {DEEPEST} deep: skipped"));
         }
         if !self.texts.contains_key(name) {
             let read = self.files.read(name);

@@ -176,7 +176,9 @@ impl MgfReader<'_> {
         self.budget.spend(6 * u64::from(sides))?;
         match solids::cone(a, ra, b, rb, sides) {
             Some(mesh) => self.solid(source, mesh, false, &self.placement.map.clone()),
-            None => skip("cyl or cone without length or radius, or with radii of different signs: skipped"),
+            None => skip(
+                "cyl or cone without length or radius, or with radii of different signs: skipped",
+            ),
         }
     }
 

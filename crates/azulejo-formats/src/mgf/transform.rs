@@ -252,10 +252,7 @@ mod tests {
             assert_eq!(x, f64::from(options.starts_with("-t 1")), "{options}");
         };
         check("-t 1 0 0 -q", "unknown transform option");
-        check(
-            "-t 1 0 0 -t 1 0",
-            "transform option without its numbers",
-        );
+        check("-t 1 0 0 -t 1 0", "transform option without its numbers");
         check("-rx ninety", "transform option without its numbers");
         check("-s 0", "scale of 0");
         check("-a 0", "repetition that is not a count");
