@@ -1,4 +1,4 @@
-//! Looks of faces, and the materials that they make.
+//! Appearances of faces, and the materials derived from them.
 
 use super::brdf::GrfReflection;
 use super::document::{
@@ -9,10 +9,10 @@ use super::resolve::{GrfResolver, ResolveResult};
 use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
 use std::sync::Arc;
 
-/// Textures on one face: every change of a look copies them.
+/// Maximum number of textures on one face: every change of an appearance copies them.
 pub(super) const MOST_TEXTURES: usize = 64;
 
-/// How faces look at some point of a list.
+/// The appearance of faces at one point of a list.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FaceAppearance<'d> {
     color: Option<Rgb>,
@@ -25,15 +25,15 @@ pub(super) struct FaceAppearance<'d> {
 enum AppearanceBase<'d> {
     /// A `def brdf`.
     Named(MaterialId),
-    /// One that stands before a face.
+    /// One given before a face.
     InPlace(&'d Arc<GrfReflection>),
 }
 
-/// What makes a derived material distinct. Numbers are compared by their bits.
+/// Everything that distinguishes a derived material. Numbers are compared bit by bit.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct DerivedMaterialKey {
     named: Option<MaterialId>,
-    /// The address of the brdf in the document: of equal ones there is one.
+    /// The address of the brdf in the document, where equal ones are stored once.
     in_place: Option<usize>,
     color: Option<[u64; 3]>,
     color_name: String,
@@ -46,7 +46,6 @@ fn bits(rgb: Rgb) -> [u64; 3] {
     rgb.to_array().map(f64::to_bits)
 }
 
-/// Looks of faces.
 impl<'d> GrfResolver<'d> {
     pub fn change(
         &mut self,
@@ -84,14 +83,14 @@ impl<'d> GrfResolver<'d> {
                 let id = self.texture_named(name, place)?;
                 appearance.texture(id, is_stacking);
             }
-            // The parser lets `use` have the three others alone.
+            // The parser accepts `use` for the three other types only.
             AppearanceChange::Use(NameKind::Figure | NameKind::Solid, _) => {}
         }
         Ok(())
     }
 
-    /// The material of a look. `emission` is the radiance of the mesh or light; a mesh with
-    /// colours at its vertices `is_colored`.
+    /// The material of an appearance. `emission` is the radiance of the mesh or light; `is_colored`
+    /// holds for a mesh with vertex colours.
     pub fn material(
         &mut self,
         appearance: &FaceAppearance<'d>,
@@ -129,13 +128,17 @@ impl<'d> GrfResolver<'d> {
         id
     }
 
-    /// Each face may make a material of its own out of a few bytes, with a copy of a long name;
-    /// that ends somewhere.
+    /// Limits the memory for derived materials: each face may create one from a few bytes, with a
+    /// copy of a long name.
     fn within_budget(&mut self, mut material: Material, place: SourcePosition) -> Material {
         match self.budget.checked_sub(material.name.len()) {
             Some(left) => self.budget = left,
             None => {
-                self.warn(place, "there are too many materials to keep all names", 1);
+                self.warn(
+                    place,
+                    "too many materials: the names of further ones are dropped",
+                    1,
+                );
                 material.name.clear();
             }
         }
@@ -181,7 +184,7 @@ impl<'d> GrfResolver<'d> {
         made.material
     }
 
-    /// The material of a light or primitive, of which a note may name the brdf.
+    /// The material of a light or primitive, whose brdf an extension may name.
     pub fn noted_material(
         &mut self,
         notes: &'d ObjectNotes,
@@ -191,7 +194,7 @@ impl<'d> GrfResolver<'d> {
         self.named_material(notes.material.as_ref(), emission, place)
     }
 
-    /// The material that a brdf's name alone makes; grey without one.
+    /// The material of a named brdf; grey without a name.
     pub fn named_material(
         &mut self,
         name: Option<&'d GrfName>,
@@ -210,8 +213,8 @@ impl<'d> GrfResolver<'d> {
     }
 }
 
-/// Reflectance of a surface about which a file says nothing: a lamp's is black, and colours at
-/// vertices are the reflectance themselves.
+/// Reflectance of a surface for which the file defines none: black for a light source, white if
+/// vertex colours are the reflectance.
 fn silent_reflectance(emission: Option<Rgb>, is_colored: bool) -> Rgb {
     match (emission, is_colored) {
         (Some(_), _) => Rgb::BLACK,
@@ -221,8 +224,7 @@ fn silent_reflectance(emission: Option<Rgb>, is_colored: bool) -> Rgb {
 }
 
 impl FaceAppearance<'_> {
-    /// A texture replaces those before the last face, and is added to those behind it, of which a
-    /// file that means well has a few.
+    /// The first texture of a face replaces the previous ones, further ones are added to it.
     fn texture(&mut self, id: TextureId, is_stacking: &mut bool) {
         if !*is_stacking {
             self.textures.clear();

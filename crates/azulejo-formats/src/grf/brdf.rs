@@ -9,18 +9,19 @@ use azulejo_scene::brdf::{Description, Model, Problem, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;
 
-/// Distinct models that are more than matt or a mirror, in one document. Each takes milliseconds
-/// to make at worst, and a few bytes of a file to say.
+/// Maximum number of distinct models in a document, diffuse surfaces and mirrors apart. Each may
+/// take milliseconds to construct, but only a few bytes of a file.
 const MOST_MODELS: usize = 1 << 12;
 
-/// By how much the shares of a matt mirror may exceed 1, when they were rounded for a file.
+/// By how much the reflectances of a diffuse surface and a mirror may exceed 1 after rounding in a
+/// file.
 const ROUNDING: f64 = 1e-6;
 
-/// A reflection model as the file says it, and what it makes.
+/// A reflection model as given in the file, and the brdf constructed from it.
 #[derive(Clone, Debug)]
 pub(super) struct GrfReflection {
     pub description: Description,
-    /// `None` where a diffuse reflectance and a mirror say all.
+    /// `None` if a diffuse reflectance and a mirror represent it.
     pub brdf: Option<Arc<Brdf>>,
 }
 
@@ -40,7 +41,7 @@ pub(super) struct PlainReflectance {
     pub mirror: Rgb,
 }
 
-/// What a description says, if matt and mirror say all of it.
+/// The reflectances of a description that consists of diffuse and mirror reflection.
 pub(super) fn plain(description: &Description) -> Option<PlainReflectance> {
     let mut sum = PlainReflectance::default();
     let mut add = |weight: f64, model: &Model| {
@@ -63,7 +64,7 @@ pub(super) fn plain(description: &Description) -> Option<PlainReflectance> {
     Some(sum)
 }
 
-/// Whether a description says a diffuse reflectance, which a colour beside it multiplies.
+/// Whether a description defines a diffuse reflectance, by which a colour beside it is multiplied.
 pub(super) fn says_diffuse(description: &Description) -> bool {
     let says = |model: &Model| color(model, "kd").is_some() || model.name == "specular";
     match description {
@@ -74,7 +75,7 @@ pub(super) fn says_diffuse(description: &Description) -> bool {
 }
 
 impl<'a> GrfParser<'a, '_, '_> {
-    /// `brdf` was read.
+    /// Reads what follows `brdf`.
     pub fn brdf(&mut self) -> ParseResult<Arc<GrfReflection>> {
         let offset = self.lexer.skip_blank();
         let mut ahead = self.lexer;
@@ -96,7 +97,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         self.fail(trouble.offset, trouble.found, trouble.expected)
     }
 
-    /// The one copy of what a description makes.
+    /// The shared instance of a description.
     fn reflection(
         &mut self,
         offset: usize,
@@ -128,7 +129,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         reflection
     }
 
-    /// A sum of a matt surface and a mirror may have weights of 1 for both.
+    /// A sum of a diffuse surface and a mirror may have a weight of 1 for both.
     fn check_plain(
         &mut self,
         offset: usize,
@@ -152,7 +153,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         parts: &[WeightedModel],
     ) -> ParseResult<Arc<Brdf>> {
         if self.shared.models == MOST_MODELS {
-            let expected = format!("at most {MOST_MODELS} different ones");
+            let expected = format!("at most {MOST_MODELS} distinct ones");
             return Err(self.fail(offset, "one more reflection model", expected));
         }
         self.shared.models += 1;
@@ -163,7 +164,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(made)
     }
 
-    /// The file that an extension names.
+    /// The brdf file that an extension names.
     pub fn take_brdf_file(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -175,7 +176,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// What a file holds; nothing, with a warning, of one that cannot be had.
+    /// The content of a brdf file; `None`, with a warning, if it cannot be read.
     fn brdf_file(&mut self, offset: usize, name: &str) -> ParseResult<Arc<GrfReflection>> {
         let here = self.shared.sources.get(self.file);
         let path = match here {
@@ -224,5 +225,5 @@ impl<'a> GrfParser<'a, '_, '_> {
 }
 
 fn missing(path: &str, problem: &FileError) -> String {
-    format!("the brdf \"{path}\" is left out, its surface is matt: {problem}")
+    format!("brdf \"{path}\" skipped, its surface is diffuse: {problem}")
 }

@@ -1,4 +1,4 @@
-//! A GRF file as it stands: what [`GrfDocument`] is made of.
+//! The content of a GRF file: the parts of [`GrfDocument`].
 
 use super::brdf::GrfReflection;
 use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
@@ -9,18 +9,18 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
 /// A GRF file, mirrored literally: its leading comments, definitions and uses, transforms,
-/// includes, parameters, and the extensions that azulejo does not know.
+/// includes, parameters, and unknown extensions.
 ///
-/// Layout is not kept: [`write`](GrfDocument::write) lays out canonically. Comments behind the
+/// The layout is not kept: [`write`](GrfDocument::write) uses a canonical one. Comments after the
 /// first block are not kept either.
 ///
-/// Every name that [`parse`](GrfDocument::parse) let through is defined where it is used.
+/// Every name that [`parse`](GrfDocument::parse) accepted is defined where it is used.
 #[derive(Clone, Debug, Default)]
 pub struct GrfDocument {
     /// The comments before the first block, one per line, without their `//`.
     pub comments: Vec<String>,
     pub(super) blocks: Vec<GrfBlock>,
-    /// The file and everything it includes; [`SourcePosition::file`] points here.
+    /// The file and everything it includes; [`SourcePosition::file`] is an index into it.
     pub(super) sources: GrfSources,
 }
 
@@ -28,14 +28,14 @@ pub struct GrfDocument {
 #[derive(Clone, Debug, Default)]
 pub(super) struct GrfSources(Vec<GrfSource>);
 
-/// One file, as often as it is included.
+/// One file; listed once for each time it is included.
 #[derive(Clone, Debug)]
 pub(super) struct GrfSource {
-    /// The name that messages show.
+    /// The name shown in messages.
     pub shown: String,
-    /// The name by which [`Files`](crate::Files) gives it.
+    /// The name by which [`Files`](crate::Files) provides it.
     pub path: String,
-    /// Which file includes it, and in which line.
+    /// The including file and the line of the include.
     pub parent: Option<(u32, u32)>,
 }
 
@@ -58,7 +58,7 @@ impl GrfSources {
         })
     }
 
-    /// An error at a place.
+    /// An error at a position.
     pub fn fail(
         &self,
         place: SourcePosition,
@@ -80,10 +80,10 @@ impl GrfSources {
     }
 }
 
-/// An error on its way out; in a box, because results of numbers should stay small.
+/// A boxed error, which keeps results of numbers small.
 pub(super) type BoxedError = Box<ReadError>;
 
-/// Where something stands.
+/// A position in a source file.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SourcePosition {
     /// Index into [`GrfDocument::sources`].
@@ -94,7 +94,7 @@ pub(super) struct SourcePosition {
     pub column: u32,
 }
 
-/// One block and where it begins.
+/// A block and its position.
 #[derive(Clone, Debug)]
 pub(super) struct GrfBlock {
     pub place: SourcePosition,
@@ -103,7 +103,7 @@ pub(super) struct GrfBlock {
 
 #[derive(Clone, Debug)]
 pub(super) enum BlockKind {
-    /// `params begin ... end`: the text between, as it stood.
+    /// `params begin ... end`: the verbatim text in between.
     Params(String),
     Mesh(Box<MeshBlock>),
     AreaLight(Box<AreaLight>),
@@ -113,18 +113,18 @@ pub(super) enum BlockKind {
     Exact(Box<ExactBlock>),
     Figure(FigureBlock),
     Define(Box<SolidDefinition>),
-    /// `include "name"` and what that file holds.
+    /// `include "name"` and the content of that file.
     Include {
         name: String,
         blocks: Vec<GrfBlock>,
     },
     Transform {
-        /// In the order written; the first acts first.
+        /// In the order written; the first is applied first.
         steps: Vec<TransformStep>,
         blocks: Vec<GrfBlock>,
     },
     /// `def ...` and the blocks in which the definitions hold. Without blocks they hold in the
-    /// list where they stand.
+    /// enclosing list.
     Definitions {
         definitions: Vec<GrfDefinition>,
         blocks: Option<Vec<GrfBlock>>,
@@ -139,14 +139,14 @@ pub(super) enum BlockKind {
         of: GrfName,
         path: String,
     },
-    /// An extension of somebody else: its name, and the text between `begin` and `end ext`.
+    /// An unknown extension: its name, and the text between `begin` and `end ext`.
     Unknown {
         name: String,
         text: String,
     },
 }
 
-/// An identifier; the same one is stored once.
+/// An identifier; equal ones are stored once.
 pub(super) type GrfName = Arc<str>;
 
 /// An elementary transformation.
@@ -164,7 +164,7 @@ pub(super) struct GrfDefinition {
     pub body: DefinitionBody,
 }
 
-/// What a definition or a statement before a face says.
+/// The right-hand side of a definition, or a statement before a face.
 #[derive(Clone, Debug)]
 pub(super) enum DefinitionBody {
     Texture(GrfName),
@@ -172,7 +172,7 @@ pub(super) enum DefinitionBody {
     Brdf(Arc<GrfReflection>),
 }
 
-/// The kinds of name.
+/// The types of names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum NameKind {
     Texture,
@@ -184,7 +184,7 @@ pub(super) enum NameKind {
     Solid,
 }
 
-/// What changes the look of the faces that follow.
+/// A change of the appearance of the faces that follow.
 #[derive(Clone, Debug)]
 pub(super) enum AppearanceChange {
     Set(DefinitionBody),
@@ -198,16 +198,16 @@ pub(super) struct MeshBlock {
     pub is_light: bool,
     /// The `rgb` of a `mesh light`: emitted radiance.
     pub radiance: Option<Rgb>,
-    /// What stands at the head of the mesh, before its vertices.
+    /// The appearance before the vertices of the mesh.
     pub head: Vec<AppearanceChange>,
     pub vertices: VertexList,
     pub faces: Faces,
-    /// What stands before a face, with the face's index, ascending.
+    /// The changes before faces, with the indices of the faces, ascending.
     pub changes: Vec<(u32, AppearanceChange)>,
     pub notes: ObjectNotes,
 }
 
-/// A vertex list, by columns.
+/// A vertex list, stored by attribute.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VertexList {
     pub positions: Vec<DVec3>,
@@ -215,21 +215,21 @@ pub(super) struct VertexList {
     pub irradiance: VertexColumn<Rgb>,
     pub uvs: VertexColumn<DVec2>,
     pub colors: VertexColumn<Rgb>,
-    /// `use color id` before a vertex, by the vertex's index, ascending.
+    /// `use color id` before a vertex, with the index of the vertex, ascending.
     pub named_colors: Vec<(u32, GrfName)>,
 }
 
-/// One attribute of the vertices, each of which may have it or not.
+/// One attribute of the vertices, some of which may lack it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VertexColumn<T> {
-    /// Values of the first vertices; those behind the end have none.
+    /// Values of the first vertices; the ones beyond its end have none.
     values: Vec<T>,
-    /// Which of `values` are only place holders, ascending.
+    /// The indices of placeholders in `values`, ascending.
     missing: Vec<u32>,
 }
 
 impl<T: Copy + Default> VertexColumn<T> {
-    /// A column in which no vertex lacks its value, or every vertex does.
+    /// A column in which either all vertices have a value or none has.
     pub fn full(values: Vec<T>) -> VertexColumn<T> {
         VertexColumn {
             values,
@@ -237,7 +237,7 @@ impl<T: Copy + Default> VertexColumn<T> {
         }
     }
 
-    /// Sets the value of a vertex behind all that have one.
+    /// Sets the value of a vertex after all those with a value.
     pub fn push(&mut self, vertex: usize, value: T) {
         while self.values.len() < vertex {
             self.missing.push(self.values.len() as u32);
@@ -248,7 +248,7 @@ impl<T: Copy + Default> VertexColumn<T> {
 
     pub fn get(&self, vertex: usize) -> Option<T> {
         let value = *self.values.get(vertex)?;
-        // Most columns lack nothing: don't search then.
+        // Most columns are complete: skip the search then.
         let is_missing =
             !self.missing.is_empty() && self.missing.binary_search(&(vertex as u32)).is_ok();
         (!is_missing).then_some(value)
@@ -258,18 +258,18 @@ impl<T: Copy + Default> VertexColumn<T> {
         self.values.is_empty()
     }
 
-    /// How many of `vertices` vertices have no value, or how many values no vertex.
+    /// The number of vertices without a value, or of values without a vertex.
     pub fn lacking(&self, vertices: usize) -> usize {
         vertices.abs_diff(self.values.len()) + self.missing.len()
     }
 
-    /// The values, one per vertex, where none is missing.
+    /// The values, one per vertex, if none is missing.
     pub fn complete(&self, vertices: usize) -> Option<&[T]> {
         (self.lacking(vertices) == 0).then_some(&self.values)
     }
 }
 
-/// `light begin`: a parallelogram that shines.
+/// `light begin`: an emitting parallelogram.
 #[derive(Clone, Debug)]
 pub(super) struct AreaLight {
     pub corner: DVec3,
@@ -286,7 +286,7 @@ pub(super) struct PrimitiveBlock {
     pub notes: ObjectNotes,
 }
 
-/// What extensions beside a mesh, area light or primitive say about it.
+/// Attributes of a mesh, area light or primitive from extensions next to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct ObjectNotes {
     pub name: String,
@@ -298,11 +298,11 @@ pub(super) struct ObjectNotes {
     pub irradiance_error: Vec<Rgb>,
     /// Irradiance on a light or primitive.
     pub light: Option<SurfaceLight>,
-    /// Normals by corners, of skins and meshes in solids.
+    /// Normals per corner, for skins and meshes in solids.
     pub normals: Option<Box<Attribute<DVec3>>>,
 }
 
-/// `ext material`: what a material is beyond its brdf. What is `None` stays as the brdf says.
+/// `ext material`: attributes of a material beyond its brdf. What is `None` follows from the brdf.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MaterialNote {
     /// The brdf that it completes.
@@ -320,7 +320,7 @@ pub(super) struct MaterialNote {
 }
 
 impl MaterialNote {
-    /// Whether it says nothing.
+    /// Whether it has no attributes.
     pub fn is_empty(&self) -> bool {
         let colors = [self.diffuse, self.mirror, self.emission, self.transmittance];
         self.name.is_none()
@@ -334,7 +334,7 @@ impl MaterialNote {
 }
 
 impl BlockKind {
-    /// The notes of a block that makes an object.
+    /// The notes of a block that creates an object.
     pub fn notes_mut(&mut self) -> Option<&mut ObjectNotes> {
         match self {
             BlockKind::Mesh(mesh) => Some(&mut mesh.notes),

@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3};
 
 const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 
-/// What stands behind a key.
+/// The value of a key.
 pub(super) enum EntryValue<'a> {
     Numbers(Vec<f64>),
     Vectors(Vec<[f64; 3]>),
@@ -18,7 +18,7 @@ pub(super) enum EntryValue<'a> {
 }
 
 impl EntryValue<'_> {
-    /// Twelve numbers: the images of the axes and of the origin.
+    /// The map given by twelve numbers, the images of the axes and of the origin.
     pub fn map(&self) -> Option<DAffine3> {
         let EntryValue::Numbers(numbers) = self else {
             return None;
@@ -41,15 +41,15 @@ impl EntryValue<'_> {
 
 pub(super) struct ExtensionEntry<'a> {
     pub key: &'a str,
-    /// Where the value begins.
+    /// The offset of the value.
     pub offset: usize,
     pub value: EntryValue<'a>,
 }
 
-/// The keys and values of one extension, or of one solid in it. What is taken is gone; what is
-/// left at the end was not understood.
+/// The keys and values of one extension, or of one solid in it. Reading a value removes it; what is
+/// left at the end is unknown.
 pub(super) struct ExtensionEntries<'a> {
-    /// How messages call what they belong to: `ext camera`, in quotes.
+    /// The name of their owner in messages: `ext camera`, in backticks.
     pub title: String,
     pub offset: usize,
     pub list: Vec<ExtensionEntry<'a>>,
@@ -78,7 +78,7 @@ impl<'a> ExtensionEntries<'a> {
 }
 
 impl<'a> GrfParser<'a, '_, '_> {
-    /// Everything after `begin`, and `end ext`.
+    /// Reads everything after `begin`, and `end ext`.
     pub fn entries(&mut self, extension: &str, offset: usize) -> ParseResult<ExtensionEntries<'a>> {
         let mut entries = ExtensionEntries::new(format!("`ext {extension}`"), offset);
         self.entries_and(&mut entries, |_| Ok(false))?;
@@ -86,7 +86,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(entries)
     }
 
-    /// Keys with their values, and what `other` reads in between, up to something else.
+    /// Reads keys with their values, and what `other` reads in between, up to something else.
     pub fn entries_and(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -105,12 +105,12 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// Says which keys nobody took.
+    /// Warns about keys that were not used.
     pub fn warn_of_rest(&mut self, entries: &ExtensionEntries<'_>) {
         for rest in &entries.list {
             self.warn(
                 rest.offset,
-                format!("{} has no key `{}`; skipped", entries.title, rest.key),
+                format!("{} has no key `{}`: skipped", entries.title, rest.key),
             );
         }
     }
@@ -119,7 +119,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         match self.lexer.peek() {
             Some(b'"') => match self.lexer.escaped_text() {
                 Some(text) => Ok(EntryValue::Text(unescaped(text))),
-                None => Err(self.unexpected("a text that is closed by `\"` on its line")),
+                None => Err(self.unexpected("a text that ends with `\"` on the same line")),
             },
             Some(b'(') => {
                 let mut vectors = Vec::new();
@@ -154,7 +154,6 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 }
 
-/// The values of single keys.
 impl<'a> GrfParser<'a, '_, '_> {
     #[cold]
     pub fn wrong(&mut self, entry: &ExtensionEntry<'_>, expected: &str) -> BoxedError {
@@ -192,8 +191,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// Radians, from `key` in degrees or from `key_radians`, which is written when no number of
-    /// degrees gives the same bits.
+    /// An angle in radians, from `key` in degrees or from `key_radians`, which is written if no
+    /// number of degrees gives the same bits.
     pub fn take_angle(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -235,11 +234,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         let direction = self.needed_point(entries, "direction")?;
         match super::unit(direction) {
             Some(unit) => Ok(unit),
-            None => Err(self.fail(
-                offset,
-                "a direction without length",
-                "a vector that is not 0",
-            )),
+            None => Err(self.fail(offset, "a direction of length 0", "a non-zero vector")),
         }
     }
 
@@ -276,7 +271,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         let offset = entries.offset;
         let rgb = self.take_rgb(entries, key)?;
         if rgb.is_some_and(|c| c.max_channel() > 1.0) {
-            self.warn(offset, "a reflectance is above 1; read as 1");
+            self.warn(offset, "reflectance above 1: read as 1");
         }
         Ok(rgb.map(|c| c.map(|x| x.min(1.0))))
     }
@@ -310,7 +305,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// A name that a `def` must have made.
+    /// A name that a `def` must have defined.
     pub fn take_name(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -331,14 +326,14 @@ fn at_key(mut ahead: Lexer<'_>) -> bool {
     ahead.word().is_some() && ahead.eat(b'=')
 }
 
-/// Whether `begin`, `key =`, `member begin` or `glyph (` follows: a list of words ends there.
+/// Whether `begin`, `key =`, `member begin` or `glyph (` follows, which ends a list of words.
 fn at_item(mut ahead: Lexer<'_>) -> bool {
     ahead.eat_word("begin")
         || ahead.word().is_some() && (ahead.eat(b'=') || ahead.eat(b'(') || ahead.eat_word("begin"))
 }
 
-/// Resolves the escapes `\n`, `\r`, `\t` and `\u{hex}`; any other character behind a backslash
-/// is itself.
+/// Resolves the escapes `
+/// `, `\r`, `\t` and `\u{hex}`; any other character after a backslash stands for itself.
 fn unescaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text.chars();

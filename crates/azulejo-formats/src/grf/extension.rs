@@ -1,4 +1,4 @@
-//! `ext name begin key = value ... end ext`: what GRF's own words cannot say.
+//! `ext name begin key = value ... end ext`: what GRF itself cannot express.
 //!
 //! docs/formats/grf.md lists every extension with its keys.
 
@@ -14,21 +14,22 @@ use azulejo_scene::{
 };
 use glam::DAffine3;
 
-/// Cells along one direction of a solved primitive: enough for any, and squared still a count.
+/// Maximum number of cells along one direction of a solved primitive, small enough for its square
+/// to be a count.
 const MOST_CELLS: f64 = 65_536.0;
 
-/// What an extension is.
+/// The result of reading an extension.
 pub(super) enum Extension {
-    /// Something of its own.
+    /// A block of its own.
     Block(Box<BlockKind>),
-    /// `ext object`, about the object that follows.
+    /// `ext object`, which applies to the object that follows.
     Names(Box<ObjectNotes>),
-    /// About the object before it, which has it now.
+    /// It was applied to the preceding object.
     Noted,
 }
 
 impl<'a> GrfParser<'a, '_, '_> {
-    /// Reads an extension; `before` is the block that stands before it.
+    /// Reads an extension; `before` is the preceding block.
     pub fn extension(&mut self, before: Option<&mut GrfBlock>) -> ParseResult<Extension> {
         let offset = self.lexer.skip_blank();
         self.expect_word("ext")?;
@@ -58,7 +59,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(known)
     }
 
-    /// The extensions that hold more than keys and values.
+    /// Reads the extensions that contain more than keys and values.
     fn nesting(&mut self, name: &str, offset: usize) -> ParseResult<Option<BlockKind>> {
         match name {
             "figure" => self.figure(offset).map(Some),
@@ -68,7 +69,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// The text of an extension that is not known, up to `end ext`.
+    /// The text of an unknown extension, up to `end ext`.
     fn unknown_text(&mut self, offset: usize) -> ParseResult<String> {
         let start = self.lexer.skip_blank();
         loop {
@@ -131,7 +132,7 @@ impl<'a> GrfParser<'a, '_, '_> {
                 return Err(self.fail(
                     offset,
                     format!("{metres} metres per unit"),
-                    "a length above 0",
+                    "a positive length",
                 ));
             }
             units.metres_per_unit = Some(metres);
@@ -197,7 +198,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
         Err(self.fail(
             entries.offset,
-            "a camera that sees nothing",
+            "a camera with a degenerate view",
             "eye, target and up that span a plane, and a field of view between 0 and 180 degrees",
         ))
     }
@@ -213,7 +214,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         {
             return Ok(Some((width, height)));
         }
-        Err(self.wrong(&entry, "two numbers of pixels, 1 or more"))
+        Err(self.wrong(&entry, "two numbers of pixels, at least 1"))
     }
 
     fn light(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Light> {
@@ -252,7 +253,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         if !(0.0 <= inner && inner <= outer && outer <= std::f64::consts::PI + 1e-12) {
             return Err(self.fail(
                 entries.offset,
-                "a spot light with impossible angles",
+                "a spot light with invalid angles",
                 "0 <= inner <= outer <= 180 degrees",
             ));
         }
@@ -280,7 +281,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             return Err(self.fail(
                 offset,
                 format!("an index of refraction of {ior}"),
-                "a number above 0",
+                "a positive number",
             ));
         }
         Ok(MaterialNote {
@@ -398,11 +399,11 @@ impl<'a> GrfParser<'a, '_, '_> {
     pub fn not_a_map(&mut self, entry: &ExtensionEntry<'_>) -> BoxedError {
         self.wrong(
             entry,
-            "12 numbers, the images of the x, y and z axes and of the origin, that map space onto space",
+            "12 numbers, the images of the x, y and z axes and of the origin, that form an invertible map",
         )
     }
 
-    /// `smoothing`, `irad_error`, `surface_light`: about the object before.
+    /// Reads `smoothing`, `irad_error` or `surface_light`, which apply to the preceding object.
     fn note_object(
         &mut self,
         name: &str,
@@ -428,14 +429,14 @@ impl<'a> GrfParser<'a, '_, '_> {
                 return Err(self.fail(
                     entries.offset,
                     format!("`ext {name}`"),
-                    "the block that it is about right before it",
+                    "its object immediately before it",
                 ));
             }
         }
         Ok(())
     }
 
-    /// One whole number for each of so many parts.
+    /// `count` integers, one for each of a number of parts.
     pub fn counts(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -453,7 +454,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         {
             return Ok(groups);
         }
-        Err(self.wrong(&entry, &format!("{count} whole numbers, one per {part}")))
+        Err(self.wrong(&entry, &format!("{count} integers, one per {part}")))
     }
 
     fn surface_light(
@@ -495,11 +496,11 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
         Err(self.wrong(
             &entry,
-            &format!("{} numbers of cells, two for each part", 2 * parts),
+            &format!("{} cell counts, two for each part", 2 * parts),
         ))
     }
 
-    /// As many triples as `count`.
+    /// `count` triples.
     pub fn rgb_list(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -507,7 +508,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         count: usize,
     ) -> ParseResult<Vec<Rgb>> {
         let entry = match entries.take(key) {
-            // Nothing stands behind the key of an empty list.
+            // The key of an empty list has no value.
             None if count == 0 => return Ok(Vec::new()),
             entry => self.required(entries, key, entry)?,
         };
@@ -521,7 +522,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 }
 
-/// The extensions that are understood.
+/// The names of known extensions.
 const KNOWN: [&str; 15] = [
     "units",
     "camera",

@@ -1,4 +1,4 @@
-//! From a scene to a document that says it canonically.
+//! Converts a scene to its canonical document.
 
 use super::brdf::GrfReflection;
 use super::document::{
@@ -19,16 +19,16 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 impl GrfDocument {
-    /// The canonical document of a scene that keeps the promises of [`Scene::validate`].
+    /// The canonical document of a scene that satisfies [`Scene::validate`].
     ///
-    /// Materials and textures become definitions around everything else, under their own names
-    /// where these are identifiers. Normals and texture coordinates on corners become attributes
-    /// of vertices, which are split where corners disagree. Pixels of textures are left out.
+    /// Materials and textures become definitions around everything else, under their own names if
+    /// these are identifiers. Normals and texture coordinates per corner become attributes of
+    /// vertices, which are split where corners differ. Pixels of textures are omitted.
     pub fn from_scene(scene: &Scene) -> GrfDocument {
         GrfDocument::with_pictures(scene, scene.textures.iter().map(|t| t.path.as_str()))
     }
 
-    /// The same with these files for its textures.
+    /// The same, with these image files for its textures.
     pub(super) fn with_pictures<'s>(
         scene: &Scene,
         pictures: impl Iterator<Item = &'s str>,
@@ -126,7 +126,7 @@ impl GrfNames {
                 .chain(textures.iter().map(|t| self.texture(*t)));
             changes.extend(said.map(|change| (run as u32, change)));
         }
-        // One material for all stands at the head; an emitting mesh has no head.
+        // A single material goes before the vertices; an emitting mesh has no appearance there.
         if radiance.is_none() && changes.iter().all(|(at, _)| *at == 0) {
             head = changes.drain(..).map(|(_, change)| change).collect();
         }
@@ -143,7 +143,7 @@ impl GrfNames {
         AppearanceChange::Use(NameKind::Texture, self.textures[id as usize].clone())
     }
 
-    /// A parallelogram that shines is GRF's own area light; everything else is an extension.
+    /// An emitting parallelogram is GRF's own area light; everything else is an extension.
     fn primitive(&self, scene: &Scene, p: &Primitive, notes: ObjectNotes) -> BlockKind {
         let notes = ObjectNotes {
             material: Some(self.materials[p.material as usize].clone()),
@@ -173,7 +173,7 @@ impl GrfNames {
     }
 }
 
-/// Distinct identifiers: names that are identifiers and not taken, or a letter and a number.
+/// Distinct identifiers: names that are valid and not taken yet, or a letter and a number.
 fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<GrfName> {
     let names: Vec<&str> = names.collect();
     let given: HashSet<&str> = names.iter().copied().collect();
@@ -198,7 +198,7 @@ fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<Gr
     out
 }
 
-/// Whether a name can stand in a file as it is. Keywords can't: a file should be read easily.
+/// Whether a name can be written as it is. Keywords cannot, for the sake of readability.
 fn is_identifier(name: &str) -> bool {
     const KEYWORDS: [&str; 9] = [
         "begin", "end", "def", "use", "none", "brdf", "texture", "rgb", "ext",
@@ -209,7 +209,7 @@ fn is_identifier(name: &str) -> bool {
         && !KEYWORDS.iter().any(|k| name.eq_ignore_ascii_case(k))
 }
 
-/// Whether a path can stand between quotes as it is.
+/// Whether a path can be written between quotes as it is.
 fn is_plain_path(path: &str) -> bool {
     !path.contains(|c: char| c == '"' || c.is_control())
 }
@@ -229,7 +229,7 @@ fn texture_definition(name: &GrfName, path: &str, notes: &mut Vec<BlockKind>) ->
     }
 }
 
-/// A material in GRF's words, and what these leave unsaid.
+/// A material as a GRF definition, and the attributes that this cannot express.
 fn material_definition(
     name: &GrfName,
     material: &Material,
@@ -249,7 +249,7 @@ fn material_definition(
         ior: material.dielectric.map(|d| d.ior),
         transmittance: material.dielectric.map(|d| d.transmittance),
         thin: material.dielectric.is_some_and(|d| d.thin),
-        // With a texture anywhere, every material says its own: GRF has no word for "none".
+        // If there is any texture, every material lists its own: GRF has no way to write "none".
         textures: (!textures.is_empty()).then(|| {
             let named = |&t: &TextureId| textures[t as usize].clone();
             material.textures.iter().map(named).collect()
@@ -266,7 +266,7 @@ fn material_definition(
     (definition, (!note.is_empty()).then_some(note))
 }
 
-/// The brdf that says most about a material.
+/// The brdf that expresses a material best.
 fn brdf_of(material: &Material) -> GrfReflection {
     match &material.brdf {
         Some(brdf) if file_of(brdf).is_none_or(is_plain_path) => brdf.into(),
@@ -277,7 +277,7 @@ fn brdf_of(material: &Material) -> GrfReflection {
     }
 }
 
-/// The name of the file that holds a brdf.
+/// The name of the file that contains a brdf.
 fn file_of(brdf: &Brdf) -> Option<&str> {
     match brdf.description() {
         Description::File { path, .. } => Some(path),
@@ -297,7 +297,7 @@ fn plain_brdf(diffuse: Rgb, mirror: Rgb) -> Description {
     }
 }
 
-/// The radiance of a mesh whose faces all emit the same.
+/// The radiance of a mesh whose faces all emit equally.
 fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
     let emission = |m: MaterialId| scene.materials[m as usize].emission;
     let (first, rest) = mesh.face_materials.split_first()?;
@@ -306,7 +306,7 @@ fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
     (is_common && !radiance.is_black()).then_some(radiance)
 }
 
-/// The vertices and faces of a mesh, and what is noted about them, without its looks.
+/// The vertices, faces and notes of a mesh, without its appearance.
 pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
     let mesh = split_corners(mesh).into_owned();
     MeshBlock {
@@ -328,7 +328,7 @@ pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
     }
 }
 
-/// The faces at which the material changes, the first face among them.
+/// The faces at which the material changes, including the first face.
 fn material_runs(materials: &[MaterialId]) -> impl Iterator<Item = usize> {
     (0..materials.len()).filter(|&f| f == 0 || materials[f] != materials[f - 1])
 }
@@ -337,8 +337,8 @@ fn column<T: Copy + Default>(attribute: Option<Attribute<T>>) -> VertexColumn<T>
     VertexColumn::full(attribute.map_or_else(Vec::new, |a| a.values))
 }
 
-/// A mesh whose normals and texture coordinates belong to vertices: a vertex whose corners
-/// disagree is split. Vertices keep their indices for their first corner; copies come last.
+/// A mesh whose normals and texture coordinates are stored per vertex: a vertex whose corners
+/// differ is split. Vertices keep their indices for their first corner; copies are appended.
 fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
     let by_corner = |has: Option<bool>| has.unwrap_or(false);
     let normals = by_corner(mesh.normals.as_ref().map(|a| a.corners.is_some()));
@@ -359,12 +359,12 @@ fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
     Cow::Owned(split.mesh(faces))
 }
 
-/// What a vertex is after splitting: position, normal and texture coordinate by index.
+/// Indices of a vertex's position, normal and texture coordinate after splitting.
 type VertexCombination = [u32; 3];
 
 struct VertexSplitter<'m> {
     mesh: &'m Mesh,
-    /// Of each vertex, old and new; `None` for an old one that no corner has named yet.
+    /// For each vertex, old and new; `None` for an old one that no corner has used yet.
     combinations: Vec<Option<VertexCombination>>,
     known: HashMap<VertexCombination, u32>,
 }
@@ -424,7 +424,7 @@ impl VertexSplitter<'_> {
         }
     }
 
-    /// An attribute by vertices; `unused` for vertices of no face.
+    /// An attribute per vertex; `unused` for vertices without faces.
     fn attribute<T: Copy>(
         &self,
         attribute: &Option<Attribute<T>>,
@@ -441,7 +441,7 @@ impl VertexSplitter<'_> {
     }
 }
 
-/// Which value of an attribute a corner has.
+/// The index of a corner's value in an attribute.
 fn index<T>(attribute: &Option<Attribute<T>>, corner: usize, vertex: u32) -> u32 {
     match attribute {
         None => 0,

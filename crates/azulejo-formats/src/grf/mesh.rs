@@ -1,4 +1,4 @@
-//! Meshes: vertex lists and face lists, where nearly all bytes of a file are.
+//! Meshes: vertex lists and face lists, which make up nearly all of a file.
 
 use super::document::{AppearanceChange, MeshBlock, NameKind, VertexColumn, VertexList};
 use super::parse::BlockEnd;
@@ -10,12 +10,12 @@ const MESH_LIGHT: BlockEnd = BlockEnd::optional(&["mesh", "light"]);
 const VERTICES: BlockEnd = BlockEnd::optional(&["vertices", "vertexs"]);
 const FACES: BlockEnd = BlockEnd::optional(&["faces"]);
 
-/// Vertices of one mesh.
+/// Maximum number of vertices of a mesh.
 const MOST_VERTICES: usize = 1 << 31;
-/// Corners of one mesh: they are counted in 32 bits.
+/// Maximum number of corners of a mesh, which are counted in 32 bits.
 const MOST_CORNERS: usize = u32::MAX as usize;
 
-/// The largest index of a mesh's faces and where it stands.
+/// The largest index of a mesh's faces and its offset.
 pub(super) type LargestIndex = Option<(u32, usize)>;
 
 /// Whether a word opens or ends a vertex list.
@@ -24,7 +24,7 @@ pub(super) fn is_vertices(word: &str) -> bool {
 }
 
 impl GrfParser<'_, '_, '_> {
-    /// The inside of a mesh and its `end`.
+    /// Reads the content of a mesh and its `end`.
     pub fn mesh_body(&mut self, offset: usize, mut mesh: MeshBlock) -> ParseResult<Box<MeshBlock>> {
         let ending = if mesh.is_light { &MESH_LIGHT } else { &MESH };
         let mut largest = None;
@@ -40,10 +40,7 @@ impl GrfParser<'_, '_, '_> {
                 if mesh.faces.is_empty() {
                     mesh.head.push(change);
                 } else {
-                    self.warn(
-                        at,
-                        "`use` after the faces of a mesh changes nothing; skipped",
-                    );
+                    self.warn(at, "`use` after the faces of a mesh has no effect: skipped");
                 }
             } else if self.lexer.eat(b';') {
             } else if self.at_end() {
@@ -68,7 +65,7 @@ impl GrfParser<'_, '_, '_> {
                 .is_some_and(|word| word.eq_ignore_ascii_case("end"))
     }
 
-    /// `begin` was read inside a mesh.
+    /// Reads a list of a mesh, after `begin`.
     pub fn mesh_list(
         &mut self,
         mesh: &mut MeshBlock,
@@ -90,9 +87,9 @@ impl GrfParser<'_, '_, '_> {
         match largest {
             Some((index, at)) if index as usize >= count => Err(self.fail(
                 at,
-                format!("vertex {index} of a mesh of {count} vertices"),
+                format!("vertex {index} of a mesh with {count} vertices"),
                 match count {
-                    0 => "a vertex list with that vertex".to_owned(),
+                    0 => "a vertex list that contains it".to_owned(),
                     _ => format!("an index from 0 to {}", count - 1),
                 },
             )),
@@ -137,7 +134,7 @@ impl GrfParser<'_, '_, '_> {
         } else if self.lexer.eat_word("use") {
             self.color_word()?;
             let name = self.used(NameKind::Color)?;
-            // The column holds a place for it, so that it counts as present.
+            // The column holds a placeholder, so that the attribute counts as present.
             self.set(&mut vertices.colors, vertex, Rgb::WHITE, offset);
             vertices.named_colors.push((vertex as u32, name));
         } else {
@@ -165,7 +162,7 @@ impl GrfParser<'_, '_, '_> {
         if column.get(vertex).is_some() {
             self.warn(
                 offset,
-                "a vertex has the same attribute twice; the first one holds",
+                "a vertex has the same attribute twice: the first one is used",
             );
         } else {
             column.push(vertex, value);
@@ -198,7 +195,7 @@ impl GrfParser<'_, '_, '_> {
         }
     }
 
-    /// What changes the look of the faces that follow; `None` if something else comes next.
+    /// A change of the appearance of the faces that follow; `None` if something else comes next.
     fn change(&mut self) -> ParseResult<Option<AppearanceChange>> {
         let word = self.lexer.peek_word().unwrap_or("");
         let is = |list: &[&str]| list.iter().any(|w| word.eq_ignore_ascii_case(w));
@@ -246,7 +243,7 @@ impl GrfParser<'_, '_, '_> {
             if !self.lexer.at_number() {
                 return Err(self.unexpected("`,` or `)`"));
             }
-            self.warn(next, "a comma is missing between two numbers");
+            self.warn(next, "missing comma between two numbers");
         }
         self.close_face(mesh, first, start)
     }
@@ -287,8 +284,8 @@ impl GrfParser<'_, '_, '_> {
         if end - first < 3 {
             return Err(self.fail(
                 start,
-                format!("a face of {} corners", end - first),
-                "a face of 3 corners or more",
+                format!("a face with {} corners", end - first),
+                "a face with at least 3 corners",
             ));
         }
         if end > MOST_CORNERS {

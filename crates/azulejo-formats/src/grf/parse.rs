@@ -10,21 +10,21 @@ use crate::reading::lexer::Lexer;
 use crate::{Files, ReadError, Warning};
 use std::borrow::Cow;
 
-/// Includes inside includes.
+/// Maximum depth of nested includes.
 const DEEPEST_INCLUDE: usize = 64;
-/// Includes in all: a file of ten lines can ask for more than fit into the world.
+/// Maximum number of includes in all: ten lines can include more than any memory holds.
 const MOST_INCLUDES: usize = 10_000;
-/// Bytes of all included files together.
+/// Maximum size of all included files together, bytes.
 const MOST_INCLUDED_BYTES: usize = 1 << 30;
 
 impl GrfDocument {
-    /// Reads a file and what it includes.
+    /// Parses a file and its includes.
     ///
-    /// `name` is what messages call the file; includes are asked from `files` by their path
-    /// from the file's folder.
+    /// `name` is the file's name in messages; includes are requested from `files` by their path
+    /// relative to the file's folder.
     ///
     /// # Errors
-    /// The first thing that is not GRF: file, line, column, what was found and what expected.
+    /// The first syntax error: file, line, column, what was found and what was expected.
     pub fn parse(
         bytes: &[u8],
         name: &str,
@@ -59,7 +59,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// What may follow `end`, and how the block that it ends is called in messages.
+/// The words that may follow `end`, and the name of the block in messages.
 pub(super) struct BlockEnd {
     pub words: &'static [&'static str],
     pub is_required: bool,
@@ -86,7 +86,7 @@ const DEFINITIONS: BlockEnd = BlockEnd::optional(&["def"]);
 const LIGHT: BlockEnd = BlockEnd::optional(&["light"]);
 const PARAMS: BlockEnd = BlockEnd::optional(&["params"]);
 
-/// Words that may follow `end` somewhere, so that a wrong one is noticed.
+/// All words that may follow `end`, to detect a wrong one.
 const CLOSERS: [&str; 10] = [
     "mesh",
     "light",
@@ -101,7 +101,7 @@ const CLOSERS: [&str; 10] = [
 ];
 
 impl<'a> GrfParser<'a, '_, '_> {
-    /// A whole file.
+    /// Reads a whole file.
     fn file(&mut self) -> ParseResult<Vec<GrfBlock>> {
         let blocks = self.blocks()?;
         match self.lexer.peek() {
@@ -110,7 +110,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// Blocks up to `end` or the end of the file, neither of which is read.
+    /// Reads blocks up to `end` or the end of the file, neither of which is consumed.
     fn blocks(&mut self) -> ParseResult<Vec<GrfBlock>> {
         let mut blocks = Vec::new();
         let mut named: Option<(usize, ObjectNotes)> = None;
@@ -119,7 +119,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             if self.empty_statement(offset) {
                 continue;
             }
-            // Taken before the inside of the block is read: places are quick in ascending order.
+            // Determined before the block is read: locating is fast in ascending order.
             let place = self.place(offset);
             let Some(word) = self.lexer.peek_word() else {
                 if self.lexer.peek().is_none() {
@@ -142,15 +142,15 @@ impl<'a> GrfParser<'a, '_, '_> {
             push(&mut blocks, place, kind, &mut named);
         }
         if let Some((offset, _)) = named {
-            self.warn(offset, "an `ext object` names nothing: no object follows");
+            self.warn(offset, "`ext object` without an object after it");
         }
         Ok(blocks)
     }
 
-    /// `;`, and the `.` that the grammar pages set behind their rules.
+    /// `;`, and the `.` that ends the rules on the grammar pages.
     fn empty_statement(&mut self, offset: usize) -> bool {
         if self.lexer.eat(b'.') {
-            self.warn(offset, "a lone `.` was skipped");
+            self.warn(offset, "single `.`: skipped");
             return true;
         }
         self.lexer.eat(b';')
@@ -194,7 +194,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         ))
     }
 
-    /// `begin` was read: blocks, and the `end` that fits.
+    /// Reads nested blocks, after `begin`, and the matching `end`.
     fn nested(
         &mut self,
         offset: usize,
@@ -211,7 +211,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(blocks)
     }
 
-    /// `end`, and the word behind it if it belongs here.
+    /// Reads `end`, and the word after it if it belongs to it.
     pub fn end(&mut self, opened: usize, ending: &BlockEnd) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
         if !self.lexer.eat_word("end") {
@@ -240,7 +240,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         format!("`end {word}` for the block that begins in line {line}")
     }
 
-    /// `begin` was read after definitions, or alone.
+    /// Reads a scope, after its definitions and `begin`, or after `begin` alone.
     fn scope(&mut self, offset: usize, definitions: Vec<GrfDefinition>) -> ParseResult<BlockKind> {
         let blocks = self.nested(offset, &definitions, &DEFINITIONS)?;
         Ok(BlockKind::Definitions {
@@ -255,7 +255,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// `def` was read: `id = body`, more of them, and the blocks in which they hold.
+    /// Reads definitions, after `def`: `id = body`, more of them, and the blocks in which they
+    /// hold.
     fn definitions(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut definitions = Vec::new();
         loop {
@@ -294,12 +295,12 @@ impl<'a> GrfParser<'a, '_, '_> {
         Err(self.unexpected("`texture`, `rgb` or `brdf`"))
     }
 
-    /// `light` was read.
+    /// Reads an area light, after `light`.
     fn area_light(&mut self, offset: usize) -> ParseResult<BlockKind> {
         self.expect_word("begin")?;
         let mut radiance = self.optional_rgb()?;
         let start = self.lexer.skip_blank();
-        // Brackets around the region: `( (` can't begin a vector.
+        // Brackets around the region: a vector cannot begin with `( (`.
         let mut ahead = self.lexer;
         let is_bracketed = ahead.eat(b'(') && ahead.eat(b'(');
         if is_bracketed {
@@ -334,7 +335,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// `transform` was read.
+    /// Reads a transform, after `transform`.
     fn transform(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut steps = Vec::new();
         loop {
@@ -357,7 +358,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(BlockKind::Transform { steps, blocks })
     }
 
-    /// `params` was read. What stands inside is kept as text, because its words are open.
+    /// Reads parameters, after `params`. Their text is kept verbatim, because their vocabulary is
+    /// open.
     fn params(&mut self, offset: usize) -> ParseResult<BlockKind> {
         self.expect_word("begin")?;
         let start = self.lexer.skip_blank();
@@ -382,7 +384,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    /// `include` was read.
+    /// Reads an include, after `include`.
     fn include(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let at = self.lexer.skip_blank();
         let name = self.file_name()?;
@@ -402,8 +404,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         {
             return Err(self.fail(
                 at,
-                "one include more",
-                format!("at most {MOST_INCLUDES} includes and {MOST_INCLUDED_BYTES} bytes in them"),
+                "one more include",
+                format!("at most {MOST_INCLUDES} includes with {MOST_INCLUDED_BYTES} bytes in all"),
             ));
         }
         self.enter(offset)?;
@@ -424,28 +426,28 @@ impl<'a> GrfParser<'a, '_, '_> {
         })
     }
 
-    /// Refuses circles and towers of includes.
+    /// Rejects cyclic and deeply nested includes.
     fn check_include(&mut self, at: usize, path: &str) -> ParseResult<()> {
         let chain = || self.shared.sources.chain(self.file);
         let depth = chain().count();
         if chain().any(|source| source.path == path) {
             return Err(self.fail(
                 at,
-                format!("an include of \"{path}\", which leads here"),
-                "includes that do not go round in a circle",
+                format!("an include of \"{path}\", which is being included already"),
+                "includes without a cycle",
             ));
         }
         if depth > DEEPEST_INCLUDE {
             return Err(self.fail(
                 at,
                 "an include inside an include",
-                format!("at most {DEEPEST_INCLUDE} inside each other"),
+                format!("at most {DEEPEST_INCLUDE} nested levels"),
             ));
         }
         Ok(())
     }
 
-    /// `mesh light begin` was read.
+    /// Reads a light mesh, after `mesh light begin`.
     fn mesh_light(&mut self, offset: usize) -> ParseResult<Box<MeshBlock>> {
         let mesh = MeshBlock {
             is_light: true,
@@ -454,13 +456,13 @@ impl<'a> GrfParser<'a, '_, '_> {
         self.mesh_body(offset, mesh)
     }
 
-    /// `begin mesh` was read.
+    /// Reads a mesh, after `begin mesh`.
     fn mesh(&mut self, offset: usize) -> ParseResult<Box<MeshBlock>> {
         self.mesh_body(offset, MeshBlock::default())
     }
 }
 
-/// Adds a block; an object takes what the `ext object` before it says.
+/// Adds a block; an object gets the attributes of a preceding `ext object`.
 fn push(
     blocks: &mut Vec<GrfBlock>,
     place: SourcePosition,
@@ -486,18 +488,18 @@ impl DefinitionBody {
     }
 }
 
-/// Whether after `begin` a mesh follows, rather than a list of blocks of which the first is
-/// `mesh light`.
+/// Whether `begin` is followed by a mesh, rather than by a list of blocks that starts with `mesh
+/// light`.
 fn at_mesh(mut ahead: Lexer<'_>) -> bool {
     ahead.eat_word("mesh") && !ahead.eat_word("light")
 }
 
-/// Whether `id =` and a body follow: one more definition under the same `def`.
+/// Whether `id =` and a body follow: one more definition of the same `def`.
 fn at_definition(mut ahead: Lexer<'_>) -> bool {
     ahead.word().is_some() && ahead.eat(b'=')
 }
 
-/// Whether what follows `end` begins the next block instead of saying what ends.
+/// Whether the text after `end` begins the next block instead of naming what ends.
 fn starts_block(mut ahead: Lexer<'_>) -> bool {
     if ahead.eat_word("mesh") {
         return ahead.eat_word("light") && ahead.eat_word("begin") && at_lists(ahead);
@@ -535,10 +537,10 @@ fn skip_rgb(ahead: &mut Lexer<'_>) {
     }
 }
 
-/// The path of a file that another file names, from the folder of the outermost file.
+/// The path of a file named in another file, relative to the folder of the outermost file.
 ///
-/// `..` is taken back against folders that the path already went into; where it leads further
-/// out it stays, for [`Files`] to judge.
+/// `..` is resolved against folders that are part of the path; where it leads further up it is
+/// kept, and [`Files`] decides.
 pub(super) fn joined(from: &str, name: &str) -> String {
     let name = name.replace('\\', "/");
     if name.starts_with('/') || name.contains(':') {

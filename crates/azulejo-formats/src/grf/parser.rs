@@ -1,4 +1,4 @@
-//! What every part of the parser needs: where it stands, what went wrong, which names are known.
+//! Parser state and helpers common to all parts of the grammar: position, errors, known names.
 
 use super::brdf::GrfReflection;
 use super::document::{BoxedError, GrfName, GrfSources, NameKind, SourcePosition};
@@ -12,11 +12,11 @@ use std::sync::Arc;
 
 pub(super) type ParseResult<T> = Result<T, BoxedError>;
 
-/// Blocks and includes that may stand inside each other. Enough for any scene that a person or
-/// an exporter makes; few enough for the smallest stack of a thread.
+/// Maximum depth of nested blocks and includes: sufficient for any practical scene, and few enough
+/// for the smallest stack of a thread.
 const DEEPEST: usize = 256;
 
-/// Reads one file; an included file gets its own.
+/// Parses one file; an included file gets its own parser.
 pub(super) struct GrfParser<'a, 's, 'f> {
     pub lexer: Lexer<'a>,
     pub file: u32,
@@ -24,19 +24,19 @@ pub(super) struct GrfParser<'a, 's, 'f> {
     locator: Locator,
 }
 
-/// What all files of a document share.
+/// State shared by all files of a document.
 pub(super) struct SharedParserState<'f> {
     pub files: &'f dyn Files,
     pub sources: GrfSources,
     pub warnings: Warnings,
     pub depth: usize,
-    /// Solids inside solids.
+    /// Current depth of nested solids.
     pub solid_depth: usize,
     pub includes: usize,
     pub included_bytes: usize,
-    /// Every brdf of the document once, by its text.
+    /// Every distinct brdf of the document, by its text.
     pub reflections: HashMap<String, Arc<GrfReflection>>,
-    /// How many of them are more than matt or a mirror.
+    /// The number of those that are neither diffuse nor mirrors.
     pub models: usize,
     names: HashSet<GrfName>,
     scopes: Vec<ParseScope>,
@@ -46,18 +46,19 @@ pub(super) struct SharedParserState<'f> {
 #[derive(Default)]
 struct ParseScope {
     defined: HashSet<(NameKind, GrfName)>,
-    /// Used, and not defined yet: a definition may still follow in this list or outside it.
+    /// Names used, but not defined yet: a definition may still follow in this list or an enclosing
+    /// one.
     pending: HashMap<(NameKind, GrfName), PendingName>,
 }
 
-/// The first use of a name without definition.
+/// The first use of a name without a definition.
 struct PendingName {
     place: SourcePosition,
     offset: usize,
     source_line: Option<String>,
 }
 
-/// Longest line that is kept for each unknown name of an included file.
+/// Longest line kept for each unresolved name of an included file.
 const KEPT_LINE: usize = 200;
 
 impl<'f> SharedParserState<'f> {
@@ -77,7 +78,7 @@ impl<'f> SharedParserState<'f> {
         }
     }
 
-    /// The one copy of a name.
+    /// The shared copy of a name.
     pub fn intern(&mut self, name: &str) -> GrfName {
         if let Some(known) = self.names.get(name) {
             return known.clone();
@@ -125,14 +126,14 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         fail
     }
 
-    /// An error about what comes next.
+    /// An error about the next token.
     #[cold]
     pub fn unexpected(&mut self, expected: impl Into<String>) -> BoxedError {
         let offset = self.lexer.skip_blank();
         self.fail(offset, self.lexer.describe(), expected)
     }
 
-    /// Something mended or skipped at an offset.
+    /// A warning at an offset.
     #[cold]
     pub fn warn(&mut self, offset: usize, message: impl Into<String>) {
         let message = message.into();
@@ -196,7 +197,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         }
     }
 
-    /// The comma between two numbers, for which a blank is accepted.
+    /// Reads the comma between two numbers; a blank is accepted, too.
     fn comma(&mut self) -> ParseResult<()> {
         let end = self.lexer.pos();
         if self.lexer.eat(b',') {
@@ -206,7 +207,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         if next == end || !self.lexer.at_number() {
             return Err(self.unexpected("`,`"));
         }
-        self.warn(next, "a comma is missing between two numbers");
+        self.warn(next, "missing comma between two numbers");
         Ok(())
     }
 
@@ -248,7 +249,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         Ok((pair, Some(z)))
     }
 
-    /// `( r , g , b )` of light or colour: what is negative becomes 0.
+    /// `( r , g , b )` of light or colour: negative values become 0.
     pub fn rgb(&mut self) -> ParseResult<Rgb> {
         let offset = self.lexer.skip_blank();
         let rgb = Rgb::from(self.numbers()?);
@@ -259,11 +260,11 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         if rgb.r >= 0.0 && rgb.g >= 0.0 && rgb.b >= 0.0 {
             return rgb;
         }
-        self.warn(offset, "a colour or light is negative; read as 0");
+        self.warn(offset, "negative colour or light: read as 0");
         rgb.map(|x| x.max(0.0))
     }
 
-    /// Goes one block or include deeper.
+    /// Enters a nested block or include.
     pub fn enter(&mut self, offset: usize) -> ParseResult<()> {
         self.shared.depth += 1;
         if self.shared.depth <= DEEPEST {
@@ -271,8 +272,8 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         }
         Err(self.fail(
             offset,
-            "one more block inside a block",
-            format!("at most {DEEPEST} inside each other"),
+            "one more nested block",
+            format!("at most {DEEPEST} nested levels"),
         ))
     }
 
@@ -284,7 +285,8 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         self.shared.scopes.push(ParseScope::default());
     }
 
-    /// Ends a list of blocks: names that it used and did not define must come from outside.
+    /// Ends a list of blocks: names that it used without defining them must come from an enclosing
+    /// list.
     pub fn close_scope(&mut self) {
         let Some(closed) = self.shared.scopes.pop() else {
             return;
@@ -300,7 +302,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
     }
 
     fn innermost(&mut self) -> &mut ParseScope {
-        // The outermost scope is never closed before the end of the outermost file.
+        // The outermost scope is closed at the end of the outermost file only.
         let scopes = &mut self.shared.scopes;
         if scopes.is_empty() {
             scopes.push(ParseScope::default());
@@ -309,17 +311,17 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         &mut scopes[last]
     }
 
-    /// Makes a name known in the list of blocks that is being read.
+    /// Defines a name in the current list of blocks.
     pub fn define(&mut self, offset: usize, kind: NameKind, name: &GrfName) {
         if !self.innermost().defined.insert((kind, name.clone())) {
             self.warn(
                 offset,
-                format!("`{name}` is defined twice; the last definition holds"),
+                format!("`{name}` is defined twice: the last definition is used"),
             );
         }
     }
 
-    /// Reads the name after `use color|brdf|texture`, which must be defined somewhere around.
+    /// Reads the name after `use color|brdf|texture`, which must be defined in an enclosing scope.
     pub fn used(&mut self, kind: NameKind) -> ParseResult<GrfName> {
         let offset = self.lexer.skip_blank();
         let name = self.identifier()?;
@@ -347,7 +349,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         self.innermost().pending.insert(key, pending);
     }
 
-    /// Keeps the lines of names that this file leaves open, because its text is about to go.
+    /// Keeps the lines of unresolved names of this file, because its text is about to be dropped.
     pub fn keep_open_lines(&mut self) {
         let (text, file) = (self.lexer.text(), self.file);
         for pending in self.innermost().pending.values_mut() {
@@ -358,7 +360,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         }
     }
 
-    /// At the end of the outermost file: every name must have been defined.
+    /// At the end of the outermost file, checks that every name is defined.
     pub fn check_names(&mut self) -> ParseResult<()> {
         let scope = std::mem::take(self.innermost());
         let open = scope
@@ -372,8 +374,8 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         let (word, maker) = (kind.word(), kind.maker());
         let mut fail = self.shared.sources.fail(
             pending.place,
-            format!("`{name}`, which no `{maker}` around it makes a {word}"),
-            format!("a {word} that is defined in this block or around it"),
+            format!("`{name}`, which no enclosing `{maker}` defines as a {word}"),
+            format!("a {word} that is defined in this block or an enclosing one"),
         );
         fail.source_line = if pending.place.file == self.file {
             line_around(self.lexer.text(), pending.offset)
@@ -385,7 +387,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
 }
 
 impl NameKind {
-    /// What defines names of this kind.
+    /// The statement that defines names of this type.
     fn maker(self) -> &'static str {
         match self {
             NameKind::Texture | NameKind::Color | NameKind::Brdf => "def",
@@ -394,7 +396,7 @@ impl NameKind {
         }
     }
 
-    /// The keyword after `use`, and what messages call it.
+    /// The keyword after `use`, also used in messages.
     pub fn word(self) -> &'static str {
         match self {
             NameKind::Texture => "texture",

@@ -1,4 +1,4 @@
-//! From a document to a scene: scopes, transforms, materials.
+//! Converts a document to a scene: scopes, transforms, materials.
 
 use super::appearance::{DerivedMaterialKey, FaceAppearance};
 use super::document::{
@@ -24,10 +24,10 @@ use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Radiance of a light that says none.
+/// Radiance of a light without one.
 const DEFAULT_RADIANCE: Rgb = Rgb::WHITE;
 
-/// Bytes of names that all derived materials together may copy.
+/// Budget of bytes of names that all derived materials together may copy.
 const BUDGET: usize = 1 << 28;
 
 pub(super) type ResolveResult<T> = Result<T, BoxedError>;
@@ -37,8 +37,7 @@ impl GrfDocument {
     /// [`load_textures`](super::load_textures).
     ///
     /// # Errors
-    /// A transform that carries numbers out of range. The error names the place but doesn't draw
-    /// its line.
+    /// A transform that overflows. The error has a position, but no source line.
     pub fn resolve(&self) -> Result<Loaded, ReadError> {
         self.resolve_with(&ReadOptions::default())
     }
@@ -66,11 +65,7 @@ impl GrfDocument {
         let scene = resolver.scene;
         if let Err(invalid) = scene.validate() {
             let name = self.sources.get(0).map_or("", |s| &s.shown);
-            return Err(ReadError::whole(
-                name,
-                invalid.to_string(),
-                "a possible scene",
-            ));
+            return Err(ReadError::whole(name, invalid.to_string(), "a valid scene"));
         }
         Ok(Loaded {
             scene,
@@ -84,24 +79,24 @@ pub(super) struct GrfResolver<'d> {
     pub scene: Scene,
     warnings: Warnings,
     pub scopes: Vec<ResolveScope<'d>>,
-    /// What stands behind the materials that a `def brdf` made.
+    /// The materials made from `def brdf`.
     pub surfaces: HashMap<MaterialId, NamedMaterial>,
-    /// Materials made from looks, so that equal looks share one.
+    /// Derived materials, so that equal appearances share one.
     pub derived: HashMap<DerivedMaterialKey, MaterialId>,
-    /// Bytes of names that derived materials may still copy.
+    /// Remaining bytes of names that derived materials may copy.
     pub budget: usize,
-    /// Textures named in place.
+    /// Textures given in place.
     texture_ids: HashMap<String, TextureId>,
-    /// What instances may still copy.
+    /// Remaining budget of what instances may copy.
     pub instances: Budget,
-    /// Solids and definitions that are being made, one inside of the other.
+    /// Current depth of nested solids and definitions.
     pub depth: usize,
 }
 
 /// A material of a `def brdf`.
 pub(super) struct NamedMaterial {
     pub surface: DefinedMaterial,
-    /// Whether `use` of it also says the textures.
+    /// Whether `use` of it also sets the textures.
     pub sets_textures: bool,
 }
 
@@ -168,7 +163,11 @@ impl<'d> GrfResolver<'d> {
             BlockKind::Transform { steps, blocks } => {
                 let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
                 if !map.is_finite() {
-                    return Err(self.fail(place, "a transform out of range", "finite numbers"));
+                    return Err(self.fail(
+                        place,
+                        "a transform that overflows",
+                        "a transform that overflows",
+                    ));
                 }
                 self.list(blocks, &[], Some(map))?;
             }
@@ -182,13 +181,21 @@ impl<'d> GrfResolver<'d> {
             BlockKind::Camera(camera) => {
                 let camera = moved_camera(camera, outer);
                 if !is_camera(&camera) {
-                    return Err(self.fail(place, "a transform that blinds the camera", "another"));
+                    return Err(self.fail(
+                        place,
+                        "a transform that makes the view of a camera degenerate",
+                        "another",
+                    ));
                 }
                 self.scene.cameras.push(camera);
             }
             BlockKind::Light(light) => {
                 let light = moved_light(light, outer).ok_or_else(|| {
-                    self.fail(place, "a transform that flattens a light", "another")
+                    self.fail(
+                        place,
+                        "a transform that leaves a light without direction",
+                        "another",
+                    )
                 })?;
                 self.scene.lights.push(light);
             }
@@ -203,7 +210,7 @@ impl<'d> GrfResolver<'d> {
         Ok(())
     }
 
-    /// Definitions without blocks of their own, also those in included files.
+    /// Collects definitions without blocks of their own, including those of included files.
     fn gather_definitions(&mut self, blocks: &'d [GrfBlock]) {
         for block in blocks {
             match &block.kind {
@@ -253,7 +260,7 @@ impl<'d> GrfResolver<'d> {
         }
     }
 
-    /// `ext material` and `ext texture`, which complete definitions.
+    /// Collects `ext material` and `ext texture`, which complete definitions.
     fn gather_notes(&mut self, blocks: &'d [GrfBlock]) -> ResolveResult<()> {
         for block in blocks {
             match &block.kind {
@@ -313,7 +320,7 @@ impl<'d> GrfResolver<'d> {
             .ok_or_else(|| self.undefined(kind, name, place))
     }
 
-    /// Only a document that was changed by hand has such a name.
+    /// The error for an undefined name, which only a document modified by a program can contain.
     #[cold]
     pub fn undefined(&self, kind: NameKind, name: &str, place: SourcePosition) -> BoxedError {
         self.fail(
@@ -341,7 +348,7 @@ impl<'d> GrfResolver<'d> {
         (self.scene.textures.len() - 1) as TextureId
     }
 
-    /// The path of a texture from the folder of the outermost file.
+    /// The path of a texture relative to the folder of the outermost file.
     fn texture_path(&self, path: &str, place: SourcePosition) -> String {
         match self.document.sources.get(place.file) {
             Some(source) if source.path.contains('/') => super::parse::joined(&source.path, path),
@@ -360,7 +367,7 @@ impl<'d> GrfResolver<'d> {
     }
 }
 
-/// Normals by corners under a transform; `faces` are those before it.
+/// Transformed normals per corner; `faces` are the faces before the transform.
 fn placed_normals(
     normals: &Attribute<DVec3>,
     faces: &Faces,
@@ -383,7 +390,6 @@ fn placed_normals(
     normals
 }
 
-/// Objects.
 impl<'d> GrfResolver<'d> {
     fn area_light(
         &mut self,
@@ -394,7 +400,7 @@ impl<'d> GrfResolver<'d> {
         let map = outer.unwrap_or(DAffine3::IDENTITY);
         let [mut a, mut b] = light.edges.map(|edge| map.matrix3 * edge);
         if is_mirror(outer) {
-            // In a mirror the lamp still shines on the mirrored room.
+            // Keep the front of a mirrored light on the mirrored side.
             (a, b) = (b, a);
         }
         let corner = map.transform_point3(light.corner);
@@ -402,7 +408,7 @@ impl<'d> GrfResolver<'d> {
             return Err(self.fail(
                 place,
                 "a light that a transform leaves without area",
-                "a transform that keeps it",
+                "a transform that preserves its area",
             ));
         }
         let radiance = light.radiance.unwrap_or(DEFAULT_RADIANCE);
@@ -431,7 +437,7 @@ impl<'d> GrfResolver<'d> {
             return Err(self.fail(
                 place,
                 "a primitive that a transform flattens",
-                "a transform that keeps it",
+                "an invertible transform",
             ));
         }
         let material = self.noted_material(&block.notes, None, place)?;
@@ -459,7 +465,7 @@ impl<'d> GrfResolver<'d> {
         Ok(())
     }
 
-    /// A mesh in the world, its faces of these materials.
+    /// A mesh in world coordinates, with these face materials.
     pub fn built_mesh(
         &mut self,
         block: &'d MeshBlock,
@@ -477,7 +483,7 @@ impl<'d> GrfResolver<'d> {
             if !positions.iter().all(|p| p.is_finite()) {
                 return Err(self.fail(
                     place,
-                    "a mesh that a transform carries out of range",
+                    "a mesh whose transformed positions overflow",
                     "finite positions",
                 ));
             }
@@ -497,7 +503,7 @@ impl<'d> GrfResolver<'d> {
                 count,
                 Rgb::BLACK,
                 place,
-                "a vertex has no `irad` beside others that have; read as black",
+                "vertex without `irad` in a mesh with `irad`: read as black",
             ),
             irradiance_error: block.notes.irradiance_error.clone(),
             ..Mesh::default()
@@ -507,7 +513,7 @@ impl<'d> GrfResolver<'d> {
             count,
             glam::DVec2::ZERO,
             place,
-            "a vertex has no `uv` beside others that have; read as (0, 0)",
+            "vertex without `uv` in a mesh with `uv`: read as (0, 0)",
         );
         mesh.uvs = (!vertices.uvs.is_empty()).then(|| Attribute::per_vertex(uvs));
         if !vertices.normals.is_empty() {
@@ -518,11 +524,11 @@ impl<'d> GrfResolver<'d> {
             mesh.normals = Some(placed_normals(normals, &block.faces, outer));
         }
         let flat = degenerate_faces(&mesh);
-        self.warn(place, "a face has no area; kept", flat);
+        self.warn(place, "face without area: kept", flat);
         Ok(mesh)
     }
 
-    /// An attribute with `substitute` where it is missing; empty when all vertices lack it.
+    /// An attribute with `substitute` for missing values; empty if all vertices lack it.
     fn filled<T: Copy + Default>(
         &mut self,
         column: &VertexColumn<T>,
@@ -550,7 +556,7 @@ impl<'d> GrfResolver<'d> {
             vertices.positions.len(),
             Rgb::WHITE,
             place,
-            "a vertex has no colour beside others that have; read as white",
+            "vertex without colour in a mesh with colours: read as white",
         );
         for (vertex, name) in &vertices.named_colors {
             let color = self.color_named(name, place)?;
@@ -561,7 +567,8 @@ impl<'d> GrfResolver<'d> {
         Ok(colors)
     }
 
-    /// Unit normals in the world; those that are missing or zero come from the faces around.
+    /// Unit normals in world coordinates; missing or zero ones are computed from the adjacent
+    /// faces.
     fn normals(
         &mut self,
         block: &MeshBlock,
@@ -572,13 +579,13 @@ impl<'d> GrfResolver<'d> {
         let matrix = outer.map(|map| normal_matrix(map.matrix3));
         let given = |v: usize| {
             let normal = block.vertices.normals.get(v)?;
-            // A matrix that is not there leaves a unit normal as it was written.
+            // Without a matrix, a unit normal stays as written.
             unit(matrix.map_or(normal, |m| m * normal))
         };
         let mut normals: Vec<Option<DVec3>> = (0..mesh.positions.len()).map(given).collect();
         let missing = normals.iter().filter(|n| n.is_none()).count();
         if missing > 0 {
-            let message = "a vertex has no normal beside others that have; taken from its faces";
+            let message = "vertex without normal in a mesh with normals: computed from its faces";
             self.warn(place, message, missing);
             let around = face_normals(mesh);
             for (normal, faces) in normals.iter_mut().zip(around) {

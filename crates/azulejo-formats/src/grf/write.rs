@@ -1,4 +1,4 @@
-//! From a document to text: canonical, stable, every number in its shortest exact form.
+//! Writes a document as text: canonical, stable, every number in its shortest exact form.
 
 use super::brdf::GrfReflection;
 use super::document::{
@@ -16,14 +16,14 @@ use std::io::{self, BufWriter, Write};
 pub(super) type GrfOutput<'w> = BufWriter<&'w mut dyn Write>;
 
 impl GrfDocument {
-    /// Writes the document, through a buffer of its own. Included files are not written.
+    /// Writes the document, through an internal buffer. Included files are not written.
     ///
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut out = BufWriter::with_capacity(1 << 16, out);
         for comment in &self.comments {
-            // A comment that a program sets may have several lines.
+            // A comment set by a program may have several lines.
             for line in comment.split(['\n', '\r']) {
                 writeln!(out, "//{}", line.trim_end())?;
             }
@@ -96,7 +96,7 @@ impl fmt::Display for Quoted<'_> {
     }
 }
 
-/// A file name: in quotes, or bare if it came bare with a quote inside.
+/// A file name: in quotes, or bare if it was read bare with a quote inside.
 struct FileName<'a>(&'a str);
 
 impl fmt::Display for FileName<'_> {
@@ -166,7 +166,7 @@ fn block(out: &mut GrfOutput<'_>, kind: &BlockKind) -> io::Result<()> {
     }
 }
 
-/// A block whose inside is kept as text.
+/// Writes a block whose content is kept as text.
 fn enclosed(out: &mut GrfOutput<'_>, head: &str, text: &str, end: &str) -> io::Result<()> {
     writeln!(out, "{head} begin")?;
     if !text.is_empty() {
@@ -290,7 +290,7 @@ pub(super) fn faces(out: &mut GrfOutput<'_>, mesh: &MeshBlock) -> io::Result<()>
     out.write_all(b"end faces\n")
 }
 
-/// `ext object`, if there is something to say.
+/// Writes `ext object`, if it has any attributes.
 pub(super) fn object(
     out: &mut GrfOutput<'_>,
     notes: &ObjectNotes,
@@ -379,7 +379,7 @@ fn primitive(out: &mut GrfOutput<'_>, primitive: &PrimitiveBlock) -> io::Result<
         .try_for_each(|l| surface_light(out, l))
 }
 
-/// The keys of a primitive's kind and map.
+/// Writes the keys of a primitive's kind and map.
 pub(super) fn unit_primitive(
     out: &mut GrfOutput<'_>,
     kind: PrimitiveKind,
@@ -420,7 +420,7 @@ fn units(out: &mut GrfOutput<'_>, units: &Units) -> io::Result<()> {
     writeln!(out, " photometric = {} end ext", units.photometric)
 }
 
-/// An angle in degrees, or in radians under another key where degrees would lose a bit.
+/// An angle in degrees, or in radians under another key if degrees would lose a bit.
 struct Angle<'a>(&'a str, f64);
 
 impl fmt::Display for Angle<'_> {

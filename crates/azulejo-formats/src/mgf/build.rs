@@ -1,5 +1,4 @@
-//! The scene as the statements build it: named groups, each with a mesh of the faces that stand
-//! directly in it.
+//! The scene under construction: named groups, each with a mesh of the faces directly inside it.
 
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
@@ -10,16 +9,15 @@ use azulejo_scene::{
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
-/// Longest name of an object; what nests deeper is not told apart by name.
+/// Longest name of an object; objects nested more deeply share a name.
 const LONGEST_NAME: usize = 255;
 
-/// A corner of a face, placed in the world.
+/// A corner of a face, in world coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MgfCorner {
-    /// Tells apart what may not share a vertex of the mesh: the state of the file's vertex, and
-    /// the transform that was in force.
+    /// Corners with different keys must not share a vertex of the mesh: the revision of the file's
+    /// vertex, and the serial number of the current transform.
     pub key: (u64, u64),
-    /// Where it is.
     pub position: DVec3,
     /// Unit shading normal.
     pub normal: Option<DVec3>,
@@ -38,9 +36,9 @@ pub(super) struct MgfBuilder {
 /// An open group.
 #[derive(Debug, Default)]
 struct MgfObject {
-    /// Length of the path outside of it.
+    /// Length of the path outside of the group.
     path_length: usize,
-    /// Its faces, and the object that they will be.
+    /// Its faces, and the index of the object reserved for them.
     draft: Option<Box<(usize, ObjectFaces)>>,
 }
 
@@ -63,12 +61,12 @@ impl MgfBuilder {
         }
     }
 
-    /// Path of the groups that are open, for names of objects.
+    /// Path of the open groups, for names of objects.
     pub fn path(&self) -> &str {
         &self.path
     }
 
-    /// Whether there is nothing to see or to be lit by yet.
+    /// Whether there are no objects and no lights yet.
     pub fn is_empty(&self) -> bool {
         self.scene.objects.is_empty() && self.scene.lights.is_empty()
     }
@@ -100,7 +98,7 @@ impl MgfBuilder {
         }
     }
 
-    /// Puts a group's faces where their object was announced.
+    /// Stores a group's faces in the object reserved for them.
     fn place(&mut self, draft: Option<Box<(usize, ObjectFaces)>>) {
         if let Some((object, draft)) = draft.map(|d| *d) {
             let mut mesh = draft.finish();
@@ -109,8 +107,8 @@ impl MgfBuilder {
         }
     }
 
-    /// Lamps that shine on both sides and enclose a body shine outward alone: what they emit
-    /// inward nobody sees, and it would count as power.
+    /// Two-sided emitters that enclose a volume emit outwards only: their inward emission is never
+    /// visible and would count as power.
     fn darken_insides(&mut self, mesh: &mut Mesh) {
         let shines_in = |m: &MaterialId| self.materials.get(*m).emits_back;
         let is_lamp: Vec<bool> = mesh.face_materials.iter().map(shines_in).collect();
@@ -130,7 +128,7 @@ impl MgfBuilder {
     pub fn face(&mut self, corners: &[MgfCorner], material: MaterialId) {
         let group = self.groups.last_mut().expect("the outermost group is open");
         let announced = group.draft.get_or_insert_with(|| {
-            // Objects stand in the order of their first faces, also when groups nest.
+            // Objects are ordered by their first faces, even if groups nest.
             let object = Object::new(self.path.clone(), Shape::Mesh(Mesh::default()));
             self.scene.objects.push(object);
             Box::new((self.scene.objects.len() - 1, ObjectFaces::default()))
@@ -138,7 +136,7 @@ impl MgfBuilder {
         announced.1.face(corners, material);
     }
 
-    /// Adds a mesh of one material as an object of its own; its own material does not count.
+    /// Adds a mesh with one material as an object of its own; the material in the mesh is ignored.
     pub fn solid(&mut self, mut mesh: Mesh, map: &DAffine3, material: MaterialId) {
         mesh.transform(map);
         mesh.face_materials.fill(material);
@@ -156,13 +154,13 @@ impl MgfBuilder {
             .push(Object::new(self.path.clone(), shape));
     }
 
-    /// Adds a light without area, named by the path.
+    /// Adds a light without area, named after the path.
     pub fn light(&mut self, kind: azulejo_scene::LightKind) {
         let name = self.path.clone();
         self.scene.lights.push(Light { name, kind });
     }
 
-    /// The scene, with every group closed.
+    /// The scene, after closing every group.
     pub fn finish(mut self) -> Scene {
         while !self.groups.is_empty() {
             self.close();
@@ -186,11 +184,11 @@ struct ObjectFaces {
 /// How a face is shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FaceShading {
-    /// By its own normal.
+    /// With its geometric normal.
     Flat,
-    /// By the normals of its vertices.
+    /// With its vertex normals.
     Smooth,
-    /// By their opposites: they look to the back.
+    /// With the opposite vertex normals, which point to the back.
     Turned,
 }
 
@@ -225,7 +223,7 @@ impl ObjectFaces {
     }
 }
 
-/// A face is smooth if all its corners have normals, and they are to lie on its front.
+/// A face is smooth if all its corners have normals; these must end up on its front.
 fn shading(corners: &[MgfCorner]) -> FaceShading {
     let outline: Vec<DVec3> = corners.iter().map(|c| c.position).collect();
     let front = area_vector(&outline);
@@ -243,8 +241,8 @@ fn shading(corners: &[MgfCorner]) -> FaceShading {
     }
 }
 
-/// Whether some of a mesh's faces are the whole surface of a body, seen from outside: each edge is
-/// walked as often in one direction as in the other, and the body has a volume.
+/// Whether the flagged faces are the closed surface of a body, seen from outside: each edge is used
+/// equally often in both directions, and the body has a positive volume.
 fn encloses(mesh: &Mesh, faces: &[bool]) -> bool {
     let mut walks: HashMap<(u32, u32), i64> = HashMap::new();
     let (mut volume, mut area) = (0.0, 0.0);
@@ -260,7 +258,7 @@ fn encloses(mesh: &Mesh, faces: &[bool]) -> bool {
         volume += front.dot(mesh.positions[polygon[0] as usize] - origin) / 3.0;
         area += front.length();
     }
-    // A sheet whose two sides are faces of their own has no volume but by rounding.
+    // A two-sided sheet made of two faces has no volume beyond rounding.
     walks.values().all(|&net| net == 0) && volume > 1e-9 * area.powf(1.5)
 }
 

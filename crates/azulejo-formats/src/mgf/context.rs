@@ -1,9 +1,9 @@
-//! Named contexts: the colours, materials and vertices that statements build and later ones use.
+//! Named contexts: the colours, materials and vertices that statements define and later ones use.
 
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// All contexts of one kind. One of them is current; the first has no name.
+/// All contexts of one type. One of them is current; the first is unnamed.
 #[derive(Debug)]
 pub(super) struct ContextTable<T> {
     list: Vec<(Rc<[u8]>, T)>,
@@ -11,17 +11,17 @@ pub(super) struct ContextTable<T> {
     current: usize,
 }
 
-/// What is wrong with a statement that chooses a context.
+/// An error in a statement that selects a context.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum ContextError<'a> {
-    /// The words are not one of the four forms.
+    /// The arguments have none of the four forms.
     Form,
-    /// Nobody has defined this name; a stand-in is taken.
+    /// The name is undefined; a default takes its place.
     Undefined(&'a [u8]),
 }
 
 impl<T: Clone + Default> ContextTable<T> {
-    /// The unnamed one alone.
+    /// Only the unnamed context.
     pub fn new() -> ContextTable<T> {
         ContextTable {
             list: vec![(Rc::from(*b""), T::default())],
@@ -30,29 +30,29 @@ impl<T: Clone + Default> ContextTable<T> {
         }
     }
 
-    /// Name and value of the current one.
+    /// Name and value of the current context.
     pub fn current(&mut self) -> (&[u8], &mut T) {
         let (name, value) = &mut self.list[self.current];
         (name, value)
     }
 
-    /// The value of a name.
+    /// The value of a named context.
     pub fn get(&self, name: &[u8]) -> Option<&T> {
         self.by_name.get(name).map(|&i| &self.list[i].1)
     }
 
-    /// All that have names, in the order in which these were first defined.
+    /// All named contexts, in the order of their first definition.
     pub fn named(&mut self) -> impl Iterator<Item = (&[u8], &mut T)> {
         self.list[1..]
             .iter_mut()
             .map(|(name, value)| (&**name, value))
     }
 
-    /// Makes another one current, by the words behind the keyword: none, `id`, `id =` or
-    /// `id = template`. `undefined` makes what a name stands for that nobody has defined.
+    /// Makes a context current, given the words after the keyword: none, `id`, `id =` or `id =
+    /// template`. `undefined` makes the default for an undefined name.
     ///
     /// # Errors
-    /// [`ContextError::Form`], and nothing changes; [`ContextError::Undefined`], and the stand-in is
+    /// [`ContextError::Form`], with no change; [`ContextError::Undefined`], with the default
     /// current under its new name.
     pub fn choose<'a>(
         &mut self,

@@ -1,33 +1,33 @@
-//! IESNA LM-63 photometric files, as far as azulejo's lights can say what they say: how much light
-//! goes at which angle from the axis, and out of how large an opening.
+//! IESNA LM-63 photometric files, reduced to what azulejo's lights can represent: the luminous flux
+//! by angle from the axis, and the size of the luminous opening.
 
 use super::lines::number;
 use crate::reading::text::text;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Bins of one degree from the aim of the lamp to its back.
+/// Bins of one degree from the aiming direction to the opposite one.
 pub(super) const BINS: usize = 180;
 
-/// A luminaire in its own coordinates: metres, aiming at −z, the 0° plane along x, the origin in
-/// the middle of the luminous opening.
+/// A luminaire in its own coordinates: metres, aiming at −z, the 0° plane along x, the origin at
+/// the centre of the luminous opening.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Luminaire {
-    /// Light that leaves within each degree from the aim, lumens, with all factors.
+    /// Luminous flux within each degree from the axis, lumens, with all factors applied.
     pub flux: Vec<f64>,
     /// Luminous opening.
     pub opening: LuminousOpening,
-    /// All factors of the file together: what the emittance of a body is multiplied with.
+    /// The product of all factors of the file, which also scales the emittance of a body.
     pub factor: f64,
-    /// MGF file of its body, whose surfaces shine.
+    /// MGF file of its geometry, whose surfaces emit.
     pub body: Option<String>,
 }
 
-/// Where the light comes out.
+/// The shape of the luminous opening.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LuminousOpening {
-    /// Too small to have a size.
+    /// A point source.
     Point,
-    /// A box of this size; the light comes out of its lower and upper sides.
+    /// A box; the light leaves through its lower and upper sides.
     Rectangle {
         /// Along x.
         length: f64,
@@ -38,17 +38,16 @@ pub(super) enum LuminousOpening {
     },
     /// A round box.
     Disc {
-        /// Across.
         diameter: f64,
         /// Along z, >= 0.
         height: f64,
     },
 }
 
-/// Reads a photometric file, of 1986 or later.
+/// Parses a photometric file, of 1986 or later.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A description of the syntax error.
 pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     let (head, data) = split_at_tilt(bytes).ok_or("no line that begins with TILT=")?;
     let mut numbers = IesNumbers::new(data);
@@ -70,7 +69,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     let metres = if units == 1.0 { 0.3048 } else { 1.0 };
     let factor = multiplier * ballast * photometric;
     if !(factor >= 0.0 && factor.is_finite()) {
-        return Err("factors below 0".into());
+        return Err("negative factors".into());
     }
     let web = PhotometricWeb {
         vertical: rising(vertical, "vertical angles")?,
@@ -84,7 +83,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     };
     let flux: Vec<f64> = flux.iter().map(|lumens| lumens.max(0.0) * factor).collect();
     if !flux.iter().sum::<f64>().is_finite() {
-        return Err("candelas too large for numbers".into());
+        return Err("candelas that overflow".into());
     }
     Ok(Luminaire {
         flux,
@@ -94,13 +93,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     })
 }
 
-/// What the lines before the numbers say.
+/// The header, before the numbers.
 struct IesHeader {
     body: Option<String>,
     tilt_included: bool,
 }
 
-/// The head, and what follows the line `TILT=`.
+/// The header, and what follows the line `TILT=`.
 fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
     let mut head = IesHeader {
         body: None,
@@ -132,10 +131,10 @@ fn after<'a>(line: &'a str, keyword: &str) -> Option<&'a str> {
         .then(|| line[keyword.len()..].trim())
 }
 
-/// A row of numbers with blanks or commas between.
+/// Numbers separated by blanks or commas.
 struct IesNumbers<'a> {
     words: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
-    /// More of them than this there cannot be.
+    /// Upper bound of their number.
     most: usize,
 }
 
@@ -171,7 +170,7 @@ impl<'a> IesNumbers<'a> {
         (0..count as usize).map(|_| self.next()).collect()
     }
 
-    /// Passes over the table of `TILT=INCLUDE`: how lamps dim when they are tilted.
+    /// Skips the table of `TILT=INCLUDE`, the dimming of tilted lamps.
     fn skip_tilt(&mut self, is_included: bool) -> Result<(), String> {
         if is_included {
             let [_geometry, pairs] = self.take()?;
@@ -181,16 +180,16 @@ impl<'a> IesNumbers<'a> {
     }
 }
 
-/// Angles in radians that do not fall.
+/// Non-decreasing angles, in radians.
 fn rising(degrees: Vec<f64>, what: &str) -> Result<Vec<f64>, String> {
     if degrees.is_sorted() {
         Ok(degrees.iter().map(|d| d.to_radians()).collect())
     } else {
-        Err(format!("{what} that do not rise"))
+        Err(format!("{what} that decrease"))
     }
 }
 
-/// The opening by the file's width, length and height, metres; circles have negative sizes.
+/// The opening from the file's width, length and height, metres; circles have negative sizes.
 fn opening([width, length, height]: [f64; 3]) -> LuminousOpening {
     let height = height.abs();
     if width > 0.0 && length > 0.0 {
@@ -201,7 +200,7 @@ fn opening([width, length, height]: [f64; 3]) -> LuminousOpening {
         };
     }
     if width < 0.0 && length <= 0.0 {
-        // An ellipse becomes the circle of its area.
+        // An ellipse becomes the circle of equal area.
         let across = if length < 0.0 {
             (width * length).sqrt()
         } else {
@@ -215,7 +214,7 @@ fn opening([width, length, height]: [f64; 3]) -> LuminousOpening {
     LuminousOpening::Point
 }
 
-/// Luminous intensities by angles, candela.
+/// Luminous intensities by angle, candela.
 struct PhotometricWeb {
     vertical: Vec<f64>,
     horizontal: Vec<f64>,
@@ -223,13 +222,13 @@ struct PhotometricWeb {
     candelas: Vec<f64>,
 }
 
-/// The middle of a bin of one degree, radians.
+/// The centre of a bin of one degree, radians.
 fn middle(bin: usize) -> f64 {
     (bin as f64 + 0.5).to_radians()
 }
 
 impl PhotometricWeb {
-    /// Intensity at angles that are inside the web, bilinear; 0 elsewhere.
+    /// Intensity at angles inside the web, bilinear; 0 elsewhere.
     fn at(&self, vertical: f64, horizontal: f64) -> f64 {
         let (Some((i, f)), Some((j, g))) = (
             place(&self.vertical, vertical),
@@ -245,8 +244,8 @@ impl PhotometricWeb {
         (1.0 - g) * row(j) + g * row((j + 1).min(self.horizontal.len() - 1))
     }
 
-    /// Type C: vertical angles from the aim, horizontal ones around it. The mean over the angles
-    /// that are there is the mean over all, by symmetry.
+    /// Type C: vertical angles from the axis, horizontal ones around it. By symmetry, the mean over
+    /// the given angles is the mean over all.
     fn around_axis(&self) -> Vec<f64> {
         let ends = [
             self.horizontal[0],
@@ -264,8 +263,8 @@ impl PhotometricWeb {
         (0..BINS).map(flux).collect()
     }
 
-    /// Types A and B: angles up and across, both 0 at the aim, whose half that is not there
-    /// mirrors the other. In type B the vertical angle turns about the axis that lies across.
+    /// Types A and B: elevation and azimuth, both 0 on the axis; a missing half mirrors the other.
+    /// In type B the vertical angle rotates about the horizontal axis.
     fn across(&self, is_b: bool) -> Vec<f64> {
         let mut flux = vec![0.0; BINS];
         let degree = 1f64.to_radians();
@@ -284,8 +283,8 @@ impl PhotometricWeb {
     }
 }
 
-/// Where a value lies in a rising list: the index before it and the share of the way to the next;
-/// `None` outside. A list of one value holds everywhere.
+/// The position of a value in a non-decreasing list: the index before it and the fraction of the
+/// way to the next; `None` outside. A list of one value holds everywhere.
 fn place(list: &[f64], value: f64) -> Option<(usize, f64)> {
     let (first, last) = (*list.first()?, *list.last()?);
     if list.len() == 1 {
@@ -411,13 +410,13 @@ mod tests {
             "9000000000 vertical angles",
         );
         check(&good.replace("2.0 2 1", "2.0 0 1"), "0 vertical angles");
-        check(&good.replace("0 90", "90 0"), "do not rise");
-        check(&good.replace("2.0 2 1", "-2.0 2 1"), "factors below 0");
+        check(&good.replace("0 90", "90 0"), "decrease");
+        check(&good.replace("2.0 2 1", "-2.0 2 1"), "negative factors");
         check(
             &good
                 .replace("\n1 1\n", "\n1e308 1e308\n")
                 .replace("2.0 2 1", "9.0 2 1"),
-            "too large",
+            "overflow",
         );
     }
 }

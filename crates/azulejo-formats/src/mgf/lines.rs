@@ -1,4 +1,4 @@
-//! The statements of a text file and their words, for MGF.
+//! Statements of a text file and their words, for MGF.
 //!
 //! A line is a statement. A backslash at the end of a line continues it, also in comments. A word
 //! that begins with `#` begins a comment.
@@ -7,14 +7,14 @@ use crate::Position;
 use crate::reading::number;
 use crate::reading::text::text;
 
-/// A place in the bytes of a text file, between two statements.
+/// A cursor over the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]
 pub(super) struct MgfLines<'a> {
     bytes: &'a [u8],
     here: StatementMark,
 }
 
-/// A place to come back to, or to complain about.
+/// A position to return to, or to report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct StatementMark {
     at: usize,
@@ -32,7 +32,7 @@ fn is_line_end(b: u8) -> bool {
 }
 
 impl<'a> MgfLines<'a> {
-    /// The start of a text.
+    /// A cursor at the start of a text.
     pub fn new(bytes: &'a [u8]) -> MgfLines<'a> {
         let mark = b"\xef\xbb\xbf";
         let at = if bytes.starts_with(mark) { 3 } else { 0 };
@@ -42,17 +42,17 @@ impl<'a> MgfLines<'a> {
         }
     }
 
-    /// The place behind the last statement.
+    /// The position after the last statement.
     pub fn mark(&self) -> StatementMark {
         self.here
     }
 
-    /// Goes back to a place of this text.
+    /// Returns to a position in this text.
     pub fn return_to(&mut self, mark: StatementMark) {
         self.here = mark;
     }
 
-    /// Line and column of a place. Takes time in proportion to the column.
+    /// Line and column of a position. Takes time proportional to the column.
     pub fn position(&self, mark: StatementMark) -> Position {
         let before = &self.bytes[..mark.at];
         let line_start = before.iter().rposition(|&b| is_line_end(b));
@@ -60,8 +60,8 @@ impl<'a> MgfLines<'a> {
         Position::Line(mark.line, text(column).chars().count() as u32 + 1)
     }
 
-    /// Puts the words of the next statement, one at least, into `words`, and says where it
-    /// begins; `None` at the end of the text.
+    /// Reads the words of the next statement, at least one, into `words`, and returns its position;
+    /// `None` at the end of the text.
     pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<StatementMark> {
         words.clear();
         let mut start = self.here;

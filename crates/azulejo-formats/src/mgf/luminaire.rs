@@ -10,21 +10,21 @@ use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::rc::Rc;
 
-/// A side with less of the light than this is dark.
+/// A side with a smaller share of the flux than this is dark.
 const DARK: f64 = 1e-3;
 
-/// Half of the light within this many degrees is a beam, which an opening that shines alike in
-/// all directions (half of it within 45°) cannot say.
+/// A distribution with half of its flux within this many degrees is a beam, which a Lambertian
+/// opening (half of the flux within 45°) cannot represent.
 const BEAM: f64 = 30.0;
 
 /// Sides of round openings.
 const SIDES: u32 = 32;
 
-/// Least distance between the two sides of an opening that shines both ways, metres.
+/// Least distance between the two sides of an opening that emits both ways, metres.
 const LEAST_HEIGHT: f64 = 2e-3;
 
 impl MgfReader<'_> {
-    /// Places a luminaire once for each instance of a transform.
+    /// Adds a luminaire for each instance of a transform.
     pub(super) fn place_luminaires(
         &mut self,
         source: &mut MgfSource,
@@ -53,25 +53,31 @@ impl MgfReader<'_> {
         self.for_instances(group, transform, |reader| {
             reader.shine(&luminaire, multiplier)
         })?;
-        skip("luminaire (ies): its intensities are simplified to what lamps and spotlights can say")
+        skip("luminaire (ies): its distribution is approximated by area lights and spotlights")
     }
 
     fn luminaire_of(&mut self, name: &str) -> Result<Rc<Luminaire>, EntityError> {
         let shown = quoted(name.as_bytes());
         if self.open.iter().any(|open| open == name) {
-            return skip(format!("the body of {shown} names it again: skipped"));
+            return skip(format!(
+                "the geometry of {shown} includes it again: skipped"
+            ));
         }
         if let Some(known) = self.luminaires.get(name) {
             let known = known.clone();
-            return known.map_or_else(|| skip(format!("{shown} is left out, as before")), Ok);
+            return known.map_or_else(|| skip(format!("{shown} skipped, as before")), Ok);
         }
         let bytes = self.text_of(name)?;
         let parsed = parse(&bytes).map(Rc::new);
         self.luminaires.insert(name.to_owned(), parsed.clone().ok());
-        parsed.or_else(|wrong| skip(format!("{shown} is no photometric file: found {wrong}")))
+        parsed.or_else(|wrong| {
+            skip(format!(
+                "{shown} is not a valid photometric file: found {wrong}"
+            ))
+        })
     }
 
-    /// The light below and the light above, each out of its side of the opening.
+    /// Adds the downward and the upward light, each on its side of the opening.
     fn shine(&mut self, luminaire: &Luminaire, multiplier: f64) -> Result<(), EntityError> {
         let total: f64 = luminaire.flux.iter().sum();
         let both = [false, true].map(|up| LuminaireSide::new(luminaire, up, multiplier));
@@ -95,7 +101,7 @@ impl MgfReader<'_> {
         Ok(())
     }
 
-    /// Intensities grow with the square of the scale, as the light of surfaces does.
+    /// Intensities scale with the square of lengths, like the flux of surfaces.
     fn candelas(&self, local: f64) -> Rgb {
         Rgb::grey(local * self.placement.scale * self.placement.scale)
     }
@@ -119,7 +125,7 @@ impl MgfReader<'_> {
             return skip("luminaire without a direction: skipped");
         };
         let [inner, outer] = [side.angle_of(0.25), side.angle_of(0.99)].map(f64::to_radians);
-        // Smoothstep of the cosine between the two: half of that ring's light.
+        // Smoothstep of the cosine between the two: half of the flux in that ring.
         let solid_angle = 2.0 * PI * (1.0 - 0.5 * (inner.cos() + outer.cos()));
         let intensity = self.candelas(side.lumens / solid_angle);
         let kind = LightKind::Spot {
@@ -137,13 +143,13 @@ impl MgfReader<'_> {
             return Ok(());
         };
         if !(position.is_finite() && intensity.is_finite()) {
-            return skip("luminaire that is too large for numbers: skipped");
+            return skip("luminaire whose size overflows: skipped");
         }
         self.builder.light(kind);
         Ok(())
     }
 
-    /// An opening that shines alike in all directions.
+    /// A Lambertian opening.
     fn lamp(
         &mut self,
         side: &LuminaireSide,
@@ -178,7 +184,7 @@ impl MgfReader<'_> {
                     .iter()
                     .all(|p| map.transform_point3(*p).is_finite())
                 {
-                    return skip("luminaire that is too large for numbers: skipped");
+                    return skip("luminaire whose size overflows: skipped");
                 }
                 self.builder.solid(mesh, &map, material);
                 Ok(())
@@ -195,7 +201,7 @@ impl MgfReader<'_> {
     ) -> Result<(), EntityError> {
         let corner = map.transform_point3(corner);
         let [along, across] = [along, across].map(|edge| map.transform_vector3(edge));
-        // The front follows the edges, so their order keeps it under a map that mirrors.
+        // The front follows the edges, so reversing them preserves it under a reflection.
         let [first, second] = if self.placement.mirrors() {
             [across, along]
         } else {
@@ -203,18 +209,18 @@ impl MgfReader<'_> {
         };
         let size = first.cross(second).length();
         if !(corner.is_finite() && size.is_finite() && size > 0.0) {
-            return skip("luminaire without size, or too large for numbers: skipped");
+            return skip("luminaire without size, or whose size overflows: skipped");
         }
         self.builder
             .primitive(Primitive::parallelogram(corner, first, second, material));
         Ok(())
     }
 
-    /// White of so much emittance, lm/m².
+    /// A white emitter with the given emittance, lm/m².
     fn lamp_material(&mut self, emittance: f64) -> Result<u32, EntityError> {
         let radiance = emittance / PI;
         if !radiance.is_finite() {
-            return skip("luminaire that is too bright for numbers: skipped");
+            return skip("luminaire whose brightness overflows: skipped");
         }
         let name = self.builder.path().to_owned();
         Ok(self
@@ -223,11 +229,11 @@ impl MgfReader<'_> {
     }
 }
 
-/// The light that leaves below or above.
+/// The downward or upward flux.
 struct LuminaireSide {
     up: bool,
     lumens: f64,
-    /// Shares of it within each degree from its own axis.
+    /// Its share within each degree from its own axis.
     shares: Vec<f64>,
 }
 
@@ -247,12 +253,12 @@ impl LuminaireSide {
         }
     }
 
-    /// Where it aims.
+    /// The direction of its axis.
     fn aim(&self) -> DVec3 {
         if self.up { DVec3::Z } else { -DVec3::Z }
     }
 
-    /// The angle from the axis, degrees, within which a share of the light leaves.
+    /// The angle from the axis, degrees, that contains a share of the flux.
     fn angle_of(&self, share: f64) -> f64 {
         let mut left = share;
         for (degree, here) in (0..).zip(&self.shares) {

@@ -1,4 +1,4 @@
-//! What each statement does.
+//! Executes statements.
 
 use super::build::MgfBuilder;
 use super::color::Chroma;
@@ -17,25 +17,25 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Files that include each other more deeply than this are taken for a mistake.
+/// Includes nested more deeply than this are considered an error.
 const DEEPEST: usize = 64;
 
-/// What a statement costs that is read again for an instance or from an included file: as much
-/// as some vertices, so that a small file cannot keep the reader busy for long.
+/// What repeating a statement takes from the budget, for an instance or an included file: as much
+/// as several vertices, so that a small file cannot keep the reader busy for long.
 const REPEATED: u64 = 4;
 
-/// What a statement costs besides if it makes a colour of a spectrum.
+/// What a statement takes in addition if it evaluates a spectrum.
 const SPECTRUM: u64 = 256;
 
-/// What a complaint costs about a statement that is read again.
+/// What a warning about a repeated statement takes.
 const COMPLAINT: u64 = 64;
 
-/// Why a statement is not carried out.
+/// Why a statement was not executed.
 #[derive(Debug)]
 pub(super) enum EntityError {
-    /// It is skipped, or carried out as well as it can be; this is said.
+    /// It was skipped or repaired, with this warning.
     Skipped(String),
-    /// The model unfolds to more than is allowed: nothing more is read.
+    /// The model unfolds to more than is allowed: reading stops.
     Exhausted(Exhausted),
 }
 
@@ -45,27 +45,27 @@ impl From<Exhausted> for EntityError {
     }
 }
 
-/// A statement that is skipped or mended for a reason.
+/// Skips or repairs a statement with a warning.
 pub(super) fn skip<T>(message: impl Into<String>) -> Result<T, EntityError> {
     Err(EntityError::Skipped(message.into()))
 }
 
-/// A word for a message, in quotes.
+/// A word in quotes, for messages.
 pub(super) fn quoted(word: &[u8]) -> String {
     format!("\"{}\"", shortened(&text(word)))
 }
 
-/// A vertex as the file says it.
+/// A vertex as defined in the file.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MgfVertex {
     pub position: DVec3,
     /// Unit length.
     pub normal: Option<DVec3>,
-    /// Grows whenever any vertex changes; two vertices never have the same.
+    /// Changes whenever any vertex changes; unique among vertices.
     pub revision: u64,
 }
 
-/// The transform in force.
+/// The current transform.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TransformState {
     pub map: DAffine3,
@@ -73,7 +73,7 @@ pub(super) struct TransformState {
     pub normals: DMat3,
     /// Mean scale.
     pub scale: f64,
-    /// No two have the same.
+    /// Unique among transforms.
     pub serial: u64,
 }
 
@@ -87,22 +87,22 @@ impl TransformState {
         }
     }
 
-    /// Whether it turns things into their mirror images.
+    /// Whether it reverses orientation.
     pub fn mirrors(&self) -> bool {
         self.map.matrix3.determinant() < 0.0
     }
 }
 
-/// A file while it is read.
+/// A file being read.
 pub(super) struct MgfSource<'a> {
-    /// Its name for what it names itself, relative to the model's folder.
+    /// Its name relative to the model's folder, against which its own includes are resolved.
     name: &'a str,
     /// Its name in messages.
     label: &'a str,
     lines: MgfLines<'a>,
-    /// Where the statement at hand begins.
+    /// The position of the current statement.
     statement: StatementMark,
-    /// What has been begun in this file and not ended.
+    /// The open blocks of this file.
     blocks: Vec<OpenBlock>,
 }
 
@@ -119,7 +119,7 @@ impl<'a> MgfSource<'a> {
     }
 }
 
-/// What has a beginning and an end in one file.
+/// A block that must end in the file that begins it.
 enum OpenBlock {
     /// `o name`.
     Object,
@@ -131,7 +131,7 @@ enum OpenBlock {
 struct ArrayInstances {
     transform: MgfTransform,
     next: u64,
-    /// Where the content begins.
+    /// The position of the content.
     start: StatementMark,
     outer: TransformState,
 }
@@ -146,23 +146,22 @@ pub(super) struct MgfReader<'r> {
     pub(super) surfaces: ContextTable<MgfMaterial>,
     pub(super) vertices: ContextTable<MgfVertex>,
     pub(super) placement: TransformState,
-    /// Counts placements and changes of vertices.
+    /// Counts transforms and changes of vertices.
     serial: u64,
-    /// Files that are being read, outermost first.
+    /// Files being read, outermost first.
     pub(super) open: Vec<String>,
-    /// Files that have been read, for the next time; `None` for those that cannot be.
+    /// Cached files; `None` for those that cannot be read.
     texts: HashMap<String, Option<Rc<[u8]>>>,
-    /// How many bytes of other files may still be read.
+    /// Remaining budget of bytes in other files.
     bytes_left: u64,
     pub(super) luminaires: HashMap<String, Option<Rc<Luminaire>>>,
-    /// How many array instances or included files the statement at hand is in.
+    /// The number of array instances and included files around the current statement.
     repeated: usize,
-    /// What emittance is multiplied with: an IES file's factors, in the body that it names.
+    /// Factor of emittance: the product of an IES file's factors, in the geometry that it names.
     pub(super) emission: f64,
 }
 
 impl<'r> MgfReader<'r> {
-    /// A reader that has read nothing yet.
     pub fn new(files: &'r dyn Files, options: &ReadOptions) -> MgfReader<'r> {
         MgfReader {
             files,
@@ -188,16 +187,17 @@ impl<'r> MgfReader<'r> {
     /// # Errors
     /// [`Exhausted`].
     pub fn run(&mut self, bytes: &[u8], label: &str) -> Result<(), Exhausted> {
-        // Other names are relative to the model's folder, whatever led to it.
+        // Other names are relative to the model's folder, wherever it is.
         let name = label.rsplit(['/', '\\']).next().unwrap_or(label);
         self.open.push(name.to_owned());
         self.source(MgfSource::new(name, label, bytes))
     }
 
-    /// What has been read.
+    /// The scene and the warnings.
     pub fn finish(mut self, label: &str) -> Loaded {
         if self.builder.is_empty() {
-            self.warnings.add_whole(label, "there is no geometry");
+            self.warnings
+                .add_whole(label, "the file contains no geometry");
             self.keep_materials();
         }
         Loaded {
@@ -206,7 +206,7 @@ impl<'r> MgfReader<'r> {
         }
     }
 
-    /// The materials of a file that has nothing else: a library.
+    /// The materials of a file without geometry: a library.
     fn keep_materials(&mut self) {
         for (name, surface) in self.surfaces.named() {
             let (material, _) = surface.material(&text(name), false, &mut self.builder.gloss);
@@ -233,7 +233,7 @@ impl<'r> MgfReader<'r> {
         Ok(())
     }
 
-    /// Carries out a statement, or says why not.
+    /// Executes a statement, or returns why it was not executed.
     fn attempt(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), Exhausted> {
         match self.statement(source, words[0], &words[1..]) {
             Ok(()) => Ok(()),
@@ -268,7 +268,7 @@ impl<'r> MgfReader<'r> {
             b"cxy" | b"cspec" | b"cct" | b"cmix" => self.color(keyword, words),
             b"m" => troubled(
                 self.surfaces.choose(words, MgfMaterial::undefined),
-                "material: grey, reflectance 0.5",
+                "material: grey with reflectance 0.5",
             ),
             b"sides" | b"ir" | b"rd" | b"td" | b"ed" | b"rs" | b"ts" => {
                 self.material(keyword, words)
@@ -287,7 +287,7 @@ impl<'r> MgfReader<'r> {
     fn choose_vertex(&mut self, words: &[&[u8]]) -> Result<(), EntityError> {
         let chosen = self.vertices.choose(words, MgfVertex::default);
         if words.len() > 1 {
-            // A copy is a vertex of its own.
+            // A copy is a separate vertex.
             self.serial += 1;
             self.vertices.current().1.revision = self.serial;
         }
@@ -330,7 +330,7 @@ impl<'r> MgfReader<'r> {
             _ => Chroma::mix(self.mixture(words)?),
         };
         let Some(color) = color else {
-            return skip(format!("{} of no visible colour: skipped", text(keyword)));
+            return skip(format!("{} without visible colour: skipped", text(keyword)));
         };
         *self.colors.current().1 = color;
         Ok(())
@@ -344,11 +344,8 @@ impl<'r> MgfReader<'r> {
         }
         let part = |[weight, name]: &[&[u8]; 2]| match (number(weight), self.colors.get(name)) {
             (Some(weight), Some(&color)) => Ok((weight, color)),
-            (None, _) => skip(format!("{} is no weight: cmix is skipped", quoted(weight))),
-            _ => skip(format!(
-                "undefined colour {}: cmix is skipped",
-                quoted(name)
-            )),
+            (None, _) => skip(format!("{} is not a weight: cmix skipped", quoted(weight))),
+            _ => skip(format!("undefined colour {}: cmix skipped", quoted(name))),
         };
         pairs.iter().map(part).collect()
     }
@@ -360,7 +357,7 @@ impl<'r> MgfReader<'r> {
             b"sides" => match numbers(words)? {
                 [1.0] => surface.is_one_sided = true,
                 [2.0] => surface.is_one_sided = false,
-                _ => return skip("sides are 1 or 2: skipped"),
+                _ => return skip("sides must be 1 or 2: skipped"),
             },
             b"ir" => {
                 let [real, _] = numbers(words)?;
@@ -382,7 +379,7 @@ impl<'r> MgfReader<'r> {
         Ok(())
     }
 
-    /// Sets one of the shares of the light that arrives: rd, td, rs or ts.
+    /// Sets one of the shares of the incident light: rd, td, rs or ts.
     fn share(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), EntityError> {
         let [amount, roughness] = match keyword {
             b"rd" | b"td" => [numbers::<1>(words)?[0], 0.0],
@@ -411,7 +408,7 @@ impl<'r> MgfReader<'r> {
         match words {
             [] => {
                 let is_object = |b: &OpenBlock| matches!(b, OpenBlock::Object);
-                self.end(source, is_object, "\"o\" that ends nothing: skipped")
+                self.end(source, is_object, "\"o\" without a matching begin: skipped")
             }
             [name, ..] => {
                 self.builder.open(&text(name));
@@ -421,7 +418,7 @@ impl<'r> MgfReader<'r> {
         }
     }
 
-    /// Ends the innermost block of a kind, and what is still open inside.
+    /// Ends the innermost block of a type, and the blocks still open inside it.
     fn end(
         &mut self,
         source: &mut MgfSource,
@@ -437,7 +434,7 @@ impl<'r> MgfReader<'r> {
         }
         match inner {
             0 => Ok(()),
-            _ => skip("\"o\" and \"xf\" that overlap: the inner ones end with the outer"),
+            _ => skip("\"o\" and \"xf\" overlap: the inner ones end with the outer"),
         }
     }
 
@@ -472,7 +469,7 @@ impl<'r> MgfReader<'r> {
         understood(wrong)
     }
 
-    /// Puts an instance in force.
+    /// Makes an instance the current transform.
     fn enter(&mut self, transform: &MgfTransform, instance: u64, outer: TransformState) {
         self.serial += 1;
         self.placement = TransformState::new(outer.map * transform.map(instance), self.serial);
@@ -481,7 +478,7 @@ impl<'r> MgfReader<'r> {
         }
     }
 
-    /// At the end of a transform: back to its beginning for the next instance, or on.
+    /// At the end of a transform, returns to its beginning for the next instance, or continues.
     fn next_instance(&mut self, source: &mut MgfSource) -> Result<(), EntityError> {
         if let Some(OpenBlock::Transform(instances)) = source.blocks.last_mut()
             && instances.next < instances.transform.instances()
@@ -497,7 +494,11 @@ impl<'r> MgfReader<'r> {
             return Ok(());
         }
         let is_transform = |b: &OpenBlock| matches!(b, OpenBlock::Transform(_));
-        self.end(source, is_transform, "\"xf\" that ends nothing: skipped")
+        self.end(
+            source,
+            is_transform,
+            "\"xf\" without a matching begin: skipped",
+        )
     }
 
     fn include(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
@@ -542,9 +543,7 @@ impl<'r> MgfReader<'r> {
             return skip(format!("file {shown} includes itself: skipped"));
         }
         if self.open.len() > DEEPEST {
-            return skip(format!(
-                "files that include each other over {DEEPEST} deep: skipped"
-            ));
+            return skip(format!("files included more than {DEEPEST} deep: skipped"));
         }
         if !self.texts.contains_key(name) {
             let read = self.files.read(name);
@@ -555,12 +554,12 @@ impl<'r> MgfReader<'r> {
             self.texts.insert(name.to_owned(), found);
             match read {
                 Ok(bytes) => self.count_bytes(name, bytes.len() as u64)?,
-                Err(e) => return skip(format!("file {shown} is left out: {e}")),
+                Err(e) => return skip(format!("file {shown} skipped: {e}")),
             }
         }
         match self.texts.get(name) {
             Some(Some(bytes)) => Ok(Rc::clone(bytes)),
-            _ => skip(format!("file {shown} is left out, as before")),
+            _ => skip(format!("file {shown} skipped, as before")),
         }
     }
 
@@ -574,7 +573,7 @@ impl<'r> MgfReader<'r> {
                 self.texts.insert(name.to_owned(), None);
                 let shown = quoted(name.as_bytes());
                 skip(format!(
-                    "file {shown} is left out: the included files are too large"
+                    "file {shown} skipped: the included files exceed the size limit"
                 ))
             }
         }
@@ -587,7 +586,7 @@ impl<'r> MgfReader<'r> {
         let (multiplier, options) = match rest {
             [b"-m", value, options @ ..] => match number(value).filter(|m| *m >= 0.0) {
                 Some(multiplier) => (multiplier, options),
-                None => return skip("\"ies\" with a multiplier that is no number: skipped"),
+                None => return skip("\"ies\" with a multiplier that is not a number: skipped"),
             },
             options => (1.0, options),
         };
@@ -597,7 +596,7 @@ impl<'r> MgfReader<'r> {
         understood(wrong)
     }
 
-    /// Runs `place` once for each instance of a transform, in a group of its own named `name`.
+    /// Runs `place` once for each instance of a transform, in its own group named `name`.
     pub(super) fn for_instances(
         &mut self,
         name: &str,
@@ -625,8 +624,8 @@ impl<'r> MgfReader<'r> {
     }
 }
 
-/// What is wrong with the choice of a context, as a message; `stand_in` says of what and with
-/// what it is replaced.
+/// Turns an error in the selection of a context into a warning; `stand_in` names the type and the
+/// default.
 fn troubled(chosen: Result<(), ContextError>, stand_in: &str) -> Result<(), EntityError> {
     match chosen {
         Ok(()) => Ok(()),
@@ -643,15 +642,15 @@ fn troubled(chosen: Result<(), ContextError>, stand_in: &str) -> Result<(), Enti
     }
 }
 
-/// What is wrong with the options of a transform, as a message.
+/// Turns an error in the options of a transform into a warning.
 fn understood(wrong: Option<&str>) -> Result<(), EntityError> {
     match wrong {
         None => Ok(()),
-        Some(wrong) => skip(format!("{wrong}: it and the options behind it are skipped")),
+        Some(wrong) => skip(format!("{wrong}: it and the following options are skipped")),
     }
 }
 
-/// As many numbers as are expected, no more and no less.
+/// Exactly `N` numbers.
 fn numbers<const N: usize>(words: &[&[u8]]) -> Result<[f64; N], EntityError> {
     let mut values = [0.0; N];
     if words.len() != N {
@@ -660,7 +659,7 @@ fn numbers<const N: usize>(words: &[&[u8]]) -> Result<[f64; N], EntityError> {
     for (value, word) in values.iter_mut().zip(words) {
         match number(word) {
             Some(found) => *value = found,
-            None => return skip(format!("{} is no number: skipped", quoted(word))),
+            None => return skip(format!("{} is not a number: skipped", quoted(word))),
         }
     }
     Ok(values)

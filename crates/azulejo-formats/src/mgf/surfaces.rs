@@ -1,4 +1,4 @@
-//! The statements that make surfaces.
+//! Statements that create surfaces.
 
 use super::build::MgfCorner;
 use super::reader::{EntityError, MgfReader, MgfSource, MgfVertex, quoted, skip};
@@ -6,11 +6,11 @@ use super::{holes, solids};
 use azulejo_scene::{MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DVec3};
 
-/// What an object costs besides its vertices and corners.
+/// What an object takes from the budget besides its vertices and corners.
 const OBJECT: u64 = 16;
 
 impl MgfReader<'_> {
-    /// Carries out one of the statements that make surfaces.
+    /// Executes a statement that creates a surface.
     pub(super) fn surface(
         &mut self,
         source: &MgfSource,
@@ -45,14 +45,14 @@ impl MgfReader<'_> {
         }
     }
 
-    /// A vertex under the transform in force.
+    /// A vertex transformed by the current transform.
     fn corner(&self, name: &[u8]) -> Result<MgfCorner, EntityError> {
         let vertex = self.named(name)?;
         let position = self.placement.map.transform_point3(vertex.position);
         if !position.is_finite() {
-            return skip("surface that is too large for numbers: skipped");
+            return skip("surface that overflows: skipped");
         }
-        // A map that flattens leaves some normals no direction; theirs is as good as any.
+        // A singular map can leave a normal without direction; any direction is as good.
         let placed = |n: DVec3| (self.placement.normals * n).try_normalize().unwrap_or(n);
         Ok(MgfCorner {
             key: (vertex.revision, self.placement.serial),
@@ -61,8 +61,8 @@ impl MgfReader<'_> {
         })
     }
 
-    /// The current material in the scene, as a surface without or with an inside that nobody
-    /// sees.
+    /// The current material in the scene, for an open surface, or a closed one whose inside is
+    /// never visible.
     fn current_material(&mut self, source: &MgfSource, is_closed: bool) -> MaterialId {
         let (name, surface) = self.surfaces.current();
         if let Some(made) = surface.made[usize::from(is_closed)] {
@@ -74,7 +74,7 @@ impl MgfReader<'_> {
             &mut self.builder.gloss,
         );
         if surface.is_one_sided {
-            losses.push("one-sided material (sides 1) is seen from behind too");
+            losses.push("one-sided material (sides 1) is visible from behind, too");
         }
         if name.is_empty() && surface.made == [None; 2] && material == Default::default() {
             losses.push("surfaces before any material: black");
@@ -89,7 +89,7 @@ impl MgfReader<'_> {
 
     fn face(&mut self, source: &MgfSource, names: &[&[u8]]) -> Result<(), EntityError> {
         if names.len() < 3 {
-            return skip("face of fewer than 3 corners: skipped");
+            return skip("face with fewer than 3 corners: skipped");
         }
         let corners = names.iter().map(|name| self.corner(name));
         let corners: Vec<MgfCorner> = corners.collect::<Result<_, _>>()?;
@@ -110,17 +110,17 @@ impl MgfReader<'_> {
         Ok(())
     }
 
-    /// `fh`: the outline and the holes stand behind each other, with `-` between.
+    /// `fh`: the outline and the holes follow each other, separated by `-`.
     fn face_with_holes(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let loops: Vec<&[&[u8]]> = words.split(|word| *word == b"-").collect();
         let names = loops.iter().copied().flatten();
         let corners: Vec<MgfCorner> = names.map(|n| self.corner(n)).collect::<Result<_, _>>()?;
         let (outline, found) = (loops[0].len(), &loops[1..]);
         if outline < 3 {
-            return skip("face of fewer than 3 corners: skipped");
+            return skip("face with fewer than 3 corners: skipped");
         }
         let holes: Vec<usize> = found.iter().map(|hole| hole.len()).collect();
-        // Each hole looks at all corners that are joined already.
+        // Each hole is tested against all corners connected so far.
         self.budget
             .spend((holes.len() * corners.len()) as u64 / 8)?;
         let points: Vec<DVec3> = corners.iter().map(|c| c.position).collect();
@@ -128,7 +128,7 @@ impl MgfReader<'_> {
         self.polygon(source, joined.into_iter().map(|k| corners[k]).collect())?;
         match left_out {
             0 => Ok(()),
-            _ => skip("hole of a face that is not inside it: filled"),
+            _ => skip("hole outside of its face: filled"),
         }
     }
 
@@ -146,7 +146,7 @@ impl MgfReader<'_> {
         let map = self.placement.map * map;
         let size = map.matrix3.determinant();
         if !(map.is_finite() && size.is_finite() && size != 0.0) {
-            return skip("sph without size, or too large for numbers: skipped");
+            return skip("sph without size, or that overflows: skipped");
         }
         let sphere = |material| Primitive::new(PrimitiveKind::Sphere, map, material);
         if inward && self.surfaces.current().1.has_different_sides() {
@@ -179,7 +179,9 @@ impl MgfReader<'_> {
         self.budget.spend(6 * u64::from(sides))?;
         match solids::cone(a, ra, b, rb, sides) {
             Some(mesh) => self.solid(source, mesh, false, &self.placement.map.clone()),
-            None => skip("cyl or cone without length, radius or inside: skipped"),
+            None => skip(
+                "cyl or cone without length or radius, or with radii of different signs: skipped",
+            ),
         }
     }
 
@@ -197,7 +199,7 @@ impl MgfReader<'_> {
     fn torus(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let (centre, normal, inner, outer) = self.round(words)?;
         if inner * outer < 0.0 || inner.abs() == outer.abs() {
-            return skip("torus whose radii are equal or of two signs: skipped");
+            return skip("torus whose radii are equal or have different signs: skipped");
         }
         let inward = inner < 0.0 || outer < 0.0;
         let (inner_size, outer_size) = (inner.abs(), outer.abs());
@@ -235,7 +237,7 @@ impl MgfReader<'_> {
             Some(mesh) if height != 0.0 => {
                 self.solid(source, mesh, height > 0.0, &self.placement.map.clone())
             }
-            _ => skip("prism without base or length: skipped"),
+            _ => skip("prism without area or length: skipped"),
         }
     }
 
@@ -251,7 +253,7 @@ impl MgfReader<'_> {
         let placed = mesh.positions.iter().map(|p| map.transform_point3(*p));
         let normals = mesh.normals.iter().flat_map(|n| &n.values);
         if !placed.chain(normals.copied()).all(DVec3::is_finite) {
-            return skip("surface that is too large for numbers: skipped");
+            return skip("surface that overflows: skipped");
         }
         let material = self.current_material(source, is_closed);
         self.builder.solid(mesh, map, material);
@@ -264,7 +266,7 @@ fn length(word: &[u8]) -> Result<f64, EntityError> {
     match super::lines::number(word) {
         Some(length) => Ok(length),
         None => skip(format!(
-            "{} is no length: its surface is skipped",
+            "{} is not a length: its surface is skipped",
             quoted(word)
         )),
     }

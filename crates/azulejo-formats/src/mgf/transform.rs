@@ -1,10 +1,11 @@
-//! `xf` and what else takes its options: maps in a row, some of them repeated as arrays.
+//! Transform options, of `xf` and other entities: a sequence of maps, some of them repeated as
+//! arrays.
 
 use super::lines::number;
 use glam::{DAffine3, DMat3, DVec3};
 use std::fmt::Write;
 
-/// Maps that act one after the other on what they are applied to.
+/// A sequence of maps, applied one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MgfTransform {
     pieces: Vec<TransformFactor>,
@@ -27,8 +28,8 @@ impl TransformFactor {
 }
 
 impl MgfTransform {
-    /// Reads options, and what is wrong with the first that is not understood; it and those
-    /// behind it do nothing.
+    /// Parses options, and returns the error of the first invalid one; it and the following ones
+    /// have no effect.
     pub fn parse(words: &[&[u8]]) -> (MgfTransform, Option<&'static str>) {
         let mut transform = MgfTransform {
             pieces: vec![TransformFactor::ONCE],
@@ -52,18 +53,18 @@ impl MgfTransform {
         (transform, None)
     }
 
-    /// Whether there are instances, were it only one.
+    /// Whether it is an array, even with one instance only.
     pub fn is_array(&self) -> bool {
         self.pieces.iter().any(|p| p.is_array)
     }
 
-    /// How many instances; 1 without an array.
+    /// Number of instances; 1 without an array.
     pub fn instances(&self) -> u64 {
         let arrays = self.pieces.iter().filter(|p| p.is_array);
         arrays.fold(1, |product, p| product.saturating_mul(p.count))
     }
 
-    /// The map of an instance, counted from 0; the last array turns fastest.
+    /// The map of an instance, counted from 0; the last array varies fastest.
     pub fn map(&self, instance: u64) -> DAffine3 {
         let (mut whole, mut left) = (DAffine3::IDENTITY, instance);
         for piece in self.pieces.iter().rev() {
@@ -111,18 +112,18 @@ fn power(map: DAffine3, mut times: u64) -> DAffine3 {
     result
 }
 
-/// What an option is.
+/// A transform option.
 enum TransformOption {
-    /// A map that acts behind those before.
+    /// A map applied after the previous ones.
     Map(DAffine3),
     /// The start of a repetition.
     Piece(TransformFactor),
 }
 
-/// The option at the start of some words, and how many of these it takes.
+/// The option at the start of `words`, and its number of words.
 fn option(words: &[&[u8]]) -> Result<(usize, TransformOption), &'static str> {
     let (option, arguments) = (words[0], &words[1..]);
-    let wrong = "an option of a transform without its numbers";
+    let wrong = "transform option without its numbers";
     let numbers = |n: usize| -> Result<Vec<f64>, &'static str> {
         let words = arguments.get(..n).ok_or(wrong)?;
         words.iter().map(|w| number(w).ok_or(wrong)).collect()
@@ -131,7 +132,7 @@ fn option(words: &[&[u8]]) -> Result<(usize, TransformOption), &'static str> {
         Ok((taken, TransformOption::Map(DAffine3::from_mat3(matrix))))
     };
     let scale = |axes: DVec3| match numbers(1)?[0] {
-        0.0 => Err("a scale of 0"),
+        0.0 => Err("scale of 0"),
         f => map(2, DMat3::from_diagonal(axes * f + (DVec3::ONE - axes))),
     };
     let angle = || numbers(1).map(|values| values[0].to_radians());
@@ -147,7 +148,7 @@ fn option(words: &[&[u8]]) -> Result<(usize, TransformOption), &'static str> {
         b"-r" => {
             let values = numbers(4)?;
             let axis = DVec3::from_slice(&values).try_normalize();
-            let axis = axis.ok_or("a rotation about no axis")?;
+            let axis = axis.ok_or("rotation about a zero axis")?;
             map(5, DMat3::from_axis_angle(axis, values[3].to_radians()))
         }
         b"-s" => scale(DVec3::ONE),
@@ -162,7 +163,7 @@ fn option(words: &[&[u8]]) -> Result<(usize, TransformOption), &'static str> {
             let n = numbers(1)?[0];
             let least = if is_array { 1.0 } else { 0.0 };
             if !(n >= least && n <= 1e15) {
-                return Err("a repetition that is no count");
+                return Err("repetition that is not a count");
             }
             let piece = TransformFactor {
                 count: n as u64,
@@ -171,7 +172,7 @@ fn option(words: &[&[u8]]) -> Result<(usize, TransformOption), &'static str> {
             };
             Ok((2, TransformOption::Piece(piece)))
         }
-        _ => Err("an unknown option of a transform"),
+        _ => Err("unknown transform option"),
     }
 }
 
@@ -187,7 +188,7 @@ mod tests {
         MgfTransform::parse(&words)
     }
 
-    /// Where each instance puts (1, 0, 0).
+    /// Where each instance maps (1, 0, 0).
     fn check(options: &str, expected: &[(&str, [f64; 3])]) {
         let (transform, wrong) = parse(options);
         assert_eq!(wrong, None, "{options}");
@@ -246,20 +247,17 @@ mod tests {
         let check = |options, expected| {
             let (transform, wrong) = parse(options);
             assert_eq!(wrong, Some(expected), "{options}");
-            // What stands before still holds.
+            // The preceding options still apply.
             let x = transform.map(0).transform_point3(DVec3::ZERO).x;
             assert_eq!(x, f64::from(options.starts_with("-t 1")), "{options}");
         };
-        check("-t 1 0 0 -q", "an unknown option of a transform");
-        check(
-            "-t 1 0 0 -t 1 0",
-            "an option of a transform without its numbers",
-        );
-        check("-rx ninety", "an option of a transform without its numbers");
-        check("-s 0", "a scale of 0");
-        check("-a 0", "a repetition that is no count");
-        check("-a -1", "a repetition that is no count");
-        check("-i 1e300", "a repetition that is no count");
-        check("-r 0 0 0 5", "a rotation about no axis");
+        check("-t 1 0 0 -q", "unknown transform option");
+        check("-t 1 0 0 -t 1 0", "transform option without its numbers");
+        check("-rx ninety", "transform option without its numbers");
+        check("-s 0", "scale of 0");
+        check("-a 0", "repetition that is not a count");
+        check("-a -1", "repetition that is not a count");
+        check("-i 1e300", "repetition that is not a count");
+        check("-r 0 0 0 5", "rotation about a zero axis");
     }
 }

@@ -1,28 +1,28 @@
-//! From characters to words, numbers and names, without a token list in between.
+//! Tokens: words, numbers and names, without an intermediate token list.
 //!
-//! The parser asks for what it wants next; blanks and comments before it are skipped. Nothing
+//! The parser requests the token it needs next; blanks and comments before it are skipped. Nothing
 //! here allocates, so that a vertex costs little more than its numbers.
 
-/// A place in the text and what can be read from there. Copying it is how one looks ahead.
+/// A cursor in the text. Copies serve for lookahead.
 #[derive(Clone, Copy)]
 pub(crate) struct Lexer<'a> {
     text: &'a str,
     pos: usize,
 }
 
-/// Why there is no number.
+/// Why a number could not be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BadNumber {
-    /// Something else stands there.
+    /// The next token is something else.
     Missing,
-    /// It begins like a number.
+    /// It begins like a number, but is malformed.
     Malformed,
-    /// It has no finite value, or an index has more digits than any mesh could have.
+    /// It has no finite value, or an index has more digits than any mesh could need.
     TooLarge,
 }
 
-/// Whether a byte may stand in a keyword or identifier. The grammar has ASCII only; the letters
-/// of other alphabets are let through because people use them.
+/// Whether a byte may occur in a keyword or identifier. The grammar allows ASCII only; letters of
+/// other alphabets are accepted because they occur in practice.
 fn is_word_byte(b: u8) -> bool {
     b.is_ascii_alphanumeric() || matches!(b, b'_' | b'$') || b >= 0x80
 }
@@ -36,12 +36,12 @@ impl<'a> Lexer<'a> {
         Lexer { text, pos: 0 }
     }
 
-    /// The whole text, wherever this lexer stands.
+    /// The whole text, whatever the position.
     pub fn text(&self) -> &'a str {
         self.text
     }
 
-    /// Byte offset of what was not read yet, blanks included.
+    /// Byte offset of the unread text, including blanks.
     pub fn pos(&self) -> usize {
         self.pos
     }
@@ -50,13 +50,13 @@ impl<'a> Lexer<'a> {
         self.text.as_bytes().get(pos).copied()
     }
 
-    /// The text from here to the first byte that does not match.
+    /// The end of the longest run of matching bytes from here.
     fn run(&self, matches: impl Fn(u8) -> bool) -> usize {
         let rest = &self.text.as_bytes()[self.pos..];
         self.pos + rest.iter().position(|&b| !matches(b)).unwrap_or(rest.len())
     }
 
-    /// Skips blanks and comments; returns where the next thing begins.
+    /// Skips blanks and comments; returns the offset of the next token.
     pub fn skip_blank(&mut self) -> usize {
         loop {
             self.pos = self.run(is_blank);
@@ -67,7 +67,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The comments that stand before anything else, without their `//`.
+    /// The comments before anything else, without their `//`.
     pub fn leading_comments(&self) -> Vec<String> {
         let mut comments = Vec::new();
         let mut lexer = *self;
@@ -95,12 +95,12 @@ impl<'a> Lexer<'a> {
         found
     }
 
-    /// The next word, which stays unread.
+    /// The next word, which is not consumed.
     pub fn peek_word(mut self) -> Option<&'a str> {
         self.word()
     }
 
-    /// Takes a keyword or identifier: letters, digits, `$`, `_`; a hyphen inside, as in
+    /// Reads a keyword or identifier: letters, digits, `$`, `_`; hyphens inside, as in
     /// `oren-nayar`.
     pub fn word(&mut self) -> Option<&'a str> {
         let start = self.skip_blank();
@@ -116,7 +116,7 @@ impl<'a> Lexer<'a> {
         (end > start).then(|| &self.text[start..end])
     }
 
-    /// Takes a keyword, in any case, if it comes next.
+    /// Consumes a keyword, case-insensitively, if it comes next.
     pub fn eat_word(&mut self, keyword: &str) -> bool {
         let mut ahead = *self;
         let found = ahead
@@ -140,7 +140,7 @@ impl<'a> Lexer<'a> {
         self.pos - start
     }
 
-    /// Takes a number: sign, digits, fraction, exponent, and a suffix `f` or `d`.
+    /// Reads a number: sign, digits, fraction, exponent, and a suffix `f` or `d`.
     pub fn number(&mut self) -> Result<f64, BadNumber> {
         let start = self.skip_blank();
         let scanned = self.scan_number();
@@ -160,7 +160,7 @@ impl<'a> Lexer<'a> {
         Ok(value)
     }
 
-    /// Moves over a number; returns where it ends without its suffix.
+    /// Skips a number; returns its end without the suffix.
     fn scan_number(&mut self) -> Result<usize, BadNumber> {
         let start = self.pos;
         if matches!(self.byte(self.pos), Some(b'+' | b'-')) {
@@ -197,7 +197,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// What went wrong with something that begins like a number: `3rd` is an identifier.
+    /// The error for a token that begins like a number: `3rd` is an identifier.
     fn word_or_malformed(&self, start: usize) -> BadNumber {
         let mut word = Lexer {
             pos: start,
@@ -211,7 +211,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Takes an index: digits only, below 2^32.
+    /// Reads an index: digits only, below 2^32.
     pub fn index(&mut self) -> Result<u32, BadNumber> {
         let start = self.skip_blank();
         let count = self.skip_digits();
@@ -234,8 +234,8 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Takes a file name: in double quotes, or a run without blanks. `None` when the quotes are
-    /// not closed on the line, or nothing is there.
+    /// Reads a file name: in double quotes, or without blanks. `None` if the quotes are not closed
+    /// on the line, or nothing follows.
     pub fn file_name(&mut self) -> Option<&'a str> {
         let start = self.skip_blank();
         if self.byte(start) != Some(b'"') {
@@ -251,8 +251,8 @@ impl<'a> Lexer<'a> {
         Some(&inner[..end])
     }
 
-    /// Takes a quoted text as extensions have it, still with its escapes: a backslash guards
-    /// the character after it. `None` when it is not closed on the line.
+    /// Reads the quoted text of an extension, with its escapes unresolved: a backslash escapes the
+    /// next character. `None` if it is not closed on the line.
     pub fn escaped_text(&mut self) -> Option<&'a str> {
         let start = self.skip_blank();
         let bytes = self.text.as_bytes();
@@ -269,8 +269,7 @@ impl<'a> Lexer<'a> {
         Some(&self.text[start + 1..end])
     }
 
-    /// Skips one thing, whatever it is; `false` at the end of the text and before a text that
-    /// is not closed.
+    /// Skips one token of any type; `false` at the end of the text and before an unterminated text.
     pub fn skip_any(&mut self) -> bool {
         match self.peek() {
             None => false,
@@ -283,7 +282,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Names what stands at the next place, for messages.
+    /// Describes the next token, for messages.
     pub fn describe(mut self) -> String {
         let start = self.skip_blank();
         let Some(first) = self.byte(start) else {
@@ -310,7 +309,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// At most 40 characters of a piece of the file.
+/// At most 40 characters of an excerpt.
 fn shortened(text: &str) -> String {
     match text.char_indices().nth(40) {
         Some((end, _)) => format!("{}…", &text[..end]),
@@ -318,7 +317,7 @@ fn shortened(text: &str) -> String {
     }
 }
 
-/// Line and column of byte offsets, quickest for offsets that grow.
+/// Computes line and column of byte offsets, fastest for ascending offsets.
 #[derive(Default)]
 pub(crate) struct Locator {
     offset: usize,
@@ -327,14 +326,14 @@ pub(crate) struct Locator {
 }
 
 impl Locator {
-    /// Line and column of an offset, both from 1; the column counts characters.
+    /// Line and column of an offset, both counted from 1; the column counts characters.
     pub fn locate(&mut self, text: &str, offset: usize) -> (u32, u32) {
         if offset < self.offset {
             *self = Locator::default();
         }
         let bytes = text.as_bytes();
         for at in self.offset..offset {
-            // CR LF counts at its LF; a CR alone is an old Macintosh's line end.
+            // CR LF counts at its LF; a single CR is an old Macintosh line end.
             let ends = match bytes[at] {
                 b'\n' => true,
                 b'\r' => bytes.get(at + 1) != Some(&b'\n'),
@@ -352,10 +351,10 @@ impl Locator {
     }
 }
 
-/// How far an error looks to either side for the ends of its line.
+/// How far to search to either side for the ends of a line.
 const LONGEST_LINE: usize = 10_000;
 
-/// The line around an offset, if it is not absurdly long.
+/// The line around an offset, unless it is extremely long.
 pub(crate) fn line_around(text: &str, offset: usize) -> Option<String> {
     let is_end = |b: &u8| matches!(b, b'\n' | b'\r');
     let bytes = text.as_bytes();

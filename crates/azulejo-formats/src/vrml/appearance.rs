@@ -1,4 +1,4 @@
-//! Appearances: materials, pictures, and how pictures lie.
+//! Appearances: materials, textures and texture coordinate transformations.
 
 use super::builder::VrmlSceneBuilder;
 use super::tree::VrmlNode;
@@ -11,27 +11,28 @@ use glam::{DAffine2, DMat2, DVec2};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Diffuse reflectance of a material that does not say, and of a shape without one.
+/// Diffuse reflectance of a shape without a material, or of a material that does not define one.
 const DIFFUSE: Rgb = Rgb::grey(0.8);
 
 /// Factor between `shininess` and the exponent of a highlight: ISO/IEC 14772-1, 4.14.4.
 const SHININESS: f64 = 128.0;
 
-/// How a shape looks.
+/// The appearance of a shape.
 #[derive(Debug)]
 pub(super) struct ShapeAppearance {
-    /// Its material, without pictures.
+    /// The material, without textures.
     pub material: Material,
-    /// Its pictures.
+    /// The textures.
     pub textures: Vec<TextureId>,
-    /// Whether the pictures replace the diffuse reflectance, and are not multiplied with it.
+    /// Whether the textures replace the diffuse reflectance instead of being multiplied with it.
     replaces: bool,
-    /// What is done to its texture coordinates.
+    /// The transformation of the texture coordinates.
     pub picture_from_uv: Option<DAffine2>,
 }
 
 impl ShapeAppearance {
-    /// The material of a surface with texture coordinates; `color` replaces its own.
+    /// The material of a surface with texture coordinates; `color` replaces the material's own
+    /// colour.
     pub fn textured(&self, color: Option<Rgb>) -> Material {
         let own = if self.replaces {
             Rgb::WHITE
@@ -48,16 +49,15 @@ impl ShapeAppearance {
     }
 }
 
-/// Looks of appearances that were asked for, because many shapes share one, and pictures take
-/// time to find.
+/// Appearances that have been resolved. Many shapes share one, and loading textures takes time.
 #[derive(Default)]
 pub(super) struct AppearanceCache {
-    /// By the address of the node, which is kept so that no other takes its place.
+    /// Keyed by the address of the node, which is kept alive so that no other node can reuse it.
     known: HashMap<*const VrmlNode, (Rc<VrmlNode>, Option<Rc<ShapeAppearance>>)>,
 }
 
 impl AppearanceCache {
-    /// Most that are kept: instances of prototypes may each have an appearance of their own.
+    /// The largest number of entries: instances of prototypes may each have their own appearance.
     const MOST: usize = 4096;
 
     fn get(&self, appearance: &Rc<VrmlNode>) -> Option<Option<Rc<ShapeAppearance>>> {
@@ -74,7 +74,7 @@ impl AppearanceCache {
     }
 }
 
-/// How the node `shape` looks; `None`, with a warning, if it is invisible.
+/// The appearance of the node `shape`; `None`, with a warning, if it is invisible.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
@@ -97,13 +97,13 @@ pub(super) fn of(
         }
     };
     if shape_appearance.is_none() {
-        let message = "shape of a transparency of 1: invisible, not shown";
+        let message = "shape with transparency 1: invisible, skipped";
         builder.warn(&shape.source, shape.at, message);
     }
     Ok(shape_appearance)
 }
 
-/// How a shape looks whose appearance is new; `None` if it is invisible.
+/// The appearance of a shape that is not cached yet; `None` if it is invisible.
 fn new(
     builder: &mut VrmlSceneBuilder,
     shape: &VrmlNode,
@@ -124,7 +124,7 @@ fn new(
         Some(material) => shape_appearance.material = surface(builder, material),
         None => {
             let message =
-                "shape without a material, which VRML shows without light: matt, reflectance 0.8";
+                "shape without a material, which VRML displays unlit: diffuse with reflectance 0.8";
             builder.warn(&shape.source, shape.at, message);
         }
     }
@@ -149,24 +149,25 @@ fn new(
     Ok(Some(shape_appearance))
 }
 
-/// A material without pictures.
+/// A material without textures.
 fn surface(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Material {
     let mut material = match &*node.kind {
         "PhysicalMaterial" => physical(builder, node),
         "UnlitMaterial" => Material::emitter("", node.color("emissiveColor", Rgb::WHITE)),
         "Material" | "TwoSidedMaterial" => phong_material(builder, node),
         kind => {
-            let message = format!("material {}: matt, reflectance 0.8", shortened(kind));
+            let message = format!("material {}: diffuse with reflectance 0.8", shortened(kind));
             builder.warn(&node.source, node.at, message);
             Material::diffuse("", DIFFUSE)
         }
     };
     if node.number("transparency", 0.0) > 0.0 {
-        let message = "see-through material (transparency): opaque";
+        let message = "material with transparency: opaque";
         builder.warn(&node.source, node.at, message);
     }
     if node.flag("separateBackColor", false) {
-        let message = "TwoSidedMaterial with colours of its back: the front's are on both sides";
+        let message =
+            "TwoSidedMaterial with separate back colours: the front colours are used on both sides";
         builder.warn(&node.source, node.at, message);
     }
     say_what_is_lost(builder, node, KNOWN);
@@ -174,8 +175,8 @@ fn surface(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Material {
     material
 }
 
-/// Fields of materials that are used, or whose loss is said elsewhere, or that stand for the
-/// light that azulejo computes.
+/// Fields of materials that are used, that are reported elsewhere, or that describe light that
+/// azulejo computes.
 const KNOWN: &[&str] = &[
     "ambientIntensity",
     "diffuseColor",
@@ -198,7 +199,7 @@ const KNOWN: &[&str] = &[
     "mirror",
 ];
 
-/// Names every field that is not among `known`.
+/// Warns about every field that is not among `known`.
 fn say_what_is_lost(builder: &mut VrmlSceneBuilder, node: &VrmlNode, known: &[&str]) {
     let is_lost = |name: &str| !known.contains(&name) && !name.starts_with("metadata");
     for field in node.fields().iter().filter(|f| is_lost(&f.name)) {
@@ -210,7 +211,7 @@ fn say_what_is_lost(builder: &mut VrmlSceneBuilder, node: &VrmlNode, known: &[&s
 fn phong_material(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
     let diffuse = node.color("diffuseColor", DIFFUSE);
     let specular = node.color("specularColor", Rgb::BLACK);
-    // Castle Game Engine's own field: the share that a perfect mirror reflects.
+    // An extension of Castle Game Engine: the reflectance of a perfect mirror.
     let mirror = node.number("mirror", 0.0).clamp(0.0, 1.0);
     let mut material = Material {
         mirror: Rgb::grey(mirror),
@@ -241,7 +242,7 @@ fn physical(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
     material
 }
 
-/// Finds the pictures of an appearance: its own, or since X3D 4 those of its material.
+/// Finds the textures of an appearance: its own, or since X3D 4 those of its material.
 fn pictures(
     builder: &mut VrmlSceneBuilder,
     appearance: &VrmlNode,
@@ -259,7 +260,7 @@ fn pictures(
     };
     picture(builder, &texture, shape_appearance)?;
     let is_colored = |id: &TextureId| builder.textures.image(*id).is_some_and(is_colored);
-    // Pictures of a single channel, and all pictures since X3D 4, are multiplied.
+    // Single-channel textures, and since X3D 4 all textures, are multiplied.
     shape_appearance.replaces =
         !appearance.source.is_x3d_4() && shape_appearance.textures.iter().any(is_colored);
     if let Some(transform) = child(builder, appearance, "textureTransform")? {
@@ -268,7 +269,7 @@ fn pictures(
     Ok(())
 }
 
-/// Whether a picture has more than shades of grey.
+/// Whether an image has colours other than shades of grey.
 fn is_colored(image: &Image) -> bool {
     image.pixels.iter().any(|[r, g, b]| r != g || g != b)
 }
@@ -283,9 +284,9 @@ fn picture(
         "PixelTexture" => shape_appearance.textures.extend(drawn(builder, node)),
         "MultiTexture" => {
             let message =
-                "MultiTexture: its pictures are multiplied, by the first texture coordinates";
+                "MultiTexture: its textures are multiplied, using the first texture coordinates";
             builder.warn(&node.source, node.at, message);
-            // A MultiTexture inside another is nothing that the standard has.
+            // The standard does not allow a MultiTexture inside another.
             for part in node.nodes("texture") {
                 if let Some(part) = super::world::unfold(builder, part)?
                     && &*part.kind != "MultiTexture"
@@ -299,7 +300,7 @@ fn picture(
     Ok(())
 }
 
-/// The picture in a file: the first of the URLs that there is.
+/// The texture in a file: the first of the URLs that exists.
 fn named(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
     let urls = node.strings("url");
     let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
@@ -314,7 +315,7 @@ fn named(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
             builder.warn(
                 &node.source,
                 node.at,
-                "picture that does not repeat: it does",
+                "texture with repeatS or repeatT FALSE: repeated",
             );
         }
     }
@@ -327,7 +328,7 @@ fn named(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
     Some(id)
 }
 
-/// The picture in the file itself.
+/// The texture whose pixels are in the node itself.
 fn drawn(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
     let numbers = node.numbers("image");
     let drawn = match pixels(&numbers) {
@@ -335,17 +336,17 @@ fn drawn(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
             let name = node.name.as_deref().unwrap_or("PixelTexture");
             builder.textures.drawn(shortened(name), image)
         }
-        None => Err("it has fewer pixels than it says".to_owned()),
+        None => Err("it has fewer pixels than its size requires".to_owned()),
     };
     drawn
         .map_err(|why| {
-            let message = format!("picture of numbers is not shown: {why}");
+            let message = format!("PixelTexture not used: {why}");
             builder.warn(&node.source, node.at, message);
         })
         .ok()
 }
 
-/// Width, height, channels and pixels, rows from below: ISO/IEC 14772-1, 5.5.
+/// Width, height, channels and pixels, bottom row first: ISO/IEC 14772-1, 5.5.
 pub(super) fn pixels(numbers: &[f64]) -> Option<Image> {
     let (&[width, height, channels], pixels) = numbers.split_first_chunk()?;
     let (width, height) = (width as u32, height as u32);
@@ -362,7 +363,8 @@ pub(super) fn pixels(numbers: &[f64]) -> Option<Image> {
     })
 }
 
-/// A pixel of 1 to 4 channels in one number, the first channel highest, as linear light.
+/// A pixel with 1 to 4 channels packed into one number, the first channel most significant, as
+/// linear RGB.
 fn unpacked(packed: u32, channels: u32) -> [f32; 3] {
     let byte = |shift: u32| linear((packed >> shift & 0xff) as u8);
     match channels {
@@ -373,7 +375,7 @@ fn unpacked(packed: u32, channels: u32) -> [f32; 3] {
     }
 }
 
-/// Linear light of a byte in sRGB, IEC 61966-2-1: what pictures in files are in, too.
+/// Linear value of an sRGB byte, IEC 61966-2-1; image files use the same encoding.
 fn linear(byte: u8) -> f32 {
     let v = f32::from(byte) / 255.0;
     if v <= 0.04045 {

@@ -1,4 +1,4 @@
-//! What the files of one model become together, whatever versions of VRML they are in.
+//! The scene under construction, shared by all files of a model, whatever their version of VRML.
 
 use super::appearance::AppearanceCache;
 use super::lexer::position;
@@ -16,33 +16,33 @@ use glam::DAffine3;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// How many files may stand inside one another.
+/// Maximum depth of nested files.
 const MOST_NESTED: usize = 32;
 
-/// Longest path of names of an object; of what is longer, the end is kept.
+/// Maximum length of an object's path of names; of a longer one, the end is kept.
 const MOST_NAME: usize = 200;
 
-/// A text file of the model, kept for saying where in it something stands.
+/// A text file of the model, kept to report positions in it.
 #[derive(Debug)]
 pub(super) struct VrmlSource {
-    /// Its name in messages.
+    /// The name used in messages.
     pub name: String,
-    /// Its name as the model's folder knows it.
+    /// The name relative to the model's folder.
     pub path: String,
-    /// Its text, unpacked, in UTF-8 or near it.
+    /// The text, decompressed, UTF-8 or close to it.
     pub bytes: Vec<u8>,
 }
 
-/// A file that was asked for.
+/// The result of opening a file.
 pub(super) enum OpenedFile {
-    /// It has not been read before.
+    /// The file has not been read before.
     New(Rc<VrmlSource>),
-    /// It has, and is a tree of nodes.
+    /// The file has been read, and this is its tree of nodes.
     Known(Rc<VrmlDocument>),
 }
 
 impl VrmlSource {
-    /// The model itself, whose name in messages may tell folders that its own does not know.
+    /// The model itself. Its name in messages may include folders that its path must not have.
     pub fn model(name: &str, bytes: &[u8]) -> VrmlSource {
         VrmlSource {
             name: name.to_owned(),
@@ -51,25 +51,25 @@ impl VrmlSource {
         }
     }
 
-    /// Line and column of a byte.
+    /// Line and column of a byte offset.
     pub fn position(&self, offset: usize) -> Position {
         position(&self.bytes, offset)
     }
 
-    /// The text without a byte order mark.
+    /// The text without its byte-order mark.
     pub fn text(&self) -> &[u8] {
         let marked = self.bytes.strip_prefix(b"\xef\xbb\xbf");
         marked.unwrap_or(&self.bytes)
     }
 
-    /// Whether it is X3D, in whatever encoding.
+    /// Whether the file is X3D, in any encoding.
     pub fn is_x3d(&self) -> bool {
         !self.text().starts_with(b"#VRML")
     }
 
-    /// Whether it is X3D of version 4 or later.
+    /// Whether the file is X3D, version 4 or later.
     pub fn is_x3d_4(&self) -> bool {
-        // XML says so among the attributes of its first element.
+        // In XML, the version is an attribute of the root element.
         let text = self.text();
         let head = &text[..text.len().min(4096)];
         let holds = |mark: &[u8]| head.windows(mark.len()).any(|w| w == mark);
@@ -78,17 +78,17 @@ impl VrmlSource {
     }
 }
 
-/// Where in the world, and under what name, something is placed.
+/// Transformation and name path of a node.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VrmlPlacement {
-    /// The transformations on the way here.
+    /// The product of the transformations above the node.
     pub world_from_object: DAffine3,
-    /// The names on the way here, joined by `/`.
+    /// The names of the nodes above, joined by `/`.
     path: String,
 }
 
 impl VrmlPlacement {
-    /// The frame inside a group, which may have a name.
+    /// The placement inside a group, which may have a name.
     pub fn named(&self, name: Option<&str>) -> VrmlPlacement {
         VrmlPlacement {
             path: self.name(name),
@@ -96,13 +96,13 @@ impl VrmlPlacement {
         }
     }
 
-    /// The frame inside a transformation.
+    /// The placement inside a transformation node.
     pub fn moved(mut self, map: DAffine3) -> VrmlPlacement {
         self.world_from_object *= map;
         self
     }
 
-    /// The name of an object here, which may have one of its own.
+    /// The name of an object at this placement, which may have a name of its own.
     pub fn name(&self, own: Option<&str>) -> String {
         let joined = match own.filter(|name| !name.is_empty()) {
             None => return self.path.clone(),
@@ -116,11 +116,11 @@ impl VrmlPlacement {
     }
 }
 
-/// The scene under construction, and what reading it takes.
+/// The scene under construction and the state of the readers.
 pub(super) struct VrmlSceneBuilder<'a> {
     pub files: &'a dyn Files,
     pub options: &'a ReadOptions,
-    /// Objects, lights, cameras, background and fog. Materials and textures come at the end.
+    /// Objects, lights, cameras, background and fog. Materials and textures are added at the end.
     pub scene: Scene,
     pub materials: Materials,
     pub gloss: Gloss,
@@ -129,12 +129,12 @@ pub(super) struct VrmlSceneBuilder<'a> {
     budget: Budget,
     /// The model's name in messages.
     model: String,
-    /// Bytes that files named by the model may still have.
+    /// Remaining budget in bytes for files that the model refers to.
     bytes_left: u64,
     pub appearances: AppearanceCache,
     /// Files that were read, by name.
     documents: HashMap<String, Rc<VrmlDocument>>,
-    /// The files that are being read, the model itself first.
+    /// The files being read, the model itself first.
     open: Vec<String>,
 }
 
@@ -170,13 +170,13 @@ impl<'a> VrmlSceneBuilder<'a> {
         }
     }
 
-    /// Counts a warning about the byte `at` of a file.
+    /// Adds a warning about the byte `at` of a file.
     #[cold]
     pub fn warn(&mut self, source: &VrmlSource, at: usize, message: impl Into<String>) {
         self.warn_many(source, at, message, 1);
     }
 
-    /// Counts a warning about the byte `at` of a file `count` times, which may be 0.
+    /// Adds a warning about the byte `at` of a file with a count, which may be 0.
     pub fn warn_many(
         &mut self,
         source: &VrmlSource,
@@ -188,17 +188,18 @@ impl<'a> VrmlSceneBuilder<'a> {
             .add_many(&source.name, message.into(), count, || source.position(at));
     }
 
-    /// Takes what is about to be made from what the model may unfold to.
+    /// Takes `elements` from the budget of what the model may unfold to.
     ///
     /// # Errors
-    /// Nothing is left.
+    /// The budget is exhausted.
     pub fn spend(&mut self, elements: u64) -> Result<(), ReadError> {
         let exhausted = |e: crate::reading::options::Exhausted| e.error(&self.model);
         self.budget.spend(elements).map_err(exhausted)
     }
 
-    /// Puts a mesh into the world and makes it an object. `mesh` is in object coordinates, its
-    /// materials are final, and [`VrmlSceneBuilder::spend`] has been asked.
+    /// Transforms a mesh to world coordinates and adds it as an object. `mesh` is in object
+    /// coordinates, its materials are final, and [`VrmlSceneBuilder::spend`] has been called for
+    /// it.
     pub fn place_mesh(
         &mut self,
         frame: &VrmlPlacement,
@@ -215,8 +216,8 @@ impl<'a> VrmlSceneBuilder<'a> {
         self.push(frame, own_name, Shape::Mesh(mesh))
     }
 
-    /// Puts an exact shape into the world, which `object_from_unit` makes of the unit primitive.
-    /// Where the world flattens it, nothing is placed: what is flat has no inside.
+    /// Adds an exact shape; `object_from_unit` maps the unit primitive to the object. Nothing is
+    /// added if the transformation is singular: a flattened primitive has no interior.
     pub fn place_primitive(
         &mut self,
         frame: &VrmlPlacement,
@@ -245,11 +246,11 @@ impl<'a> VrmlSceneBuilder<'a> {
         ShapeOutcome::Object
     }
 
-    /// Opens the first of `urls` that can be had, beside the file that names it, unpacked. What
-    /// stands behind `#` is not looked at. `None`, with a warning, if there is none, or if it is
-    /// one of the files inside which this one stands. Call [`VrmlSceneBuilder::close`] when it is read.
+    /// Opens the first of `urls` that exists, relative to the file that names it, and decompresses
+    /// it. A fragment after `#` is ignored. `None`, with a warning, if none exists or if the file
+    /// is already open. Call [`VrmlSceneBuilder::close`] once it has been read.
     pub fn open(&mut self, from: &VrmlSource, at: usize, urls: &[String]) -> Option<OpenedFile> {
-        let mut why = "it names no file".to_owned();
+        let mut why = "no file name given".to_owned();
         for url in urls {
             let file = url.split('#').next().unwrap_or_default();
             let name = files::beside(&from.path, local(file));
@@ -261,31 +262,31 @@ impl<'a> VrmlSceneBuilder<'a> {
                 Err(problem) => why = format!("\"{}\": {problem}", shortened(file)),
             }
         }
-        self.warn(from, at, format!("a file is not there: {why}"));
+        self.warn(from, at, format!("file cannot be read: {why}"));
         None
     }
 
-    /// Keeps what a file holds, in case it is asked for again.
+    /// Caches the content of a file in case it is referenced again.
     pub fn know(&mut self, source: &VrmlSource, document: &Rc<VrmlDocument>) {
         self.documents.insert(source.path.clone(), document.clone());
     }
 
-    /// Whether the model's own file is read, and none inside it.
+    /// Whether the model's own file is being read, not one nested in it.
     pub fn is_outermost(&self) -> bool {
         self.open.len() == 1
     }
 
-    /// The file that was opened last is read.
+    /// Marks the file opened last as read.
     pub fn close(&mut self) {
         self.open.pop();
     }
 
     fn read(&mut self, name: &str) -> Result<OpenedFile, String> {
         if self.open.iter().any(|open| open == name) {
-            return Err("the file is inside itself".into());
+            return Err("the file includes itself".into());
         }
         if self.open.len() >= MOST_NESTED {
-            return Err(format!("more than {MOST_NESTED} files inside one another"));
+            return Err(format!("files nested more than {MOST_NESTED} deep"));
         }
         if let Some(document) = self.documents.get(name) {
             return Ok(OpenedFile::Known(document.clone()));
@@ -298,7 +299,7 @@ impl<'a> VrmlSceneBuilder<'a> {
         let bytes = gzip::unpacked(&packed, name, &options).map_err(|e| e.found.to_string())?;
         match self.bytes_left.checked_sub(bytes.len() as u64) {
             Some(left) => self.bytes_left = left,
-            None => return Err("the files of the model are too large together".into()),
+            None => return Err("the files of the model exceed the size limit together".into()),
         }
         Ok(OpenedFile::New(Rc::new(VrmlSource {
             name: name.to_owned(),
@@ -313,7 +314,7 @@ impl<'a> VrmlSceneBuilder<'a> {
         self.scene.textures = self.textures.into_list();
         if self.scene.objects.is_empty() {
             self.warnings
-                .add_whole(model, "there is no geometry in this model");
+                .add_whole(model, "the model contains no geometry");
         }
         Loaded {
             scene: self.scene,
@@ -322,25 +323,25 @@ impl<'a> VrmlSceneBuilder<'a> {
     }
 }
 
-/// What became of a shape.
+/// The result of adding a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use]
 pub(super) enum ShapeOutcome {
-    /// It is an object.
+    /// It was added as an object.
     Object,
     /// It has no faces.
     Nothing,
-    /// Its transformations flatten it or lead beyond the numbers.
+    /// Its transformation is singular or overflows.
     Nowhere,
 }
 
-/// A file's name without the folders before it.
+/// A file name without its folders.
 fn in_own_folder(name: &str) -> String {
     let name = name.rsplit(['/', '\\']).next();
     name.unwrap_or_default().to_owned()
 }
 
-/// A file's name without the scheme of a local URL.
+/// A file name without the scheme of a local URL.
 fn local(url: &str) -> &str {
     let rest = url.strip_prefix("file:").unwrap_or(url);
     let rest = rest.strip_prefix("//").unwrap_or(rest);
@@ -381,12 +382,9 @@ mod tests {
         assert!(builder.open(&a, 0, &[]).is_none());
         let warnings = builder.finish("m.wrl").warnings;
         assert!(
-            warnings[0].message.contains("inside itself"),
+            warnings[0].message.contains("includes itself"),
             "{warnings:?}"
         );
-        assert!(
-            warnings[1].message.contains("names no file"),
-            "{warnings:?}"
-        );
+        assert!(warnings[1].message.contains("no file name"), "{warnings:?}");
     }
 }

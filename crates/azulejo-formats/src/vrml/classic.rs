@@ -1,7 +1,7 @@
 //! VRML97 and X3D in the classic encoding, as a tree of nodes.
 //!
-//! A grammar error costs the node around it and nothing else: the rest of that node is passed by
-//! its brackets, with a warning. A file that ends too soon keeps all that it has.
+//! A syntax error loses only the enclosing node: the rest of that node is skipped by matching
+//! brackets, with a warning. Of a truncated file, everything before the end is kept.
 
 use super::builder::{VrmlSceneBuilder, VrmlSource};
 use super::lexer::VrmlLexer;
@@ -14,10 +14,10 @@ use crate::reading::text::{shortened, text};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Reads a file.
+/// Parses a file.
 ///
 /// # Errors
-/// There is no node in it, and something else is; or there are more nodes than the options allow.
+/// The file has content but no node, or more nodes than the options allow.
 pub(super) fn parse(
     builder: &mut VrmlSceneBuilder,
     source: &Rc<VrmlSource>,
@@ -43,7 +43,7 @@ pub(super) fn parse(
     if holds_nothing && !start.clone().at_end() {
         return Err(start
             .clone()
-            .error(&source.name, "a node, as \"Group { }\""));
+            .error(&source.name, "a node such as \"Group { }\""));
     }
     Ok(document)
 }
@@ -52,14 +52,14 @@ struct ClassicParser<'a, 's, 'f> {
     lexer: VrmlLexer<'a>,
     source: &'a Rc<VrmlSource>,
     builder: &'s mut VrmlSceneBuilder<'f>,
-    /// Words that have been seen, so that all fields of a name share it.
+    /// Interned words, so that all fields of the same name share it.
     known: HashMap<&'a [u8], Rc<str>>,
     names: NameScopes,
     depth: u32,
     metres: Option<f64>,
 }
 
-/// Words behind which a prototype or a script declares a field.
+/// Whether a word is an access type, which declares a field of a prototype or script.
 fn is_access(word: &[u8]) -> bool {
     matches!(
         word,
@@ -74,7 +74,7 @@ fn is_access(word: &[u8]) -> bool {
     )
 }
 
-/// Fields that hold integers, of which there may be many.
+/// Whether a field holds integers, of which there may be many.
 pub(super) fn holds_integers(field: &str) -> bool {
     field == "index" || field.ends_with("Index")
 }
@@ -90,7 +90,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         known.or_insert_with(|| text(word).into()).clone()
     }
 
-    /// A name that must come next.
+    /// Reads a required name.
     fn name(&mut self) -> Option<Rc<str>> {
         match self.lexer.word() {
             Some(word) => Some(self.intern(word)),
@@ -107,7 +107,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         self.warn(at, format!("found {found}, expected {expected}"));
     }
 
-    /// Takes a bracket that must come next.
+    /// Takes a required bracket.
     fn expect(&mut self, mark: u8) -> bool {
         let found = self.lexer.take(mark);
         if !found {
@@ -116,18 +116,18 @@ impl<'a> ClassicParser<'a, '_, '_> {
         found
     }
 
-    /// Nodes and statements up to the end of the file.
+    /// Reads nodes and statements up to the end of the file.
     fn statements(&mut self, into: &mut Vec<Rc<VrmlNode>>) -> Result<(), ReadError> {
         while let Some(next) = self.lexer.peek() {
             let at = self.lexer.offset();
             match next {
                 b'{' | b'[' => {
-                    self.warn(at, "bracket without a node: skipped with what is in it");
+                    self.warn(at, "bracket without a node: skipped with its content");
                     self.lexer.skip_token();
                     self.lexer.skip_to_close();
                 }
                 b'}' | b']' | b'"' => {
-                    self.warn(at, "bracket or string where a node is expected: skipped");
+                    self.warn(at, "bracket or string instead of a node: skipped");
                     self.lexer.skip_token();
                 }
                 _ => self.statement(into)?,
@@ -136,7 +136,8 @@ impl<'a> ClassicParser<'a, '_, '_> {
         Ok(())
     }
 
-    /// A node, a reference to one, a prototype, or a statement about the file. A word comes next.
+    /// Reads a node, a reference to one, a prototype, or a statement about the file. A word comes
+    /// next.
     fn statement(&mut self, into: &mut Vec<Rc<VrmlNode>>) -> Result<(), ReadError> {
         let at = self.lexer.offset();
         let word = self.lexer.word().unwrap_or_default();
@@ -148,7 +149,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
                 let at = self.lexer.offset();
                 match self.lexer.word() {
                     Some(kind) => into.extend(self.node(kind, Some(name), at)?),
-                    None => self.unexpected("the type of a node"),
+                    None => self.unexpected("a node type"),
                 }
             }
             b"USE" => into.extend(self.reference()),
@@ -174,7 +175,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         if self.lexer.take_word(b"TO") {
             self.lexer.word();
         }
-        self.warn(at, "ROUTE: skipped, nothing moves");
+        self.warn(at, "ROUTE: skipped, animation is not supported");
     }
 
     /// `category name factor`
@@ -202,13 +203,14 @@ impl<'a> ClassicParser<'a, '_, '_> {
         let node = self.names.node(&name);
         if node.is_none() {
             let name = shortened(&name);
-            let message = format!("USE of \"{name}\", which no whole node before it is: skipped");
+            let message =
+                format!("USE of \"{name}\", which no complete node before it defines: skipped");
             self.warn(at, message);
         }
         node
     }
 
-    /// The node whose type has been taken. `None`, with a warning, if it is none.
+    /// Reads the node whose type has been taken. `None`, with a warning, if it is not a node.
     fn node(
         &mut self,
         kind: &'a [u8],
@@ -218,7 +220,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         let kind = self.intern(kind);
         if !self.lexer.take(b'{') {
             let kind = shortened(&kind);
-            self.unexpected(&format!("\"{{\" behind \"{kind}\""));
+            self.unexpected(&format!("\"{{\" after \"{kind}\""));
             return Ok(None);
         }
         self.builder.spend(1)?;
@@ -248,11 +250,11 @@ impl<'a> ClassicParser<'a, '_, '_> {
     }
 
     fn too_deep(&mut self, at: usize) {
-        let message = format!("node deeper than {MOST_DEPTH} others: skipped");
+        let message = format!("node nested more than {MOST_DEPTH} deep: skipped");
         self.warn(at, message);
     }
 
-    /// The fields of a node, up to the bracket that closes it.
+    /// Reads the fields of a node, up to its closing bracket.
     fn body(&mut self, kind: &str) -> Result<Vec<VrmlField>, ReadError> {
         let mut fields = Vec::new();
         loop {
@@ -261,7 +263,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
                     let at = self.lexer.offset();
                     self.warn(
                         at,
-                        "the file ends inside a node: what there is of it is read",
+                        "the file ends inside a node: what precedes the end is used",
                     );
                     return Ok(fields);
                 }
@@ -281,7 +283,8 @@ impl<'a> ClassicParser<'a, '_, '_> {
         }
     }
 
-    /// A field with its value, or a statement, which may stand among fields. A word comes next.
+    /// Reads a field with its value, or a statement, which may occur among fields. A word comes
+    /// next.
     fn field(&mut self, fields: &mut Vec<VrmlField>) -> Result<(), ReadError> {
         let at = self.lexer.offset();
         let word = self.lexer.word().unwrap_or_default();
@@ -299,9 +302,9 @@ impl<'a> ClassicParser<'a, '_, '_> {
         Ok(())
     }
 
-    /// A field of a prototype or of a script, behind the word that says how it is accessed.
+    /// Reads a field of a prototype or script, after its access type.
     fn declaration(&mut self, access: &[u8]) -> Result<Option<VrmlField>, ReadError> {
-        // The type shows in the value.
+        // The type is evident from the value.
         self.lexer.word();
         let Some(name) = self.name() else {
             return Ok(None);
@@ -317,7 +320,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         Ok(value.map(|value| VrmlField { name, value }))
     }
 
-    /// The value of a field; `None` if there is none.
+    /// Reads the value of a field; `None` if there is none.
     fn value(&mut self, field: &str) -> Result<Option<FieldValue>, ReadError> {
         match self.lexer.peek() {
             Some(b'[') => {
@@ -350,7 +353,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         Ok(Some(FieldValue::Nodes(nodes)))
     }
 
-    /// The numbers that come next, without brackets; `None` if there are none.
+    /// Reads the numbers that come next, without brackets; `None` if there are none.
     fn numbers(&mut self, field: &str) -> Option<FieldValue> {
         if holds_integers(field) {
             let mut integers = Vec::new();
@@ -362,8 +365,8 @@ impl<'a> ClassicParser<'a, '_, '_> {
         (!numbers.is_empty()).then(|| FieldValue::Numbers(Rc::new(numbers)))
     }
 
-    /// The values up to the bracket that closes a list, whose opening one has been taken. The
-    /// first says of which sort they are.
+    /// Reads the values up to the closing bracket of a list, whose opening bracket has been taken.
+    /// The first value determines their type.
     fn list(&mut self, field: &str) -> Result<FieldValue, ReadError> {
         let value = match self.lexer.peek() {
             Some(b'"') => self.strings(),
@@ -385,7 +388,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         FieldValue::Strings(Rc::new(strings))
     }
 
-    /// Numbers in brackets. A word among them is a number that is none.
+    /// Reads numbers in brackets. A word among them counts as NaN.
     fn number_list(&mut self, field: &str) -> Option<FieldValue> {
         let mut value = self.numbers(field)?;
         loop {
@@ -394,10 +397,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
                 break;
             }
             self.lexer.skip_token();
-            self.warn(
-                at,
-                "word or string in a list of numbers: no number in its place",
-            );
+            self.warn(at, "word or string in a list of numbers: taken as NaN");
             match &mut value {
                 FieldValue::Numbers(numbers) => {
                     let numbers = Rc::make_mut(numbers);
@@ -408,7 +408,8 @@ impl<'a> ClassicParser<'a, '_, '_> {
                 _ => {}
             }
         }
-        // The lists are as long as the file, and stay until the scene is made.
+        // The lists can be as long as the file and live until the scene is built, so release spare
+        // capacity.
         match &mut value {
             FieldValue::Numbers(numbers) => Rc::make_mut(numbers).shrink_to_fit(),
             FieldValue::Integers(integers) => Rc::make_mut(integers).shrink_to_fit(),
@@ -417,7 +418,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         Some(value)
     }
 
-    /// Nodes in brackets, or flags, of which the last counts.
+    /// Reads nodes in brackets, or flags, of which the last one counts.
     fn node_list(&mut self) -> Result<FieldValue, ReadError> {
         let (mut nodes, mut flag) = (Vec::new(), None);
         loop {
@@ -496,7 +497,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
         let Some(name) = self.name() else {
             return Ok(());
         };
-        // The file that defines it also says what its fields are without a value.
+        // The defining file also gives the defaults of its fields.
         self.interface()?;
         let urls = match self.value("url")? {
             Some(FieldValue::Strings(urls)) => urls.to_vec(),
@@ -539,7 +540,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
     }
 }
 
-/// Whether `type name` stands alone, as in the interface of an `EXTERNPROTO`.
+/// Whether `type name` has no value, as in the interface of an `EXTERNPROTO`.
 fn word_begins_external(mut ahead: VrmlLexer) -> bool {
     ahead.word();
     ahead.word();

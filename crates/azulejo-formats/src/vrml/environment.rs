@@ -1,4 +1,4 @@
-//! What belongs to the viewer: viewpoints, background, fog and the way to move.
+//! Bindable nodes: viewpoints, background, fog and navigation info.
 
 use super::builder::{VrmlPlacement, VrmlSceneBuilder};
 use super::tree::{VrmlNode, limited, triples};
@@ -8,7 +8,7 @@ use azulejo_scene::{Camera, Fog, Rgb};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// Puts a node of this sort into the scene.
+/// Adds a node of this group to the scene.
 pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {
     match &*node.kind {
         "Viewpoint" => viewpoint(builder, node, frame),
@@ -55,14 +55,14 @@ fn nowhere(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
     builder.warn(
         &node.source,
         node.at,
-        "Viewpoint that sees nothing: skipped",
+        "Viewpoint with a degenerate view: skipped",
     );
 }
 
-/// The one that is shown: the first.
+/// Whether this is the first node of its type, the one that is used.
 fn is_first(builder: &mut VrmlSceneBuilder, node: &VrmlNode, is_there: bool) -> bool {
     if is_there {
-        let message = format!("{} behind the first: not shown", node.kind);
+        let message = format!("{} after the first: skipped", node.kind);
         builder.warn(&node.source, node.at, message);
     }
     !is_there
@@ -81,7 +81,7 @@ fn background(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
     let many = colors.len().max(1) as f64;
     builder.scene.background = Some(colors.iter().copied().sum::<Rgb>() / many);
     if colors.len() > 1 {
-        let message = "sky of several colours: their mean is the background";
+        let message = "sky with several colours: their mean is used as the background";
         builder.warn(&node.source, node.at, message);
     }
     let ground = node.color("groundColor", colors.first().copied().unwrap_or_default());
@@ -98,7 +98,7 @@ fn background(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
         !node.strings(&url).is_empty() || !node.nodes(&texture).is_empty()
     };
     let pictures = sides.into_iter().filter(has_picture).count();
-    let message = "picture of a background: skipped";
+    let message = "background texture: skipped";
     builder.warn_many(&node.source, node.at, message, pictures);
 }
 
@@ -106,7 +106,7 @@ fn fog(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {
     let scale = frame.world_from_object.matrix3.determinant().abs().cbrt();
     let visibility = node.number("visibilityRange", 0.0) * scale;
     if !(visibility > 0.0 && visibility.is_finite()) {
-        // The standard's way to say that there is none.
+        // The standard's way to disable fog.
         return;
     }
     let is_there = builder.scene.fog.is_some();
@@ -124,7 +124,7 @@ fn fog(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {
 
 fn navigation(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
     if node.flag("headlight", true) {
-        let message = "headlight of NavigationInfo: no light of the scene, skipped";
+        let message = "headlight of NavigationInfo: skipped, it is not a light of the scene";
         builder.warn(&node.source, node.at, message);
     }
 }

@@ -1,4 +1,4 @@
-//! X3D's flat geometry, in the plane z = 0.
+//! X3D's 2D geometry, in the plane z = 0.
 
 use super::shape::{SurfaceFields, ValuePool};
 use super::tree::VrmlNode;
@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Sides of a circle: its chords are within a thousandth of the radius.
+/// Sides of a circle: the chord error is below a thousandth of the radius.
 const SIDES: usize = 72;
 
 /// The polygons of a node; `None` if it is of another type, or has none.
@@ -20,7 +20,7 @@ pub(super) fn surface(node: &VrmlNode) -> Option<SurfaceFields<'_>> {
     };
     let positions = points.iter().map(|p| p.extend(0.0)).collect();
     let mut surface = SurfaceFields::new(node, positions, Cow::Owned(corners));
-    // Flat geometry has two sides unless it says otherwise: ISO/IEC 19775-1, 14.
+    // 2D geometry is two-sided by default: ISO/IEC 19775-1, 14.
     surface.solid = node.flag("solid", false);
     surface.uvs = Some(ValuePool::per_vertex(mapping(&points)));
     Some(surface)
@@ -60,7 +60,7 @@ fn disk(node: &VrmlNode) -> FlatPolygons {
     (points, (0..sides).flat_map(side).collect())
 }
 
-/// A piece of pie, or what a chord cuts off.
+/// A circular sector or segment.
 fn arc(node: &VrmlNode) -> FlatPolygons {
     let radius = node.number("radius", 1.0);
     let start = node.number("startAngle", 0.0);
@@ -96,7 +96,7 @@ fn triangles(node: &VrmlNode) -> FlatPolygons {
     (points, corners)
 }
 
-/// The box around the points is the picture.
+/// Texture coordinates that map the texture to the bounding box of the points.
 fn mapping(points: &[DVec2]) -> Vec<DVec2> {
     let solid = points.iter().map(|p| p.extend(0.0));
     let bounds = azulejo_scene::math::Aabb::around(solid);

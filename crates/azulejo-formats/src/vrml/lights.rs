@@ -7,13 +7,13 @@ use azulejo_scene::{Light, LightKind, Rgb};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-/// Puts a light into the scene.
+/// Adds a light to the scene.
 pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &NodePosition) {
     if !node.flag("on", true) {
         builder.warn(
             &node.source,
             node.at,
-            format!("{} that is off: skipped", node.kind),
+            format!("{} with on FALSE: skipped", node.kind),
         );
         return;
     }
@@ -31,7 +31,10 @@ pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &Nod
             kind,
         }),
         None => {
-            let message = format!("{} without a place or a direction: skipped", node.kind);
+            let message = format!(
+                "{} without a valid position or direction: skipped",
+                node.kind
+            );
             builder.warn(&node.source, node.at, message);
         }
     }
@@ -40,18 +43,15 @@ pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &Nod
 fn say_what_is_lost(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &NodePosition) {
     let directional = &*node.kind == "DirectionalLight";
     if node.number("ambientIntensity", 0.0) > 0.0 {
-        let message = "ambientIntensity of a light: not used, azulejo computes that light";
+        let message = "ambientIntensity of a light: ignored, azulejo computes indirect light";
         builder.warn(&node.source, node.at, message);
     }
     if !directional {
-        let message = "attenuation and radius of lights: not used, light falls with the square of the distance";
+        let message = "attenuation and radius of lights: ignored, light falls off with the square of the distance";
         builder.warn(&node.source, node.at, message);
     }
     if !node.flag("global", !directional || place.depth == 0) {
-        let message = format!(
-            "{} that lights its group alone: lights everything",
-            node.kind
-        );
+        let message = format!("{} limited to its group: lights the whole scene", node.kind);
         builder.warn(&node.source, node.at, message);
     }
 }
@@ -73,8 +73,8 @@ fn point(node: &VrmlNode, map: &DAffine3, intensity: Rgb) -> Option<LightKind> {
     })
 }
 
-/// The two standards name the same defaults the other way round: VRML97 has no falloff, X3D has
-/// one from half of the cone on.
+/// The two standards give the same defaults in opposite roles: VRML97 has no falloff inside the
+/// cone, X3D has one from half of the cone angle outwards.
 fn spot(node: &VrmlNode, map: &DAffine3, intensity: Rgb) -> Option<LightKind> {
     let (cut_off, beam) = if node.source.is_x3d() {
         (FRAC_PI_2, FRAC_PI_4)

@@ -1,9 +1,9 @@
-//! VRML 1.0, VRML97 and X3D, the latter in XML or in the classic encoding.
+//! VRML 1.0, VRML97 and X3D, the latter in the XML or the classic encoding.
 //!
-//! Three grammars lead into two sorts of scene: VRML 1.0 is a stream of nodes that change a state
-//! (`v1`); VRML97 and X3D are a tree of nodes with fields. Both put their objects on one
-//! stage, because files of one version may stand inside files of another.
-//! `docs/formats/vrml.md` says how every node is understood.
+//! Three grammars lead to two data models: VRML 1.0 is a stream of nodes that change a traversal
+//! state (`v1`); VRML97 and X3D are a tree of nodes with fields. Both add their objects to the same
+//! scene builder, because files of one version may be nested in files of another.
+//! `docs/formats/vrml.md` describes how every node is interpreted.
 
 mod appearance;
 mod builder;
@@ -32,11 +32,11 @@ use builder::{OpenedFile, VrmlPlacement, VrmlSceneBuilder, VrmlSource};
 use std::rc::Rc;
 use tree::VrmlDocument;
 
-/// Reads a model, with the files that it names.
+/// Reads a model and the files that it refers to.
 ///
 /// # Errors
-/// A header of no version that is known, text of which nothing could be used, and a model that
-/// unfolds to more than `options` allow.
+/// An unknown version in the header, text without usable content, and a model that unfolds to more
+/// than `options` allow.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -49,7 +49,7 @@ pub fn read(
     Ok(builder.finish(name))
 }
 
-/// Reads a file and puts what it holds under `frame`: the model itself, or a file inside it.
+/// Reads a file and adds its content under `frame`: the model itself, or a nested file.
 ///
 /// # Errors
 /// As [`read`].
@@ -68,7 +68,7 @@ fn read_into(
 /// Reads a file of nodes with fields.
 ///
 /// # Errors
-/// A header of another version, text of which nothing could be used.
+/// An unknown version in the header, text without usable content.
 fn document(
     builder: &mut VrmlSceneBuilder,
     source: &Rc<VrmlSource>,
@@ -88,8 +88,8 @@ fn document(
     Ok(document)
 }
 
-/// Reads the first file of `urls` that can be had into `frame`: the node `Inline` of any version,
-/// which stands at the byte `at` of `from`. What is wrong with the file is a warning.
+/// Reads the first file of `urls` that exists into `frame`: the node `Inline` of any version, at
+/// byte `at` of `from`. Problems of the file become warnings.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
@@ -112,10 +112,10 @@ fn include(
     done
 }
 
-/// Makes a warning of what is wrong with the file `inside` this one.
+/// Turns an error in the nested file `inside` into a warning.
 ///
 /// # Errors
-/// What is wrong with the model as a whole.
+/// Errors that concern the model as a whole.
 fn refuse(
     builder: &mut VrmlSceneBuilder,
     from: &VrmlSource,
@@ -128,10 +128,6 @@ fn refuse(
     }
     let (place, found, expected) = (e.position, e.found, e.expected);
     let why = format!("{}{place}: found {found}, expected {expected}", e.file);
-    builder.warn(
-        from,
-        at,
-        format!("a file inside this one is not shown: {why}"),
-    );
+    builder.warn(from, at, format!("nested file skipped: {why}"));
     Ok(())
 }

@@ -1,16 +1,15 @@
-//! What names stand for in a file: nodes by `DEF`, prototypes by `PROTO`.
+//! Name scopes of a file: nodes by `DEF`, prototypes by `PROTO`.
 
 use super::tree::{Prototype, VrmlNode};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// The names of a file, and of the prototypes inside whose bodies a reader is.
+/// The names of a file, and of the prototypes whose bodies are being read.
 ///
-/// A later definition of a name hides an earlier one. The standard hides what is outside a
-/// prototype from its inside; here it is found if nothing inside has the name, as many files
-/// expect.
+/// A later definition of a name hides an earlier one. In the standard, names outside of a prototype
+/// are invisible inside it; here they are found if no inner name matches, as many files expect.
 pub(super) struct NameScopes {
-    /// The file's own, then those of open prototypes, the innermost last.
+    /// The file's own scope, then those of open prototypes, the innermost last.
     scopes: Vec<NameScope>,
 }
 
@@ -18,24 +17,24 @@ pub(super) struct NameScopes {
 struct NameScope {
     nodes: HashMap<Rc<str>, Rc<VrmlNode>>,
     protos: HashMap<Rc<str>, Rc<Prototype>>,
-    /// The same in the order of the file.
+    /// The prototypes of the file in their order.
     in_order: Vec<Rc<Prototype>>,
 }
 
 impl NameScopes {
-    /// No names.
+    /// Empty scopes.
     pub fn new() -> NameScopes {
         NameScopes {
             scopes: vec![NameScope::default()],
         }
     }
 
-    /// Goes into the body of a prototype.
+    /// Enters the body of a prototype.
     pub fn enter(&mut self) {
         self.scopes.push(NameScope::default());
     }
 
-    /// Comes out of the body of a prototype, whose names are forgotten.
+    /// Leaves the body of a prototype and forgets its names.
     pub fn leave(&mut self) {
         self.scopes.pop();
     }

@@ -1,4 +1,4 @@
-//! Shapes: which geometry they have, and how it becomes an object.
+//! Shapes: their geometry, and its conversion to an object.
 
 use super::appearance::{self, ShapeAppearance};
 use super::builder::{VrmlPlacement, VrmlSceneBuilder};
@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::rc::Rc;
 
-/// Polygons before they are put together.
+/// Polygons with their attributes, before they are assembled into a mesh.
 #[derive(Debug)]
 pub(super) struct SurfaceFields<'n> {
     /// The pool of vertices.
@@ -22,27 +22,27 @@ pub(super) struct SurfaceFields<'n> {
     pub colors: Option<ValuePool<'n, Rgb>>,
     pub normals: Option<ValuePool<'n, DVec3>>,
     pub uvs: Option<ValuePool<'n, DVec2>>,
-    /// Whether fronts are counter-clockwise.
+    /// Whether corners are counter-clockwise as seen from the front.
     pub ccw: bool,
-    /// Whether the back is never seen.
+    /// Whether the back is never visible.
     pub solid: bool,
-    /// Greatest angle between faces that are smooth where they meet, radians.
+    /// Greatest angle between faces that are smoothed across their common edge, radians.
     pub crease_angle: f64,
-    /// Whether other surfaces have the same pool.
+    /// Whether other surfaces share the pool.
     pub is_shared: bool,
 }
 
-/// Values, and to what they belong.
+/// Values and their binding.
 #[derive(Debug)]
 pub(super) struct ValuePool<'n, T> {
     pub values: Vec<T>,
-    /// Absent or empty: vertices take that of the positions, faces their order.
+    /// Absent or empty: vertices use the index of the positions, faces their order.
     pub index: Option<Cow<'n, [i32]>>,
     pub binding: Binding,
 }
 
 impl<T> ValuePool<'_, T> {
-    /// A value per vertex.
+    /// One value per vertex.
     pub fn per_vertex(values: Vec<T>) -> Self {
         ValuePool {
             values,
@@ -62,7 +62,7 @@ impl<T> ValuePool<'_, T> {
 }
 
 impl<'n> SurfaceFields<'n> {
-    /// Polygons of a node that says how they are seen, without anything else on them.
+    /// Polygons with the node's `ccw`, `solid` and `creaseAngle`, without attributes.
     pub fn new(
         node: &VrmlNode,
         positions: Vec<DVec3>,
@@ -82,7 +82,7 @@ impl<'n> SurfaceFields<'n> {
     }
 }
 
-/// Makes an object of a node `Shape`.
+/// Adds a node `Shape` as an object.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
@@ -151,7 +151,7 @@ fn face_set<'n>(
     Ok(surface)
 }
 
-/// The positions in the field `coord`, and whether other geometries have the same.
+/// The positions in the field `coord`, and whether other geometries share them.
 pub(super) fn coordinates(
     builder: &mut VrmlSceneBuilder,
     node: &VrmlNode,
@@ -168,7 +168,7 @@ pub(super) fn coordinates(
         return Ok((Vec::new(), false));
     }
     let numbers = coord.numbers("point");
-    // A large pool may serve many small geometries, and each looks through all of it.
+    // A large pool may serve many small geometries, and each of them scans all of it.
     builder.spend(numbers.len() as u64 / 8)?;
     let mut positions = triples(&numbers);
     let mut lost = usize::from(!numbers.len().is_multiple_of(3));
@@ -176,12 +176,12 @@ pub(super) fn coordinates(
         *position = DVec3::ZERO;
         lost += 1;
     }
-    let message = "position that is not three finite numbers: 0 0 0, or left out at the end";
+    let message = "position that is not three finite numbers: 0 0 0 is used, an incomplete last one is skipped";
     builder.warn_many(&coord.source, coord.at, message, lost);
     Ok((positions, is_shared))
 }
 
-/// Colours, normals and texture coordinates, bound as most geometries bind them.
+/// Colours, normals and texture coordinates, with the bindings of most geometry nodes.
 pub(super) fn attributes(
     builder: &mut VrmlSceneBuilder,
     node: &VrmlNode,
@@ -211,7 +211,7 @@ pub(super) fn attributes(
         });
     }
     surface.uvs = uvs(builder, node)?.map(ValuePool::per_vertex);
-    // Fields of shaders and volumes, which azulejo has no use for.
+    // Fields of shaders and volumes, which azulejo does not use.
     for field in ["attrib", "fogCoord"] {
         let lost = node.nodes(field).len();
         builder.warn_many(&node.source, node.at, format!("{field}: skipped"), lost);
@@ -235,14 +235,14 @@ fn colors(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Result<Option<Vec<
         builder.warn(
             &node.source,
             node.at,
-            "see-through colours (ColorRGBA): opaque",
+            "colours with alpha (ColorRGBA): opaque",
         );
     }
     let color = |c: &[f64]| limited(Rgb::new(c[0], c[1], c[2]));
     Ok(Some(colors.map(color).collect()))
 }
 
-/// The texture coordinates of a geometry: of several sets the first.
+/// The texture coordinates of a geometry; of several sets, the first.
 fn uvs(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Result<Option<Vec<DVec2>>, ReadError> {
     let Some(mut node) = child(builder, node, "texCoord")? else {
         return Ok(None);
@@ -262,7 +262,7 @@ fn uvs(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Result<Option<Vec<DVe
     Ok(Some(points).filter(|p| !p.is_empty()))
 }
 
-/// Makes an object of polygons.
+/// Adds polygons as an object.
 fn mesh(
     builder: &mut VrmlSceneBuilder,
     node: &VrmlNode,
@@ -300,8 +300,8 @@ fn mesh(
     Ok(())
 }
 
-/// Gives a surface with a picture the texture coordinates that it lacks, and moves them as the
-/// appearance says.
+/// Generates texture coordinates for a textured surface without any, and applies the texture
+/// transform of the appearance.
 fn lay_picture(surface: &mut SurfaceFields, shape_appearance: &ShapeAppearance) {
     if shape_appearance.textures.is_empty() {
         return;
@@ -316,8 +316,8 @@ fn lay_picture(surface: &mut SurfaceFields, shape_appearance: &ShapeAppearance) 
     }
 }
 
-/// Gives the faces their materials. `face_values` says which colour of `pool` each has, if they
-/// have colours of their own.
+/// Assigns materials to the faces. `face_values` holds the index of each face's colour in `pool`,
+/// if faces have colours of their own.
 fn paint(
     builder: &mut VrmlSceneBuilder,
     mesh: &mut Mesh,
@@ -332,7 +332,7 @@ fn paint(
         builder.materials.index(material)
     };
     if face_values.is_empty() {
-        // Colours of vertices replace the reflectance, and are multiplied with it here.
+        // Vertex colours replace the reflectance, but are multiplied with it here.
         let color = (!mesh.colors.is_empty()).then_some(Rgb::WHITE);
         mesh.face_materials.fill(material(color));
         return;

@@ -1,5 +1,4 @@
-//! The nodes Box, Sphere, Cylinder and Cone: exact, unless they are open, flattened or carry a
-//! picture.
+//! The nodes Box, Sphere, Cylinder and Cone: exact, unless they are open, flattened or textured.
 
 use super::appearance::ShapeAppearance;
 use super::builder::{ShapeOutcome, VrmlPlacement, VrmlSceneBuilder};
@@ -10,7 +9,7 @@ use crate::ReadError;
 use azulejo_scene::{MaterialId, Mesh};
 use glam::DVec3;
 
-/// The solid of a node; `None` if it is of another type.
+/// The primitive of a node; `None` if it is of another type.
 pub(super) fn solid(node: &VrmlNode) -> Option<PlacedPrimitive> {
     let has = |part: &str| node.flag(part, true);
     let height = node.number("height", 2.0);
@@ -29,7 +28,7 @@ pub(super) fn solid(node: &VrmlNode) -> Option<PlacedPrimitive> {
     })
 }
 
-/// Makes an object of a solid.
+/// Adds a primitive as an object.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.

@@ -7,27 +7,28 @@ use crate::ReadError;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// How corners follow each other.
+/// How corners form faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CornerOrder {
-    /// Faces of so many corners each.
+    /// Faces with this many corners each.
     Each(usize),
     /// Triangles around the first corner.
     Fan,
-    /// Triangles along a strip, every other one turned around.
+    /// A triangle strip, every second triangle reversed.
     Strip,
 }
 
-/// How a node's corners are to be read.
+/// How a node lists its corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleLayout {
     order: CornerOrder,
-    /// The field with the index, or for fans and strips without one the counts of their corners.
+    /// The field with the index, or for fans and strips without one, the field with their corner
+    /// counts.
     list: Option<&'static str>,
     indexed: bool,
 }
 
-/// The layout of a type of node; `None` if it is none of these.
+/// The layout of a node type; `None` if it is not a triangle or quadrilateral set.
 pub(super) fn layout(kind: &str) -> Option<TriangleLayout> {
     let (order, list) = match kind {
         "TriangleSet" => (CornerOrder::Each(3), None),
@@ -59,7 +60,8 @@ pub(super) fn surface<'n>(
     let (positions, is_shared) = coordinates(builder, node)?;
     let list = layout.list.map(|field| node.integers(field));
     let list = list.unwrap_or_default();
-    // A strip has a triangle for each corner, an index three corners and an end for each of them.
+    // A strip has one triangle per corner, and an index has three corners and an end marker for
+    // each of them.
     let most = 4 * if layout.indexed {
         list.len()
     } else {
@@ -78,29 +80,29 @@ pub(super) fn surface<'n>(
         (order, false) => faces.counted(&list, positions.len(), order),
     }
     let message = format!(
-        "corner of {} beyond the last whole face: skipped",
+        "corner of {} after the last complete face: skipped",
         node.kind
     );
     builder.warn_many(&node.source, node.at, message, faces.lost);
     let mut surface = SurfaceFields::new(node, positions, Cow::Owned(faces.coord_index));
     surface.is_shared = is_shared;
-    // These nodes have no creaseAngle: what shares a vertex is smooth.
+    // These nodes have no creaseAngle: faces that share a vertex are smooth.
     let shares = layout.indexed || !matches!(layout.order, CornerOrder::Each(_));
     let smooth = shares && node.flag("normalPerVertex", true);
     surface.crease_angle = if smooth { PI } else { 0.0 };
     attributes(builder, node, &mut surface)?;
     if let Some(colors) = &mut surface.colors {
-        // ISO/IEC 19775-1, 11.4: colorPerVertex is ignored, and always TRUE.
+        // ISO/IEC 19775-1, 11.4: colorPerVertex is ignored and always TRUE.
         colors.binding = super::faces::Binding::PerVertexIndexed;
     }
     Ok(surface)
 }
 
-/// Corners as they come out.
+/// The corners read so far.
 #[derive(Default)]
 struct TriangleCorners {
     coord_index: Vec<i32>,
-    /// Corners that make no face.
+    /// Number of corners that form no face.
     lost: usize,
 }
 
@@ -114,7 +116,7 @@ impl TriangleCorners {
         self.coord_index.push(-1);
     }
 
-    /// Faces of equal length. What ends a face in other nodes has no place here, but is common.
+    /// Faces with a fixed number of corners. The end marker −1 is not allowed here, but common.
     fn each(&mut self, index: &[i32], corners: usize) {
         let index: Vec<i32> = index.iter().copied().filter(|i| *i >= 0).collect();
         let faces = index.chunks_exact(corners);
@@ -136,7 +138,7 @@ impl TriangleCorners {
         }
     }
 
-    /// Fans or strips of so many corners each, of all positions in their order.
+    /// Fans or strips with the given corner counts, over all positions in their order.
     fn counted(&mut self, counts: &[i32], positions: usize, order: CornerOrder) {
         let mut start = 0;
         for &count in counts {

@@ -1,4 +1,4 @@
-//! From the tree of nodes to the scene: groups, and what may stand in them.
+//! Converts the tree of nodes to a scene: groups and their children.
 
 use super::builder::{OpenedFile, ShapeOutcome, VrmlPlacement, VrmlSceneBuilder, VrmlSource};
 use super::tree::{VrmlDocument, VrmlNode};
@@ -8,18 +8,18 @@ use crate::{Lod, ReadError};
 use glam::{DAffine3, DQuat, DVec3};
 use std::rc::Rc;
 
-/// How deep groups may stand inside one another once prototypes are unfolded.
+/// Maximum depth of nested groups once prototypes are unfolded.
 const MOST_DEPTH: u32 = 200;
 
-/// What a node costs of what a model may unfold to: many nodes may show nothing, but take time.
+/// What a node takes from the budget: many nodes may display nothing, but still take time.
 const NODE: u64 = 32;
 
-/// Where a node stands.
+/// The position of a node in the hierarchy.
 #[derive(Clone)]
 pub(super) struct NodePosition {
-    /// Its frame in the world.
+    /// Its transformation and name path.
     pub frame: VrmlPlacement,
-    /// How many groups are around it.
+    /// The number of enclosing groups.
     pub depth: u32,
 }
 
@@ -32,7 +32,7 @@ impl NodePosition {
     }
 }
 
-/// Puts what a file holds under `frame`.
+/// Adds the content of a file under `frame`.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
@@ -46,7 +46,7 @@ pub(super) fn build(
         if builder.is_outermost() {
             builder.scene.units.metres_per_unit = Some(metres);
         } else {
-            // The file around this one has its own unit.
+            // The enclosing file has a unit of its own.
             let scale = metres / builder.scene.units.metres();
             frame = frame.moved(DAffine3::from_scale(DVec3::splat(scale)));
         }
@@ -58,7 +58,7 @@ pub(super) fn build(
     Ok(())
 }
 
-/// Puts a node into the scene, with all that is in it.
+/// Adds a node and everything below it to the scene.
 fn visit(
     builder: &mut VrmlSceneBuilder,
     node: &Rc<VrmlNode>,
@@ -66,7 +66,7 @@ fn visit(
 ) -> Result<(), ReadError> {
     builder.spend(NODE)?;
     if place.depth >= MOST_DEPTH {
-        let message = format!("group inside {MOST_DEPTH} others: skipped");
+        let message = format!("group nested more than {MOST_DEPTH} deep: skipped");
         builder.warn(&node.source, node.at, message);
         return Ok(());
     }
@@ -88,7 +88,7 @@ fn visit(
             environment::place(builder, node, &place.frame);
             Ok(())
         }
-        // They tell people and programs what azulejo has no use for.
+        // Metadata, which azulejo does not use.
         "WorldInfo" | "MetadataBoolean" | "MetadataDouble" | "MetadataFloat"
         | "MetadataInteger" | "MetadataSet" | "MetadataString" => Ok(()),
         "Switch" => switch(builder, node, place),
@@ -103,15 +103,15 @@ fn visit(
     }
 }
 
-/// Counts a node that is not shown.
+/// Counts a node that is not supported.
 #[cold]
 pub(super) fn skip(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
     let message = format!("node {}: skipped", shortened(&node.kind));
     builder.warn(&node.source, node.at, message);
 }
 
-/// The node that an instance of a prototype stands for, and so on until it is none. `None`, with
-/// a warning, if there is no such node.
+/// The node that an instance of a prototype stands for, unfolded until it is not an instance.
+/// `None`, with a warning, if there is no such node.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
@@ -119,7 +119,7 @@ pub(super) fn unfold(
     builder: &mut VrmlSceneBuilder,
     instance: &Rc<VrmlNode>,
 ) -> Result<Option<Rc<VrmlNode>>, ReadError> {
-    // Prototypes of other files may stand for each other in a circle.
+    // Prototypes of several files may refer to each other in a cycle.
     const MOST_UNFOLDED: usize = 32;
     let mut node = instance.clone();
     for _ in 0..MOST_UNFOLDED {
@@ -136,18 +136,18 @@ pub(super) fn unfold(
         builder.spend(NODE * (1 + made))?;
         let Some(shown) = shown else {
             let kind = shortened(&node.kind);
-            let message = format!("{kind}, a prototype that stands for nothing: skipped");
+            let message = format!("instance of {kind}, a prototype without a body: skipped");
             builder.warn(&node.source, node.at, message);
             return Ok(None);
         };
         node = shown;
     }
-    let message = "prototype that stands for itself: skipped";
+    let message = "prototype that refers to itself: skipped";
     builder.warn(&instance.source, instance.at, message);
     Ok(None)
 }
 
-/// A prototype that another file defines: the one behind `#`, else the file's first.
+/// A prototype defined in another file: the one named after `#`, otherwise the file's first.
 fn external(
     builder: &mut VrmlSceneBuilder,
     node: &VrmlNode,
@@ -175,14 +175,14 @@ fn external(
     .cloned())
 }
 
-/// The nodes of a field, with a warning if it holds something else.
+/// The nodes of a field, with a warning if it holds other values.
 fn nodes<'n>(
     builder: &mut VrmlSceneBuilder,
     node: &'n VrmlNode,
     field: &str,
 ) -> &'n [Rc<VrmlNode>] {
     if node.value(field).is_some_and(|value| !value.is_nodes()) {
-        let message = format!("{field} of {} that is no node: skipped", node.kind);
+        let message = format!("{field} of {} is not a node: skipped", node.kind);
         builder.warn(&node.source, node.at, message);
     }
     node.nodes(field)
@@ -203,7 +203,7 @@ pub(super) fn child(
     }
 }
 
-/// The fields in which a group keeps its children; `None` for a node that is no group.
+/// The fields that hold the children of a group; `None` if the node is not a group.
 fn groups(kind: &str) -> Option<&'static [&'static str]> {
     Some(match kind {
         "Group" | "Transform" | "StaticGroup" | "Anchor" | "Billboard" | "Collision"
@@ -225,9 +225,11 @@ fn group(
     place: &NodePosition,
 ) -> Result<(), ReadError> {
     let lost = match &*node.kind {
-        "Billboard" => Some("Billboard: stands as it is, and does not turn to the viewer"),
+        "Billboard" => {
+            Some("Billboard: kept in its original orientation, it does not turn to the viewer")
+        }
         "Collision" if !node.nodes("proxy").is_empty() => {
-            Some("proxy of a Collision, which is never seen: not shown")
+            Some("proxy of a Collision, which is never visible: skipped")
         }
         _ => None,
     };
@@ -269,7 +271,7 @@ fn transformation(node: &VrmlNode) -> DAffine3 {
         * DAffine3::from_translation(-center)
 }
 
-/// A turn about an axis of any length; about none it is none.
+/// A rotation about an axis of any length; the identity if the axis is zero.
 pub(super) fn rotation([x, y, z, angle]: [f64; 4]) -> DQuat {
     match DVec3::new(x, y, z).try_normalize() {
         Some(axis) => DQuat::from_axis_angle(axis, angle),
@@ -277,7 +279,7 @@ pub(super) fn rotation([x, y, z, angle]: [f64; 4]) -> DQuat {
     }
 }
 
-/// The children of a node that chooses among them: VRML97 has another name for them.
+/// The children of a Switch or LOD: VRML97 has another name for them.
 fn choices<'n>(
     builder: &mut VrmlSceneBuilder,
     node: &'n VrmlNode,
@@ -298,7 +300,7 @@ fn switch(
     let chosen = usize::try_from(node.number("whichChoice", -1.0) as i64).ok();
     let chosen = chosen.filter(|i| *i < children.len());
     let hidden = children.len() - usize::from(chosen.is_some());
-    let message = "child of a Switch that is not chosen: not shown";
+    let message = "child of a Switch that is not selected: skipped";
     builder.warn_many(&node.source, node.at, message, hidden);
     let place = place.inside(place.frame.named(node.name.as_deref()));
     match chosen {
@@ -333,7 +335,7 @@ fn levels(
             return Ok(());
         }
     };
-    let message = "level of detail that is not the one asked for: not shown";
+    let message = "level of detail that is not the requested one: skipped";
     let hidden = children.len().saturating_sub(1);
     builder.warn_many(&node.source, node.at, message, hidden);
     match children.get(level) {
@@ -342,10 +344,10 @@ fn levels(
     }
 }
 
-/// How many nodes are looked at for whether a level of detail is empty.
+/// Maximum number of nodes examined to decide whether a level of detail is empty.
 const MOST_LOOKED_AT: u32 = 10_000;
 
-/// Whether a node is likely to have a surface. Prototypes are believed to.
+/// Whether a node is likely to have a surface. Prototypes are assumed to have one.
 fn shows_something(node: &VrmlNode, left: &mut u32) -> bool {
     if *left == 0 || node.proto.is_some() || matches!(&*node.kind, "Shape" | "Inline") {
         return true;
@@ -362,11 +364,7 @@ fn inline(
     place: &NodePosition,
 ) -> Result<(), ReadError> {
     if !node.flag("load", true) {
-        builder.warn(
-            &node.source,
-            node.at,
-            "Inline that is not to be loaded: skipped",
-        );
+        builder.warn(&node.source, node.at, "Inline with load FALSE: skipped");
         return Ok(());
     }
     let frame = place.frame.named(node.name.as_deref());
@@ -374,7 +372,7 @@ fn inline(
     super::include(builder, &node.source, node.at, &urls, &frame)
 }
 
-/// Says what became of an object.
+/// Warns about an object that was not added.
 pub(super) fn report(
     builder: &mut VrmlSceneBuilder,
     source: &VrmlSource,
@@ -385,7 +383,7 @@ pub(super) fn report(
     let why = match placed {
         ShapeOutcome::Object => return,
         ShapeOutcome::Nothing => "without faces",
-        ShapeOutcome::Nowhere => "flattened to nothing, or beyond all numbers",
+        ShapeOutcome::Nowhere => "with a singular or overflowing transformation",
     };
     let message = format!("{} {why}: skipped", shortened(what));
     builder.warn(source, at, message);

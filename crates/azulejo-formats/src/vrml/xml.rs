@@ -1,8 +1,8 @@
 //! X3D in XML, as a tree of nodes.
 //!
-//! Elements become nodes, attributes fields; an element inside another is the value of the field
-//! that its `containerField` or its type says. The numbers of large fields are read at once,
-//! everything else keeps its text until someone asks for it.
+//! Elements become nodes, attributes fields; a child element is the value of the field named by its
+//! `containerField` or implied by its type. The numbers of large fields are parsed at once,
+//! everything else keeps its text until it is accessed.
 
 use super::builder::{VrmlSceneBuilder, VrmlSource};
 use super::classic::holds_integers;
@@ -17,25 +17,25 @@ use roxmltree::{Node as Element, ParsingOptions};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Reads a file.
+/// Parses a file.
 ///
 /// # Errors
-/// What is wrong with its XML, if not even the elements before that can be used; no element
-/// `Scene`; more nodes than the options allow.
+/// Malformed XML, if not even the elements before the error can be used; no element `Scene`; more
+/// nodes than the options allow.
 pub(super) fn parse(
     builder: &mut VrmlSceneBuilder,
     source: &Rc<VrmlSource>,
 ) -> Result<VrmlDocument, ReadError> {
     let text = text(&source.bytes);
     if let Some(at) = text.find("<!ENTITY") {
-        // One entity may stand for a megabyte, and be named a million times.
+        // One entity may expand to a megabyte and be referenced a million times.
         let name = &*source.name;
         let found = "XML that declares entities of its own";
         return Err(ReadError::at_byte(
             name,
             at as u64,
             found,
-            "X3D without them",
+            "X3D without entity declarations",
         ));
     }
     let whole = roxmltree::Document::parse_with_options(&text, options());
@@ -46,7 +46,7 @@ pub(super) fn parse(
     let mended = mended(&text[..broken.at]).unwrap_or_default();
     match roxmltree::Document::parse_with_options(&mended, options()) {
         Ok(xml) if scene(&xml).is_some() => {
-            let what = format!("{}: only what stands before is read", broken.what);
+            let what = format!("{}: only what precedes it is read", broken.what);
             builder.warn(source, broken.at, what);
             read(builder, source, &xml)
         }
@@ -63,12 +63,12 @@ fn scene<'a, 'i>(xml: &'a roxmltree::Document<'i>) -> Option<Element<'a, 'i>> {
     elements.find(|e| is(*e, "Scene"))
 }
 
-/// Whether an element has a name, in whatever name space.
+/// Whether an element has this local name, in any namespace.
 fn is(element: Element, name: &str) -> bool {
     element.is_element() && element.tag_name().name() == name
 }
 
-/// X3D files begin with a document type.
+/// X3D files begin with a document type declaration.
 fn options<'a>() -> ParsingOptions<'a> {
     ParsingOptions {
         allow_dtd: true,
@@ -76,9 +76,9 @@ fn options<'a>() -> ParsingOptions<'a> {
     }
 }
 
-/// What is wrong with XML.
+/// An XML syntax error.
 struct XmlError {
-    /// At which byte.
+    /// The byte offset.
     at: usize,
     what: String,
 }
@@ -86,7 +86,7 @@ struct XmlError {
 impl XmlError {
     fn new(text: &str, e: &roxmltree::Error) -> XmlError {
         let said = e.to_string();
-        // The crate's own words end with the place; where the text just ends, it gives none.
+        // The crate's messages end with the position; at the end of the text they have none.
         let what = said.rsplit_once(" at ").map_or(&*said, |(what, _)| what);
         let place = e.pos();
         let at = match (place.row, place.col) {
@@ -95,12 +95,12 @@ impl XmlError {
         };
         XmlError {
             at,
-            what: format!("XML that is not well-formed ({what})"),
+            what: format!("malformed XML ({what})"),
         }
     }
 }
 
-/// The byte at a line and column, both from 1.
+/// The byte offset of a line and column, both counted from 1.
 fn offset(text: &str, row: u32, column: u32) -> usize {
     let before: usize = text
         .split_inclusive('\n')
@@ -120,8 +120,8 @@ fn read(
     let Some(scene) = scene(xml) else {
         return Err(ReadError::whole(
             &*source.name,
-            "XML without a Scene",
-            "the element Scene of X3D",
+            "XML without a Scene element",
+            "the Scene element of X3D",
         ));
     };
     let mut reader = X3dParser {
@@ -148,13 +148,13 @@ fn read(
 struct X3dParser<'a, 's, 'f> {
     source: &'a Rc<VrmlSource>,
     builder: &'s mut VrmlSceneBuilder<'f>,
-    /// Words that have been seen, so that all fields of a name share it.
+    /// Interned words, so that all fields of the same name share it.
     known: HashMap<String, Rc<str>>,
     names: NameScopes,
     depth: u32,
 }
 
-/// A node, and the field of its parent in which it stands.
+/// A node, and the field of its parent that contains it.
 type ContainedNode = (Rc<str>, Rc<VrmlNode>);
 
 impl X3dParser<'_, '_, '_> {
@@ -173,10 +173,10 @@ impl X3dParser<'_, '_, '_> {
         new
     }
 
-    /// A node, or something that is none.
+    /// Reads a node or another statement.
     fn statement(&mut self, element: Element) -> Result<Option<ContainedNode>, ReadError> {
         match element.tag_name().name() {
-            "ROUTE" => self.warn(element, "ROUTE: skipped, nothing moves"),
+            "ROUTE" => self.warn(element, "ROUTE: skipped, animation is not supported"),
             "IMPORT" | "EXPORT" => self.warn(element, "IMPORT or EXPORT of a name: skipped"),
             "ProtoDeclare" => self.proto(element)?,
             "ExternProtoDeclare" => self.extern_proto(element),
@@ -225,7 +225,7 @@ impl X3dParser<'_, '_, '_> {
     }
 
     fn too_deep(&mut self, element: Element) {
-        let message = format!("node deeper than {MOST_DEPTH} others: skipped");
+        let message = format!("node nested more than {MOST_DEPTH} deep: skipped");
         self.warn(element, message);
     }
 
@@ -233,7 +233,8 @@ impl X3dParser<'_, '_, '_> {
         let node = self.names.node(name);
         if node.is_none() {
             let name = shortened(name);
-            let message = format!("USE of \"{name}\", which no whole node before it is: skipped");
+            let message =
+                format!("USE of \"{name}\", which no complete node before it defines: skipped");
             self.warn(element, message);
         }
         node
@@ -254,7 +255,7 @@ impl X3dParser<'_, '_, '_> {
         fields.collect()
     }
 
-    /// The elements inside a node: nodes, and what a prototype has to do with it.
+    /// Reads the child elements of a node: nodes, and the parts of a prototype.
     fn children(&mut self, element: Element, fields: &mut Vec<VrmlField>) -> Result<(), ReadError> {
         let mut nodes: Vec<VrmlField> = Vec::new();
         for child in element.children().filter(Element::is_element) {
@@ -287,7 +288,7 @@ impl X3dParser<'_, '_, '_> {
         }
     }
 
-    /// A field of a prototype or of its instance, with its value, if it has one.
+    /// A field of a prototype or of its instance, with its value, if any.
     fn given(&mut self, element: Element) -> Result<Option<VrmlField>, ReadError> {
         let Some(name) = element.attribute("name") else {
             return Ok(None);
@@ -355,7 +356,7 @@ impl X3dParser<'_, '_, '_> {
     }
 }
 
-/// Adds a node to the field in which it stands.
+/// Adds a node to the field that contains it.
 fn contain(fields: &mut Vec<VrmlField>, name: Rc<str>, node: Rc<VrmlNode>) {
     for field in fields.iter_mut() {
         if let FieldValue::Nodes(nodes) = &mut field.value
@@ -368,7 +369,7 @@ fn contain(fields: &mut Vec<VrmlField>, name: Rc<str>, node: Rc<VrmlNode>) {
     fields.push(VrmlField { name, value });
 }
 
-/// The value of an attribute: numbers at once where there may be many.
+/// The value of an attribute, parsed at once if it may hold many numbers.
 fn value(field: &str, text: &str) -> FieldValue {
     match field {
         "point" | "vector" | "color" | "height" | "spine" | "crossSection" | "image" => {
@@ -379,7 +380,7 @@ fn value(field: &str, text: &str) -> FieldValue {
     }
 }
 
-/// The field in which a node stands that does not say: ISO/IEC 19776-1, 6.2.
+/// The default container field of a node: ISO/IEC 19776-1, 6.2.
 fn container(kind: &str) -> &'static str {
     match kind {
         "Appearance" => "appearance",
@@ -454,8 +455,8 @@ fn container(kind: &str) -> &'static str {
     }
 }
 
-/// A text that stops somewhere, without the tag in which it stops, and with the elements closed
-/// that are open there. `None` if there are none.
+/// A truncated text without its incomplete last tag and with the open elements closed. `None` if
+/// there are none.
 fn mended(text: &str) -> Option<String> {
     let (kept, open) = open_elements(text)?;
     let mut mended = text[..kept].to_owned();
@@ -467,7 +468,7 @@ fn mended(text: &str) -> Option<String> {
     Some(mended)
 }
 
-/// How far the tags of a text are whole, and the elements that are open there.
+/// The end of the last complete tag, and the elements that are open there.
 fn open_elements(text: &str) -> Option<(usize, Vec<&str>)> {
     let mut open = Vec::new();
     let (mut at, mut kept) = (0, 0);
@@ -491,7 +492,7 @@ fn open_elements(text: &str) -> Option<(usize, Vec<&str>)> {
     (!open.is_empty()).then_some((kept, open))
 }
 
-/// Bytes to the end of the tag, comment or section at the start of a text.
+/// Length in bytes of the tag, comment or section at the start of a text.
 fn tag_length(text: &str) -> Option<usize> {
     for (start, end) in [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")] {
         if text.starts_with(start) {

@@ -14,7 +14,7 @@ const CONTOUR: BlockEnd = BlockEnd::required(&["contour"]);
 const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 
 impl<'a> GrfParser<'a, '_, '_> {
-    /// `ext figure begin` was read.
+    /// Reads a figure, after `ext figure begin`.
     pub fn figure(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut entries = ExtensionEntries::new("`ext figure`", offset);
         let mut contours = Vec::new();
@@ -36,7 +36,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }))
     }
 
-    /// `contour begin ... end contour`, if that comes next.
+    /// Reads `contour begin ... end contour`, if that comes next.
     fn contour(&mut self, contours: &mut Vec<Contour>) -> ParseResult<bool> {
         let offset = self.lexer.skip_blank();
         if !self.lexer.eat_word("contour") {

@@ -1,4 +1,4 @@
-//! From exact shapes to the blocks that say them shortest.
+//! Converts exact shapes to the most compact blocks.
 
 use super::super::document::{GrfName, ObjectNotes, SourcePosition};
 use super::skin::{mesh_block, skin_block};
@@ -10,17 +10,17 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The names of a scene's figures. Prisms that share a figure name one; figures that are alike
-/// and not shared stay apart.
+/// The names of a scene's figures. Prisms that share a figure share its name; equal figures that
+/// are not shared stay separate.
 #[derive(Debug, Default)]
 pub(in crate::grf) struct Figures {
     names: HashMap<*const Figure, GrfName>,
-    /// In the order in which the scene's objects first name them.
+    /// In the order of their first use by the scene's objects.
     pub blocks: Vec<FigureBlock>,
 }
 
 impl Figures {
-    /// Those of all objects.
+    /// The figures of all objects.
     pub fn of(scene: &Scene) -> Figures {
         let mut figures = Figures::default();
         for object in &scene.objects {
@@ -97,8 +97,8 @@ struct SolidWriter<'s> {
 }
 
 impl SolidWriter<'_> {
-    /// Blocks inside of one whose material is `around`. Prisms that follow each other and differ
-    /// only in their place are a text.
+    /// Blocks inside one with the material `around`. Consecutive prisms that differ only in
+    /// position form a text.
     fn blocks(&self, solids: &[Solid], around: Option<MaterialId>) -> Vec<SolidBlock> {
         let runs = solids.chunk_by(are_glyphs);
         let block = |run: &[Solid]| {
@@ -166,8 +166,8 @@ fn are_glyphs(a: &Solid, b: &Solid) -> bool {
     a.material == b.material && a.world_from_figure.matrix3 == b.world_from_figure.matrix3
 }
 
-/// The pen that leads exactly to a place: in the text's own two numbers if some give the same
-/// bits, short ones preferred.
+/// The glyph origin that reproduces a position exactly: two coordinates along the text if some give
+/// the same bits, short ones preferred.
 fn pen(text: &TextBlock, place: DVec3) -> GlyphOrigin {
     let (across, up) = (text.map.matrix3.x_axis, text.map.matrix3.y_axis);
     let way = place - text.map.translation;

@@ -1,4 +1,4 @@
-//! Solids as text: extensions whose members stand inside each other.
+//! Parses solids: extensions with nested members.
 
 use super::super::document::{BlockKind, BoxedError, GrfName, MeshBlock, NameKind, ObjectNotes};
 use super::super::entries::{EntryValue, ExtensionEntries};
@@ -16,7 +16,7 @@ const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 const LEFT: BlockEnd = BlockEnd::required(&["left"]);
 const RIGHT: BlockEnd = BlockEnd::required(&["right"]);
 
-/// The kinds of solid.
+/// The solid keywords.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum SolidKeyword {
     Primitive,
@@ -29,7 +29,8 @@ enum SolidKeyword {
     Instance,
 }
 
-/// Their words, and how they end. The word behind `end` is needed: it may begin the next member.
+/// The keywords and ends of solids. The word after `end` is required, because it might begin the
+/// next member.
 const FORMS: [(&str, SolidKeyword, BlockEnd); 8] = [
     (
         "primitive",
@@ -49,10 +50,11 @@ const FORMS: [(&str, SolidKeyword, BlockEnd); 8] = [
     ),
 ];
 
-/// The solids that are extensions of their own. Primitives and meshes are objects of other kinds.
+/// The solids that can be extensions of their own. Primitives and meshes are objects of other
+/// types.
 const EXTENSIONS: [&str; 6] = ["prism", "text", "patch", "shell", "csg", "instance"];
 
-/// Whether an extension of this name, in small letters, is one solid or a list of them.
+/// Whether an extension with this lower-case name is one solid or a list of them.
 pub(in crate::grf) fn is_solid(extension: &str) -> bool {
     extension == "solids" || EXTENSIONS.contains(&extension)
 }
@@ -63,9 +65,8 @@ fn form(word: &str) -> Option<&'static (&'static str, SolidKeyword, BlockEnd)> {
         .find(|(name, ..)| word.eq_ignore_ascii_case(name))
 }
 
-/// What extensions hold.
 impl<'a> GrfParser<'a, '_, '_> {
-    /// `ext name begin` was read, of a name that [`is_solid`].
+    /// Reads `ext name begin`, for a name with [`is_solid`].
     pub fn exact(&mut self, name: &str, offset: usize) -> ParseResult<BlockKind> {
         let mut notes = ObjectNotes::default();
         let solids = match form(name) {
@@ -88,7 +89,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         })))
     }
 
-    /// `ext define begin` was read.
+    /// Reads a definition, after `ext define begin`.
     pub fn solid_definition(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut entries = ExtensionEntries::new("`ext define`", offset);
         let solids = self.members(&mut entries, &EXTENSION)?;
@@ -102,7 +103,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         })))
     }
 
-    /// Keys, solids, and the end.
+    /// Reads keys, solids, and the end.
     fn members(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -114,7 +115,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(solids)
     }
 
-    /// `kind begin ... end kind`, if that comes next.
+    /// Reads `kind begin ... end kind`, if that comes next.
     fn member(&mut self, solids: &mut Vec<SolidBlock>) -> ParseResult<bool> {
         let offset = self.lexer.skip_blank();
         let Some((name, form, ending)) = self.lexer.peek_word().and_then(form) else {
@@ -126,8 +127,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         if self.shared.solid_depth > DEEPEST {
             return Err(self.fail(
                 offset,
-                "one more solid inside a solid",
-                format!("at most {DEEPEST} inside each other"),
+                "one more nested solid",
+                format!("at most {DEEPEST} nested levels"),
             ));
         }
         let entries = ExtensionEntries::new(format!("`{name}`"), offset);
@@ -136,7 +137,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(true)
     }
 
-    /// The inside of a solid and its end.
+    /// Reads the content of a solid and its end.
     fn solid(
         &mut self,
         form: SolidKeyword,
@@ -168,7 +169,6 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 }
 
-/// Solids that are keys and values alone.
 impl<'a> GrfParser<'a, '_, '_> {
     fn simple(
         &mut self,
@@ -206,11 +206,11 @@ impl<'a> GrfParser<'a, '_, '_> {
                 let row = |r: usize| std::array::from_fn(|c| point(4 * r + c));
                 Ok(SolidKind::Patch(Box::new(std::array::from_fn(row))))
             }
-            _ => Err(self.wrong(&entry, "16 control points (x, y, z), row after row")),
+            _ => Err(self.wrong(&entry, "16 control points (x, y, z), row by row")),
         }
     }
 
-    /// `map = ...`, which must have an inverse.
+    /// `map = ...`, which must be invertible.
     fn take_map(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Option<DAffine3>> {
         let Some(entry) = entries.take("map") else {
             return Ok(None);
@@ -222,7 +222,6 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 }
 
-/// Set operations.
 impl<'a> GrfParser<'a, '_, '_> {
     fn csg(
         &mut self,
@@ -271,7 +270,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         )
     }
 
-    /// `left begin ... end left`, if that comes next.
+    /// Reads `left begin ... end left`, if that comes next.
     fn side(&mut self, ending: &BlockEnd, solids: &mut Vec<SolidBlock>) -> ParseResult<bool> {
         let offset = self.lexer.skip_blank();
         if !self.lexer.eat_word(ending.words[0]) {
@@ -284,7 +283,6 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 }
 
-/// Text.
 impl<'a> GrfParser<'a, '_, '_> {
     fn text(
         &mut self,
@@ -306,7 +304,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         })))
     }
 
-    /// `figure (x, y)` or `figure (x, y, z)`, if a name and a bracket come next.
+    /// Reads `figure (x, y)` or `figure (x, y, z)`, if a name and a bracket come next.
     fn glyph(&mut self, glyphs: &mut Vec<GlyphBlock>) -> ParseResult<bool> {
         let mut ahead = self.lexer;
         if ahead.word().is_none() || !ahead.eat(b'(') {
@@ -321,7 +319,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(true)
     }
 
-    /// The map that the keys of a [`TextFrame`] say.
+    /// The map given by the keys of a [`TextFrame`].
     fn frame(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DAffine3> {
         let origin = self.take_point(entries, "origin")?;
         let frame = TextFrame {
@@ -337,7 +335,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
         Err(self.fail(
             entries.offset,
-            "a text whose letters have no room",
+            "a text with a singular frame",
             "`progression`, `up` and `extrusion` in three directions, and a `scale` without 0",
         ))
     }
@@ -353,13 +351,13 @@ impl<'a> GrfParser<'a, '_, '_> {
             Some(unit) => Ok(unit),
             None => Err(self.fail(
                 entries.offset,
-                format!("`{key}` without length"),
-                "a vector that is not 0",
+                format!("`{key}` of length 0"),
+                "a non-zero vector",
             )),
         }
     }
 
-    /// One size for all directions, or one for each.
+    /// One scale for all directions, or one for each.
     fn take_scale(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DVec3> {
         let Some(entry) = entries.take("scale") else {
             return Ok(DVec3::ONE);
@@ -372,9 +370,8 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 }
 
-/// Polygons.
 impl<'a> GrfParser<'a, '_, '_> {
-    /// Vertices and faces without looks, and the keys that say more about them.
+    /// Vertices and faces without appearance, and the keys that describe them further.
     pub fn polygons(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -388,8 +385,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         if !mesh.changes.is_empty() {
             return Err(self.fail(
                 entries.offset,
-                format!("{} with looks before its faces", entries.title),
-                "vertices and faces alone: its material stands outside of them",
+                format!("{} with appearances before its faces", entries.title),
+                "vertices and faces only: its material is given outside of them",
             ));
         }
         let (vertices, faces) = (mesh.vertices.positions.len(), mesh.faces.len());
@@ -406,7 +403,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(mesh)
     }
 
-    /// `normals`, a list, and `corners`, which of them each corner has.
+    /// `normals`, a list, and `corners`, the index of each corner's normal.
     fn corner_normals(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
@@ -419,11 +416,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         };
         let unit = |v: &[f64; 3]| super::super::unit(DVec3::from_array(*v));
         let Some(values) = list.iter().map(unit).collect::<Option<Vec<_>>>() else {
-            return Err(self.fail(
-                entry.offset,
-                "a normal without length",
-                "vectors that are not 0",
-            ));
+            return Err(self.fail(entry.offset, "a normal of length 0", "non-zero vectors"));
         };
         let at = entry.offset;
         let indices = self.counts(entries, "corners", (corners, "corner"))?;
@@ -431,7 +424,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             return Err(self.fail(
                 at,
                 format!("normal {index} of {}", values.len()),
-                "as many normals as `corners` counts",
+                "an index of one of the `normals`",
             ));
         }
         Ok(Attribute {
@@ -448,7 +441,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(true)
     }
 
-    /// The name that an extension gives to what it defines.
+    /// The name that an extension defines.
     pub fn defined_name(
         &mut self,
         entries: &mut ExtensionEntries<'a>,

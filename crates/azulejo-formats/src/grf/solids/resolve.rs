@@ -1,4 +1,4 @@
-//! From blocks to solids: figures and definitions by their names, instances as copies.
+//! Converts blocks to solids: resolves figures and definitions by name, and copies instances.
 
 use super::super::document::{BlockKind, GrfBlock, GrfName, MeshBlock, NameKind, SourcePosition};
 use super::super::placement::OuterTransform;
@@ -13,27 +13,26 @@ use glam::DAffine3;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Solids, and how deep they nest.
+/// Solids, and the depth of their nesting.
 #[derive(Debug, Default)]
 pub(in crate::grf) struct Made {
     solids: Vec<Solid>,
     depth: usize,
 }
 
-/// What an `ext define` stands for.
+/// The state of an `ext define`.
 #[derive(Debug)]
 pub(in crate::grf) enum Defined<'d> {
-    /// Not looked at yet.
+    /// Not converted yet.
     Open(&'d SolidDefinition, SourcePosition),
-    /// Being made: who needs it now is inside of it.
+    /// Being converted: needing it now means that it contains itself.
     Busy,
     Done(Rc<Made>),
 }
 
-/// Definitions.
 impl<'d> GrfResolver<'d> {
-    /// Makes the solids of all definitions of a list of blocks, before any block can name one:
-    /// the names in them mean what they mean where they are defined.
+    /// Converts all definitions of a list of blocks, before any block can refer to one: their names
+    /// are resolved where they are defined.
     pub fn make_definitions(&mut self, blocks: &'d [GrfBlock]) -> ResolveResult<()> {
         for block in blocks {
             match &block.kind {
@@ -61,7 +60,7 @@ impl<'d> GrfResolver<'d> {
                 return Err(self.fail(
                     place,
                     format!("an instance of `{name}` inside of `{name}`"),
-                    "instances that do not go round in a circle",
+                    "instances without a cycle",
                 ));
             }
         };
@@ -82,15 +81,15 @@ impl<'d> GrfResolver<'d> {
         self.check_depth(self.depth - 1, place)
     }
 
-    /// Refuses one more solid around solids that nest so deep.
+    /// Rejects one more level around solids that are nested this deep.
     fn check_depth(&self, depth: usize, place: SourcePosition) -> ResolveResult<()> {
         if depth <= DEEPEST {
             return Ok(());
         }
         Err(self.fail(
             place,
-            "one more solid or definition around others",
-            &format!("at most {DEEPEST} inside each other, instances included"),
+            "one more level of solids or definitions",
+            &format!("at most {DEEPEST} nested levels, instances included"),
         ))
     }
 
@@ -102,7 +101,6 @@ impl<'d> GrfResolver<'d> {
     }
 }
 
-/// Objects.
 impl<'d> GrfResolver<'d> {
     pub fn exact(
         &mut self,
@@ -119,8 +117,8 @@ impl<'d> GrfResolver<'d> {
         if !exact.solids.iter().all(is_placed) {
             return Err(self.fail(
                 place,
-                "a shape that transforms flatten or carry out of range",
-                "transforms that keep it",
+                "a shape that transforms flatten, or that overflows",
+                "invertible transforms",
             ));
         }
         if let Some(skin) = &block.skin {
@@ -135,14 +133,14 @@ impl<'d> GrfResolver<'d> {
         Ok(())
     }
 
-    /// Adds what blocks describe; `around` is the brdf of what stands around them.
+    /// Adds the solids of blocks; `around` is the brdf of the enclosing block.
     fn solids(
         &mut self,
         blocks: &'d [SolidBlock],
         around: Option<&'d GrfName>,
         made: &mut Made,
     ) -> ResolveResult<()> {
-        // Blocks that make one solid are most, and a definition keeps its list.
+        // Most blocks make one solid, and a definition keeps its list.
         made.solids.reserve_exact(blocks.len());
         for block in blocks {
             let brdf = block.material.as_ref().or(around);
@@ -171,7 +169,7 @@ impl<'d> GrfResolver<'d> {
         }
     }
 
-    /// A solid that is not made of others.
+    /// A solid that does not consist of others.
     fn leaf(
         &mut self,
         block: &'d SolidBlock,
@@ -200,7 +198,7 @@ impl<'d> GrfResolver<'d> {
         Ok(())
     }
 
-    /// Solids one level deeper; `depth` is that of the whole they are put into.
+    /// Solids one level deeper; `depth` is that of the whole to which they are added.
     fn operand(
         &mut self,
         blocks: &'d [SolidBlock],
@@ -236,20 +234,21 @@ impl<'d> GrfResolver<'d> {
         Ok(())
     }
 
-    /// Refuses sides of a set operation that hold nothing, or something without an inside.
+    /// Rejects sides of a set operation that are empty or have no interior.
     fn check_operand(&self, solids: &[Solid], blocks: &[SolidBlock]) -> ResolveResult<()> {
         let place = blocks
             .first()
             .map_or(SourcePosition::default(), |b| b.place);
         if solids.is_empty() {
-            let found = "nothing on one side of a set operation: texts or instances without solids";
+            let found = "an empty side of a set operation: texts or instances without solids";
             return Err(self.fail(place, found, "solids on both sides"));
         }
         let Some(problem) = solids.iter().find_map(Solid::open_part) else {
             return Ok(());
         };
-        // Texts and instances make several solids of one block: then it is the first one's place.
-        let found = format!("{problem} in a set operation, which is open: it has no inside");
+        // Texts and instances make several solids from one block: then the first one's position is
+        // used.
+        let found = format!("{problem} in a set operation, which is open and has no interior");
         let is_one_each = solids.len() == blocks.len();
         let open = solids.iter().position(|s| s.open_part().is_some());
         let block = open.filter(|_| is_one_each).and_then(|i| blocks.get(i));
@@ -281,7 +280,7 @@ impl<'d> GrfResolver<'d> {
         Ok(())
     }
 
-    /// A mesh of one material, which its faces do not say.
+    /// A mesh with a single material.
     fn solid_mesh(
         &mut self,
         mesh: &'d MeshBlock,
@@ -334,10 +333,10 @@ impl<'d> GrfResolver<'d> {
             None => Err(self.fail(
                 place,
                 format!(
-                    "a skin of solid {leaf} on a shape of {} solids",
+                    "a skin with solid {leaf} on a shape with {} solids",
                     leaves.len()
                 ),
-                "a solid that is there",
+                "the index of an existing solid",
             )),
         };
         if skin.leaves.is_empty() {
@@ -348,7 +347,7 @@ impl<'d> GrfResolver<'d> {
     }
 }
 
-/// What a copy of a solid costs, in vertices and corners.
+/// The cost of copying a solid, in vertices and corners.
 fn elements(solid: &Solid) -> u64 {
     let all = |solids: &[Solid]| solids.iter().map(elements).sum::<u64>();
     // A solid takes as much memory as three vertices, a patch as much as seven.
@@ -361,7 +360,7 @@ fn elements(solid: &Solid) -> u64 {
     }
 }
 
-/// Whether a solid can be met where transforms put it.
+/// Whether rays can hit a transformed solid.
 fn is_placed(solid: &Solid) -> bool {
     match solid {
         Solid::Primitive(p) => super::super::is_invertible(p.kind, &p.world_from_object),

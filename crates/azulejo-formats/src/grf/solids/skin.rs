@@ -1,4 +1,4 @@
-//! `ext skin`: what stood for an exact shape in the first pass, with the light on it.
+//! `ext skin`: the proxy mesh of an exact shape in the first pass, with its irradiance.
 
 use super::super::document::{BlockKind, GrfBlock, MeshBlock, ObjectNotes};
 use super::super::entries::ExtensionEntries;
@@ -17,7 +17,7 @@ use std::io::{self, Write};
 const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 
 impl GrfParser<'_, '_, '_> {
-    /// `ext skin begin` was read; the exact shape is the block `before`.
+    /// Reads a skin, after `ext skin begin`; the exact shape is the block `before`.
     pub fn skin(&mut self, offset: usize, before: Option<&mut GrfBlock>) -> ParseResult<()> {
         let mut entries = ExtensionEntries::new("`ext skin`", offset);
         let mesh = self.polygons(&mut entries, &EXTENSION)?;
@@ -31,7 +31,7 @@ impl GrfParser<'_, '_, '_> {
             return Err(self.fail(
                 offset,
                 "`ext skin`",
-                "the exact shape that it is about right before it",
+                "its exact shape immediately before it",
             ));
         };
         exact.skin = Some(Box::new(SkinBlock {
@@ -50,7 +50,7 @@ pub(super) fn skin(out: &mut GrfOutput<'_>, skin: &SkinBlock) -> io::Result<()> 
     out.write_all(b"end ext\n")
 }
 
-/// The keys and lists of a mesh that has no looks.
+/// Writes the keys and lists of a mesh without appearance.
 pub(super) fn polygons_without_looks(out: &mut GrfOutput<'_>, mesh: &MeshBlock) -> io::Result<()> {
     counts(out, "smoothing", &mesh.notes.smoothing)?;
     if !mesh.notes.irradiance_error.is_empty() {
@@ -83,7 +83,7 @@ fn counts<T: Display>(out: &mut GrfOutput<'_>, key: &str, counts: &[T]) -> io::R
     out.write_all(b"\n")
 }
 
-/// The block of a solved shape's skin, in the space inside of the transforms `outer`.
+/// The block of a solved shape's proxy mesh, in the coordinates inside the transforms `outer`.
 pub(in crate::grf) fn skin_block(exact: &Exact, outer: OuterTransform) -> Option<Box<SkinBlock>> {
     let mut skin = Mesh::clone(exact.skin.as_ref()?);
     if let Some(map) = outer {
@@ -93,7 +93,7 @@ pub(in crate::grf) fn skin_block(exact: &Exact, outer: OuterTransform) -> Option
     for (index, leaf) in exact.leaves().iter().enumerate() {
         first.entry(leaf.material()).or_insert(index as u32);
     }
-    // A scene promises that each face has the material of a solid.
+    // A valid scene gives each face the material of one of the solids.
     let leaf = |m: &MaterialId| first.get(m).copied().unwrap_or(0);
     let mut leaves: Vec<u32> = skin.face_materials.iter().map(leaf).collect();
     if leaves.iter().all(|&leaf| leaf == 0) {
@@ -105,7 +105,7 @@ pub(in crate::grf) fn skin_block(exact: &Exact, outer: OuterTransform) -> Option
     }))
 }
 
-/// The block of a mesh without looks. Normals stay at corners, which need no split vertices here.
+/// The block of a mesh without appearance. Normals stay per corner, so no vertices are split.
 pub(super) fn mesh_block(mut mesh: Mesh) -> MeshBlock {
     let normals = mesh.normals.take_if(|n| n.corners.is_some());
     let notes = ObjectNotes {

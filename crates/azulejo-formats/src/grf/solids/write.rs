@@ -1,4 +1,4 @@
-//! From solids to text.
+//! Writes solids as text.
 
 use super::super::document::GrfName;
 use super::super::write::{GrfOutput, Quoted, affine_map, object, pair, point, unit_primitive};
@@ -10,7 +10,7 @@ use super::{
 use azulejo_scene::Operation;
 use std::io::{self, Write};
 
-/// Writes an object: a solid that is alone as an extension of its own, if there is one for it.
+/// Writes an object: a single solid as an extension of its own, if there is one for it.
 pub(in crate::grf) fn exact(out: &mut GrfOutput<'_>, block: &ExactBlock) -> io::Result<()> {
     object(out, &block.notes, None)?;
     let around = block.notes.material.as_ref();
@@ -68,7 +68,7 @@ fn material(out: &mut GrfOutput<'_>, name: Option<&GrfName>) -> io::Result<()> {
     }
 }
 
-/// What stands between `begin` and `end`; short solids stay on one line.
+/// Writes what is between `begin` and `end`; short solids stay on one line.
 fn inside(out: &mut GrfOutput<'_>, solid: &SolidBlock, brdf: Option<&GrfName>) -> io::Result<()> {
     match &solid.kind {
         SolidKind::Primitive(kind, map) => unit_primitive(out, *kind, map)?,

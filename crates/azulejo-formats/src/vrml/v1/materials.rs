@@ -1,4 +1,4 @@
-//! Materials and pictures.
+//! Materials and textures.
 
 use super::node::V1Node;
 use super::walk::V1Traversal;
@@ -8,24 +8,24 @@ use crate::vrml::appearance;
 use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
 use std::collections::HashMap;
 
-/// VRML's exponent of a highlight is its shininess times this, as in OpenGL.
+/// VRML's specular exponent is its shininess times this, as in OpenGL.
 const MOST_EXPONENT: f64 = 128.0;
 
-/// Reflectance of what no Material tells otherwise.
+/// Reflectance of surfaces without a Material.
 const DEFAULT_DIFFUSE: Rgb = Rgb::grey(0.8);
 
-/// What has been made of the nodes of this file.
+/// Materials and textures already made for nodes of this file.
 #[derive(Debug, Default)]
 pub(super) struct V1MaterialCache {
     materials: HashMap<V1MaterialKey, MaterialId>,
-    /// By the place of their node.
+    /// Keyed by the offset of the node.
     textures: HashMap<usize, Option<TextureId>>,
 }
 
-/// Everything that makes two materials of a file different.
+/// Everything that distinguishes two materials of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct V1MaterialKey {
-    /// The place of the node Material, and which of its materials.
+    /// The offset of the Material node, and the index of the material in it.
     material: Option<(usize, u32)>,
     texture: Option<TextureId>,
     is_open: bool,
@@ -38,12 +38,12 @@ pub(super) fn count(material: &V1Node) -> usize {
     beyond_diffuse(material).fold(diffuse, usize::max).max(1)
 }
 
-/// Whether the materials of a node have more that is not alike than their diffuse colours.
+/// Whether the materials of a node differ in more than their diffuse colours.
 pub(super) fn differ_beyond_diffuse(material: &V1Node) -> bool {
     beyond_diffuse(material).any(|count| count > 1)
 }
 
-/// How many values the other fields have that matter.
+/// The lengths of the other relevant fields.
 fn beyond_diffuse<'n>(material: &'n V1Node) -> impl Iterator<Item = usize> + 'n {
     let colors = ["specularColor", "emissiveColor"];
     let numbers = ["shininess", "transparency", "mirror"];
@@ -63,8 +63,8 @@ fn nth<T: Copy>(list: Option<&[T]>, i: usize) -> Option<T> {
 }
 
 impl V1Traversal<'_, '_, '_> {
-    /// The current materials' `i`-th, for a surface that is closed, or open and seen from both
-    /// sides; with `is_colored`, for one whose vertices have the diffuse colours.
+    /// The `i`-th of the current materials, for a surface that is closed, or open and seen from
+    /// both sides; with `is_colored`, for one whose vertices have the diffuse colours.
     pub fn material(&mut self, i: usize, is_open: bool, is_colored: bool) -> MaterialId {
         let key = V1MaterialKey {
             material: self.state.material.map(|node| (node.at, i as u32)),
@@ -81,7 +81,7 @@ impl V1Traversal<'_, '_, '_> {
         };
         if is_colored {
             material.diffuse = Rgb::WHITE;
-            // The vertices' colours cannot be more than white, so a mirror must leave room.
+            // Vertex colours can reach white, so the specular share must leave room for them.
             material.limit_reflectance();
         }
         material.emits_back = is_open && material.is_emitter();
@@ -103,7 +103,7 @@ impl V1Traversal<'_, '_, '_> {
             }
         };
         let emission = color("emissiveColor").unwrap_or_default();
-        // With an empty list of diffuse colours the light of the scene is in the emissive ones.
+        // With an empty list of diffuse colours, the emissive colours hold precomputed lighting.
         let is_baked =
             node.colors("diffuseColor").is_some_and(<[Rgb]>::is_empty) && !emission.is_black();
         let default = if is_baked {
@@ -128,25 +128,25 @@ impl V1Traversal<'_, '_, '_> {
             self.warn(node, message);
         }
         if number("transparency", 0.0) > 0.0 {
-            self.warn(node, "see-through material (transparency): opaque");
+            self.warn(node, "material with transparency: opaque");
         }
         material
     }
 
-    /// Whether the current materials are all so transparent that nothing is seen.
+    /// Whether all current materials are fully transparent.
     pub fn is_invisible(&self) -> bool {
         let transparency = self.state.material.and_then(|m| m.numbers("transparency"));
         transparency.is_some_and(|list| !list.is_empty() && list.iter().all(|t| *t >= 1.0))
     }
 
-    /// The picture of a node Texture2; `None` for one without.
+    /// The texture of a Texture2 node; `None` if it has none.
     pub fn texture(&mut self, node: &V1Node) -> Option<TextureId> {
         if let Some(&known) = self.cache.textures.get(&node.at) {
             return known;
         }
         for field in ["wrapS", "wrapT"] {
             if node.word(field) == "CLAMP" {
-                self.warn(node, format!("{field} CLAMP of a picture: repeated"));
+                self.warn(node, format!("{field} CLAMP of a texture: repeated"));
             }
         }
         let id = match node.word("filename") {
@@ -157,7 +157,7 @@ impl V1Traversal<'_, '_, '_> {
         id
     }
 
-    /// The picture in a file.
+    /// The texture in a file.
     fn picture(&mut self, node: &V1Node, name: &str) -> TextureId {
         let builder = &mut *self.builder;
         let (id, problem) = builder
@@ -169,7 +169,7 @@ impl V1Traversal<'_, '_, '_> {
         id
     }
 
-    /// The picture whose pixels stand in the node; `None` if it has none.
+    /// The texture whose pixels are in the node; `None` if it has none.
     fn written_out(&mut self, node: &V1Node) -> Option<TextureId> {
         let numbers = node.numbers("image")?;
         if numbers.iter().take(3).any(|n| *n == 0.0) {
@@ -178,9 +178,9 @@ impl V1Traversal<'_, '_, '_> {
         let name = shortened(node.name.as_deref().unwrap_or("Texture2"));
         let drawn = match appearance::pixels(numbers) {
             Some(image) => self.builder.textures.drawn(name, image),
-            None => Err("it has fewer pixels than it says".to_owned()),
+            None => Err("it has fewer pixels than its size requires".to_owned()),
         };
-        let said = |why| self.warn(node, format!("picture of numbers is not shown: {why}"));
+        let said = |why| self.warn(node, format!("pixels of a texture not used: {why}"));
         drawn.map_err(said).ok()
     }
 }

@@ -1,4 +1,4 @@
-//! Nodes as they stand in the file, and what fields each kind has.
+//! Nodes as they appear in the file, and the fields of each kind.
 
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
@@ -7,38 +7,37 @@ use std::borrow::Cow;
 /// Index of a node in [`V1Document::nodes`].
 pub(super) type NodeId = u32;
 
-/// The nodes of a file. Children stand before their parents, so no node is inside itself.
+/// The nodes of a file. Children precede their parents, so no node contains itself.
 #[derive(Debug, Default)]
 pub(super) struct V1Document<'a> {
     /// All nodes.
     pub nodes: Vec<V1Node<'a>>,
-    /// Those that are in no other.
+    /// The top-level nodes.
     pub roots: Vec<NodeId>,
 }
 
 /// A node.
 #[derive(Debug)]
 pub(super) struct V1Node<'a> {
-    /// What it is.
     pub kind: V1NodeKind,
-    /// The word by which the file calls its kind.
+    /// The type name in the file.
     pub type_name: &'a [u8],
-    /// Its name, if it has a DEF.
+    /// Its name by DEF.
     pub name: Option<Cow<'a, str>>,
-    /// The byte where it begins.
+    /// The offset of its first byte.
     pub at: usize,
-    /// The fields that the file gives; of one that is given twice, the last.
+    /// The fields given in the file; of a repeated one, the last.
     pub fields: Vec<(&'static str, V1Value<'a>)>,
     /// The nodes inside it, in order.
     pub children: Vec<NodeId>,
-    /// Whether it is or holds a shape or another file.
+    /// Whether it is or contains a shape or a nested file.
     pub has_shapes: bool,
 }
 
 /// The value of a field.
 #[derive(Debug)]
 pub(super) enum V1Value<'a> {
-    /// Numbers, a picture's included.
+    /// Numbers, including those of an image.
     Numbers(Vec<f64>),
     /// Indices.
     Integers(Vec<i32>),
@@ -52,10 +51,10 @@ pub(super) enum V1Value<'a> {
     Words(Vec<Cow<'a, str>>),
 }
 
-/// How the value of a field is written.
+/// The syntax of a field's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum V1FieldType {
-    /// So many numbers.
+    /// Exactly this many numbers.
     Exactly(usize),
     /// A list of numbers.
     Numbers,
@@ -73,10 +72,10 @@ pub(super) enum V1FieldType {
     Image,
 }
 
-/// A field that is known: its name, and how its value is written.
+/// A known field: its name and the syntax of its value.
 pub(super) type V1FieldSpec = (&'static str, V1FieldType);
 
-/// What a node is.
+/// The type of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum V1NodeKind {
     Separator,
@@ -109,18 +108,18 @@ pub(super) enum V1NodeKind {
     DirectionalLight,
     PerspectiveCamera,
     Info,
-    /// Lines, points and writing: shapes without a surface.
+    /// Lines, points and text: shapes without a surface.
     NoSurface,
     /// A camera without perspective.
     OrthographicCamera,
-    /// What only matters to shapes that are not read.
+    /// Nodes that only affect shapes that are not read.
     Silent,
-    /// None of VRML 1.0. What is inside stands as in a [`V1NodeKind::Separator`].
+    /// Not a node of VRML 1.0. Its children are read as in a [`V1NodeKind::Separator`].
     Unknown,
 }
 
 impl V1NodeKind {
-    /// Whether nodes inside it are meant to be there.
+    /// Whether it may contain nodes.
     pub fn is_group(self) -> bool {
         matches!(
             self,
@@ -133,7 +132,7 @@ impl V1NodeKind {
         )
     }
 
-    /// Whether it shows something by itself.
+    /// Whether it displays something itself.
     pub fn is_shape(self) -> bool {
         matches!(
             self,
@@ -159,7 +158,7 @@ impl V1NodeKind {
     }
 }
 
-/// Fields that say how to draw or to pick, not what is there.
+/// Fields that concern rendering hints or picking, not the scene.
 pub(super) const IGNORED_FIELDS: [&[u8]; 4] = [
     b"renderCulling",
     b"renderCaching",
@@ -170,7 +169,8 @@ pub(super) const IGNORED_FIELDS: [&[u8]; 4] = [
 const NUMBER: V1FieldType = V1FieldType::Exactly(1);
 const TRIPLE: V1FieldType = V1FieldType::Exactly(3);
 
-/// Kinds by name, with their fields. Of two names for a kind, the first has the fields of both.
+/// Kinds by name, with their fields. If a kind has two names, the fields of the first hold for
+/// both.
 const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
     ("Separator", V1NodeKind::Separator, ANCHOR),
     ("WWWAnchor", V1NodeKind::Separator, ANCHOR),
@@ -372,7 +372,7 @@ impl V1Node<'_> {
         given.map(|(_, value)| value)
     }
 
-    /// The numbers of a field, if it is given.
+    /// The numbers of a field, if present.
     pub fn numbers(&self, field: &str) -> Option<&[f64]> {
         match self.value(field)? {
             V1Value::Numbers(list) => Some(list),
@@ -380,7 +380,7 @@ impl V1Node<'_> {
         }
     }
 
-    /// The `N` numbers of a field, if it is given and they are finite.
+    /// The `N` numbers of a field, if present and finite.
     pub fn exactly<const N: usize>(&self, field: &str) -> Option<[f64; N]> {
         let numbers: [f64; N] = self.numbers(field)?.try_into().ok()?;
         numbers.iter().all(|n| n.is_finite()).then_some(numbers)
@@ -412,7 +412,7 @@ impl V1Node<'_> {
         }
     }
 
-    /// The colours of a field, if it is given.
+    /// The colours of a field, if present.
     pub fn colors(&self, field: &str) -> Option<&[Rgb]> {
         match self.value(field)? {
             V1Value::Colors(list) => Some(list),
@@ -420,7 +420,7 @@ impl V1Node<'_> {
         }
     }
 
-    /// The indices of a field; `None` if it is not given, or with the −1 that says as much.
+    /// The indices of a field; `None` if it is absent or the −1 that means the same.
     pub fn index(&self, field: &str) -> Option<&[i32]> {
         match self.value(field)? {
             V1Value::Integers(list) if !matches!(**list, [] | [-1]) => Some(list),
@@ -436,12 +436,12 @@ impl V1Node<'_> {
         }
     }
 
-    /// The first word of a field; empty if there is none.
+    /// The first word of a field; empty if absent.
     pub fn word(&self, field: &str) -> &str {
         self.words(field).first().map_or("", |word| word)
     }
 
-    /// Whether a flag is not off.
+    /// Whether a flag is not explicitly off.
     pub fn is_on(&self, field: &str) -> bool {
         !matches!(self.word(field), "FALSE" | "false" | "0")
     }

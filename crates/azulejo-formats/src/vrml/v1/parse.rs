@@ -1,4 +1,4 @@
-//! Text to nodes.
+//! Parses text into nodes.
 
 use super::node::{IGNORED_FIELDS, NodeId, V1Document, V1FieldType, V1Node, V1NodeKind, V1Value};
 use crate::ReadError;
@@ -10,13 +10,13 @@ use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// How deep nodes may stand inside one another.
+/// Maximum depth of nested nodes.
 const MOST_NESTED: usize = 256;
 
-/// Reads all nodes of a file.
+/// Parses all nodes of a file.
 ///
 /// # Errors
-/// Text without a single node, and nodes nested too deep.
+/// Text without a single node, and nodes nested too deeply.
 pub(super) fn parse<'a>(
     builder: &mut VrmlSceneBuilder,
     source: &'a VrmlSource,
@@ -41,9 +41,9 @@ struct V1Parser<'a, 's, 'f> {
     source: &'a VrmlSource,
     builder: &'s mut VrmlSceneBuilder<'f>,
     nodes: Vec<V1Node<'a>>,
-    /// The latest node of each name, once it has ended: a node cannot be used inside itself.
+    /// The latest node of each name, once it is complete: a node cannot be used inside itself.
     names: HashMap<&'a [u8], NodeId>,
-    /// The nodes around the place that is read, each with its name.
+    /// The enclosing nodes, each with its name.
     open: Vec<Option<&'a [u8]>>,
 }
 
@@ -53,7 +53,7 @@ impl<'a> V1Parser<'a, '_, '_> {
         self.builder.warn(self.source, at, message);
     }
 
-    /// Where the next token begins.
+    /// The offset of the next token.
     fn here(&mut self) -> usize {
         self.lexer.skip_blanks();
         self.lexer.offset()
@@ -84,7 +84,7 @@ impl<'a> V1Parser<'a, '_, '_> {
     #[cold]
     fn stray(&mut self, at: usize, word: &[u8]) {
         let word = shortened(&text(word));
-        self.warn(at, format!("\"{word}\" where a node could be: skipped"));
+        self.warn(at, format!("\"{word}\" instead of a node: skipped"));
     }
 
     /// Whether a word that has been taken begins a node.
@@ -92,8 +92,8 @@ impl<'a> V1Parser<'a, '_, '_> {
         matches!(word, b"DEF" | b"USE") || self.lexer.peek() == Some(b'{')
     }
 
-    /// The rest of a node that begins with `word` at `at`; `None`, with a warning, if it turns
-    /// out to be none.
+    /// Reads the rest of a node that begins with `word` at `at`; `None`, with a warning, if it is
+    /// not a node.
     fn node(&mut self, at: usize, word: &'a [u8]) -> Result<Option<NodeId>, ReadError> {
         match word {
             b"USE" => Ok(self.used(at)),
@@ -103,7 +103,7 @@ impl<'a> V1Parser<'a, '_, '_> {
                     return Ok(None);
                 };
                 if type_name == b"USE" {
-                    // Not allowed, but it is clear what is meant.
+                    // Not allowed, but the meaning is clear.
                     let known = self.used(at);
                     self.names.extend(known.map(|known| (name, known)));
                     return Ok(known);
@@ -116,7 +116,7 @@ impl<'a> V1Parser<'a, '_, '_> {
         }
     }
 
-    /// The node that USE names.
+    /// The node that USE refers to.
     fn used(&mut self, at: usize) -> Option<NodeId> {
         let name = self.lexer.word().unwrap_or_default();
         if let Some(&known) = self.names.get(name) {
@@ -124,15 +124,15 @@ impl<'a> V1Parser<'a, '_, '_> {
         }
         let shown = shortened(&text(name));
         let why = if self.open.contains(&Some(name)) {
-            "stands inside the node of that name"
+            "refers to the node that contains it"
         } else {
-            "names no node before it"
+            "refers to no node before it"
         };
         self.warn(at, format!("USE {shown} {why}: skipped"));
         None
     }
 
-    /// A node from its `{` on.
+    /// Reads a node from its `{` on.
     fn define(
         &mut self,
         at: usize,
@@ -168,22 +168,22 @@ impl<'a> V1Parser<'a, '_, '_> {
         Ok(Some(self.nodes.len() as NodeId - 1))
     }
 
-    /// Says what will become of a node that is not understood.
+    /// Warns about a node that is not supported.
     fn judge(&mut self, node: &V1Node) {
         let name = shortened(&text(node.type_name));
         if node.kind == V1NodeKind::Unknown {
             let what = if node.children.is_empty() {
                 "skipped"
             } else {
-                "what is inside is read as in a Separator"
+                "its content is read as in a Separator"
             };
-            self.warn(node.at, format!("node {name} is not known: {what}"));
+            self.warn(node.at, format!("unknown node {name}: {what}"));
         } else if !node.kind.is_group() && !node.children.is_empty() {
             self.warn(node.at, format!("nodes inside {name}: skipped"));
         }
     }
 
-    /// Fields and nodes up to the `}`.
+    /// Reads fields and nodes up to the `}`.
     fn body(&mut self, node: &mut V1Node<'a>) -> Result<(), ReadError> {
         loop {
             let at = self.here();
@@ -197,13 +197,13 @@ impl<'a> V1Parser<'a, '_, '_> {
                 return Ok(());
             } else {
                 let found = self.lexer.found();
-                self.warn(at, format!("{found} where a field could be: skipped"));
+                self.warn(at, format!("{found} instead of a field: skipped"));
                 self.lexer.skip_token();
             }
         }
     }
 
-    /// A field or a node inside a node, behind its first word.
+    /// Reads a field or a child node, after its first word.
     fn statement(
         &mut self,
         at: usize,
@@ -213,7 +213,7 @@ impl<'a> V1Parser<'a, '_, '_> {
         let mut known = node.kind.fields().iter();
         if let Some(&(name, form)) = known.find(|(name, _)| name.as_bytes() == word) {
             let value = self.value(name, form);
-            // Inventor marks values that are not to be used.
+            // Inventor marks values that are to be ignored.
             if !self.lexer.take_word(b"~") {
                 node.fields.retain(|(other, _)| *other != name);
                 node.fields.push((name, value));
@@ -221,7 +221,7 @@ impl<'a> V1Parser<'a, '_, '_> {
         } else if self.begins_node(word) {
             node.children.extend(self.node(at, word)?);
         } else if word == b"fields" && self.lexer.take(b'[') {
-            // The values say themselves what type they are of.
+            // The type is evident from the values.
             self.lexer.skip_to_close();
         } else if word == b"isA" {
             let names = self.words();
@@ -233,21 +233,21 @@ impl<'a> V1Parser<'a, '_, '_> {
                     .unwrap_or(node.kind);
             }
         } else if word == b"alternateRep" && node.kind == V1NodeKind::Unknown {
-            // The value is a node, which the next turn finds.
+            // The value is a node, which the next iteration reads.
         } else {
             self.skip_field(at, word, node);
         }
         Ok(())
     }
 
-    /// Passes the value of a field that is not known. Without its type only its look helps: all
+    /// Skips the value of an unknown field. Its type is unknown, too, so the tokens decide: all
     /// numbers, or one of anything else.
     fn skip_field(&mut self, at: usize, word: &[u8], node: &V1Node) {
-        // The fields of an unknown node are not worth a warning each.
+        // The fields of an unknown node do not deserve a warning each.
         if node.kind != V1NodeKind::Unknown && !IGNORED_FIELDS.contains(&word) {
             let (node, field) = (text(node.type_name), text(word));
             let shown = shortened(&format!("{node}.{field}"));
-            self.warn(at, format!("field {shown} is not used"));
+            self.warn(at, format!("field {shown} is ignored"));
         }
         match self.lexer.peek() {
             Some(b'[') => {
@@ -304,9 +304,9 @@ impl<'a> V1Parser<'a, '_, '_> {
         let mut numbers = Vec::with_capacity(count);
         self.lexer.numbers(count, &mut numbers);
         if numbers.len() < count {
-            self.warn(at, format!("{name} with too few numbers: not used"));
+            self.warn(at, format!("{name} with too few numbers: ignored"));
         } else if numbers.iter().any(|n| !n.is_finite()) {
-            self.warn(at, format!("{name} with a number that is none: not used"));
+            self.warn(at, format!("{name} with an invalid number: ignored"));
         }
         if in_brackets {
             self.lexer.skip_to_close();
@@ -314,7 +314,7 @@ impl<'a> V1Parser<'a, '_, '_> {
         numbers
     }
 
-    /// One value of `N` numbers, or any number of them in brackets.
+    /// One tuple of `N` numbers, or any number of them in brackets.
     fn list<const N: usize, T>(&mut self, name: &str, make: impl Fn([f64; N]) -> T) -> Vec<T> {
         let mut list = Vec::new();
         let in_brackets = self.lexer.take(b'[');
@@ -332,7 +332,7 @@ impl<'a> V1Parser<'a, '_, '_> {
         }
     }
 
-    /// `N` numbers; `None` if none comes next or they end too early.
+    /// `N` numbers; `None` if none comes next or there are too few.
     #[inline]
     fn tuple<const N: usize>(&mut self, name: &str) -> Option<[f64; N]> {
         let mut tuple = [0.0; N];
@@ -342,10 +342,7 @@ impl<'a> V1Parser<'a, '_, '_> {
                 None => {
                     if k > 0 {
                         let at = self.here();
-                        self.warn(
-                            at,
-                            format!("the last value of {name} is cut short: skipped"),
-                        );
+                        self.warn(at, format!("incomplete last value of {name}: skipped"));
                     }
                     return None;
                 }
@@ -369,14 +366,14 @@ impl<'a> V1Parser<'a, '_, '_> {
         }
     }
 
-    /// Whether a list ends here; otherwise passes what does not belong into it.
+    /// Whether a list ends here; otherwise skips what does not belong in it.
     fn closes(&mut self, name: &str) -> bool {
         let at = self.here();
         match self.lexer.peek() {
             Some(b']') => self.lexer.take(b']'),
-            // A bracket was forgotten, or the file ends.
+            // The closing bracket is missing, or the file ends.
             Some(b'}') | None => {
-                self.warn(at, format!("{name} has no end"));
+                self.warn(at, format!("{name} without a closing bracket"));
                 true
             }
             Some(_) => {
@@ -426,7 +423,7 @@ impl<'a> V1Parser<'a, '_, '_> {
     fn image(&mut self) -> Vec<f64> {
         let mut numbers = self.exactly("image", 3);
         if let [width, height, _] = *numbers {
-            // Negative sizes become 0, and no file has room for the largest.
+            // Negative sizes become 0, and the largest exceed any file.
             let pixels = (width as usize).saturating_mul(height as usize);
             self.lexer.numbers(pixels, &mut numbers);
         }
@@ -434,7 +431,7 @@ impl<'a> V1Parser<'a, '_, '_> {
     }
 }
 
-/// A list of equal values says no more than one of them, and costs more wherever it is used.
+/// A list of equal values means the same as one of them, and costs more wherever it is used.
 fn keep_one_of_equals<T: PartialEq>(list: &mut Vec<T>) {
     if list.windows(2).all(|pair| pair[0] == pair[1]) {
         list.truncate(1);

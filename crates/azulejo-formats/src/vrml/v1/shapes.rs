@@ -1,4 +1,4 @@
-//! Face sets, and where shapes of all kinds go.
+//! Face sets, and the common path of all shapes into the scene.
 
 use super::materials;
 use super::node::V1Node;
@@ -11,7 +11,7 @@ use glam::DVec3;
 use std::borrow::Cow;
 
 impl<'d> V1Traversal<'d, '_, '_> {
-    /// An IndexedFaceSet over the current points.
+    /// An IndexedFaceSet over the current coordinates.
     pub fn face_set(&mut self, node: &'d V1Node<'d>) -> Result<(), ReadError> {
         let state = self.state;
         let palette = self.palette()?;
@@ -48,7 +48,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
         let count = materials::count(material);
         match material.colors("diffuseColor") {
             Some(diffuse) if diffuse.len() == count => Ok(Cow::Borrowed(diffuse)),
-            // Materials that differ in something else still have to be told apart.
+            // Materials that differ in other fields still have to be distinguished.
             diffuse => {
                 self.builder.spend(count as u64)?;
                 let mut palette = diffuse.unwrap_or_default().to_vec();
@@ -58,8 +58,8 @@ impl<'d> V1Traversal<'d, '_, '_> {
         }
     }
 
-    /// The current materials as the faces or corners of a set take them; `None` if one holds for
-    /// the whole set.
+    /// The current materials bound to the faces or corners of a set; `None` if one holds for the
+    /// whole set.
     fn bound_colors<'b>(&self, palette: &'b [Rgb], node: &'b V1Node) -> Option<BoundPool<'b, Rgb>> {
         let binding = self.state.material_binding.of_faces(Binding::Overall);
         (palette.len() > 1 && binding != Binding::Overall).then_some(BoundPool {
@@ -81,21 +81,24 @@ impl<'d> V1Traversal<'d, '_, '_> {
         })
     }
 
-    /// Makes the mesh; where the current normals do not suffice, with normals of its own faces.
+    /// Builds the mesh; if there are too few current normals, with computed ones.
     fn build(&mut self, node: &V1Node, set: FaceSet) -> BuiltFaceSet {
         let built = faces::build(&set);
         if built.problems.stray_normals == 0 {
             return built;
         }
-        self.warn(node, "too few normals for a face set: made from its faces");
+        self.warn(
+            node,
+            "too few normals for a face set: computed from its faces",
+        );
         faces::build(&FaceSet {
             normals: None,
             ..set
         })
     }
 
-    /// Brings texture coordinates under the current Texture2Transform, and makes them where a
-    /// picture has none.
+    /// Applies the current Texture2Transform to the texture coordinates, and generates them for a
+    /// texture without any.
     pub fn map_texture(&mut self, mesh: &mut Mesh) {
         let Some(texture) = self.state.texture else {
             return;
@@ -111,7 +114,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
         }
     }
 
-    /// Gives the faces of a set their materials.
+    /// Assigns materials to the faces of a set.
     fn paint(&mut self, node: &V1Node, built: &mut BuiltFaceSet) {
         let mesh = &mut built.mesh;
         let is_open = !self.state.hints.has_inside;
@@ -123,7 +126,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
                 .material
                 .is_some_and(materials::differ_beyond_diffuse);
             if !mesh.colors.is_empty() && differ {
-                self.warn(node, "materials of vertices that differ in more than diffuseColor: those of the first taken");
+                self.warn(node, "vertex materials that differ in more than diffuseColor: those of the first are used");
             }
         }
         for (material, &value) in mesh.face_materials.iter_mut().zip(&built.face_values) {
@@ -131,7 +134,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
         }
     }
 
-    /// Makes an object of a mesh in the coordinates of its node.
+    /// Adds a mesh in node coordinates as an object.
     pub fn put(&mut self, node: &V1Node, mesh: Mesh) {
         let placed = self
             .builder
@@ -139,7 +142,10 @@ impl<'d> V1Traversal<'d, '_, '_> {
         match placed {
             ShapeOutcome::Object => {}
             ShapeOutcome::Nothing => self.warn(node, "shape without faces: skipped"),
-            ShapeOutcome::Nowhere => self.warn(node, "shape that lies beyond the numbers: skipped"),
+            ShapeOutcome::Nowhere => self.warn(
+                node,
+                "shape with a singular or overflowing transformation: skipped",
+            ),
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Cube, Sphere, Cylinder and Cone: exact, unless they are open, painted in parts, flattened or
-//! carry a picture.
+//! Cube, Sphere, Cylinder and Cone: exact, unless they are open, have several materials, are
+//! flattened or textured.
 
 use super::node::{V1Node, V1NodeKind};
 use super::walk::V1Traversal;
@@ -8,8 +8,7 @@ use crate::vrml::builder::ShapeOutcome;
 use crate::vrml::solid::PlacedPrimitive;
 use azulejo_scene::MaterialId;
 
-/// The solid of a node, and for each of its parts the number in VRML, which counts materials by
-/// it.
+/// The primitive of a node, and for each of its parts the index in VRML, which orders materials.
 fn solid_of(node: &V1Node) -> (PlacedPrimitive, &'static [usize]) {
     let length = |field, default| node.number(field, default).abs();
     let words = node.words("parts");
@@ -29,7 +28,7 @@ fn solid_of(node: &V1Node) -> (PlacedPrimitive, &'static [usize]) {
         }
         _ => {
             let size = ["width", "height", "depth"].map(|side| length(side, 2.0));
-            // VRML counts front, back, left, right, top, bottom.
+            // VRML's order is front, back, left, right, top, bottom.
             (PlacedPrimitive::cuboid(size.into()), &[2, 3, 5, 4, 1, 0])
         }
     }

@@ -1,32 +1,32 @@
-//! What shapes find when they come: the state that other nodes change.
+//! The traversal state, which property nodes change and shapes use.
 
 use super::node::V1Node;
 use crate::vrml::faces::Binding;
 use azulejo_scene::TextureId;
 use glam::{DAffine2, DAffine3, DMat3, DQuat, DVec2, DVec3};
 
-/// The state between two nodes.
+/// The traversal state between two nodes.
 #[derive(Clone, Copy)]
 pub(super) struct TraversalState<'d> {
-    /// From the coordinates of shapes to those of the file.
+    /// From object coordinates to those of the file.
     pub matrix: DAffine3,
-    /// What texture coordinates go through.
+    /// The texture coordinate transformation.
     pub uv_matrix: DAffine2,
-    /// The current points.
+    /// The current coordinates.
     pub points: &'d [DVec3],
     /// The current normals.
     pub normals: &'d [DVec3],
     /// The current texture coordinates.
     pub uvs: &'d [DVec2],
-    /// The current materials: a node Material.
+    /// The current Material node.
     pub material: Option<&'d V1Node<'d>>,
     /// What each of the materials belongs to.
     pub material_binding: V1Binding,
     /// What each of the normals belongs to.
     pub normal_binding: V1Binding,
-    /// The current picture.
+    /// The current texture.
     pub texture: Option<TextureId>,
-    /// What is known about surfaces.
+    /// The current shape hints.
     pub hints: ShapeHints,
 }
 
@@ -36,7 +36,7 @@ impl TraversalState<'_> {
         TraversalState {
             matrix: DAffine3::IDENTITY,
             uv_matrix: DAffine2::IDENTITY,
-            // A Coordinate3 that says nothing holds one point.
+            // The default Coordinate3 holds one point.
             points: &[DVec3::ZERO],
             normals: &[],
             uvs: &[],
@@ -58,19 +58,19 @@ fn default_crease_angle(inventor: bool) -> f64 {
     if inventor { 0.0 } else { 0.5 }
 }
 
-/// What ShapeHints says.
+/// The content of a ShapeHints node.
 #[derive(Clone, Copy)]
 pub(super) struct ShapeHints {
-    /// Whether the front shows its corners clockwise.
+    /// Whether vertices are clockwise as seen from the front.
     pub clockwise: bool,
-    /// Whether shapes are solid and their fronts known, so that backs are never seen.
+    /// Whether shapes are solid with known fronts, so that backs are never visible.
     pub has_inside: bool,
-    /// Greatest angle between faces that are smooth where they meet, radians.
+    /// Greatest angle between faces that are smoothed across their common edge, radians.
     pub crease_angle: f64,
 }
 
 impl ShapeHints {
-    /// The hints of a node, which replaces all of them.
+    /// The hints of a node, which replace all previous ones.
     pub fn of(node: &V1Node, inventor: bool) -> ShapeHints {
         let ordering = node.word("vertexOrdering");
         let default = default_crease_angle(inventor);
@@ -86,7 +86,7 @@ impl ShapeHints {
 /// A value of MaterialBinding or NormalBinding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum V1Binding {
-    /// What suits the shape best.
+    /// The natural binding of the shape.
     Default,
     Overall,
     Part,
@@ -113,7 +113,7 @@ impl V1Binding {
         })
     }
 
-    /// How the faces of a set take values of this binding; the parts of a set are its faces.
+    /// How the faces of a set use values with this binding; the parts of a set are its faces.
     pub fn of_faces(self, default: Binding) -> Binding {
         match self {
             V1Binding::Default => default,
@@ -125,20 +125,20 @@ impl V1Binding {
         }
     }
 
-    /// Whether the parts of a sphere, cube, cylinder or cone have materials of their own.
+    /// Whether the parts of a sphere, cube, cylinder or cone have separate materials.
     pub fn is_per_part(self) -> bool {
         matches!(self, V1Binding::Part | V1Binding::PartIndexed)
     }
 }
 
-/// The rotation of four numbers, an axis and an angle; none if the axis has no direction.
+/// The rotation given by an axis and an angle; the identity if the axis is zero.
 pub(super) fn rotation(numbers: Option<[f64; 4]>) -> DQuat {
     let [x, y, z, angle] = numbers.unwrap_or([0.0, 0.0, 1.0, 0.0]);
     let axis = DVec3::new(x, y, z).try_normalize();
     axis.map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, angle))
 }
 
-/// The map of a Transform: scaled along turned axes, turned and moved, about a centre.
+/// The map of a Transform: scale along rotated axes, rotation and translation, about a centre.
 pub(super) fn transform(node: &V1Node) -> DAffine3 {
     let centre = node.vector("center", DVec3::ZERO);
     let turned = DAffine3::from_quat(rotation(node.exactly("scaleOrientation")));
@@ -150,8 +150,8 @@ pub(super) fn transform(node: &V1Node) -> DAffine3 {
         * DAffine3::from_translation(-centre)
 }
 
-/// The map of a MatrixTransform, whose rows are what points, standing before it, go through:
-/// the last row moves. `None` if it is not affine.
+/// The map of a MatrixTransform. Points are row vectors multiplied from the left, so the last row
+/// is the translation. `None` if it is not affine.
 pub(super) fn matrix_transform(node: &V1Node) -> Option<DAffine3> {
     let Some(m) = node.exactly::<16>("matrix") else {
         return Some(DAffine3::IDENTITY);
@@ -164,7 +164,7 @@ pub(super) fn matrix_transform(node: &V1Node) -> Option<DAffine3> {
     ([m[3], m[7], m[11]] == [0.0; 3] && map.is_finite()).then_some(map)
 }
 
-/// The map of a Texture2Transform: scaled and turned about a centre, then moved.
+/// The map of a Texture2Transform: scale and rotation about a centre, then translation.
 pub(super) fn uv_transform(node: &V1Node) -> DAffine2 {
     let pair = |field, default| node.exactly(field).map_or(default, DVec2::from_array);
     let centre = pair("center", DVec2::ZERO);

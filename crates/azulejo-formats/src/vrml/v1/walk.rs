@@ -1,4 +1,4 @@
-//! Follows the stream of nodes.
+//! Traverses the stream of nodes.
 
 use super::lights;
 use super::materials::V1MaterialCache;
@@ -12,36 +12,36 @@ use crate::{Lod, ReadError};
 use azulejo_scene::Rgb;
 use glam::{DAffine3, DVec3};
 
-/// A walk through the nodes of one file.
+/// A traversal of the nodes of one file.
 pub(super) struct V1Traversal<'d, 's, 'f> {
     pub builder: &'s mut VrmlSceneBuilder<'f>,
     pub source: &'s VrmlSource,
     pub document: &'d V1Document<'d>,
     pub state: TraversalState<'d>,
     pub cache: V1MaterialCache,
-    /// Where the file stands, and inside it each group that is being walked through.
+    /// The placement of the file, and of each group being traversed inside it.
     frames: Vec<VrmlPlacement>,
-    /// What is left to do, the next at the end. A list and not recursion: groups that use each
-    /// other may nest deeper than any stack.
+    /// Pending steps, the next one last. A list instead of recursion: groups that use each other
+    /// may nest deeper than any stack.
     steps: Vec<TraversalStep<'d>>,
     inventor: bool,
 }
 
-/// Something to do.
+/// A pending step of a traversal.
 enum TraversalStep<'d> {
     Visit(NodeId),
-    /// A group ends, and what of the state was kept before it comes back.
+    /// Leaves a group and restores the saved state.
     Leave(SavedState<'d>),
 }
 
-/// What of the state a group brings back.
+/// The part of the state that a group restores.
 enum SavedState<'d> {
     Nothing,
     Matrix(DAffine3),
     All(Box<TraversalState<'d>>),
 }
 
-/// Walks through a file and puts what it shows under `frame`.
+/// Traverses a file and adds its content under `frame`.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
@@ -73,12 +73,12 @@ pub(super) fn walk(
 }
 
 impl<'d> V1Traversal<'d, '_, '_> {
-    /// Counts a warning about a node.
+    /// Adds a warning about a node.
     pub fn warn(&mut self, node: &V1Node, message: impl Into<String>) {
         self.builder.warn(self.source, node.at, message);
     }
 
-    /// Where a shape stands that comes now, and the names on the way there.
+    /// The current placement of shapes.
     pub fn frame(&self) -> VrmlPlacement {
         let group = self.frames.last().cloned().unwrap_or_default();
         group.moved(self.state.matrix)
@@ -103,7 +103,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             V1NodeKind::Lod => self.lod(node),
             V1NodeKind::Inline => self.inline(node)?,
             _ if node.kind.is_shape() && self.is_invisible() => {
-                self.warn(node, "shape of transparency 1: left out");
+                self.warn(node, "shape with transparency 1: invisible, skipped");
             }
             V1NodeKind::IndexedFaceSet => self.face_set(node)?,
             V1NodeKind::Cube | V1NodeKind::Sphere | V1NodeKind::Cylinder | V1NodeKind::Cone => {
@@ -116,7 +116,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             V1NodeKind::Info => self.info(node),
             V1NodeKind::NoSurface | V1NodeKind::OrthographicCamera => {
                 let name = text(node.type_name);
-                self.warn(node, format!("{name} is not read: skipped"));
+                self.warn(node, format!("{name} is not supported: skipped"));
             }
             V1NodeKind::Silent => {}
             _ => self.property(node),
@@ -124,7 +124,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
         Ok(())
     }
 
-    /// Nodes that change the state.
+    /// Applies a node that changes the state.
     fn property(&mut self, node: &'d V1Node<'d>) {
         let state = &mut self.state;
         match node.kind {
@@ -153,7 +153,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             }
             V1NodeKind::MatrixTransform => match matrix_transform(node) {
                 Some(map) => state.matrix *= map,
-                None => self.warn(node, "matrix that is not affine: not used"),
+                None => self.warn(node, "matrix that is not affine: ignored"),
             },
             _ => {}
         }
@@ -163,7 +163,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
         let word = node.word("value");
         V1Binding::named(word).unwrap_or_else(|| {
             let shown = shortened(word);
-            self.warn(node, format!("binding {shown} is not known: DEFAULT taken"));
+            self.warn(node, format!("unknown binding {shown}: DEFAULT is used"));
             V1Binding::Default
         })
     }
@@ -186,8 +186,8 @@ impl<'d> V1Traversal<'d, '_, '_> {
 
     fn switch(&mut self, node: &'d V1Node<'d>) {
         let which = node.number("whichChild", -1.0);
-        // By convention the cameras of a file stand in a switch of that name, which chooses the
-        // first to look through; the others are meant to be there too.
+        // By convention, the cameras of a file are the children of a switch with that name, which
+        // selects the initial one; the others are available, too.
         let all = which == -3.0 || node.name.as_deref() == Some("Cameras");
         let chosen: &[NodeId] = match node.children.get(which as usize..) {
             _ if all => &node.children,
@@ -195,7 +195,10 @@ impl<'d> V1Traversal<'d, '_, '_> {
             _ => &[],
         };
         if chosen.is_empty() && node.has_shapes {
-            self.warn(node, "Switch that chooses no child: nothing in it is shown");
+            self.warn(
+                node,
+                "Switch with no child selected: its content is skipped",
+            );
         }
         self.enter(node, chosen, SavedState::Nothing);
     }
@@ -220,7 +223,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
 
     fn inline(&mut self, node: &V1Node) -> Result<(), ReadError> {
         let names: Vec<String> = node.words("name").iter().map(|n| n.to_string()).collect();
-        // A file inside this one that has no name yet is not an error: it may come later.
+        // A nested file without a name is not an error: a script may set it later.
         if names.iter().all(String::is_empty) {
             return Ok(());
         }
@@ -228,7 +231,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
         crate::vrml::include(self.builder, self.source, node.at, &names, &frame)
     }
 
-    /// Conventions that browsers of the time kept alive.
+    /// Conventions supported by browsers of the time.
     fn info(&mut self, node: &V1Node) {
         match node.name.as_deref() {
             Some("BackgroundColor") => {
@@ -242,17 +245,17 @@ impl<'d> V1Traversal<'d, '_, '_> {
                         let color = Rgb::new(r, g, b).map(|c| c.min(1.0));
                         self.builder.scene.background.get_or_insert(color);
                     }
-                    _ => self.warn(node, "BackgroundColor that is no colour: not used"),
+                    _ => self.warn(node, "BackgroundColor that is not a colour: ignored"),
                 }
             }
-            Some("BackgroundImage") => self.warn(node, "BackgroundImage is not used"),
+            Some("BackgroundImage") => self.warn(node, "BackgroundImage is ignored"),
             _ => {}
         }
     }
 
     fn light(&mut self, node: &V1Node) {
         if !node.is_on("on") {
-            return self.warn(node, "light that is off: skipped");
+            return self.warn(node, "light with on FALSE: skipped");
         }
         let frame = self.frame();
         match lights::light(node, &frame.world_from_object) {
@@ -263,7 +266,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
                     .lights
                     .push(azulejo_scene::Light { name, kind });
             }
-            None => self.warn(node, "light without a place or a direction: skipped"),
+            None => self.warn(node, "light without a valid position or direction: skipped"),
         }
     }
 
@@ -276,7 +279,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             }),
             None => self.warn(
                 node,
-                "camera without a direction or with an impossible angle: skipped",
+                "camera without a direction or with an invalid angle: skipped",
             ),
         }
     }
