@@ -2,7 +2,7 @@
 //! goes at which angle from the axis, and out of how large an opening.
 
 use super::lines::number;
-use crate::reading::text::text;
+use crate::reading::text::{quoted, text};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Bins of one degree from the aim of the lamp to its back.
@@ -153,7 +153,7 @@ impl<'a> Numbers<'a> {
             .words
             .next()
             .ok_or("the end of the file, expected a number")?;
-        number(word).ok_or_else(|| format!("{}, expected a number", super::reader::quoted(word)))
+        number(word).ok_or_else(|| format!("{}, expected a number", quoted(word)))
     }
 
     fn take<const N: usize>(&mut self) -> Result<[f64; N], String> {

@@ -9,7 +9,7 @@ use super::material::{Part, Surface};
 use super::transform::Transform;
 use crate::reading::files::beside;
 use crate::reading::options::{Budget, Exhausted};
-use crate::reading::text::{shortened, text};
+use crate::reading::text::{quoted, text};
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadOptions};
 use azulejo_scene::math::normal_matrix;
@@ -48,11 +48,6 @@ impl From<Exhausted> for Stop {
 /// A statement that is skipped or mended for a reason.
 pub(super) fn skip<T>(message: impl Into<String>) -> Result<T, Stop> {
     Err(Stop::Skipped(message.into()))
-}
-
-/// A word for a message, in quotes.
-pub(super) fn quoted(word: &[u8]) -> String {
-    format!("\"{}\"", shortened(&text(word)))
 }
 
 /// A vertex as the file says it.

@@ -1,8 +1,9 @@
 //! The statements that make surfaces.
 
 use super::build::Corner;
-use super::reader::{Reader, Source, Stop, Vertex, quoted, skip};
+use super::reader::{Reader, Source, Stop, Vertex, skip};
 use super::{holes, solids};
+use crate::reading::text::quoted;
 use azulejo_scene::{MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DVec3};
 

@@ -1,8 +1,9 @@
 //! Text blocks: commands that set a string in space.
 
 use super::document::{TextCommand, TextCommandKind};
-use super::lines::{Lines, quoted};
+use super::lines::Lines;
 use crate::ReadError;
+use crate::reading::text::quoted;
 use crate::reading::text::text;
 use glam::DVec3;
 
