@@ -1,6 +1,7 @@
 //! Any bytes as a drawing in SVG or DXF: its figures must make a valid scene.
 #![no_main]
 
+use azulejo_formats::outline::Filled;
 use azulejo_formats::{ReadOptions, read_drawing};
 use azulejo_scene::{Exact, Material, Object, Prism, Scene, Shape, Solid};
 use libfuzzer_sys::fuzz_target;
@@ -13,7 +14,7 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let mut scene = Scene::default();
     scene.add_material(Material::default());
-    let prism = |shape: drawing::Filled| {
+    let prism = |shape: Filled| {
         Solid::Prism(Prism {
             figure: Arc::new(shape.figure),
             world_from_figure: Default::default(),

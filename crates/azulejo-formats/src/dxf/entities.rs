@@ -2,7 +2,8 @@
 
 use super::axes::world_from_entity;
 use super::curve::{ellipse, is_full, sweep};
-use super::drawing::{Insert, LookId};
+use super::drawing::Insert;
+use super::ids::LookId;
 use super::light::light;
 use super::mesh_entity::Cage;
 use super::outline::{Outline, Vertex};

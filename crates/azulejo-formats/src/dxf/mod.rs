@@ -13,6 +13,7 @@ mod drawing;
 mod entities;
 mod figures;
 mod finish;
+mod ids;
 mod light;
 mod mesh_entity;
 mod outline;

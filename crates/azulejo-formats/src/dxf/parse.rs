@@ -1,7 +1,8 @@
 //! From the records of a file to a [`Drawing`]: sections, tables, blocks.
 
 use super::color::{Color, Paint};
-use super::drawing::{Block, BlockId, Drawing, Finish, Layer, LayerId, Look, LookId, MODEL_SPACE};
+use super::drawing::{Block, Drawing, Finish, Layer, Look};
+use super::ids::{BlockId, LayerId, LookId, MODEL_SPACE};
 use super::pairs::{Damage, Encoding};
 use super::polyline::Polyline;
 use super::record::{Record, Records};

@@ -1,8 +1,9 @@
 //! From drawings to a scene: every INSERT becomes a copy of its block.
 
 use super::color::{Color, FOREGROUND, Paint};
-use super::drawing::{Block, Drawing, Finish, Insert, Layer, LayerId, Look, LookId};
+use super::drawing::{Block, Drawing, Finish, Insert, Layer, Look};
 use super::finish::material;
+use super::ids::{LayerId, LookId};
 use super::light::placed;
 use super::project::{Node, Project};
 use super::surfaces::LayerMesh;

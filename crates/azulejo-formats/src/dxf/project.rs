@@ -1,6 +1,7 @@
 //! A drawing with all that it refers to: which block is in which, and how much they unfold to.
 
-use super::drawing::{Block, BlockId, Drawing, Insert, MODEL_SPACE};
+use super::drawing::{Block, Drawing, Insert};
+use super::ids::{BlockId, MODEL_SPACE};
 use super::pairs::Pairs;
 use super::parse::{parse, position};
 use crate::reading::detect::{Format, detect};

@@ -10,6 +10,7 @@ mod buffers;
 mod container;
 mod document;
 mod irradiance;
+mod json_parts;
 mod losses;
 mod material;
 mod mesh;

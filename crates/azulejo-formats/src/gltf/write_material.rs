@@ -1,8 +1,8 @@
 //! Materials and pictures to glTF.
 
+use super::json_parts::{factor_and_strength, named};
 use super::pack::Pack;
 use super::uri;
-use super::write::{factor_and_strength, named};
 use crate::picture::png;
 use crate::picture::srgb::srgb_bytes;
 use crate::surface::model::{gltf_mr, model_of, slope};

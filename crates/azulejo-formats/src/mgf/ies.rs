@@ -2,7 +2,7 @@
 //! by angle from the axis, and the size of the luminous opening.
 
 use super::lines::number;
-use crate::reading::text::text;
+use crate::reading::text::{quoted, text};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Bins of one degree from the aiming direction to the opposite one.
@@ -152,7 +152,7 @@ impl<'a> IesNumbers<'a> {
             .words
             .next()
             .ok_or("the end of the file, expected a number")?;
-        number(word).ok_or_else(|| format!("{}, expected a number", super::reader::quoted(word)))
+        number(word).ok_or_else(|| format!("{}, expected a number", quoted(word)))
     }
 
     fn take<const N: usize>(&mut self) -> Result<[f64; N], String> {

@@ -1,10 +1,11 @@
 //! Photometric files as lights: `ies`.
 
 use super::ies::{BINS, Luminaire, LuminousOpening, parse};
-use super::reader::{EntityError, MgfReader, MgfSource, quoted, skip};
+use super::reader::{EntityError, MgfReader, MgfSource, skip};
 use super::solids;
 use super::transform::MgfTransform;
 use crate::reading::files::beside;
+use crate::reading::text::quoted;
 use azulejo_scene::{LightKind, Material, Primitive, Rgb};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;

@@ -9,7 +9,7 @@ use super::material::{MaterialComponent, MgfMaterial};
 use super::transform::MgfTransform;
 use crate::reading::files::beside;
 use crate::reading::options::{Budget, Exhausted};
-use crate::reading::text::{shortened, text};
+use crate::reading::text::{quoted, text};
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadOptions};
 use azulejo_scene::math::normal_matrix;
@@ -48,11 +48,6 @@ impl From<Exhausted> for EntityError {
 /// Skips or repairs a statement with a warning.
 pub(super) fn skip<T>(message: impl Into<String>) -> Result<T, EntityError> {
     Err(EntityError::Skipped(message.into()))
-}
-
-/// A word in quotes, for messages.
-pub(super) fn quoted(word: &[u8]) -> String {
-    format!("\"{}\"", shortened(&text(word)))
 }
 
 /// A vertex as defined in the file.

@@ -1,8 +1,9 @@
 //! Statements that create surfaces.
 
 use super::build::MgfCorner;
-use super::reader::{EntityError, MgfReader, MgfSource, MgfVertex, quoted, skip};
+use super::reader::{EntityError, MgfReader, MgfSource, MgfVertex, skip};
 use super::{holes, solids};
+use crate::reading::text::quoted;
 use azulejo_scene::{MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DVec3};
 

@@ -42,6 +42,30 @@ pub(crate) fn beside(of: &str, name: &str) -> String {
     path.join("/")
 }
 
+/// The bytes of a file that is named in the file `of`, and its name as the scene's folder knows it:
+/// beside `of`, beside the scene, or there without the folders of its name.
+pub(crate) fn open_beside(
+    files: &dyn Files,
+    of: &str,
+    name: &str,
+) -> Result<(String, Vec<u8>), FileError> {
+    let wanted = beside(of, name);
+    let plain = beside("", name);
+    let base = plain.rsplit('/').next().unwrap_or_default().to_owned();
+    let first = files.read(&wanted);
+    if let Ok(bytes) = first {
+        return Ok((wanted, bytes));
+    }
+    for other in [plain, base] {
+        if other != wanted
+            && let Ok(bytes) = files.read(&other)
+        {
+            return Ok((other, bytes));
+        }
+    }
+    first.map(|bytes| (wanted, bytes))
+}
+
 /// Why a named file could not be had.
 #[derive(Debug)]
 pub enum FileError {

@@ -35,6 +35,11 @@ pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
+/// A word in quotes for a message, shortened.
+pub(crate) fn quoted(word: &[u8]) -> String {
+    format!("\"{}\"", shortened(&text(word)))
+}
+
 /// The first characters of a word for a message.
 pub(crate) fn shortened(word: &str) -> String {
     const SHOWN: usize = 40;

@@ -1,11 +1,11 @@
 //! SCN's words, numbers and signs, with `#define` and `#include` carried out.
 
+use crate::reading::files::open_beside;
 use crate::reading::number;
 use crate::reading::options::Budget;
 use crate::reading::text::{shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::sff::document::{SffPosition, SffSources};
-use crate::sff::open_beside;
 use crate::{Files, ReadError};
 use std::collections::HashMap;
 

@@ -2,8 +2,9 @@
 
 use super::SffResult;
 use super::document::{TextCommand, TextCommandKind};
-use super::lines::{SffLines, quoted};
+use super::lines::SffLines;
 use crate::ReadError;
+use crate::reading::text::quoted;
 use crate::reading::text::text;
 use glam::DVec3;
 

@@ -3,7 +3,7 @@
 
 use super::document::SffPosition;
 use crate::ReadError;
-use crate::reading::text::{shortened, text};
+use crate::reading::text::text;
 use crate::reading::warnings::Warnings;
 use crate::reading::words::Words;
 use azulejo_scene::Rgb;
@@ -270,9 +270,4 @@ impl<'a, 'w> SffLines<'a, 'w> {
     pub fn words(&mut self) -> &mut Words<'a> {
         &mut self.words
     }
-}
-
-/// A field as an error shows it.
-pub(super) fn quoted(word: &[u8]) -> String {
-    format!("\"{}\"", shortened(&text(word)))
 }

@@ -26,11 +26,10 @@ mod tree;
 mod typeset;
 mod write;
 
-use crate::reading::files::beside;
 use crate::reading::options::check_length;
 use crate::reading::text::without_utf16;
 use crate::reading::warnings::Warnings;
-use crate::{FileError, Files, Loaded, ReadError, ReadOptions};
+use crate::{Files, Loaded, ReadError, ReadOptions};
 use document::{SffDocument, SffSources};
 use lines::SffLines;
 
@@ -79,28 +78,4 @@ pub(crate) fn read_by(
         scene,
         warnings: warnings.finish(name),
     })
-}
-
-/// The bytes of a file that is named in the file `of`, and its name as the scene's folder knows it:
-/// beside `of`, beside the scene, or there without the folders of its name.
-pub(crate) fn open_beside(
-    files: &dyn Files,
-    of: &str,
-    name: &str,
-) -> Result<(String, Vec<u8>), FileError> {
-    let wanted = beside(of, name);
-    let plain = beside("", name);
-    let base = plain.rsplit('/').next().unwrap_or_default().to_owned();
-    let first = files.read(&wanted);
-    if let Ok(bytes) = first {
-        return Ok((wanted, bytes));
-    }
-    for other in [plain, base] {
-        if other != wanted
-            && let Ok(bytes) = files.read(&other)
-        {
-            return Ok((other, bytes));
-        }
-    }
-    first.map(|bytes| (wanted, bytes))
 }

@@ -2,7 +2,8 @@
 
 use super::document::SffSources;
 use super::document::TextureRecord;
-use super::{open_beside, pictures};
+use super::pictures;
+use crate::reading::files::open_beside;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
 use crate::{Files, ReadError};

@@ -1,8 +1,8 @@
 //! Text blocks as prisms.
 
 use super::document::{SffPosition, SffSources, TextCommand, TextCommandKind};
-use super::open_beside;
 use crate::outline::{ppe, ppf};
+use crate::reading::files::open_beside;
 use crate::reading::options::Budget;
 use crate::reading::warnings::Warnings;
 use crate::{Files, ReadError, Warning};

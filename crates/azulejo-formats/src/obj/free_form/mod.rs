@@ -331,7 +331,7 @@ impl Reader<'_> {
             let Some(&point) = self.raw.positions.get(vertex as usize) else {
                 return Err(self.out_of_range(i64::from(vertex) + 1, start));
             };
-            if normal != super::read::NONE {
+            if normal != super::raw::NONE {
                 self.warn("normals of a surface's control points: not used, it has its own");
             }
             net.points.push(point);

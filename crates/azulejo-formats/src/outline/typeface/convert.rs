@@ -1,7 +1,7 @@
 //! Typefaces as PPF fonts.
 
+use super::face::{SettingError, Typeface};
 use super::overlap::{difference, union};
-use super::{SettingError, Typeface};
 use azulejo_scene::{Curve, Encoding, Figure, FillRule, Font, Glyph};
 use glam::DVec2;
 use read_fonts::ps::agl;

@@ -1,6 +1,6 @@
 //! Text set in a typeface: bidirectional, shaped, kerned.
 
-use super::{SettingError, Typeface};
+use super::face::{SettingError, Typeface};
 use azulejo_scene::{Figure, Line, PlacedGlyph};
 use glam::DVec2;
 use harfrust::{Buffer, Direction, Script, ShapeOptions, ShaperFont, shape, unicode};
