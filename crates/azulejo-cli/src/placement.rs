@@ -161,9 +161,10 @@ fn scale(value: &str) -> Result<DVec3, String> {
         Ok(factor) => DVec3::splat(factor),
         Err(_) => values::vector(value)?,
     };
-    match factors.to_array().contains(&0.0) {
-        true => Err("a scale of 0 leaves nothing".into()),
-        false => Ok(factors),
+    if factors.to_array().contains(&0.0) {
+        Err("a scale of 0 leaves nothing".into())
+    } else {
+        Ok(factors)
     }
 }
 

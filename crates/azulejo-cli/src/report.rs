@@ -98,9 +98,10 @@ pub fn short(x: f64) -> String {
     }
     let decimals = (3 - magnitude.max(1e-4).log10().floor() as i32).clamp(0, 7) as usize;
     let text = format!("{x:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }
 

@@ -62,12 +62,13 @@ pub fn run(
     let failed = verdicts.iter().filter(|v| v.is_promised && !v.holds);
     let failed: Vec<&str> = failed.map(|v| v.label).collect();
     report.value("passed", failed.is_empty());
-    let end = match failed.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::Failed(format!(
+    let end = if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::Failed(format!(
             "does not hold: {}",
             failed.join(", ")
-        ))),
+        )))
     };
     Ok((report, end))
 }

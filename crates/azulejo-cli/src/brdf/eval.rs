@@ -74,9 +74,10 @@ fn pairs(wi: &[Angles], wo: &[Angles]) -> Result<Vec<(Angles, Angles)>, Failure>
 /// Models that do nothing but mirror have no value in 1/sr.
 fn quantity(brdf: &Brdf) -> Quantity {
     let scattered = brdf.albedo(DVec3::Z) - brdf.mirror(1.0);
-    match scattered.is_black() && !brdf.mirror(1.0).is_black() {
-        true => Quantity::Reflectance,
-        false => Quantity::Brdf,
+    if scattered.is_black() && !brdf.mirror(1.0).is_black() {
+        Quantity::Reflectance
+    } else {
+        Quantity::Brdf
     }
 }
 

@@ -154,9 +154,10 @@ impl<T> Default for Many<T> {
 impl<T: Copy> Many<T> {
     /// The values, or one that says nothing.
     pub fn options(&self) -> Vec<Option<T>> {
-        match self.0.is_empty() {
-            true => vec![None],
-            false => self.0.iter().copied().map(Some).collect(),
+        if self.0.is_empty() {
+            vec![None]
+        } else {
+            self.0.iter().copied().map(Some).collect()
         }
     }
 }

@@ -34,13 +34,14 @@ fn surroundings(factors: &FormFactors, report: &mut Report) {
         mean(factors, &shares)
     };
     let (sky, ground, hidden) = (of(|r| r.sky), of(|r| r.ground), of(|r| r.hidden));
-    let mut words = match factors.is_closed {
-        true => "closed".to_owned(),
-        false => format!(
+    let mut words = if factors.is_closed {
+        "closed".to_owned()
+    } else {
+        format!(
             "open: {} of the light leaves it upwards (sky), {} downwards (ground)",
             percent(sky),
             percent(ground)
-        ),
+        )
     };
     if hidden > 0.0 {
         words += &format!("; {} ends on backs", percent(hidden));

@@ -141,13 +141,16 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadFailure> {
 
 /// The same, told of in bytes and given up when it is cancelled.
 fn read_file(path: &Path, progress: &Progress) -> Result<Vec<u8>, ReadFailure> {
-    let failed = |error: io::Error| match progress.is_cancelled() {
-        true => ReadFailure::Cancelled,
-        false => ReadFailure::File(Refused {
-            deed: "read",
-            path: path.to_owned(),
-            error,
-        }),
+    let failed = |error: io::Error| {
+        if progress.is_cancelled() {
+            ReadFailure::Cancelled
+        } else {
+            ReadFailure::File(Refused {
+                deed: "read",
+                path: path.to_owned(),
+                error,
+            })
+        }
     };
     if path == Path::new("-") {
         return limited(io::stdin().lock(), 0, MAX_STREAM, progress).map_err(failed);

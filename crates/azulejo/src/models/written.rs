@@ -217,12 +217,13 @@ impl ModelOutput {
     /// [`WriteFailure`].
     pub fn check_lit(path: &Path) -> Result<ModelOutput, WriteFailure> {
         let output = ModelOutput::check(path)?;
-        match output.format.keeps_light {
-            true => Ok(output),
-            false => Err(WriteFailure::NoPlaceForLight {
+        if output.format.keeps_light {
+            Ok(output)
+        } else {
+            Err(WriteFailure::NoPlaceForLight {
                 path: path.to_owned(),
                 format: output.format.name,
-            }),
+            })
         }
     }
 

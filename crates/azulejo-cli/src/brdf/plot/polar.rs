@@ -43,9 +43,10 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) {
         power: power(values().collect()),
     };
     let has_mirror = lobes.iter().any(|l| l.mirrored > 0.0);
-    let about = match has_mirror {
-        true => "straight lines: mirrored exactly",
-        false => "light comes from the left",
+    let about = if has_mirror {
+        "straight lines: mirrored exactly"
+    } else {
+        "light comes from the left"
     };
     let about = format!("radius: {}, 1/sr; {about}", power_words(dial.power));
     panel.head("Lobes in the plane of incidence", &about, sheet);

@@ -36,20 +36,24 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), 
     let all = || bodies.iter().flatten().flatten().map(|(_, f)| *f);
     let power = power(all().collect());
     let most = all().fold(0.0, f64::max);
-    let about = match most > 0.0 {
-        true => format!(
+    let about = if most > 0.0 {
+        format!(
             "radius: {}, 1/sr; up to {}",
             power_words(power),
             label(most)
-        ),
-        false => "all is mirrored exactly".to_owned(),
+        )
+    } else {
+        "all is mirrored exactly".to_owned()
     };
     panel.head(&format!("Lobe for light from {INCIDENCE}°"), &about, sheet);
     let parts = panel.parts(bodies.len());
     for ((brdf, body), part) in std::iter::zip(&subject.models, bodies).zip(parts) {
-        let grown = |(w, f): (DVec3, f64)| match most > 0.0 {
-            true => w * (f / most).powf(power),
-            false => DVec3::ZERO,
+        let grown = |(w, f): (DVec3, f64)| {
+            if most > 0.0 {
+                w * (f / most).powf(power)
+            } else {
+                DVec3::ZERO
+            }
         };
         let body: Vec<Vec<DVec3>> = body
             .into_iter()
@@ -148,9 +152,10 @@ impl View {
 
     /// Names of the axes, where the body leaves room.
     fn axes(&self, at: DVec2, body: &[Vec<DVec3>], sheet: &mut Drawing) {
-        let names = match self.zoom > 120.0 {
-            true => ["tangent", "bitangent"],
-            false => ["t", "b"],
+        let names = if self.zoom > 120.0 {
+            ["tangent", "bitangent"]
+        } else {
+            ["t", "b"]
         };
         for (axis, name) in [DVec3::X, DVec3::Y].into_iter().zip(names) {
             let tip = self.place(1.12 * axis);

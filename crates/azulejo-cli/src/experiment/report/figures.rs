@@ -130,13 +130,14 @@ pub fn of(records: &[&Record]) -> Vec<Figure> {
             .copied()
             .filter(|r| family(r.run) == name)
             .collect();
-        let pairs = match rows.iter().any(|r| r.run.mirrors.is_some()) {
-            true => vec![
+        let pairs = if rows.iter().any(|r| r.run.mirrors.is_some()) {
+            vec![
                 (&SECONDS, &MIRRORS),
                 (&ROW_ERROR, &MIRRORS),
                 (&B_ERROR, &MIRRORS),
-            ],
-            false => vec![(&SECONDS, &FACETS), (&MEMORY, &FACETS), (&CLOSURE, &FACETS)],
+            ]
+        } else {
+            vec![(&SECONDS, &FACETS), (&MEMORY, &FACETS), (&CLOSURE, &FACETS)]
         };
         for (y, x) in pairs {
             figures.push(figure(name, &rows, x, y, |r| r.setting.clone()));
