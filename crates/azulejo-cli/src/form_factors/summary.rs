@@ -1,13 +1,13 @@
 //! What a matrix is like, for people and for machines.
 
-use super::Matrix;
+use super::NamedMatrix;
 use crate::report::{Report, count, number, percent};
 use azulejo_radiosity::FormFactors;
 use azulejo_radiosity::form_factors::{Moved, Rest, Truncated};
 use serde_json::{Value, json};
 
 /// What is in the matrix and how good it is.
-pub fn describe(matrix: &Matrix, report: &mut Report) {
+pub fn describe(matrix: &NamedMatrix, report: &mut Report) {
     let factors = matrix.factors;
     let (n, entries) = (factors.len(), factors.exchange.entries());
     match matrix.names {
