@@ -65,9 +65,10 @@ fn largest_of_the_corpus() -> Vec<PathBuf> {
 fn files_below(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
-        match path.is_dir() {
-            true => files_below(&path, files),
-            false => files.push(path),
+        if path.is_dir() {
+            files_below(&path, files)
+        } else {
+            files.push(path)
         }
     }
 }
@@ -247,9 +248,10 @@ fn measure(file: &Path, smallest: &Path) {
     let (own_cpu, own_speed) = cells(Some(own));
     let (other_cpu, other_speed) = cells(other);
     let (scene, peak) = memory(file, smallest);
-    let share = match scene > 0.0 {
-        true => format!("{:.1}", peak / scene),
-        false => String::new(),
+    let share = if scene > 0.0 {
+        format!("{:.1}", peak / scene)
+    } else {
+        String::new()
     };
     println!(
         "{megabytes:9.3} | {own_cpu:>8} {own_speed:>8} | {other_cpu:>8} {other_speed:>8} | {:>6} {:>6} | {:>7.1}M {:>7.1}M {share:>6} | {}",

@@ -26,13 +26,13 @@ pub struct Cli {
     pub command: Command,
     /// How to do it.
     #[command(flatten)]
-    pub common: Common,
+    pub common: CommonArgs,
 }
 
 /// Switches of every command.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Everywhere")]
-pub struct Common {
+pub struct CommonArgs {
     /// Print one JSON object on standard output instead of words
     #[arg(long, global = true)]
     pub json: bool,
@@ -126,7 +126,7 @@ pub struct WorkbenchArgs {
 
 /// Which models to read.
 #[derive(Debug, Args)]
-pub struct Input {
+pub struct InputArgs {
     /// Model files; several are merged into one scene. `-` is standard input
     #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath)]
     pub scenes: Vec<PathBuf>,
@@ -134,13 +134,13 @@ pub struct Input {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub lights: Option<PathBuf>,
     #[command(flatten)]
-    pub reading: Reading,
+    pub reading: ReadingArgs,
 }
 
 /// How models are read and put together.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Reading")]
-pub struct Reading {
+pub struct ReadingArgs {
     /// Where one of the models goes: FILE:translate=1,0,2,rotate=0,90,0,scale=2, done in the
     /// order written (degrees about x, y, z; one scale or three), or fit=2 to give it that largest
     /// side and stand it on the origin; also up=z and unit=mm for a model that does not say its
@@ -174,14 +174,14 @@ pub struct Reading {
 #[derive(Debug, Args)]
 pub struct InfoArgs {
     #[command(flatten)]
-    pub input: Input,
+    pub input: InputArgs,
 }
 
 /// `convert`
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
     #[command(flatten)]
-    pub input: Input,
+    pub input: InputArgs,
     /// Where to write, by extension: .grf, .obj (with its .mtl beside), .glb, .gltf or .ply; `-`
     /// writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
@@ -191,7 +191,7 @@ pub struct ConvertArgs {
 /// How finely the surfaces are divided.
 #[derive(Clone, Copy, Debug, Args)]
 #[group(multiple = false)]
-pub struct Division {
+pub struct DivisionArgs {
     /// About how many patches to divide the surfaces into
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub patches: Option<u64>,
@@ -205,7 +205,7 @@ pub struct Division {
 #[command(next_help_heading = "First pass")]
 pub struct FirstPassArgs {
     #[command(flatten)]
-    pub division: Division,
+    pub division: DivisionArgs,
     /// Stop when the estimated relative error of the irradiance (RMS) is below this: 1% or 0.01
     /// [default without --rays: 3%, or what 2048 rays give]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
@@ -237,7 +237,7 @@ pub struct FirstPassArgs {
 #[derive(Debug, Args)]
 pub struct SolveArgs {
     #[command(flatten)]
-    pub input: Input,
+    pub input: InputArgs,
     /// Where to write the scene with its light, by extension: .grf, .glb, .gltf or .ply; `-` writes
     /// GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
@@ -260,7 +260,7 @@ pub enum ToneName {
 /// The viewpoint.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Viewpoint")]
-pub struct View {
+pub struct CameraArgs {
     /// A camera file (.json), or the name of one of the scene's cameras [default: the scene's
     /// first camera, or a view of all of it]
     #[arg(long, value_name = "FILE|NAME", value_hint = ValueHint::FilePath)]
@@ -280,24 +280,24 @@ pub struct View {
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[command(flatten)]
-    pub input: Input,
+    pub input: InputArgs,
     /// Where to write, by extension: .png (for looking at), .exr or .hdr (linear radiance);
     /// `-` writes PNG to standard output
     #[arg(long, short, value_name = "IMAGE", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     #[command(flatten)]
-    pub picture: Picture,
+    pub picture: ImageArgs,
     #[command(flatten)]
-    pub view: View,
+    pub view: CameraArgs,
     #[command(flatten)]
-    pub look: LookArgs,
+    pub look: RtraceArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }
 
 /// Whose picture it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LookName {
+pub enum RenderStyle {
     /// Light as it is
     Physical,
     /// An SFF or SCN scene as RTRACE drew it
@@ -307,10 +307,10 @@ pub enum LookName {
 /// RTRACE's options; the letters in brackets are its own.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Look")]
-pub struct LookArgs {
+pub struct RtraceArgs {
     /// Light as it is, or an SFF or SCN scene as RTRACE drew it, for which the rest of these are
-    #[arg(long, value_name = "LOOK", value_enum, default_value_t = LookName::Physical)]
-    pub look: LookName,
+    #[arg(long, value_name = "LOOK", value_enum, default_value_t = RenderStyle::Physical)]
+    pub look: RenderStyle,
     /// How surfaces shine (m): 0 Phong, 1 Strauss [default: 1]
     #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
     pub look_model: Option<u8>,
@@ -362,8 +362,8 @@ pub struct LookArgs {
 
 /// The picture.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Picture")]
-pub struct Picture {
+#[command(next_help_heading = "Image")]
+pub struct ImageArgs {
     /// Width and height in pixels [default: the camera's, or 512x512; RTRACE's is 256x256]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub size: Option<(u32, u32)>,
@@ -393,7 +393,7 @@ pub struct Picture {
 /// What to measure.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
-pub struct Probes {
+pub struct ProbeSources {
     /// Irradiance at points: text (x y z nx ny nz per line), or .npy (n x 3, with --normals;
     /// or n x 6)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -410,9 +410,9 @@ pub struct Probes {
 #[derive(Debug, Args)]
 pub struct ProbeArgs {
     #[command(flatten)]
-    pub input: Input,
+    pub input: InputArgs,
     #[command(flatten)]
-    pub probes: Probes,
+    pub probes: ProbeSources,
     /// Normals of the points, .npy (n x 3)
     #[arg(long, value_name = "FILE", requires = "points", value_hint = ValueHint::FilePath)]
     pub normals: Option<PathBuf>,

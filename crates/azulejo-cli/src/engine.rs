@@ -67,7 +67,7 @@ pub struct EngineArgs {
 }
 
 /// What was typed, made ready.
-pub struct Chosen {
+pub struct PreparedEngine {
     /// For the library's options.
     pub engine: Engine,
     /// Whether nothing but this kernel will do.
@@ -78,7 +78,7 @@ pub struct Chosen {
 
 impl EngineArgs {
     /// Loads what the engine needs, or says what is missing and how to get it.
-    pub fn choose(&self) -> Result<Chosen, Failure> {
+    pub fn prepare(&self) -> Result<PreparedEngine, Failure> {
         self.check()?;
         let mut notes = Vec::new();
         let kernel = self.kernel(&mut notes)?;
@@ -89,7 +89,7 @@ impl EngineArgs {
             EngineName::Hybrid => Engine::Hybrid(self.hemicube(&mut notes)?),
             EngineName::Analytic => Engine::Analytic,
         };
-        Ok(Chosen {
+        Ok(PreparedEngine {
             engine,
             must_be_foreign: self.engine == EngineName::Embree,
             kernel,
@@ -223,7 +223,7 @@ pub fn embree_version() -> Result<String, String> {
     load_embree(None).map(|_| String::new())
 }
 
-impl Chosen {
+impl PreparedEngine {
     /// What was not done as asked.
     pub fn notes(&self) -> &[String] {
         &self.notes

@@ -1,6 +1,6 @@
 //! `info`: what is in a model.
 
-use super::args::{InfoArgs, Input};
+use super::args::{InfoArgs, InputArgs};
 use super::failure::Failure;
 use super::input;
 use super::inventory::Inventory;
@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 const LISTED: usize = 20;
 
 /// What one object adds to the scene.
-struct Part<'s> {
+struct ObjectSummary<'s> {
     kind: &'static str,
     /// What an exact shape that is more than a primitive is made of.
     inventory: Option<Inventory<'s>>,
@@ -36,7 +36,7 @@ struct Part<'s> {
 pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     session.list_warnings();
     let scene = input::read_all(&args.input, session)?;
-    let parts: Vec<Part<'_>> = scene.objects.iter().map(|o| part(&scene, o)).collect();
+    let parts: Vec<ObjectSummary<'_>> = scene.objects.iter().map(|o| part(&scene, o)).collect();
     let mut report = Report::default();
     source(&args.input, session, &mut report);
     contents(&scene, &parts, &mut report);
@@ -56,7 +56,7 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
 }
 
 /// The files and their formats; machines get one name where there is one file.
-fn source(input: &Input, session: &Session, report: &mut Report) {
+fn source(input: &InputArgs, session: &Session, report: &mut Report) {
     let files: Vec<String> = input
         .scenes
         .iter()
@@ -90,7 +90,7 @@ fn skipped(session: &Session, report: &mut Report) {
         .for_each(|w| report.plain(w.clone()));
 }
 
-fn part<'s>(scene: &'s Scene, object: &'s Object) -> Part<'s> {
+fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
     // Of both sides together.
     let emission = |m: MaterialId| {
         let material = &scene.materials[m as usize];
@@ -106,7 +106,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> Part<'s> {
                 power += emission(m) * (PI * a);
             }
             let shines = mesh.face_materials.iter().any(|&m| !emission(m).is_black());
-            Part {
+            ObjectSummary {
                 kind: "mesh",
                 inventory: None,
                 materials: different(&mesh.face_materials),
@@ -126,7 +126,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> Part<'s> {
             }
             let inventory = Inventory::of(exact);
             let materials: Vec<MaterialId> = exact.leaves().iter().map(|l| l.material()).collect();
-            Part {
+            ObjectSummary {
                 kind: inventory.kind(exact),
                 inventory: Some(inventory),
                 materials: different(&materials),
@@ -141,7 +141,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> Part<'s> {
         Shape::Primitive(p) => {
             let emitted = emission(p.material);
             let area = p.area();
-            Part {
+            ObjectSummary {
                 kind: kind_name(p.kind),
                 inventory: None,
                 materials: 1,
@@ -171,8 +171,8 @@ fn kind_name(kind: PrimitiveKind) -> &'static str {
     }
 }
 
-fn contents(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
-    let sum = |f: fn(&Part<'_>) -> usize| parts.iter().map(f).sum::<usize>();
+fn contents(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
+    let sum = |f: fn(&ObjectSummary<'_>) -> usize| parts.iter().map(f).sum::<usize>();
     let exact = parts.iter().filter(|p| p.kind != "mesh").count();
     let words = match exact {
         0 => count(parts.len()),
@@ -193,7 +193,7 @@ fn contents(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
 }
 
 /// The solids of exact shapes and the figures that they share.
-fn figures(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
+fn figures(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
     let mut all = Inventory::default();
     for (object, part) in scene.objects.iter().zip(parts) {
         if let (Shape::Exact(exact), Some(inventory)) = (&object.shape, &part.inventory) {
@@ -211,7 +211,7 @@ fn figures(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
     report.value("curves", all.curves);
 }
 
-fn extent(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
+fn extent(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
     let Aabb { min, max } = scene.bounds();
     let light = if scene.units.photometric {
         "cd/m² and lux"
@@ -248,8 +248,8 @@ fn extent(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
     );
 }
 
-fn lights(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
-    let lamps: Vec<&Part<'_>> = parts.iter().filter(|p| p.power.is_some()).collect();
+fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
+    let lamps: Vec<&ObjectSummary<'_>> = parts.iter().filter(|p| p.power.is_some()).collect();
     let power: Rgb = lamps.iter().filter_map(|p| p.power).sum();
     let mut kinds = [
         ("point", 0),
@@ -312,7 +312,7 @@ fn quoted(names: &[&str]) -> String {
     words.join(", ")
 }
 
-fn objects(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
+fn objects(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
     let list = scene.objects.iter().zip(parts).map(|(object, part)| {
         let mut value = json!({
             "name": object.name,
@@ -342,7 +342,7 @@ fn objects(scene: &Scene, parts: &[Part<'_>], report: &mut Report) {
 }
 
 /// The first objects as rows of aligned columns under a heading.
-fn table(scene: &Scene, parts: &[Part<'_>]) -> Vec<String> {
+fn table(scene: &Scene, parts: &[ObjectSummary<'_>]) -> Vec<String> {
     if parts.is_empty() {
         return Vec::new();
     }

@@ -1,6 +1,6 @@
 //! Models from files to one scene.
 
-use super::args::{Input, Reading};
+use super::args::{InputArgs, ReadingArgs};
 use super::failure::Failure;
 use super::placement::Placement;
 use super::session::Session;
@@ -13,13 +13,13 @@ use std::path::{Path, PathBuf};
 /// Reads all models of a command, puts each in its place and merges them; says what was skipped.
 ///
 /// The first model's axes and unit become the scene's, unless the command line says others.
-pub fn read_all(input: &Input, session: &mut Session) -> Result<Scene, Failure> {
+pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failure> {
     if !session.makes_picture() && matches!(input.reading.up, Some(UpArg::Picture(_))) {
         return Err(Failure::misuse(
             "--up: expected y or z; a direction is for pictures",
         ));
     }
-    let mut placements = Placements::new(&input.reading.place, &input.scenes)?;
+    let mut placements = PlacementQueue::new(&input.reading.place, &input.scenes)?;
     let mut whole: Option<Scene> = None;
     for (path, branch) in input.scenes.iter().zip(branches(&input.scenes)) {
         let placement = placements.next(path);
@@ -65,7 +65,7 @@ fn unplaceable(path: &Path, problem: &impl std::fmt::Display) -> Failure {
 }
 
 /// Units of the scene: what the command line says, else those there are.
-fn wanted_units(reading: &Reading, units: Units) -> Units {
+fn wanted_units(reading: &ReadingArgs, units: Units) -> Units {
     Units {
         metres_per_unit: reading.unit.or(units.metres_per_unit),
         up: match reading.up {
@@ -90,10 +90,10 @@ fn branches(paths: &[PathBuf]) -> Vec<Option<String>> {
 }
 
 /// Hands out placements: the first about a file for its first mention, and so on.
-struct Placements<'a>(Vec<&'a Placement>);
+struct PlacementQueue<'a>(Vec<&'a Placement>);
 
-impl<'a> Placements<'a> {
-    fn new(list: &'a [Placement], paths: &[PathBuf]) -> Result<Placements<'a>, Failure> {
+impl<'a> PlacementQueue<'a> {
+    fn new(list: &'a [Placement], paths: &[PathBuf]) -> Result<PlacementQueue<'a>, Failure> {
         match list
             .iter()
             .find(|p| !paths.iter().any(|path| p.is_about(path)))
@@ -102,7 +102,7 @@ impl<'a> Placements<'a> {
                 "--place {}: no scene of that name is given",
                 p.file
             ))),
-            None => Ok(Placements(list.iter().collect())),
+            None => Ok(PlacementQueue(list.iter().collect())),
         }
     }
 
@@ -113,7 +113,7 @@ impl<'a> Placements<'a> {
 }
 
 /// Reads one model; says what was skipped.
-fn read_one(path: &Path, reading: &Reading, session: &mut Session) -> Result<Scene, Failure> {
+fn read_one(path: &Path, reading: &ReadingArgs, session: &mut Session) -> Result<Scene, Failure> {
     let how = models::Reading {
         options: ReadOptions {
             lod: reading.lod,

@@ -107,9 +107,10 @@ impl<'s> Inventory<'s> {
         ];
         let there = parts.into_iter().filter(|(n, _)| *n > 0);
         let words: Vec<String> = there.map(|(_, words)| words).collect();
-        match words.is_empty() {
-            true => "nothing".to_owned(),
-            false => words.join("; "),
+        if words.is_empty() {
+            "nothing".to_owned()
+        } else {
+            words.join("; ")
         }
     }
 }

@@ -3,6 +3,7 @@
 
 mod args;
 mod brdf;
+mod camera;
 mod clock;
 mod convert;
 mod drawing;
@@ -16,23 +17,22 @@ mod input;
 mod interrupt;
 mod inventory;
 mod lettering;
-mod look;
 mod npy;
 mod npz;
 mod pass;
 mod placement;
 mod points;
 mod probe;
+mod progress_bar;
 mod render;
 mod report;
+mod rtrace;
 mod session;
 mod solve;
 mod values;
-mod view;
-mod watch;
 mod workbench;
 
-use args::{Cli, Command, Common};
+use args::{Cli, Command, CommonArgs};
 use clap::Parser;
 use failure::Failure;
 use session::Session;
@@ -88,7 +88,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
 }
 
 /// The error in words on standard error, and for machines as JSON where they look for it.
-fn complain(failure: &Failure, common: Common) {
+fn complain(failure: &Failure, common: CommonArgs) {
     if matches!(failure, Failure::BrokenPipe) {
         return;
     }

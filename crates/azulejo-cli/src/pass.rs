@@ -1,7 +1,7 @@
 //! The first pass as the command line runs it: options, solution, summary.
 
-use super::args::{Division, FirstPassArgs};
-use super::engine::Chosen;
+use super::args::{DivisionArgs, FirstPassArgs};
+use super::engine::PreparedEngine;
 use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
 use super::session::Session;
@@ -11,13 +11,13 @@ use azulejo_scene::{Rgb, Scene, Units};
 use azulejo_trace::Tracer;
 
 /// How finely to divide, as the library takes it; `None` leaves it to the library.
-pub fn patch_size(division: &Division) -> Option<PatchSize> {
+pub fn patch_size(division: &DivisionArgs) -> Option<PatchSize> {
     let count = division.patches.map(|n| PatchSize::Count(n as usize));
     count.or(division.patch_size.map(PatchSize::Edge))
 }
 
 /// The library's options from the command line's.
-pub fn options(args: &FirstPassArgs, chosen: &Chosen) -> FirstPass {
+pub fn options(args: &FirstPassArgs, prepared: &PreparedEngine) -> FirstPass {
     FirstPass {
         size: patch_size(&args.division).unwrap_or(FirstPass::default().size),
         error: args.error,
@@ -26,7 +26,7 @@ pub fn options(args: &FirstPassArgs, chosen: &Chosen) -> FirstPass {
         seed: args.seed,
         memory: args.memory.unwrap_or_else(machine::memory_budget),
         keep_mesh: args.keep_mesh,
-        engine: chosen.engine.clone(),
+        engine: prepared.engine.clone(),
     }
 }
 
@@ -35,13 +35,13 @@ pub fn solve(
     scene: &Scene,
     tracer: &Tracer,
     args: &FirstPassArgs,
-    chosen: &Chosen,
+    prepared: &PreparedEngine,
     session: &Session,
 ) -> Result<LightSolution, Failure> {
     session.limit_time(args.time);
-    let options = options(args, chosen);
+    let options = options(args, prepared);
     session
-        .watched(|progress| azulejo_radiosity::solve(scene, tracer, &options, progress))
+        .with_progress(|progress| azulejo_radiosity::solve(scene, tracer, &options, progress))
         .map_err(failure)
 }
 
@@ -61,11 +61,11 @@ pub fn power_unit(units: Units) -> &'static str {
 /// What the first pass did and how good its answer is.
 pub fn describe(
     pass: &azulejo_radiosity::Report,
-    chosen: &Chosen,
+    prepared: &PreparedEngine,
     units: Units,
     report: &mut Report,
 ) {
-    chosen.describe(&pass.engine_used, report);
+    prepared.describe(&pass.engine_used, report);
     let method = match pass.method {
         Method::Matrix => "matrix",
         Method::Stochastic => "stochastic",

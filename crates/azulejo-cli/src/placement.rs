@@ -12,7 +12,7 @@ pub struct Placement {
     /// The file as it was typed.
     pub file: String,
     /// What brings it to its place, in the scene's axes and unit, the first step first.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PlacementStep>,
     /// Its up axis, whatever its format's convention.
     pub up: Option<Up>,
     /// Its unit in metres, whatever it says.
@@ -23,7 +23,7 @@ pub struct Placement {
 
 /// One step of a placement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
+pub enum PlacementStep {
     /// An affine map.
     Map(DAffine3),
     /// To this largest side, standing on the origin.
@@ -36,8 +36,8 @@ impl Placement {
         let mut map = DAffine3::IDENTITY;
         for step in &self.steps {
             let next = match *step {
-                Step::Map(next) => next,
-                Step::Fit(side) => fit(mapped(bounds, &map), side, up),
+                PlacementStep::Map(next) => next,
+                PlacementStep::Fit(side) => fit(mapped(bounds, &map), side, up),
             };
             map = next * map;
         }
@@ -99,12 +99,12 @@ fn entries(how: &str) -> Result<Vec<(&str, String)>, String> {
 impl Placement {
     fn set(&mut self, key: &str, value: &str) -> Result<(), String> {
         let step = match key {
-            "translate" => Step::Map(DAffine3::from_translation(values::vector(value)?)),
-            "rotate" => Step::Map(DAffine3::from_mat3(rotation(values::vector(value)?))),
-            "scale" => Step::Map(DAffine3::from_scale(scale(value)?)),
+            "translate" => PlacementStep::Map(DAffine3::from_translation(values::vector(value)?)),
+            "rotate" => PlacementStep::Map(DAffine3::from_mat3(rotation(values::vector(value)?))),
+            "scale" => PlacementStep::Map(DAffine3::from_scale(scale(value)?)),
             "fit" => match values::not_negative(value)? {
                 0.0 => return Err("nothing fits into 0".into()),
-                side => Step::Fit(side),
+                side => PlacementStep::Fit(side),
             },
             "up" => {
                 self.up = Some(values::axis(value)?);
@@ -161,9 +161,10 @@ fn scale(value: &str) -> Result<DVec3, String> {
         Ok(factor) => DVec3::splat(factor),
         Err(_) => values::vector(value)?,
     };
-    match factors.to_array().contains(&0.0) {
-        true => Err("a scale of 0 leaves nothing".into()),
-        false => Ok(factors),
+    if factors.to_array().contains(&0.0) {
+        Err("a scale of 0 leaves nothing".into())
+    } else {
+        Ok(factors)
     }
 }
 

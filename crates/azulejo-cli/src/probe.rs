@@ -2,7 +2,7 @@
 
 use super::args::ProbeArgs;
 use super::clock::Clock;
-use super::engine::Chosen;
+use super::engine::PreparedEngine;
 use super::failure::Failure;
 use super::report::{Report, count, number, seconds, short};
 use super::session::Session;
@@ -24,8 +24,8 @@ const HIT: usize = 5;
 /// Rays between two looks at the progress.
 const BATCH: usize = 4096;
 
-/// Rows of numbers to be written.
-struct Rows {
+/// ProbeResults of numbers to be written.
+struct ProbeResults {
     columns: usize,
     values: Vec<f64>,
 }
@@ -36,14 +36,14 @@ pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = args.output.as_deref().or(default);
     let output = output.map(Output::check).transpose()?;
     session.claim_stdout(output.as_ref().is_some_and(Output::is_stdout))?;
-    let chosen = args.first_pass.engine.choose()?;
+    let prepared = args.first_pass.engine.prepare()?;
     let mut scene = input::read_all(&args.input, session)?;
     let mut report = Report::default();
     let probes = &args.probes;
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {
-        (Some(path), _, _) => irradiance(&scene, path, args, &chosen, session, &mut report)?,
-        (_, Some(path), _) => radiance(&mut scene, path, args, &chosen, session, &mut report)?,
-        (_, _, Some(path)) => hits(&scene, path, &chosen, session, &mut report)?,
+        (Some(path), _, _) => irradiance(&scene, path, args, &prepared, session, &mut report)?,
+        (_, Some(path), _) => radiance(&mut scene, path, args, &prepared, session, &mut report)?,
+        (_, _, Some(path)) => hits(&scene, path, &prepared, session, &mut report)?,
         _ => return Err(Failure::misuse("nothing to probe")),
     };
     if let Some(output) = output {
@@ -54,9 +54,9 @@ pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
 }
 
 /// Prepares the scene for tracing and reports how long that took.
-fn build(scene: &Scene, chosen: &Chosen, report: &mut Report) -> Result<Tracer, Failure> {
+fn build(scene: &Scene, prepared: &PreparedEngine, report: &mut Report) -> Result<Tracer, Failure> {
     let clock = Clock::start();
-    let tracer = chosen.tracer(scene)?;
+    let tracer = prepared.tracer(scene)?;
     spent("building", "build", clock, report);
     Ok(tracer)
 }
@@ -74,22 +74,22 @@ fn irradiance(
     scene: &Scene,
     path: &Path,
     args: &ProbeArgs,
-    chosen: &Chosen,
+    prepared: &PreparedEngine,
     session: &Session,
     report: &mut Report,
-) -> Result<Rows, Failure> {
+) -> Result<ProbeResults, Failure> {
     let points = points::read_points(path, args.normals.as_deref())?;
-    let tracer = build(scene, chosen, report)?;
-    let options = pass::options(&args.first_pass, chosen);
+    let tracer = build(scene, prepared, report)?;
+    let options = pass::options(&args.first_pass, prepared);
     session.limit_time(args.first_pass.time);
     let clock = Clock::start();
     let probed = session
-        .watched(|p| azulejo_radiosity::probe(scene, &tracer, &points, &options, p))
+        .with_progress(|p| azulejo_radiosity::probe(scene, &tracer, &points, &options, p))
         .map_err(pass::failure)?;
     spent("tracing", "trace", clock, report);
-    pass::describe(&probed.report, chosen, scene.units, report);
+    pass::describe(&probed.report, prepared, scene.units, report);
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
-    Ok(Rows {
+    Ok(ProbeResults {
         columns: IRRADIANCE,
         values: probed.estimates.iter().flat_map(row).collect(),
     })
@@ -99,28 +99,28 @@ fn radiance(
     scene: &mut Scene,
     path: &Path,
     args: &ProbeArgs,
-    chosen: &Chosen,
+    prepared: &PreparedEngine,
     session: &Session,
     report: &mut Report,
-) -> Result<Rows, Failure> {
+) -> Result<ProbeResults, Failure> {
     let rays = points::read_rays(path)?;
     if !scene.is_solved() {
-        let tracer = chosen.tracer(scene)?;
-        let light = pass::solve(scene, &tracer, &args.first_pass, chosen, session)?;
-        pass::describe(&light.report, chosen, scene.units, report);
+        let tracer = prepared.tracer(scene)?;
+        let light = pass::solve(scene, &tracer, &args.first_pass, prepared, session)?;
+        pass::describe(&light.report, prepared, scene.units, report);
         scene.set_irradiance(light.irradiance);
     }
-    let tracer = build(scene, chosen, report)?;
+    let tracer = build(scene, prepared, report)?;
     let options = SecondPass {
         seed: args.first_pass.seed,
         ..SecondPass::default()
     };
     let clock = Clock::start();
     let found =
-        session.watched(|p| azulejo_render::radiance(scene, &tracer, &rays, &options, p))?;
+        session.with_progress(|p| azulejo_render::radiance(scene, &tracer, &rays, &options, p))?;
     spent("tracing", "trace", clock, report);
     report.fact("rays", rays.len(), "rays", count(rays.len()));
-    Ok(Rows {
+    Ok(ProbeResults {
         columns: RADIANCE,
         values: found.iter().flat_map(|l| l.to_array()).collect(),
     })
@@ -129,14 +129,14 @@ fn radiance(
 fn hits(
     scene: &Scene,
     path: &Path,
-    chosen: &Chosen,
+    prepared: &PreparedEngine,
     session: &Session,
     report: &mut Report,
-) -> Result<Rows, Failure> {
+) -> Result<ProbeResults, Failure> {
     let rays = points::read_rays(path)?;
-    let tracer = build(scene, chosen, report)?;
+    let tracer = build(scene, prepared, report)?;
     let clock = Clock::start();
-    let found = session.watched(|p| trace(&tracer, &rays, p))?;
+    let found = session.with_progress(|p| trace(&tracer, &rays, p))?;
     let wall = clock.wall();
     spent("tracing", "trace", clock, report);
     let met = found.iter().filter(|h| h.is_hit()).count();
@@ -151,7 +151,7 @@ fn hits(
     report.value("hits", met);
     report.value("rays_per_second", number(rate));
     let row = |hit: &KernelHit| hit_row(scene, &tracer, hit);
-    Ok(Rows {
+    Ok(ProbeResults {
         columns: HIT,
         values: found.iter().flat_map(row).collect(),
     })

@@ -1,10 +1,10 @@
 //! `render`: the second pass, from scene to picture; or one by brute force.
 
-use super::args::{LookName, Picture, RenderArgs, ToneName};
+use super::args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
 use super::failure::Failure;
 use super::report::{Report, number, percent, short};
 use super::session::Session;
-use super::{input, look, pass, view};
+use super::{camera, input, pass, rtrace};
 use azulejo::output::Output;
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{ReferencePass, SecondPass, Tone};
@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// How a picture is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+enum ImageFormat {
     Png,
     Exr,
     Hdr,
@@ -23,7 +23,7 @@ enum Format {
 /// Runs `render`.
 pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> {
     let format = format_of(&args.output)?;
-    look::check(args)?;
+    rtrace::check(args)?;
     let output = Output::check(&args.output)?;
     let errors = args.picture.error_image.as_deref().map(errors_of);
     let errors = errors.transpose()?;
@@ -32,11 +32,11 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let mut scene = input::read_all(&args.input, session)?;
     let mut report = Report::default();
     let image = match args.look.look {
-        LookName::Physical if args.picture.reference => {
+        RenderStyle::Physical if args.picture.reference => {
             truth(&scene, args, errors.as_ref(), session, &mut report)?
         }
-        LookName::Physical => physical(&mut scene, args, session, &mut report)?,
-        LookName::Rtrace => look::draw(&scene, args, session)?,
+        RenderStyle::Physical => physical(&mut scene, args, session, &mut report)?,
+        RenderStyle::Rtrace => rtrace::draw(&scene, args, session)?,
     };
     write(&image, format, args, &output, session, &mut report)?;
     let (width, height) = (image.width, image.height);
@@ -55,11 +55,13 @@ fn physical(
     session: &Session,
     report: &mut Report,
 ) -> Result<Image, Failure> {
-    let (camera, size) = view::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
+    let (camera, size) =
+        camera::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
     let tracer = lit(scene, args, session, report)?;
     let options = options(&args.picture, args.first_pass.seed, size);
-    let image = session
-        .watched(|progress| azulejo_render::render(scene, &tracer, &camera, &options, progress))?;
+    let image = session.with_progress(|progress| {
+        azulejo_render::render(scene, &tracer, &camera, &options, progress)
+    })?;
     Ok(image)
 }
 
@@ -71,19 +73,20 @@ const REFERENCE_SAMPLES: u32 = 256;
 fn truth(
     scene: &Scene,
     args: &RenderArgs,
-    errors: Option<&(Output, Format)>,
+    errors: Option<&(Output, ImageFormat)>,
     session: &Session,
     report: &mut Report,
 ) -> Result<Image, Failure> {
-    let (camera, size) = view::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
-    let tracer = args.first_pass.engine.choose()?.tracer(scene)?;
+    let (camera, size) =
+        camera::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
+    let tracer = args.first_pass.engine.prepare()?.tracer(scene)?;
     let options = ReferencePass {
         size,
         samples_per_pixel: args.picture.spp.unwrap_or(REFERENCE_SAMPLES),
         seed: args.first_pass.seed,
         ..ReferencePass::default()
     };
-    let found = session.watched(|progress| {
+    let found = session.with_progress(|progress| {
         azulejo_render::reference(scene, &tracer, &camera, &options, progress)
     })?;
     let error = found.relative_error();
@@ -99,9 +102,9 @@ fn truth(
 }
 
 /// Where errors go, and how: they are numbers, not for looking at.
-fn errors_of(path: &Path) -> Result<(Output, Format), Failure> {
+fn errors_of(path: &Path) -> Result<(Output, ImageFormat), Failure> {
     match format_of(path)? {
-        Format::Png => Err(Failure::misuse(format_args!(
+        ImageFormat::Png => Err(Failure::misuse(format_args!(
             "{}: errors are written as numbers, expected .exr or .hdr",
             path.display()
         ))),
@@ -116,29 +119,29 @@ fn lit(
     session: &Session,
     report: &mut Report,
 ) -> Result<Tracer, Failure> {
-    let chosen = args.first_pass.engine.choose()?;
+    let prepared = args.first_pass.engine.prepare()?;
     let solved = scene.is_solved();
     report.value("solved_before", solved);
     if solved {
-        return chosen.tracer(scene);
+        return prepared.tracer(scene);
     }
-    let tracer = chosen.tracer(scene)?;
-    let light = pass::solve(scene, &tracer, &args.first_pass, &chosen, session)?;
-    pass::describe(&light.report, &chosen, scene.units, report);
+    let tracer = prepared.tracer(scene)?;
+    let light = pass::solve(scene, &tracer, &args.first_pass, &prepared, session)?;
+    pass::describe(&light.report, &prepared, scene.units, report);
     scene.set_irradiance(light.irradiance);
     // The refined mesh has other faces than the one that was traced so far.
-    chosen.tracer(scene)
+    prepared.tracer(scene)
 }
 
-fn format_of(path: &Path) -> Result<Format, Failure> {
+fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
     if path == Path::new("-") {
-        return Ok(Format::Png);
+        return Ok(ImageFormat::Png);
     }
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     match extension.to_ascii_lowercase().as_str() {
-        "png" => Ok(Format::Png),
-        "exr" => Ok(Format::Exr),
-        "hdr" => Ok(Format::Hdr),
+        "png" => Ok(ImageFormat::Png),
+        "exr" => Ok(ImageFormat::Exr),
+        "hdr" => Ok(ImageFormat::Hdr),
         _ => Err(Failure::misuse(format_args!(
             "{}: unknown kind of picture, expected .png, .exr or .hdr",
             path.display()
@@ -146,7 +149,7 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
     }
 }
 
-fn options(picture: &Picture, seed: u64, size: (u32, u32)) -> SecondPass {
+fn options(picture: &ImageArgs, seed: u64, size: (u32, u32)) -> SecondPass {
     SecondPass {
         size,
         samples_per_pixel: picture.spp.unwrap_or(SAMPLES),
@@ -167,12 +170,12 @@ fn tone(name: ToneName) -> Tone {
 /// Writes radiance, or errors of it.
 fn write_linear(
     image: &Image,
-    format: Format,
+    format: ImageFormat,
     output: &Output,
     session: &Session,
 ) -> Result<(), Failure> {
     output.write(session.progress(), |out| match format {
-        Format::Hdr => hdr::write(image, out),
+        ImageFormat::Hdr => hdr::write(image, out),
         _ => exr::write(image, out),
     })?;
     Ok(())
@@ -180,7 +183,7 @@ fn write_linear(
 
 fn write(
     image: &Image,
-    format: Format,
+    format: ImageFormat,
     args: &RenderArgs,
     output: &Output,
     session: &Session,
@@ -188,14 +191,14 @@ fn write(
 ) -> Result<(), Failure> {
     let progress = session.progress();
     match format {
-        Format::Exr | Format::Hdr => write_linear(image, format, output, session)?,
-        Format::Png if args.look.look == LookName::Rtrace => {
+        ImageFormat::Exr | ImageFormat::Hdr => write_linear(image, format, output, session)?,
+        ImageFormat::Png if args.look.look == RenderStyle::Rtrace => {
             let pixels = azulejo_render::rtrace::bytes(image);
             output.write(progress, |out| {
                 png::write(image.width, image.height, &pixels, out)
             })?;
         }
-        Format::Png => {
+        ImageFormat::Png => {
             let factor = match args.picture.exposure {
                 Some(stops) => stops.exp2(),
                 None => azulejo_render::auto_exposure(image),

@@ -6,12 +6,12 @@ use std::io::{self, Write};
 /// Facts in order: a label and words for people, a key and a value for machines.
 #[derive(Debug, Default)]
 pub struct Report {
-    lines: Vec<Line>,
+    lines: Vec<ReportLine>,
     values: Map<String, Value>,
 }
 
 #[derive(Debug)]
-enum Line {
+enum ReportLine {
     Labelled(String, String),
     Plain(String),
 }
@@ -37,25 +37,25 @@ impl Report {
     /// Adds a line for people alone.
     pub fn line(&mut self, label: &str, words: impl Into<String>) {
         self.lines
-            .push(Line::Labelled(label.to_owned(), words.into()));
+            .push(ReportLine::Labelled(label.to_owned(), words.into()));
     }
 
     /// Adds a line without a label for people alone.
     pub fn plain(&mut self, words: impl Into<String>) {
-        self.lines.push(Line::Plain(words.into()));
+        self.lines.push(ReportLine::Plain(words.into()));
     }
 
     /// Writes the lines, labels and words in two aligned columns.
     pub fn write_lines(&self, out: &mut dyn Write) -> io::Result<()> {
-        let label_width = |line: &Line| match line {
-            Line::Labelled(label, _) => label.chars().count(),
-            Line::Plain(_) => 0,
+        let label_width = |line: &ReportLine| match line {
+            ReportLine::Labelled(label, _) => label.chars().count(),
+            ReportLine::Plain(_) => 0,
         };
         let width = self.lines.iter().map(label_width).max().unwrap_or(0);
         for line in &self.lines {
             match line {
-                Line::Labelled(label, words) => writeln!(out, "{label:<width$}  {words}")?,
-                Line::Plain(words) => writeln!(out, "{words}")?,
+                ReportLine::Labelled(label, words) => writeln!(out, "{label:<width$}  {words}")?,
+                ReportLine::Plain(words) => writeln!(out, "{words}")?,
             }
         }
         Ok(())
@@ -98,9 +98,10 @@ pub fn short(x: f64) -> String {
     }
     let decimals = (3 - magnitude.max(1e-4).log10().floor() as i32).clamp(0, 7) as usize;
     let text = format!("{x:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }
 

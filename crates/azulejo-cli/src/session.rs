@@ -1,10 +1,10 @@
 //! What every command works with: switches, progress, warnings, and how it speaks.
 
-use super::args::Common;
+use super::args::CommonArgs;
 use super::clock::{self, Clock};
 use super::failure::Failure;
 use super::report::{self, Report};
-use super::{interrupt, watch};
+use super::{interrupt, progress_bar};
 use azulejo::models::ModelOutput;
 use azulejo_formats::{Format, Warning};
 use azulejo_scene::Scene;
@@ -31,7 +31,7 @@ pub struct Session {
 
 impl Session {
     /// Starts the clocks, sets up the threads and listens for Ctrl-C.
-    pub fn start(common: Common) -> Result<Session, Failure> {
+    pub fn start(common: CommonArgs) -> Result<Session, Failure> {
         let progress = Arc::new(Progress::new());
         interrupt::install(Arc::clone(&progress))?;
         rayon::ThreadPoolBuilder::new()
@@ -92,9 +92,9 @@ impl Session {
     }
 
     /// Does long work under a progress bar, if a person is watching.
-    pub fn watched<T>(&self, work: impl FnOnce(&Progress) -> T) -> T {
+    pub fn with_progress<T>(&self, work: impl FnOnce(&Progress) -> T) -> T {
         if !self.quiet && io::stderr().is_terminal() {
-            watch::with_bar(&self.progress, work)
+            progress_bar::with_bar(&self.progress, work)
         } else {
             work(&self.progress)
         }

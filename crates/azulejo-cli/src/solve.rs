@@ -11,12 +11,12 @@ use azulejo::models::ModelOutput;
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = ModelOutput::check_lit(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
-    let chosen = args.first_pass.engine.choose()?;
+    let prepared = args.first_pass.engine.prepare()?;
     let mut scene = input::read_all(&args.input, session)?;
-    let tracer = chosen.tracer(&scene)?;
-    let light = pass::solve(&scene, &tracer, &args.first_pass, &chosen, session)?;
+    let tracer = prepared.tracer(&scene)?;
+    let light = pass::solve(&scene, &tracer, &args.first_pass, &prepared, session)?;
     let mut report = Report::default();
-    pass::describe(&light.report, &chosen, scene.units, &mut report);
+    pass::describe(&light.report, &prepared, scene.units, &mut report);
     scene.set_irradiance(light.irradiance);
     session.write(&scene, &output)?;
     let path = args.output.display().to_string();

@@ -198,9 +198,10 @@ pub fn unit(text: &str) -> Result<f64, String> {
         other => number(other)
             .map_err(|e| format!("{e} of metres, nor mm, cm, dm, m, km, in, ft, yd, mi or nmi"))?,
     };
-    match metres > 0.0 {
-        true => Ok(metres),
-        false => Err(format!("a unit of {metres} m, expected more than 0")),
+    if metres > 0.0 {
+        Ok(metres)
+    } else {
+        Err(format!("a unit of {metres} m, expected more than 0"))
     }
 }
 

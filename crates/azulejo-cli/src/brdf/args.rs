@@ -72,18 +72,18 @@ pub struct ListArgs {
 
 /// A direction: angles to the normal and from the tangent toward the bitangent, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Angles {
+pub struct DirectionAngles {
     /// To the normal, 0..=90.
     pub theta: f64,
     /// About it, from the tangent.
     pub phi: f64,
 }
 
-impl std::str::FromStr for Angles {
+impl std::str::FromStr for DirectionAngles {
     type Err = String;
 
     /// `60,180` or `60`.
-    fn from_str(text: &str) -> Result<Angles, String> {
+    fn from_str(text: &str) -> Result<DirectionAngles, String> {
         let (theta, phi) = text.split_once(',').unwrap_or((text, "0"));
         let number = |text: &str| match text.trim().parse::<f64>() {
             Ok(x) if x.is_finite() => Ok(x),
@@ -91,7 +91,7 @@ impl std::str::FromStr for Angles {
         };
         let (theta, phi) = (number(theta)?, number(phi)?);
         if (0.0..=90.0).contains(&theta) {
-            Ok(Angles { theta, phi })
+            Ok(DirectionAngles { theta, phi })
         } else {
             Err(format!(
                 "{theta} degrees to the normal, expected 0 to 90: THETA,PHI as in 30,180"
@@ -113,7 +113,7 @@ pub struct EvalArgs {
         required = true,
         allow_hyphen_values = true
     )]
-    pub wi: Vec<Angles>,
+    pub wi: Vec<DirectionAngles>,
     /// Direction to the viewer, likewise: as many as --i, or one for all
     #[arg(
         long = "o",
@@ -121,7 +121,7 @@ pub struct EvalArgs {
         required = true,
         allow_hyphen_values = true
     )]
-    pub wo: Vec<Angles>,
+    pub wo: Vec<DirectionAngles>,
 }
 
 /// `brdf plot`
@@ -135,7 +135,7 @@ pub struct PlotArgs {
     /// Draw another model beside it: "MODEL key=value ..."
     #[arg(long, value_name = "MODEL")]
     pub compare: Option<String>,
-    /// Angles of incidence of the lobes, degrees
+    /// DirectionAngles of incidence of the lobes, degrees
     #[arg(long, value_name = "DEGREES", value_delimiter = ',', default_value = "0,30,60,80",
           value_parser = incidence)]
     pub angles: Vec<f64>,
@@ -236,13 +236,13 @@ mod tests {
     #[test]
     fn directions_are_angles() {
         let check = |text: &str, theta: f64, phi: f64| {
-            assert_eq!(text.parse(), Ok(Angles { theta, phi }), "{text}");
+            assert_eq!(text.parse(), Ok(DirectionAngles { theta, phi }), "{text}");
         };
         check("30,170", 30.0, 170.0);
         check("90", 90.0, 0.0);
         check("0, -45.5", 0.0, -45.5);
         for bad in ["", "x", "91", "-1,0", "30,", "NaN", "1,2,3"] {
-            assert!(bad.parse::<Angles>().is_err(), "{bad}");
+            assert!(bad.parse::<DirectionAngles>().is_err(), "{bad}");
         }
     }
 }

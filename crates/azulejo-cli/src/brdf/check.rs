@@ -29,13 +29,13 @@ const FAR: f64 = 5.0;
 
 /// What a model promises, beside samples that follow their density.
 #[derive(Clone, Copy)]
-struct Promises {
+struct ModelProperties {
     is_reciprocal: bool,
     is_energy_safe: bool,
 }
 
 /// One question with its answer.
-struct Verdict {
+struct CheckResult {
     key: &'static str,
     label: &'static str,
     is_promised: bool,
@@ -50,7 +50,7 @@ pub fn run(
 ) -> Result<(Report, Result<(), Failure>), Failure> {
     let brdf = model::read(&args.model, session)?;
     let (reciprocity, angles) =
-        session.watched(|progress| measure(&brdf, args.samples, progress))?;
+        session.with_progress(|progress| measure(&brdf, args.samples, progress))?;
     let verdicts = verdicts(promises(brdf.description()), &reciprocity, &angles);
     let mut report = Report::default();
     let words = model::words(&brdf);
@@ -62,12 +62,13 @@ pub fn run(
     let failed = verdicts.iter().filter(|v| v.is_promised && !v.holds);
     let failed: Vec<&str> = failed.map(|v| v.label).collect();
     report.value("passed", failed.is_empty());
-    let end = match failed.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::Failed(format!(
+    let end = if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::Failed(format!(
             "does not hold: {}",
             failed.join(", ")
-        ))),
+        )))
     };
     Ok((report, end))
 }
@@ -98,35 +99,39 @@ fn measure(
 }
 
 /// Those of a model's row in the table; of a combination what all of its parts promise.
-fn promises(description: &Description) -> Promises {
+fn promises(description: &Description) -> ModelProperties {
     let of = |model: &Model| {
-        find(&model.name).map_or(Promises::NONE, |info| Promises {
+        find(&model.name).map_or(ModelProperties::NONE, |info| ModelProperties {
             is_reciprocal: info.is_reciprocal,
             is_energy_safe: info.is_energy_safe,
         })
     };
     match description {
         Description::Model(model) => of(model),
-        Description::Combination(parts) => Promises {
+        Description::Combination(parts) => ModelProperties {
             is_reciprocal: parts.iter().all(|(_, m)| of(m).is_reciprocal),
             is_energy_safe: parts.iter().all(|(_, m)| of(m).is_energy_safe),
         },
         Description::File { content, .. } => match content.as_deref() {
             Some(Content::Text(description)) => promises(description),
-            _ => Promises::NONE,
+            _ => ModelProperties::NONE,
         },
     }
 }
 
-impl Promises {
+impl ModelProperties {
     /// Measurements promise nothing.
-    const NONE: Promises = Promises {
+    const NONE: ModelProperties = ModelProperties {
         is_reciprocal: false,
         is_energy_safe: false,
     };
 }
 
-fn verdicts(promises: Promises, reciprocity: &Reciprocity, angles: &[Angle]) -> Vec<Verdict> {
+fn verdicts(
+    promises: ModelProperties,
+    reciprocity: &Reciprocity,
+    angles: &[Angle],
+) -> Vec<CheckResult> {
     let brightest = angles.iter().map(|a| (a.albedo.max_channel(), a.theta));
     let brightest = brightest.fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
     let least = |of: &dyn Fn(&Angle) -> f64| {
@@ -136,7 +141,7 @@ fn verdicts(promises: Promises, reciprocity: &Reciprocity, angles: &[Angle]) -> 
     let chance = least(&|a| a.sampling.probability);
     let off = least(&|a| -a.weights.deviation());
     vec![
-        Verdict {
+        CheckResult {
             key: "reciprocity",
             label: "reciprocal",
             is_promised: promises.is_reciprocal,
@@ -147,14 +152,14 @@ fn verdicts(promises: Promises, reciprocity: &Reciprocity, angles: &[Angle]) -> 
                 percent(reciprocity.largest)
             ),
         },
-        Verdict {
+        CheckResult {
             key: "energy",
             label: "energy-safe",
             is_promised: promises.is_energy_safe,
             holds: brightest.0 <= BRIGHT,
             words: format!("albedo at most {:.5}, at {}°", brightest.0, brightest.1),
         },
-        Verdict {
+        CheckResult {
             key: "sampling",
             label: "samples follow their density",
             is_promised: true,
@@ -165,7 +170,7 @@ fn verdicts(promises: Promises, reciprocity: &Reciprocity, angles: &[Angle]) -> 
                 chance.1
             ),
         },
-        Verdict {
+        CheckResult {
             key: "furnace",
             label: "white furnace",
             is_promised: true,
@@ -178,7 +183,7 @@ fn verdicts(promises: Promises, reciprocity: &Reciprocity, angles: &[Angle]) -> 
     ]
 }
 
-fn say(verdict: &Verdict, report: &mut Report) {
+fn say(verdict: &CheckResult, report: &mut Report) {
     let said = match (verdict.holds, verdict.is_promised) {
         (true, _) => "holds",
         (false, true) => "FAILS",

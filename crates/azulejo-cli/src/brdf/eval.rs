@@ -1,6 +1,6 @@
 //! `brdf eval`: numbers for pairs of directions.
 
-use super::args::{Angles, EvalArgs};
+use super::args::{DirectionAngles, EvalArgs};
 use super::model::{self, direction};
 use crate::failure::Failure;
 use crate::report::{Report, numbers};
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 /// What is printed of a model.
 #[derive(Clone, Copy, PartialEq)]
-enum Quantity {
+enum EvaluatedQuantity {
     /// f_r, 1/sr.
     Brdf,
     /// What is mirrored exactly: a number without a unit.
@@ -25,17 +25,17 @@ pub fn run(args: &EvalArgs, session: &mut Session) -> Result<Report, Failure> {
     let quantity = quantity(&brdf);
     let mut report = Report::default();
     let (name, unit) = match quantity {
-        Quantity::Brdf => ("f_r", "1/sr"),
-        Quantity::Reflectance => ("reflectance", ""),
+        EvaluatedQuantity::Brdf => ("f_r", "1/sr"),
+        EvaluatedQuantity::Reflectance => ("reflectance", ""),
     };
-    if quantity == Quantity::Reflectance && !session.quiet() {
+    if quantity == EvaluatedQuantity::Reflectance && !session.quiet() {
         report.plain("What is mirrored exactly, at the angle of --i:");
     }
     let mut values = Vec::new();
     for (i, o) in pairs {
         let value = match quantity {
-            Quantity::Brdf => brdf.eval(direction(o), direction(i)),
-            Quantity::Reflectance => brdf.mirror(direction(i).z),
+            EvaluatedQuantity::Brdf => brdf.eval(direction(o), direction(i)),
+            EvaluatedQuantity::Reflectance => brdf.mirror(direction(i).z),
         };
         let words = written(value);
         if session.quiet() {
@@ -58,7 +58,10 @@ pub fn run(args: &EvalArgs, session: &mut Session) -> Result<Report, Failure> {
 }
 
 /// Directions in pairs: as many of both, or one for all.
-fn pairs(wi: &[Angles], wo: &[Angles]) -> Result<Vec<(Angles, Angles)>, Failure> {
+fn pairs(
+    wi: &[DirectionAngles],
+    wo: &[DirectionAngles],
+) -> Result<Vec<(DirectionAngles, DirectionAngles)>, Failure> {
     match (wi, wo) {
         (&[i], _) => Ok(wo.iter().map(|&o| (i, o)).collect()),
         (_, &[o]) => Ok(wi.iter().map(|&i| (i, o)).collect()),
@@ -72,11 +75,12 @@ fn pairs(wi: &[Angles], wo: &[Angles]) -> Result<Vec<(Angles, Angles)>, Failure>
 }
 
 /// Models that do nothing but mirror have no value in 1/sr.
-fn quantity(brdf: &Brdf) -> Quantity {
+fn quantity(brdf: &Brdf) -> EvaluatedQuantity {
     let scattered = brdf.albedo(DVec3::Z) - brdf.mirror(1.0);
-    match scattered.is_black() && !brdf.mirror(1.0).is_black() {
-        true => Quantity::Reflectance,
-        false => Quantity::Brdf,
+    if scattered.is_black() && !brdf.mirror(1.0).is_black() {
+        EvaluatedQuantity::Reflectance
+    } else {
+        EvaluatedQuantity::Brdf
     }
 }
 
@@ -103,7 +107,7 @@ fn digits(x: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-fn angles(Angles { theta, phi }: Angles) -> String {
+fn angles(DirectionAngles { theta, phi }: DirectionAngles) -> String {
     format!("{theta}°,{phi}°")
 }
 

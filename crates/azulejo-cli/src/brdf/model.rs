@@ -1,6 +1,6 @@
 //! Models as people type them.
 
-use super::args::{Angles, ModelArgs};
+use super::args::{DirectionAngles, ModelArgs};
 use crate::failure::Failure;
 use crate::session::Session;
 use azulejo::models::read_bytes;
@@ -76,7 +76,7 @@ fn refuse(name: &str, problem: Problem) -> Failure {
 }
 
 /// The unit vector of angles in degrees.
-pub fn direction(Angles { theta, phi }: Angles) -> DVec3 {
+pub fn direction(DirectionAngles { theta, phi }: DirectionAngles) -> DVec3 {
     let ((st, ct), (sp, cp)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
     DVec3::new(st * cp, st * sp, ct)
 }

@@ -1,7 +1,7 @@
 //! The list of what was found, in the report's folder: one line of JSON for each record, appended
 //! when its task is done, read again by the next call.
 
-use super::record::{Found, Record};
+use super::record::{Outcome, TaskRecord};
 use crate::failure::Failure;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -16,7 +16,7 @@ pub struct Journal {
     path: PathBuf,
     file: File,
     /// The records, in the order found.
-    pub records: Vec<Record>,
+    pub records: Vec<TaskRecord>,
 }
 
 impl Journal {
@@ -30,7 +30,7 @@ impl Journal {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => String::new(),
             Err(e) => return Err(failed(e)),
         };
-        let records: Vec<Record> = text.lines().filter_map(record).collect();
+        let records: Vec<TaskRecord> = text.lines().filter_map(record).collect();
         let mut file = OpenOptions::new()
             .create(true)
             .append(true)
@@ -52,7 +52,7 @@ impl Journal {
     }
 
     /// Adds what a task found, all of it or nothing.
-    pub fn add(&mut self, records: Vec<Record>) -> Result<(), Failure> {
+    pub fn add(&mut self, records: Vec<TaskRecord>) -> Result<(), Failure> {
         let mut lines = String::new();
         for record in &records {
             lines += &serde_json::to_string(record).map_err(Failure::failed)?;
@@ -66,22 +66,22 @@ impl Journal {
     }
 }
 
-fn record(line: &str) -> Option<Record> {
-    let record: Record = serde_json::from_str(line).ok()?;
+fn record(line: &str) -> Option<TaskRecord> {
+    let record: TaskRecord = serde_json::from_str(line).ok()?;
     let is_ours = record.version == env!("CARGO_PKG_VERSION");
-    (is_ours && !matches!(record.found, Found::Failure { .. })).then_some(record)
+    (is_ours && !matches!(record.outcome, Outcome::Failure { .. })).then_some(record)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::Run;
+    use super::super::record::RunRecord;
     use super::*;
 
-    fn found(key: &str, found: Found) -> Record {
-        Record {
+    fn found(key: &str, outcome: Outcome) -> TaskRecord {
+        TaskRecord {
             key: key.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            found,
+            outcome,
         }
     }
 
@@ -90,17 +90,17 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("azulejo-journal-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).unwrap();
-        let run = Run {
+        let run = RunRecord {
             seconds: 0.1 + 0.2,
             energy: None,
-            ..Run::default()
+            ..RunRecord::default()
         };
-        let failure = Found::Failure {
+        let failure = Outcome::Failure {
             task: "b".into(),
             reason: "no".into(),
         };
         let mut journal = Journal::open(&folder).unwrap();
-        journal.add(vec![found("a", Found::Run(run))]).unwrap();
+        journal.add(vec![found("a", Outcome::Run(run))]).unwrap();
         journal.add(vec![found("b", failure)]).unwrap();
         let kept = journal.records[..1].to_vec();
         drop(journal);
@@ -112,7 +112,7 @@ mod tests {
         assert_eq!(journal.records, kept);
         assert!(journal.holds("a") && !journal.holds("b") && !journal.holds("c"));
         journal
-            .add(vec![Record {
+            .add(vec![TaskRecord {
                 key: "d".into(),
                 ..kept[0].clone()
             }])

@@ -5,7 +5,7 @@ use crate::report::bytes;
 use serde_json::{Value, json};
 
 /// The machine, as far as it says.
-pub struct Machine {
+pub struct MachineInfo {
     /// Model of the processor.
     pub processor: String,
     /// Threads that work.
@@ -18,10 +18,10 @@ pub struct Machine {
     pub card: Result<String, String>,
 }
 
-impl Machine {
+impl MachineInfo {
     /// Looks.
-    pub fn found() -> Machine {
-        Machine {
+    pub fn found() -> MachineInfo {
+        MachineInfo {
             processor: processor(),
             threads: rayon::current_num_threads(),
             memory: azulejo::machine::memory(),
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(found.as_deref(), Some("A CPU @ 2 GHz"));
         assert_eq!(model(""), None);
         assert!(
-            Machine::found()
+            MachineInfo::found()
                 .lines()
                 .iter()
                 .all(|(_, words)| !words.is_empty())

@@ -6,21 +6,21 @@ use azulejo_factors::{FormFactors, Patches};
 use azulejo_scene::{Rgb, Scene};
 
 /// A row: columns ascending, with their form factors.
-pub type Row = Vec<(u32, f64)>;
+pub type SparseRow = Vec<(u32, f64)>;
 
 /// What light leaves and meets in each row of a matrix.
-pub struct Surfaces {
+pub struct PatchSurfaces {
     /// Diffuse reflectance ρ_d.
     pub reflectance: Vec<Rgb>,
     /// Emitted exitance M, W/m².
     pub exitance: Vec<Rgb>,
 }
 
-impl Surfaces {
+impl PatchSurfaces {
     /// Of the fronts of all patches.
-    pub fn new(scene: &Scene, patches: &Patches) -> Surfaces {
+    pub fn new(scene: &Scene, patches: &Patches) -> PatchSurfaces {
         let exitance = |p: usize| scene.materials[patches.material(p) as usize].exitance();
-        Surfaces {
+        PatchSurfaces {
             reflectance: reflectances(scene, patches),
             exitance: (0..patches.len()).map(exitance).collect(),
         }
@@ -30,7 +30,7 @@ impl Surfaces {
 /// Relative error of a row, Σ_j |X_ij − R_ij| / Σ_j R_ij; 0 for a row that sees nothing in either.
 pub fn row_error(found: &[(u32, f64)], reference: &[(u32, f64)]) -> f64 {
     let negated = reference.iter().map(|&(j, r)| (j, -r));
-    let mut both: Row = found.iter().copied().chain(negated).collect();
+    let mut both: SparseRow = found.iter().copied().chain(negated).collect();
     both.sort_by_key(|e| e.0);
     let columns = both.chunk_by(|a, b| a.0 == b.0);
     let wrong: f64 = columns
@@ -57,7 +57,7 @@ pub fn radiosity_errors(found: &[Rgb], reference: &[Rgb]) -> Vec<f64> {
 }
 
 /// The light of a closed system of patches.
-pub struct Radiosity {
+pub struct PatchRadiosity {
     /// B of each row, W/m².
     pub leaving: Vec<Rgb>,
     /// H of each row, W/m².
@@ -72,7 +72,7 @@ const MOST_BOUNCES: usize = 1_000;
 
 /// Solves B = M + ρ_d X B by Jacobi's iteration from B = M, until nothing changes by more than
 /// a billionth of the largest.
-pub fn radiosity(factors: &FormFactors, surfaces: &Surfaces) -> Radiosity {
+pub fn radiosity(factors: &FormFactors, surfaces: &PatchSurfaces) -> PatchRadiosity {
     let mut leaving = surfaces.exitance.clone();
     let mut arriving = Vec::new();
     for _ in 0..MOST_BOUNCES {
@@ -88,7 +88,7 @@ pub fn radiosity(factors: &FormFactors, surfaces: &Surfaces) -> Radiosity {
             break;
         }
     }
-    Radiosity { leaving, arriving }
+    PatchRadiosity { leaving, arriving }
 }
 
 /// X times a vector; half of the matrix is stored, so each pair is used both ways.
@@ -138,7 +138,11 @@ pub fn reciprocity_error(factors: &FormFactors, rows: &[usize]) -> f64 {
 
 /// Power that is emitted less what is absorbed or leaves the scene, relative to the former; `None`
 /// in the dark.
-pub fn energy_error(factors: &FormFactors, surfaces: &Surfaces, light: &Radiosity) -> Option<f64> {
+pub fn energy_error(
+    factors: &FormFactors,
+    surfaces: &PatchSurfaces,
+    light: &PatchRadiosity,
+) -> Option<f64> {
     let (mut emitted, mut spent) = (0.0, 0.0);
     for i in 0..factors.len() {
         let area = factors.areas[i];
@@ -192,7 +196,7 @@ mod tests {
             ..FormFactorOptions::default()
         };
         let found = form_factors(&scene, &Tracer::new(&scene), &options, &Progress::new()).unwrap();
-        let surfaces = Surfaces::new(&scene, &Patches::new(&scene, size));
+        let surfaces = PatchSurfaces::new(&scene, &Patches::new(&scene, size));
         let light = radiosity(&found, &surfaces);
         let twos = vec![Rgb::grey(2.0); found.len()];
         let worst = mean_and_largest(&radiosity_errors(&light.leaving, &twos)).1;
@@ -200,7 +204,7 @@ mod tests {
         assert!(mean_and_largest(&closure_errors(&found)).1 < 1e-6);
         assert!(energy_error(&found, &surfaces, &light).unwrap() < 1e-6);
         assert!(reciprocity_error(&found, &[0, 7, 23]) < 1e-12);
-        let dark = Surfaces {
+        let dark = PatchSurfaces {
             exitance: vec![Rgb::BLACK; found.len()],
             ..surfaces
         };

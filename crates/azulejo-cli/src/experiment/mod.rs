@@ -32,19 +32,19 @@ use super::report::{Report, number, seconds};
 use super::session::Session;
 use azulejo_trace::Progress;
 use journal::Journal;
-use machine::Machine;
-use plan::{Plan, Task};
-use record::{Found, Record};
+use machine::MachineInfo;
+use plan::{ExperimentPlan, Task};
+use record::{Outcome, TaskRecord};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-use suite::{Source, Suite};
+use suite::{Suite, SuiteSource};
 
 /// Runs `experiment`; a child has no report.
 pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report>, Failure> {
-    let (suite, source) = Source::read(&args.suite)?;
-    let mut plan = Plan::new(&suite, &source)?;
+    let (suite, source) = SuiteSource::read(&args.suite)?;
+    let mut plan = ExperimentPlan::new(&suite, &source)?;
     if let (Some(key), Some(folder)) = (&args.task, &args.output) {
         return one(&plan, key, folder, session.progress()).map(|()| None);
     }
@@ -65,20 +65,21 @@ pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report
     }
     std::fs::create_dir_all(folder).map_err(|e| Failure::file("create", folder, &e))?;
     let mut journal = Journal::open(folder)?;
-    let author = Author {
+    let author = SuiteRunner {
         suite: &suite,
         plan: &plan,
-        machine: Machine::found(),
+        machine: MachineInfo::found(),
         folder,
         name: &args.suite,
     };
-    let did = session
-        .watched(|progress| author.run_all(&mut journal, progress, &|words| session.tell(words)))?;
+    let did = session.with_progress(|progress| {
+        author.run_all(&mut journal, progress, &|words| session.tell(words))
+    })?;
     Ok(Some(author.summary(&journal, did)))
 }
 
 /// What there is to do, for `--list`.
-fn list(plan: &Plan) -> Report {
+fn list(plan: &ExperimentPlan) -> Report {
     let mut report = Report::default();
     plan.tasks.iter().for_each(|t| report.plain(t.to_string()));
     let names: Vec<String> = plan.tasks.iter().map(Task::to_string).collect();
@@ -87,7 +88,12 @@ fn list(plan: &Plan) -> Report {
 }
 
 /// The child: does one task and prints its records.
-fn one(plan: &Plan, key: &str, folder: &Path, progress: &Progress) -> Result<(), Failure> {
+fn one(
+    plan: &ExperimentPlan,
+    key: &str,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<(), Failure> {
     let task = plan.tasks.iter().find(|t| t.key() == key);
     let task = task.ok_or_else(|| Failure::misuse(format_args!("no task \"{key}\"")))?;
     let is_reference = |t: &&Task| matches!(t, Task::Reference(..)) && t.scene() == task.scene();
@@ -102,31 +108,31 @@ fn one(plan: &Plan, key: &str, folder: &Path, progress: &Progress) -> Result<(),
 }
 
 /// Everything that a report needs to know.
-struct Author<'a> {
+struct SuiteRunner<'a> {
     suite: &'a Suite,
-    plan: &'a Plan,
-    machine: Machine,
+    plan: &'a ExperimentPlan,
+    machine: MachineInfo,
     folder: &'a Path,
     name: &'a PathBuf,
 }
 
 /// Tasks that were done, and those that came to nothing.
 #[derive(Clone, Copy, Default)]
-struct Count {
+struct TaskCounts {
     done: usize,
     failed: usize,
 }
 
-impl Author<'_> {
+impl SuiteRunner<'_> {
     /// Does what is not yet done; the report is written again after each task.
     fn run_all(
         &self,
         journal: &mut Journal,
         progress: &Progress,
         tell: &dyn Fn(&str),
-    ) -> Result<Count, Failure> {
+    ) -> Result<TaskCounts, Failure> {
         let all = self.plan.tasks.len();
-        let mut count = Count::default();
+        let mut count = TaskCounts::default();
         progress.begin("tasks", all as u64);
         for (i, task) in self.plan.tasks.iter().enumerate() {
             progress.advance(0)?;
@@ -151,7 +157,7 @@ impl Author<'_> {
     }
 
     /// Starts a child for a task and waits for what it finds. Its failure is a record, too.
-    fn run_one(&self, task: &Task, progress: &Progress) -> Result<Vec<Record>, Failure> {
+    fn run_one(&self, task: &Task, progress: &Progress) -> Result<Vec<TaskRecord>, Failure> {
         let key = task.key();
         let program = std::env::current_exe()
             .map_err(|e| Failure::failed(format_args!("cannot find this program: {e}")))?;
@@ -172,10 +178,10 @@ impl Author<'_> {
             .spawn()
             .map_err(|e| Failure::failed(format_args!("cannot start a process: {e}")))?;
         let limit = self.suite.run.timeout.map(|t| t.0);
-        let failure = |reason: String| Record {
+        let failure = |reason: String| TaskRecord {
             key: key.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            found: Found::Failure {
+            outcome: Outcome::Failure {
                 task: task.to_string(),
                 reason,
             },
@@ -183,7 +189,7 @@ impl Author<'_> {
         match watch(child, limit, progress)? {
             Ok(text) => {
                 let lines = text.lines().map(serde_json::from_str);
-                let records: Result<Vec<Record>, _> = lines.collect();
+                let records: Result<Vec<TaskRecord>, _> = lines.collect();
                 Ok(records.unwrap_or_else(|e| vec![failure(e.to_string())]))
             }
             Err(reason) => Ok(vec![failure(reason)]),
@@ -193,11 +199,11 @@ impl Author<'_> {
     fn write(&self, journal: &Journal, progress: &Progress) -> Result<(), Failure> {
         let keys: Vec<String> = self.plan.tasks.iter().map(Task::key).collect();
         let ours = journal.records.iter().filter(|r| keys.contains(&r.key));
-        let records: Vec<&Record> = ours.collect();
+        let records: Vec<&TaskRecord> = ours.collect();
         report::write(self.suite, &self.machine, &records, self.folder, progress)
     }
 
-    fn summary(&self, journal: &Journal, did: Count) -> Report {
+    fn summary(&self, journal: &Journal, did: TaskCounts) -> Report {
         let mut report = Report::default();
         let all = self.plan.tasks.len();
         let before = all - did.done - did.failed;
@@ -211,8 +217,8 @@ impl Author<'_> {
             report.line("failed", format!("{}, see the report", did.failed));
         }
         report.value("tasks_failed", did.failed);
-        let truths = journal.records.iter().filter_map(|r| match &r.found {
-            Found::Truth(t) => Some(t.standard_errors.is_some_and(|s| s <= 4.0)),
+        let truths = journal.records.iter().filter_map(|r| match &r.outcome {
+            Outcome::Truth(t) => Some(t.standard_errors.is_some_and(|s| s <= 4.0)),
             _ => None,
         });
         let truths: Vec<bool> = truths.collect();
@@ -228,9 +234,9 @@ impl Author<'_> {
     }
 }
 
-fn reason(record: &Record) -> Option<&String> {
-    match &record.found {
-        Found::Failure { reason, .. } => Some(reason),
+fn reason(record: &TaskRecord) -> Option<&String> {
+    match &record.outcome {
+        Outcome::Failure { reason, .. } => Some(reason),
         _ => None,
     }
 }
@@ -245,7 +251,7 @@ fn watch(
     limit: Option<Duration>,
     progress: &Progress,
 ) -> Result<Result<String, String>, Failure> {
-    let mut child = Ended(child);
+    let mut child = KillOnDrop(child);
     // Pipes are emptied as they fill, else a child that prints much would wait forever.
     let stdout = child.0.stdout.take().map(drain);
     let stderr = child.0.stderr.take().map(drain);
@@ -275,9 +281,9 @@ fn watch(
 }
 
 /// A child that does not outlive its watcher.
-struct Ended(Child);
+struct KillOnDrop(Child);
 
-impl Drop for Ended {
+impl Drop for KillOnDrop {
     fn drop(&mut self) {
         // It may have ended by itself, which is no reason to complain.
         let _ = self.0.kill();

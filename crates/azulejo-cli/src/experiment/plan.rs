@@ -1,6 +1,6 @@
 //! What a suite means: the list of tasks, each with a key that says all it depends on.
 
-use super::suite::{EngineTable, Many, ReferenceTable, SceneTable, Source, Suite};
+use super::suite::{EngineTable, OneOrMany, ReferenceTable, SceneTable, Suite, SuiteSource};
 use crate::engine::{EngineArgs, EngineName, GpuName};
 use crate::failure::Failure;
 use crate::values;
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use toml::Spanned;
 
 /// Everything that a suite asks for, in the order in which it is done.
-pub struct Plan {
+pub struct ExperimentPlan {
     /// First the references, then runs, scene by scene, then truths.
     pub tasks: Vec<Task>,
 }
@@ -21,11 +21,11 @@ pub struct Plan {
 #[derive(Clone, Debug)]
 pub enum Task {
     /// Computes what the runs of a scene are compared with.
-    Reference(SceneChoice, Setting, usize),
+    Reference(SceneChoice, EngineSetting, usize),
     /// Computes a scene with an engine and compares.
-    Run(SceneChoice, Setting, u64),
+    Run(SceneChoice, EngineSetting, u64),
     /// Has an engine answer all scenes with known answers.
-    Truths(Setting),
+    Truths(EngineSetting),
 }
 
 /// One scene with its parameters.
@@ -56,7 +56,7 @@ pub enum Origin {
 
 /// One engine with its parameters.
 #[derive(Clone, Debug)]
-pub struct Setting {
+pub struct EngineSetting {
     /// Its name in the report.
     pub name: String,
     /// As the command line has it.
@@ -73,9 +73,9 @@ pub struct Setting {
 
 const GENERATORS: [&str; 4] = ["cube", "room_with_table", "cornell_thesis", "street"];
 
-impl Plan {
+impl ExperimentPlan {
     /// Makes the tasks of a suite, or says what in it has no meaning.
-    pub fn new(suite: &Suite, source: &Source) -> Result<Plan, Failure> {
+    pub fn new(suite: &Suite, source: &SuiteSource) -> Result<ExperimentPlan, Failure> {
         let scenes = suite.scene.iter().map(|s| choices(s, source));
         let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
         let settings = suite.engine.iter().map(|e| settings(e, source));
@@ -110,7 +110,7 @@ impl Plan {
         if suite.truths {
             tasks.extend(settings.into_iter().flatten().map(Task::Truths));
         }
-        Ok(Plan { tasks })
+        Ok(ExperimentPlan { tasks })
     }
 
     /// One repetition, and of each engine on each scene only the first few samples.
@@ -144,7 +144,7 @@ impl Plan {
 }
 
 /// Engines name scenes that there are; no two scenes have one name.
-fn check_names(suite: &Suite, source: &Source) -> Result<(), Failure> {
+fn check_names(suite: &Suite, source: &SuiteSource) -> Result<(), Failure> {
     let known: Vec<&str> = suite
         .scene
         .iter()
@@ -164,7 +164,7 @@ fn check_names(suite: &Suite, source: &Source) -> Result<(), Failure> {
     Ok(())
 }
 
-fn choices(table: &SceneTable, source: &Source) -> Result<Vec<SceneChoice>, Failure> {
+fn choices(table: &SceneTable, source: &SuiteSource) -> Result<Vec<SceneChoice>, Failure> {
     let choice = |origin| SceneChoice {
         name: table.name.get_ref().clone(),
         origin,
@@ -174,8 +174,8 @@ fn choices(table: &SceneTable, source: &Source) -> Result<Vec<SceneChoice>, Fail
     let detail = table.detail.unwrap_or(1.0);
     let only = |facets: bool, mirrors: bool, detail: bool| -> Result<(), Failure> {
         let extra = [
-            (!facets && table.facets != Many::default(), "facets"),
-            (!mirrors && table.mirrors != Many::default(), "mirrors"),
+            (!facets && table.facets != OneOrMany::default(), "facets"),
+            (!mirrors && table.mirrors != OneOrMany::default(), "mirrors"),
             (!detail && table.detail.is_some(), "detail"),
         ];
         let Some((_, name)) = extra.iter().find(|(is_extra, _)| *is_extra) else {
@@ -223,14 +223,14 @@ fn choices(table: &SceneTable, source: &Source) -> Result<Vec<SceneChoice>, Fail
 }
 
 /// A model beside the suite.
-fn model(file: &Spanned<String>, source: &Source) -> Result<Origin, Failure> {
+fn model(file: &Spanned<String>, source: &SuiteSource) -> Result<Origin, Failure> {
     let folder = source.path.parent().unwrap_or(std::path::Path::new(""));
     let path = folder.join(file.get_ref());
     let bytes = models::read_bytes(&path).map_err(|e| source.wrong(file.span().start, e))?;
     Ok(Origin::File(path, crc32fast::hash(&bytes)))
 }
 
-fn settings(table: &EngineTable, source: &Source) -> Result<Vec<Setting>, Failure> {
+fn settings(table: &EngineTable, source: &SuiteSource) -> Result<Vec<EngineSetting>, Failure> {
     let engine = engine(&table.engine, source)?;
     let gpu = table.gpu.as_ref().map(|g| gpu(g, source)).transpose()?;
     let closure = table.closure.as_ref().map(|c| closure(c, source));
@@ -248,7 +248,7 @@ fn settings(table: &EngineTable, source: &Source) -> Result<Vec<Setting>, Failur
                     embree: table.embree.clone(),
                 };
                 check(&args, rays).map_err(|e| source.wrong(table.engine.span().start, e))?;
-                settings.push(Setting {
+                settings.push(EngineSetting {
                     name: table
                         .name
                         .clone()
@@ -293,7 +293,10 @@ fn accuracy(asked: Option<f64>) -> Result<(), Failure> {
     }
 }
 
-fn reference(table: &ReferenceTable, source: &Source) -> Result<(Setting, usize), Failure> {
+fn reference(
+    table: &ReferenceTable,
+    source: &SuiteSource,
+) -> Result<(EngineSetting, usize), Failure> {
     let args = EngineArgs {
         engine: engine(&table.engine, source)?,
         gpu: None,
@@ -304,7 +307,7 @@ fn reference(table: &ReferenceTable, source: &Source) -> Result<(Setting, usize)
     let start = table.engine.span().start;
     check(&args, table.rays).map_err(|e| source.wrong(start, e))?;
     accuracy(table.accuracy).map_err(|e| source.wrong(start, e))?;
-    let setting = Setting {
+    let setting = EngineSetting {
         name: "reference".to_owned(),
         args,
         rays: table.rays,
@@ -315,15 +318,15 @@ fn reference(table: &ReferenceTable, source: &Source) -> Result<(Setting, usize)
     Ok((setting, table.rows.max(1)))
 }
 
-fn engine(name: &Spanned<String>, source: &Source) -> Result<EngineName, Failure> {
+fn engine(name: &Spanned<String>, source: &SuiteSource) -> Result<EngineName, Failure> {
     named(name, "engine", source)
 }
 
-fn gpu(name: &Spanned<String>, source: &Source) -> Result<GpuName, Failure> {
+fn gpu(name: &Spanned<String>, source: &SuiteSource) -> Result<GpuName, Failure> {
     named(name, "gpu", source)
 }
 
-fn closure(name: &Spanned<String>, source: &Source) -> Result<Closure, Failure> {
+fn closure(name: &Spanned<String>, source: &SuiteSource) -> Result<Closure, Failure> {
     match name.get_ref().as_str() {
         "never" => Ok(Closure::Never),
         "closed" => Ok(Closure::Closed),
@@ -333,7 +336,11 @@ fn closure(name: &Spanned<String>, source: &Source) -> Result<Closure, Failure> 
 }
 
 /// A value of the command line by its name there.
-fn named<T: ValueEnum>(name: &Spanned<String>, what: &str, source: &Source) -> Result<T, Failure> {
+fn named<T: ValueEnum>(
+    name: &Spanned<String>,
+    what: &str,
+    source: &SuiteSource,
+) -> Result<T, Failure> {
     T::from_str(name.get_ref(), false).map_err(|_| {
         let known: Vec<String> = T::value_variants()
             .iter()
@@ -421,7 +428,7 @@ impl fmt::Display for SceneChoice {
     }
 }
 
-impl Setting {
+impl EngineSetting {
     fn key(&self) -> String {
         let gpu = self
             .args
@@ -444,7 +451,7 @@ impl Setting {
     }
 }
 
-impl fmt::Display for Setting {
+impl fmt::Display for EngineSetting {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.name)?;
         if let Some(rays) = self.rays {

@@ -4,25 +4,26 @@ use serde::{Deserialize, Serialize};
 
 /// One line of the journal.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct Record {
+pub struct TaskRecord {
     /// Key of the task that this belongs to; a task may have several records.
     pub key: String,
     /// The azulejo that did it.
     pub version: String,
-    /// What was found.
-    pub found: Found,
+    /// What the task produced.
+    #[serde(rename = "found")]
+    pub outcome: Outcome,
 }
 
 /// What a task found.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Found {
+pub enum Outcome {
     /// A matrix to compare with.
-    Reference(Run),
+    Reference(RunRecord),
     /// A matrix.
-    Run(Run),
+    Run(RunRecord),
     /// One answer of an engine whose truth is known.
-    Truth(Truth),
+    Truth(TruthRecord),
     /// The task came to nothing, for this reason.
     Failure {
         /// The task, for people.
@@ -34,7 +35,7 @@ pub enum Found {
 
 /// One computation of form factors.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
-pub struct Run {
+pub struct RunRecord {
     /// Name of the scene.
     pub scene: String,
     /// Mirrors, where the suite chose how many.
@@ -89,7 +90,7 @@ pub struct Run {
 
 /// One answer of an engine whose truth is known.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
-pub struct Truth {
+pub struct TruthRecord {
     /// Name of the engine in the report.
     pub engine: String,
     /// Its settings, in words.

@@ -1,7 +1,7 @@
 //! The matrix that runs are compared with: some of its rows and its radiosities, kept in the
 //! report's folder as NumPy arrays.
 
-use super::metrics::Row;
+use super::metrics::SparseRow;
 use crate::failure::Failure;
 use crate::npy;
 use azulejo::output::Output;
@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 
 /// Some rows of a matrix and all radiosities.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Reference {
+pub struct ReferenceData {
     /// Which rows, ascending.
     pub indices: Vec<usize>,
     /// Those rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SparseRow>,
     /// B of all rows, W/m².
     pub radiosity: Vec<Rgb>,
 }
@@ -28,11 +28,11 @@ pub fn spread(all: usize, count: usize) -> Vec<usize> {
         .collect()
 }
 
-impl Reference {
+impl ReferenceData {
     /// Writes it as `NAME-rows.npy`, triples of row, column and form factor, and `NAME-b.npy`, three
     /// channels for each row.
     pub fn write(&self, folder: &Path, name: &str, progress: &Progress) -> Result<(), Failure> {
-        let entry = |(&i, row): (&usize, &Row)| {
+        let entry = |(&i, row): (&usize, &SparseRow)| {
             let triple = move |&(j, x): &(u32, f64)| [i as f64, f64::from(j), x];
             row.iter().flat_map(triple).collect::<Vec<f64>>()
         };
@@ -55,18 +55,18 @@ impl Reference {
         Ok(())
     }
 
-    /// Reads what [`write`](Reference::write) wrote; `count` rows were kept.
-    pub fn read(folder: &Path, name: &str, count: usize) -> Result<Reference, Failure> {
+    /// Reads what [`write`](ReferenceData::write) wrote; `count` rows were kept.
+    pub fn read(folder: &Path, name: &str, count: usize) -> Result<ReferenceData, Failure> {
         let [rows, radiosity] = paths(folder, name);
         let (triples, b) = (read_triples(&rows)?, read_triples(&radiosity)?);
         let indices = spread(b.len(), count);
-        let mut found = vec![Row::new(); indices.len()];
+        let mut found = vec![SparseRow::new(); indices.len()];
         for [i, j, x] in triples {
             if let Ok(k) = indices.binary_search(&(i as usize)) {
                 found[k].push((j as u32, x));
             }
         }
-        Ok(Reference {
+        Ok(ReferenceData {
             indices,
             rows: found,
             radiosity: b.into_iter().map(|[r, g, b]| Rgb::new(r, g, b)).collect(),
@@ -101,18 +101,18 @@ mod tests {
     fn what_is_written_is_read() {
         let folder = std::env::temp_dir().join(format!("azulejo-reference-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let reference = Reference {
+        let reference = ReferenceData {
             indices: vec![0, 2],
             rows: vec![vec![(1, 0.25), (3, 1e-9)], Vec::new()],
             radiosity: vec![Rgb::WHITE, Rgb::new(1.0, 2.0, 3.0), Rgb::BLACK, Rgb::WHITE],
         };
-        let spread_rows = Reference {
+        let spread_rows = ReferenceData {
             indices: spread(4, 2),
             ..reference
         };
         spread_rows.write(&folder, "r", &Progress::new()).unwrap();
-        assert_eq!(Reference::read(&folder, "r", 2).unwrap(), spread_rows);
-        assert!(Reference::read(&folder, "other", 2).is_err());
+        assert_eq!(ReferenceData::read(&folder, "r", 2).unwrap(), spread_rows);
+        assert!(ReferenceData::read(&folder, "other", 2).is_err());
         std::fs::remove_dir_all(folder).unwrap();
     }
 }

@@ -44,7 +44,7 @@ pub struct RunTable {
     /// Seed of the first repetition.
     pub seed: u64,
     /// Longest time of one run; what takes longer is ended and reported so.
-    pub timeout: Option<Time>,
+    pub timeout: Option<SuiteDuration>,
 }
 
 impl Default for RunTable {
@@ -94,10 +94,10 @@ pub struct SceneTable {
     pub generator: Option<Spanned<String>>,
     /// About how many facets the generator should make; several are several scenes.
     #[serde(default)]
-    pub facets: Many<usize>,
+    pub facets: OneOrMany<usize>,
     /// How many facets are mirrors; several are several scenes.
     #[serde(default)]
-    pub mirrors: Many<usize>,
+    pub mirrors: OneOrMany<usize>,
     /// How many times as many facets the generator should make as usual.
     pub detail: Option<f64>,
     /// About how many patches to divide the surfaces into; by default faces stay whole.
@@ -114,13 +114,13 @@ pub struct EngineTable {
     pub name: Option<String>,
     /// Rays per row; several are several runs.
     #[serde(default)]
-    pub rays: Many<u32>,
+    pub rays: OneOrMany<u32>,
     /// Pixels along the side of a hemicube.
     #[serde(default)]
-    pub resolution: Many<u32>,
+    pub resolution: OneOrMany<u32>,
     /// Points of each patch from which one is drawn.
     #[serde(default)]
-    pub patch_points: Many<u32>,
+    pub patch_points: OneOrMany<u32>,
     /// Who draws.
     pub gpu: Option<Spanned<String>>,
     /// Embree's library.
@@ -143,81 +143,82 @@ fn yes() -> bool {
 
 /// One value or a list of them; nothing said is an empty list.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Many<T>(pub Vec<T>);
+pub struct OneOrMany<T>(pub Vec<T>);
 
-impl<T> Default for Many<T> {
-    fn default() -> Many<T> {
-        Many(Vec::new())
+impl<T> Default for OneOrMany<T> {
+    fn default() -> OneOrMany<T> {
+        OneOrMany(Vec::new())
     }
 }
 
-impl<T: Copy> Many<T> {
+impl<T: Copy> OneOrMany<T> {
     /// The values, or one that says nothing.
     pub fn options(&self) -> Vec<Option<T>> {
-        match self.0.is_empty() {
-            true => vec![None],
-            false => self.0.iter().copied().map(Some).collect(),
+        if self.0.is_empty() {
+            vec![None]
+        } else {
+            self.0.iter().copied().map(Some).collect()
         }
     }
 }
 
-impl<'de, T: Deserialize<'de> + TryFrom<i64>> Deserialize<'de> for Many<T> {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Many<T>, D::Error> {
-        from.deserialize_any(OneOrSeveral(PhantomData))
+impl<'de, T: Deserialize<'de> + TryFrom<i64>> Deserialize<'de> for OneOrMany<T> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<OneOrMany<T>, D::Error> {
+        from.deserialize_any(OneOrManyVisitor(PhantomData))
     }
 }
 
-struct OneOrSeveral<T>(PhantomData<T>);
+struct OneOrManyVisitor<T>(PhantomData<T>);
 
-impl<'de, T: Deserialize<'de> + TryFrom<i64>> Visitor<'de> for OneOrSeveral<T> {
-    type Value = Many<T>;
+impl<'de, T: Deserialize<'de> + TryFrom<i64>> Visitor<'de> for OneOrManyVisitor<T> {
+    type Value = OneOrMany<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("a whole number that is not negative, or a list of them")
     }
 
-    fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Many<T>, E> {
+    fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<OneOrMany<T>, E> {
         let wrong = || E::invalid_value(serde::de::Unexpected::Signed(value), &self);
         T::try_from(value)
-            .map(|x| Many(vec![x]))
+            .map(|x| OneOrMany(vec![x]))
             .map_err(|_| wrong())
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Many<T>, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<OneOrMany<T>, A::Error> {
         let mut values = Vec::new();
         while let Some(value) = list.next_element()? {
             values.push(value);
         }
-        Ok(Many(values))
+        Ok(OneOrMany(values))
     }
 }
 
 /// A length of time as on the command line: `"90s"`, `"10m"`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Time(pub Duration);
+pub struct SuiteDuration(pub Duration);
 
-impl<'de> Deserialize<'de> for Time {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Time, D::Error> {
+impl<'de> Deserialize<'de> for SuiteDuration {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<SuiteDuration, D::Error> {
         let text = String::deserialize(from)?;
         values::duration(&text)
-            .map(Time)
+            .map(SuiteDuration)
             .map_err(serde::de::Error::custom)
     }
 }
 
 /// A suite with its text, so that errors can say where.
 #[derive(Clone, Debug)]
-pub struct Source {
+pub struct SuiteSource {
     /// Where it was read.
     pub path: PathBuf,
     text: String,
 }
 
-impl Source {
+impl SuiteSource {
     /// Reads a suite.
-    pub fn read(path: &Path) -> Result<(Suite, Source), Failure> {
+    pub fn read(path: &Path) -> Result<(Suite, SuiteSource), Failure> {
         let text = std::fs::read_to_string(path).map_err(|e| Failure::file("read", path, &e))?;
-        let source = Source {
+        let source = SuiteSource {
             path: path.to_owned(),
             text,
         };
@@ -255,7 +256,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Suite, String> {
-        let source = Source {
+        let source = SuiteSource {
             path: "s.toml".into(),
             text: text.to_owned(),
         };
@@ -270,9 +271,12 @@ mod tests {
         );
         let suite = suite.unwrap();
         assert_eq!(suite.engine[0].rays.options(), [Some(64), Some(256)]);
-        assert_eq!(suite.engine[0].resolution, Many(vec![32]));
+        assert_eq!(suite.engine[0].resolution, OneOrMany(vec![32]));
         assert_eq!(suite.engine[0].patch_points.options(), [None]);
-        assert_eq!(suite.run.timeout, Some(Time(Duration::from_secs(120))));
+        assert_eq!(
+            suite.run.timeout,
+            Some(SuiteDuration(Duration::from_secs(120)))
+        );
     }
 
     #[test]

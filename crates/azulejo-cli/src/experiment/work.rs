@@ -1,11 +1,11 @@
 //! One task, done in a process of its own: what the parent starts for each.
 
-use super::metrics::{self, Surfaces};
-use super::plan::{Origin, SceneChoice, Setting, Task};
-use super::record::{Found, Record, Run, Truth};
-use super::reference::{Reference, spread};
+use super::metrics::{self, PatchSurfaces};
+use super::plan::{EngineSetting, Origin, SceneChoice, Task};
+use super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
+use super::reference::{ReferenceData, spread};
 use crate::clock::{Clock, peak_memory};
-use crate::engine::Chosen;
+use crate::engine::PreparedEngine;
 use crate::failure::Failure;
 use crate::pass;
 use azulejo::models;
@@ -22,31 +22,31 @@ pub fn run(
     reference: Option<&Task>,
     folder: &Path,
     progress: &Progress,
-) -> Result<Vec<Record>, Failure> {
+) -> Result<Vec<TaskRecord>, Failure> {
     let found = match task {
         Task::Reference(scene, setting, rows) => {
-            let matrix = Computed::new(scene, setting, REFERENCE_SEED, progress)?;
+            let matrix = ComputedMatrix::new(scene, setting, REFERENCE_SEED, progress)?;
             let (run, reference) = matrix.measured(None, *rows);
             reference.write(folder, &file_name(task), progress)?;
-            vec![Found::Reference(run)]
+            vec![Outcome::Reference(run)]
         }
         Task::Run(scene, setting, seed) => {
-            let matrix = Computed::new(scene, setting, *seed, progress)?;
+            let matrix = ComputedMatrix::new(scene, setting, *seed, progress)?;
             let (reference, rows) = match reference {
                 Some(task @ Task::Reference(_, _, rows)) => {
-                    let read = Reference::read(folder, &file_name(task), *rows)?;
+                    let read = ReferenceData::read(folder, &file_name(task), *rows)?;
                     (Some(read), *rows)
                 }
                 _ => (None, 256),
             };
-            vec![Found::Run(matrix.measured(reference.as_ref(), rows).0)]
+            vec![Outcome::Run(matrix.measured(reference.as_ref(), rows).0)]
         }
         Task::Truths(setting) => truths(setting, progress)?,
     };
-    let record = |found| Record {
+    let record = |outcome| TaskRecord {
         key: task.key(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        found,
+        outcome,
     };
     Ok(found.into_iter().map(record).collect())
 }
@@ -61,10 +61,10 @@ fn file_name(task: &Task) -> String {
 }
 
 /// Form factors and what they cost.
-struct Computed {
+struct ComputedMatrix {
     scene: Scene,
     choice: SceneChoice,
-    setting: Setting,
+    setting: EngineSetting,
     seed: u64,
     size: PatchSize,
     factors: FormFactors,
@@ -74,28 +74,28 @@ struct Computed {
     peak_bytes: Option<u64>,
 }
 
-impl Computed {
+impl ComputedMatrix {
     fn new(
         choice: &SceneChoice,
-        setting: &Setting,
+        setting: &EngineSetting,
         seed: u64,
         progress: &Progress,
-    ) -> Result<Computed, Failure> {
+    ) -> Result<ComputedMatrix, Failure> {
         let scene = scene(&choice.origin)?;
-        let chosen = setting.args.choose()?;
+        let prepared = setting.args.prepare()?;
         let size = choice
             .patches
             .map_or(PatchSize::Edge(0.0), PatchSize::Count);
         let options = FormFactorOptions {
             size,
             seed,
-            ..options(setting, &chosen)
+            ..options(setting, &prepared)
         };
         let clock = Clock::start();
-        let tracer = chosen.tracer(&scene)?;
+        let tracer = prepared.tracer(&scene)?;
         let factors = azulejo_factors::form_factors(&scene, &tracer, &options, progress)
             .map_err(pass::failure)?;
-        Ok(Computed {
+        Ok(ComputedMatrix {
             seconds: clock.wall(),
             cpu_seconds: clock.cpu(),
             peak_bytes: peak_memory(),
@@ -105,20 +105,24 @@ impl Computed {
             seed,
             size,
             factors,
-            notes: chosen.notes().to_vec(),
+            notes: prepared.notes().to_vec(),
         })
     }
 
     /// Its measures, and what of it may serve as a reference.
-    fn measured(self, reference: Option<&Reference>, rows: usize) -> (Run, Reference) {
+    fn measured(
+        self,
+        reference: Option<&ReferenceData>,
+        rows: usize,
+    ) -> (RunRecord, ReferenceData) {
         let (factors, scene) = (&self.factors, faceted(&self.scene, self.size));
-        let surfaces = Surfaces::new(&scene, &Patches::new(&scene, self.size));
+        let surfaces = PatchSurfaces::new(&scene, &Patches::new(&scene, self.size));
         let clock = Clock::start();
         let light = metrics::radiosity(factors, &surfaces);
         let solve_seconds = clock.wall();
         let indices = spread(factors.len(), rows);
         let row = |&i: &usize| factors.row(i).map(|(j, x, _)| (j, x)).collect();
-        let own = Reference {
+        let own = ReferenceData {
             rows: indices.iter().map(row).collect(),
             radiosity: light.leaving.clone(),
             indices,
@@ -145,7 +149,7 @@ impl Computed {
             .filter(|(_, sum)| **sum > 0.0);
         let stated: Vec<f64> = stated.map(|(error, sum)| error / sum).collect();
         let ran = &factors.engine_used;
-        let run = Run {
+        let run = RunRecord {
             scene: self.choice.to_string(),
             mirrors: self.choice.mirrors(),
             engine: self.setting.name.clone(),
@@ -176,10 +180,10 @@ impl Computed {
     }
 }
 
-fn options(setting: &Setting, chosen: &Chosen) -> FormFactorOptions {
+fn options(setting: &EngineSetting, prepared: &PreparedEngine) -> FormFactorOptions {
     let default = FormFactorOptions::default();
     FormFactorOptions {
-        engine: chosen.engine.clone(),
+        engine: prepared.engine.clone(),
         rays: setting.rays.unwrap_or(default.rays),
         analytic: setting.formulas,
         accuracy: setting.accuracy,
@@ -207,34 +211,36 @@ fn scene(origin: &Origin) -> Result<Scene, Failure> {
 /// Rays of all rows of a case together, where the suite says nothing: whole faces have 65,536.
 const TRUTH_RAYS: usize = 1 << 19;
 
-fn truths(setting: &Setting, progress: &Progress) -> Result<Vec<Found>, Failure> {
-    let chosen = setting.args.choose()?;
+fn truths(setting: &EngineSetting, progress: &Progress) -> Result<Vec<Outcome>, Failure> {
+    let prepared = setting.args.prepare()?;
     let mut found = Vec::new();
     for case in cases() {
-        found.push(Found::Truth(answered(&case, setting, &chosen, progress)?));
+        found.push(Outcome::Truth(answered(
+            &case, setting, &prepared, progress,
+        )?));
     }
     Ok(found)
 }
 
 fn answered(
     case: &Case,
-    setting: &Setting,
-    chosen: &Chosen,
+    setting: &EngineSetting,
+    prepared: &PreparedEngine,
     progress: &Progress,
-) -> Result<Truth, Failure> {
+) -> Result<TruthRecord, Failure> {
     let patches = Patches::new(&case.scene, case.size).len().max(1);
     let rays = (TRUTH_RAYS / patches).clamp(1 << 10, 1 << 16) as u32;
     let options = FormFactorOptions {
         rays: setting.rays.unwrap_or(rays),
-        ..options(setting, chosen)
+        ..options(setting, prepared)
     };
     let clock = Clock::start();
-    let tracer = chosen.tracer(&case.scene)?;
+    let tracer = prepared.tracer(&case.scene)?;
     let (answer, factors) = case
         .ask(&tracer, &options, progress)
         .map_err(pass::failure)?;
     let off = answer.standard_errors(case);
-    Ok(Truth {
+    Ok(TruthRecord {
         engine: setting.name.clone(),
         setting: setting.to_string(),
         ran: factors.engine_used.name,

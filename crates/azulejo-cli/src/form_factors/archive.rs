@@ -1,6 +1,6 @@
 //! The matrix as NumPy and SciPy read it.
 
-use super::Matrix;
+use super::NamedMatrix;
 use crate::npy::{self, Element};
 use crate::npz::Archive;
 use azulejo_factors::FormFactors;
@@ -20,9 +20,9 @@ const ORDERS: [[&str; 2]; 3] = [
 /// `ground_error`, `escaped` (sky and ground), `hidden`, `cut`, and `names` of groups, or
 /// `patch_face` (n × 2: object, face) and `patch_back` (1 for back sides) of patches. Orders that
 /// were kept apart are arrays like `data`, with a number for each of its entries.
-pub fn write(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
+pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     let factors = matrix.factors;
-    let rows = Rows::new(factors);
+    let rows = MatrixRows::new(factors);
     let mut archive = Archive::new(out);
     archive.add("format.npy", |w| npy::write_bytes(b"csr", w))?;
     archive.add("shape.npy", |w| {
@@ -72,20 +72,20 @@ pub fn write(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
 }
 
 /// The whole rows of a matrix, of which half is in memory.
-struct Rows<'a> {
+struct MatrixRows<'a> {
     factors: &'a FormFactors,
     blocks: Vec<Range<usize>>,
     /// Where each row starts, and after the last where it ends.
     starts: Vec<usize>,
 }
 
-impl Rows<'_> {
-    fn new(factors: &FormFactors) -> Rows<'_> {
+impl MatrixRows<'_> {
+    fn new(factors: &FormFactors) -> MatrixRows<'_> {
         let mut starts = vec![0];
         for length in factors.exchange.row_lengths() {
             starts.push(starts[starts.len() - 1] + length);
         }
-        Rows {
+        MatrixRows {
             factors,
             blocks: factors.blocks(),
             starts,
@@ -168,7 +168,7 @@ mod tests {
     fn archive(names: Option<&[String]>) -> HashMap<String, (String, Vec<u8>)> {
         let factors = two_squares();
         let mut bytes = Vec::new();
-        let matrix = Matrix {
+        let matrix = NamedMatrix {
             factors: &factors,
             names,
         };
@@ -211,7 +211,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("azulejo-{}.npz", std::process::id()));
         let mut file = std::fs::File::create(&path).unwrap();
         let (factors, names) = (two_squares(), ["floor".to_owned(), "wänd".to_owned()]);
-        let matrix = Matrix {
+        let matrix = NamedMatrix {
             factors: &factors,
             names: Some(&names),
         };

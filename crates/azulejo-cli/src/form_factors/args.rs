@@ -1,6 +1,6 @@
 //! What can be typed behind `form-factors`.
 
-use crate::args::{Division, Input};
+use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
 use crate::values;
 use azulejo_factors::Closure;
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct FormFactorArgs {
     #[command(flatten)]
-    pub input: Input,
+    pub input: InputArgs,
     /// Where to write: .npz (for scipy.sparse.load_npz), .csv, or View3D's .txt and .vf (text or
     /// binary, as its input says); `-` writes CSV to standard output
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -20,7 +20,7 @@ pub struct FormFactorArgs {
     #[arg(long, value_name = "KIND", value_enum)]
     pub format: Option<FormatName>,
     #[command(flatten)]
-    pub division: Division,
+    pub division: DivisionArgs,
     /// Rays from each patch; who says how many is given rays by --engine auto [default: 4096]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,

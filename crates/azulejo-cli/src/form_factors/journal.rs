@@ -25,23 +25,23 @@ const HEAD: usize = 4 + 8 + 8 + 4 + 4;
 pub struct FileJournal {
     path: PathBuf,
     key: u64,
-    state: Mutex<State>,
+    state: Mutex<JournalState>,
 }
 
 #[derive(Default)]
-struct State {
+struct JournalState {
     /// Absent until there is something to keep.
     file: Option<File>,
-    places: HashMap<(JournalStage, usize), Place>,
+    stored: HashMap<(JournalStage, usize), StoredBlock>,
     /// Where the next record goes.
     end: u64,
     /// Set after an error of writing: nothing is kept from then on.
     is_broken: bool,
-    said: Vec<String>,
+    messages: Vec<String>,
 }
 
 #[derive(Clone, Copy)]
-struct Place {
+struct StoredBlock {
     start: u64,
     length: u64,
     checksum: u32,
@@ -49,15 +49,15 @@ struct Place {
 
 impl FileJournal {
     /// Opens what is there under `path`, or prepares to begin it. A journal of other work, or a
-    /// damaged one, is begun anew, which [`said`](FileJournal::said) tells.
+    /// damaged one, is begun anew, which [`take_messages`](FileJournal::take_messages) tells.
     pub fn open(path: PathBuf, key: u64) -> Result<FileJournal, Failure> {
-        let mut state = State::default();
+        let mut state = JournalState::default();
         match OpenOptions::new().read(true).write(true).open(&path) {
             Err(e) if e.kind() == ErrorKind::NotFound => {}
             Err(e) => return Err(Failure::file("open", &path, &e)),
             Ok(file) => {
                 lock(&file, &path)?;
-                state.go_on(file, key, &path)?;
+                state.resume(file, key, &path)?;
             }
         }
         Ok(FileJournal {
@@ -69,7 +69,7 @@ impl FileJournal {
 
     /// Number of blocks that are kept.
     pub fn blocks(&self) -> usize {
-        self.state().places.len()
+        self.state().stored.len()
     }
 
     /// Where it is.
@@ -78,8 +78,8 @@ impl FileJournal {
     }
 
     /// What there is to say about it, once.
-    pub fn said(&self) -> Vec<String> {
-        std::mem::take(&mut self.state().said)
+    pub fn take_messages(&self) -> Vec<String> {
+        std::mem::take(&mut self.state().messages)
     }
 
     /// Removes the file: the work is done.
@@ -92,7 +92,7 @@ impl FileJournal {
         }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, JournalState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -100,12 +100,12 @@ impl FileJournal {
 impl Journal for FileJournal {
     fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
         let mut state = self.state();
-        let place = *state.places.get(&(stage, block))?;
+        let place = *state.stored.get(&(stage, block))?;
         let read = state.read(place);
         if read.is_none() {
             let path = self.path.display();
             let words = format!("{path}: a block is damaged and is computed again");
-            state.said.push(words);
+            state.messages.push(words);
         }
         read
     }
@@ -119,14 +119,14 @@ impl Journal for FileJournal {
             state.is_broken = true;
             let failure = Failure::file("write", &self.path, &e);
             let words = format!("{failure}: an interruption would lose the rows from here on");
-            state.said.push(words);
+            state.messages.push(words);
         }
     }
 }
 
-impl State {
+impl JournalState {
     /// Reads the heads of an existing journal.
-    fn go_on(&mut self, mut file: File, key: u64, path: &Path) -> Result<(), Failure> {
+    fn resume(&mut self, mut file: File, key: u64, path: &Path) -> Result<(), Failure> {
         let failed = |e| Failure::file("read", path, &e);
         let mut header = [0; HEADER as usize];
         let read = read_up_to(&mut file, &mut header).map_err(failed)?;
@@ -142,7 +142,7 @@ impl State {
                 "{}: of another scene, other options or another version, or damaged; begun anew",
                 path.display()
             );
-            self.said.push(words);
+            self.messages.push(words);
             file.set_len(0).map_err(failed)?;
             file.rewind().map_err(failed)?;
             file.write_all(&self::header(key)).map_err(failed)?;
@@ -156,7 +156,7 @@ impl State {
                     path.display(),
                     length - self.end
                 );
-                self.said.push(words);
+                self.messages.push(words);
                 file.set_len(self.end).map_err(failed)?;
             }
         }
@@ -174,7 +174,7 @@ impl State {
             if read_up_to(file, &mut head)? < HEAD {
                 return Ok(());
             }
-            let Some((key, place)) = place_of(&head, self.end + HEAD as u64) else {
+            let Some((key, place)) = parse_record_header(&head, self.end + HEAD as u64) else {
                 return Ok(());
             };
             let Some(end) = place
@@ -184,12 +184,12 @@ impl State {
             else {
                 return Ok(());
             };
-            self.places.insert(key, place);
+            self.stored.insert(key, place);
             self.end = end;
         }
     }
 
-    fn read(&mut self, place: Place) -> Option<Vec<u8>> {
+    fn read(&mut self, place: StoredBlock) -> Option<Vec<u8>> {
         let file = self.file.as_mut()?;
         file.seek(SeekFrom::Start(place.start)).ok()?;
         // The scan has seen that the file is as long as that.
@@ -217,16 +217,16 @@ impl State {
         let Some(file) = &mut self.file else {
             return Ok(());
         };
-        let head = head_of(stage, block, bytes);
+        let head = record_header(stage, block, bytes);
         file.seek(SeekFrom::Start(self.end))?;
         file.write_all(&head)?;
         file.write_all(bytes)?;
-        let place = Place {
+        let place = StoredBlock {
             start: self.end + HEAD as u64,
             length: bytes.len() as u64,
             checksum: crc32fast::hash(bytes),
         };
-        self.places.insert((stage, block), place);
+        self.stored.insert((stage, block), place);
         self.end = place.start + place.length;
         Ok(())
     }
@@ -254,7 +254,7 @@ fn header(key: u64) -> [u8; HEADER as usize] {
     header
 }
 
-fn head_of(stage: JournalStage, block: usize, bytes: &[u8]) -> Vec<u8> {
+fn record_header(stage: JournalStage, block: usize, bytes: &[u8]) -> Vec<u8> {
     let mut head = number_of(stage).to_le_bytes().to_vec();
     head.extend((block as u64).to_le_bytes());
     head.extend((bytes.len() as u64).to_le_bytes());
@@ -264,7 +264,7 @@ fn head_of(stage: JournalStage, block: usize, bytes: &[u8]) -> Vec<u8> {
 }
 
 /// What a record's head says, if it is whole.
-fn place_of(head: &[u8; HEAD], start: u64) -> Option<((JournalStage, usize), Place)> {
+fn parse_record_header(head: &[u8; HEAD], start: u64) -> Option<((JournalStage, usize), StoredBlock)> {
     let (said, checksum) = head.split_last_chunk::<4>()?;
     if crc32fast::hash(said) != u32::from_le_bytes(*checksum) {
         return None;
@@ -273,7 +273,7 @@ fn place_of(head: &[u8; HEAD], start: u64) -> Option<((JournalStage, usize), Pla
     let (block, rest) = rest.split_first_chunk::<8>()?;
     let (length, checksum) = rest.split_first_chunk::<8>()?;
     let stage = stage_of(u32::from_le_bytes(*stage))?;
-    let place = Place {
+    let place = StoredBlock {
         start,
         length: u64::from_le_bytes(*length),
         checksum: u32::from_le_bytes(*checksum.first_chunk()?),
@@ -346,7 +346,7 @@ mod tests {
             let journal = self.open(key);
             let has = |k: &usize| journal.load(JournalStage::Rows, *k).is_some();
             let there = (0..3).filter(has).collect();
-            (there, journal.said().join("\n"))
+            (there, journal.take_messages().join("\n"))
         }
     }
 
@@ -361,7 +361,7 @@ mod tests {
         let folder = Folder::new("back");
         let whole = folder.filled();
         let journal = folder.open(7);
-        assert_eq!((journal.blocks(), journal.said()), (3, vec![]));
+        assert_eq!((journal.blocks(), journal.take_messages()), (3, vec![]));
         assert_eq!(journal.load(JournalStage::Rows, 1), Some(vec![1; 100]));
         assert_eq!(journal.load(JournalStage::Pairs, 1), None);
         journal.save(JournalStage::Pairs, 9, b"more");
@@ -416,7 +416,7 @@ mod tests {
                     let right =
                         |(k, b): (usize, Option<Vec<u8>>)| b.is_none_or(|b| b == [k as u8; 100]);
                     assert!(loaded.enumerate().all(right), "{at}");
-                    assert!(!journal.said().is_empty(), "{at}");
+                    assert!(!journal.take_messages().is_empty(), "{at}");
                 }
             }
         }
@@ -477,7 +477,7 @@ mod tests {
         journal.state().file = Some(full);
         journal.save(JournalStage::Rows, 0, b"block");
         journal.save(JournalStage::Rows, 1, b"block");
-        let said = journal.said();
+        let said = journal.take_messages();
         assert!(
             said.len() == 1 && said[0].contains("No space left"),
             "{said:?}"

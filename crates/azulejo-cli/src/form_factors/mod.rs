@@ -8,7 +8,7 @@ mod summary;
 mod table;
 mod view3d;
 
-use super::engine::Chosen;
+use super::engine::PreparedEngine;
 use super::failure::Failure;
 use super::report::{Report, bytes, count};
 use super::session::Session;
@@ -30,7 +30,7 @@ use std::hash::{DefaultHasher, Hasher};
 use std::path::PathBuf;
 
 /// A matrix to be written.
-struct Matrix<'a> {
+struct NamedMatrix<'a> {
     factors: &'a FormFactors,
     /// What the rows are called, if they are groups.
     names: Option<&'a [String]>,
@@ -38,7 +38,7 @@ struct Matrix<'a> {
 
 /// Kinds of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum MatrixFormat {
     Archive,
     Table,
     /// As View3D does, in the layout that its input asks for if none is given.
@@ -48,16 +48,16 @@ enum Kind {
 /// Runs `form-factors`.
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = Output::check(&args.output)?;
-    let kind = kind_of(args, &output)?;
+    let format = matrix_format(args, &output)?;
     session.claim_stdout(output.is_stdout())?;
-    let chosen = args.engine.choose()?;
+    let prepared = args.engine.prepare()?;
     let room = view3d::read(args, session)?;
     let scene = match &room {
         Some(room) => Cow::Borrowed(room.scene()),
         None => Cow::Owned(read_models(args, session)?),
     };
-    let tracer = chosen.tracer(&scene)?;
-    let mut options = options(args, &chosen);
+    let tracer = prepared.tracer(&scene)?;
+    let mut options = options(args, &prepared);
     if let Some(room) = &room {
         options = room.options(options, args.rays);
     }
@@ -69,8 +69,8 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let computed = compute(&prepared, journal.as_ref(), session);
     journal
         .iter()
-        .flat_map(FileJournal::said)
-        .for_each(|words| session.note(&words));
+        .flat_map(FileJournal::take_messages)
+        .for_each(|message| session.note(&message));
     let (mut factors, names) = match &room {
         Some(room) => (
             room.finish(&computed?, session, &mut report)?,
@@ -79,23 +79,23 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
         None => grouped(&scene, computed?, args),
     };
     if let Some(share) = args.matrix.truncate {
-        session.watched(|p| factors.truncate(share, p))?;
+        session.with_progress(|p| factors.truncate(share, p))?;
     }
-    let matrix = Matrix {
+    let matrix = NamedMatrix {
         factors: &factors,
         names: names.as_deref(),
     };
-    output.write(session.progress(), |out| match kind {
-        Kind::Archive => archive::write(&matrix, out),
-        Kind::Table => table::write(&matrix, out),
-        Kind::View3d(layout) => {
+    output.write(session.progress(), |out| match format {
+        MatrixFormat::Archive => archive::write(&matrix, out),
+        MatrixFormat::Table => table::write(&matrix, out),
+        MatrixFormat::View3d(layout) => {
             view3d::write(room.as_ref(), layout, &factors, &scene.materials, out)
         }
     })?;
     if let Some(journal) = journal {
         journal.remove();
     }
-    chosen.describe(&factors.engine_used, &mut report);
+    prepared.describe(&factors.engine_used, &mut report);
     summary::describe(&matrix, &mut report);
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
@@ -114,21 +114,21 @@ fn read_models(args: &FormFactorArgs, session: &mut Session) -> Result<Scene, Fa
     Ok(scene)
 }
 
-fn kind_of(args: &FormFactorArgs, output: &Output) -> Result<Kind, Failure> {
+fn matrix_format(args: &FormFactorArgs, output: &Output) -> Result<MatrixFormat, Failure> {
     match args.format {
-        Some(FormatName::Npz) => return Ok(Kind::Archive),
-        Some(FormatName::Csv) => return Ok(Kind::Table),
-        Some(FormatName::View3d) => return Ok(Kind::View3d(Some(MatrixLayout::Text))),
-        Some(FormatName::View3dBinary) => return Ok(Kind::View3d(Some(MatrixLayout::Binary))),
+        Some(FormatName::Npz) => return Ok(MatrixFormat::Archive),
+        Some(FormatName::Csv) => return Ok(MatrixFormat::Table),
+        Some(FormatName::View3d) => return Ok(MatrixFormat::View3d(Some(MatrixLayout::Text))),
+        Some(FormatName::View3dBinary) => return Ok(MatrixFormat::View3d(Some(MatrixLayout::Binary))),
         None => {}
     }
     let extension = args.output.extension().and_then(|e| e.to_str());
     match extension.unwrap_or("").to_ascii_lowercase().as_str() {
-        "npz" => Ok(Kind::Archive),
-        "csv" => Ok(Kind::Table),
-        "txt" => Ok(Kind::View3d(Some(MatrixLayout::Text))),
-        "vf" => Ok(Kind::View3d(None)),
-        _ if output.is_stdout() => Ok(Kind::Table),
+        "npz" => Ok(MatrixFormat::Archive),
+        "csv" => Ok(MatrixFormat::Table),
+        "txt" => Ok(MatrixFormat::View3d(Some(MatrixLayout::Text))),
+        "vf" => Ok(MatrixFormat::View3d(None)),
+        _ if output.is_stdout() => Ok(MatrixFormat::Table),
         _ => Err(Failure::misuse(format_args!(
             "{}: unknown kind of matrix, expected .npz, .csv, .txt or .vf (View3D), or --format",
             args.output.display()
@@ -152,10 +152,10 @@ fn grouped(
     }
 }
 
-fn options(args: &FormFactorArgs, chosen: &Chosen) -> FormFactorOptions {
+fn options(args: &FormFactorArgs, prepared: &PreparedEngine) -> FormFactorOptions {
     let default = FormFactorOptions::default();
     let machine = || azulejo::machine::memory().unwrap_or(u64::MAX);
-    let engine = match (&chosen.engine, args.rays) {
+    let engine = match (&prepared.engine, args.rays) {
         (Engine::Auto, Some(_)) => Engine::Rays,
         (engine, _) => engine.clone(),
     };
@@ -179,7 +179,7 @@ fn forecast(
     report: &mut Report,
 ) -> Result<(), Failure> {
     let forecast = session
-        .watched(|p| plan.forecast(p))
+        .with_progress(|p| plan.forecast(p))
         .map_err(pass::failure)?;
     let Forecast {
         rows,
@@ -228,7 +228,7 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
         closure: _,
         memory: _,
     } = options;
-    let mut words = Words(DefaultHasher::new());
+    let mut words = TextHasher(DefaultHasher::new());
     let (version, kernel) = (env!("CARGO_PKG_VERSION"), tracer.kernel_name());
     // Hashing what is shown can't fail.
     let _ = write!(words, "{version} {kernel} {} {size:?} ", described(engine));
@@ -259,9 +259,9 @@ fn described(engine: &Engine) -> String {
 }
 
 /// Hashes text as it is written.
-struct Words(DefaultHasher);
+struct TextHasher(DefaultHasher);
 
-impl Write for Words {
+impl Write for TextHasher {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         self.0.write(text.as_bytes());
         Ok(())
@@ -282,7 +282,7 @@ fn compute(
         Some(journal) => journal,
         None => &NoJournal,
     };
-    match session.watched(|p| plan.compute(kept, p)) {
+    match session.with_progress(|p| plan.compute(kept, p)) {
         Ok(factors) => Ok(factors),
         Err(FactorsError::Cancelled) if journal.is_some_and(|j| j.blocks() > 0) => {
             session.say("what is done is kept: the same command goes on from there");

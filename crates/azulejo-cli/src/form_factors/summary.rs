@@ -1,13 +1,13 @@
 //! What a matrix is like, for people and for machines.
 
-use super::Matrix;
+use super::NamedMatrix;
 use crate::report::{Report, count, number, percent};
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::{Adjustment, RowRemainder, Truncation};
 use serde_json::{Value, json};
 
 /// What is in the matrix and how good it is.
-pub fn describe(matrix: &Matrix, report: &mut Report) {
+pub fn describe(matrix: &NamedMatrix, report: &mut Report) {
     let factors = matrix.factors;
     let (n, entries) = (factors.len(), factors.exchange.entries());
     match matrix.names {
@@ -34,13 +34,14 @@ fn surroundings(factors: &FormFactors, report: &mut Report) {
         mean(factors, &shares)
     };
     let (sky, ground, hidden) = (of(|r| r.sky), of(|r| r.ground), of(|r| r.hidden));
-    let mut words = match factors.is_closed {
-        true => "closed".to_owned(),
-        false => format!(
+    let mut words = if factors.is_closed {
+        "closed".to_owned()
+    } else {
+        format!(
             "open: {} of the light leaves it upwards (sky), {} downwards (ground)",
             percent(sky),
             percent(ground)
-        ),
+        )
     };
     if hidden > 0.0 {
         words += &format!("; {} ends on backs", percent(hidden));

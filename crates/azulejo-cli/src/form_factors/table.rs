@@ -1,6 +1,6 @@
 //! The matrix as spreadsheets read it.
 
-use super::Matrix;
+use super::NamedMatrix;
 use azulejo_factors::FaceId;
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -12,7 +12,7 @@ const ORDERS: &str =
 /// Writes one line per entry: between patches i, j, F_ij, its standard error, and patch i's area,
 /// object, face and side; between groups their names, F, its standard error and the area of the
 /// first. What leaves the scene is on lines of its own with `sky` and `ground` in place of j.
-pub fn write(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
+pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     let factors = matrix.factors;
     let orders = 0..factors.orders.len();
     out.write_all(match matrix.names {
@@ -51,7 +51,7 @@ pub fn write(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
 
 /// The columns that every table has.
 fn start(
-    matrix: &Matrix,
+    matrix: &NamedMatrix,
     i: usize,
     to: &str,
     share: f64,
@@ -71,7 +71,7 @@ fn start(
     Ok(())
 }
 
-impl Matrix<'_> {
+impl NamedMatrix<'_> {
     /// What a row is called in a table.
     fn name(&self, i: usize) -> Cow<'_, str> {
         match self.names {
@@ -83,9 +83,10 @@ impl Matrix<'_> {
 
 /// A name as RFC 4180 wants it.
 fn quoted(name: &str) -> Cow<'_, str> {
-    match name.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", name.replace('"', "\"\"")).into(),
-        false => name.into(),
+    if name.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", name.replace('"', "\"\"")).into()
+    } else {
+        name.into()
     }
 }
 
@@ -100,7 +101,7 @@ mod tests {
             factors.orders.clear();
         }
         let mut text = Vec::new();
-        let matrix = Matrix {
+        let matrix = NamedMatrix {
             factors: &factors,
             names,
         };

@@ -19,7 +19,7 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 
 /// Surfaces that a View3D file describes.
-pub struct Room {
+pub struct View3dInput {
     controls: View3dControls,
     model: View3dModel,
 }
@@ -35,7 +35,7 @@ const RAYS: f64 = 16_384.0;
 
 /// The surfaces of the one View3D file that is given. None if it is another model, or is placed,
 /// divided or joined by others: then its faces are what those of all models are.
-pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Room>, Failure> {
+pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3dInput>, Failure> {
     let reading = &args.input.reading;
     let is_placed = !reading.place.is_empty() || reading.up.is_some() || reading.unit.is_some();
     let [path] = &args.input.scenes[..] else {
@@ -68,7 +68,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Room>
             warnings.len()
         )));
     }
-    let room = Room {
+    let room = View3dInput {
         controls: document.controls,
         model,
     };
@@ -86,7 +86,7 @@ fn is_view3d(path: &Path) -> bool {
     is_file && read().is_ok() && recognise(&start, &path.to_string_lossy()) == Ok(Format::View3d)
 }
 
-impl Room {
+impl View3dInput {
     /// The polygons.
     pub fn scene(&self) -> &Scene {
         &self.model.scene
@@ -175,18 +175,19 @@ impl Room {
         }
         if self.controls.encl {
             let targets = vec![1.0; self.rows()];
-            let scaled = session.watched(|p| factors.scale_rows(&targets, SWEEPS[0], p))?;
+            let scaled = session.with_progress(|p| factors.scale_rows(&targets, SWEEPS[0], p))?;
             describe(&scaled, "enclosure", report);
         }
         if self.controls.emit {
             let emissivities = &self.model.emissivities;
-            let grey = session.watched(|p| factors.interchange(emissivities, p));
+            let grey = session.with_progress(|p| factors.interchange(emissivities, p));
             factors = grey.map_err(|e| match e {
                 InterchangeError::Cancelled => Failure::Cancelled,
                 other => Failure::failed(other),
             })?;
             if self.controls.encl {
-                let scaled = session.watched(|p| factors.scale_rows(emissivities, SWEEPS[1], p))?;
+                let scaled =
+                    session.with_progress(|p| factors.scale_rows(emissivities, SWEEPS[1], p))?;
                 describe(&scaled, "grey_enclosure", report);
             }
         }
@@ -249,7 +250,7 @@ fn describe(scaled: &Scaled, key: &str, report: &mut Report) {
 /// Writes a matrix as View3D does: of a room, or of any scene, whose emissivities are what its
 /// materials absorb.
 pub fn write(
-    room: Option<&Room>,
+    room: Option<&View3dInput>,
     layout: Option<MatrixLayout>,
     factors: &FormFactors,
     materials: &[Material],

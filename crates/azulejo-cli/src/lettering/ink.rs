@@ -6,7 +6,7 @@ use glam::DVec2;
 
 /// A grey picture, white to begin with.
 #[derive(Debug)]
-pub struct Paper {
+pub struct GreyCanvas {
     /// Width and height in pixels.
     pub size: [usize; 2],
     /// Share of each pixel that is covered with ink, rows from the top.
@@ -16,10 +16,10 @@ pub struct Paper {
 /// Scan lines in a row of pixels. Along them coverage is exact.
 const LINES: usize = 8;
 
-impl Paper {
+impl GreyCanvas {
     /// A white sheet.
-    pub fn new(size: [usize; 2]) -> Paper {
-        Paper {
+    pub fn new(size: [usize; 2]) -> GreyCanvas {
+        GreyCanvas {
             size,
             ink: vec![0.0; size[0] * size[1]],
         }
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     fn ink(figure: &Figure, at: DVec2, scale: f64) -> Vec<f32> {
-        let mut paper = Paper::new([3, 2]);
+        let mut paper = GreyCanvas::new([3, 2]);
         paper.draw(figure, at, scale);
         paper.ink
     }
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn half_covered_is_bright_to_the_eye() {
-        let mut paper = Paper::new([2, 1]);
+        let mut paper = GreyCanvas::new([2, 1]);
         paper.ink = vec![0.5, 1.0];
         assert_eq!(paper.rgb(), [188, 188, 188, 0, 0, 0]);
     }

@@ -2,7 +2,7 @@
 
 use super::args::FontSheetArgs;
 use super::font;
-use super::ink::Paper;
+use super::ink::GreyCanvas;
 use crate::failure::Failure;
 use crate::report::{Report, count};
 use crate::session::Session;
@@ -25,7 +25,7 @@ pub fn run(args: &FontSheetArgs, session: &mut Session) -> Result<Report, Failur
     let output = Output::check(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     let converted = font::converted(&args.font, &args.part, session)?;
-    let sheet = Sheet::new(&converted.font, &converted.encoding, f64::from(args.size))?;
+    let sheet = SheetLayout::new(&converted.font, &converted.encoding, f64::from(args.size))?;
     let unnamed = sheet.names.iter().filter(|n| n.is_none()).count();
     if unnamed > 0 {
         let message =
@@ -51,7 +51,7 @@ pub fn run(args: &FontSheetArgs, session: &mut Session) -> Result<Report, Failur
 }
 
 /// Where everything goes: cells of one size, glyphs above their names.
-struct Sheet {
+struct SheetLayout {
     /// Pixels of an em.
     em: f64,
     /// Cells across and down.
@@ -67,8 +67,8 @@ struct Sheet {
 /// Size of the names, as a share of the glyphs'.
 const NAME_SIZE: f64 = 0.18;
 
-impl Sheet {
-    fn new(font: &Font, encoding: &Encoding, em: f64) -> Result<Sheet, Failure> {
+impl SheetLayout {
+    fn new(font: &Font, encoding: &Encoding, em: f64) -> Result<SheetLayout, Failure> {
         let boxes = font.glyphs.values().map(|g| g.figure.bounds());
         let inked = boxes.filter(|b| b.min.x <= b.max.x);
         let all = inked.reduce(|a, b| a.union(b));
@@ -89,7 +89,7 @@ impl Sheet {
             return Err(Failure::failed(message));
         }
         let name = |name: &String| font.set_line(name, encoding, 0.02).ok();
-        Ok(Sheet {
+        Ok(SheetLayout {
             em,
             cells: [across as usize, down as usize],
             cell: cell.map(|c| c.ceil() as usize),
@@ -98,8 +98,8 @@ impl Sheet {
         })
     }
 
-    fn draw(&self, font: &Font) -> Paper {
-        let mut paper = Paper::new([0, 1].map(|axis| self.cells[axis] * self.cell[axis]));
+    fn draw(&self, font: &Font) -> GreyCanvas {
+        let mut paper = GreyCanvas::new([0, 1].map(|axis| self.cells[axis] * self.cell[axis]));
         for (i, (glyph, name)) in font.glyphs.values().zip(&self.names).enumerate() {
             let corner = [
                 i % self.cells[0] * self.cell[0],
@@ -117,7 +117,7 @@ impl Sheet {
     }
 
     /// Names stand at the bottom of their cells, smaller where they would not fit.
-    fn draw_name(&self, name: &Line, corner: DVec2, paper: &mut Paper) {
+    fn draw_name(&self, name: &Line, corner: DVec2, paper: &mut GreyCanvas) {
         let room = 0.92 * self.cell[0] as f64;
         let size = (NAME_SIZE * self.em).min(room / name.advance.max(1e-9));
         let base = self.cell[1] as f64 - (0.12 + 0.3 * NAME_SIZE) * self.em;

@@ -31,11 +31,12 @@ pub fn slopes(text: &str) -> Result<[f64; 2], String> {
 /// A share of light in 0..=1: a colour as on screens, `#e8a030`, or linear, `0.8,0.4,0.1` or `0.5`.
 pub fn reflectance(text: &str) -> Result<Rgb, String> {
     let color = radiance(text)?;
-    match color.max_channel() <= 1.0 {
-        true => Ok(color),
-        false => Err(format!(
+    if color.max_channel() <= 1.0 {
+        Ok(color)
+    } else {
+        Err(format!(
             "{text} reflects more than arrives, expected at most 1"
-        )),
+        ))
     }
 }
 

@@ -76,7 +76,7 @@ pub fn read(
     let bytes = read_file(path, progress)?;
     progress.begin("parsing", 0);
     progress.advance(0)?;
-    let around = Surroundings::of(path, reading, progress);
+    let around = CancellableFiles::of(path, reading, progress);
     let name = path.to_string_lossy();
     let read = azulejo_formats::read_with(&bytes, &name, &around, &reading.options);
     // What a reader makes of files that it was not given is no reason.
@@ -85,17 +85,17 @@ pub fn read(
 }
 
 /// The files around a model, as long as nobody cancels.
-struct Surroundings<'a> {
+struct CancellableFiles<'a> {
     own: Folder,
     home: Option<Folder>,
     progress: &'a Progress,
 }
 
-impl<'a> Surroundings<'a> {
-    fn of(path: &Path, reading: &Reading, progress: &'a Progress) -> Surroundings<'a> {
+impl<'a> CancellableFiles<'a> {
+    fn of(path: &Path, reading: &Reading, progress: &'a Progress) -> CancellableFiles<'a> {
         let own = Folder::of_model(path);
         let own = (reading.allow.iter()).fold(own, |folder, more| folder.allow(more));
-        Surroundings {
+        CancellableFiles {
             own,
             home: reading.home.as_ref().map(Folder::new),
             progress,
@@ -103,7 +103,7 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-impl Files for Surroundings<'_> {
+impl Files for CancellableFiles<'_> {
     fn read(&self, name: &str) -> Result<Vec<u8>, FileError> {
         if self.progress.is_cancelled() {
             return Err(FileError::Io(io::ErrorKind::Interrupted.into()));
@@ -125,13 +125,16 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadFailure> {
 
 /// The same, told of in bytes and given up when it is cancelled.
 fn read_file(path: &Path, progress: &Progress) -> Result<Vec<u8>, ReadFailure> {
-    let failed = |error: io::Error| match progress.is_cancelled() {
-        true => ReadFailure::Cancelled,
-        false => ReadFailure::File(Refused {
-            deed: "read",
-            path: path.to_owned(),
-            error,
-        }),
+    let failed = |error: io::Error| {
+        if progress.is_cancelled() {
+            ReadFailure::Cancelled
+        } else {
+            ReadFailure::File(Refused {
+                deed: "read",
+                path: path.to_owned(),
+                error,
+            })
+        }
     };
     if path == Path::new("-") {
         return limited(io::stdin().lock(), 0, MAX_STREAM, progress).map_err(failed);
@@ -211,7 +214,7 @@ mod tests {
         assert!(progress.done() < 1 << 24 && progress.total() == 1 << 30);
         // No further file is read for a model that nobody waits for.
         let progress = Progress::new();
-        let around = Surroundings::of(Path::new("a.obj"), &Reading::default(), &progress);
+        let around = CancellableFiles::of(Path::new("a.obj"), &Reading::default(), &progress);
         progress.cancel();
         let read = around.read("a.mtl");
         assert!(matches!(read, Err(FileError::Io(_))), "{read:?}");

@@ -15,7 +15,7 @@ const TURNS: usize = 8;
 
 /// Values of one pair of directions.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry {
+pub struct FitSample {
     /// To the viewer.
     pub wo: DVec3,
     /// To the light.
@@ -28,7 +28,7 @@ pub struct Entry {
 
 /// The entries of a model, without those further from the normal than `most_angle` (radians) and
 /// those without data.
-pub fn entries(target: &Brdf, most_angle: f64) -> Vec<Entry> {
+pub fn entries(target: &Brdf, most_angle: f64) -> Vec<FitSample> {
     let lowest = most_angle.cos();
     let value = |wo: DVec3, wi: DVec3| {
         let is_in = wo.z >= lowest && wi.z >= lowest;
@@ -46,7 +46,7 @@ pub fn entries(target: &Brdf, most_angle: f64) -> Vec<Entry> {
         for (half, measure) in halves() {
             let (wo, wi) = pair(phi_h, half);
             if let Some(value) = value(wo, wi) {
-                found.push(Entry {
+                found.push(FitSample {
                     wo,
                     wi,
                     value,
@@ -58,7 +58,7 @@ pub fn entries(target: &Brdf, most_angle: f64) -> Vec<Entry> {
     found
 }
 
-/// Angles of half and difference, at the middles of their bins, with the solid angles of these.
+/// DirectionAngles of half and difference, at the middles of their bins, with the solid angles of these.
 fn halves() -> impl Iterator<Item = ([f64; 3], f64)> {
     let [a, b, c] = STEPS;
     let all = (0..a).flat_map(move |i| (0..b).flat_map(move |j| (0..c).map(move |k| [i, j, k])));
@@ -113,7 +113,7 @@ fn is_isotropic(target: &Brdf) -> bool {
     })
 }
 
-impl Entry {
+impl FitSample {
     /// What is compared of a value: ln(1 + f cos θi), per channel.
     ///
     /// The logarithm keeps highlights from being all that counts, the cosine what grazing light
@@ -125,7 +125,7 @@ impl Entry {
 
 /// How far a model is from the entries.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Errors {
+pub struct FitErrors {
     /// Root mean square of differences of ln(1 + f cos θi), which the fit makes least.
     pub compressed: f64,
     /// Root mean square of f cos θi, weighted by solid angle, over that of the data (Ngan, Durand,
@@ -134,7 +134,7 @@ pub struct Errors {
 }
 
 /// The errors of a model.
-pub fn errors(entries: &[Entry], model: &Brdf) -> Errors {
+pub fn errors(entries: &[FitSample], model: &Brdf) -> FitErrors {
     let (mut log, mut off, mut all) = (0.0, 0.0, 0.0);
     for entry in entries {
         let value = model.eval(entry.wo, entry.wi);
@@ -143,7 +143,7 @@ pub fn errors(entries: &[Entry], model: &Brdf) -> Errors {
         off += entry.measure * square((value - entry.value) * entry.wi.z);
         all += entry.measure * square(entry.value * entry.wi.z);
     }
-    Errors {
+    FitErrors {
         compressed: (log / entries.len().max(1) as f64).sqrt(),
         relative: if all > 0.0 { (off / all).sqrt() } else { 0.0 },
     }
@@ -184,7 +184,7 @@ mod tests {
         let found = errors(&entries(&model, 1.3), &model);
         assert_eq!(
             found,
-            Errors {
+            FitErrors {
                 compressed: 0.0,
                 relative: 0.0
             }

@@ -13,10 +13,10 @@ use azulejo::output::Output;
 use azulejo_formats::brdf;
 use azulejo_scene::brdf::{Description, Model, find};
 use azulejo_trace::Progress;
-use measured::{Entry, Errors};
-use search::{Answer, Question, Stopped};
+use measured::{FitErrors, FitSample};
+use search::{FitError, FitProblem, FitResult};
 use serde_json::{Value, json};
-use variables::Variable;
+use variables::FitVariable;
 
 /// Runs `brdf fit`.
 pub fn run(args: &FitArgs, session: &mut Session) -> Result<Report, Failure> {
@@ -34,7 +34,7 @@ pub fn run(args: &FitArgs, session: &mut Session) -> Result<Report, Failure> {
     }
     let question = question(given, &entries)?;
     let starts = args.starts as usize;
-    let (answer, lambert) = session.watched(|progress| {
+    let (answer, lambert) = session.with_progress(|progress| {
         let answer = solved(&question, starts, progress)?;
         let lambert = question_of("diffuse", &entries)?;
         let lambert = solved(&lambert, 1, progress)?;
@@ -64,7 +64,7 @@ fn given(text: &str) -> Result<Model, Failure> {
     }
 }
 
-fn question(given: Model, entries: &[Entry]) -> Result<Question<'_>, Failure> {
+fn question(given: Model, entries: &[FitSample]) -> Result<FitProblem<'_>, Failure> {
     let info = find(&given.name).map_err(Failure::misuse)?;
     let is_colored = entries.iter().any(|e| !e.value.is_grey());
     let variables = variables::variables(info, &given, is_colored);
@@ -74,7 +74,7 @@ fn question(given: Model, entries: &[Entry]) -> Result<Question<'_>, Failure> {
             info.name
         )));
     }
-    Ok(Question {
+    Ok(FitProblem {
         given,
         variables,
         entries,
@@ -82,18 +82,23 @@ fn question(given: Model, entries: &[Entry]) -> Result<Question<'_>, Failure> {
     })
 }
 
-fn question_of<'a>(name: &str, entries: &'a [Entry]) -> Result<Question<'a>, Failure> {
+fn question_of<'a>(name: &str, entries: &'a [FitSample]) -> Result<FitProblem<'a>, Failure> {
     question(Model::new(name, []), entries)
 }
 
-fn solved(question: &Question, starts: usize, progress: &Progress) -> Result<Answer, Failure> {
+fn solved(question: &FitProblem, starts: usize, progress: &Progress) -> Result<FitResult, Failure> {
     search::search(question, starts, progress).map_err(|stopped| match stopped {
-        Stopped::Cancelled => Failure::Cancelled,
-        Stopped::Problem(problem) => Failure::misuse(problem),
+        FitError::Cancelled => Failure::Cancelled,
+        FitError::Problem(problem) => Failure::misuse(problem),
     })
 }
 
-fn describe(question: &Question, answer: &Answer, errors: [Errors; 2], report: &mut Report) {
+fn describe(
+    question: &FitProblem,
+    answer: &FitResult,
+    errors: [FitErrors; 2],
+    report: &mut Report,
+) {
     let words = answer.brdf.description().to_string();
     report.value("model", words.as_str());
     report.fact(
@@ -112,7 +117,7 @@ fn describe(question: &Question, answer: &Answer, errors: [Errors; 2], report: &
         (
             "compressed_error",
             "RMS of ln(1 + f cos)",
-            (|e| e.compressed) as fn(Errors) -> f64,
+            (|e| e.compressed) as fn(FitErrors) -> f64,
         ),
         ("relative_error", "relative RMS of f cos", |e| e.relative),
     ] {
@@ -132,7 +137,7 @@ fn describe(question: &Question, answer: &Answer, errors: [Errors; 2], report: &
 }
 
 fn parameter(
-    variable: &Variable,
+    variable: &FitVariable,
     (value, error, is_at_end): (f64, f64, bool),
     report: &mut Report,
 ) -> Value {

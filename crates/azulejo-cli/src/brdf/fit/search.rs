@@ -1,7 +1,7 @@
 //! The search for the least error: from several starts, by the method of Levenberg and Marquardt.
 
-use super::measured::Entry;
-use super::variables::{self, Variable};
+use super::measured::FitSample;
+use super::variables::{self, FitVariable};
 use azulejo_scene::Brdf;
 use azulejo_scene::brdf::{Description, Model, Problem, Value};
 use azulejo_trace::{Cancelled, Progress};
@@ -22,19 +22,19 @@ const STEP: f64 = 1e-5;
 const PATIENCE: usize = 40;
 
 /// What is fitted: a model, of which some parameters may be given.
-pub struct Question<'a> {
+pub struct FitProblem<'a> {
     /// Its name and what stays as it is.
     pub given: Model,
     /// What is looked for.
-    pub variables: Vec<Variable>,
+    pub variables: Vec<FitVariable>,
     /// The data.
-    pub entries: &'a [Entry],
+    pub entries: &'a [FitSample],
     /// Whether the data has different channels.
     pub is_colored: bool,
 }
 
 /// A fit.
-pub struct Answer {
+pub struct FitResult {
     /// The model with what was found.
     pub brdf: Brdf,
     /// Value and standard error of each variable, and whether it is at an end of its range.
@@ -45,16 +45,16 @@ pub struct Answer {
 
 /// Why there is no fit.
 #[derive(Debug)]
-pub enum Stopped {
+pub enum FitError {
     /// It was asked to stop.
     Cancelled,
     /// The model cannot be made with any of the starts.
     Problem(Problem),
 }
 
-impl From<Cancelled> for Stopped {
-    fn from(_: Cancelled) -> Stopped {
-        Stopped::Cancelled
+impl From<Cancelled> for FitError {
+    fn from(_: Cancelled) -> FitError {
+        FitError::Cancelled
     }
 }
 
@@ -62,20 +62,24 @@ impl From<Cancelled> for Stopped {
 type End = (DVector<f64>, f64);
 
 /// Fits from `starts` places.
-pub fn search(question: &Question, starts: usize, progress: &Progress) -> Result<Answer, Stopped> {
+pub fn search(
+    question: &FitProblem,
+    starts: usize,
+    progress: &Progress,
+) -> Result<FitResult, FitError> {
     let every = question.entries.len().div_ceil(FEW).max(1);
-    let few: Vec<Entry> = question.entries.iter().copied().step_by(every).collect();
+    let few: Vec<FitSample> = question.entries.iter().copied().step_by(every).collect();
     let last = starts.min(KEPT);
     progress.begin("fit", (starts + last) as u64);
-    let mut ends = from_places(question, &few, places(question, starts), progress)?;
+    let mut ends = minimize_from(question, &few, starting_points(question, starts), progress)?;
     if ends.is_empty() {
-        return Err(Stopped::Problem(refused(question)));
+        return Err(FitError::Problem(refused(question)));
     }
     ends.truncate(KEPT);
     let kept = ends.into_iter().map(|(place, _)| place).collect();
-    let ends = from_places(question, question.entries, kept, progress)?;
+    let ends = minimize_from(question, question.entries, kept, progress)?;
     let Some((best, least)) = ends.first() else {
-        return Err(Stopped::Problem(refused(question)));
+        return Err(FitError::Problem(refused(question)));
     };
     let agreeing = ends
         .iter()
@@ -85,7 +89,7 @@ pub fn search(question: &Question, starts: usize, progress: &Progress) -> Result
 }
 
 /// Places to start from, evenly spread: Kronecker's sequence with the steps of Roberts.
-fn places(question: &Question, count: usize) -> Vec<DVector<f64>> {
+fn starting_points(question: &FitProblem, count: usize) -> Vec<DVector<f64>> {
     let variables = &question.variables;
     let root = (0..30).fold(1.5f64, |x, _| {
         (1.0 + x).powf(1.0 / (variables.len() + 1) as f64)
@@ -103,14 +107,14 @@ fn places(question: &Question, count: usize) -> Vec<DVector<f64>> {
 }
 
 /// Where the searches end, the best first.
-fn from_places(
-    question: &Question,
-    entries: &[Entry],
+fn minimize_from(
+    question: &FitProblem,
+    entries: &[FitSample],
     places: Vec<DVector<f64>>,
     progress: &Progress,
-) -> Result<Vec<End>, Stopped> {
+) -> Result<Vec<End>, FitError> {
     let one = |place: DVector<f64>| {
-        let residuals = Residuals {
+        let residuals = FitResiduals {
             question,
             entries,
             place,
@@ -129,27 +133,27 @@ fn from_places(
 }
 
 fn answer(
-    question: &Question,
+    question: &FitProblem,
     place: &DVector<f64>,
     agreeing: usize,
     progress: &Progress,
-) -> Result<Answer, Stopped> {
-    let brdf = question.brdf(place).map_err(Stopped::Problem)?.0;
+) -> Result<FitResult, FitError> {
+    let brdf = question.brdf(place).map_err(FitError::Problem)?.0;
     let brdf = rounded(&brdf).unwrap_or(brdf);
-    let residuals = Residuals {
+    let residuals = FitResiduals {
         question,
         entries: question.entries,
         place: place.clone(),
         progress,
     };
     let errors = residuals.standard_errors();
-    let value = |(k, variable): (usize, &Variable)| {
+    let value = |(k, variable): (usize, &FitVariable)| {
         let free = place[k];
         let error = errors.as_ref().map_or(f64::NAN, |e| e[k]);
         let spread = error * variable.slope(free).abs();
         (variable.value(free), spread, variable.is_at_end(free))
     };
-    Ok(Answer {
+    Ok(FitResult {
         brdf,
         found: question.variables.iter().enumerate().map(value).collect(),
         agreeing,
@@ -176,7 +180,7 @@ fn seven_digits(x: f64) -> f64 {
 }
 
 /// What is wrong in the middle of all ranges, if anything is.
-fn refused(question: &Question) -> Problem {
+fn refused(question: &FitProblem) -> Problem {
     let middle = DVector::zeros(question.variables.len());
     match question.brdf(&middle) {
         Err(problem) => problem,
@@ -184,7 +188,7 @@ fn refused(question: &Question) -> Problem {
     }
 }
 
-impl Question<'_> {
+impl FitProblem<'_> {
     /// The model at a place, and by how much it would reflect more than arrives there: its
     /// colours are multiplied until it does not.
     fn brdf(&self, place: &DVector<f64>) -> Result<(Brdf, f64), Problem> {
@@ -207,14 +211,14 @@ impl Question<'_> {
 }
 
 /// The differences between a model and the data, for the method.
-struct Residuals<'a> {
-    question: &'a Question<'a>,
-    entries: &'a [Entry],
+struct FitResiduals<'a> {
+    question: &'a FitProblem<'a>,
+    entries: &'a [FitSample],
     place: DVector<f64>,
     progress: &'a Progress,
 }
 
-impl Residuals<'_> {
+impl FitResiduals<'_> {
     /// Differences at a place, and what the model reflects too much as the last of them; `None`
     /// where there is no model, or when the work was cancelled.
     fn at(&self, place: &DVector<f64>) -> Option<DVector<f64>> {
@@ -251,7 +255,7 @@ impl Residuals<'_> {
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Residuals<'_> {
+impl LeastSquaresProblem<f64, Dyn, Dyn> for FitResiduals<'_> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;
@@ -294,10 +298,10 @@ mod tests {
         Brdf::new(text.parse().unwrap()).unwrap()
     }
 
-    fn fit(name: &str, entries: &[Entry], is_colored: bool) -> (Answer, Vec<Variable>) {
+    fn fit(name: &str, entries: &[FitSample], is_colored: bool) -> (FitResult, Vec<FitVariable>) {
         let info = find(name).unwrap();
         let given = Model::new(info.name, []);
-        let question = Question {
+        let question = FitProblem {
             variables: variables::variables(info, &given, is_colored),
             given,
             entries,

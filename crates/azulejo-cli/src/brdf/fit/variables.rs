@@ -14,36 +14,36 @@ const FIRST: [f64; 2] = [1e-3, 1e3];
 
 /// One number that a fit looks for.
 #[derive(Clone, Copy)]
-pub struct Variable {
+pub struct FitVariable {
     /// Whose value, or part of value, it is.
     pub parameter: &'static ParameterInfo,
     /// Which channel of a colour; `None` for all of them.
     pub channel: Option<usize>,
-    scale: Scale,
+    scale: VariableScale,
 }
 
 /// How equal steps of a variable change its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Scale {
+enum VariableScale {
     /// By equal amounts.
     Linear,
     /// By equal factors, above the least value or 1e-3 of what is common.
     Logarithmic { offset: f64 },
 }
 
-impl Variable {
-    fn new(parameter: &'static ParameterInfo, channel: Option<usize>) -> Variable {
+impl FitVariable {
+    fn new(parameter: &'static ParameterInfo, channel: Option<usize>) -> FitVariable {
         let (least, most) = (parameter.least, parameter.most);
         let scale = match parameter.kind {
             Kind::Number if least > 0.0 && most > WIDE * least => {
-                Scale::Logarithmic { offset: 0.0 }
+                VariableScale::Logarithmic { offset: 0.0 }
             }
-            Kind::Number if least <= 0.0 && most > WIDE => Scale::Logarithmic {
+            Kind::Number if least <= 0.0 && most > WIDE => VariableScale::Logarithmic {
                 offset: 1.0 - least,
             },
-            _ => Scale::Linear,
+            _ => VariableScale::Linear,
         };
-        Variable {
+        FitVariable {
             parameter,
             channel,
             scale,
@@ -52,15 +52,15 @@ impl Variable {
 
     fn stretched(&self, value: f64) -> f64 {
         match self.scale {
-            Scale::Linear => value,
-            Scale::Logarithmic { offset } => (value + offset).ln(),
+            VariableScale::Linear => value,
+            VariableScale::Logarithmic { offset } => (value + offset).ln(),
         }
     }
 
     fn value_of(&self, stretched: f64) -> f64 {
         let value = match self.scale {
-            Scale::Linear => stretched,
-            Scale::Logarithmic { offset } => stretched.exp() - offset,
+            VariableScale::Linear => stretched,
+            VariableScale::Logarithmic { offset } => stretched.exp() - offset,
         };
         // The map and its inverse may leave the range by a rounding.
         value.clamp(self.parameter.least, self.parameter.most)
@@ -87,8 +87,8 @@ impl Variable {
         let [low, high] = self.ends();
         let clamped = |x: f64| x.clamp(self.parameter.least, self.parameter.most);
         let [first, last] = match self.scale {
-            Scale::Linear => [low, high],
-            Scale::Logarithmic { .. } => FIRST.map(|x| self.stretched(clamped(x))),
+            VariableScale::Linear => [low, high],
+            VariableScale::Logarithmic { .. } => FIRST.map(|x| self.stretched(clamped(x))),
         };
         let share = 0.03 + 0.94 * share;
         let place = (first + (last - first) * share - low) / (high - low);
@@ -113,7 +113,7 @@ impl Variable {
 
 /// All numbers of a model that are not given: one per parameter, three per colour where the data
 /// is coloured.
-pub fn variables(info: &'static Info, given: &Model, is_colored: bool) -> Vec<Variable> {
+pub fn variables(info: &'static Info, given: &Model, is_colored: bool) -> Vec<FitVariable> {
     let is_given = |p: &&ParameterInfo| given.value(p.name).is_some();
     let has_fresnel = info.all_parameters().skip(info.parameters.len());
     let has_fresnel = has_fresnel.into_iter().any(|p| is_given(&p));
@@ -125,16 +125,16 @@ pub fn variables(info: &'static Info, given: &Model, is_colored: bool) -> Vec<Va
     let mut found = Vec::new();
     for (_, parameter) in fitted {
         if is_colored && parameter.kind == Kind::Color {
-            found.extend([0, 1, 2].map(|c| Variable::new(parameter, Some(c))));
+            found.extend([0, 1, 2].map(|c| FitVariable::new(parameter, Some(c))));
         } else {
-            found.push(Variable::new(parameter, None));
+            found.push(FitVariable::new(parameter, None));
         }
     }
     found
 }
 
 /// The model with values for its variables; colours are multiplied by `dimmed`.
-pub fn model(given: &Model, variables: &[Variable], free: &[f64], dimmed: f64) -> Model {
+pub fn model(given: &Model, variables: &[FitVariable], free: &[f64], dimmed: f64) -> Model {
     let mut model = given.clone();
     for (variable, &free) in variables.iter().zip(free) {
         let mut value = variable.value(free);
@@ -175,7 +175,7 @@ mod tests {
     fn values_stay_in_their_ranges() {
         let given = Model::new("lewis", []);
         let found = variables(find("lewis").unwrap(), &given, false);
-        let names: Vec<String> = found.iter().map(Variable::name).collect();
+        let names: Vec<String> = found.iter().map(FitVariable::name).collect();
         assert_eq!(names, ["kd", "ks", "n"]);
         for variable in found {
             for free in [-9.0, -1.5, 0.0, 0.7, 1.6, 40.0] {
@@ -199,7 +199,7 @@ mod tests {
     fn colours_have_three_variables_and_what_is_given_none() {
         let given = Model::new("lewis", [("n", Value::Number(7.0))]);
         let found = variables(find("lewis").unwrap(), &given, true);
-        let names: Vec<String> = found.iter().map(Variable::name).collect();
+        let names: Vec<String> = found.iter().map(FitVariable::name).collect();
         assert_eq!(names, ["kd.r", "kd.g", "kd.b", "ks.r", "ks.g", "ks.b"]);
         let model = model(&given, &found, &[0.0; 6], 0.5);
         assert_eq!(

@@ -1,13 +1,13 @@
 //! What is reflected in all, against the angle, and what each part of a model adds.
 
-use super::{Panel, Subject, brightness, in_turn, label, round_below};
+use super::{Panel, PlotSubject, brightness, in_turn, label, round_below};
 use crate::drawing::{Color, Drawing, FAINT, GRID, INK, TextAnchor};
 use crate::failure::Failure;
 use azulejo_scene::{Brdf, Rgb};
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_4;
 
-/// Angles at which it is found.
+/// DirectionAngles at which it is found.
 const ANGLES: usize = 46;
 
 /// The largest of them, degrees.
@@ -32,7 +32,7 @@ const CHANNELS: [(&str, Color); 3] = [
 const NEAR: f64 = 0.015;
 
 /// What is reflected at one angle.
-struct Reflected {
+struct AlbedoRow {
     /// Radians.
     degrees: f64,
     /// Of each part.
@@ -42,7 +42,7 @@ struct Reflected {
 }
 
 /// The axes.
-struct Chart {
+struct AlbedoChart {
     /// Lower left corner.
     origin: DVec2,
     size: DVec2,
@@ -51,7 +51,7 @@ struct Chart {
 }
 
 /// Draws the panel.
-pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), Failure> {
+pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<(), Failure> {
     panel.head(
         "Albedo against angle",
         "share of the light from an angle that is reflected in all",
@@ -66,7 +66,7 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), 
     let second = subject.models.get(1).map(|brdf| rows(brdf)).transpose()?;
     let all = first.iter().chain(second.iter().flatten());
     let most = all.map(|r| r.all.max_channel()).fold(1.0, f64::max);
-    let chart = Chart {
+    let chart = AlbedoChart {
         origin: panel.at + DVec2::new(38.0, panel.size.y - 38.0),
         size: DVec2::new(panel.size.x - 52.0, panel.size.y - 92.0),
         most: 1.04 * most.min(8.0),
@@ -81,7 +81,7 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), 
     Ok(())
 }
 
-fn reflected(brdf: &Brdf, k: usize, phi: f64) -> Reflected {
+fn reflected(brdf: &Brdf, k: usize, phi: f64) -> AlbedoRow {
     let degrees = LAST * k as f64 / (ANGLES - 1) as f64;
     // Halfway between the axes of models that are not the same around the normal, unless asked.
     let phi = if phi == 0.0 { FRAC_PI_4 } else { phi };
@@ -92,19 +92,19 @@ fn reflected(brdf: &Brdf, k: usize, phi: f64) -> Reflected {
         brdf.glossy().albedo(wo),
         brdf.narrow().albedo(wo),
     ];
-    Reflected {
+    AlbedoRow {
         degrees,
         parts: parts.map(brightness),
         all: parts.into_iter().sum(),
     }
 }
 
-fn has_part(rows: &[Reflected], part: usize) -> bool {
+fn has_part(rows: &[AlbedoRow], part: usize) -> bool {
     rows.iter().any(|r| r.parts[part] > 0.0)
 }
 
 /// The parts that there are.
-fn legend(rows: &[Reflected], panel: &Panel, sheet: &mut Drawing) {
+fn legend(rows: &[AlbedoRow], panel: &Panel, sheet: &mut Drawing) {
     let mut at = panel.at + DVec2::new(38.0, 46.0);
     for (k, (name, color)) in PARTS.into_iter().enumerate() {
         if !has_part(rows, k) {
@@ -123,19 +123,19 @@ fn legend(rows: &[Reflected], panel: &Panel, sheet: &mut Drawing) {
     }
 }
 
-impl Chart {
+impl AlbedoChart {
     fn at(&self, degrees: f64, value: f64) -> DVec2 {
         let share = DVec2::new(degrees / 90.0, -(value / self.most).min(1.0));
         self.origin + self.size * share
     }
 
-    fn areas(&self, rows: &[Reflected], sheet: &mut Drawing) {
+    fn areas(&self, rows: &[AlbedoRow], sheet: &mut Drawing) {
         for (k, (_, color)) in PARTS.into_iter().enumerate() {
             if !has_part(rows, k) {
                 continue;
             }
             let up_to =
-                |r: &Reflected, count: usize| self.at(r.degrees, r.parts[..count].iter().sum());
+                |r: &AlbedoRow, count: usize| self.at(r.degrees, r.parts[..count].iter().sum());
             let below = rows.iter().map(|r| up_to(r, k));
             let above = rows.iter().rev().map(|r| up_to(r, k + 1));
             sheet.polygon(below.chain(above).collect(), color);
@@ -166,11 +166,11 @@ impl Chart {
     }
 
     /// One line, or three where the channels differ.
-    fn lines(&self, rows: &[Reflected], dashes: &'static [f64], sheet: &mut Drawing) {
-        let line = |of: &dyn Fn(&Reflected) -> f64| -> Vec<DVec2> {
+    fn lines(&self, rows: &[AlbedoRow], dashes: &'static [f64], sheet: &mut Drawing) {
+        let line = |of: &dyn Fn(&AlbedoRow) -> f64| -> Vec<DVec2> {
             rows.iter().map(|r| self.at(r.degrees, of(r))).collect()
         };
-        let colored = |r: &Reflected| (0..3).any(|c| (r.all[c] - r.all.mean()).abs() > NEAR);
+        let colored = |r: &AlbedoRow| (0..3).any(|c| (r.all[c] - r.all.mean()).abs() > NEAR);
         if !rows.iter().any(colored) {
             sheet.dashed(line(&|r| brightness(r.all)), INK, 2.0, dashes);
             return;

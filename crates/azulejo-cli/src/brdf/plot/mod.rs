@@ -38,10 +38,10 @@ const PANEL: DVec2 = DVec2::new(
 const LONGEST: usize = 138;
 
 /// What is drawn, and how.
-struct Subject<'a> {
+struct PlotSubject<'a> {
     /// The model, and the one it is compared with.
     models: Vec<&'a Brdf>,
-    /// Angles of incidence, radians.
+    /// DirectionAngles of incidence, radians.
     angles: Vec<f64>,
     /// Where the plane of incidence stands about the normal, radians.
     phi: f64,
@@ -74,8 +74,8 @@ pub fn run(args: &PlotArgs, session: &mut Session) -> Result<Report, Failure> {
     let other = other
         .map(|text| model::read_text(text, session))
         .transpose()?;
-    let sheet = session.watched(|progress| {
-        sheet(&Subject {
+    let sheet = session.with_progress(|progress| {
+        sheet(&PlotSubject {
             models: [&brdf].into_iter().chain(&other).collect(),
             angles: args.angles.iter().map(|a| a.to_radians()).collect(),
             phi: args.phi.to_radians(),
@@ -131,7 +131,7 @@ fn write(
     Ok(written?)
 }
 
-fn sheet(subject: &Subject) -> Result<Drawing, Failure> {
+fn sheet(subject: &PlotSubject) -> Result<Drawing, Failure> {
     let mut sheet = Drawing::on_white(SHEET.x, SHEET.y);
     head(subject, &mut sheet);
     let panel = |column: f64, row: f64| Panel {
@@ -146,7 +146,7 @@ fn sheet(subject: &Subject) -> Result<Drawing, Failure> {
 }
 
 /// Title, what was asked for, where it was published.
-fn head(subject: &Subject, sheet: &mut Drawing) {
+fn head(subject: &PlotSubject, sheet: &mut Drawing) {
     let first = subject.models[0];
     let left = |y: f64| DVec2::new(MARGIN, y);
     sheet.text(left(34.0), TextAnchor::Start, 21.0, INK, &title(first));
@@ -215,7 +215,7 @@ impl Panel {
 
 /// The values of many things, found in parallel, in their order.
 fn in_turn<T: Send>(
-    subject: &Subject,
+    subject: &PlotSubject,
     stage: &str,
     count: usize,
     value: impl Fn(usize) -> T + Sync,

@@ -1,6 +1,8 @@
 //! Lobes in the plane of incidence, for several angles.
 
-use super::{Panel, Subject, brightness, label, percent, power, power_words, round_below, seen};
+use super::{
+    Panel, PlotSubject, brightness, label, percent, power, power_words, round_below, seen,
+};
 use crate::drawing::{COLORS, Color, Drawing, FAINT, GRID, INK, TextAnchor};
 use azulejo_scene::Brdf;
 use glam::{DVec2, DVec3};
@@ -10,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const DASHES: [&[f64]; 2] = [&[], &[5.0, 3.0]];
 
 /// One line.
-struct Lobe {
+struct PolarLobe {
     /// Angle to the normal in the plane, to the right; and f_r cos there.
     points: Vec<(f64, f64)>,
     /// Angle of incidence.
@@ -22,7 +24,7 @@ struct Lobe {
 }
 
 /// Where the half circle is, and what its radius means.
-struct Dial {
+struct PolarAxes {
     center: DVec2,
     radius: f64,
     /// The value at the radius.
@@ -31,21 +33,22 @@ struct Dial {
 }
 
 /// Draws the panel.
-pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) {
+pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) {
     let lobes = lobes(subject);
     let values = || lobes.iter().flat_map(|l| l.points.iter().map(|p| p.1));
     let most = values().fold(0.0, f64::max);
     let radius = 0.5 * panel.size.x - 48.0;
-    let dial = Dial {
+    let dial = PolarAxes {
         center: panel.at + DVec2::new(0.5 * panel.size.x, panel.size.y - 24.0),
         radius: radius.min(panel.size.y - 92.0),
         top: if most > 0.0 { most } else { 1.0 },
         power: power(values().collect()),
     };
     let has_mirror = lobes.iter().any(|l| l.mirrored > 0.0);
-    let about = match has_mirror {
-        true => "straight lines: mirrored exactly",
-        false => "light comes from the left",
+    let about = if has_mirror {
+        "straight lines: mirrored exactly"
+    } else {
+        "light comes from the left"
     };
     let about = format!("radius: {}, 1/sr; {about}", power_words(dial.power));
     panel.head("Lobes in the plane of incidence", &about, sheet);
@@ -64,11 +67,11 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) {
     }
 }
 
-fn lobes(subject: &Subject) -> Vec<Lobe> {
+fn lobes(subject: &PlotSubject) -> Vec<PolarLobe> {
     let models = std::iter::zip(&subject.models, DASHES);
-    let of = |(brdf, dashes): (&&Brdf, &'static [f64])| -> Vec<Lobe> {
+    let of = |(brdf, dashes): (&&Brdf, &'static [f64])| -> Vec<PolarLobe> {
         let angles = subject.angles.iter().zip(COLORS.iter().cycle());
-        let lobe = |(&angle, &color): (&f64, &Color)| Lobe {
+        let lobe = |(&angle, &color): (&f64, &Color)| PolarLobe {
             points: points(brdf, angle, subject.phi),
             angle,
             mirrored: seen(brightness(brdf.mirror(angle.cos()))),
@@ -103,7 +106,7 @@ fn points(brdf: &Brdf, incidence: f64, phi: f64) -> Vec<(f64, f64)> {
     angles.into_iter().map(|a| (a, value(a))).collect()
 }
 
-impl Dial {
+impl PolarAxes {
     /// A place at an angle to the normal, and at a share of the radius.
     fn at(&self, angle: f64, share: f64) -> DVec2 {
         self.center + self.radius * share * DVec2::new(angle.sin(), -angle.cos())
@@ -128,7 +131,7 @@ impl Dial {
         sheet.line(floor.to_vec(), INK, 1.2);
     }
 
-    /// Angles to the normal, where no other words are in their way.
+    /// DirectionAngles to the normal, where no other words are in their way.
     fn degrees(&self, sheet: &mut Drawing) {
         for k in 1..=2 {
             let angle = f64::from(k) * PI / 6.0;
@@ -158,7 +161,7 @@ impl Dial {
         }
     }
 
-    fn lobe(&self, lobe: &Lobe, sheet: &mut Drawing) {
+    fn lobe(&self, lobe: &PolarLobe, sheet: &mut Drawing) {
         let mut line: Vec<DVec2> = vec![self.center];
         let places = lobe.points.iter().map(|&(a, f)| self.at(a, self.share(f)));
         for place in places {
@@ -174,7 +177,7 @@ impl Dial {
     }
 
     /// What is mirrored exactly has no f_r: a line with its reflectance.
-    fn mirrored(&self, lobe: &Lobe, sheet: &mut Drawing) {
+    fn mirrored(&self, lobe: &PolarLobe, sheet: &mut Drawing) {
         let end = self.at(lobe.angle, 1.0);
         let dashes = if lobe.dashes.is_empty() {
             &[1.5, 2.5][..]
@@ -190,7 +193,7 @@ impl Dial {
     }
 
     /// Where light comes from, and its angle.
-    fn arrow(&self, lobe: &Lobe, sheet: &mut Drawing) {
+    fn arrow(&self, lobe: &PolarLobe, sheet: &mut Drawing) {
         let (from, to) = (self.at(-lobe.angle, 1.13), self.at(-lobe.angle, 1.02));
         let along = (to - from).normalize();
         let side = along.perp();

@@ -1,6 +1,6 @@
 //! A lobe as a solid body, seen from the side.
 
-use super::{Panel, Subject, brightness, in_turn, label, percent, power, power_words, seen};
+use super::{Panel, PlotSubject, brightness, in_turn, label, percent, power, power_words, seen};
 use crate::drawing::{COLORS, Drawing, FAINT, INK, RgbImage, TextAnchor};
 use crate::failure::Failure;
 use azulejo_scene::Brdf;
@@ -25,7 +25,7 @@ const LABEL: f64 = 32.0;
 const VIEW: [f64; 2] = [-106.0, 24.0];
 
 /// Draws the panel.
-pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), Failure> {
+pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<(), Failure> {
     let phi = subject.phi;
     let light = super::polar::in_plane(-INCIDENCE.to_radians(), phi);
     let bodies = subject
@@ -36,26 +36,30 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), 
     let all = || bodies.iter().flatten().flatten().map(|(_, f)| *f);
     let power = power(all().collect());
     let most = all().fold(0.0, f64::max);
-    let about = match most > 0.0 {
-        true => format!(
+    let about = if most > 0.0 {
+        format!(
             "radius: {}, 1/sr; up to {}",
             power_words(power),
             label(most)
-        ),
-        false => "all is mirrored exactly".to_owned(),
+        )
+    } else {
+        "all is mirrored exactly".to_owned()
     };
     panel.head(&format!("Lobe for light from {INCIDENCE}°"), &about, sheet);
     let parts = panel.parts(bodies.len());
     for ((brdf, body), part) in std::iter::zip(&subject.models, bodies).zip(parts) {
-        let grown = |(w, f): (DVec3, f64)| match most > 0.0 {
-            true => w * (f / most).powf(power),
-            false => DVec3::ZERO,
+        let grown = |(w, f): (DVec3, f64)| {
+            if most > 0.0 {
+                w * (f / most).powf(power)
+            } else {
+                DVec3::ZERO
+            }
         };
         let body: Vec<Vec<DVec3>> = body
             .into_iter()
             .map(|ring| ring.into_iter().map(grown).collect())
             .collect();
-        let view = View::new(part.size);
+        let view = LobeView::new(part.size);
         let pixels = view.picture(&body, phi, subject.scale);
         sheet.image(part.at, part.size, pixels);
         view.light(
@@ -70,7 +74,11 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), 
 }
 
 /// Directions all over the hemisphere with f_r cos there, in rings about the mirrored direction.
-fn values(subject: &Subject, brdf: &Brdf, light: DVec3) -> Result<Vec<Vec<(DVec3, f64)>>, Failure> {
+fn values(
+    subject: &PlotSubject,
+    brdf: &Brdf,
+    light: DVec3,
+) -> Result<Vec<Vec<(DVec3, f64)>>, Failure> {
     let axis = DVec3::new(-light.x, -light.y, light.z);
     let frame = Frame::from_normal(axis);
     in_turn(subject, "lobe", RINGS + 1, |ring| {
@@ -90,7 +98,7 @@ fn values(subject: &Subject, brdf: &Brdf, light: DVec3) -> Result<Vec<Vec<(DVec3
 }
 
 /// A camera that looks at the origin from far away.
-struct View {
+struct LobeView {
     right: DVec3,
     up: DVec3,
     toward: DVec3,
@@ -99,8 +107,8 @@ struct View {
     size: DVec2,
 }
 
-impl View {
-    fn new(size: DVec2) -> View {
+impl LobeView {
+    fn new(size: DVec2) -> LobeView {
         let [around, above] = VIEW.map(f64::to_radians);
         let toward = DVec3::new(
             above.cos() * around.cos(),
@@ -108,7 +116,7 @@ impl View {
             above.sin(),
         );
         let right = DVec3::Z.cross(toward).normalize();
-        View {
+        LobeView {
             right,
             up: toward.cross(right),
             toward,
@@ -148,9 +156,10 @@ impl View {
 
     /// Names of the axes, where the body leaves room.
     fn axes(&self, at: DVec2, body: &[Vec<DVec3>], sheet: &mut Drawing) {
-        let names = match self.zoom > 120.0 {
-            true => ["tangent", "bitangent"],
-            false => ["t", "b"],
+        let names = if self.zoom > 120.0 {
+            ["tangent", "bitangent"]
+        } else {
+            ["t", "b"]
         };
         for (axis, name) in [DVec3::X, DVec3::Y].into_iter().zip(names) {
             let tip = self.place(1.12 * axis);
@@ -165,7 +174,7 @@ impl View {
     fn picture(&self, body: &[Vec<DVec3>], phi: f64, scale: f64) -> RgbImage {
         let size = (self.size * scale).round().max(DVec2::ONE);
         let fine = scale * FINE as f64;
-        let mut canvas = Canvas {
+        let mut canvas = LobeCanvas {
             width: size.x as usize * FINE,
             height: size.y as usize * FINE,
             pixels: Vec::new(),
@@ -186,7 +195,7 @@ impl View {
     }
 
     /// The surface, with circles and the axes.
-    fn floor(&self, canvas: &mut Canvas, fine: f64, phi: f64) {
+    fn floor(&self, canvas: &mut LobeCanvas, fine: f64, phi: f64) {
         for y in 0..canvas.height {
             for x in 0..canvas.width {
                 let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / fine - self.center();
@@ -212,7 +221,7 @@ impl View {
         }
     }
 
-    fn triangle(&self, corners: [DVec3; 3], fine: f64, canvas: &mut Canvas) {
+    fn triangle(&self, corners: [DVec3; 3], fine: f64, canvas: &mut LobeCanvas) {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let Some(normal) = normal.try_normalize() else {
             return;
@@ -272,20 +281,20 @@ impl View {
 }
 
 /// Blue, lit from above the viewer's right shoulder.
-fn shade(normal: DVec3, view: &View) -> [f64; 3] {
+fn shade(normal: DVec3, view: &LobeView) -> [f64; 3] {
     let lamp = (view.toward + 0.3 * view.right + 0.9 * view.up).normalize();
     let light = 0.42 + 0.58 * normal.dot(lamp).max(0.0);
     COLORS[0].map(|c| (f64::from(c) * 0.75 + 70.0) * light)
 }
 
-struct Canvas {
+struct LobeCanvas {
     width: usize,
     height: usize,
     /// Nearness to the viewer, and colour.
     pixels: Vec<(f64, [f64; 3])>,
 }
 
-impl Canvas {
+impl LobeCanvas {
     /// Means of blocks.
     fn reduced(&self) -> RgbImage {
         let (width, height) = (self.width / FINE, self.height / FINE);

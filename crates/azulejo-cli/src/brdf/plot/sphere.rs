@@ -1,6 +1,6 @@
 //! A sphere of the material under a square lamp.
 
-use super::{Panel, Subject, in_turn};
+use super::{Panel, PlotSubject, in_turn};
 use crate::drawing::{Drawing, FAINT, RgbImage, TextAnchor};
 use crate::failure::Failure;
 use azulejo_render::{Tone, srgb_from_linear};
@@ -24,7 +24,7 @@ const PLACES: u32 = 4;
 const GOOD: f64 = 0.0015;
 
 /// The lamp: a square that faces the sphere.
-struct Lamp {
+struct SquareLamp {
     center: DVec3,
     /// Half its sides.
     sides: [DVec3; 2],
@@ -33,14 +33,14 @@ struct Lamp {
     radiance: f64,
 }
 
-impl Lamp {
+impl SquareLamp {
     /// To the left, above, and before the sphere, whose radius is 1.
-    fn new() -> Lamp {
+    fn new() -> SquareLamp {
         let center = DVec3::new(-2.2, 2.6, 2.6);
         let normal = -center.normalize();
         let across = DVec3::Y.cross(normal).normalize();
         let half = 0.75;
-        Lamp {
+        SquareLamp {
             center,
             sides: [across * half, normal.cross(across) * half],
             normal,
@@ -70,7 +70,7 @@ impl Lamp {
 }
 
 /// A point of the sphere in a model's frame: tangents run around the vertical axis.
-struct Spot {
+struct SpherePoint {
     at: DVec3,
     tangent: DVec3,
     bitangent: DVec3,
@@ -78,16 +78,16 @@ struct Spot {
     wo: DVec3,
 }
 
-impl Spot {
+impl SpherePoint {
     /// The place of the sphere that is seen at a place of the unit circle, or at its edge.
-    fn seen_at(place: DVec2) -> Spot {
+    fn seen_at(place: DVec2) -> SpherePoint {
         let place = place.clamp_length_max(0.9995);
-        Spot::new(place.extend((1.0 - place.length_squared()).sqrt()))
+        SpherePoint::new(place.extend((1.0 - place.length_squared()).sqrt()))
     }
 
-    fn new(at: DVec3) -> Spot {
+    fn new(at: DVec3) -> SpherePoint {
         let tangent = DVec3::Y.cross(at).try_normalize().unwrap_or(DVec3::X);
-        let mut spot = Spot {
+        let mut spot = SpherePoint {
             at,
             tangent,
             bitangent: at.cross(tangent),
@@ -107,9 +107,9 @@ impl Spot {
 }
 
 /// What lights spheres of one model.
-struct Studio<'a> {
+struct SphereScene<'a> {
     brdf: &'a Brdf,
-    lamp: Lamp,
+    lamp: SquareLamp,
     points: SobolTable,
 }
 
@@ -121,7 +121,7 @@ fn surroundings(direction: DVec3) -> f64 {
 }
 
 /// Draws the panel.
-pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), Failure> {
+pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<(), Failure> {
     panel.head(
         "Sphere under a square lamp",
         "on a dark floor under a dim sky; tangents are horizontal",
@@ -142,10 +142,10 @@ pub fn draw(subject: &Subject, panel: Panel, sheet: &mut Drawing) -> Result<(), 
     Ok(())
 }
 
-fn picture(subject: &Subject, brdf: &Brdf, side: u32) -> Result<RgbImage, Failure> {
-    let studio = Studio {
+fn picture(subject: &PlotSubject, brdf: &Brdf, side: u32) -> Result<RgbImage, Failure> {
+    let studio = SphereScene {
         brdf,
-        lamp: Lamp::new(),
+        lamp: SquareLamp::new(),
         points: SobolTable::new(ROUND * ROUNDS),
     };
     let rows = in_turn(subject, "sphere", side as usize, |y| {
@@ -159,7 +159,7 @@ fn picture(subject: &Subject, brdf: &Brdf, side: u32) -> Result<RgbImage, Failur
     })
 }
 
-impl Studio<'_> {
+impl SphereScene<'_> {
     /// One pixel of a picture with that many on each side.
     fn pixel(&self, x: u32, y: u32, side: u32) -> [u8; 3] {
         // The sphere is the unit circle, with a little space around it.
@@ -172,14 +172,14 @@ impl Studio<'_> {
         if covered <= 0.0 {
             return [255; 3];
         }
-        let mut light = self.scattered(&Spot::seen_at(middle), [x, y]);
+        let mut light = self.scattered(&SpherePoint::seen_at(middle), [x, y]);
         for k in 0..PLACES * PLACES {
             let offset = |k: u32| (f64::from(k) + 0.5) / f64::from(PLACES);
             let place = at(
                 f64::from(x) + offset(k % PLACES),
                 f64::from(y) + offset(k / PLACES),
             );
-            light += self.mirrored(&Spot::seen_at(place)) / f64::from(PLACES * PLACES);
+            light += self.mirrored(&SpherePoint::seen_at(place)) / f64::from(PLACES * PLACES);
         }
         // The mean of what is shown, not of light, keeps the edge of the sphere smooth.
         let covered = covered.min(1.0);
@@ -189,7 +189,7 @@ impl Studio<'_> {
     }
 
     /// What is mirrored exactly.
-    fn mirrored(&self, spot: &Spot) -> Rgb {
+    fn mirrored(&self, spot: &SpherePoint) -> Rgb {
         let reflectance = self.brdf.mirror(spot.wo.z);
         if reflectance.is_black() {
             return reflectance;
@@ -204,7 +204,7 @@ impl Studio<'_> {
 
     /// The light in the rest, until it is known well enough: samples of the lamp and of the model,
     /// weighed by their densities (Veach and Guibas 1995, the power heuristic).
-    fn scattered(&self, spot: &Spot, key: [u32; 2]) -> Rgb {
+    fn scattered(&self, spot: &SpherePoint, key: [u32; 2]) -> Rgb {
         let (mut sum, mut squares) = (Rgb::BLACK, 0.0);
         for round in 1..=ROUNDS {
             let found = self.round(spot, key, round - 1);
@@ -221,7 +221,7 @@ impl Studio<'_> {
         sum / ROUNDS as f64
     }
 
-    fn round(&self, spot: &Spot, key: [u32; 2], round: usize) -> Rgb {
+    fn round(&self, spot: &SpherePoint, key: [u32; 2], round: usize) -> Rgb {
         let [lamp, model] = [0, 1].map(|k| seeds(&[key[0], key[1], k]));
         let mut sum = Rgb::BLACK;
         for k in round * ROUND..(round + 1) * ROUND {
@@ -233,7 +233,7 @@ impl Studio<'_> {
         sum / ROUND as f64
     }
 
-    fn by_lamp(&self, spot: &Spot, u: [f64; 2]) -> Rgb {
+    fn by_lamp(&self, spot: &SpherePoint, u: [f64; 2]) -> Rgb {
         let direction = (self.lamp.point(u) - spot.at).normalize();
         let wi = spot.local(direction);
         let Some(density) = self.lamp.density(spot.at, direction).filter(|_| wi.z > 0.0) else {
@@ -244,7 +244,7 @@ impl Studio<'_> {
         self.brdf.eval(spot.wo, wi) * (wi.z * light)
     }
 
-    fn by_model(&self, spot: &Spot, u: [f64; 3]) -> Rgb {
+    fn by_model(&self, spot: &SpherePoint, u: [f64; 3]) -> Rgb {
         let Some(sample) = self.brdf.sample(spot.wo, u) else {
             return Rgb::BLACK;
         };
@@ -269,16 +269,16 @@ mod tests {
     #[test]
     fn a_matt_sphere_is_as_bright_as_the_form_factor_says() {
         let brdf = Brdf::new("diffuse kd = 1".parse().unwrap()).unwrap();
-        let studio = |radiance: f64| Studio {
+        let studio = |radiance: f64| SphereScene {
             brdf: &brdf,
-            lamp: Lamp {
+            lamp: SquareLamp {
                 radiance,
-                ..Lamp::new()
+                ..SquareLamp::new()
             },
             points: SobolTable::new(ROUND * ROUNDS),
         };
-        let spot = Spot::new(-Lamp::new().normal);
-        let height = Lamp::new().center.length() - 1.0;
+        let spot = SpherePoint::new(-SquareLamp::new().normal);
+        let height = SquareLamp::new().center.length() - 1.0;
         let x = 0.75 / height;
         let quarter = x / (1.0 + x * x).sqrt() * (x / (1.0 + x * x).sqrt()).atan();
         let factor = 4.0 * quarter / std::f64::consts::PI;

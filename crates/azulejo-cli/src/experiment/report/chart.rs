@@ -1,6 +1,6 @@
 //! Line charts of the report.
 
-use super::figures::{Axis, Figure, Series};
+use super::figures::{ChartAxis, ChartSeries, ChartSpec};
 use crate::drawing::{COLORS, Drawing, GRID, INK, TextAnchor};
 use glam::DVec2;
 use std::ops::Range;
@@ -23,14 +23,14 @@ const MARKER: f64 = 4.0;
 const LEGEND_LINE: f64 = 22.0;
 
 /// The chart as an SVG document on a transparent background, with the legend at its right.
-pub fn svg(figure: &Figure) -> String {
+pub fn svg(figure: &ChartSpec) -> String {
     let longest = figure.series.iter().map(|s| s.name.chars().count()).max();
     // The width of the text is estimated: the reader's font is not known.
     let legend = 50.0 + 8.0 * longest.unwrap_or(0) as f64;
     let mut drawing = Drawing::transparent(SIZE.x + legend, SIZE.y);
-    let chart = Chart::new(figure);
+    let chart = ChartArea::new(figure);
     chart.axes(figure, &mut drawing);
-    for (k, Series { points, .. }) in figure.series.iter().enumerate() {
+    for (k, ChartSeries { points, .. }) in figure.series.iter().enumerate() {
         let points: Vec<DVec2> = points.iter().map(|&p| chart.at(p)).collect();
         drawing.line(points.clone(), color(k), 2.0);
         for point in points {
@@ -42,17 +42,17 @@ pub fn svg(figure: &Figure) -> String {
 }
 
 /// Both axes of a chart.
-struct Chart {
-    x: Scale,
-    y: Scale,
+struct ChartArea {
+    x: AxisScale,
+    y: AxisScale,
 }
 
-impl Chart {
-    fn new(figure: &Figure) -> Chart {
+impl ChartArea {
+    fn new(figure: &ChartSpec) -> ChartArea {
         let points = || figure.series.iter().flat_map(|s| &s.points);
-        Chart {
-            x: Scale::around(points().map(|p| p.0), figure.x),
-            y: Scale::around(points().map(|p| p.1), figure.y),
+        ChartArea {
+            x: AxisScale::around(points().map(|p| p.0), figure.x),
+            y: AxisScale::around(points().map(|p| p.1), figure.y),
         }
     }
 
@@ -63,7 +63,7 @@ impl Chart {
     }
 
     /// Grid, axes, tick labels and titles.
-    fn axes(&self, figure: &Figure, drawing: &mut Drawing) {
+    fn axes(&self, figure: &ChartSpec, drawing: &mut Drawing) {
         let [low, high] = AREA;
         let middle = 0.5 * (low + high);
         let (end, center) = (TextAnchor::End, TextAnchor::Middle);
@@ -95,8 +95,8 @@ fn color(series: usize) -> [u8; 3] {
 }
 
 /// Markers and names of the series.
-fn draw_legend(series: &[Series], drawing: &mut Drawing) {
-    for (k, Series { name, .. }) in series.iter().enumerate() {
+fn draw_legend(series: &[ChartSeries], drawing: &mut Drawing) {
+    for (k, ChartSeries { name, .. }) in series.iter().enumerate() {
         let start = DVec2::new(SIZE.x + 6.0, 50.0 + LEGEND_LINE * k as f64);
         drawing.line(vec![start, start + 28.0 * DVec2::X], color(k), 2.0);
         marker(k, start + 14.0 * DVec2::X, drawing);
@@ -129,14 +129,14 @@ fn marker(series: usize, at: DVec2, drawing: &mut Drawing) {
 }
 
 /// The range of an axis.
-struct Scale {
+struct AxisScale {
     range: Range<f64>,
     is_logarithmic: bool,
 }
 
-impl Scale {
+impl AxisScale {
     /// A range slightly larger than that of the values.
-    fn around(values: impl Iterator<Item = f64>, axis: Axis) -> Scale {
+    fn around(values: impl Iterator<Item = f64>, axis: ChartAxis) -> AxisScale {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
             (a.min(v), b.max(v))
         });
@@ -148,7 +148,7 @@ impl Scale {
             let margin = 0.04 * (high - low).max(1.0);
             low - margin..high + margin
         };
-        Scale {
+        AxisScale {
             range,
             is_logarithmic: axis.is_logarithmic,
         }
@@ -226,8 +226,8 @@ fn superscript(c: char) -> char {
 mod tests {
     use super::*;
 
-    fn scale(low: f64, high: f64, is_logarithmic: bool) -> Scale {
-        Scale {
+    fn scale(low: f64, high: f64, is_logarithmic: bool) -> AxisScale {
+        AxisScale {
             range: low..high,
             is_logarithmic,
         }
@@ -252,15 +252,15 @@ mod tests {
 
     #[test]
     fn a_chart_shows_its_series() {
-        let axis = |label, is_logarithmic| Axis {
+        let axis = |label, is_logarithmic| ChartAxis {
             label,
             is_logarithmic,
         };
-        let series = |name: &str| Series {
+        let series = |name: &str| ChartSeries {
             name: name.into(),
             points: vec![(1.0, 1e-3), (100.0, 1e-5)],
         };
-        let figure = Figure {
+        let figure = ChartSpec {
             name: "f".into(),
             title: "a <title>".into(),
             x: axis("time, s", true),

@@ -1,26 +1,26 @@
 //! Which plots the runs of a suite are worth.
 
-use super::super::record::{Record, Run};
-use super::tables::{Repeated, repeated};
+use super::super::record::{RunRecord, TaskRecord};
+use super::tables::{RepeatedRun, repeated};
 
 /// A plot: lines of points, both axes logarithmic or counted.
-pub struct Figure {
+pub struct ChartSpec {
     /// Name of the file, without its extension.
     pub name: String,
     /// What it shows.
     pub title: String,
     /// Below.
-    pub x: Axis,
+    pub x: ChartAxis,
     /// At the side.
-    pub y: Axis,
+    pub y: ChartAxis,
     /// The lines.
-    pub series: Vec<Series>,
+    pub series: Vec<ChartSeries>,
 }
 
 /// An axis with its quantity and unit.
 #[derive(Clone, Copy)]
-pub struct Axis {
-    /// Quantity and unit.
+pub struct ChartAxis {
+    /// PlotQuantity and unit.
     pub label: &'static str,
     /// Whether equal steps are equal factors.
     pub is_logarithmic: bool,
@@ -28,7 +28,7 @@ pub struct Axis {
 
 /// One line.
 #[derive(Clone)]
-pub struct Series {
+pub struct ChartSeries {
     /// Its name.
     pub name: String,
     /// Its points, by x.
@@ -36,58 +36,58 @@ pub struct Series {
 }
 
 /// Something that runs have.
-struct Quantity {
+struct PlotQuantity {
     /// For names of files.
     name: &'static str,
-    axis: Axis,
-    of: fn(&Run) -> Option<f64>,
+    axis: ChartAxis,
+    of: fn(&RunRecord) -> Option<f64>,
 }
 
-const fn logarithmic(label: &'static str) -> Axis {
-    Axis {
+const fn logarithmic(label: &'static str) -> ChartAxis {
+    ChartAxis {
         label,
         is_logarithmic: true,
     }
 }
 
-const SECONDS: Quantity = Quantity {
+const SECONDS: PlotQuantity = PlotQuantity {
     name: "time",
     axis: logarithmic("time for all form factors, s"),
     of: |r| Some(r.seconds),
 };
-const SAMPLES: Quantity = Quantity {
+const SAMPLES: PlotQuantity = PlotQuantity {
     name: "samples",
     axis: logarithmic("rays or pixels per row"),
     of: |r| (r.samples > 0.0).then_some(r.samples),
 };
-const ROW_ERROR: Quantity = Quantity {
+const ROW_ERROR: PlotQuantity = PlotQuantity {
     name: "row-error",
     axis: logarithmic("mean relative error of a row"),
     of: |r| r.row_error_mean,
 };
-const B_ERROR: Quantity = Quantity {
+const B_ERROR: PlotQuantity = PlotQuantity {
     name: "b-error",
     axis: logarithmic("mean relative error of B"),
     of: |r| r.b_error_mean,
 };
-const CLOSURE: Quantity = Quantity {
+const CLOSURE: PlotQuantity = PlotQuantity {
     name: "closure",
     axis: logarithmic("row sums' error, RMS"),
     of: |r| (r.closure_rms > 0.0).then_some(r.closure_rms),
 };
-const FACETS: Quantity = Quantity {
+const FACETS: PlotQuantity = PlotQuantity {
     name: "facets",
     axis: logarithmic("facets"),
     of: |r| Some(r.facets as f64),
 };
-const MEMORY: Quantity = Quantity {
+const MEMORY: PlotQuantity = PlotQuantity {
     name: "memory",
     axis: logarithmic("peak memory, MiB"),
     of: |r| r.peak_bytes.map(|b| b as f64 / f64::from(1 << 20)),
 };
-const MIRRORS: Quantity = Quantity {
+const MIRRORS: PlotQuantity = PlotQuantity {
     name: "mirrors",
-    axis: Axis {
+    axis: ChartAxis {
         label: "mirrors",
         is_logarithmic: false,
     },
@@ -95,9 +95,9 @@ const MIRRORS: Quantity = Quantity {
 };
 
 /// The plots that the records are enough for: at least one line of two points.
-pub fn of(records: &[&Record]) -> Vec<Figure> {
+pub fn of(records: &[&TaskRecord]) -> Vec<ChartSpec> {
     let rows = repeated(records);
-    let rows: Vec<&Repeated> = rows.iter().filter(|r| !r.is_reference).collect();
+    let rows: Vec<&RepeatedRun> = rows.iter().filter(|r| !r.is_reference).collect();
     let mut scenes: Vec<&str> = Vec::new();
     for row in &rows {
         if !scenes.contains(&row.run.scene.as_str()) {
@@ -106,12 +106,12 @@ pub fn of(records: &[&Record]) -> Vec<Figure> {
     }
     let mut figures = Vec::new();
     for scene in scenes {
-        let rows: Vec<&Repeated> = rows
+        let rows: Vec<&RepeatedRun> = rows
             .iter()
             .copied()
             .filter(|r| r.run.scene == scene)
             .collect();
-        let by_engine = |r: &Run| r.engine.clone();
+        let by_engine = |r: &RunRecord| r.engine.clone();
         for (y, x) in [
             (&ROW_ERROR, &SECONDS),
             (&B_ERROR, &SECONDS),
@@ -125,18 +125,19 @@ pub fn of(records: &[&Record]) -> Vec<Figure> {
     let mut families: Vec<&str> = rows.iter().map(|r| family(r.run)).collect();
     families.dedup();
     for name in families {
-        let rows: Vec<&Repeated> = rows
+        let rows: Vec<&RepeatedRun> = rows
             .iter()
             .copied()
             .filter(|r| family(r.run) == name)
             .collect();
-        let pairs = match rows.iter().any(|r| r.run.mirrors.is_some()) {
-            true => vec![
+        let pairs = if rows.iter().any(|r| r.run.mirrors.is_some()) {
+            vec![
                 (&SECONDS, &MIRRORS),
                 (&ROW_ERROR, &MIRRORS),
                 (&B_ERROR, &MIRRORS),
-            ],
-            false => vec![(&SECONDS, &FACETS), (&MEMORY, &FACETS), (&CLOSURE, &FACETS)],
+            ]
+        } else {
+            vec![(&SECONDS, &FACETS), (&MEMORY, &FACETS), (&CLOSURE, &FACETS)]
         };
         for (y, x) in pairs {
             figures.push(figure(name, &rows, x, y, |r| r.setting.clone()));
@@ -147,23 +148,23 @@ pub fn of(records: &[&Record]) -> Vec<Figure> {
 }
 
 /// The scene's name without its parameters.
-fn family(run: &Run) -> &str {
+fn family(run: &RunRecord) -> &str {
     run.scene.split(", ").next().unwrap_or("")
 }
 
 fn figure(
     about: &str,
-    rows: &[&Repeated],
-    x: &Quantity,
-    y: &Quantity,
-    name: impl Fn(&Run) -> String,
-) -> Figure {
-    let mut series: Vec<Series> = Vec::new();
+    rows: &[&RepeatedRun],
+    x: &PlotQuantity,
+    y: &PlotQuantity,
+    name: impl Fn(&RunRecord) -> String,
+) -> ChartSpec {
+    let mut series: Vec<ChartSeries> = Vec::new();
     for row in rows {
         let (Some(px), Some(py)) = (row.mean(x.of), row.mean(y.of)) else {
             continue;
         };
-        let fits = |axis: Axis, p: f64| p.is_finite() && (p > 0.0 || !axis.is_logarithmic);
+        let fits = |axis: ChartAxis, p: f64| p.is_finite() && (p > 0.0 || !axis.is_logarithmic);
         if !fits(x.axis, px) || !fits(y.axis, py) {
             continue;
         }
@@ -172,7 +173,7 @@ fn figure(
             .iter()
             .position(|s| s.name == name)
             .unwrap_or_else(|| {
-                series.push(Series {
+                series.push(ChartSeries {
                     name,
                     points: Vec::new(),
                 });
@@ -183,7 +184,7 @@ fn figure(
     for s in &mut series {
         s.points.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
-    Figure {
+    ChartSpec {
         name: format!("{}-{}-{}", file_name(about), y.name, x.name),
         title: about.to_owned(),
         x: x.axis,
@@ -212,11 +213,11 @@ pub fn growth(points: &[(f64, f64)]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::record::Found;
+    use super::super::super::record::Outcome;
     use super::*;
 
-    fn run(scene: &str, mirrors: Option<usize>, samples: f64) -> Record {
-        let run = Run {
+    fn run(scene: &str, mirrors: Option<usize>, samples: f64) -> TaskRecord {
+        let run = RunRecord {
             scene: scene.into(),
             mirrors,
             engine: "rays".into(),
@@ -224,12 +225,12 @@ mod tests {
             samples,
             seconds: samples / 100.0,
             row_error_mean: Some(1.0 / samples),
-            ..Run::default()
+            ..RunRecord::default()
         };
-        Record {
+        TaskRecord {
             key: String::new(),
             version: String::new(),
-            found: Found::Run(run),
+            outcome: Outcome::Run(run),
         }
     }
 

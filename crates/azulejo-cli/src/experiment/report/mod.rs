@@ -6,8 +6,8 @@ mod figures;
 mod page;
 mod tables;
 
-use super::machine::Machine;
-use super::record::{Found, Record};
+use super::machine::MachineInfo;
+use super::record::{Outcome, TaskRecord};
 use super::suite::Suite;
 use crate::failure::Failure;
 use azulejo::output::{Output, commit};
@@ -21,8 +21,8 @@ pub const PAGE: &str = "report.html";
 /// Writes all of it; what was there before is replaced in one step.
 pub fn write(
     suite: &Suite,
-    machine: &Machine,
-    records: &[&Record],
+    machine: &MachineInfo,
+    records: &[&TaskRecord],
     folder: &Path,
     progress: &Progress,
 ) -> Result<(), Failure> {
@@ -38,7 +38,10 @@ pub fn write(
         ("results.json".to_owned(), json(suite, machine, records)),
         (PAGE.to_owned(), page.html()),
     ];
-    if records.iter().any(|r| matches!(r.found, Found::Truth(_))) {
+    if records
+        .iter()
+        .any(|r| matches!(r.outcome, Outcome::Truth(_)))
+    {
         files.push(("truths.csv".to_owned(), tables::truths_csv(records)));
     }
     files.extend(
@@ -56,7 +59,7 @@ pub fn write(
     Ok(commit(drafts, progress)?)
 }
 
-fn json(suite: &Suite, machine: &Machine, records: &[&Record]) -> String {
+fn json(suite: &Suite, machine: &MachineInfo, records: &[&TaskRecord]) -> String {
     let value = serde_json::json!({
         "title": suite.title,
         "about": suite.about,

@@ -1,11 +1,11 @@
 //! The page: what was asked, on what machine, plots, tables, and how to read them.
 
-use super::super::machine::Machine;
-use super::super::record::{Found, Record, Run, Truth};
+use super::super::machine::MachineInfo;
+use super::super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
 use super::super::suite::Suite;
 use super::chart::svg;
-use super::figures::{Figure, growth};
-use super::tables::{Repeated, repeated, short, truths};
+use super::figures::{ChartSpec, growth};
+use super::tables::{RepeatedRun, repeated, short, truths};
 use crate::drawing::{COLORS, Color, GRID, INK, escaped, hex};
 use std::fmt::Write;
 
@@ -14,11 +14,11 @@ pub struct Page<'a> {
     /// Title and words.
     pub suite: &'a Suite,
     /// What it was measured on.
-    pub machine: &'a Machine,
+    pub machine: &'a MachineInfo,
     /// What was found.
-    pub records: &'a [&'a Record],
+    pub records: &'a [&'a TaskRecord],
     /// The plots.
-    pub figures: &'a [Figure],
+    pub figures: &'a [ChartSpec],
 }
 
 /// The look, light or dark as the reader's system is. Lines of plots are paler in the dark.
@@ -126,7 +126,7 @@ impl Page<'_> {
             "<p>Off is the answer less the truth; σ says how many of the engine's own standard errors \
              that is, once what the truth itself leaves open is taken off.</p>\n",
         );
-        let mut cases: Vec<&Truth> = Vec::new();
+        let mut cases: Vec<&TruthRecord> = Vec::new();
         for truth in &truths {
             if !cases.iter().any(|c| c.case == truth.case) {
                 cases.push(truth);
@@ -169,7 +169,7 @@ impl Page<'_> {
     fn failures(&self, out: &mut String) -> std::fmt::Result {
         let mut is_first = true;
         for record in self.records {
-            let Found::Failure { task, reason } = &record.found else {
+            let Outcome::Failure { task, reason } = &record.outcome else {
                 continue;
             };
             if std::mem::take(&mut is_first) {
@@ -190,7 +190,7 @@ impl Page<'_> {
 }
 
 /// Head, explanation and cell of a column of results.
-type Column = (&'static str, &'static str, fn(&Repeated) -> Option<f64>);
+type Column = (&'static str, &'static str, fn(&RepeatedRun) -> Option<f64>);
 
 const COLUMNS: [Column; 14] = [
     ("samples", "rays or pixels per row", |r| {
@@ -253,7 +253,7 @@ fn table_head<'a>(
     Ok(())
 }
 
-fn write_row(out: &mut String, row: &Repeated) -> std::fmt::Result {
+fn write_row(out: &mut String, row: &RepeatedRun) -> std::fmt::Result {
     let class = if row.is_reference {
         " class=\"reference\""
     } else {
@@ -264,7 +264,7 @@ fn write_row(out: &mut String, row: &Repeated) -> std::fmt::Result {
         let text = value(row).map_or("–".to_owned(), short);
         write!(out, "<td class=\"n\">{text}</td>")?;
     }
-    let Run {
+    let RunRecord {
         ran, device, notes, ..
     } = row.run;
     writeln!(
@@ -277,15 +277,19 @@ fn write_row(out: &mut String, row: &Repeated) -> std::fmt::Result {
 }
 
 /// One line for each engine: how many answers are good, and how good.
-fn summary_of_truths(out: &mut String, truths: &[&Truth], settings: &[&str]) -> std::fmt::Result {
+fn summary_of_truths(
+    out: &mut String,
+    truths: &[&TruthRecord],
+    settings: &[&str],
+) -> std::fmt::Result {
     out.push_str(
         "<table><thead><tr><th>engine</th><th class=\"n\">answers</th><th class=\"n\">within 4 σ</th>\
          <th class=\"n\">median |off|</th><th class=\"n\">largest |off|</th><th class=\"n\">time, s</th>\
          <th>ran</th></tr></thead><tbody>\n",
     );
     for name in settings {
-        let mine: Vec<&&Truth> = truths.iter().filter(|t| t.setting == **name).collect();
-        let is_near = |t: &&&&Truth| t.standard_errors.is_some_and(|s| s <= FAR);
+        let mine: Vec<&&TruthRecord> = truths.iter().filter(|t| t.setting == **name).collect();
+        let is_near = |t: &&&&TruthRecord| t.standard_errors.is_some_and(|s| s <= FAR);
         let near = mine.iter().filter(is_near).count();
         let mut off: Vec<f64> = mine.iter().map(|t| (t.value - t.truth).abs()).collect();
         off.sort_by(f64::total_cmp);
@@ -308,7 +312,7 @@ fn summary_of_truths(out: &mut String, truths: &[&Truth], settings: &[&str]) -> 
     Ok(())
 }
 
-fn write_answer(out: &mut String, answer: Option<&Truth>) -> std::fmt::Result {
+fn write_answer(out: &mut String, answer: Option<&TruthRecord>) -> std::fmt::Result {
     let Some(t) = answer else {
         out.push_str("<td class=\"group\"></td><td></td><td></td><td></td>");
         return Ok(());
@@ -329,11 +333,12 @@ fn write_answer(out: &mut String, answer: Option<&Truth>) -> std::fmt::Result {
 }
 
 /// How time and memory grow, where that is what the plot shows.
-fn slopes(figure: &Figure) -> String {
+fn slopes(figure: &ChartSpec) -> String {
     if figure.x.label != "facets" {
         return String::new();
     }
-    let of = |s: &super::figures::Series| Some(format!("{}: N^{:.2}", s.name, growth(&s.points)?));
+    let of =
+        |s: &super::figures::ChartSeries| Some(format!("{}: N^{:.2}", s.name, growth(&s.points)?));
     let words: Vec<String> = figure.series.iter().filter_map(of).collect();
     format!(" ({}).", escaped(&words.join("; ")))
 }

@@ -1,12 +1,12 @@
 //! Numbers in rows: CSV, and the mean over repetitions.
 
-use super::super::record::{Found, Record, Run, Truth};
+use super::super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
 use std::fmt::Write;
 
 /// One column of the CSV of runs.
 type Column<T> = (&'static str, fn(&T) -> String);
 
-const RUN_COLUMNS: [Column<Run>; 26] = [
+const RUN_COLUMNS: [Column<RunRecord>; 26] = [
     ("scene", |r| r.scene.clone()),
     ("mirrors", |r| {
         r.mirrors.map_or(String::new(), |m| m.to_string())
@@ -39,7 +39,7 @@ const RUN_COLUMNS: [Column<Run>; 26] = [
     ("role", |_| String::new()),
 ];
 
-const TRUTH_COLUMNS: [Column<Truth>; 13] = [
+const TRUTH_COLUMNS: [Column<TruthRecord>; 13] = [
     ("engine", |t| t.engine.clone()),
     ("setting", |t| t.setting.clone()),
     ("ran", |t| t.ran.clone()),
@@ -60,13 +60,13 @@ fn optional(x: Option<f64>) -> String {
 }
 
 /// All runs and references.
-pub fn runs_csv(records: &[&Record]) -> String {
+pub fn runs_csv(records: &[&TaskRecord]) -> String {
     let last = RUN_COLUMNS.len() - 1;
     let mut text = header(RUN_COLUMNS.iter().map(|c| c.0));
     for record in records {
-        let (run, role) = match &record.found {
-            Found::Run(run) => (run, "run"),
-            Found::Reference(run) => (run, "reference"),
+        let (run, role) = match &record.outcome {
+            Outcome::Run(run) => (run, "run"),
+            Outcome::Reference(run) => (run, "reference"),
             _ => continue,
         };
         let cells = RUN_COLUMNS[..last].iter().map(|c| (c.1)(run));
@@ -76,7 +76,7 @@ pub fn runs_csv(records: &[&Record]) -> String {
 }
 
 /// All answers of engines.
-pub fn truths_csv(records: &[&Record]) -> String {
+pub fn truths_csv(records: &[&TaskRecord]) -> String {
     let mut text = header(TRUTH_COLUMNS.iter().map(|c| c.0));
     for truth in truths(records) {
         text += &line(TRUTH_COLUMNS.iter().map(|c| (c.1)(truth)));
@@ -85,9 +85,9 @@ pub fn truths_csv(records: &[&Record]) -> String {
 }
 
 /// The answers among the records.
-pub fn truths<'a>(records: &[&'a Record]) -> Vec<&'a Truth> {
-    let truth = |r: &&'a Record| match &r.found {
-        Found::Truth(truth) => Some(truth),
+pub fn truths<'a>(records: &[&'a TaskRecord]) -> Vec<&'a TruthRecord> {
+    let truth = |r: &&'a TaskRecord| match &r.outcome {
+        Outcome::Truth(truth) => Some(truth),
         _ => None,
     };
     records.iter().filter_map(truth).collect()
@@ -112,31 +112,31 @@ fn quoted(cell: &str) -> String {
 }
 
 /// Repetitions of one setting on one scene.
-pub struct Repeated<'a> {
+pub struct RepeatedRun<'a> {
     /// The first of them.
-    pub run: &'a Run,
+    pub run: &'a RunRecord,
     /// Whether it is the reference.
     pub is_reference: bool,
     /// All of them.
-    all: Vec<&'a Run>,
+    all: Vec<&'a RunRecord>,
 }
 
 /// Runs that differ in their seed alone are one row.
-pub fn repeated<'a>(records: &[&'a Record]) -> Vec<Repeated<'a>> {
-    let mut rows: Vec<Repeated> = Vec::new();
+pub fn repeated<'a>(records: &[&'a TaskRecord]) -> Vec<RepeatedRun<'a>> {
+    let mut rows: Vec<RepeatedRun> = Vec::new();
     for record in records {
-        let (run, is_reference) = match &record.found {
-            Found::Run(run) => (run, false),
-            Found::Reference(run) => (run, true),
+        let (run, is_reference) = match &record.outcome {
+            Outcome::Run(run) => (run, false),
+            Outcome::Reference(run) => (run, true),
             _ => continue,
         };
-        let same = |row: &&mut Repeated| {
+        let same = |row: &&mut RepeatedRun| {
             let [a, b] = [row.run, run].map(|r| (&r.scene, &r.engine, &r.setting));
             a == b && row.is_reference == is_reference
         };
         match rows.iter_mut().find(same) {
             Some(row) => row.all.push(run),
-            None => rows.push(Repeated {
+            None => rows.push(RepeatedRun {
                 run,
                 is_reference,
                 all: vec![run],
@@ -146,9 +146,9 @@ pub fn repeated<'a>(records: &[&'a Record]) -> Vec<Repeated<'a>> {
     rows
 }
 
-impl Repeated<'_> {
+impl RepeatedRun<'_> {
     /// Mean of a measure; `None` if no run has it.
-    pub fn mean(&self, measure: impl Fn(&Run) -> Option<f64>) -> Option<f64> {
+    pub fn mean(&self, measure: impl Fn(&RunRecord) -> Option<f64>) -> Option<f64> {
         let values: Vec<f64> = self.all.iter().filter_map(|r| measure(r)).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
@@ -178,15 +178,15 @@ pub fn short(x: f64) -> String {
 mod tests {
     use super::*;
 
-    fn record(scene: &str, seed: u64, seconds: f64) -> Record {
-        Record {
+    fn record(scene: &str, seed: u64, seconds: f64) -> TaskRecord {
+        TaskRecord {
             key: String::new(),
             version: String::new(),
-            found: Found::Run(Run {
+            outcome: Outcome::Run(RunRecord {
                 scene: scene.into(),
                 seed,
                 seconds,
-                ..Run::default()
+                ..RunRecord::default()
             }),
         }
     }
@@ -198,7 +198,7 @@ mod tests {
             record("b", 0, 5.0),
             record("a", 1, 3.0),
         ];
-        let records: Vec<&Record> = records.iter().collect();
+        let records: Vec<&TaskRecord> = records.iter().collect();
         let rows = repeated(&records);
         assert_eq!(rows.len(), 2);
         assert_eq!(

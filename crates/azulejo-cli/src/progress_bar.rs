@@ -17,7 +17,7 @@ pub fn with_bar<T>(progress: &Progress, work: impl FnOnce(&Progress) -> T) -> T 
     thread::scope(|scope| {
         let painter = scope.spawn(|| paint(progress, &finished));
         // Dropped also when the work panics: the scope would wait for the painter forever.
-        let _finish = Finish {
+        let _finish = StopOnDrop {
             finished: &finished,
             painter: painter.thread().clone(),
         };
@@ -25,12 +25,12 @@ pub fn with_bar<T>(progress: &Progress, work: impl FnOnce(&Progress) -> T) -> T 
     })
 }
 
-struct Finish<'a> {
+struct StopOnDrop<'a> {
     finished: &'a AtomicBool,
     painter: thread::Thread,
 }
 
-impl Drop for Finish<'_> {
+impl Drop for StopOnDrop<'_> {
     fn drop(&mut self) {
         self.finished.store(true, Ordering::Relaxed);
         self.painter.unpark();

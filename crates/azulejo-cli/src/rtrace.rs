@@ -1,10 +1,10 @@
 //! `render --look rtrace`: what was typed for RTRACE's own look, and its picture.
 
-use super::args::{LookArgs, LookName, RenderArgs};
+use super::args::{RenderArgs, RenderStyle, RtraceArgs};
+use super::camera;
 use super::failure::Failure;
 use super::session::Session;
 use super::values::UpArg;
-use super::view;
 use azulejo_render::rtrace::{
     self, Antialiasing, AntialiasingMode, Model, Options, Shadows, Textures, View,
 };
@@ -15,7 +15,7 @@ const SIZE: (u32, u32) = (256, 256);
 
 /// Refuses options of one look that are given with the other.
 pub fn check(args: &RenderArgs) -> Result<(), Failure> {
-    if args.look.look == LookName::Physical {
+    if args.look.look == RenderStyle::Physical {
         return match args.look.given() {
             Some(name) => Err(Failure::misuse(format_args!(
                 "--{name} is for RTRACE's look: add --look rtrace"
@@ -46,8 +46,8 @@ pub fn draw(scene: &Scene, args: &RenderArgs, session: &Session) -> Result<Image
     };
     let view = view(scene, numbers, args)?;
     let options = options(&args.look);
-    let image =
-        session.watched(|progress| rtrace::render(scene, numbers, &view, &options, progress))?;
+    let image = session
+        .with_progress(|progress| rtrace::render(scene, numbers, &view, &options, progress))?;
     Ok(image)
 }
 
@@ -56,14 +56,14 @@ pub fn draw(scene: &Scene, args: &RenderArgs, session: &Session) -> Result<Image
 fn view(scene: &Scene, numbers: &Rtrace, args: &RenderArgs) -> Result<View, Failure> {
     let given = &args.view;
     let camera = match &given.camera {
-        Some(name) => Some(view::by_name_or_file(name, scene)?),
+        Some(name) => Some(camera::by_name_or_file(name, scene)?),
         None => None,
     };
     let own_size = scene.cameras.first().and_then(|c| c.size);
     let size = args.picture.size;
     let size = size.or(camera.as_ref().map_or(own_size, |c| c.size));
     let size = size.unwrap_or(SIZE);
-    view::check_size(size)?;
+    camera::check_size(size)?;
     let mut view = View::of(numbers, size);
     let mut field = given.fov.map(f64::to_radians);
     if let Some(camera) = camera {
@@ -91,7 +91,7 @@ fn view(scene: &Scene, numbers: &Rtrace, args: &RenderArgs) -> Result<View, Fail
     ))
 }
 
-fn options(look: &LookArgs) -> Options {
+fn options(look: &RtraceArgs) -> Options {
     let default = Options::default();
     let antialiasing = Antialiasing {
         mode: match look.look_antialiasing {
@@ -128,7 +128,7 @@ fn options(look: &LookArgs) -> Options {
     }
 }
 
-impl LookArgs {
+impl RtraceArgs {
     /// The first of RTRACE's options that was given.
     fn given(&self) -> Option<&'static str> {
         let given = [

@@ -1,6 +1,6 @@
 //! From where the picture is seen, and how large it is.
 
-use super::args::View;
+use super::args::CameraArgs;
 use super::failure::Failure;
 use super::values::UpArg;
 use azulejo::models;
@@ -17,7 +17,7 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// The camera and the picture's size: what the command line says, else what the file says, else
 /// a view of the whole scene.
 pub fn choose(
-    view: &View,
+    view: &CameraArgs,
     size: Option<(u32, u32)>,
     scene: &Scene,
     up: Option<UpArg>,
@@ -75,7 +75,7 @@ fn framing((width, height): (u32, u32), scene: &Scene) -> Result<Camera, Failure
     Ok(Camera::framing(bounds, aspect, scene.units.up.axis()))
 }
 
-fn overridden(camera: Camera, view: &View, up: Option<DVec3>) -> Camera {
+fn overridden(camera: Camera, view: &CameraArgs, up: Option<DVec3>) -> Camera {
     Camera {
         eye: view.from.unwrap_or(camera.eye),
         target: view.at.unwrap_or(camera.target),
@@ -130,8 +130,8 @@ mod tests {
         }
     }
 
-    fn view() -> View {
-        View {
+    fn view() -> CameraArgs {
+        CameraArgs {
             camera: None,
             from: None,
             at: None,
