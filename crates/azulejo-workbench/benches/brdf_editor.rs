@@ -7,7 +7,7 @@
 
 use azulejo::scene::brdf::MODELS;
 use azulejo::scene::{Brdf, Material};
-use azulejo_workbench::ui::brdf::{Answer, Editor, PreviewLight, Shown};
+use azulejo_workbench::ui::brdf::{BrdfEditor, EditorInput, EditorResponse, PreviewLight};
 use azulejo_workbench::words::Language;
 use egui_kittest::Harness;
 use std::sync::Arc;
@@ -38,13 +38,13 @@ fn report(name: &str, sorted: &[Duration]) {
 fn frames(example: &str) -> Vec<Duration> {
     let light = PreviewLight::studio();
     let mut material = made(example, 0);
-    let mut editor = Editor::default();
+    let mut editor = BrdfEditor::default();
     let mut took = Vec::new();
     let mut frame = 0;
     let mut harness = Harness::builder()
         .with_size(egui::vec2(420.0, 1200.0))
         .build_ui(|ui| {
-            let shown = Shown {
+            let shown = EditorInput {
                 key: 1,
                 material: &material,
                 others: &[],
@@ -54,7 +54,7 @@ fn frames(example: &str) -> Vec<Duration> {
             let start = Instant::now();
             let answers = editor.ui(ui, Language::English, &shown);
             took.push(start.elapsed());
-            assert!(!answers.iter().any(|a| matches!(a, Answer::Save(_))));
+            assert!(!answers.iter().any(|a| matches!(a, EditorResponse::Save(_))));
             frame += 1;
             material = made(example, frame);
         });

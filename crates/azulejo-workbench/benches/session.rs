@@ -12,11 +12,11 @@ use azulejo::scene::{Material, Mesh, Object, Rgb, Scene, Shape};
 use azulejo::trace::Progress;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
-use azulejo_workbench::gpu::Headless;
-use azulejo_workbench::jobs::Kind;
+use azulejo_workbench::gpu::HeadlessDevice;
+use azulejo_workbench::jobs::JobKind;
 use azulejo_workbench::light::LightSettings;
 use azulejo_workbench::ui::{Viewport, Workbench};
-use azulejo_workbench::view::{Shading, View};
+use azulejo_workbench::view::{ModelView, Shading};
 use egui_kittest::Harness;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 const SIZE: [f32; 2] = [1280.0, 800.0];
 
 fn main() {
-    if let Err(why) = Headless::open(wgpu::Backends::all()) {
+    if let Err(why) = HeadlessDevice::open(wgpu::Backends::all()) {
         println!("skipped: {why}");
         return;
     }
@@ -46,7 +46,7 @@ fn large_model(folder: &Path) {
     let empty = resident();
     let begin = Instant::now();
     window.state_mut().app.execute(Command::Open(vec![path]));
-    while window.state().app.is_busy(Kind::Load) {
+    while window.state().app.is_busy(JobKind::Load) {
         window.state_mut().app.poll();
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -99,7 +99,7 @@ fn while_solving(folder: &Path) {
     app.execute(Command::Solve);
     let (mut answers, mut still, mut orbit) = (Vec::new(), Vec::new(), Vec::new());
     let begin = Instant::now();
-    while window.state().app.is_busy(Kind::Solve) && begin.elapsed() < Duration::from_secs(20) {
+    while window.state().app.is_busy(JobKind::Solve) && begin.elapsed() < Duration::from_secs(20) {
         answers.push(step(&mut window));
         still.push(frame(&mut window));
         orbit.push(orbited(&mut window));
@@ -142,16 +142,16 @@ fn frame(window: &mut Harness<'_, Workbench>) -> Duration {
 
 fn orbited(window: &mut Harness<'_, Workbench>) -> Duration {
     let app = &mut window.state_mut().app;
-    let mut view: View = app.view.clone();
+    let mut view: ModelView = app.view.clone();
     view.orbit(0.05, 0.01, DVec3::Y);
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
     frame(window)
 }
 
 fn shade(app: &mut App, shading: Shading) {
     let mut view = app.view.clone();
     view.shading = shading;
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
 }
 
 fn settle(app: &mut App) {

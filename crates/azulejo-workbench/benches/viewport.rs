@@ -8,7 +8,9 @@
 use azulejo::scene::math::Ray;
 use azulejo::scene::synthetic::displaced_sphere;
 use azulejo::scene::{Camera, Material, Mesh, Rgb, Shape};
-use azulejo_workbench::gpu::{Drawn, Frame, Headless, Overlay, Renderer, pick};
+use azulejo_workbench::gpu::{
+    HeadlessDevice, MeshInstance, Overlay, Renderer, ViewportFrame, pick,
+};
 use azulejo_workbench::view::Shading;
 use glam::DVec3;
 use std::time::Instant;
@@ -38,7 +40,7 @@ fn main() {
         ("Vulkan", wgpu::Backends::VULKAN),
         ("OpenGL", wgpu::Backends::GL),
     ] {
-        match Headless::open(backends) {
+        match HeadlessDevice::open(backends) {
             Ok(card) => {
                 println!("{name}: {}", card.device.adapter_info().name);
                 measure(card, &mesh, &camera);
@@ -69,23 +71,23 @@ fn bytes_of(mesh: &Mesh) -> usize {
         + 4 * (mesh.faces.corners.len() + mesh.faces.starts.len() + mesh.face_materials.len())
 }
 
-fn measure(card: Headless, mesh: &Mesh, camera: &Camera) {
+fn measure(card: HeadlessDevice, mesh: &Mesh, camera: &Camera) {
     let white = Material::diffuse("", Rgb::grey(0.8));
     let materials = [&white; 4];
-    let drawn = [Drawn::new(1, mesh)];
+    let drawn = [MeshInstance::new(1, mesh)];
     let device = card.device.clone();
     let mut renderer = match Renderer::new(card.device, card.queue) {
         Ok(renderer) => renderer,
         Err(e) => return println!("  {e}"),
     };
-    let mut frame = Frame::new(SIZE, camera, &drawn, &materials);
+    let mut frame = ViewportFrame::new(SIZE, camera, &drawn, &materials);
     frame.overlay = Overlay::none();
     println!("  mode          first ms   next ms   next without antialiasing ms   bytes/triangle");
     for shading in MODES {
         renderer.forget();
         frame.shading = shading;
         frame.antialiasing = true;
-        let mut draw = |frame: &Frame| {
+        let mut draw = |frame: &ViewportFrame| {
             let start = Instant::now();
             if let Err(e) = renderer.draw(frame) {
                 println!("  {e}");
@@ -106,7 +108,7 @@ fn measure(card: Headless, mesh: &Mesh, camera: &Camera) {
 }
 
 fn picking(mesh: &Mesh, camera: &Camera) {
-    let drawn = [Drawn::new(1, mesh)];
+    let drawn = [MeshInstance::new(1, mesh)];
     let rays: Vec<Ray> = (0..20)
         .map(|k| camera.ray(0.5, f64::from(k) / 20.0, 16.0 / 9.0))
         .collect();

@@ -1,9 +1,9 @@
 //! All that a person can ask for.
 
-use crate::document::{Edit, Id, NewKind, NewLightKind};
+use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
 use crate::light::LightSettings;
 use crate::preferences::Preferences;
-use crate::view::View;
+use crate::view::ModelView;
 use azulejo::scene::MaterialId;
 use std::path::PathBuf;
 
@@ -25,26 +25,26 @@ pub enum Command {
     /// Writes a copy, in the format of its extension.
     Export(PathBuf),
     /// Writes the picture that is being refined.
-    SavePicture(PathBuf),
+    SaveRender(PathBuf),
     /// Asks for a file by a dialog.
-    Ask(Ask),
+    RequestFile(FileRequest),
     /// The dialog was answered.
-    Answered,
+    DialogClosed,
     /// Leaves, after asking about unsaved changes.
     Quit,
     /// What was asked for goes on although changes are lost.
     Discard,
     /// What was asked for does not go on; an open question is closed.
-    Dismiss,
+    CancelPending,
     /// Opens what was written before a crash.
     Recover(PathBuf),
     /// Deletes what was written before a crash.
-    Forget(PathBuf),
+    DeleteRecovery(PathBuf),
 
     /// Changes the document. Edits of one gesture are one step of undo.
     Edit(Edit, Option<u64>),
     /// Adds a shape where it suits the model, in a size that does.
-    AddShape(NewKind),
+    AddShape(NewShapeKind),
     /// Adds a light above what there is.
     AddLight(NewLightKind),
     /// Adds solid letters: text, size, depth in ems, a font file or azulejo's own.
@@ -61,7 +61,7 @@ pub enum Command {
     /// Adds an exact prism that stands on the ground.
     AddPrism {
         /// What is extruded.
-        base: Base,
+        base: PrismBase,
         /// The larger side of the base, world units.
         size: f64,
         /// World units.
@@ -78,7 +78,7 @@ pub enum Command {
     SelectAll,
 
     /// How the model is looked at.
-    Look(Box<View>),
+    SetView(Box<ModelView>),
     /// Puts a picture from a file behind the model.
     LoadBackdrop(PathBuf),
 
@@ -93,18 +93,18 @@ pub enum Command {
     /// The solver ends; what it found stays.
     StopSolving,
     /// Takes the light off the model.
-    DropLight,
+    ClearLight,
     /// Finds what the patch at a place sees.
-    FormFactorsFrom(PatchAt),
+    FormFactorsFrom(SurfacePick),
     /// Watches the light of a place.
-    Pin(PatchAt),
+    AddProbe(SurfacePick),
     /// Watches it no more: the probe of this number.
-    Unpin(u64),
+    RemoveProbe(u64),
     /// Finds the irradiance at the probes themselves, not between the vertices around them.
     MeasureProbes,
 
     /// Draws a picture from here, at this size, and refines it.
-    Picture {
+    Render {
         /// Pixels.
         width: u32,
         /// Pixels.
@@ -113,7 +113,7 @@ pub enum Command {
         paths: Option<u32>,
     },
     /// No picture any more.
-    StopPicture,
+    StopRender,
 
     /// Cancels a job.
     Cancel(u64),
@@ -125,7 +125,7 @@ pub enum Command {
 
 /// What a prism stands on.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Base {
+pub enum PrismBase {
     /// A regular polygon of so many sides.
     Regular(u32),
     /// The filled figures of an SVG or DXF drawing.
@@ -134,9 +134,9 @@ pub enum Base {
 
 /// A place on a surface, and its side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PatchAt {
+pub struct SurfacePick {
     /// The object.
-    pub item: Id,
+    pub item: ItemId,
     /// World position.
     pub position: glam::DVec3,
     /// Unit normal of the side.
@@ -147,16 +147,16 @@ pub struct PatchAt {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     /// Objects, lights, cameras.
-    pub ids: Vec<Id>,
+    pub ids: Vec<ItemId>,
     /// Faces of one mesh.
-    pub faces: Option<(Id, Vec<u32>)>,
+    pub faces: Option<(ItemId, Vec<u32>)>,
     /// A material, to be edited.
     pub material: Option<MaterialId>,
 }
 
 impl Selection {
     /// One object, light or camera.
-    pub fn one(id: Id) -> Selection {
+    pub fn one(id: ItemId) -> Selection {
         Selection {
             ids: vec![id],
             ..Selection::default()
@@ -171,7 +171,7 @@ impl Selection {
 
 /// What a file is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ask {
+pub enum FileRequest {
     /// Models to open.
     Open,
     /// Models to add.
@@ -181,7 +181,7 @@ pub enum Ask {
     /// Where to export.
     Export,
     /// Where the picture goes.
-    SavePicture,
+    SaveRender,
     /// A picture for the background.
     Backdrop,
     /// A typeface.

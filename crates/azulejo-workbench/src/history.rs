@@ -8,15 +8,15 @@ const LEAST_STEPS: usize = 4;
 /// Versions before and after; `V` is cheap to keep, as documents are.
 #[derive(Clone, Debug)]
 pub struct History<V> {
-    past: Vec<Step<V>>,
-    future: Vec<Step<V>>,
+    past: Vec<HistoryStep<V>>,
+    future: Vec<HistoryStep<V>>,
     /// The gesture that made the last step, while it goes on.
     gesture: Option<u64>,
 }
 
 /// What was there before an edit (or, in the future, after it), and what the edit was.
 #[derive(Clone, Debug)]
-struct Step<V> {
+struct HistoryStep<V> {
     label: &'static str,
     version: V,
     /// What is kept for the version before the edit alone: what the one after has not.
@@ -46,7 +46,7 @@ impl<V> History<V> {
         if self.past.len() == MOST_STEPS {
             self.past.remove(0);
         }
-        self.past.push(Step {
+        self.past.push(HistoryStep {
             label,
             version: before,
             bytes: 0,
@@ -111,9 +111,9 @@ impl<V> History<V> {
     }
 }
 
-fn exchange<V>(from: &mut Vec<Step<V>>, to: &mut Vec<Step<V>>, now: V) -> Option<V> {
+fn exchange<V>(from: &mut Vec<HistoryStep<V>>, to: &mut Vec<HistoryStep<V>>, now: V) -> Option<V> {
     let step = from.pop()?;
-    to.push(Step {
+    to.push(HistoryStep {
         label: step.label,
         version: now,
         bytes: step.bytes,

@@ -12,11 +12,11 @@ use std::time::Instant;
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
 /// Asks for the window to be drawn.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
+pub type RepaintRequest = Arc<dyn Fn() + Send + Sync>;
 
 /// What a job is about; of some kinds there is one at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum JobKind {
     /// Reading models.
     Load,
     /// Reading a picture for the background.
@@ -28,7 +28,7 @@ pub enum Kind {
     /// The first pass.
     Solve,
     /// The second pass.
-    Picture,
+    Render,
     /// What one patch sees.
     FormFactors,
     /// Irradiance at probes.
@@ -41,7 +41,7 @@ pub struct Job {
     /// Its number.
     pub id: u64,
     /// What it is about.
-    pub kind: Kind,
+    pub kind: JobKind,
     /// What it works on, for people.
     pub title: String,
     /// How far it is; cancels and pauses it too.
@@ -51,27 +51,27 @@ pub struct Job {
 }
 
 /// A message of a job.
-pub enum News<T> {
+pub enum JobMessage<T> {
     /// Something that it found, with more to come.
-    Found(T),
+    Output(T),
     /// It ended; with a reason, if it failed.
     Ended(Option<String>),
 }
 
 /// What a job sends through.
-pub struct Outbox<T> {
+pub struct JobSender<T> {
     id: u64,
-    sender: Sender<(u64, News<T>)>,
-    wake: Wake,
+    sender: Sender<(u64, JobMessage<T>)>,
+    wake: RepaintRequest,
 }
 
-impl<T> Outbox<T> {
+impl<T> JobSender<T> {
     /// Sends something that was found.
     pub fn send(&self, found: T) {
-        self.post(News::Found(found));
+        self.post(JobMessage::Output(found));
     }
 
-    fn post(&self, news: News<T>) {
+    fn post(&self, news: JobMessage<T>) {
         // The window may be gone; then nobody waits for the news.
         let _ = self.sender.send((self.id, news));
         (self.wake)();
@@ -81,15 +81,15 @@ impl<T> Outbox<T> {
 /// All work that goes on.
 pub struct Jobs<T> {
     running: Vec<Job>,
-    sender: Sender<(u64, News<T>)>,
-    receiver: Receiver<(u64, News<T>)>,
-    wake: Wake,
+    sender: Sender<(u64, JobMessage<T>)>,
+    receiver: Receiver<(u64, JobMessage<T>)>,
+    wake: RepaintRequest,
     next: u64,
 }
 
 impl<T: Send + 'static> Jobs<T> {
     /// None yet.
-    pub fn new(wake: Wake) -> Jobs<T> {
+    pub fn new(wake: RepaintRequest) -> Jobs<T> {
         let (sender, receiver) = channel();
         Jobs {
             running: Vec::new(),
@@ -101,20 +101,20 @@ impl<T: Send + 'static> Jobs<T> {
     }
 
     /// Another way of asking for the window to be drawn, for the jobs that begin from now on.
-    pub fn set_wake(&mut self, wake: Wake) {
+    pub fn set_wake(&mut self, wake: RepaintRequest) {
         self.wake = wake;
     }
 
     /// Starts `work` in a thread of its own; returns its number. An error it returns is told.
     pub fn start(
         &mut self,
-        kind: Kind,
+        kind: JobKind,
         title: impl Into<String>,
-        work: impl FnOnce(&Progress, &Outbox<T>) -> Result<(), String> + Send + 'static,
+        work: impl FnOnce(&Progress, &JobSender<T>) -> Result<(), String> + Send + 'static,
     ) -> u64 {
         self.next += 1;
         let (id, progress) = (self.next, Arc::new(Progress::new()));
-        let outbox = Outbox {
+        let outbox = JobSender {
             id,
             sender: self.sender.clone(),
             wake: Arc::clone(&self.wake),
@@ -132,28 +132,28 @@ impl<T: Send + 'static> Jobs<T> {
                 Ok(done) => done.err(),
                 Err(panic) => Some(said(&*panic)),
             };
-            outbox.post(News::Ended(end));
+            outbox.post(JobMessage::Ended(end));
         };
         let spawned = std::thread::Builder::new()
             .name(format!("{kind:?}"))
             .spawn(run);
         if let Err(error) = spawned {
             let message = format!("no thread for it: {error}");
-            let _ = self.sender.send((id, News::Ended(Some(message))));
+            let _ = self.sender.send((id, JobMessage::Ended(Some(message))));
         }
         id
     }
 
     /// The next message, if there is one, with the job that sent it. A cancelled job is not heard.
-    pub fn next_news(&mut self) -> Option<(Job, News<T>)> {
+    pub fn next_news(&mut self) -> Option<(Job, JobMessage<T>)> {
         loop {
             let (id, news) = self.receiver.try_recv().ok()?;
             let Some(at) = self.running.iter().position(|j| j.id == id) else {
                 continue;
             };
             let job = match news {
-                News::Found(_) => self.running[at].copy(),
-                News::Ended(_) => self.running.remove(at),
+                JobMessage::Output(_) => self.running[at].copy(),
+                JobMessage::Ended(_) => self.running.remove(at),
             };
             return Some((job, news));
         }
@@ -165,7 +165,7 @@ impl<T: Send + 'static> Jobs<T> {
     }
 
     /// The first job of a kind.
-    pub fn of(&self, kind: Kind) -> Option<&Job> {
+    pub fn of(&self, kind: JobKind) -> Option<&Job> {
         self.running.iter().find(|j| j.kind == kind)
     }
 
@@ -175,7 +175,7 @@ impl<T: Send + 'static> Jobs<T> {
     }
 
     /// Cancels all jobs of a kind.
-    pub fn cancel_kind(&mut self, kind: Kind) {
+    pub fn cancel_kind(&mut self, kind: JobKind) {
         self.forget(|job| job.kind == kind);
     }
 
@@ -249,7 +249,7 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, News<T>) {
+    fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, JobMessage<T>) {
         let begin = Instant::now();
         loop {
             if let Some(found) = jobs.next_news() {
@@ -263,26 +263,26 @@ mod tests {
     #[test]
     fn what_is_found_arrives_in_order_and_then_the_end() {
         let mut jobs = Jobs::new(Arc::new(|| ()));
-        jobs.start(Kind::Load, "two", |_, out| {
+        jobs.start(JobKind::Load, "two", |_, out| {
             out.send(1);
             out.send(2);
             Ok(())
         });
         for expected in [1, 2] {
-            assert!(matches!(wait(&mut jobs).1, News::Found(n) if n == expected));
+            assert!(matches!(wait(&mut jobs).1, JobMessage::Output(n) if n == expected));
         }
-        assert!(matches!(wait(&mut jobs).1, News::Ended(None)));
+        assert!(matches!(wait(&mut jobs).1, JobMessage::Ended(None)));
         assert!(jobs.running().is_empty());
     }
 
     #[test]
     fn a_panic_is_a_failure_and_not_the_end_of_the_window() {
         let mut jobs = Jobs::<()>::new(Arc::new(|| ()));
-        jobs.start(Kind::Solve, "fault", |_, _| panic!("on purpose"));
-        let (job, News::Ended(Some(why))) = wait(&mut jobs) else {
+        jobs.start(JobKind::Solve, "fault", |_, _| panic!("on purpose"));
+        let (job, JobMessage::Ended(Some(why))) = wait(&mut jobs) else {
             unreachable!("it cannot end well")
         };
-        assert_eq!(job.kind, Kind::Solve);
+        assert_eq!(job.kind, JobKind::Solve);
         assert!(why.contains("on purpose"), "{why}");
     }
 
@@ -290,7 +290,7 @@ mod tests {
     fn a_cancelled_job_is_stopped_and_not_heard() {
         let mut jobs = Jobs::new(Arc::new(|| ()));
         let (tell, told) = channel();
-        let id = jobs.start(Kind::Solve, "endless", move |progress, out| {
+        let id = jobs.start(JobKind::Solve, "endless", move |progress, out| {
             while progress.advance(1).is_ok() {
                 std::thread::yield_now();
             }

@@ -1,9 +1,9 @@
 //! The first pass as the window runs it.
 
-use crate::app::Found;
-use crate::command::PatchAt;
-use crate::document::{Document, Id, Solution};
-use crate::jobs::Outbox;
+use crate::app::JobResult;
+use crate::command::SurfacePick;
+use crate::document::{ItemId, SceneDocument, Solution};
+use crate::jobs::JobSender;
 use azulejo::radiosity::form_factors::{Factor, Plan};
 use azulejo::radiosity::{
     Engine, Estimate, FirstPass, FormFactorOptions, Hemicube, PatchSize, PointNormal, Preview,
@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Who computes form factors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum EngineName {
+pub enum EngineChoice {
     /// Whoever suits the scene.
     #[default]
     Auto,
@@ -35,24 +35,24 @@ pub enum EngineName {
     Analytic,
 }
 
-impl EngineName {
+impl EngineChoice {
     /// All of them.
-    pub const ALL: [EngineName; 5] = [
-        EngineName::Auto,
-        EngineName::Rays,
-        EngineName::Hemicube,
-        EngineName::Hybrid,
-        EngineName::Analytic,
+    pub const ALL: [EngineChoice; 5] = [
+        EngineChoice::Auto,
+        EngineChoice::Rays,
+        EngineChoice::Hemicube,
+        EngineChoice::Hybrid,
+        EngineChoice::Analytic,
     ];
 
     /// As the library takes it.
     pub fn engine(self) -> Engine {
         match self {
-            EngineName::Auto => Engine::Auto,
-            EngineName::Rays => Engine::Rays,
-            EngineName::Hemicube => Engine::Hemicube(Hemicube::default()),
-            EngineName::Hybrid => Engine::Hybrid(Hemicube::default()),
-            EngineName::Analytic => Engine::Analytic,
+            EngineChoice::Auto => Engine::Auto,
+            EngineChoice::Rays => Engine::Rays,
+            EngineChoice::Hemicube => Engine::Hemicube(Hemicube::default()),
+            EngineChoice::Hybrid => Engine::Hybrid(Hemicube::default()),
+            EngineChoice::Analytic => Engine::Analytic,
         }
     }
 }
@@ -61,7 +61,7 @@ impl EngineName {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSettings {
     /// Who computes form factors.
-    pub engine: EngineName,
+    pub engine: EngineChoice,
     /// A patch is as large as this part of all surfaces; small faces are patches too.
     pub patches: u32,
     /// Relative error at which the solver rests.
@@ -99,7 +99,7 @@ impl LightSettings {
 impl Default for LightSettings {
     fn default() -> LightSettings {
         LightSettings {
-            engine: EngineName::Auto,
+            engine: EngineChoice::Auto,
             patches: 1_500,
             error: 0.03,
             // Models whose undersides hardly any light reaches would take long for their last
@@ -115,17 +115,17 @@ impl Default for LightSettings {
 /// # Errors
 /// The solver's own, in words.
 pub fn solve_document(
-    document: &Document,
+    document: &SceneDocument,
     settings: &LightSettings,
     progress: &Progress,
-    outbox: &Outbox<Found>,
+    outbox: &JobSender<JobResult>,
 ) -> Result<(), String> {
     settings.limit_time(progress);
     let scene = document.scene();
     let tracer = Tracer::new(&scene);
     let send = |irradiance, report| {
         let solution = Solution::new(document.clone(), scene.clone(), irradiance, report);
-        outbox.send(Found::Light(Box::new(solution)));
+        outbox.send(JobResult::Light(Box::new(solution)));
     };
     let pass = settings.first_pass();
     let mut watch = |preview: Preview| send(preview.irradiance, None);
@@ -144,9 +144,9 @@ pub fn solve_document(
 /// # Errors
 /// The solver's own, in words.
 pub fn measure(
-    document: &Document,
+    document: &SceneDocument,
     settings: &LightSettings,
-    places: &[PatchAt],
+    places: &[SurfacePick],
     progress: &Progress,
 ) -> Result<Vec<Estimate>, String> {
     settings.limit_time(progress);
@@ -168,7 +168,7 @@ pub fn measure(
 }
 
 /// Where a place of the viewport is on the surface itself.
-struct OnSurface {
+struct ExactPoint {
     position: DVec3,
     /// Whether the side that is meant is the front.
     is_front: bool,
@@ -178,7 +178,11 @@ struct OnSurface {
 
 /// Finds the place of a surface that a place on its polygons stands for: chords of a ball lie inside
 /// it, by up to a 64th of its size.
-fn on_surface(document: &Document, tracer: &Tracer, place: &PatchAt) -> Option<OnSurface> {
+fn on_surface(
+    document: &SceneDocument,
+    tracer: &Tracer,
+    place: &SurfacePick,
+) -> Option<ExactPoint> {
     let index = document.items.iter().position(|i| i.id == place.item)?;
     let size = document.items[index].bounds().diagonal();
     let reach = (size / 32.0).max(f64::MIN_POSITIVE);
@@ -190,7 +194,7 @@ fn on_surface(document: &Document, tracer: &Tracer, place: &PatchAt) -> Option<O
         if hit.object as usize == index {
             let clear = (hit.position - origin).length().min(reach);
             let from = hit.position + 0.5 * clear * place.normal;
-            return Some(OnSurface {
+            return Some(ExactPoint {
                 position: hit.position,
                 is_front: hit.entering,
                 from_outside: Ray::new(from, -place.normal),
@@ -203,11 +207,11 @@ fn on_surface(document: &Document, tracer: &Tracer, place: &PatchAt) -> Option<O
 
 /// What one patch sees.
 #[derive(Clone, Debug)]
-pub struct SeenFromPatch {
+pub struct PatchFormFactors {
     /// Counts: no two answers have the same.
     pub number: u64,
     /// The object that the patch is of.
-    pub item: Id,
+    pub item: ItemId,
     /// Triangles that show the patches, each a face.
     pub patches: Arc<Mesh>,
     /// F from the picked patch to the patch of each face.
@@ -215,7 +219,7 @@ pub struct SeenFromPatch {
     /// The sum over all patches: what is missing to 1 goes outside.
     pub sum: f64,
     /// The sums over the patches of each object that is seen, the largest first.
-    pub objects: Vec<(Id, f64)>,
+    pub objects: Vec<(ItemId, f64)>,
 }
 
 /// Finds what the patch at a place sees, with the patches that the solver would make.
@@ -223,11 +227,11 @@ pub struct SeenFromPatch {
 /// # Errors
 /// In words: no surface, too many patches, no patch at that place.
 pub fn seen_from(
-    document: &Document,
+    document: &SceneDocument,
     settings: &LightSettings,
-    place: &PatchAt,
+    place: &SurfacePick,
     progress: &Progress,
-) -> Result<Option<SeenFromPatch>, String> {
+) -> Result<Option<PatchFormFactors>, String> {
     let scene = document.scene();
     let tracer = Tracer::new(&scene);
     let pass = settings.first_pass();
@@ -251,19 +255,19 @@ pub fn seen_from(
         error: side.iter().map(|f| f.error * f.error).sum::<f64>().sqrt(),
     };
     let factors: Vec<Factor> = sides.chunks(2).map(both).collect();
-    Ok(Some(SeenFromPatch::new(
+    Ok(Some(PatchFormFactors::new(
         document, place.item, &plan, picked, &factors,
     )))
 }
 
-impl SeenFromPatch {
+impl PatchFormFactors {
     fn new(
-        document: &Document,
-        item: Id,
+        document: &SceneDocument,
+        item: ItemId,
         plan: &Plan,
         picked: usize,
         factors: &[Factor],
-    ) -> SeenFromPatch {
+    ) -> PatchFormFactors {
         static NUMBER: AtomicU64 = AtomicU64::new(1);
         let mut mesh = Mesh::default();
         let mut values = Vec::new();
@@ -277,7 +281,7 @@ impl SeenFromPatch {
                 false => factors.get(patch as usize).map_or(0.0, |f| f.value),
             });
         }
-        SeenFromPatch {
+        PatchFormFactors {
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
             item,
             patches: Arc::new(mesh),
@@ -289,7 +293,7 @@ impl SeenFromPatch {
 }
 
 /// Sums of form factors over the patches of each object, the largest first.
-fn by_object(document: &Document, plan: &Plan, factors: &[Factor]) -> Vec<(Id, f64)> {
+fn by_object(document: &SceneDocument, plan: &Plan, factors: &[Factor]) -> Vec<(ItemId, f64)> {
     let sum = |object: usize| -> f64 {
         let patches = plan.patches().patches_of(object as u32);
         let seen = factors.get(patches).unwrap_or_default();
@@ -297,7 +301,7 @@ fn by_object(document: &Document, plan: &Plan, factors: &[Factor]) -> Vec<(Id, f
     };
     // The scene has the objects of the document, in its order.
     let ids = document.items.iter().enumerate();
-    let mut sums: Vec<(Id, f64)> = ids.map(|(k, item)| (item.id, sum(k))).collect();
+    let mut sums: Vec<(ItemId, f64)> = ids.map(|(k, item)| (item.id, sum(k))).collect();
     sums.retain(|(_, f)| *f > 0.0);
     sums.sort_by(|a, b| b.1.total_cmp(&a.1));
     sums
@@ -310,13 +314,13 @@ mod tests {
     use azulejo::scene::{Object, Primitive, Shape};
 
     /// A ball in the middle of a closed room.
-    fn document() -> Document {
+    fn document() -> SceneDocument {
         let mut scene = cube_room();
         let ball = Primitive::sphere(DVec3::splat(0.5), 0.25, 0);
         scene
             .objects
             .push(Object::new("ball", Shape::Primitive(ball)));
-        Document::of_scene(scene, None)
+        SceneDocument::of_scene(scene, None)
     }
 
     #[test]
@@ -325,7 +329,7 @@ mod tests {
         let ball = document.items.last().expect("a ball").id;
         let tracer = Tracer::new(&document.scene());
         for normal in [DVec3::X, DVec3::NEG_Z, DVec3::ONE.normalize()] {
-            let place = PatchAt {
+            let place = SurfacePick {
                 item: ball,
                 position: DVec3::splat(0.5) + 0.245 * normal,
                 normal,
@@ -345,7 +349,7 @@ mod tests {
             ..LightSettings::default()
         };
         let seen = |item, position, normal| {
-            let place = PatchAt {
+            let place = SurfacePick {
                 item,
                 position,
                 normal,

@@ -24,16 +24,16 @@ pub struct Recoverable {
 
 /// The note beside a copy.
 #[derive(Debug, Default, Serialize, Deserialize)]
-struct Note {
+struct RecoveryNote {
     original: Option<PathBuf>,
     /// The same in the system's own units, where it is no text.
     original_units: Option<Vec<u16>>,
 }
 
-impl Note {
-    fn of(original: Option<&Path>) -> Note {
+impl RecoveryNote {
+    fn of(original: Option<&Path>) -> RecoveryNote {
         let text = original.filter(|p| p.to_str().is_some());
-        Note {
+        RecoveryNote {
             original: text.map(Path::to_owned),
             original_units: original.filter(|_| text.is_none()).map(units),
         }
@@ -75,7 +75,7 @@ fn path_of(units: &[u16]) -> Option<PathBuf> {
 pub struct Recovery {
     folder: Option<PathBuf>,
     /// This session's name; made with its first copy.
-    session: Option<Session>,
+    session: Option<RecoverySession>,
     found: Vec<Recoverable>,
     /// The copy that was opened, as long as it is the only one.
     adopted: Option<PathBuf>,
@@ -86,7 +86,7 @@ pub struct Recovery {
 }
 
 #[derive(Debug)]
-struct Session {
+struct RecoverySession {
     copy: PathBuf,
     note: PathBuf,
     /// Locked as long as the session lives.
@@ -144,7 +144,7 @@ impl Recovery {
     /// Where copies of this session go; `None` where nothing is kept.
     pub fn place(&mut self, original: Option<&Path>) -> Option<PathBuf> {
         if self.session.is_none() {
-            self.session = self.folder.as_deref().and_then(Session::begin);
+            self.session = self.folder.as_deref().and_then(RecoverySession::begin);
         }
         let session = self.session.as_ref()?;
         session.write_note(original);
@@ -204,8 +204,8 @@ impl Drop for Recovery {
     }
 }
 
-impl Session {
-    fn begin(folder: &Path) -> Option<Session> {
+impl RecoverySession {
+    fn begin(folder: &Path) -> Option<RecoverySession> {
         std::fs::create_dir_all(folder).ok()?;
         let now = SystemTime::now().duration_since(UNIX_EPOCH).ok()?;
         let name = format!("{}-{}", std::process::id(), now.as_nanos());
@@ -213,7 +213,7 @@ impl Session {
         let mut options = OpenOptions::new();
         let lock = options.write(true).create_new(true).open(&note).ok()?;
         lock.try_lock().ok()?;
-        Some(Session {
+        Some(RecoverySession {
             copy: folder.join(format!("{name}.grf")),
             note,
             _lock: lock,
@@ -221,7 +221,7 @@ impl Session {
     }
 
     fn write_note(&self, original: Option<&Path>) {
-        let note = Note::of(original);
+        let note = RecoveryNote::of(original);
         // Without a note the copy is still found; only its name is lost.
         if let Ok(text) = toml::to_string(&note) {
             let file = OpenOptions::new()
@@ -277,7 +277,7 @@ fn orphan(note: &Path) -> Option<Recoverable> {
         return None;
     };
     let text = std::fs::read_to_string(note).unwrap_or_default();
-    let said: Note = toml::from_str(&text).unwrap_or_default();
+    let said: RecoveryNote = toml::from_str(&text).unwrap_or_default();
     let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
     Some(Recoverable {
         copy,

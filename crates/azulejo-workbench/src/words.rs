@@ -33,10 +33,10 @@ pub enum Language {
 }
 
 /// One text: English, Spanish, Portuguese.
-type Entry = [&'static str; 3];
+type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Entry]; 9] = [
+const TABLES: [&[Translation]; 9] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -75,7 +75,7 @@ impl Language {
 
     /// `english` in this language; itself where there is no translation.
     pub fn say(self, english: &str) -> &str {
-        static INDEX: OnceLock<HashMap<&str, &Entry>> = OnceLock::new();
+        static INDEX: OnceLock<HashMap<&str, &Translation>> = OnceLock::new();
         let index = INDEX.get_or_init(|| {
             let entries = TABLES.iter().flat_map(|table| table.iter());
             entries.map(|entry| (entry[0], entry)).collect()

@@ -1,9 +1,11 @@
 //! New things, put where they suit what is there.
 
-use super::{App, Level};
-use crate::command::Base;
-use crate::document::{Edit, Lettering, NewKind, NewLight, NewLightKind, NewShape, Outline};
-use crate::gpu::{Drawn, display_mesh, pick};
+use super::{App, Severity};
+use crate::command::PrismBase;
+use crate::document::{
+    Edit, NewLight, NewLightKind, NewShape, NewShapeKind, PrismOutline, TextLayout,
+};
+use crate::gpu::{MeshInstance, display_mesh, pick};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Mesh, Shape};
 use glam::DVec3;
@@ -12,10 +14,10 @@ use std::path::PathBuf;
 
 impl App {
     /// Adds a shape on the ground; a lamp under the ceiling, or above what has none.
-    pub(super) fn add_shape(&mut self, kind: NewKind) {
+    pub(super) fn add_shape(&mut self, kind: NewShapeKind) {
         let size = self.usual_size();
         let at = match kind {
-            NewKind::AreaLight => self.lamp_place(size),
+            NewShapeKind::AreaLight => self.lamp_place(size),
             _ => self.ground(),
         };
         let new = NewShape {
@@ -41,50 +43,50 @@ impl App {
         let lettering = bytes.map_err(|e| e.to_string()).and_then(|bytes| {
             let name = font.as_deref().map(|p| p.to_string_lossy().into_owned());
             let named = bytes.as_deref().zip(name.as_deref());
-            Lettering::set(text, depth, named).map_err(|e| e.to_string())
+            TextLayout::set(text, depth, named).map_err(|e| e.to_string())
         });
         match lettering {
             Ok(lettering) => {
                 let new = NewShape {
-                    kind: NewKind::Text(lettering),
+                    kind: NewShapeKind::Text(lettering),
                     at: self.ground(),
                     size,
                     material: None,
                 };
                 self.edit(&Edit::AddShape(new), None);
             }
-            Err(why) => self.tell(Level::Error, why),
+            Err(why) => self.tell(Severity::Error, why),
         }
     }
 
-    pub(super) fn add_prism(&mut self, base: &Base, size: f64, height: f64) {
+    pub(super) fn add_prism(&mut self, base: &PrismBase, size: f64, height: f64) {
         match self.outline(base, height / size) {
             Ok(outline) => {
                 let new = NewShape {
-                    kind: NewKind::Prism(outline),
+                    kind: NewShapeKind::Prism(outline),
                     at: self.ground(),
                     size,
                     material: None,
                 };
                 self.edit(&Edit::AddShape(new), None);
             }
-            Err(why) => self.tell(Level::Error, why),
+            Err(why) => self.tell(Severity::Error, why),
         }
     }
 
     /// What is to be extruded; `height` is in parts of its larger side.
-    fn outline(&mut self, base: &Base, height: f64) -> Result<Outline, String> {
+    fn outline(&mut self, base: &PrismBase, height: f64) -> Result<PrismOutline, String> {
         let path = match base {
-            Base::Regular(sides) => {
-                return Outline::regular(*sides, height).map_err(|e| e.to_string());
+            PrismBase::Regular(sides) => {
+                return PrismOutline::regular(*sides, height).map_err(|e| e.to_string());
             }
-            Base::Drawing(path) => path,
+            PrismBase::Drawing(path) => path,
         };
         let bytes = azulejo::models::read_bytes(path).map_err(|e| e.to_string())?;
-        let drawing = Outline::drawing(&bytes, &path.to_string_lossy(), height);
+        let drawing = PrismOutline::drawing(&bytes, &path.to_string_lossy(), height);
         let (outline, warnings) = drawing.map_err(|e| e.to_string())?;
         for warning in warnings {
-            self.tell(Level::Warning, warning.to_string());
+            self.tell(Severity::Warning, warning.to_string());
         }
         Ok(outline)
     }
@@ -135,10 +137,10 @@ impl App {
                 (mesh, item.placement)
             })
             .collect();
-        let drawn: Vec<Drawn> = (meshes.iter())
-            .map(|(mesh, placement)| Drawn {
+        let drawn: Vec<MeshInstance> = (meshes.iter())
+            .map(|(mesh, placement)| MeshInstance {
                 world_from_object: *placement,
-                ..Drawn::new(0, mesh)
+                ..MeshInstance::new(0, mesh)
             })
             .collect();
         let up = self.document.units.up.axis();

@@ -1,8 +1,8 @@
 //! Copies for recovery: written now and then, opened after a crash, forgotten when all is safe.
 
 use super::saving::OnDisk;
-use super::{App, Found};
-use crate::jobs::Kind;
+use super::{App, JobResult};
+use crate::jobs::JobKind;
 use azulejo::models;
 use azulejo::trace::Progress;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ impl App {
 
     /// The document is safe, or given up: no copy of it is needed.
     pub(super) fn forget_copy(&mut self) {
-        self.jobs.cancel_kind(Kind::Autosave);
+        self.jobs.cancel_kind(JobKind::Autosave);
         self.recovery.clear();
     }
 
@@ -50,7 +50,7 @@ impl App {
         let patience = Duration::from_secs(u64::from(self.preferences.autosave));
         let rests = self.changed_at.is_some_and(|t| t.elapsed() >= patience);
         let wanted = !patience.is_zero() && rests && self.is_changed();
-        if !wanted || self.is_busy(Kind::Autosave) {
+        if !wanted || self.is_busy(JobKind::Autosave) {
             return;
         }
         let original = self.file.as_ref().map(|f| f.path.as_path());
@@ -63,11 +63,11 @@ impl App {
         let solution = self.lighting.solution.clone();
         let title = self.say("copy for recovery");
         self.jobs
-            .start(Kind::Autosave, title, move |progress, outbox| {
+            .start(JobKind::Autosave, title, move |progress, outbox| {
                 let (scene, _) = document.lit_scene(solution.as_deref());
                 let kept = models::write_copy(&scene, &path, home.as_deref(), progress);
                 kept.map_err(|e| e.to_string())?;
-                outbox.send(Found::Autosaved(revision));
+                outbox.send(JobResult::Autosaved(revision));
                 Ok(())
             });
     }
@@ -103,7 +103,7 @@ impl App {
     /// When the window should be drawn again although nothing happens: for a copy that is due.
     pub fn wakes_in(&self) -> Option<Duration> {
         let patience = Duration::from_secs(u64::from(self.preferences.autosave));
-        let waits = !patience.is_zero() && self.is_changed() && !self.is_busy(Kind::Autosave);
+        let waits = !patience.is_zero() && self.is_changed() && !self.is_busy(JobKind::Autosave);
         let waits = waits && self.recovery.awaits(self.revision);
         let since = self.changed_at.filter(|_| waits)?.elapsed();
         // After a copy that failed the next one is due later. What is due already is begun by the

@@ -1,9 +1,9 @@
 //! Edits, what takes them back, and what is selected.
 
-use super::{App, Level};
+use super::{App, Severity};
 use crate::command::Selection;
-use crate::document::{Document, Edit, Id};
-use crate::jobs::Kind;
+use crate::document::{Edit, ItemId, SceneDocument};
+use crate::jobs::JobKind;
 use azulejo::scene::{Material, Shape};
 use std::sync::Arc;
 use std::time::Instant;
@@ -15,23 +15,23 @@ pub(super) const UNDO_BYTES: u64 = 512 << 20;
 
 /// What undo brings back.
 #[derive(Clone, Debug)]
-pub(super) struct Version {
-    document: Document,
-    selection: Vec<Id>,
+pub(super) struct UndoSnapshot {
+    document: SceneDocument,
+    selection: Vec<ItemId>,
     revision: u64,
 }
 
-impl Version {
+impl UndoSnapshot {
     /// What it holds that a document does not, bytes.
-    fn bytes_beyond(&self, document: &Document) -> u64 {
-        let selection = self.selection.capacity() * size_of::<Id>();
+    fn bytes_beyond(&self, document: &SceneDocument) -> u64 {
+        let selection = self.selection.capacity() * size_of::<ItemId>();
         self.document.bytes_beyond(document) + selection as u64
     }
 }
 
 impl App {
-    fn version(&self) -> Version {
-        Version {
+    fn version(&self) -> UndoSnapshot {
+        UndoSnapshot {
             document: self.document.clone(),
             selection: self.selection.ids.clone(),
             revision: self.revision,
@@ -52,13 +52,13 @@ impl App {
             }
             Err(refused) => {
                 let text = self.say(&refused.0).to_owned();
-                self.tell(Level::Error, text);
+                self.tell(Severity::Error, text);
             }
         }
     }
 
     /// Keeps what was before an edit that was made just now, and forgets what is too much.
-    fn keep_step(&mut self, label: &'static str, before: Version, gesture: Option<u64>) {
+    fn keep_step(&mut self, label: &'static str, before: UndoSnapshot, gesture: Option<u64>) {
         let document = &self.document;
         self.history.note(label, before, gesture);
         self.history.weigh(|version| version.bytes_beyond(document));
@@ -70,7 +70,7 @@ impl App {
     }
 
     /// Selects what an edit made, and forgets what it took away; `material` was edited before.
-    fn select_after(&mut self, edit: &Edit, ids: Vec<Id>, material: Option<Arc<Material>>) {
+    fn select_after(&mut self, edit: &Edit, ids: Vec<ItemId>, material: Option<Arc<Material>>) {
         match edit {
             Edit::AddMaterial(_) => {
                 self.selection.material = Some((self.document.materials.len() - 1) as u32);
@@ -106,7 +106,7 @@ impl App {
     /// What follows from every change of the document.
     fn edited(&mut self) {
         self.changed_at.get_or_insert_with(Instant::now);
-        self.jobs.cancel_kind(Kind::FormFactors);
+        self.jobs.cancel_kind(JobKind::FormFactors);
         if self.lighting.document_changed(&self.document) {
             self.lit();
         }
@@ -134,7 +134,7 @@ impl App {
         }
     }
 
-    fn go_to(&mut self, version: Version) {
+    fn go_to(&mut self, version: UndoSnapshot) {
         let material = self.chosen_material();
         let loses_all = !self.selection.ids.is_empty() && version.selection.is_empty();
         self.document = version.document;
@@ -180,10 +180,11 @@ impl App {
         let document = &self.document;
         let selection = &mut self.selection;
         selection.ids.retain(|&id| document.has(id));
-        let has_faces = |(id, faces): &(Id, Vec<u32>)| match document.item(*id).map(|i| &*i.shape) {
-            Some(Shape::Mesh(mesh)) => faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
-            _ => false,
-        };
+        let has_faces =
+            |(id, faces): &(ItemId, Vec<u32>)| match document.item(*id).map(|i| &*i.shape) {
+                Some(Shape::Mesh(mesh)) => faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
+                _ => false,
+            };
         selection.faces = selection.faces.take().filter(has_faces);
         if (selection.material).is_some_and(|m| m as usize >= document.materials.len()) {
             selection.material = None;

@@ -1,10 +1,10 @@
 //! Files on their way into the document.
 
-use super::saving::{OnDisk, Question};
-use super::{Agreed, App, Found, Level};
+use super::saving::{OnDisk, PendingQuestion};
+use super::{AcceptedLoss, App, JobResult, Severity};
 use crate::command::Command;
-use crate::document::{Branch, Document, Edit};
-use crate::jobs::{Job, Kind};
+use crate::document::{Branch, Edit, SceneDocument};
+use crate::jobs::{Job, JobKind};
 use crate::words::Language;
 use azulejo::formats::Warning;
 use azulejo::models;
@@ -17,7 +17,7 @@ use std::time::Duration;
 pub struct LoadedModel {
     path: PathBuf,
     on_disk: OnDisk,
-    document: Document,
+    document: SceneDocument,
     warnings: Vec<Warning>,
     notes: Vec<String>,
 }
@@ -29,7 +29,7 @@ pub(super) struct Loading {
     /// Whether it is what was written before a crash.
     recovered: bool,
     /// What was there when it began, which may be lost.
-    pub(super) agreed: Agreed,
+    pub(super) agreed: AcceptedLoss,
     /// What was asked for.
     command: Command,
     /// What is to be added when these are there.
@@ -51,15 +51,15 @@ impl App {
 
     /// What is opened takes the place of what would have come: that is told.
     fn give_up_loading(&mut self) {
-        let job = self.jobs.of(Kind::Load).map(|job| job.title.clone());
+        let job = self.jobs.of(JobKind::Load).map(|job| job.title.clone());
         let waiting = self.loading.take().map(|l| l.then).unwrap_or_default();
         let waiting = waiting.iter().map(|p| p.display().to_string());
         let all: Vec<String> = job.into_iter().chain(waiting).collect();
         if !all.is_empty() {
             let said = self.say("given up for another file");
-            self.tell(Level::Warning, format!("{}: {said}", all.join(", ")));
+            self.tell(Severity::Warning, format!("{}: {said}", all.join(", ")));
         }
-        self.jobs.cancel_kind(Kind::Load);
+        self.jobs.cancel_kind(JobKind::Load);
     }
 
     pub(super) fn begin_loading(&mut self, paths: Vec<PathBuf>, replaces: bool, recovered: bool) {
@@ -94,17 +94,18 @@ impl App {
             [one] => one.display().to_string(),
             several => format!("{} {}", several.len(), self.say("files")),
         };
-        self.jobs.start(Kind::Load, title, move |progress, outbox| {
-            let mut reader = Reader { units, taken, home };
-            for path in paths {
-                match reader.read(&path, progress) {
-                    Ok(model) => outbox.send(Found::Model(Box::new(model))),
-                    Err(models::ReadFailure::Cancelled) => return Ok(()),
-                    Err(failure) => outbox.send(Found::NoModel(path, failure.to_string())),
+        self.jobs
+            .start(JobKind::Load, title, move |progress, outbox| {
+                let mut reader = ModelReader { units, taken, home };
+                for path in paths {
+                    match reader.read(&path, progress) {
+                        Ok(model) => outbox.send(JobResult::Model(Box::new(model))),
+                        Err(models::ReadFailure::Cancelled) => return Ok(()),
+                        Err(failure) => outbox.send(JobResult::NoModel(path, failure.to_string())),
+                    }
                 }
-            }
-            Ok(())
-        });
+                Ok(())
+            });
     }
 
     pub(super) fn take_model(&mut self, job: &Job, model: LoadedModel) {
@@ -158,13 +159,17 @@ impl App {
         let items = self.document.items.get(start..).unwrap_or_default();
         let ids: Vec<_> = items.iter().map(|i| i.id).collect();
         self.tell_warnings(&warnings, &ids);
-        notes.into_iter().for_each(|n| self.tell(Level::Note, n));
-        self.tell(Level::Note, summary);
+        notes.into_iter().for_each(|n| self.tell(Severity::Note, n));
+        self.tell(Severity::Note, summary);
     }
 
     /// What was read in the units that held when reading began, in those that hold now; and what
     /// that changes.
-    fn in_units_of_now(&self, document: Document, path: &Path) -> (Document, Vec<String>) {
+    fn in_units_of_now(
+        &self,
+        document: SceneDocument,
+        path: &Path,
+    ) -> (SceneDocument, Vec<String>) {
         if self.document.is_empty() {
             return (document, Vec::new());
         }
@@ -185,7 +190,7 @@ impl App {
             Command::Recover(copy) => self.after_recovery = Some((copy.clone(), then)),
             _ => {}
         }
-        self.question = Some(Question::Unsaved(Box::new(command)));
+        self.question = Some(PendingQuestion::Unsaved(Box::new(command)));
     }
 
     pub(super) fn take_failure(&mut self, path: &Path, why: &str) {
@@ -194,7 +199,7 @@ impl App {
             true => why.to_owned(),
             false => format!("{}: {why}", path.display()),
         };
-        self.tell(Level::Error, text);
+        self.tell(Severity::Error, text);
     }
 
     /// These files are there, or given up; those that wait are next.
@@ -206,10 +211,10 @@ impl App {
     pub(super) fn load_backdrop(&mut self, path: PathBuf) {
         self.asking = None;
         let title = path.display().to_string();
-        self.jobs.start(Kind::Backdrop, title, move |_, outbox| {
+        self.jobs.start(JobKind::Backdrop, title, move |_, outbox| {
             let bytes = models::read_bytes(&path).map_err(|e| e.to_string())?;
             let image = azulejo::formats::read_picture(&bytes).map_err(|e| e.to_string())?;
-            outbox.send(Found::Backdrop(Box::new(image)));
+            outbox.send(JobResult::Backdrop(Box::new(image)));
             Ok(())
         });
     }
@@ -224,7 +229,7 @@ pub(super) fn absolute(path: PathBuf) -> PathBuf {
 }
 
 /// What was read, for the list of messages.
-fn summary(document: &Document, path: &Path, time: Duration, language: Language) -> String {
+fn summary(document: &SceneDocument, path: &Path, time: Duration, language: Language) -> String {
     format!(
         "{}: {} {}, {} {}, {} {}, {} {}, {:.1} s",
         path.display(),
@@ -246,7 +251,7 @@ fn said(path: &Path, change: &models::Change) -> String {
 }
 
 /// Reads one file after the other into one set of units.
-struct Reader {
+struct ModelReader {
     /// Those of the document that files join; the first file's, where there is none.
     units: Option<Units>,
     /// Names of branches that are taken.
@@ -255,7 +260,7 @@ struct Reader {
     home: Option<PathBuf>,
 }
 
-impl Reader {
+impl ModelReader {
     fn read(
         &mut self,
         path: &Path,
@@ -286,7 +291,7 @@ impl Reader {
             notes: changes.iter().map(|c| said(path, c)).collect(),
             path: path.to_owned(),
             on_disk,
-            document: Document::of_scene(scene, Some(branch)),
+            document: SceneDocument::of_scene(scene, Some(branch)),
             warnings: model.warnings,
         })
     }

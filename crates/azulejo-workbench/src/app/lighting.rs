@@ -3,11 +3,11 @@
 #[cfg(test)]
 mod tests;
 
-use super::{App, Found, Level};
-use crate::command::PatchAt;
-use crate::document::{Document, Solution};
-use crate::jobs::{Job, Kind, on_own_threads};
-use crate::light::{LightSettings, SeenFromPatch, seen_from, solve_document};
+use super::{App, JobResult, Severity};
+use crate::command::SurfacePick;
+use crate::document::{SceneDocument, Solution};
+use crate::jobs::{Job, JobKind, on_own_threads};
+use crate::light::{LightSettings, PatchFormFactors, seen_from, solve_document};
 use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
 use azulejo::trace::Measured;
@@ -34,9 +34,9 @@ pub struct Lighting {
     /// What it is at, and how long it had worked when it began that.
     pub stage: Option<(String, Duration)>,
     /// Irradiance that is shown: least, most, and what nearly all is below.
-    pub range: Option<Range>,
+    pub range: Option<IrradianceRange>,
     /// What a picked patch sees.
-    pub seen: Option<SeenFromPatch>,
+    pub seen: Option<PatchFormFactors>,
     /// Light of another state than that which is shown, found while the shown one was true.
     aside: Option<Arc<Solution>>,
 }
@@ -76,7 +76,7 @@ impl Stopwatch {
 
 /// Luminances of irradiance, W/m² or lux.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
+pub struct IrradianceRange {
     /// The least.
     pub low: f64,
     /// The most.
@@ -88,7 +88,7 @@ pub struct Range {
 impl Lighting {
     /// The document was edited: the light may be old now, or true again. Whether it is another
     /// light now: the one that was found for this document while it was not there.
-    pub(super) fn document_changed(&mut self, document: &Document) -> bool {
+    pub(super) fn document_changed(&mut self, document: &SceneDocument) -> bool {
         self.is_current = self.solution.as_ref().is_some_and(|s| s.is_of(document));
         self.seen = None;
         let aside = self
@@ -103,7 +103,7 @@ impl Lighting {
     }
 
     /// There is another document.
-    pub(super) fn replaced(&mut self, document: &Document) {
+    pub(super) fn replaced(&mut self, document: &SceneDocument) {
         *self = Lighting {
             settings: self.settings,
             ..Lighting::default()
@@ -124,7 +124,7 @@ impl Lighting {
 
     /// Takes light in; whether it is shown. True light does not make room for that of another
     /// state, which waits until that state is back.
-    pub(super) fn set(&mut self, solution: Solution, document: &Document) -> bool {
+    pub(super) fn set(&mut self, solution: Solution, document: &SceneDocument) -> bool {
         let solution = Arc::new(solution);
         if self.is_current && !solution.is_of(document) {
             self.aside = Some(solution);
@@ -134,7 +134,7 @@ impl Lighting {
         true
     }
 
-    fn show(&mut self, solution: Arc<Solution>, document: &Document) {
+    fn show(&mut self, solution: Arc<Solution>, document: &SceneDocument) {
         self.is_current = solution.is_of(document);
         self.range = range(document, &solution);
         self.solution = Some(solution);
@@ -142,7 +142,7 @@ impl Lighting {
 }
 
 /// What irradiance there is on the front of things.
-fn range(document: &Document, solution: &Solution) -> Option<Range> {
+fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRange> {
     let mut values: Vec<f64> = Vec::new();
     let mut push = |light: &[Rgb]| values.extend(light.iter().map(|e| e.luminance()));
     for item in &document.items {
@@ -164,7 +164,7 @@ fn range(document: &Document, solution: &Solution) -> Option<Range> {
     // Not all of them need be in order for one of them.
     let at = values.len() * 19 / 20;
     let (_, usual, _) = values.select_nth_unstable_by(at, f64::total_cmp);
-    Some(Range {
+    Some(IrradianceRange {
         low,
         high,
         usual: *usual,
@@ -176,14 +176,14 @@ impl App {
     pub(super) fn solve(&mut self) {
         if !self.document.has_light() {
             let text = self.say("nothing shines: add a light, or give a material emission");
-            self.tell(Level::Error, text);
+            self.tell(Severity::Error, text);
             return;
         }
         if !self.view.shading.shows_light() {
             // Whoever solves light wants to see it.
             self.view.shading = Shading::Irradiance;
         }
-        self.jobs.cancel_kind(Kind::Solve);
+        self.jobs.cancel_kind(JobKind::Solve);
         self.lighting.measures.clear();
         self.lighting.began = Some(Instant::now());
         self.lighting.is_paused = false;
@@ -193,7 +193,7 @@ impl App {
         let threads = self.preferences.threads;
         let title = self.say("light");
         self.jobs
-            .start(Kind::Solve, title, move |progress, outbox| {
+            .start(JobKind::Solve, title, move |progress, outbox| {
                 on_own_threads(threads, || {
                     solve_document(&document, &settings, progress, outbox)
                 })
@@ -201,7 +201,7 @@ impl App {
     }
 
     pub(super) fn pause(&mut self, rest: bool) {
-        let Some(job) = self.jobs.of(Kind::Solve) else {
+        let Some(job) = self.jobs.of(JobKind::Solve) else {
             return;
         };
         match rest {
@@ -218,7 +218,7 @@ impl App {
     }
 
     pub(super) fn stop_solving(&mut self) {
-        self.jobs.cancel_kind(Kind::Solve);
+        self.jobs.cancel_kind(JobKind::Solve);
         self.end_solving();
     }
 
@@ -231,7 +231,7 @@ impl App {
     /// Takes in what the solver measured meanwhile.
     pub(super) fn take_measures(&mut self) {
         const MOST: usize = 100_000;
-        if let Some(job) = self.jobs.of(Kind::Solve) {
+        if let Some(job) = self.jobs.of(JobKind::Solve) {
             let new = job.progress.take_measures();
             let room = MOST.saturating_sub(self.lighting.measures.len());
             self.lighting.measures.extend(new.into_iter().take(room));
@@ -290,18 +290,18 @@ impl App {
     }
 
     /// Finds what the patch at a place sees, with the patches that the solver would make.
-    pub(super) fn form_factors_from(&mut self, place: PatchAt) {
-        self.jobs.cancel_kind(Kind::FormFactors);
+    pub(super) fn form_factors_from(&mut self, place: SurfacePick) {
+        self.jobs.cancel_kind(JobKind::FormFactors);
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
         let title = self.say("form factors");
         self.jobs
-            .start(Kind::FormFactors, title, move |progress, outbox| {
+            .start(JobKind::FormFactors, title, move |progress, outbox| {
                 let seen = on_own_threads(threads, || {
                     seen_from(&document, &settings, &place, progress)
                 })?;
                 if let Some(seen) = seen {
-                    outbox.send(Found::FormFactors(Box::new(seen)));
+                    outbox.send(JobResult::FormFactors(Box::new(seen)));
                 }
                 Ok(())
             });

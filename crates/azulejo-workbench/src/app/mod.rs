@@ -16,17 +16,17 @@ mod saving;
 mod tests;
 
 pub use lighting::{Lighting, Stopwatch};
-pub use picture::{Picture, shown};
-pub use probes::{Measurement, Probe, Site};
-pub use saving::{OnDisk, Question};
+pub use picture::{RenderedImage, shown};
+pub use probes::{Probe, ProbeMeasurement, ProbeSurface};
+pub use saving::{OnDisk, PendingQuestion};
 
-use crate::command::{Ask, Command, Selection};
-use crate::document::{Document, Id};
+use crate::command::{Command, FileRequest, Selection};
+use crate::document::{ItemId, SceneDocument};
 use crate::history::History;
-use crate::jobs::{Job, Jobs, Kind, News, Wake};
+use crate::jobs::{Job, JobKind, JobMessage, Jobs, RepaintRequest};
 use crate::preferences::Preferences;
 use crate::recovery::Recovery;
-use crate::view::{Backdrop, View, sees_most, whole};
+use crate::view::{Backdrop, ModelView, sees_most, whole};
 use azulejo::formats::Warning;
 use azulejo::scene::Image;
 use std::collections::HashMap;
@@ -35,7 +35,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// What jobs find.
-pub enum Found {
+pub enum JobResult {
     /// A model from a file.
     Model(Box<files::LoadedModel>),
     /// A file that could not be read; others may follow.
@@ -47,20 +47,20 @@ pub enum Found {
     /// Light, with more to come perhaps.
     Light(Box<crate::document::Solution>),
     /// A picture with so many paths per pixel.
-    Picture(Box<Image>, u32),
+    Render(Box<Image>, u32),
     /// A picture for the background.
     Backdrop(Box<Image>),
     /// What a patch sees.
-    FormFactors(Box<crate::light::SeenFromPatch>),
+    FormFactors(Box<crate::light::PatchFormFactors>),
     /// Irradiance at probes.
-    Measured(Box<Measurement>),
+    Measured(Box<ProbeMeasurement>),
     /// Something to tell.
     Note(String),
 }
 
 /// How serious a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Level {
+pub enum Severity {
     /// Good to know.
     Note,
     /// Something was skipped or mended.
@@ -73,27 +73,27 @@ pub enum Level {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
     /// How serious.
-    pub level: Level,
+    pub level: Severity,
     /// What.
     pub text: String,
     /// The object it is about.
-    pub about: Option<Id>,
+    pub about: Option<ItemId>,
 }
 
 /// Where a person's things are kept; nowhere in tests.
 #[derive(Clone, Debug, Default)]
-pub struct Places {
+pub struct UserDirs {
     /// The file of preferences.
     pub preferences: Option<PathBuf>,
     /// The folder of copies for recovery.
     pub recovery: Option<PathBuf>,
 }
 
-impl Places {
+impl UserDirs {
     /// Where this system keeps such things.
-    pub fn of_system() -> Places {
+    pub fn of_system() -> UserDirs {
         let places = directories::ProjectDirs::from("", "", "azulejo");
-        Places {
+        UserDirs {
             preferences: (places.as_ref()).map(|p| p.config_dir().join("workbench.toml")),
             recovery: places.map(|p| p.data_local_dir().join("recovery")),
         }
@@ -103,17 +103,17 @@ impl Places {
 /// Everything there is.
 pub struct App {
     /// What is being worked on.
-    pub document: Document,
+    pub document: SceneDocument,
     /// What further commands are about.
     pub selection: Selection,
     /// How it is looked at.
-    pub view: View,
+    pub view: ModelView,
     /// The light, its solver and how it settles.
     pub lighting: Lighting,
     /// Places whose light is watched, in the order of their numbers.
     pub probes: Vec<Probe>,
     /// The picture that is being refined, if there is one.
-    pub picture: Option<Picture>,
+    pub picture: Option<RenderedImage>,
     /// Where the document is kept.
     pub file: Option<OnDisk>,
     /// What was told, the last at the end.
@@ -121,9 +121,9 @@ pub struct App {
     /// How many errors were told so far.
     pub errors: u64,
     /// A question that must be answered first.
-    pub question: Option<Question>,
+    pub question: Option<PendingQuestion>,
     /// A file that a dialog is asked for.
-    pub asking: Option<Ask>,
+    pub asking: Option<FileRequest>,
     /// Choices that outlive the session.
     pub preferences: Preferences,
     /// Whether the window should close.
@@ -133,15 +133,15 @@ pub struct App {
     /// The number of the light that is on it.
     light: u64,
     /// What is on the disk.
-    saved: State,
+    saved: DocumentState,
     /// The revision with which this document began.
     began: u64,
-    history: History<editing::Version>,
+    history: History<editing::UndoSnapshot>,
     /// Bytes that undo may hold; of a large document, more.
     undo_bytes: u64,
     /// The number that a document got last.
     latest: u64,
-    jobs: Jobs<Found>,
+    jobs: Jobs<JobResult>,
     recovery: Recovery,
     preferences_file: Option<PathBuf>,
     loading: Option<files::Loading>,
@@ -150,18 +150,18 @@ pub struct App {
     /// What is being written, by the numbers of the jobs.
     saves: Vec<(u64, PathBuf)>,
     /// What may be lost when the window closes.
-    left: Option<Agreed>,
+    left: Option<AcceptedLoss>,
     /// Number of the last probe.
     pinned: u64,
     /// The document that probes were measured in.
-    measured_in: Option<Document>,
+    measured_in: Option<SceneDocument>,
     changed_at: Option<Instant>,
 }
 
 /// A revision of the document, and which light is on it: undo brings a revision back, but never
 /// an earlier light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct State {
+struct DocumentState {
     revision: u64,
     light: u64,
 }
@@ -169,18 +169,18 @@ struct State {
 /// A state whose loss was agreed to, or that is safe; and the solver whose light may be lost with
 /// it.
 #[derive(Clone, Copy, Debug)]
-struct Agreed {
-    state: State,
+struct AcceptedLoss {
+    state: DocumentState,
     solver: Option<u64>,
 }
 
 impl App {
     /// Begins with nothing. `wake` asks for the window to be drawn.
-    pub fn new(preferences: Preferences, places: Places, wake: Wake) -> App {
+    pub fn new(preferences: Preferences, places: UserDirs, wake: RepaintRequest) -> App {
         let mut app = App {
-            document: Document::default(),
+            document: SceneDocument::default(),
             selection: Selection::default(),
-            view: View::default(),
+            view: ModelView::default(),
             lighting: Lighting::default(),
             probes: Vec::new(),
             picture: None,
@@ -193,7 +193,7 @@ impl App {
             closing: false,
             revision: 0,
             light: 0,
-            saved: State::default(),
+            saved: DocumentState::default(),
             began: 0,
             history: History::default(),
             undo_bytes: editing::UNDO_BYTES,
@@ -222,11 +222,11 @@ impl App {
             autosave: 0,
             ..Preferences::default()
         };
-        App::new(preferences, Places::default(), Arc::new(|| ()))
+        App::new(preferences, UserDirs::default(), Arc::new(|| ()))
     }
 
     /// Another way of asking for the window to be drawn.
-    pub fn set_wake(&mut self, wake: Wake) {
+    pub fn set_wake(&mut self, wake: RepaintRequest) {
         self.jobs.set_wake(wake);
     }
 
@@ -236,7 +236,7 @@ impl App {
             Command::New | Command::Open(_) | Command::Quit | Command::Recover(_)
                 if self.is_changed() =>
             {
-                self.question = Some(Question::Unsaved(Box::new(command)));
+                self.question = Some(PendingQuestion::Unsaved(Box::new(command)));
             }
             command => self.perform(command),
         }
@@ -252,14 +252,14 @@ impl App {
             Command::SaveAnyway => self.save(true),
             Command::SaveAs(path) => self.save_as(path),
             Command::Export(path) => self.export(path),
-            Command::SavePicture(path) => self.save_picture(path),
-            Command::Ask(what) => self.asking = Some(what),
-            Command::Answered => self.asking = None,
+            Command::SaveRender(path) => self.save_picture(path),
+            Command::RequestFile(what) => self.asking = Some(what),
+            Command::DialogClosed => self.asking = None,
             Command::Quit => self.leave(),
             Command::Discard => self.discard(),
-            Command::Dismiss => (self.question, self.asking) = (None, None),
+            Command::CancelPending => (self.question, self.asking) = (None, None),
             Command::Recover(path) => self.recover(path),
-            Command::Forget(path) => self.recovery.forget(&path),
+            Command::DeleteRecovery(path) => self.recovery.forget(&path),
             Command::Edit(edit, gesture) => self.edit(&edit, gesture),
             Command::AddShape(kind) => self.add_shape(kind),
             Command::AddLight(kind) => self.add_light(kind),
@@ -274,19 +274,19 @@ impl App {
             Command::Redo => self.redo(),
             Command::Select(selection) => self.select(selection),
             Command::SelectAll => self.select_all(),
-            Command::Look(view) => self.look(*view),
+            Command::SetView(view) => self.look(*view),
             Command::LoadBackdrop(path) => self.load_backdrop(path),
             Command::SetLight(settings) => self.lighting.settings = settings,
             Command::Solve => self.solve(),
             Command::Pause => self.pause(true),
             Command::Resume => self.pause(false),
             Command::StopSolving => self.stop_solving(),
-            Command::DropLight => self.drop_light(),
+            Command::ClearLight => self.drop_light(),
             Command::FormFactorsFrom(place) => self.form_factors_from(place),
-            Command::Pin(place) => self.pin(place),
-            Command::Unpin(number) => self.unpin(number),
+            Command::AddProbe(place) => self.pin(place),
+            Command::RemoveProbe(number) => self.unpin(number),
             Command::MeasureProbes => self.measure_probes(),
-            Command::Picture {
+            Command::Render {
                 width,
                 height,
                 paths,
@@ -294,7 +294,7 @@ impl App {
                 let most = paths.unwrap_or(self.preferences.picture_samples);
                 self.draw_picture((width, height), most);
             }
-            Command::StopPicture => self.stop_picture(),
+            Command::StopRender => self.stop_picture(),
             Command::Cancel(job) => self.cancel(job),
             Command::SetPreferences(preferences) => self.set_preferences(*preferences),
             Command::ClearMessages => self.messages.clear(),
@@ -309,26 +309,26 @@ impl App {
         while let Some((job, news)) = self.jobs.next_news() {
             any = true;
             match news {
-                News::Found(found) => self.take(&job, found),
-                News::Ended(failure) => self.end(&job, failure),
+                JobMessage::Output(found) => self.take(&job, found),
+                JobMessage::Ended(failure) => self.end(&job, failure),
             }
         }
         self.autosave();
         any
     }
 
-    fn take(&mut self, job: &Job, found: Found) {
+    fn take(&mut self, job: &Job, found: JobResult) {
         match found {
-            Found::Model(model) => self.take_model(job, *model),
-            Found::NoModel(path, why) => self.take_failure(&path, &why),
-            Found::Saved(saved) => self.take_saved(saved),
-            Found::Autosaved(revision) => self.recovery.done(revision),
-            Found::Light(solution) => self.take_light_of(job, *solution),
-            Found::Picture(image, samples) => self.take_picture(*image, samples),
-            Found::Backdrop(image) => self.take_backdrop(*image),
-            Found::FormFactors(seen) => self.lighting.seen = Some(*seen),
-            Found::Measured(measurement) => self.take_measurement(*measurement),
-            Found::Note(text) => self.tell(Level::Note, text),
+            JobResult::Model(model) => self.take_model(job, *model),
+            JobResult::NoModel(path, why) => self.take_failure(&path, &why),
+            JobResult::Saved(saved) => self.take_saved(saved),
+            JobResult::Autosaved(revision) => self.recovery.done(revision),
+            JobResult::Light(solution) => self.take_light_of(job, *solution),
+            JobResult::Render(image, samples) => self.take_picture(*image, samples),
+            JobResult::Backdrop(image) => self.take_backdrop(*image),
+            JobResult::FormFactors(seen) => self.lighting.seen = Some(*seen),
+            JobResult::Measured(measurement) => self.take_measurement(*measurement),
+            JobResult::Note(text) => self.tell(Severity::Note, text),
         }
     }
 
@@ -336,21 +336,24 @@ impl App {
         if let Some(why) = failure {
             match job.kind {
                 // The same words every few seconds help nobody.
-                Kind::Autosave => self.recovery.failed(),
-                Kind::Load | Kind::Save => {
+                JobKind::Autosave => self.recovery.failed(),
+                JobKind::Load | JobKind::Save => {
                     // Who wanted to leave wants to know this first.
                     self.closing = false;
-                    self.question = self.question.take().filter(Question::outlives_failure);
+                    self.question = self
+                        .question
+                        .take()
+                        .filter(PendingQuestion::outlives_failure);
                 }
                 _ => {}
             }
-            self.tell(Level::Error, format!("{}: {why}", job.title));
+            self.tell(Severity::Error, format!("{}: {why}", job.title));
         }
         match job.kind {
-            Kind::Load => self.end_loading(),
-            Kind::Solve => self.end_solving(),
+            JobKind::Load => self.end_loading(),
+            JobKind::Solve => self.end_solving(),
             // Whatever became of it, what is changed waits for the next one.
-            Kind::Autosave if self.is_changed() => {
+            JobKind::Autosave if self.is_changed() => {
                 self.changed_at.get_or_insert_with(Instant::now);
             }
             _ => {}
@@ -363,9 +366,9 @@ impl App {
     }
 
     /// Adds a message.
-    pub fn tell(&mut self, level: Level, text: impl Into<String>) {
+    pub fn tell(&mut self, level: Severity, text: impl Into<String>) {
         const MOST: usize = 1_000;
-        self.errors += u64::from(level == Level::Error);
+        self.errors += u64::from(level == Severity::Error);
         if self.messages.len() >= MOST {
             self.messages.remove(0);
         }
@@ -378,8 +381,8 @@ impl App {
 
     /// Tells what was odd about a file that brought `items`: each warning leads to the first object
     /// that it names in quotes. Most are about a file as a whole: those lead to its content.
-    fn tell_warnings(&mut self, warnings: &[Warning], items: &[Id]) {
-        let mut named: HashMap<String, Id> = HashMap::new();
+    fn tell_warnings(&mut self, warnings: &[Warning], items: &[ItemId]) {
+        let mut named: HashMap<String, ItemId> = HashMap::new();
         for &id in items.iter().filter(|_| !warnings.is_empty()) {
             let name = self.document.name(id).unwrap_or_default();
             let last = name.rsplit('/').next().unwrap_or_default();
@@ -387,7 +390,7 @@ impl App {
         }
         named.remove("");
         for warning in warnings {
-            self.tell(Level::Warning, warning.to_string());
+            self.tell(Severity::Warning, warning.to_string());
             let mut quoted = warning.message.split('"').skip(1).step_by(2);
             let about = quoted.find_map(|name| named.get(name).copied());
             if let Some(message) = self.messages.last_mut() {
@@ -412,7 +415,7 @@ impl App {
     }
 
     /// Whether a job of this kind goes on.
-    pub fn is_busy(&self, kind: Kind) -> bool {
+    pub fn is_busy(&self, kind: JobKind) -> bool {
         self.jobs.of(kind).is_some()
     }
 
@@ -426,24 +429,24 @@ impl App {
         self.recovery.found()
     }
 
-    fn state(&self) -> State {
-        State {
+    fn state(&self) -> DocumentState {
+        DocumentState {
             revision: self.revision,
             light: self.light,
         }
     }
 
     /// What is there may be lost, whatever it is.
-    fn agreed(&self) -> Agreed {
-        let solver = self.jobs.of(Kind::Solve).filter(|_| self.is_changed());
-        Agreed {
+    fn agreed(&self) -> AcceptedLoss {
+        let solver = self.jobs.of(JobKind::Solve).filter(|_| self.is_changed());
+        AcceptedLoss {
             state: self.state(),
             solver: solver.map(|job| job.id),
         }
     }
 
     /// Whether there is more to lose than what was agreed to.
-    fn loses_more(&self, agreed: Agreed) -> bool {
+    fn loses_more(&self, agreed: AcceptedLoss) -> bool {
         self.is_changed() && self.state() != agreed.state
     }
 
@@ -453,7 +456,7 @@ impl App {
         left.map_or(self.is_changed(), |agreed| self.loses_more(agreed))
     }
 
-    fn look(&mut self, view: View) {
+    fn look(&mut self, view: ModelView) {
         let moved = view.camera != self.view.camera;
         let finite = {
             let (x, y, z) = view.camera.axes();
@@ -486,9 +489,9 @@ impl App {
             .map(|j| j.kind);
         self.jobs.cancel(id);
         match kind {
-            Some(Kind::Load) => self.end_loading(),
-            Some(Kind::Solve) => self.end_solving(),
-            Some(Kind::Picture) => self.picture = None,
+            Some(JobKind::Load) => self.end_loading(),
+            Some(JobKind::Solve) => self.end_solving(),
+            Some(JobKind::Render) => self.picture = None,
             _ => {}
         }
     }
@@ -510,7 +513,7 @@ impl App {
             return;
         };
         if let Err(why) = self.preferences.store(path) {
-            self.tell(Level::Warning, why);
+            self.tell(Severity::Warning, why);
         }
     }
 
@@ -523,16 +526,16 @@ impl App {
     }
 
     fn clear(&mut self) {
-        self.jobs.cancel_kind(Kind::Load);
+        self.jobs.cancel_kind(JobKind::Load);
         (self.loading, self.after_recovery) = (None, None);
-        self.replace(Document::default(), None);
+        self.replace(SceneDocument::default(), None);
     }
 
     /// Another document takes the place of this one, history and light included.
-    fn replace(&mut self, document: Document, file: Option<OnDisk>) {
+    fn replace(&mut self, document: SceneDocument, file: Option<OnDisk>) {
         self.stop_solving();
         self.stop_picture();
-        self.jobs.cancel_kind(Kind::FormFactors);
+        self.jobs.cancel_kind(JobKind::FormFactors);
         self.drop_probes();
         self.document = document;
         self.file = file;

@@ -1,9 +1,9 @@
 //! A picture of what the viewport shows, by rays, better and better.
 
 use super::files::absolute;
-use super::{App, Found, Level};
-use crate::document::{Document, Solution};
-use crate::jobs::{Kind, Outbox, on_own_threads};
+use super::{App, JobResult, Severity};
+use crate::document::{SceneDocument, Solution};
+use crate::jobs::{JobKind, JobSender, on_own_threads};
 use azulejo::formats::{exr, png};
 use azulejo::render::{SecondPass, Tone, auto_exposure, render, tone_map};
 use azulejo::scene::{Camera, Image, Scene};
@@ -15,7 +15,7 @@ use std::time::Duration;
 
 /// The picture as far as it is.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct RenderedImage {
     /// Pixels of the finished picture, width then height.
     pub size: (u32, u32),
     /// Linear radiance; `None` before the first pass over the picture. It may be a coarse one.
@@ -48,19 +48,19 @@ impl App {
         if !(1..=MOST_PIXELS).contains(&pixels) {
             let why = self.say("no such picture can be drawn, in pixels");
             let text = format!("{why}: {} × {}", size.0, size.1);
-            self.tell(Level::Error, text);
+            self.tell(Severity::Error, text);
             return;
         }
-        self.jobs.cancel_kind(Kind::Picture);
+        self.jobs.cancel_kind(JobKind::Render);
         let last = self.picture.take().filter(|p| p.size == size);
-        self.picture = Some(Picture {
+        self.picture = Some(RenderedImage {
             size,
             // The old one stays until there is a new one: nothing flickers.
             image: last.and_then(|p| p.image),
             samples: 0,
             most,
         });
-        let work = Work {
+        let work = RenderJob {
             document: self.document.clone(),
             solution: self.lighting.solution.clone(),
             camera: self.view.camera.clone(),
@@ -71,7 +71,7 @@ impl App {
         let threads = self.preferences.threads;
         let title = self.say("picture");
         self.jobs
-            .start(Kind::Picture, title, move |progress, outbox| {
+            .start(JobKind::Render, title, move |progress, outbox| {
                 // While the view turns each moment asks for another picture: only the one that is
                 // still wanted a little later copies the scene and builds its tree.
                 std::thread::sleep(QUIET);
@@ -83,7 +83,7 @@ impl App {
     }
 
     pub(super) fn stop_picture(&mut self) {
-        self.jobs.cancel_kind(Kind::Picture);
+        self.jobs.cancel_kind(JobKind::Render);
         self.picture = None;
     }
 
@@ -100,7 +100,7 @@ impl App {
         let picture = self.picture.as_ref().filter(|p| p.samples > 0);
         let Some(image) = picture.and_then(|p| p.image.clone()) else {
             let text = self.say("there is no picture yet: draw one first");
-            self.tell(Level::Error, text);
+            self.tell(Severity::Error, text);
             return;
         };
         let path = match path.extension() {
@@ -120,7 +120,7 @@ impl App {
                     write_picture(&image, kind.as_deref(), exposure, out)
                 })
                 .map_err(|e| e.to_string())?;
-            outbox.send(Found::Note(format!("{}: {saved}", path.display())));
+            outbox.send(JobResult::Note(format!("{}: {saved}", path.display())));
             Ok(())
         });
     }
@@ -153,8 +153,8 @@ pub fn shown(image: &Image, exposure: Option<f64>) -> Vec<u8> {
 }
 
 /// What a picture is made of.
-struct Work {
-    document: Document,
+struct RenderJob {
+    document: SceneDocument,
     solution: Option<Arc<Solution>>,
     camera: Camera,
     size: (u32, u32),
@@ -163,9 +163,9 @@ struct Work {
     gather: Option<u32>,
 }
 
-impl Work {
+impl RenderJob {
     /// Coarse at once, then pass after pass, each of as many paths as all before it.
-    fn run(&self, progress: &Progress, outbox: &Outbox<Found>) {
+    fn run(&self, progress: &Progress, outbox: &JobSender<JobResult>) {
         let (scene, is_lit) = self.document.lit_scene(self.solution.as_deref());
         if progress.advance(0).is_err() {
             return;
@@ -185,7 +185,7 @@ impl Work {
         let Some(first) = draw(coarse, 1, 0) else {
             return;
         };
-        outbox.send(Found::Picture(Box::new(first), 0));
+        outbox.send(JobResult::Render(Box::new(first), 0));
         let mut sum: Option<Image> = None;
         let (mut done, mut next) = (0, 1);
         while done < self.most {
@@ -199,7 +199,7 @@ impl Work {
             };
             done += samples;
             next = done;
-            outbox.send(Found::Picture(Box::new(mean.clone()), done));
+            outbox.send(JobResult::Render(Box::new(mean.clone()), done));
             sum = Some(mean);
         }
     }

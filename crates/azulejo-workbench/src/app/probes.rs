@@ -1,10 +1,10 @@
 //! Probes: places on surfaces whose light is watched.
 
-use super::{App, Found, Level};
-use crate::command::PatchAt;
-use crate::document::{Document, Item, Paint, Solution, same_light};
+use super::{App, JobResult, Severity};
+use crate::command::SurfacePick;
+use crate::document::{SceneDocument, SceneObject, ShadingPoint, Solution, same_light};
 use crate::gpu::display_mesh;
-use crate::jobs::{Kind, on_own_threads};
+use crate::jobs::{JobKind, on_own_threads};
 use crate::light::measure;
 use azulejo::radiosity::Estimate;
 use azulejo::scene::{Mesh, Rgb, Shape};
@@ -18,21 +18,21 @@ pub struct Probe {
     /// Counts: no two probes of a session have the same.
     pub number: u64,
     /// Where, and on which side.
-    pub place: PatchAt,
+    pub place: SurfacePick,
     /// What is there now; `None` where the surface moved away or is gone.
-    pub site: Option<Site>,
+    pub site: Option<ProbeSurface>,
     /// Irradiance of the place itself, if it was asked for.
     pub measured: Option<Estimate>,
 }
 
 /// The surface under a probe.
 #[derive(Clone, Debug)]
-pub struct Site {
+pub struct ProbeSurface {
     /// Face of the polygons that show the object.
     pub face: u32,
     /// What it is made of, and whether the probe is in front of it: light is kept for the fronts of
     /// surfaces alone.
-    pub paint: Paint,
+    pub paint: ShadingPoint,
     /// Irradiance, interpolated between vertices, and its standard error where that is known.
     pub light: Option<(Rgb, Option<Rgb>)>,
     /// The shape that this was read from.
@@ -40,14 +40,14 @@ pub struct Site {
 }
 
 /// What was measured at probes, by their numbers, and in which document.
-pub struct Measurement {
-    of: Document,
+pub struct ProbeMeasurement {
+    of: SceneDocument,
     estimates: Vec<(u64, Estimate)>,
 }
 
 impl Probe {
     /// Looks again at what is there, if that may have changed.
-    fn refresh(&mut self, document: &Document, solution: Option<&Solution>) {
+    fn refresh(&mut self, document: &SceneDocument, solution: Option<&Solution>) {
         let item = document.item(self.place.item);
         let lit = item.and_then(|item| solution?.shown(item));
         let Some((item, shape)) = item.map(|item| (item, lit.unwrap_or(&item.shape))) else {
@@ -55,7 +55,7 @@ impl Probe {
             return;
         };
         // Whoever stands where it was lit has a shape of its own, in its place: then nothing moved.
-        let is_same = |site: &Site| lit.is_some() && Arc::ptr_eq(&site.shape, shape);
+        let is_same = |site: &ProbeSurface| lit.is_some() && Arc::ptr_eq(&site.shape, shape);
         if !self.site.as_ref().is_some_and(is_same) {
             let face = self.site.as_ref().map(|site| site.face);
             self.site = site(&self.place, item, shape, lit.is_some(), face);
@@ -66,12 +66,12 @@ impl Probe {
 /// Finds the surface at a place: the nearest face, unless that is too far away to be meant. `face`
 /// is where it was found last, and is still the nearest as long as the place lies on it.
 fn site(
-    place: &PatchAt,
-    item: &Item,
+    place: &SurfacePick,
+    item: &SceneObject,
     shape: &Arc<Shape>,
     is_lit: bool,
     face: Option<u32>,
-) -> Option<Site> {
+) -> Option<ProbeSurface> {
     const FAR: f64 = 0.01;
     const ON: f64 = 1e-7;
     let size = item.bounds().diagonal();
@@ -99,23 +99,23 @@ fn site(
     let normal = local.matrix3.transpose() * (b - a).cross(c - a);
     let is_front = normal.dot(place.normal) > 0.0;
     let face = found.face as usize;
-    Some(Site {
+    Some(ProbeSurface {
         face: found.face,
-        paint: Paint::at(&mesh, face, found.corners, found.weights, is_front)?,
+        paint: ShadingPoint::at(&mesh, face, found.corners, found.weights, is_front)?,
         light: is_lit.then(|| found.light(&mesh)).flatten(),
         shape: Arc::clone(shape),
     })
 }
 
 /// A place on a mesh.
-struct Nearest {
+struct NearestPoint {
     face: u32,
     corners: [u32; 3],
     weights: [f64; 3],
     distance: f64,
 }
 
-impl Nearest {
+impl NearestPoint {
     fn light(&self, mesh: &Mesh) -> Option<(Rgb, Option<Rgb>)> {
         let mean = |values: &[Rgb]| {
             let mut sum = Rgb::BLACK;
@@ -130,8 +130,8 @@ impl Nearest {
 }
 
 /// The place of some faces of a mesh, of those that there are, that is nearest to a point.
-fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<Nearest> {
-    let mut best: Option<Nearest> = None;
+fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<NearestPoint> {
+    let mut best: Option<NearestPoint> = None;
     let mut triangles = Vec::new();
     for face in faces.start..faces.end.min(mesh.faces.len()) {
         triangles.clear();
@@ -143,7 +143,7 @@ fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<Nearest> {
             let there = weights[0] * p[0] + weights[1] * p[1] + weights[2] * p[2];
             let distance = there.distance(point);
             if best.as_ref().is_none_or(|b| distance < b.distance) {
-                best = Some(Nearest {
+                best = Some(NearestPoint {
                     face: face as u32,
                     corners,
                     weights,
@@ -192,11 +192,11 @@ fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
 
 impl App {
     /// Watches the light of a place.
-    pub(super) fn pin(&mut self, place: PatchAt) {
+    pub(super) fn pin(&mut self, place: SurfacePick) {
         const MOST: usize = 100;
         if self.probes.len() >= MOST {
             let text = self.say("there are as many probes as there may be: remove some first");
-            self.tell(Level::Error, text);
+            self.tell(Severity::Error, text);
             return;
         }
         self.pinned += 1;
@@ -227,7 +227,7 @@ impl App {
     }
 
     pub(super) fn drop_probes(&mut self) {
-        self.jobs.cancel_kind(Kind::Probe);
+        self.jobs.cancel_kind(JobKind::Probe);
         self.probes.clear();
         self.measured_in = None;
     }
@@ -237,25 +237,28 @@ impl App {
         if self.probes.is_empty() {
             return;
         }
-        self.jobs.cancel_kind(Kind::Probe);
+        self.jobs.cancel_kind(JobKind::Probe);
         let (of, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        let (numbers, places): (Vec<u64>, Vec<PatchAt>) =
+        let (numbers, places): (Vec<u64>, Vec<SurfacePick>) =
             self.probes.iter().map(|p| (p.number, p.place)).unzip();
-        let work = move |progress: &_, outbox: &crate::jobs::Outbox<Found>| {
+        let work = move |progress: &_, outbox: &crate::jobs::JobSender<JobResult>| {
             let found = on_own_threads(threads, || measure(&of, &settings, &places, progress))?;
             let estimates = numbers.into_iter().zip(found).collect();
-            outbox.send(Found::Measured(Box::new(Measurement { of, estimates })));
+            outbox.send(JobResult::Measured(Box::new(ProbeMeasurement {
+                of,
+                estimates,
+            })));
             Ok(())
         };
         let title = self.say("probes");
-        self.jobs.start(Kind::Probe, title, work);
+        self.jobs.start(JobKind::Probe, title, work);
     }
 
-    pub(super) fn take_measurement(&mut self, found: Measurement) {
+    pub(super) fn take_measurement(&mut self, found: ProbeMeasurement) {
         if !same_light(&found.of, &self.document) {
             let text = self.say("the model changed while probes were measured: measure again");
-            self.tell(Level::Warning, text);
+            self.tell(Severity::Warning, text);
             return;
         }
         for probe in &mut self.probes {

@@ -1,9 +1,9 @@
 //! Saving, and what others write meanwhile.
 
 use super::files::absolute;
-use super::{App, Found, Level, State};
-use crate::command::{Ask, Command};
-use crate::jobs::{Kind, Outbox};
+use super::{App, DocumentState, JobResult, Severity};
+use crate::command::{Command, FileRequest};
+use crate::jobs::{JobKind, JobSender};
 use azulejo::models;
 use azulejo::output::Output;
 use azulejo::trace::Progress;
@@ -12,17 +12,17 @@ use std::time::SystemTime;
 
 /// Something that must be answered before anything else.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Question {
+pub enum PendingQuestion {
     /// There are changes that would be lost by what was asked for.
     Unsaved(Box<Command>),
     /// Somebody else wrote the file since it was read.
     ChangedOnDisk(PathBuf),
 }
 
-impl Question {
+impl PendingQuestion {
     /// Whether it still makes sense when a job failed: what waits for a save does not go on.
     pub(super) fn outlives_failure(&self) -> bool {
-        matches!(self, Question::ChangedOnDisk(_))
+        matches!(self, PendingQuestion::ChangedOnDisk(_))
     }
 }
 
@@ -32,13 +32,13 @@ pub struct OnDisk {
     /// Where.
     pub path: PathBuf,
     /// Its time and length.
-    stamp: Stamp,
+    stamp: FileStamp,
     /// The same of what others wrote and a person was told of. Saving over it is still asked about.
-    told: Stamp,
+    told: FileStamp,
 }
 
 /// When a file was written, and how long it is; `None` for one that is not there.
-type Stamp = Option<(SystemTime, u64)>;
+type FileStamp = Option<(SystemTime, u64)>;
 
 impl OnDisk {
     /// The file as it is now.
@@ -83,7 +83,7 @@ fn is_same_place(a: &Path, b: &Path) -> bool {
     a == b || real(a).is_some_and(|a| Some(a) == real(b))
 }
 
-fn stamp(path: &Path) -> Stamp {
+fn stamp(path: &Path) -> FileStamp {
     let meta = std::fs::metadata(path).ok()?;
     Some((meta.modified().ok()?, meta.len()))
 }
@@ -94,7 +94,7 @@ pub struct SavedModel {
     on_disk: OnDisk,
     losses: Vec<String>,
     /// What was written, if the path is now the document's own; else it was an export.
-    state: Option<State>,
+    state: Option<DocumentState>,
     lit: bool,
     /// Whether some surfaces came with light that is not written.
     forgets_light: bool,
@@ -109,9 +109,9 @@ impl App {
             format.is_some_and(|format| format.extension == "grf")
         });
         match writable {
-            None => self.asking = Some(Ask::SaveAs),
+            None => self.asking = Some(FileRequest::SaveAs),
             Some(file) if file.has_changed() && file.path.exists() && !anyway => {
-                self.question = Some(Question::ChangedOnDisk(file.path));
+                self.question = Some(PendingQuestion::ChangedOnDisk(file.path));
             }
             Some(file) => self.save_as(file.path),
         }
@@ -119,7 +119,7 @@ impl App {
 
     /// Saves under a name, which becomes the document's.
     pub(super) fn save_as(&mut self, path: PathBuf) {
-        if let Some(Question::ChangedOnDisk(_)) = self.question {
+        if let Some(PendingQuestion::ChangedOnDisk(_)) = self.question {
             self.question = None;
         }
         self.asking = None;
@@ -139,13 +139,13 @@ impl App {
         self.write(absolute(path), None);
     }
 
-    fn write(&mut self, path: PathBuf, state: Option<State>) {
+    fn write(&mut self, path: PathBuf, state: Option<DocumentState>) {
         let document = self.document.clone();
         let solution = self.lighting.solution.clone();
         self.start_saving(path.clone(), move |progress, outbox| {
             let (scene, lit) = document.lit_scene(solution.as_deref());
             let losses = models::write(&scene, &path, progress).map_err(|e| e.to_string())?;
-            outbox.send(Found::Saved(SavedModel {
+            outbox.send(JobResult::Saved(SavedModel {
                 // Now: what others write from here on is theirs.
                 on_disk: OnDisk::now(&path),
                 losses,
@@ -162,7 +162,7 @@ impl App {
     pub(super) fn start_saving(
         &mut self,
         path: PathBuf,
-        work: impl FnOnce(&Progress, &Outbox<Found>) -> Result<(), String> + Send + 'static,
+        work: impl FnOnce(&Progress, &JobSender<JobResult>) -> Result<(), String> + Send + 'static,
     ) {
         let jobs = &mut self.jobs;
         self.saves.retain(|(id, other)| {
@@ -173,7 +173,7 @@ impl App {
             }
             goes_on
         });
-        let id = jobs.start(Kind::Save, path.display().to_string(), work);
+        let id = jobs.start(JobKind::Save, path.display().to_string(), work);
         self.saves.push((id, path));
     }
 
@@ -209,17 +209,17 @@ impl App {
             (false, None) if saved.forgets_light => self.say("saved without the light of the file"),
             (false, None) => self.say("saved"),
         };
-        self.tell(Level::Note, format!("{name}: {said}"));
+        self.tell(Severity::Note, format!("{name}: {said}"));
         if !saved.losses.is_empty() {
             let losses = saved.losses.join(", ");
             let said = self.say("this format does not keep all");
-            self.tell(Level::Warning, format!("{name}: {said}: {losses}"));
+            self.tell(Severity::Warning, format!("{name}: {said}: {losses}"));
         }
     }
 
     /// What waited for the changes to be safe.
     fn go_on_after_save(&mut self) {
-        if let Some(Question::Unsaved(command)) = self.question.take() {
+        if let Some(PendingQuestion::Unsaved(command)) = self.question.take() {
             self.execute(*command);
         }
     }
@@ -228,15 +228,15 @@ impl App {
     pub(super) fn discard(&mut self) {
         match self.question.take() {
             // As long as the other document is not there, this one is not lost.
-            Some(Question::Unsaved(command)) => self.perform(*command),
-            Some(Question::ChangedOnDisk(path)) => self.load(vec![path], true),
+            Some(PendingQuestion::Unsaved(command)) => self.perform(*command),
+            Some(PendingQuestion::ChangedOnDisk(path)) => self.load(vec![path], true),
             None => {}
         }
     }
 
     /// Asks what to do if somebody else wrote the file; called when the window is looked at again.
     pub fn check_disk(&mut self) {
-        let is_occupied = self.question.is_some() || self.is_busy(Kind::Save);
+        let is_occupied = self.question.is_some() || self.is_busy(JobKind::Save);
         let Some(file) = &mut self.file else { return };
         // One that was never read here is asked about when it is written.
         let was_read = file.stamp.is_some();
@@ -245,11 +245,11 @@ impl App {
         }
         let path = file.path.clone();
         if path.exists() {
-            self.question = Some(Question::ChangedOnDisk(path.clone()));
+            self.question = Some(PendingQuestion::ChangedOnDisk(path.clone()));
         } else {
             let said = self.say("the file is gone; save to write it again");
             let text = format!("{}: {said}", path.display());
-            self.tell(Level::Warning, text);
+            self.tell(Severity::Warning, text);
         }
     }
 
@@ -258,7 +258,7 @@ impl App {
         match Output::check(path) {
             Ok(output) => Some(output),
             Err(failure) => {
-                self.tell(Level::Error, failure.to_string());
+                self.tell(Severity::Error, failure.to_string());
                 None
             }
         }

@@ -14,15 +14,15 @@ use std::path::Path;
 use std::time::Duration;
 
 /// A folder that goes away with the test.
-struct Folder(PathBuf);
+struct TestFolder(PathBuf);
 
-impl Folder {
-    fn new(name: &str) -> Folder {
+impl TestFolder {
+    fn new(name: &str) -> TestFolder {
         let own = format!("azulejo-app-{name}-{}", std::process::id());
         let path = std::env::temp_dir().join(own);
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
+        TestFolder(path)
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -36,7 +36,7 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
+impl Drop for TestFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
@@ -75,7 +75,7 @@ fn edit(app: &mut App, edit: Edit) {
 
 /// The errors that were told.
 fn errors(app: &App) -> Vec<&str> {
-    let errors = app.messages.iter().filter(|m| m.level == Level::Error);
+    let errors = app.messages.iter().filter(|m| m.level == Severity::Error);
     errors.map(|m| m.text.as_str()).collect()
 }
 

@@ -4,7 +4,7 @@ mod copies;
 mod materials;
 mod objects;
 
-use super::{Document, Id, Lamp, NewLight, NewShape, Viewpoint};
+use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument, SceneLight};
 use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Rgb, Scene, Shape, Units};
 use glam::DAffine3;
 use std::collections::HashSet;
@@ -15,29 +15,29 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
     /// Gives an object, a light or a camera another name.
-    Rename(Id, String),
+    Rename(ItemId, String),
     /// Hides objects, and the signs of lights and cameras, from the viewport, or shows them.
-    Hide(Vec<Id>, bool),
+    Hide(Vec<ItemId>, bool),
     /// Takes things away.
-    Delete(Vec<Id>),
+    Delete(Vec<ItemId>),
     /// Adds the same again, in the same place.
-    Duplicate(Vec<Id>),
+    Duplicate(Vec<ItemId>),
     /// Moves, turns or scales things, cameras and lights included.
-    Transform(Vec<Id>, DAffine3),
+    Transform(Vec<ItemId>, DAffine3),
     /// Says where an object stands.
-    Place(Id, DAffine3),
+    SetPlacement(ItemId, DAffine3),
     /// Adds a shape.
     AddShape(NewShape),
     /// Puts another shape in the place of an object's.
-    SetShape(Id, Arc<Shape>),
+    SetShape(ItemId, Arc<Shape>),
     /// Adds a light.
     AddLight(NewLight),
     /// Changes a light.
-    SetLight(Id, Light),
+    SetLight(ItemId, Light),
     /// Saves a viewpoint.
     AddCamera(Camera),
     /// Changes a viewpoint.
-    SetCamera(Id, Camera),
+    SetCamera(ItemId, Camera),
     /// Adds a material.
     AddMaterial(Material),
     /// Changes a material.
@@ -47,9 +47,9 @@ pub enum Edit {
     /// Takes all materials away that nothing is made of.
     DeleteUnusedMaterials,
     /// Gives objects a material.
-    Assign(Vec<Id>, MaterialId),
+    Assign(Vec<ItemId>, MaterialId),
     /// Gives some faces of a mesh a material.
-    AssignFaces(Id, Vec<u32>, MaterialId),
+    AssignFaces(ItemId, Vec<u32>, MaterialId),
     /// The radiance where there is no surface.
     SetBackground(Option<Rgb>),
     /// What hides far surfaces.
@@ -57,22 +57,22 @@ pub enum Edit {
     /// What the numbers mean. Nothing is scaled.
     SetUnits(Units),
     /// Adds another document's things, which has the same units; an empty one takes them over.
-    Append(Box<Document>),
+    Append(Box<SceneDocument>),
 }
 
 /// Why an edit was not made: what was found, what was expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused(pub String);
+pub struct EditError(pub String);
 
-impl fmt::Display for Refused {
+impl fmt::Display for EditError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for EditError {}
 
-pub(super) type Edited = Result<Vec<Id>, Refused>;
+pub(super) type Edited = Result<Vec<ItemId>, EditError>;
 
 impl Edit {
     /// A few words for the menu: "Undo ...".
@@ -83,7 +83,7 @@ impl Edit {
             Edit::Hide(_, false) => "show",
             Edit::Delete(_) => "delete",
             Edit::Duplicate(_) => "duplicate",
-            Edit::Transform(..) | Edit::Place(..) => "move",
+            Edit::Transform(..) | Edit::SetPlacement(..) => "move",
             Edit::AddShape(_) => "add a shape",
             Edit::SetShape(..) => "change a shape",
             Edit::AddLight(_) => "add a light",
@@ -104,10 +104,10 @@ impl Edit {
 
     /// Whether anything is other than before when this is done. What hides what is hidden already, or
     /// gives a thing the name that it has, is no step that one would want to take back.
-    pub fn changes(&self, document: &Document) -> bool {
+    pub fn changes(&self, document: &SceneDocument) -> bool {
         match self {
             Edit::Hide(ids, hidden) => {
-                let is_other = |&id: &Id| document.is_hidden(id) == Some(!hidden);
+                let is_other = |&id: &ItemId| document.is_hidden(id) == Some(!hidden);
                 ids.iter().any(is_other)
             }
             Edit::Rename(id, name) => document.name(*id) != Some(name.trim()),
@@ -119,15 +119,15 @@ impl Edit {
     /// unchanged.
     ///
     /// # Errors
-    /// [`Refused`]: what is named does not exist, or the numbers make no valid scene.
-    pub fn apply(&self, document: &mut Document) -> Edited {
+    /// [`EditError`]: what is named does not exist, or the numbers make no valid scene.
+    pub fn apply(&self, document: &mut SceneDocument) -> Edited {
         match self {
             Edit::Rename(id, name) => document.rename(*id, name),
             Edit::Hide(ids, hidden) => Ok(document.hide(ids, *hidden)),
             Edit::Delete(ids) => document.delete(ids),
             Edit::Duplicate(ids) => document.duplicate(ids),
             Edit::Transform(ids, map) => document.transform(ids, map),
-            Edit::Place(id, placement) => document.place(*id, placement),
+            Edit::SetPlacement(id, placement) => document.place(*id, placement),
             Edit::AddShape(new) => document.add_shape(new),
             Edit::SetShape(id, shape) => document.set_shape(*id, shape),
             Edit::AddLight(new) => document.add_light(new),
@@ -148,11 +148,11 @@ impl Edit {
     }
 }
 
-fn refuse<T>(why: impl fmt::Display) -> Result<T, Refused> {
-    Err(Refused(why.to_string()))
+fn refuse<T>(why: impl fmt::Display) -> Result<T, EditError> {
+    Err(EditError(why.to_string()))
 }
 
-fn missing<T>(what: &str) -> Result<T, Refused> {
+fn missing<T>(what: &str) -> Result<T, EditError> {
     refuse(format_args!("there is no such {what} any more"))
 }
 
@@ -169,13 +169,13 @@ fn is_placement(map: &DAffine3) -> bool {
     map.is_finite() && [x, y, z].into_iter().all(sane) && flatness > 1e-9
 }
 
-impl Document {
+impl SceneDocument {
     fn add_light(&mut self, new: &NewLight) -> Edited {
         let mut light = new.make(self);
         light.name = self.fresh_name(&light.name);
         check_light(&light)?;
         let id = self.new_id();
-        self.lights.push(Lamp {
+        self.lights.push(SceneLight {
             id,
             branch: None,
             hidden: false,
@@ -184,7 +184,7 @@ impl Document {
         Ok(vec![id])
     }
 
-    fn set_light(&mut self, id: Id, light: &Light) -> Edited {
+    fn set_light(&mut self, id: ItemId, light: &Light) -> Edited {
         check_light(light)?;
         match self.lights.iter_mut().find(|l| l.id == id) {
             Some(lamp) => lamp.light = light.clone(),
@@ -202,7 +202,7 @@ impl Document {
             false => &camera.name,
         };
         camera.name = self.fresh_name(name);
-        self.cameras.push(Viewpoint {
+        self.cameras.push(SceneCamera {
             id,
             branch: None,
             hidden: false,
@@ -211,7 +211,7 @@ impl Document {
         Ok(vec![id])
     }
 
-    fn set_camera(&mut self, id: Id, camera: &Camera) -> Edited {
+    fn set_camera(&mut self, id: ItemId, camera: &Camera) -> Edited {
         check_camera(camera)?;
         match self.cameras.iter_mut().find(|c| c.id == id) {
             Some(view) => view.camera = camera.clone(),
@@ -235,7 +235,7 @@ impl Document {
         Ok(Vec::new())
     }
 
-    fn check_material(&self, material: &Material) -> Result<(), Refused> {
+    fn check_material(&self, material: &Material) -> Result<(), EditError> {
         let count = self.textures.len();
         if let Some(t) = material.textures.iter().find(|&&t| t as usize >= count) {
             return refuse(format_args!("texture {t} of {count}"));
@@ -250,7 +250,7 @@ impl Document {
         alone.validate().or_else(|e| refuse(e.problem))
     }
 
-    fn known_material(&self, id: MaterialId) -> Result<(), Refused> {
+    fn known_material(&self, id: MaterialId) -> Result<(), EditError> {
         match self.materials.get(id as usize) {
             Some(_) => Ok(()),
             None => missing("material"),
@@ -279,11 +279,11 @@ impl Document {
     }
 }
 
-fn set(ids: &[Id]) -> HashSet<Id> {
+fn set(ids: &[ItemId]) -> HashSet<ItemId> {
     ids.iter().copied().collect()
 }
 
-fn check_light(light: &Light) -> Result<(), Refused> {
+fn check_light(light: &Light) -> Result<(), EditError> {
     let alone = Scene {
         lights: vec![light.clone()],
         ..Scene::default()
@@ -291,7 +291,7 @@ fn check_light(light: &Light) -> Result<(), Refused> {
     alone.validate().or_else(|e| refuse(e.problem))
 }
 
-fn check_camera(camera: &Camera) -> Result<(), Refused> {
+fn check_camera(camera: &Camera) -> Result<(), EditError> {
     let alone = Scene {
         cameras: vec![camera.clone()],
         ..Scene::default()

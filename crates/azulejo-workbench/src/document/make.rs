@@ -1,6 +1,6 @@
 //! New shapes and lights, with sizes and strengths that suit the model they join.
 
-use super::{Document, Outline, Refused};
+use super::{EditError, PrismOutline, SceneDocument};
 use azulejo::formats::{ppf, typeface};
 use azulejo::scene::{
     Align, Exact, Light, LightKind, Line, Material, MaterialId, PlacedGlyph, Primitive,
@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewShape {
     /// What it is.
-    pub kind: NewKind,
+    pub kind: NewShapeKind,
     /// The middle of its ground; for an area light, its own middle.
     pub at: DVec3,
     /// Its largest side, of a prism that of its base, of letters an em; world units, > 0.
@@ -25,7 +25,7 @@ pub struct NewShape {
 
 /// The kinds of shapes that can be added.
 #[derive(Clone, Debug, PartialEq)]
-pub enum NewKind {
+pub enum NewShapeKind {
     /// A cube.
     Cuboid,
     /// A ball.
@@ -39,14 +39,14 @@ pub enum NewKind {
     /// A square that shines downward.
     AreaLight,
     /// Outlines that are extruded upward.
-    Prism(Outline),
+    Prism(PrismOutline),
     /// Solid letters that stand and look at the viewer.
-    Text(Lettering),
+    Text(TextLayout),
 }
 
 /// Text that has been set: outlines and where they go.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lettering {
+pub struct TextLayout {
     text: String,
     glyphs: Vec<PlacedGlyph>,
     depth: f64,
@@ -89,38 +89,42 @@ const LUMINANCE: f64 = 5_000.0;
 const IRRADIANCE: f64 = 3.0;
 const ILLUMINANCE: f64 = 500.0;
 
-impl NewKind {
+impl NewShapeKind {
     /// Its name for people, before a number is put behind it.
     fn name(&self) -> &str {
         match self {
-            NewKind::Cuboid => "box",
-            NewKind::Sphere => "sphere",
-            NewKind::Cylinder => "cylinder",
-            NewKind::Cone => "cone",
-            NewKind::Square => "square",
-            NewKind::AreaLight => "area light",
-            NewKind::Prism(outline) => outline.name(),
-            NewKind::Text(lettering) => &lettering.text,
+            NewShapeKind::Cuboid => "box",
+            NewShapeKind::Sphere => "sphere",
+            NewShapeKind::Cylinder => "cylinder",
+            NewShapeKind::Cone => "cone",
+            NewShapeKind::Square => "square",
+            NewShapeKind::AreaLight => "area light",
+            NewShapeKind::Prism(outline) => outline.name(),
+            NewShapeKind::Text(lettering) => &lettering.text,
         }
     }
 }
 
-impl Lettering {
+impl TextLayout {
     /// Sets `text` in a font file of any kind, or in the typeface that comes with azulejo; letters
     /// are `depth` ems deep.
     ///
     /// # Errors
     /// No text or too much, no positive depth, a font that cannot be read or lacks a character.
-    pub fn set(text: &str, depth: f64, font: Option<(&[u8], &str)>) -> Result<Lettering, Refused> {
+    pub fn set(
+        text: &str,
+        depth: f64,
+        font: Option<(&[u8], &str)>,
+    ) -> Result<TextLayout, EditError> {
         if text.trim().is_empty() || text.len() > LONGEST {
             let message = format!(
                 "{} bytes of text, expected 1 to {LONGEST}",
                 text.trim().len()
             );
-            return Err(Refused(message));
+            return Err(EditError(message));
         }
         if !(depth > 0.0 && depth.is_finite()) {
-            return Err(Refused(format!(
+            return Err(EditError(format!(
                 "letters {depth} deep, expected more than 0"
             )));
         }
@@ -134,7 +138,7 @@ impl Lettering {
             let mut setting = face.setting();
             set_lines(text, |line| setting.line(line, 0.0))?
         };
-        Ok(Lettering {
+        Ok(TextLayout {
             text: text.lines().next().unwrap_or_default().trim().to_owned(),
             glyphs: Align::Center.stack(lines, 1.2),
             depth,
@@ -142,14 +146,14 @@ impl Lettering {
     }
 }
 
-fn refused(error: impl fmt::Display) -> Refused {
-    Refused(error.to_string())
+fn refused(error: impl fmt::Display) -> EditError {
+    EditError(error.to_string())
 }
 
 fn set_lines<E: fmt::Display>(
     text: &str,
     set: impl FnMut(&str) -> Result<Line, E>,
-) -> Result<Vec<Line>, Refused> {
+) -> Result<Vec<Line>, EditError> {
     text.lines()
         .map(set)
         .collect::<Result<_, E>>()
@@ -166,23 +170,23 @@ fn axes(up: Up) -> DMat3 {
 
 impl NewShape {
     /// A name and the shape; may add a material to the document.
-    pub(super) fn make(&self, document: &mut Document) -> Result<(String, Shape), Refused> {
+    pub(super) fn make(&self, document: &mut SceneDocument) -> Result<(String, Shape), EditError> {
         let valid = self.at.is_finite() && self.size > 0.0 && self.size.is_finite();
         if !valid {
             let message = format!("a size of {} at {}, expected > 0", self.size, self.at);
-            return Err(Refused(message));
+            return Err(EditError(message));
         }
         if (self.material).is_some_and(|m| m as usize >= document.materials.len()) {
-            return Err(Refused("there is no such material any more".into()));
+            return Err(EditError("there is no such material any more".into()));
         }
         let material = self.material.unwrap_or_else(|| self.new_material(document));
         let shape = self.shape(document.units.up, material);
         Ok((self.kind.name().to_owned(), shape))
     }
 
-    fn new_material(&self, document: &mut Document) -> MaterialId {
+    fn new_material(&self, document: &mut SceneDocument) -> MaterialId {
         let material = match self.kind {
-            NewKind::AreaLight => {
+            NewShapeKind::AreaLight => {
                 let strength = match document.units.photometric {
                     true => LUMINANCE,
                     false => RADIANCE,
@@ -194,7 +198,7 @@ impl NewShape {
         let same = document.materials.iter().position(|m| **m == material);
         match (same, &self.kind) {
             // Lamps are dimmed one by one.
-            (Some(at), kind) if *kind != NewKind::AreaLight => at as MaterialId,
+            (Some(at), kind) if *kind != NewShapeKind::AreaLight => at as MaterialId,
             _ => {
                 document.materials.push(Arc::new(material));
                 (document.materials.len() - 1) as MaterialId
@@ -215,31 +219,31 @@ impl NewShape {
         let (s, r) = (self.size, 0.5 * self.size);
         let column = DVec3::new(r, r, s);
         match &self.kind {
-            NewKind::Cuboid => primitive(
+            NewShapeKind::Cuboid => primitive(
                 PrimitiveKind::Cuboid,
                 DVec3::splat(s),
                 DVec3::new(-r, -r, 0.0),
             ),
-            NewKind::Sphere => primitive(PrimitiveKind::Sphere, DVec3::splat(r), r * DVec3::Z),
-            NewKind::Cylinder => primitive(PrimitiveKind::Cylinder, column, DVec3::ZERO),
-            NewKind::Cone => primitive(PrimitiveKind::Cone { top: 0.0 }, column, DVec3::ZERO),
-            NewKind::Square => primitive(
+            NewShapeKind::Sphere => primitive(PrimitiveKind::Sphere, DVec3::splat(r), r * DVec3::Z),
+            NewShapeKind::Cylinder => primitive(PrimitiveKind::Cylinder, column, DVec3::ZERO),
+            NewShapeKind::Cone => primitive(PrimitiveKind::Cone { top: 0.0 }, column, DVec3::ZERO),
+            NewShapeKind::Square => primitive(
                 PrimitiveKind::Square,
                 DVec3::splat(s),
                 DVec3::new(-r, -r, 0.0),
             ),
             // Turned about x, so that the front looks down.
-            NewKind::AreaLight => primitive(
+            NewShapeKind::AreaLight => primitive(
                 PrimitiveKind::Square,
                 DVec3::new(s, -s, -s),
                 DVec3::new(-r, r, 0.0),
             ),
-            NewKind::Prism(outline) => outline.prisms(s, self.at, standing, material),
-            NewKind::Text(lettering) => self.letters(lettering, up, material),
+            NewShapeKind::Prism(outline) => outline.prisms(s, self.at, standing, material),
+            NewShapeKind::Text(lettering) => self.letters(lettering, up, material),
         }
     }
 
-    fn letters(&self, lettering: &Lettering, up: Up, material: MaterialId) -> Shape {
+    fn letters(&self, lettering: &TextLayout, up: Up, material: MaterialId) -> Shape {
         let axes = axes(up);
         let frame = TextFrame {
             origin: self.at,
@@ -255,7 +259,7 @@ impl NewShape {
 
 impl NewLight {
     /// The light, bright enough for what it looks at.
-    pub(super) fn make(&self, document: &Document) -> Light {
+    pub(super) fn make(&self, document: &SceneDocument) -> Light {
         let wanted = match document.units.photometric {
             true => ILLUMINANCE,
             false => IRRADIANCE,

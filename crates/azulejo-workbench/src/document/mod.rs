@@ -1,6 +1,6 @@
 //! What is being worked on, as plain data that is cheap to copy.
 //!
-//! A [`Document`] holds what a [`Scene`] holds, but shares it: shapes and materials stand behind
+//! A [`SceneDocument`] holds what a [`Scene`] holds, but shares it: shapes and materials stand behind
 //! [`Arc`]s and an object keeps its placement beside its shape. So a copy of the whole document
 //! is a list of pointers, undo is the document before, and dragging an object moves one matrix
 //! however many triangles hang on it.
@@ -16,10 +16,10 @@ pub(crate) mod tests;
 mod units;
 mod weight;
 
-pub use edit::{Edit, Refused};
-pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
-pub use outline::{Outline, SIDES};
-pub use paint::Paint;
+pub use edit::{Edit, EditError};
+pub use make::{NewLight, NewLightKind, NewShape, NewShapeKind, TextLayout};
+pub use outline::{PrismOutline, SIDES};
+pub use paint::ShadingPoint;
 pub use places::light_place;
 pub use solution::{Solution, same_light};
 
@@ -35,24 +35,24 @@ use std::sync::Arc;
 
 /// Names one thing of a document for as long as it exists, undo and redo included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Id(pub u64);
+pub struct ItemId(pub u64);
 
 /// A model that is being lit.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Document {
+pub struct SceneDocument {
     /// Where things come from; what is made by hand has none.
     pub branches: Vec<Branch>,
     /// What has a surface. Each stands behind a pointer of its own: of a thousand objects an edit
     /// copies those that it changes.
-    pub items: Vec<Arc<Item>>,
+    pub items: Vec<Arc<SceneObject>>,
     /// What surfaces refer to by [`MaterialId`].
     pub materials: Vec<Arc<Material>>,
     /// What materials refer to.
     pub textures: Vec<Arc<Texture>>,
     /// Lights without area.
-    pub lights: Vec<Lamp>,
+    pub lights: Vec<SceneLight>,
     /// Saved viewpoints.
-    pub cameras: Vec<Viewpoint>,
+    pub cameras: Vec<SceneCamera>,
     /// Radiance where there is no surface.
     pub background: Option<Rgb>,
     /// What hides far surfaces.
@@ -61,7 +61,7 @@ pub struct Document {
     pub units: Units,
     /// RTRACE's numbers; they describe one file as it was and do not outlive other objects.
     pub rtrace: Option<Arc<Rtrace>>,
-    /// The number of the next [`Id`].
+    /// The number of the next [`ItemId`].
     next: u64,
 }
 
@@ -78,29 +78,29 @@ pub struct Branch {
 
 /// An object: a shape and where it stands.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Item {
+pub struct SceneObject {
     /// Its name for good.
-    pub id: Id,
+    pub id: ItemId,
     /// Its name for people; groups of a file are parts of it, as in `house/kitchen/table`.
     pub name: String,
-    /// Index of its file in [`Document::branches`].
+    /// Index of its file in [`SceneDocument::branches`].
     pub branch: Option<usize>,
     /// Whether the viewport leaves it out. It goes on casting and receiving light.
     pub hidden: bool,
-    /// Its geometry before it is placed; [`Item::set_shape`] changes it.
+    /// Its geometry before it is placed; [`SceneObject::set_shape`] changes it.
     pub shape: Arc<Shape>,
     /// What is asked of the shape in every frame, found once.
-    facts: Arc<Facts>,
+    facts: Arc<ShapeFacts>,
     /// Where it stands; identity for what comes from a file.
     pub placement: DAffine3,
 }
 
 /// A light without area.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lamp {
+pub struct SceneLight {
     /// Its name for good.
-    pub id: Id,
-    /// Index of its file in [`Document::branches`].
+    pub id: ItemId,
+    /// Index of its file in [`SceneDocument::branches`].
     pub branch: Option<usize>,
     /// Whether its sign is left out of the viewport. It goes on shining.
     pub hidden: bool,
@@ -110,10 +110,10 @@ pub struct Lamp {
 
 /// A saved viewpoint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Viewpoint {
+pub struct SceneCamera {
     /// Its name for good.
-    pub id: Id,
-    /// Index of its file in [`Document::branches`].
+    pub id: ItemId,
+    /// Index of its file in [`SceneDocument::branches`].
     pub branch: Option<usize>,
     /// Whether its sign is left out of the viewport.
     pub hidden: bool,
@@ -122,30 +122,30 @@ pub struct Viewpoint {
 }
 
 /// Finds a thing by its name for good: names count up, and what is added goes to the end.
-fn in_order<T>(things: &[T], id: Id, of: impl Fn(&T) -> Id) -> Option<&T> {
+fn in_order<T>(things: &[T], id: ItemId, of: impl Fn(&T) -> ItemId) -> Option<&T> {
     let at = things.binary_search_by_key(&id, of).ok()?;
     things.get(at)
 }
 
 /// What takes a walk over all faces to find.
 #[derive(Debug, PartialEq)]
-struct Facts {
+struct ShapeFacts {
     /// The box around the shape where it was made.
     bounds: Aabb,
     /// Its materials, each once, in the order of its faces.
     materials: Vec<MaterialId>,
 }
 
-impl Facts {
-    fn of(shape: &Shape) -> Facts {
-        Facts {
+impl ShapeFacts {
+    fn of(shape: &Shape) -> ShapeFacts {
+        ShapeFacts {
             bounds: bounds_of(shape),
             materials: materials_of(shape),
         }
     }
 }
 
-impl Item {
+impl SceneObject {
     /// The smallest box around it, in the world.
     pub fn bounds(&self) -> Aabb {
         placed_bounds(self.facts.bounds, &self.placement)
@@ -158,14 +158,14 @@ impl Item {
 
     /// Gives it another shape.
     pub fn set_shape(&mut self, shape: Arc<Shape>) {
-        self.facts = Arc::new(Facts::of(&shape));
+        self.facts = Arc::new(ShapeFacts::of(&shape));
         self.shape = shape;
     }
 
     /// Changes its shape; a shape that others have too is copied first.
     fn change_shape(&mut self, change: impl FnOnce(&mut Shape)) {
         change(Arc::make_mut(&mut self.shape));
-        self.facts = Arc::new(Facts::of(&self.shape));
+        self.facts = Arc::new(ShapeFacts::of(&self.shape));
     }
 
     /// The object as a scene has it: placed.
@@ -232,13 +232,13 @@ fn placed_bounds(bounds: Aabb, map: &DAffine3) -> Aabb {
     Aabb::around((0..8).map(corner))
 }
 
-impl Document {
+impl SceneDocument {
     /// A document of one scene. Nothing is copied.
-    pub fn of_scene(scene: Scene, branch: Option<Branch>) -> Document {
-        let mut document = Document {
+    pub fn of_scene(scene: Scene, branch: Option<Branch>) -> SceneDocument {
+        let mut document = SceneDocument {
             units: scene.units,
             rtrace: None,
-            ..Document::default()
+            ..SceneDocument::default()
         };
         let rtrace = scene.rtrace.clone();
         document.append(scene, branch);
@@ -248,7 +248,7 @@ impl Document {
 
     /// Adds a scene that already has this document's units, as [`Scene::merge`] does; returns the
     /// new objects.
-    pub fn append(&mut self, scene: Scene, branch: Option<Branch>) -> Vec<Id> {
+    pub fn append(&mut self, scene: Scene, branch: Option<Branch>) -> Vec<ItemId> {
         let branch = branch.map(|b| {
             self.branches.push(b);
             self.branches.len() - 1
@@ -270,7 +270,7 @@ impl Document {
         }
         for light in scene.lights {
             let id = self.new_id();
-            self.lights.push(Lamp {
+            self.lights.push(SceneLight {
                 id,
                 branch,
                 hidden: false,
@@ -279,7 +279,7 @@ impl Document {
         }
         for camera in scene.cameras {
             let id = self.new_id();
-            self.cameras.push(Viewpoint {
+            self.cameras.push(SceneCamera {
                 id,
                 branch,
                 hidden: false,
@@ -292,23 +292,23 @@ impl Document {
     }
 
     /// Adds an object where it was made.
-    fn push_shape(&mut self, name: String, shape: Shape, branch: Option<usize>) -> Id {
+    fn push_shape(&mut self, name: String, shape: Shape, branch: Option<usize>) -> ItemId {
         let id = self.new_id();
-        self.items.push(Arc::new(Item {
+        self.items.push(Arc::new(SceneObject {
             id,
             name,
             branch,
             hidden: false,
-            facts: Arc::new(Facts::of(&shape)),
+            facts: Arc::new(ShapeFacts::of(&shape)),
             shape: Arc::new(shape),
             placement: DAffine3::IDENTITY,
         }));
         id
     }
 
-    fn new_id(&mut self) -> Id {
+    fn new_id(&mut self) -> ItemId {
         self.next += 1;
-        Id(self.next)
+        ItemId(self.next)
     }
 
     /// The scene that the passes read: everything, in its place, without light on it.
@@ -335,7 +335,7 @@ impl Document {
         }
     }
 
-    fn scene_of(&self, object: impl Fn(&Item) -> Object) -> Scene {
+    fn scene_of(&self, object: impl Fn(&SceneObject) -> Object) -> Scene {
         Scene {
             objects: self.items.iter().map(|item| object(item)).collect(),
             materials: self.materials.iter().map(|m| Material::clone(m)).collect(),
@@ -384,27 +384,27 @@ impl Document {
     }
 
     /// The object of this name for good.
-    pub fn item(&self, id: Id) -> Option<&Item> {
+    pub fn item(&self, id: ItemId) -> Option<&SceneObject> {
         in_order(&self.items, id, |i| i.id).map(|item| &**item)
     }
 
     /// The light of this name for good.
-    pub fn lamp(&self, id: Id) -> Option<&Lamp> {
+    pub fn lamp(&self, id: ItemId) -> Option<&SceneLight> {
         in_order(&self.lights, id, |l| l.id)
     }
 
     /// The viewpoint of this name for good.
-    pub fn viewpoint(&self, id: Id) -> Option<&Viewpoint> {
+    pub fn viewpoint(&self, id: ItemId) -> Option<&SceneCamera> {
         in_order(&self.cameras, id, |c| c.id)
     }
 
     /// Whether anything of this document has the name for good.
-    pub fn has(&self, id: Id) -> bool {
+    pub fn has(&self, id: ItemId) -> bool {
         self.item(id).is_some() || self.lamp(id).is_some() || self.viewpoint(id).is_some()
     }
 
     /// Whether a thing is out of sight; `None` if there is no such thing.
-    pub fn is_hidden(&self, id: Id) -> Option<bool> {
+    pub fn is_hidden(&self, id: ItemId) -> Option<bool> {
         let item = self.item(id).map(|i| i.hidden);
         let lamp = || self.lamp(id).map(|l| l.hidden);
         let camera = || self.viewpoint(id).map(|c| c.hidden);
@@ -412,7 +412,7 @@ impl Document {
     }
 
     /// Everything that is out of sight.
-    pub fn hidden(&self) -> Vec<Id> {
+    pub fn hidden(&self) -> Vec<ItemId> {
         let items = self.items.iter().filter(|i| i.hidden).map(|i| i.id);
         let lights = self.lights.iter().filter(|l| l.hidden).map(|l| l.id);
         let cameras = self.cameras.iter().filter(|c| c.hidden).map(|c| c.id);
@@ -420,7 +420,7 @@ impl Document {
     }
 
     /// Its name for people.
-    pub fn name(&self, id: Id) -> Option<&str> {
+    pub fn name(&self, id: ItemId) -> Option<&str> {
         let item = self.item(id).map(|i| i.name.as_str());
         let lamp = || self.lamp(id).map(|l| l.light.name.as_str());
         let camera = || self.viewpoint(id).map(|c| c.camera.name.as_str());
@@ -428,8 +428,8 @@ impl Document {
     }
 
     /// The smallest box around all objects, or around those of `ids`.
-    pub fn bounds(&self, ids: Option<&[Id]>) -> Aabb {
-        let around = |all: Aabb, item: &Item| all.union(item.bounds());
+    pub fn bounds(&self, ids: Option<&[ItemId]>) -> Aabb {
+        let around = |all: Aabb, item: &SceneObject| all.union(item.bounds());
         match ids {
             None => (self.items.iter()).fold(Aabb::EMPTY, |all, item| around(all, item)),
             Some(ids) => {
@@ -441,7 +441,7 @@ impl Document {
 
     /// How many polygons its meshes have, and one for each exact shape.
     pub fn face_count(&self) -> usize {
-        let faces = |item: &Item| match &*item.shape {
+        let faces = |item: &SceneObject| match &*item.shape {
             Shape::Mesh(mesh) => mesh.faces.len(),
             Shape::Primitive(_) => 1,
             Shape::Exact(exact) => exact.leaves().len(),

@@ -1,13 +1,13 @@
 //! What a mesh adds to its material at one place: vertex colour and texture coordinates.
 
-use super::Document;
+use super::SceneDocument;
 use azulejo::scene::{MaterialId, Mesh, Rgb};
 use glam::DVec2;
 use std::f64::consts::PI;
 
 /// One place of a surface: what it is made of, and what its mesh says about the colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Paint {
+pub struct ShadingPoint {
     /// What it is made of.
     pub material: MaterialId,
     /// Which side is meant.
@@ -18,7 +18,7 @@ pub struct Paint {
     uv: Option<DVec2>,
 }
 
-impl Paint {
+impl ShadingPoint {
     /// The paint at a place of a face: in the triangle of three of its vertices, with weights that
     /// add up to 1. `None` if there is no such face.
     pub fn at(
@@ -27,7 +27,7 @@ impl Paint {
         vertices: [u32; 3],
         weights: [f64; 3],
         is_front: bool,
-    ) -> Option<Paint> {
+    ) -> Option<ShadingPoint> {
         let material = *mesh.face_materials.get(face)?;
         let mut color = Rgb::WHITE;
         if mesh.colors.len() == mesh.positions.len() {
@@ -42,7 +42,7 @@ impl Paint {
             };
             vertices.iter().zip(weights).map(|(&v, w)| w * uv(v)).sum()
         });
-        Some(Paint {
+        Some(ShadingPoint {
             material,
             is_front,
             color,
@@ -51,10 +51,10 @@ impl Paint {
     }
 }
 
-impl Document {
+impl SceneDocument {
     /// Radiance that leaves a place evenly to all sides under an irradiance, its own included;
     /// `None` if its material is gone.
-    pub fn radiance(&self, paint: &Paint, irradiance: Rgb) -> Option<Rgb> {
+    pub fn radiance(&self, paint: &ShadingPoint, irradiance: Rgb) -> Option<Rgb> {
         let material = self.materials.get(paint.material as usize)?;
         let image = |id: u32| self.textures.get(id as usize)?.image.as_ref();
         let reflectance = material.painted(paint.color, paint.uv, image);

@@ -1,6 +1,6 @@
 //! Where things are that have no surface.
 
-use super::{Document, Id};
+use super::{ItemId, SceneDocument};
 use azulejo::scene::LightKind;
 use azulejo::scene::math::Aabb;
 use glam::DVec3;
@@ -20,10 +20,10 @@ pub fn light_place(kind: &LightKind, bounds: Aabb) -> DVec3 {
     }
 }
 
-impl Document {
+impl SceneDocument {
     /// The smallest box around objects, and around the places of lights and cameras, which reach
     /// `radius` world units to each side.
-    pub fn bounds_with_signs(&self, ids: &[Id], radius: f64) -> Aabb {
+    pub fn bounds_with_signs(&self, ids: &[ItemId], radius: f64) -> Aabb {
         let all = self.bounds(None);
         let lights = ids.iter().filter_map(|&id| self.lamp(id));
         let lights = lights.map(|lamp| light_place(&lamp.light.kind, all));
@@ -37,7 +37,7 @@ impl Document {
 
     /// What the view should show to show these: lights and cameras have no size, a twentieth of
     /// the model stands for it.
-    pub fn frame_of(&self, ids: &[Id]) -> Aabb {
+    pub fn frame_of(&self, ids: &[ItemId]) -> Aabb {
         let all = self.bounds(None);
         let size = match all.is_empty() {
             true => 0.0,
@@ -58,7 +58,7 @@ mod tests {
     fn lights_and_cameras_have_a_frame() {
         let document = sample();
         let radius = 0.05 * document.bounds(None).diagonal();
-        let (ball, bulb, view) = (Id(3), Id(5), Id(6));
+        let (ball, bulb, view) = (ItemId(3), ItemId(5), ItemId(6));
         let around = |at: DVec3| {
             let reach = DVec3::splat(radius);
             Aabb::around([at - reach, at + reach])
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn lights_of_an_empty_model_are_somewhere() {
-        let mut document = Document::default();
+        let mut document = SceneDocument::default();
         for kind in [
             NewLightKind::Point,
             NewLightKind::Directional,

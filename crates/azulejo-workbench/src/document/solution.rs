@@ -1,6 +1,6 @@
 //! The light of a document, and of which document it is.
 
-use super::{Document, Id, Item};
+use super::{ItemId, SceneDocument, SceneObject};
 use azulejo::radiosity::Report;
 use azulejo::scene::{Irradiance, Material, Scene, Shape};
 use glam::DAffine3;
@@ -12,9 +12,9 @@ use std::sync::Arc;
 /// edit makes the light old without losing it, and undoing the edit makes it true again.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    of: Document,
+    of: SceneDocument,
     /// One placed, lit shape for each object of the document.
-    shapes: Vec<(Id, Arc<Shape>)>,
+    shapes: Vec<(ItemId, Arc<Shape>)>,
     /// How it was found; `None` where it settles yet, or came with the file.
     pub report: Option<Report>,
 }
@@ -23,7 +23,7 @@ impl Solution {
     /// What the first pass found for `scene`, which was made from `document`; with its report once
     /// it is done.
     pub fn new(
-        document: Document,
+        document: SceneDocument,
         mut scene: Scene,
         irradiance: Irradiance,
         report: Option<Report>,
@@ -39,8 +39,8 @@ impl Solution {
     }
 
     /// The light that a file brought, if every surface has some.
-    pub fn of_file(document: &Document) -> Option<Solution> {
-        let stands = |item: &Item| item.placement == DAffine3::IDENTITY;
+    pub fn of_file(document: &SceneDocument) -> Option<Solution> {
+        let stands = |item: &SceneObject| item.placement == DAffine3::IDENTITY;
         let all = !document.items.is_empty()
             && document
                 .items
@@ -56,12 +56,12 @@ impl Solution {
     }
 
     /// The placed, lit shape of an object, if the solver knew it.
-    pub fn shape(&self, id: Id) -> Option<&Arc<Shape>> {
+    pub fn shape(&self, id: ItemId) -> Option<&Arc<Shape>> {
         super::in_order(&self.shapes, id, |(i, _)| *i).map(|(_, shape)| shape)
     }
 
     /// The shape to show for an object: its lit one, as long as it stands where it was lit.
-    pub fn shown(&self, item: &Item) -> Option<&Arc<Shape>> {
+    pub fn shown(&self, item: &SceneObject) -> Option<&Arc<Shape>> {
         let then = self.of.item(item.id)?;
         let same = same_geometry(then, item);
         same.then(|| self.shape(item.id)).flatten()
@@ -69,13 +69,13 @@ impl Solution {
 
     /// Whether the light of `document` is this: whether it has the same surfaces, materials and
     /// lights. Names, viewpoints and what hides do not matter.
-    pub fn is_of(&self, document: &Document) -> bool {
+    pub fn is_of(&self, document: &SceneDocument) -> bool {
         same_light(&self.of, document)
     }
 }
 
 /// Whether an object came with light on all of it.
-fn is_lit(item: &Item) -> bool {
+fn is_lit(item: &SceneObject) -> bool {
     match &*item.shape {
         Shape::Mesh(mesh) => mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len(),
         Shape::Primitive(p) => p.light.is_some(),
@@ -83,11 +83,11 @@ fn is_lit(item: &Item) -> bool {
     }
 }
 
-impl Document {
+impl SceneDocument {
     /// Whether some of its surfaces came with light, which [`Solution::of_file`] takes only where
     /// all did.
     pub fn brings_light(&self) -> bool {
-        let has_faces = |item: &Item| match &*item.shape {
+        let has_faces = |item: &SceneObject| match &*item.shape {
             Shape::Mesh(mesh) => !mesh.faces.is_empty(),
             Shape::Primitive(_) | Shape::Exact(_) => true,
         };
@@ -97,7 +97,7 @@ impl Document {
 
 /// Whether light that was found in one document is that of a later one: whether both have the
 /// same surfaces, materials and lights.
-pub fn same_light(then: &Document, now: &Document) -> bool {
+pub fn same_light(then: &SceneDocument, now: &SceneDocument) -> bool {
     let items = then.items.len() == now.items.len()
         && (then.items.iter().zip(&now.items)).all(|(a, b)| a.id == b.id && same_geometry(a, b));
     let lights = then.lights.len() == now.lights.len()
@@ -106,13 +106,13 @@ pub fn same_light(then: &Document, now: &Document) -> bool {
 }
 
 /// Materials that were added later are on no surface that was lit.
-fn same_materials(then: &Document, now: &Document) -> bool {
+fn same_materials(then: &SceneDocument, now: &SceneDocument) -> bool {
     let pairs = then.materials.iter().zip(&now.materials);
     then.materials.len() <= now.materials.len()
         && pairs.into_iter().all(|(a, b)| same_material(a, b))
 }
 
-fn same_geometry(a: &Item, b: &Item) -> bool {
+fn same_geometry(a: &SceneObject, b: &SceneObject) -> bool {
     Arc::ptr_eq(&a.shape, &b.shape) && a.placement == b.placement
 }
 

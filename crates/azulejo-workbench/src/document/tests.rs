@@ -85,8 +85,8 @@ pub(crate) fn sample_scene() -> Scene {
 }
 
 /// The sample as a document: ids 1 to 4 are objects, 5 is the light, 6 the camera.
-pub(crate) fn sample() -> Document {
-    Document::of_scene(sample_scene(), None)
+pub(crate) fn sample() -> SceneDocument {
+    SceneDocument::of_scene(sample_scene(), None)
 }
 
 /// A model that comes with azulejo.
@@ -102,7 +102,7 @@ fn read(name: &str) -> Scene {
 }
 
 /// A quick solve.
-pub(crate) fn light_of(document: &Document) -> (Irradiance, Report) {
+pub(crate) fn light_of(document: &SceneDocument) -> (Irradiance, Report) {
     let settings = LightSettings {
         patches: 30,
         error: 0.3,
@@ -114,7 +114,7 @@ pub(crate) fn light_of(document: &Document) -> (Irradiance, Report) {
     (light.irradiance, light.report)
 }
 
-pub(crate) fn solved(document: &Document) -> Solution {
+pub(crate) fn solved(document: &SceneDocument) -> Solution {
     let (irradiance, report) = light_of(document);
     Solution::new(document.clone(), document.scene(), irradiance, Some(report))
 }
@@ -123,7 +123,7 @@ pub(crate) fn solved(document: &Document) -> Solution {
 fn a_scene_comes_back_from_its_document() {
     let check = |scene: Scene| {
         scene.validate().unwrap();
-        let document = Document::of_scene(scene.clone(), None);
+        let document = SceneDocument::of_scene(scene.clone(), None);
         assert_eq!(document.scene(), scene);
     };
     check(Scene::default());
@@ -145,7 +145,7 @@ fn the_light_of_a_file_is_kept_beside_the_scene() {
     let (irradiance, _) = light_of(&document);
     let mut lit = document.scene();
     lit.set_irradiance(irradiance);
-    let again = Document::of_scene(lit.clone(), None);
+    let again = SceneDocument::of_scene(lit.clone(), None);
     let mut unlit = lit.clone();
     (unlit.objects.iter_mut()).for_each(|o| solution::strip(&mut o.shape));
     assert_eq!(again.scene(), unlit);
@@ -157,7 +157,7 @@ fn the_light_of_a_file_is_kept_beside_the_scene() {
 #[test]
 fn two_scenes_in_one_document_are_as_two_merged() {
     let (mut a, b) = (sample_scene(), read("shapes.grf"));
-    let mut document = Document::of_scene(a.clone(), None);
+    let mut document = SceneDocument::of_scene(a.clone(), None);
     let branch = Branch {
         name: "shapes".into(),
         path: "shapes.grf".into(),
@@ -165,7 +165,7 @@ fn two_scenes_in_one_document_are_as_two_merged() {
     };
     let new = document.append(b.clone(), Some(branch.clone()));
     let mut appended = sample();
-    Edit::Append(Box::new(Document::of_scene(b.clone(), Some(branch))))
+    Edit::Append(Box::new(SceneDocument::of_scene(b.clone(), Some(branch))))
         .apply(&mut appended)
         .unwrap();
     a.merge(b);
@@ -181,8 +181,8 @@ fn two_scenes_in_one_document_are_as_two_merged() {
 
 #[test]
 fn an_empty_document_takes_over_the_units_of_what_joins_it() {
-    let mut document = Document::default();
-    let cornell = Document::of_scene(read("cornell.grf"), None);
+    let mut document = SceneDocument::default();
+    let cornell = SceneDocument::of_scene(read("cornell.grf"), None);
     Edit::Append(Box::new(cornell.clone()))
         .apply(&mut document)
         .unwrap();
@@ -199,8 +199,8 @@ fn things_move_as_a_scene_does() {
     for map in maps {
         let mut scene = sample_scene();
         scene.fog = None;
-        let mut document = Document::of_scene(scene.clone(), None);
-        let all: Vec<Id> = (1..=6).map(Id).collect();
+        let mut document = SceneDocument::of_scene(scene.clone(), None);
+        let all: Vec<ItemId> = (1..=6).map(ItemId).collect();
         let bounds = scene.clone().transformed(&map).bounds();
         Edit::Transform(all, map).apply(&mut document).unwrap();
         assert_eq!(document.scene(), scene.transformed(&map), "{map:?}");
@@ -216,24 +216,24 @@ fn things_move_as_a_scene_does() {
 #[test]
 fn what_is_added_is_valid_in_every_kind_of_units() {
     let kinds = [
-        NewKind::Cuboid,
-        NewKind::Sphere,
-        NewKind::Cylinder,
-        NewKind::Cone,
-        NewKind::Square,
-        NewKind::AreaLight,
-        NewKind::Prism(Outline::regular(7, 0.5).unwrap()),
-        NewKind::Text(Lettering::set("Aç", 0.2, None).unwrap()),
+        NewShapeKind::Cuboid,
+        NewShapeKind::Sphere,
+        NewShapeKind::Cylinder,
+        NewShapeKind::Cone,
+        NewShapeKind::Square,
+        NewShapeKind::AreaLight,
+        NewShapeKind::Prism(PrismOutline::regular(7, 0.5).unwrap()),
+        NewShapeKind::Text(TextLayout::set("Aç", 0.2, None).unwrap()),
     ];
     use azulejo::scene::Up;
     for (up, photometric) in [(Up::Y, false), (Up::Z, true)] {
-        let mut document = Document {
+        let mut document = SceneDocument {
             units: Units {
                 up,
                 photometric,
                 ..Units::default()
             },
-            ..Document::default()
+            ..SceneDocument::default()
         };
         for kind in &kinds {
             let new = NewShape {
@@ -244,7 +244,7 @@ fn what_is_added_is_valid_in_every_kind_of_units() {
             };
             let ids = Edit::AddShape(new).apply(&mut document).unwrap();
             let bounds = document.bounds(Some(&ids));
-            if !matches!(kind, NewKind::Text(_)) {
+            if !matches!(kind, NewShapeKind::Text(_)) {
                 let side = bounds.size().max_element();
                 assert!((side - 2.0).abs() < 1e-9, "{kind:?} of {side}");
             }
@@ -261,9 +261,9 @@ fn what_is_added_is_valid_in_every_kind_of_units() {
 
 #[test]
 fn a_lamp_shines_downward() {
-    let mut document = Document::default();
+    let mut document = SceneDocument::default();
     let new = NewShape {
-        kind: NewKind::AreaLight,
+        kind: NewShapeKind::AreaLight,
         at: DVec3::Y,
         size: 1.0,
         material: None,
@@ -291,7 +291,7 @@ fn check_light(edit: Edit, stays: bool) {
 }
 
 /// Light whose values do not matter.
-fn solved_without_solver(document: &Document) -> Solution {
+fn solved_without_solver(document: &SceneDocument) -> Solution {
     static LIGHT: std::sync::OnceLock<Irradiance> = std::sync::OnceLock::new();
     let light = LIGHT.get_or_init(|| light_of(&sample()).0);
     Solution::new(document.clone(), document.scene(), light.clone(), None)
@@ -300,7 +300,7 @@ fn solved_without_solver(document: &Document) -> Solution {
 #[test]
 fn light_is_old_after_edits_that_matter_and_only_those() {
     let document = sample();
-    let (floor, bulb, view) = (Id(1), Id(5), Id(6));
+    let (floor, bulb, view) = (ItemId(1), ItemId(5), ItemId(6));
     let red = Material::diffuse("red", Rgb::new(0.5, 0.1, 0.1));
     let other = Material {
         name: "other".into(),
@@ -314,11 +314,11 @@ fn light_is_old_after_edits_that_matter_and_only_those() {
     for edit in [
         Edit::Delete(vec![floor]),
         Edit::Delete(vec![bulb]),
-        Edit::Duplicate(vec![Id(3)]),
+        Edit::Duplicate(vec![ItemId(3)]),
         Edit::Transform(vec![floor], DAffine3::from_translation(DVec3::X)),
         Edit::Transform(vec![bulb], DAffine3::from_translation(DVec3::X)),
-        Edit::Place(Id(3), DAffine3::from_scale(DVec3::splat(2.0))),
-        Edit::SetShape(Id(3), Arc::new(Shape::Primitive(ball))),
+        Edit::SetPlacement(ItemId(3), DAffine3::from_scale(DVec3::splat(2.0))),
+        Edit::SetShape(ItemId(3), Arc::new(Shape::Primitive(ball))),
         Edit::SetLight(bulb, brighter),
         Edit::SetMaterial(1, red),
         Edit::Assign(vec![floor], 1),
@@ -344,7 +344,7 @@ fn light_is_old_after_edits_that_matter_and_only_those() {
 #[test]
 fn what_does_not_exist_refuses_to_change() {
     let document = sample();
-    let nowhere = Id(99);
+    let nowhere = ItemId(99);
     let camera = document.cameras[0].camera.clone();
     let wrong = Material::diffuse("bright", Rgb::grey(1.5));
     let mut far = Material::diffuse("far", Rgb::grey(0.5));
@@ -353,15 +353,18 @@ fn what_does_not_exist_refuses_to_change() {
     let ball = Shape::Primitive(Primitive::sphere(DVec3::ZERO, 1.0, 9));
     for (edit, said) in [
         (Edit::Rename(nowhere, "x".into()), "no such object"),
-        (Edit::Rename(Id(1), "a\nb".into()), "control characters"),
+        (Edit::Rename(ItemId(1), "a\nb".into()), "control characters"),
         (Edit::Delete(vec![nowhere]), "nothing is selected"),
         (Edit::Duplicate(vec![nowhere]), "nothing is selected"),
-        (Edit::Place(nowhere, DAffine3::IDENTITY), "no such object"),
-        (Edit::Place(Id(1), flat), "flattens"),
-        (Edit::Transform(vec![Id(1)], flat), "flattens"),
-        (Edit::SetShape(Id(1), Arc::new(ball)), "material 9 of 3"),
         (
-            Edit::SetLight(Id(1), document.lights[0].light.clone()),
+            Edit::SetPlacement(nowhere, DAffine3::IDENTITY),
+            "no such object",
+        ),
+        (Edit::SetPlacement(ItemId(1), flat), "flattens"),
+        (Edit::Transform(vec![ItemId(1)], flat), "flattens"),
+        (Edit::SetShape(ItemId(1), Arc::new(ball)), "material 9 of 3"),
+        (
+            Edit::SetLight(ItemId(1), document.lights[0].light.clone()),
             "no such light",
         ),
         (Edit::SetCamera(nowhere, camera.clone()), "no such camera"),
@@ -378,8 +381,8 @@ fn what_does_not_exist_refuses_to_change() {
             Edit::SetMaterial(9, Material::default()),
             "no such material",
         ),
-        (Edit::Assign(vec![Id(1)], 3), "no such material"),
-        (Edit::AssignFaces(Id(1), vec![2], 0), "no such face"),
+        (Edit::Assign(vec![ItemId(1)], 3), "no such material"),
+        (Edit::AssignFaces(ItemId(1), vec![2], 0), "no such face"),
         (Edit::SetBackground(Some(Rgb::grey(-1.0))), "background"),
     ] {
         let mut edited = document.clone();
@@ -397,16 +400,16 @@ fn letters_that_cannot_be_set_are_refused() {
         ("a", f64::NAN, None, "letters NaN deep"),
         ("a", 0.1, Some((&b"no font"[..], "x.ttf")), "x.ttf"),
     ] {
-        let refused = Lettering::set(text, depth, font).unwrap_err().to_string();
+        let refused = TextLayout::set(text, depth, font).unwrap_err().to_string();
         assert!(refused.contains(said), "{refused}");
     }
-    assert!(Lettering::set(&"a".repeat(20_000), 0.1, None).is_err());
+    assert!(TextLayout::set(&"a".repeat(20_000), 0.1, None).is_err());
 }
 
 #[test]
 fn copies_of_many_have_names_of_their_own() {
-    let mut document = Document::of_scene(sample_scene(), None);
-    let all: Vec<Id> = document.items.iter().map(|i| i.id).collect();
+    let mut document = SceneDocument::of_scene(sample_scene(), None);
+    let all: Vec<ItemId> = document.items.iter().map(|i| i.id).collect();
     for _ in 0..3 {
         Edit::Duplicate(all.clone()).apply(&mut document).unwrap();
     }
@@ -420,14 +423,14 @@ fn copies_of_many_have_names_of_their_own() {
     Edit::Rename(ball, "ball".into())
         .apply(&mut document)
         .unwrap();
-    let both: Vec<Id> = document
+    let both: Vec<ItemId> = document
         .items
         .iter()
         .filter(|i| i.name == "ball")
         .map(|i| i.id)
         .collect();
     let copies = Edit::Duplicate(both).apply(&mut document).unwrap();
-    let name = |id: &Id| document.name(*id).unwrap().to_owned();
+    let name = |id: &ItemId| document.name(*id).unwrap().to_owned();
     assert_eq!(
         copies.iter().map(name).collect::<Vec<_>>(),
         ["ball 3", "ball 5"]
@@ -444,7 +447,7 @@ fn radiance_knows_colours_and_textures() {
         pixels: vec![[0.25; 3], [1.0; 3]],
     };
     scene.textures[0].image = Some(image);
-    let document = Document::of_scene(scene, None);
+    let document = SceneDocument::of_scene(scene, None);
     let mut mesh = Mesh {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
         colors: vec![Rgb::WHITE, Rgb::grey(0.5), Rgb::grey(0.5)],
@@ -452,7 +455,7 @@ fn radiance_knows_colours_and_textures() {
     };
     mesh.push_face(&[0, 1, 2], 0);
     let radiance = |mesh: &Mesh, weights: [f64; 3]| {
-        let paint = Paint::at(mesh, 0, [0, 1, 2], weights, true).unwrap();
+        let paint = ShadingPoint::at(mesh, 0, [0, 1, 2], weights, true).unwrap();
         document.radiance(&paint, Rgb::grey(PI)).unwrap().r
     };
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
@@ -463,11 +466,15 @@ fn radiance_knows_colours_and_textures() {
     mesh.uvs = Some(Attribute::per_vertex(uvs));
     near(radiance(&mesh, [1.0, 0.0, 0.0]), 0.125);
     near(radiance(&mesh, [0.0, 0.5, 0.5]), 0.25);
-    assert_eq!(Paint::at(&mesh, 1, [0, 1, 2], [1.0, 0.0, 0.0], true), None);
+    assert_eq!(
+        ShadingPoint::at(&mesh, 1, [0, 1, 2], [1.0, 0.0, 0.0], true),
+        None
+    );
 
     // A lamp shines from its front.
     mesh.face_materials = vec![2];
-    let paint = |is_front| Paint::at(&mesh, 0, [0, 1, 2], [1.0, 0.0, 0.0], is_front).unwrap();
+    let paint =
+        |is_front| ShadingPoint::at(&mesh, 0, [0, 1, 2], [1.0, 0.0, 0.0], is_front).unwrap();
     let own = |is_front| document.radiance(&paint(is_front), Rgb::BLACK);
     assert_eq!(own(true), Some(Rgb::grey(5.0)));
     assert_eq!(own(false), Some(Rgb::BLACK));

@@ -1,14 +1,14 @@
 //! A document in other units.
 
-use super::Document;
+use super::SceneDocument;
 use azulejo::scene::{Primitive, PrimitiveKind, Scene, Shape, Units};
 use glam::DAffine3;
 use std::sync::Arc;
 
-impl Document {
+impl SceneDocument {
     /// The document in other units, as [`Scene::adapted`] has it; shapes stay what they are and
     /// stand elsewhere.
-    pub fn adapted(mut self, units: Units) -> Document {
+    pub fn adapted(mut self, units: Units) -> SceneDocument {
         if self.units == units {
             return self;
         }
@@ -67,7 +67,7 @@ mod tests {
         };
         let scene = sample_scene();
         for units in [scene.units, centimetres, nobody_says] {
-            let document = Document::of_scene(scene.clone(), None).adapted(units);
+            let document = SceneDocument::of_scene(scene.clone(), None).adapted(units);
             assert_eq!(document.scene(), scene.clone().adapted(units), "{units:?}");
         }
     }

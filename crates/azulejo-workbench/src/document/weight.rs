@@ -1,6 +1,6 @@
 //! How much memory a document holds that another one does not.
 
-use super::{Document, Item, Lamp, Viewpoint};
+use super::{SceneCamera, SceneDocument, SceneLight, SceneObject};
 use azulejo::scene::brdf::{Content, Description, Measured};
 use azulejo::scene::{
     Attribute, Curve, Exact, Figure, Leaf, Material, Mesh, Primitive, Rgb, Shape, Solid, Texture,
@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 /// What stands behind pointers that documents share, by those pointers, with its bytes.
 #[derive(Default)]
-struct Parts(HashMap<*const (), u64>);
+struct SharedAllocations(HashMap<*const (), u64>);
 
-impl Parts {
+impl SharedAllocations {
     fn note<T>(&mut self, part: &Arc<T>, bytes: impl FnOnce(&T) -> u64) {
         let pointer = Arc::as_ptr(part).cast();
         self.0.entry(pointer).or_insert_with(|| bytes(part));
@@ -27,16 +27,16 @@ impl Parts {
     }
 }
 
-impl Document {
+impl SceneDocument {
     /// Bytes that it holds, about.
     pub fn bytes(&self) -> u64 {
-        self.bytes_beyond(&Document::default())
+        self.bytes_beyond(&SceneDocument::default())
     }
 
     /// Bytes that go away with this document while `other` stays, about: lists, and whatever
     /// stands behind pointers that `other` has not. Small things around them are not counted.
-    pub fn bytes_beyond(&self, other: &Document) -> u64 {
-        let mut alone = Parts::default();
+    pub fn bytes_beyond(&self, other: &SceneDocument) -> u64 {
+        let mut alone = SharedAllocations::default();
         self.note_items(other, &mut alone);
         self.note_looks(other, &mut alone);
         if !alone.0.is_empty() {
@@ -51,15 +51,15 @@ impl Document {
     /// The bytes of its lists, and of what stands in them without pointers.
     fn lists(&self) -> u64 {
         let lights = self.lights.iter();
-        let lights = lights.map(|l| size_of::<Lamp>() + l.light.name.capacity());
+        let lights = lights.map(|l| size_of::<SceneLight>() + l.light.name.capacity());
         let cameras = self.cameras.iter();
-        let cameras = cameras.map(|c| size_of::<Viewpoint>() + c.camera.name.capacity());
+        let cameras = cameras.map(|c| size_of::<SceneCamera>() + c.camera.name.capacity());
         let pointers = self.items.len() + self.materials.len() + self.textures.len();
         let all = pointers * size_of::<usize>() + lights.sum::<usize>() + cameras.sum::<usize>();
         all as u64
     }
 
-    fn note_items(&self, other: &Document, alone: &mut Parts) {
+    fn note_items(&self, other: &SceneDocument, alone: &mut SharedAllocations) {
         let mut others = other.items.iter().peekable();
         for item in &self.items {
             // Both lists are in the order of their names for good.
@@ -68,7 +68,9 @@ impl Document {
             if same.is_some_and(|o| Arc::ptr_eq(o, item)) {
                 continue;
             }
-            alone.note(item, |i| (size_of::<Item>() + i.name.capacity()) as u64);
+            alone.note(item, |i| {
+                (size_of::<SceneObject>() + i.name.capacity()) as u64
+            });
             if !same.is_some_and(|o| Arc::ptr_eq(&o.shape, &item.shape)) {
                 note_shape(&item.shape, alone);
             }
@@ -76,7 +78,7 @@ impl Document {
     }
 
     /// Materials and textures keep their places: they are never taken away.
-    fn note_looks(&self, other: &Document, alone: &mut Parts) {
+    fn note_looks(&self, other: &SceneDocument, alone: &mut SharedAllocations) {
         for (k, material) in self.materials.iter().enumerate() {
             let then = other.materials.get(k);
             if !then.is_some_and(|o| Arc::ptr_eq(o, material)) {
@@ -92,12 +94,12 @@ impl Document {
     }
 }
 
-fn note_shape(shape: &Arc<Shape>, parts: &mut Parts) {
+fn note_shape(shape: &Arc<Shape>, parts: &mut SharedAllocations) {
     parts.note(shape, shape_bytes);
     for_each_figure(shape, |figure| parts.note(figure, figure_bytes));
 }
 
-fn forget_item(item: &Arc<Item>, parts: &mut Parts) {
+fn forget_item(item: &Arc<SceneObject>, parts: &mut SharedAllocations) {
     parts.forget(item);
     parts.forget(&item.shape);
     for_each_figure(&item.shape, |figure| parts.forget(figure));
@@ -112,7 +114,7 @@ fn for_each_figure(shape: &Shape, mut see: impl FnMut(&Arc<Figure>)) {
     }
 }
 
-fn note_material(material: &Arc<Material>, parts: &mut Parts) {
+fn note_material(material: &Arc<Material>, parts: &mut SharedAllocations) {
     parts.note(material, |m| {
         let own = m.name.capacity() + vector(&m.textures) + size_of::<Material>();
         own as u64
@@ -122,7 +124,7 @@ fn note_material(material: &Arc<Material>, parts: &mut Parts) {
     }
 }
 
-fn forget_material(material: &Arc<Material>, parts: &mut Parts) {
+fn forget_material(material: &Arc<Material>, parts: &mut SharedAllocations) {
     parts.forget(material);
     if let Some(measured) = measured(material) {
         parts.forget(measured);
@@ -216,12 +218,12 @@ fn vector<T>(values: &Vec<T>) -> usize {
 mod tests {
     use super::*;
     use crate::document::tests::sample;
-    use crate::document::{Edit, Id, Lettering, NewKind, NewShape};
+    use crate::document::{Edit, ItemId, NewShape, NewShapeKind, TextLayout};
     use azulejo::scene::Image;
     use glam::{DAffine3, DVec3};
 
     /// A document with a mesh of a million bytes, its object's name for good being 1.
-    fn large() -> Document {
+    fn large() -> SceneDocument {
         let mut document = sample();
         let Shape::Mesh(mesh) = &*document.items[0].shape else {
             panic!("the floor is a mesh")
@@ -230,12 +232,14 @@ mod tests {
         mesh.positions
             .resize(1_000_000 / size_of::<DVec3>(), DVec3::ZERO);
         let shape = Arc::new(Shape::Mesh(mesh));
-        Edit::SetShape(Id(1), shape).apply(&mut document).unwrap();
+        Edit::SetShape(ItemId(1), shape)
+            .apply(&mut document)
+            .unwrap();
         document
     }
 
     /// What is alone in `before` once this is done, beside its lists.
-    fn alone(before: &Document, edit: &Edit) -> u64 {
+    fn alone(before: &SceneDocument, edit: &Edit) -> u64 {
         let mut after = before.clone();
         edit.apply(&mut after).unwrap();
         before.bytes_beyond(&after) - before.lists()
@@ -247,20 +251,20 @@ mod tests {
         assert_eq!(document.bytes_beyond(&document), document.lists());
         assert!(document.bytes() > 1_000_000 && document.bytes() < 1_100_000);
         let small = [
-            Edit::Rename(Id(1), "ground".into()),
-            Edit::Hide(vec![Id(1)], true),
-            Edit::Transform(vec![Id(1)], DAffine3::from_translation(DVec3::X)),
-            Edit::Duplicate(vec![Id(1)]),
-            Edit::Assign(vec![Id(3)], 0),
+            Edit::Rename(ItemId(1), "ground".into()),
+            Edit::Hide(vec![ItemId(1)], true),
+            Edit::Transform(vec![ItemId(1)], DAffine3::from_translation(DVec3::X)),
+            Edit::Duplicate(vec![ItemId(1)]),
+            Edit::Assign(vec![ItemId(3)], 0),
             Edit::SetMaterial(1, Material::default()),
         ];
         for edit in small {
             assert!(alone(&document, &edit) < 2_000, "{edit:?}");
         }
         let large = [
-            Edit::Assign(vec![Id(1)], 0),
-            Edit::AssignFaces(Id(1), vec![0], 1),
-            Edit::Delete(vec![Id(1)]),
+            Edit::Assign(vec![ItemId(1)], 0),
+            Edit::AssignFaces(ItemId(1), vec![0], 1),
+            Edit::Delete(vec![ItemId(1)]),
         ];
         for edit in large {
             let bytes = alone(&document, &edit);
@@ -271,9 +275,11 @@ mod tests {
     #[test]
     fn what_stands_elsewhere_too_is_held_once() {
         let mut document = large();
-        Edit::Duplicate(vec![Id(1)]).apply(&mut document).unwrap();
+        Edit::Duplicate(vec![ItemId(1)])
+            .apply(&mut document)
+            .unwrap();
         assert!(document.bytes() < 1_100_000);
-        assert!(alone(&document, &Edit::Delete(vec![Id(1)])) < 2_000);
+        assert!(alone(&document, &Edit::Delete(vec![ItemId(1)])) < 2_000);
         let both = document.items.iter().map(|i| i.id).collect();
         let bytes = alone(&document, &Edit::Delete(both));
         assert!((1_000_000..1_100_000).contains(&bytes), "{bytes}");
@@ -281,9 +287,9 @@ mod tests {
 
     #[test]
     fn outlines_and_pictures_have_a_weight() {
-        let mut document = Document::default();
+        let mut document = SceneDocument::default();
         let text = NewShape {
-            kind: NewKind::Text(Lettering::set("mmm", 0.2, None).unwrap()),
+            kind: NewShapeKind::Text(TextLayout::set("mmm", 0.2, None).unwrap()),
             at: DVec3::ZERO,
             size: 1.0,
             material: None,

@@ -1,7 +1,7 @@
 //! Numbers for the shaders: of the frame, of each object, of each material.
 
-use super::frame::{Background, Frame, Quantity};
-use super::geometry::Geometry;
+use super::frame::{Background, ColorScalar, ViewportFrame};
+use super::geometry::GpuMesh;
 use super::projection::Projection;
 use crate::view::{Fit, Shading};
 use azulejo::render::{REINHARD_WHITE, Tone};
@@ -14,14 +14,18 @@ pub const WORDS: usize = 56;
 pub const FRAME_WORDS: usize = 56;
 
 /// Blocks side by side in one buffer.
-pub struct Blocks {
+pub struct UniformBlocks {
     buffer: wgpu::Buffer,
     pub group: wgpu::BindGroup,
     stride: u32,
 }
 
-impl Blocks {
-    pub fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, count: usize) -> Blocks {
+impl UniformBlocks {
+    pub fn new(
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        count: usize,
+    ) -> UniformBlocks {
         let bytes = 4 * WORDS as u32;
         let limits = device.limits();
         let stride = bytes.next_multiple_of(limits.min_uniform_buffer_offset_alignment);
@@ -43,7 +47,7 @@ impl Blocks {
                 }),
             }],
         });
-        Blocks {
+        UniformBlocks {
             buffer,
             group,
             stride,
@@ -64,7 +68,7 @@ impl Blocks {
             place[..WORDS].copy_from_slice(block);
         }
         if 4 * words.len() as u64 > self.buffer.size() {
-            *self = Blocks::new(device, layout, blocks.len().next_power_of_two());
+            *self = UniformBlocks::new(device, layout, blocks.len().next_power_of_two());
         }
         queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&words));
     }
@@ -75,43 +79,47 @@ impl Blocks {
 }
 
 /// A block as it is filled.
-struct Words<const N: usize> {
+struct BlockWriter<const N: usize> {
     words: [f32; N],
     next: usize,
 }
 
-impl<const N: usize> Words<N> {
-    fn new() -> Words<N> {
-        Words {
+impl<const N: usize> BlockWriter<N> {
+    fn new() -> BlockWriter<N> {
+        BlockWriter {
             words: [0.0; N],
             next: 0,
         }
     }
 
-    fn put(mut self, numbers: &[f32]) -> Words<N> {
+    fn put(mut self, numbers: &[f32]) -> BlockWriter<N> {
         self.words[self.next..self.next + numbers.len()].copy_from_slice(numbers);
         self.next += numbers.len();
         self
     }
 
-    fn color(self, [r, g, b]: [u8; 3], last: f32) -> Words<N> {
+    fn color(self, [r, g, b]: [u8; 3], last: f32) -> BlockWriter<N> {
         let part = |x: u8| f32::from(x) / 255.0;
         self.put(&[part(r), part(g), part(b), last])
     }
 
-    fn light(self, light: Rgb, last: f32) -> Words<N> {
+    fn light(self, light: Rgb, last: f32) -> BlockWriter<N> {
         let [r, g, b] = light.to_f32();
         self.put(&[r, g, b, last])
     }
 
-    fn vector(self, v: DVec3, last: f32) -> Words<N> {
+    fn vector(self, v: DVec3, last: f32) -> BlockWriter<N> {
         let [x, y, z] = v.as_vec3().to_array();
         self.put(&[x, y, z, last])
     }
 }
 
 /// The frame's numbers. `picture` is the size of the background's picture, if there is one.
-pub fn frame(frame: &Frame, view: &Projection, picture: Option<[u32; 2]>) -> [f32; FRAME_WORDS] {
+pub fn frame(
+    frame: &ViewportFrame,
+    view: &Projection,
+    picture: Option<[u32; 2]>,
+) -> [f32; FRAME_WORDS] {
     let size = view.size();
     let tone = match frame.tone {
         Tone::Linear => 0.0,
@@ -131,7 +139,7 @@ pub fn frame(frame: &Frame, view: &Projection, picture: Option<[u32; 2]>) -> [f3
     let end = |x: f64| if scale.is_logarithmic { x.ln() } else { x } as f32;
     let world = view.rotation().transpose();
     let flag = |is: bool| f32::from(u8::from(is));
-    Words::new()
+    BlockWriter::new()
         .put(&[size.x as f32, size.y as f32, view.near() as f32, tone])
         .vector(up.unwrap_or(DVec3::Y), frame.exposure as f32)
         .color(lower, kind)
@@ -150,13 +158,13 @@ pub fn frame(frame: &Frame, view: &Projection, picture: Option<[u32; 2]>) -> [f3
         .vector(world.y_axis, 0.0)
         .vector(world.z_axis, 0.0)
         .put(&[flag(scale.is_logarithmic)])
-        .put(&[flag(scale.quantity == Quantity::Luminance)])
+        .put(&[flag(scale.quantity == ColorScalar::Luminance)])
         .put(&[fog_color.max_channel().max(1.0) as f32])
         .words
 }
 
 /// Lines over light are faint, lest they hide it.
-fn line_opacity(frame: &Frame) -> f32 {
+fn line_opacity(frame: &ViewportFrame) -> f32 {
     match frame.shading {
         Shading::Patches => 0.45,
         _ => 1.0,
@@ -200,7 +208,7 @@ fn placement(background: &Background, picture: Option<[u32; 2]>, size: [f32; 2])
 pub fn object(
     view: &Projection,
     view_from: &DAffine3,
-    geometry: &Geometry,
+    geometry: &GpuMesh,
     tint: [f32; 4],
     light_scale: f64,
 ) -> [f32; WORDS] {
@@ -209,7 +217,7 @@ pub fn object(
     let mut place = wide(m);
     place.w_axis = view_from.translation.as_vec3().extend(1.0);
     let flag = |is: bool| f32::from(u8::from(is));
-    Words::new()
+    BlockWriter::new()
         .put(&view.clip_from(view_from).to_cols_array())
         .put(&place.to_cols_array())
         // The cofactors: the inverse transposed up to a length, and never infinite.
@@ -239,7 +247,7 @@ fn cofactors(m: DMat3) -> DMat3 {
 /// A material's numbers; grey for one that is not there.
 pub fn material(material: Option<&Material>) -> [f32; WORDS] {
     let Some(material) = material else {
-        return Words::new()
+        return BlockWriter::new()
             .light(Rgb::grey(0.5), 0.0)
             .light(Rgb::BLACK, 0.0)
             .light(Rgb::BLACK, 1.0)
@@ -254,7 +262,7 @@ pub fn material(material: Option<&Material>) -> [f32; WORDS] {
         None => material.mirror + 0.35 * glossy,
     };
     let opacity = if is_glass(material) { 0.45 } else { 1.0 };
-    Words::new()
+    BlockWriter::new()
         .light(base, (0.6 * glossy.mean()) as f32)
         .light(material.emission, flag(material.emits_back))
         .light(mirror, opacity)

@@ -8,20 +8,20 @@ use std::task::{Context, Poll, Waker};
 
 /// A card for pictures without a window.
 #[derive(Clone, Debug)]
-pub struct Headless {
+pub struct HeadlessDevice {
     /// Where things are made.
     pub device: wgpu::Device,
     /// Where work is handed in.
     pub queue: wgpu::Queue,
 }
 
-impl Headless {
+impl HeadlessDevice {
     /// Opens the best card for one of `backends`, hardware before software. `WGPU_BACKEND`
     /// narrows them.
     ///
     /// # Errors
     /// [`GpuError::Missing`] or [`GpuError::Refused`].
-    pub fn open(backends: wgpu::Backends) -> Result<Headless, GpuError> {
+    pub fn open(backends: wgpu::Backends) -> Result<HeadlessDevice, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::from_env().map_or(backends, |b| b & backends),
             // Without validation: the layers are for developers, and slow.
@@ -40,10 +40,10 @@ impl Headless {
             }
         }
         let (_, adapter) = best.ok_or(GpuError::Missing { found: names })?;
-        Headless::from_adapter(&adapter)
+        HeadlessDevice::from_adapter(&adapter)
     }
 
-    fn from_adapter(adapter: &wgpu::Adapter) -> Result<Headless, GpuError> {
+    fn from_adapter(adapter: &wgpu::Adapter) -> Result<HeadlessDevice, GpuError> {
         let info = adapter.get_info();
         let base = match info.backend {
             wgpu::Backend::Gl => wgpu::Limits::downlevel_webgl2_defaults(),
@@ -59,7 +59,7 @@ impl Headless {
             name: info.name,
             reason: e.to_string(),
         })?;
-        Ok(Headless { device, queue })
+        Ok(HeadlessDevice { device, queue })
     }
 }
 
@@ -84,13 +84,13 @@ fn can_draw(adapter: &wgpu::Adapter) -> bool {
 
 /// Hears of the end of a device, and of errors that nobody caught; without it wgpu would panic.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Listener {
+pub(super) struct DeviceErrors {
     first: Arc<Mutex<Option<GpuError>>>,
 }
 
-impl Listener {
-    pub fn new(device: &wgpu::Device) -> Listener {
-        let listener = Listener::default();
+impl DeviceErrors {
+    pub fn new(device: &wgpu::Device) -> DeviceErrors {
+        let listener = DeviceErrors::default();
         let ear = listener.clone();
         device.set_device_lost_callback(move |reason, message| {
             let reason = format!("{message} ({reason:?})");

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// One picture of the viewport.
 #[derive(Clone, Debug)]
-pub struct Frame<'a> {
+pub struct ViewportFrame<'a> {
     /// Width and height, pixels; 0 counts as 1.
     pub size: [u32; 2],
     /// The view.
@@ -18,11 +18,11 @@ pub struct Frame<'a> {
     /// How surfaces are shown.
     pub shading: Shading,
     /// What is there.
-    pub objects: &'a [Drawn<'a>],
+    pub objects: &'a [MeshInstance<'a>],
     /// What faces refer to; a face of a material that is not here is grey.
     pub materials: &'a [&'a Material],
     /// What materials refer to.
-    pub textures: &'a [Picture<'a>],
+    pub textures: &'a [TextureSource<'a>],
     /// What is seen where there is no surface.
     pub background: Background<'a>,
     /// Hides what is far, in the modes that look like pictures.
@@ -34,7 +34,7 @@ pub struct Frame<'a> {
     /// The tone curve of [`Shading::Irradiance`] and [`Shading::Patches`].
     pub tone: Tone,
     /// Scale of [`Shading::FalseColor`] and [`Shading::FormFactors`].
-    pub scale: Scale,
+    pub scale: ColorScale,
     /// sRGB colour of lines and points.
     pub line_color: [u8; 3],
     /// sRGB colour of what is selected.
@@ -45,15 +45,15 @@ pub struct Frame<'a> {
     pub hides_backs: bool,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> ViewportFrame<'a> {
     /// Objects before a plain background, shaded by Gouraud.
     pub fn new(
         size: [u32; 2],
         camera: &'a Camera,
-        objects: &'a [Drawn<'a>],
+        objects: &'a [MeshInstance<'a>],
         materials: &'a [&'a Material],
-    ) -> Frame<'a> {
-        Frame {
+    ) -> ViewportFrame<'a> {
+        ViewportFrame {
             size,
             camera,
             shading: Shading::Gouraud,
@@ -65,7 +65,7 @@ impl<'a> Frame<'a> {
             overlay: Overlay::none(),
             exposure: 1.0,
             tone: Tone::default(),
-            scale: Scale::default(),
+            scale: ColorScale::default(),
             line_color: [225, 228, 232],
             selection_color: [255, 150, 30],
             antialiasing: true,
@@ -76,7 +76,7 @@ impl<'a> Frame<'a> {
 
 /// A placed mesh.
 #[derive(Clone, Copy, Debug)]
-pub struct Drawn<'a> {
+pub struct MeshInstance<'a> {
     /// Identity and revision of everything in the mesh but its light. Geometry is uploaded when
     /// its key is new, and freed when the key was not drawn for a while.
     pub key: u64,
@@ -97,10 +97,10 @@ pub struct Drawn<'a> {
     pub face_values: Option<FaceValues<'a>>,
 }
 
-impl<'a> Drawn<'a> {
+impl<'a> MeshInstance<'a> {
     /// A mesh where it is, not selected. `key` counts for its light too.
-    pub fn new(key: u64, mesh: &'a Mesh) -> Drawn<'a> {
-        Drawn {
+    pub fn new(key: u64, mesh: &'a Mesh) -> MeshInstance<'a> {
+        MeshInstance {
             key,
             light_key: key,
             mesh,
@@ -124,7 +124,7 @@ pub struct FaceValues<'a> {
 
 /// A picture to draw with.
 #[derive(Clone, Copy, Debug)]
-pub struct Picture<'a> {
+pub struct TextureSource<'a> {
     /// Its identity and revision.
     pub key: u64,
     /// Its pixels, if it could be loaded.
@@ -134,7 +134,7 @@ pub struct Picture<'a> {
 /// Which number of a colour counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Quantity {
+pub enum ColorScalar {
     /// The mean of the channels.
     Mean,
     /// Relative luminance, ITU-R BT.709.
@@ -144,11 +144,11 @@ pub enum Quantity {
 
 /// How numbers become colours.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scale {
+pub struct ColorScale {
     /// The colours.
     pub map: ColorMap,
     /// Which number of the irradiance.
-    pub quantity: Quantity,
+    pub quantity: ColorScalar,
     /// The number of the first colour, in the unit of what is shown.
     pub low: f64,
     /// The number of the last colour.
@@ -159,11 +159,11 @@ pub struct Scale {
     pub bands: u32,
 }
 
-impl Default for Scale {
-    fn default() -> Scale {
-        Scale {
+impl Default for ColorScale {
+    fn default() -> ColorScale {
+        ColorScale {
             map: ColorMap::default(),
-            quantity: Quantity::default(),
+            quantity: ColorScalar::default(),
             low: 0.0,
             high: 1.0,
             is_logarithmic: false,
@@ -172,7 +172,7 @@ impl Default for Scale {
     }
 }
 
-impl Scale {
+impl ColorScale {
     /// Where `value` stands on the scale: 0 at `low`, 1 at `high`.
     pub fn place(&self, value: f64) -> f64 {
         let (a, b, x) = if self.is_logarithmic {
@@ -208,7 +208,7 @@ pub enum Background<'a> {
     /// A picture.
     Image {
         /// Its pixels.
-        picture: Picture<'a>,
+        picture: TextureSource<'a>,
         /// How it fills the view.
         fit: Fit,
         /// What is seen around it.

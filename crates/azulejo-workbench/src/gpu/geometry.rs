@@ -4,9 +4,9 @@
 //! asked for.
 
 use super::GpuError;
-use super::frame::{Drawn, FaceValues};
-use super::pipelines::Attributes;
-use super::walk::{Piece, walk};
+use super::frame::{FaceValues, MeshInstance};
+use super::pipelines::VertexAttributes;
+use super::walk::{MeshPiece, walk};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{MaterialId, Mesh, Rgb};
 use bytemuck::Pod;
@@ -22,19 +22,19 @@ const BRIGHTEST: f64 = 16384.0;
 
 /// What vertices carry beside their positions, and what else is drawn of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Streams {
+pub struct VertexStreams {
     pub normals: bool,
     pub light: bool,
     pub colors: bool,
     pub uvs: bool,
     pub edges: bool,
     /// Triangles that share no vertices, so that each face has numbers of its own.
-    pub facets: Facets,
+    pub facets: FacetAttribute,
 }
 
 /// The numbers of faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Facets {
+pub enum FacetAttribute {
     #[default]
     None,
     /// The mean irradiance of their corners.
@@ -45,26 +45,26 @@ pub enum Facets {
 
 /// A mesh in the card's memory.
 #[derive(Debug)]
-pub struct Geometry {
+pub struct GpuMesh {
     /// What positions are relative to.
     pub origin: DVec3,
     /// All positions are within it around the origin.
     pub radius: f64,
-    pub pieces: Vec<Buffers>,
+    pub pieces: Vec<PieceBuffers>,
     /// Irradiance of the light number 1; 0 for a mesh without light.
     pub light_scale: f64,
     /// What the facet number 1 stands for.
     pub facet_scale: f64,
-    pub selection: Option<Selection>,
+    pub selection: Option<SelectionBuffers>,
     /// The frame that drew it last.
     pub used: u64,
     light_key: Option<u64>,
-    facet_key: Option<(Facets, u64)>,
+    facet_key: Option<(FacetAttribute, u64)>,
 }
 
 /// A piece of a mesh in the card's memory.
 #[derive(Debug)]
-pub struct Buffers {
+pub struct PieceBuffers {
     pub centre: Vec3,
     pub radius: f32,
     pub ranges: Vec<(MaterialId, Range<u32>)>,
@@ -83,14 +83,14 @@ pub struct Buffers {
 
 /// Selected faces in the card's memory.
 #[derive(Debug)]
-pub struct Selection {
+pub struct SelectionBuffers {
     pub positions: wgpu::Buffer,
     pub vertex_count: u32,
     faces: Vec<u32>,
 }
 
 /// The way to the card.
-pub struct Loader<'a> {
+pub struct GpuUploader<'a> {
     pub device: &'a wgpu::Device,
     pub queue: &'a wgpu::Queue,
     /// Bytes brought in all.
@@ -98,9 +98,9 @@ pub struct Loader<'a> {
     under_way: u64,
 }
 
-impl<'a> Loader<'a> {
-    pub fn new(device: &'a wgpu::Device, queue: &'a wgpu::Queue) -> Loader<'a> {
-        Loader {
+impl<'a> GpuUploader<'a> {
+    pub fn new(device: &'a wgpu::Device, queue: &'a wgpu::Queue) -> GpuUploader<'a> {
+        GpuUploader {
             device,
             queue,
             bytes: 0,
@@ -133,11 +133,11 @@ impl<'a> Loader<'a> {
     }
 }
 
-impl Geometry {
+impl GpuMesh {
     /// An empty one for a mesh, to be loaded.
-    pub fn new(mesh: &Mesh) -> Geometry {
+    pub fn new(mesh: &Mesh) -> GpuMesh {
         let bounds = mesh.bounds();
-        Geometry {
+        GpuMesh {
             origin: bounds.centre(),
             radius: 0.5 * bounds.diagonal(),
             pieces: Vec::new(),
@@ -153,12 +153,12 @@ impl Geometry {
     /// Brings what `wanted` names and is not there, or is there of another revision.
     pub fn hold(
         &mut self,
-        drawn: &Drawn,
-        wanted: Streams,
-        loader: &mut Loader,
+        drawn: &MeshInstance,
+        wanted: VertexStreams,
+        loader: &mut GpuUploader,
     ) -> Result<(), GpuError> {
         let mesh = drawn.mesh;
-        let source = Source::new(drawn, wanted.facets);
+        let source = FacetSource::new(drawn, wanted.facets);
         if self.light_key != Some(drawn.light_key) {
             self.pieces.iter_mut().for_each(|p| p.light = None);
             self.light_key = Some(drawn.light_key);
@@ -170,7 +170,7 @@ impl Geometry {
             self.facet_key = facet_key;
             self.facet_scale = source.brightest() / BRIGHTEST;
         }
-        let wanted = Streams {
+        let wanted = VertexStreams {
             normals: wanted.normals && mesh.normals.is_some(),
             light: wanted.light && is_solved(mesh),
             colors: wanted.colors && mesh.colors.len() == mesh.positions.len(),
@@ -184,14 +184,14 @@ impl Geometry {
         let mut number = 0;
         walk(mesh, wanted.edges, |piece| {
             if number == self.pieces.len() {
-                let buffers = Buffers::new(mesh, self.origin, piece, loader);
+                let buffers = PieceBuffers::new(mesh, self.origin, piece, loader);
                 self.pieces.push(buffers);
             }
             let scales = [self.light_scale, self.facet_scale];
             let origin = self.origin;
             let buffers = &mut self.pieces[number];
             buffers.complete(mesh, piece, wanted, loader, scales[0]);
-            if wanted.facets != Facets::None {
+            if wanted.facets != FacetAttribute::None {
                 buffers.complete_facets(mesh, piece, origin, &source, scales[1], loader);
             }
             number += 1;
@@ -200,10 +200,10 @@ impl Geometry {
     }
 
     /// Which attributes have a value for each vertex.
-    pub fn attributes(&self) -> Attributes {
+    pub fn attributes(&self) -> VertexAttributes {
         self.pieces
             .first()
-            .map_or(Attributes::default(), |p| Attributes {
+            .map_or(VertexAttributes::default(), |p| VertexAttributes {
                 normals: p.normals.is_some(),
                 light: p.light.is_some(),
                 colors: p.colors.is_some(),
@@ -220,18 +220,28 @@ impl Geometry {
     }
 
     /// Brings the selected faces, if they changed.
-    pub fn select(&mut self, drawn: &Drawn, loader: &mut Loader) {
+    pub fn select(&mut self, drawn: &MeshInstance, loader: &mut GpuUploader) {
         let faces = drawn.selected_faces;
         if faces.is_empty() {
             self.selection = None;
         } else if self.selection.as_ref().is_none_or(|s| s.faces != faces) {
-            self.selection = Some(Selection::new(drawn.mesh, self.origin, faces, loader));
+            self.selection = Some(SelectionBuffers::new(
+                drawn.mesh,
+                self.origin,
+                faces,
+                loader,
+            ));
         }
     }
 }
 
-impl Selection {
-    fn new(mesh: &Mesh, origin: DVec3, faces: &[u32], loader: &mut Loader) -> Selection {
+impl SelectionBuffers {
+    fn new(
+        mesh: &Mesh,
+        origin: DVec3,
+        faces: &[u32],
+        loader: &mut GpuUploader,
+    ) -> SelectionBuffers {
         let mut corners: Vec<[f32; 3]> = Vec::new();
         let mut triangles = Vec::new();
         let known = faces.iter().map(|&f| f as usize);
@@ -245,7 +255,7 @@ impl Selection {
                 break;
             }
         }
-        Selection {
+        SelectionBuffers {
             vertex_count: corners.len() as u32,
             positions: loader.load(wgpu::BufferUsages::VERTEX, &corners),
             faces: faces.to_vec(),
@@ -253,12 +263,17 @@ impl Selection {
     }
 }
 
-impl Buffers {
-    fn new(mesh: &Mesh, origin: DVec3, piece: &Piece, loader: &mut Loader) -> Buffers {
+impl PieceBuffers {
+    fn new(
+        mesh: &Mesh,
+        origin: DVec3,
+        piece: &MeshPiece,
+        loader: &mut GpuUploader,
+    ) -> PieceBuffers {
         let at = |v: &[u32; 2]| relative(mesh, v[0], origin);
         let bounds = piece.vertices.iter().map(|v| mesh.positions[v[0] as usize]);
         let bounds = Aabb::around(bounds);
-        Buffers {
+        PieceBuffers {
             centre: (bounds.centre() - origin).as_vec3(),
             radius: (0.5 * bounds.diagonal()) as f32,
             ranges: piece.ranges.clone(),
@@ -276,22 +291,22 @@ impl Buffers {
         }
     }
 
-    fn has(&self, wanted: Streams) -> bool {
+    fn has(&self, wanted: VertexStreams) -> bool {
         let facets = self.facets.is_some() && self.facet_values.is_some();
         (!wanted.normals || self.normals.is_some())
             && (!wanted.light || self.light.is_some())
             && (!wanted.colors || self.colors.is_some())
             && (!wanted.uvs || self.uvs.is_some())
             && (!wanted.edges || self.edges.is_some())
-            && (wanted.facets == Facets::None || facets)
+            && (wanted.facets == FacetAttribute::None || facets)
     }
 
     fn complete(
         &mut self,
         mesh: &Mesh,
-        piece: &Piece,
-        wanted: Streams,
-        loader: &mut Loader,
+        piece: &MeshPiece,
+        wanted: VertexStreams,
+        loader: &mut GpuUploader,
         light_scale: f64,
     ) {
         let vertices = piece.vertices.iter();
@@ -320,11 +335,11 @@ impl Buffers {
     fn complete_facets(
         &mut self,
         mesh: &Mesh,
-        piece: &Piece,
+        piece: &MeshPiece,
         origin: DVec3,
-        source: &Source,
+        source: &FacetSource,
         scale: f64,
-        loader: &mut Loader,
+        loader: &mut GpuUploader,
     ) {
         if self.facets.is_none() {
             let corner = |&t: &u32| relative(mesh, piece.vertices[t as usize][0], origin);
@@ -338,35 +353,35 @@ impl Buffers {
 }
 
 /// Where the numbers of faces come from.
-enum Source<'a> {
+enum FacetSource<'a> {
     None,
     Light(&'a Mesh),
     Values(FaceValues<'a>),
 }
 
-impl<'a> Source<'a> {
-    fn new(drawn: &Drawn<'a>, facets: Facets) -> Source<'a> {
+impl<'a> FacetSource<'a> {
+    fn new(drawn: &MeshInstance<'a>, facets: FacetAttribute) -> FacetSource<'a> {
         match (facets, drawn.face_values) {
-            (Facets::Light, _) if is_solved(drawn.mesh) => Source::Light(drawn.mesh),
-            (Facets::Values, Some(values)) => Source::Values(values),
-            _ => Source::None,
+            (FacetAttribute::Light, _) if is_solved(drawn.mesh) => FacetSource::Light(drawn.mesh),
+            (FacetAttribute::Values, Some(values)) => FacetSource::Values(values),
+            _ => FacetSource::None,
         }
     }
 
-    fn key(&self, drawn: &Drawn) -> Option<u64> {
+    fn key(&self, drawn: &MeshInstance) -> Option<u64> {
         match self {
             // Where nothing is known, another mode's numbers must not stay.
-            Source::None => Some(u64::MAX),
-            Source::Light(_) => Some(drawn.light_key),
-            Source::Values(values) => Some(values.key),
+            FacetSource::None => Some(u64::MAX),
+            FacetSource::Light(_) => Some(drawn.light_key),
+            FacetSource::Values(values) => Some(values.key),
         }
     }
 
     fn brightest(&self) -> f64 {
         match self {
-            Source::None => 0.0,
-            Source::Light(mesh) => brightest(mesh),
-            Source::Values(values) => {
+            FacetSource::None => 0.0,
+            FacetSource::Light(mesh) => brightest(mesh),
+            FacetSource::Values(values) => {
                 let finite = values.values.iter().filter(|v| v.is_finite());
                 positive(f64::from(finite.fold(0f32, |most, &v| most.max(v))))
             }
@@ -377,13 +392,13 @@ impl<'a> Source<'a> {
     fn packed(&self, face: u32, scale: f64) -> [u16; 4] {
         let unknown = [0; 4];
         match self {
-            Source::None => unknown,
-            Source::Light(mesh) => {
+            FacetSource::None => unknown,
+            FacetSource::Light(mesh) => {
                 let corners = mesh.faces.get(face as usize);
                 let all = corners.iter().map(|&v| mesh.irradiance[v as usize]);
                 halves(all.sum::<Rgb>() / corners.len() as f64, scale)
             }
-            Source::Values(values) => match values.values.get(face as usize) {
+            FacetSource::Values(values) => match values.values.get(face as usize) {
                 Some(v) if v.is_finite() => halves(Rgb::grey(f64::from(*v)), scale),
                 _ => unknown,
             },

@@ -1,6 +1,6 @@
 //! Pictures of a scene by the graphics card, or by a driver that does without one.
 //!
-//! Data in, picture out: a [`Frame`] says what is to be seen and how, a [`Renderer`] draws it into
+//! Data in, picture out: a [`ViewportFrame`] says what is to be seen and how, a [`Renderer`] draws it into
 //! a texture of its own, which egui shows and [`Renderer::read`] reads back. Nothing here knows
 //! the document or the window.
 //!
@@ -35,12 +35,14 @@ mod target;
 mod tests;
 mod walk;
 
-pub use device::Headless;
+pub use device::HeadlessDevice;
 pub use display::{chord_error, display_mesh};
 pub use error::GpuError;
-pub use frame::{Background, Drawn, FaceValues, Frame, Picture, Quantity, Scale};
-pub use overlay::{Ink, Line, Overlay, Triangle};
-pub use pick::{Pick, pick, pick_rectangle};
+pub use frame::{
+    Background, ColorScalar, ColorScale, FaceValues, MeshInstance, TextureSource, ViewportFrame,
+};
+pub use overlay::{Overlay, OverlayLine, OverlayStyle, OverlayTriangle};
+pub use pick::{PickHit, pick, pick_rectangle};
 pub use projection::Projection;
-pub use renderer::{Renderer, Shown, Statistics};
-pub use target::Pixels;
+pub use renderer::{DrawnFrame, RenderStatistics, Renderer};
+pub use target::PixelBuffer;

@@ -12,7 +12,7 @@ const PIECES: u32 = 48;
 
 /// How something of an overlay looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ink {
+pub struct OverlayStyle {
     /// sRGB and opacity.
     pub color: [u8; 4],
     /// Width of lines, pixels.
@@ -21,10 +21,10 @@ pub struct Ink {
     pub on_top: bool,
 }
 
-impl Ink {
+impl OverlayStyle {
     /// Opaque lines of some width that surfaces hide.
-    pub fn new([r, g, b]: [u8; 3], width: f32) -> Ink {
-        Ink {
+    pub fn new([r, g, b]: [u8; 3], width: f32) -> OverlayStyle {
+        OverlayStyle {
             color: [r, g, b, 255],
             width,
             on_top: false,
@@ -32,8 +32,8 @@ impl Ink {
     }
 
     /// The same through surfaces.
-    pub fn on_top(self) -> Ink {
-        Ink {
+    pub fn on_top(self) -> OverlayStyle {
+        OverlayStyle {
             on_top: true,
             ..self
         }
@@ -42,31 +42,31 @@ impl Ink {
 
 /// A line in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct OverlayLine {
     /// One end.
     pub from: DVec3,
     /// The other.
     pub to: DVec3,
     /// How it looks.
-    pub ink: Ink,
+    pub ink: OverlayStyle,
 }
 
 /// A triangle in the world, seen from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Triangle {
+pub struct OverlayTriangle {
     /// Its corners.
     pub corners: [DVec3; 3],
     /// How it looks.
-    pub ink: Ink,
+    pub ink: OverlayStyle,
 }
 
 /// What is drawn beside the model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
     /// Lines.
-    pub lines: Vec<Line>,
+    pub lines: Vec<OverlayLine>,
     /// Triangles, drawn in their order, before the lines.
-    pub triangles: Vec<Triangle>,
+    pub triangles: Vec<OverlayTriangle>,
 }
 
 impl Overlay {
@@ -80,12 +80,12 @@ impl Overlay {
     }
 
     /// A line.
-    pub fn line(&mut self, from: DVec3, to: DVec3, ink: Ink) {
-        self.lines.push(Line { from, to, ink });
+    pub fn line(&mut self, from: DVec3, to: DVec3, ink: OverlayStyle) {
+        self.lines.push(OverlayLine { from, to, ink });
     }
 
     /// Lines through points; back to the first if it is closed.
-    pub fn polyline(&mut self, points: &[DVec3], is_closed: bool, ink: Ink) {
+    pub fn polyline(&mut self, points: &[DVec3], is_closed: bool, ink: OverlayStyle) {
         points.windows(2).for_each(|w| self.line(w[0], w[1], ink));
         if let (true, [first, .., last]) = (is_closed, points) {
             self.line(*last, *first, ink);
@@ -93,19 +93,19 @@ impl Overlay {
     }
 
     /// A triangle.
-    pub fn triangle(&mut self, corners: [DVec3; 3], ink: Ink) {
-        self.triangles.push(Triangle { corners, ink });
+    pub fn triangle(&mut self, corners: [DVec3; 3], ink: OverlayStyle) {
+        self.triangles.push(OverlayTriangle { corners, ink });
     }
 
     /// A filled parallelogram.
-    pub fn parallelogram(&mut self, corner: DVec3, a: DVec3, b: DVec3, ink: Ink) {
+    pub fn parallelogram(&mut self, corner: DVec3, a: DVec3, b: DVec3, ink: OverlayStyle) {
         let opposite = corner + a + b;
         self.triangle([corner, corner + a, opposite], ink);
         self.triangle([corner, opposite, corner + b], ink);
     }
 
     /// A line with a filled head at its end, an eighth of its length.
-    pub fn arrow(&mut self, from: DVec3, to: DVec3, ink: Ink) {
+    pub fn arrow(&mut self, from: DVec3, to: DVec3, ink: OverlayStyle) {
         let along = to - from;
         let neck = to - 0.125 * along;
         self.line(from, neck, ink);
@@ -118,7 +118,7 @@ impl Overlay {
     }
 
     /// The edges of a placed box.
-    pub fn cuboid(&mut self, bounds: Aabb, world_from_object: DAffine3, ink: Ink) {
+    pub fn cuboid(&mut self, bounds: Aabb, world_from_object: DAffine3, ink: OverlayStyle) {
         if bounds.is_empty() {
             return;
         }
@@ -143,13 +143,13 @@ impl Overlay {
     }
 
     /// A circle around a normal of any length.
-    pub fn circle(&mut self, centre: DVec3, normal: DVec3, radius: f64, ink: Ink) {
+    pub fn circle(&mut self, centre: DVec3, normal: DVec3, radius: f64, ink: OverlayStyle) {
         self.polyline(&ring(centre, normal, radius, PIECES), true, ink);
     }
 
     /// The cone of a spot light: `half_angle` from its axis, radians, at most a right angle;
     /// `along` reaches from the apex to its base.
-    pub fn cone(&mut self, apex: DVec3, along: DVec3, half_angle: f64, ink: Ink) {
+    pub fn cone(&mut self, apex: DVec3, along: DVec3, half_angle: f64, ink: OverlayStyle) {
         // Towards a right angle the base would be infinite: there the rays have a fixed length.
         let (sin, cos) = half_angle.clamp(0.0, 0.5 * TAU).sin_cos();
         let length = along.length();
@@ -161,7 +161,7 @@ impl Overlay {
     }
 
     /// Three lines along the axes through a point, each as long as `size`.
-    pub fn cross(&mut self, centre: DVec3, size: f64, ink: Ink) {
+    pub fn cross(&mut self, centre: DVec3, size: f64, ink: OverlayStyle) {
         for axis in DVec3::AXES {
             self.line(centre - 0.5 * size * axis, centre + 0.5 * size * axis, ink);
         }
@@ -221,7 +221,7 @@ pub(super) fn corners(overlay: &Overlay, view: &Projection) -> (Vec<u32>, u32) {
 /// Words of a corner.
 pub(super) const WORDS: usize = 5;
 
-fn push(words: &mut Vec<u32>, clip: DVec4, nearer: f64, ink: Ink) {
+fn push(words: &mut Vec<u32>, clip: DVec4, nearer: f64, ink: OverlayStyle) {
     let z = (clip.z * nearer).min(clip.w.max(clip.z));
     let place = DVec4::new(clip.x, clip.y, z, clip.w).as_vec4();
     words.extend(place.to_array().map(f32::to_bits));
@@ -229,7 +229,7 @@ fn push(words: &mut Vec<u32>, clip: DVec4, nearer: f64, ink: Ink) {
 }
 
 /// The four corners of a line of some width; `None` behind the near plane.
-fn ribbon(line: &Line, view: &Projection) -> Option<[DVec4; 4]> {
+fn ribbon(line: &OverlayLine, view: &Projection) -> Option<[DVec4; 4]> {
     let (mut a, mut b) = (view.to_view(line.from), view.to_view(line.to));
     let near = -view.near();
     if a.z > near && b.z > near || !(a + b).is_finite() {

@@ -2,7 +2,7 @@
 //!
 //! Every triangle is asked: no structure is kept that would have to follow every edit.
 
-use super::frame::Drawn;
+use super::frame::MeshInstance;
 use super::projection::Projection;
 use azulejo::scene::Mesh;
 use azulejo::scene::math::{Aabb, Ray};
@@ -14,7 +14,7 @@ const BLOCK: usize = 1 << 14;
 
 /// Where a ray meets the nearest face.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pick {
+pub struct PickHit {
     /// Its place among the objects.
     pub object: usize,
     /// The face of its mesh.
@@ -33,19 +33,19 @@ pub struct Pick {
 
 /// The nearest face that `ray` meets, or `None`. With `hides_backs` faces that show their back are
 /// passed.
-pub fn pick(objects: &[Drawn], ray: &Ray, hides_backs: bool) -> Option<Pick> {
-    let mut nearest: Option<Pick> = None;
+pub fn pick(objects: &[MeshInstance], ray: &Ray, hides_backs: bool) -> Option<PickHit> {
+    let mut nearest: Option<PickHit> = None;
     for (object, drawn) in objects.iter().enumerate() {
         let mut own = *ray;
         own.t_max = nearest.map_or(ray.t_max, |n| n.distance);
         if let Some(pick) = pick_in(drawn, &own, hides_backs) {
-            nearest = Some(Pick { object, ..pick });
+            nearest = Some(PickHit { object, ..pick });
         }
     }
     nearest
 }
 
-fn pick_in(drawn: &Drawn, ray: &Ray, hides_backs: bool) -> Option<Pick> {
+fn pick_in(drawn: &MeshInstance, ray: &Ray, hides_backs: bool) -> Option<PickHit> {
     let place = drawn.world_from_object;
     let from_world = place.inverse();
     if !from_world.is_finite() {
@@ -72,7 +72,7 @@ fn pick_in(drawn: &Drawn, ray: &Ray, hides_backs: bool) -> Option<Pick> {
         by_distance.then(a.face.cmp(&b.face))
     })?;
     let position = place.transform_point3(local.at(nearest.distance));
-    Some(Pick {
+    Some(PickHit {
         position,
         ..nearest
     })
@@ -83,7 +83,7 @@ fn pick_among(
     faces: std::ops::Range<usize>,
     ray: &Ray,
     hides_backs: bool,
-) -> Option<Pick> {
+) -> Option<PickHit> {
     let mut ray = *ray;
     let mut nearest = None;
     let mut triangles = Vec::new();
@@ -103,7 +103,7 @@ fn pick_among(
             };
             if is_front || !hides_backs {
                 ray.t_max = distance;
-                nearest = Some(Pick {
+                nearest = Some(PickHit {
                     object: 0,
                     face,
                     distance,
@@ -162,7 +162,7 @@ fn meet([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
 /// The objects of which a corner lies in a rectangle of the picture, pixels from the upper left
 /// corner, whatever hides them.
 pub fn pick_rectangle(
-    objects: &[Drawn],
+    objects: &[MeshInstance],
     view: &Projection,
     corner: DVec2,
     opposite: DVec2,
@@ -172,7 +172,7 @@ pub fn pick_rectangle(
         let pixel = view.project(place.transform_point3(p));
         pixel.is_some_and(|q| q.cmpge(low).all() && q.cmple(high).all())
     };
-    let touches = |drawn: &Drawn| {
+    let touches = |drawn: &MeshInstance| {
         let mesh = drawn.mesh;
         let corners = mesh.faces.corners.par_iter();
         corners.any(|&v| is_inside(&drawn.world_from_object, mesh.positions[v as usize]))
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn the_nearest_of_all_is_picked() {
         let (near, far) = (ball(DVec3::Z), ball(-3.0 * DVec3::Z));
-        let objects = [Drawn::new(1, &far), Drawn::new(2, &near)];
+        let objects = [MeshInstance::new(1, &far), MeshInstance::new(2, &near)];
         let ray = Ray::new(DVec3::new(0.1, 0.2, 9.0), -2.0 * DVec3::Z);
         let hit = pick(&objects, &ray, false).expect("a ball");
         assert!(hit.object == 1 && hit.is_front);
@@ -215,12 +215,12 @@ mod tests {
         };
         flat.push_face(&[0, 1, 2], 0);
         for mesh in [mesh, flat, Mesh::default()] {
-            let mut drawn = Drawn::new(1, &mesh);
+            let mut drawn = MeshInstance::new(1, &mesh);
             drawn.world_from_object = DAffine3::from_rotation_translation(
                 glam::DQuat::from_rotation_z(0.4),
                 DVec3::new(5.0, 1.0, -2.0),
             );
-            let boxed = Drawn {
+            let boxed = MeshInstance {
                 bounds: Some(mesh.bounds()),
                 ..drawn
             };
@@ -237,7 +237,7 @@ mod tests {
     fn places_far_away_and_mirrored_count() {
         let mesh = ball(DVec3::ZERO);
         let offset = DVec3::new(3e6, -2e6, 1e6);
-        let mut drawn = Drawn::new(1, &mesh);
+        let mut drawn = MeshInstance::new(1, &mesh);
         drawn.world_from_object = DAffine3::from_scale_rotation_translation(
             DVec3::new(-2.0, 2.0, 2.0),
             glam::DQuat::from_rotation_x(0.3),
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn backs_can_be_passed() {
         let mesh = ball(DVec3::ZERO);
-        let drawn = [Drawn::new(1, &mesh)];
+        let drawn = [MeshInstance::new(1, &mesh)];
         let from_inside = Ray::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0));
         let back = pick(&drawn, &from_inside, false).expect("the back");
         assert!(!back.is_front);
@@ -269,7 +269,7 @@ mod tests {
             .map(|(x, y)| DVec3::new(f64::from(x), f64::from(y), 0.0))
             .to_vec();
         mesh.push_face(&[0, 1, 2, 3, 4, 5], 0);
-        let drawn = [Drawn::new(1, &mesh)];
+        let drawn = [MeshInstance::new(1, &mesh)];
         let met = |x, y| {
             let ray = Ray::new(DVec3::new(x, y, 5.0), -DVec3::Z);
             pick(&drawn, &ray, false).is_some()
@@ -280,7 +280,7 @@ mod tests {
     #[test]
     fn a_rectangle_takes_what_it_touches() {
         let (left, right) = (ball(-2.0 * DVec3::X), ball(2.0 * DVec3::X));
-        let objects = [Drawn::new(1, &left), Drawn::new(2, &right)];
+        let objects = [MeshInstance::new(1, &left), MeshInstance::new(2, &right)];
         let camera = Camera {
             name: String::new(),
             eye: 10.0 * DVec3::Z,

@@ -1,6 +1,6 @@
 //! Textures and background pictures in the card's memory.
 
-use super::frame::Picture;
+use super::frame::TextureSource;
 use azulejo::render::srgb_from_linear;
 use azulejo::scene::Image;
 use rayon::prelude::*;
@@ -14,22 +14,22 @@ const MOST_PIXELS: u32 = 4096;
 const STEPS: usize = 1 << 14;
 
 /// Pictures by the keys of those that are multiplied in them.
-pub struct Pictures {
-    loaded: HashMap<Vec<u64>, Loaded>,
+pub struct TextureCache {
+    loaded: HashMap<Vec<u64>, LoadedTexture>,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
     white: wgpu::BindGroup,
     white_view: wgpu::TextureView,
 }
 
-struct Loaded {
+struct LoadedTexture {
     view: wgpu::TextureView,
     group: wgpu::BindGroup,
     used: u64,
 }
 
-impl Pictures {
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Pictures {
+impl TextureCache {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> TextureCache {
         let layout = layout(device);
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("pictures"),
@@ -46,7 +46,7 @@ impl Pictures {
             pixels: vec![[1.0; 3]],
         };
         let white_view = load(device, queue, Cow::Borrowed(&white));
-        Pictures {
+        TextureCache {
             loaded: HashMap::new(),
             white: group(device, &layout, &white_view, &sampler),
             white_view,
@@ -69,11 +69,11 @@ impl Pictures {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        pictures: &[Picture],
+        pictures: &[TextureSource],
         frame: u64,
     ) -> Option<Vec<u64>> {
-        let has_pixels = |p: &&Picture| p.image.is_some_and(|i| !i.pixels.is_empty());
-        let pictures: Vec<&Picture> = pictures.iter().filter(has_pixels).collect();
+        let has_pixels = |p: &&TextureSource| p.image.is_some_and(|i| !i.pixels.is_empty());
+        let pictures: Vec<&TextureSource> = pictures.iter().filter(has_pixels).collect();
         let key: Vec<u64> = pictures.iter().map(|p| p.key).collect();
         if let Some(loaded) = self.loaded.get_mut(&key) {
             loaded.used = frame;
@@ -81,7 +81,7 @@ impl Pictures {
         }
         let images: Vec<&Image> = pictures.iter().filter_map(|p| p.image).collect();
         let view = load(device, queue, product(&images)?);
-        let loaded = Loaded {
+        let loaded = LoadedTexture {
             group: group(device, &self.layout, &view, &self.sampler),
             view,
             used: frame,

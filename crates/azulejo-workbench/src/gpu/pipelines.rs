@@ -7,8 +7,8 @@ use std::collections::HashMap;
 
 /// A pipeline by what it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Way {
-    pub stage: Stage,
+pub struct PipelineKey {
+    pub stage: DrawStage,
     pub samples: u32,
     /// What is left out, seen from the card: with mirrored objects the fronts.
     pub culled: Option<wgpu::Face>,
@@ -16,12 +16,12 @@ pub struct Way {
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Stage {
+pub enum DrawStage {
     Background,
     /// Triangles over shared vertices, by the function for their pixels.
     Surface {
         shade: &'static str,
-        has: Attributes,
+        has: VertexAttributes,
         is_glass: bool,
     },
     /// Triangles of their own.
@@ -37,21 +37,21 @@ pub enum Stage {
     },
     Points,
     Chosen,
-    Ink {
+    OverlayStyle {
         on_top: bool,
     },
 }
 
 /// Which attributes have a value for each vertex; the others have one for all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Attributes {
+pub struct VertexAttributes {
     pub normals: bool,
     pub light: bool,
     pub colors: bool,
     pub uvs: bool,
 }
 
-pub struct Pipelines {
+pub struct RenderPipelines {
     shader: wgpu::ShaderModule,
     pub frame: wgpu::BindGroupLayout,
     /// One number block at an offset: objects, and materials.
@@ -59,11 +59,11 @@ pub struct Pipelines {
     with_all: wgpu::PipelineLayout,
     with_object: wgpu::PipelineLayout,
     with_frame: wgpu::PipelineLayout,
-    made: HashMap<Way, wgpu::RenderPipeline>,
+    made: HashMap<PipelineKey, wgpu::RenderPipeline>,
 }
 
-impl Pipelines {
-    pub fn new(device: &wgpu::Device, picture: &wgpu::BindGroupLayout) -> Pipelines {
+impl RenderPipelines {
+    pub fn new(device: &wgpu::Device, picture: &wgpu::BindGroupLayout) -> RenderPipelines {
         let frame = frame_layout(device);
         let block = block_layout(device);
         let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
@@ -72,7 +72,7 @@ impl Pipelines {
                 ..wgpu::PipelineLayoutDescriptor::default()
             })
         };
-        Pipelines {
+        RenderPipelines {
             shader: device.create_shader_module(wgpu::include_wgsl!("draw.wgsl")),
             with_all: layout(&[Some(&frame), Some(&block), Some(&block), Some(picture)]),
             with_object: layout(&[Some(&frame), Some(&block)]),
@@ -84,7 +84,7 @@ impl Pipelines {
     }
 
     /// Makes a pipeline that is not there yet.
-    pub fn prepare(&mut self, device: &wgpu::Device, way: Way) {
+    pub fn prepare(&mut self, device: &wgpu::Device, way: PipelineKey) {
         if !self.made.contains_key(&way) {
             let pipeline = self.make(device, way);
             self.made.insert(way, pipeline);
@@ -92,15 +92,15 @@ impl Pipelines {
     }
 
     /// A pipeline that was prepared.
-    pub fn get(&self, way: Way) -> Option<&wgpu::RenderPipeline> {
+    pub fn get(&self, way: PipelineKey) -> Option<&wgpu::RenderPipeline> {
         self.made.get(&way)
     }
 
-    fn make(&self, device: &wgpu::Device, way: Way) -> wgpu::RenderPipeline {
-        let recipe = Recipe::of(way.stage);
+    fn make(&self, device: &wgpu::Device, way: PipelineKey) -> wgpu::RenderPipeline {
+        let recipe = PipelineState::of(way.stage);
         let layout = match way.stage {
-            Stage::Surface { .. } | Stage::Facets { .. } => &self.with_all,
-            Stage::Background | Stage::Ink { .. } => &self.with_frame,
+            DrawStage::Surface { .. } | DrawStage::Facets { .. } => &self.with_all,
+            DrawStage::Background | DrawStage::OverlayStyle { .. } => &self.with_frame,
             _ => &self.with_object,
         };
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -145,7 +145,7 @@ impl Pipelines {
 }
 
 /// What stages differ in.
-struct Recipe {
+struct PipelineState {
     corner: &'static str,
     shade: &'static str,
     buffers: Vec<Option<wgpu::VertexBufferLayout<'static>>>,
@@ -156,11 +156,11 @@ struct Recipe {
     bias: wgpu::DepthBiasState,
 }
 
-impl Recipe {
-    fn of(stage: Stage) -> Recipe {
+impl PipelineState {
+    fn of(stage: DrawStage) -> PipelineState {
         use wgpu::CompareFunction::{Always, Greater, GreaterEqual};
         use wgpu::PrimitiveTopology as Topology;
-        let usual = Recipe {
+        let usual = PipelineState {
             corner: "same_place",
             shade: "line",
             buffers: vec![Some(position(wgpu::VertexStepMode::Vertex))],
@@ -171,7 +171,7 @@ impl Recipe {
             bias: wgpu::DepthBiasState::default(),
         };
         match stage {
-            Stage::Background => Recipe {
+            DrawStage::Background => PipelineState {
                 corner: "whole_picture",
                 shade: "background",
                 buffers: Vec::new(),
@@ -179,11 +179,11 @@ impl Recipe {
                 writes_depth: false,
                 ..usual
             },
-            Stage::Surface {
+            DrawStage::Surface {
                 shade,
                 has,
                 is_glass,
-            } => Recipe {
+            } => PipelineState {
                 corner: "surface",
                 shade,
                 buffers: surface(has),
@@ -191,12 +191,12 @@ impl Recipe {
                 blends: is_glass,
                 ..usual
             },
-            Stage::Facets { shade, is_glass } => Recipe {
+            DrawStage::Facets { shade, is_glass } => PipelineState {
                 corner: "surface",
                 shade,
-                buffers: surface(Attributes {
+                buffers: surface(VertexAttributes {
                     light: true,
-                    ..Attributes::default()
+                    ..VertexAttributes::default()
                 }),
                 writes_depth: !is_glass,
                 blends: is_glass,
@@ -207,25 +207,25 @@ impl Recipe {
                 },
                 ..usual
             },
-            Stage::Hiding => Recipe {
+            DrawStage::Hiding => PipelineState {
                 shade: "hidden",
                 bias: backward(),
                 ..usual
             },
-            Stage::Edges { is_faint } => Recipe {
+            DrawStage::Edges { is_faint } => PipelineState {
                 corner: "edge",
                 topology: Topology::LineList,
                 compare: GreaterEqual,
                 blends: is_faint,
                 ..usual
             },
-            Stage::Points => Recipe {
+            DrawStage::Points => PipelineState {
                 corner: "dot_corner",
                 topology: Topology::TriangleStrip,
                 buffers: vec![Some(position(wgpu::VertexStepMode::Instance))],
                 ..usual
             },
-            Stage::Chosen => Recipe {
+            DrawStage::Chosen => PipelineState {
                 corner: "edge",
                 shade: "chosen",
                 compare: GreaterEqual,
@@ -233,7 +233,7 @@ impl Recipe {
                 blends: true,
                 ..usual
             },
-            Stage::Ink { on_top } => Recipe {
+            DrawStage::OverlayStyle { on_top } => PipelineState {
                 corner: "inked",
                 shade: "ink",
                 buffers: vec![Some(inked())],
@@ -272,7 +272,7 @@ fn inked() -> wgpu::VertexBufferLayout<'static> {
 }
 
 /// Five buffers; those that are not there hold one value for all.
-fn surface(has: Attributes) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
+fn surface(has: VertexAttributes) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
     let optional = |is_there, array_stride, attributes| {
         Some(wgpu::VertexBufferLayout {
             array_stride,

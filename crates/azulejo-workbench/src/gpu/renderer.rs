@@ -1,16 +1,16 @@
 //! From a frame to its picture.
 
 use super::GpuError;
-use super::blocks::{self, Blocks};
-use super::device::{Listener, guarded};
-use super::frame::{Background, Drawn, Frame, Picture};
-use super::geometry::{Facets, Geometry, Loader};
+use super::blocks::{self, UniformBlocks};
+use super::device::{DeviceErrors, guarded};
+use super::frame::{Background, MeshInstance, TextureSource, ViewportFrame};
+use super::geometry::{FacetAttribute, GpuMesh, GpuUploader};
 use super::overlay;
-use super::pass::{Encoder, Plan, Seen};
-use super::pictures::Pictures;
-use super::pipelines::Pipelines;
+use super::pass::{DrawPlan, PassEncoder, VisibleObject};
+use super::pictures::TextureCache;
+use super::pipelines::RenderPipelines;
 use super::projection::Projection;
-use super::target::{COLOR, Pixels, SAMPLES, Target};
+use super::target::{COLOR, PixelBuffer, RenderTarget, SAMPLES};
 use crate::view::ColorMap;
 use std::collections::HashMap;
 
@@ -25,30 +25,30 @@ const PATIENCE: u64 = 2;
 pub struct Renderer {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    listener: Listener,
+    listener: DeviceErrors,
     can_smooth: bool,
-    pipelines: Pipelines,
-    pictures: Pictures,
-    geometries: HashMap<u64, Geometry>,
-    target: Option<Target>,
+    pipelines: RenderPipelines,
+    pictures: TextureCache,
+    geometries: HashMap<u64, GpuMesh>,
+    target: Option<RenderTarget>,
     frame_block: wgpu::Buffer,
-    object_blocks: Blocks,
-    material_blocks: Blocks,
+    object_blocks: UniformBlocks,
+    material_blocks: UniformBlocks,
     color_map: (ColorMap, wgpu::TextureView),
-    constants: Constants,
+    constants: DefaultAttributes,
     number: u64,
-    statistics: Statistics,
+    statistics: RenderStatistics,
 }
 
 /// One value for all vertices of meshes that lack an attribute.
-pub struct Constants {
+pub struct DefaultAttributes {
     pub zeros: wgpu::Buffer,
     pub ones: wgpu::Buffer,
 }
 
 /// The picture of a frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
+pub struct DrawnFrame<'a> {
     /// sRGB bytes in the format `Rgba8Unorm`, opaque, as egui takes them.
     pub view: &'a wgpu::TextureView,
     /// Whether the view is another one than that of the frame before, so that it must be
@@ -58,7 +58,7 @@ pub struct Shown<'a> {
 
 /// What the last frame took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
+pub struct RenderStatistics {
     /// Objects that can be in the picture.
     pub objects: usize,
     /// Bytes brought to the card for this frame, uniforms and overlay left out.
@@ -74,10 +74,10 @@ impl Renderer {
     /// # Errors
     /// [`GpuError::Rejected`] if the driver does not take the shaders, [`GpuError::Lost`].
     pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Renderer, GpuError> {
-        let listener = Listener::new(&device);
+        let listener = DeviceErrors::new(&device);
         listener.check()?;
         let can_smooth = guarded(&device, || {
-            Target::new(&device, [4, 4], SAMPLES);
+            RenderTarget::new(&device, [4, 4], SAMPLES);
             Ok(())
         });
         guarded(&device.clone(), || {
@@ -88,11 +88,11 @@ impl Renderer {
     fn build(
         device: wgpu::Device,
         queue: wgpu::Queue,
-        listener: Listener,
+        listener: DeviceErrors,
         can_smooth: bool,
     ) -> Renderer {
-        let pictures = Pictures::new(&device, &queue);
-        let pipelines = Pipelines::new(&device, pictures.layout());
+        let pictures = TextureCache::new(&device, &queue);
+        let pipelines = RenderPipelines::new(&device, pictures.layout());
         let frame_block = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
             size: 4 * blocks::FRAME_WORDS as u64,
@@ -100,14 +100,14 @@ impl Renderer {
             mapped_at_creation: false,
         });
         Renderer {
-            object_blocks: Blocks::new(&device, &pipelines.block, 1),
-            material_blocks: Blocks::new(&device, &pipelines.block, 1),
+            object_blocks: UniformBlocks::new(&device, &pipelines.block, 1),
+            material_blocks: UniformBlocks::new(&device, &pipelines.block, 1),
             color_map: load_map(&device, &queue, ColorMap::default()),
-            constants: Constants::new(&device, &queue),
+            constants: DefaultAttributes::new(&device, &queue),
             geometries: HashMap::new(),
             target: None,
             number: 0,
-            statistics: Statistics::default(),
+            statistics: RenderStatistics::default(),
             device,
             queue,
             listener,
@@ -123,7 +123,7 @@ impl Renderer {
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`] (after what is not in the frame was
     /// freed), [`GpuError::Lost`], [`GpuError::Rejected`].
-    pub fn draw(&mut self, frame: &Frame) -> Result<Shown<'_>, GpuError> {
+    pub fn draw(&mut self, frame: &ViewportFrame) -> Result<DrawnFrame<'_>, GpuError> {
         self.listener.check()?;
         let size = frame.size.map(|n| n.max(1));
         let most = self.device.limits().max_texture_dimension_2d;
@@ -148,14 +148,14 @@ impl Renderer {
         self.listener.check()?;
         let view = self.target.as_ref().map(|t| &t.view);
         let view = view.ok_or(GpuError::OutOfMemory)?;
-        Ok(Shown { view, is_new })
+        Ok(DrawnFrame { view, is_new })
     }
 
     /// Reads the last picture back.
     ///
     /// # Errors
     /// [`GpuError::Rejected`] before the first picture, and the errors of [`draw`](Self::draw).
-    pub fn read(&self) -> Result<Pixels, GpuError> {
+    pub fn read(&self) -> Result<PixelBuffer, GpuError> {
         self.listener.check()?;
         let target = self.target.as_ref().ok_or_else(|| GpuError::Rejected {
             reason: "nothing was drawn yet".to_owned(),
@@ -163,7 +163,7 @@ impl Renderer {
         guarded(&self.device, || target.read(&self.device, &self.queue))
     }
 
-    /// Whether the card is the processor: then pictures without [`Frame::antialiasing`] come about
+    /// Whether the card is the processor: then pictures without [`ViewportFrame::antialiasing`] come about
     /// three times as fast.
     pub fn is_software(&self) -> bool {
         let info = self.device.adapter_info();
@@ -183,7 +183,7 @@ impl Renderer {
     }
 
     /// What the last frame took.
-    pub fn statistics(&self) -> Statistics {
+    pub fn statistics(&self) -> RenderStatistics {
         self.statistics
     }
 
@@ -201,10 +201,10 @@ impl Renderer {
     }
 
     /// Whether the view is new.
-    fn try_draw(&mut self, frame: &Frame, size: [u32; 2]) -> Result<bool, GpuError> {
+    fn try_draw(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> Result<bool, GpuError> {
         self.number += 1;
         let is_new = self.resize(frame, size);
-        let plan = Plan::of(frame.shading);
+        let plan = DrawPlan::of(frame.shading);
         if self.color_map.0 != frame.scale.map {
             self.color_map = load_map(&self.device, &self.queue, frame.scale.map);
         }
@@ -228,7 +228,7 @@ impl Renderer {
         let Some(target) = &self.target else {
             return Err(GpuError::OutOfMemory);
         };
-        let mut encoder = Encoder {
+        let mut encoder = PassEncoder {
             frame,
             view,
             plan,
@@ -255,25 +255,25 @@ impl Renderer {
     }
 
     /// Makes textures of the right kind; says whether they are new.
-    fn resize(&mut self, frame: &Frame, size: [u32; 2]) -> bool {
+    fn resize(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> bool {
         let samples = match frame.antialiasing && self.can_smooth {
             true => SAMPLES,
             false => 1,
         };
-        let fits = |t: &Target| t.size == size && t.samples == samples;
+        let fits = |t: &RenderTarget| t.size == size && t.samples == samples;
         let is_new = !self.target.as_ref().is_some_and(fits);
         if is_new {
             // The old textures go first.
             self.target = None;
-            self.target = Some(Target::new(&self.device, size, samples));
+            self.target = Some(RenderTarget::new(&self.device, size, samples));
         }
         is_new
     }
 
-    fn view(&mut self, frame: &Frame, size: [u32; 2]) -> Projection {
+    fn view(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> Projection {
         for drawn in frame.objects {
             let geometry = self.geometries.entry(drawn.key);
-            geometry.or_insert_with(|| Geometry::new(drawn.mesh)).used = self.number;
+            geometry.or_insert_with(|| GpuMesh::new(drawn.mesh)).used = self.number;
         }
         let objects = frame.objects.iter().filter_map(|drawn| {
             let geometry = self.geometries.get(&drawn.key)?;
@@ -287,11 +287,11 @@ impl Renderer {
     /// Brings what can be in the picture.
     fn load(
         &mut self,
-        frame: &Frame,
+        frame: &ViewportFrame,
         view: &Projection,
-        plan: &Plan,
-    ) -> Result<Vec<Seen>, GpuError> {
-        let mut loader = Loader::new(&self.device, &self.queue);
+        plan: &DrawPlan,
+    ) -> Result<Vec<VisibleObject>, GpuError> {
+        let mut loader = GpuUploader::new(&self.device, &self.queue);
         let mut seen = Vec::new();
         for (index, drawn) in frame.objects.iter().enumerate() {
             let Some(geometry) = self.geometries.get_mut(&drawn.key) else {
@@ -303,13 +303,13 @@ impl Renderer {
             }
             geometry.hold(drawn, plan.streams, &mut loader)?;
             geometry.select(drawn, &mut loader);
-            seen.push(Seen {
+            seen.push(VisibleObject {
                 index,
                 view_from: view.view_from(&drawn.world_from_object, geometry.origin),
                 stretch: stretch(drawn),
             });
         }
-        self.statistics = Statistics {
+        self.statistics = RenderStatistics {
             objects: seen.len(),
             bytes_loaded: loader.bytes,
             meshes_held: self.geometries.len(),
@@ -318,20 +318,20 @@ impl Renderer {
     }
 
     /// Of each material the key of its texture.
-    fn load_textures(&mut self, frame: &Frame, plan: &Plan) -> Vec<Option<Vec<u64>>> {
+    fn load_textures(&mut self, frame: &ViewportFrame, plan: &DrawPlan) -> Vec<Option<Vec<u64>>> {
         let pictures = &mut self.pictures;
         let mut key = |textures: &[u32]| {
             let known = textures
                 .iter()
                 .filter_map(|&t| frame.textures.get(t as usize));
-            let used: Vec<Picture> = known.copied().collect();
+            let used: Vec<TextureSource> = known.copied().collect();
             pictures.hold(&self.device, &self.queue, &used, self.number)
         };
         let all = materials(frame).map(|m| m.filter(|_| plan.streams.uvs));
         all.map(|m| m.and_then(|m| key(&m.textures))).collect()
     }
 
-    fn load_backdrop(&mut self, frame: &Frame) -> Option<Vec<u64>> {
+    fn load_backdrop(&mut self, frame: &ViewportFrame) -> Option<Vec<u64>> {
         let Background::Image { picture, .. } = frame.background else {
             return None;
         };
@@ -339,7 +339,7 @@ impl Renderer {
             .hold(&self.device, &self.queue, &[picture], self.number)
     }
 
-    fn load_overlay(&self, frame: &Frame, view: &Projection) -> (wgpu::Buffer, u32) {
+    fn load_overlay(&self, frame: &ViewportFrame, view: &Projection) -> (wgpu::Buffer, u32) {
         let (words, hidden) = overlay::corners(frame.overlay, view);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("overlay"),
@@ -354,19 +354,19 @@ impl Renderer {
 
     fn object_blocks(
         &self,
-        frame: &Frame,
+        frame: &ViewportFrame,
         view: &Projection,
-        seen: &[Seen],
-        plan: &Plan,
+        seen: &[VisibleObject],
+        plan: &DrawPlan,
     ) -> Vec<[f32; blocks::WORDS]> {
         let [r, g, b] = frame.selection_color.map(|x| f32::from(x) / 255.0);
-        let block = |s: &Seen| {
+        let block = |s: &VisibleObject| {
             let drawn = &frame.objects[s.index];
             let geometry = self.geometries.get(&drawn.key)?;
             let tint = [r, g, b, f32::from(u8::from(drawn.is_selected))];
             let scale = match plan.streams.facets {
-                Facets::None => geometry.light_scale,
-                Facets::Light | Facets::Values => geometry.facet_scale,
+                FacetAttribute::None => geometry.light_scale,
+                FacetAttribute::Light | FacetAttribute::Values => geometry.facet_scale,
             };
             Some(blocks::object(view, &s.view_from, geometry, tint, scale))
         };
@@ -394,18 +394,18 @@ impl Renderer {
         })
     }
 
-    fn free(&mut self, plan: &Plan) {
+    fn free(&mut self, plan: &DrawPlan) {
         let oldest = self.number.saturating_sub(PATIENCE);
         self.geometries.retain(|_, g| g.used >= oldest);
         self.pictures.free_before(oldest);
-        if plan.streams.facets == Facets::None {
-            self.geometries.values_mut().for_each(Geometry::drop_facets);
+        if plan.streams.facets == FacetAttribute::None {
+            self.geometries.values_mut().for_each(GpuMesh::drop_facets);
         }
     }
 }
 
-impl Constants {
-    fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Constants {
+impl DefaultAttributes {
+    fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> DefaultAttributes {
         let make = |bytes: [u8; 16]| {
             let buffer = device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("constant attribute"),
@@ -416,7 +416,7 @@ impl Constants {
             queue.write_buffer(&buffer, 0, &bytes);
             buffer
         };
-        Constants {
+        DefaultAttributes {
             zeros: make([0; 16]),
             ones: make([255; 16]),
         }
@@ -425,19 +425,19 @@ impl Constants {
 
 /// The frame's materials, and last what stands for those that are not there.
 fn materials<'a>(
-    frame: &'a Frame,
+    frame: &'a ViewportFrame,
 ) -> impl Iterator<Item = Option<&'a azulejo::scene::Material>> + use<'a> {
     frame.materials.iter().map(|&m| Some(m)).chain([None])
 }
 
 /// A sphere around a placed mesh.
-fn sphere(drawn: &Drawn, geometry: &Geometry) -> (glam::DVec3, f64) {
+fn sphere(drawn: &MeshInstance, geometry: &GpuMesh) -> (glam::DVec3, f64) {
     let centre = drawn.world_from_object.transform_point3(geometry.origin);
     (centre, geometry.radius * stretch(drawn))
 }
 
 /// By how much an object's place makes lengths longer, at most.
-fn stretch(drawn: &Drawn) -> f64 {
+fn stretch(drawn: &MeshInstance) -> f64 {
     let m = drawn.world_from_object.matrix3;
     let columns = [m.x_axis, m.y_axis, m.z_axis];
     let is_rigid = columns.iter().all(|c| (c.length() - 1.0).abs() < 1e-6)

@@ -12,7 +12,7 @@ pub const SAMPLES: u32 = 4;
 
 /// The pixels of a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pixels {
+pub struct PixelBuffer {
     /// Columns.
     pub width: u32,
     /// Rows.
@@ -21,7 +21,7 @@ pub struct Pixels {
     pub rgba: Vec<u8>,
 }
 
-impl Pixels {
+impl PixelBuffer {
     /// The sRGB colour in column `x`, row `y`.
     ///
     /// # Panics
@@ -39,7 +39,7 @@ impl Pixels {
 }
 
 /// Textures of one size.
-pub struct Target {
+pub struct RenderTarget {
     pub size: [u32; 2],
     pub samples: u32,
     texture: wgpu::Texture,
@@ -48,8 +48,8 @@ pub struct Target {
     depth: wgpu::TextureView,
 }
 
-impl Target {
-    pub fn new(device: &wgpu::Device, size: [u32; 2], samples: u32) -> Target {
+impl RenderTarget {
+    pub fn new(device: &wgpu::Device, size: [u32; 2], samples: u32) -> RenderTarget {
         use wgpu::TextureUsages as Usage;
         let make = |format, samples, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
@@ -67,7 +67,7 @@ impl Target {
         let drawn = Usage::RENDER_ATTACHMENT;
         let shown = Usage::TEXTURE_BINDING | Usage::COPY_SRC;
         let texture = make(COLOR, 1, drawn | shown);
-        Target {
+        RenderTarget {
             size,
             samples,
             view: view(&texture),
@@ -108,7 +108,11 @@ impl Target {
     }
 
     /// Waits for the picture and copies it.
-    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Pixels, GpuError> {
+    pub fn read(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<PixelBuffer, GpuError> {
         let [width, height] = self.size;
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let back = device.create_buffer(&wgpu::BufferDescriptor {
@@ -133,7 +137,7 @@ impl Target {
         queue.submit([encoder.finish()]);
         let rows = mapped(device, &back)?;
         let rgba = rows.chunks_exact(row as usize);
-        Ok(Pixels {
+        Ok(PixelBuffer {
             width,
             height,
             rgba: rgba

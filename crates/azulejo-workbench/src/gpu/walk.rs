@@ -13,7 +13,7 @@ const NONE: u32 = u32::MAX;
 
 /// Some faces of a mesh, sorted by material.
 #[derive(Debug, Default)]
-pub struct Piece {
+pub struct MeshPiece {
     /// Of each vertex: that of the mesh, and one of the corners that share it.
     pub vertices: Vec<[u32; 2]>,
     /// Three vertices of the piece per triangle.
@@ -31,9 +31,9 @@ pub struct Piece {
 pub fn walk<E>(
     mesh: &Mesh,
     with_edges: bool,
-    mut use_piece: impl FnMut(&Piece) -> Result<(), E>,
+    mut use_piece: impl FnMut(&MeshPiece) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut walker = Walker::new(mesh, with_edges);
+    let mut walker = PieceBuilder::new(mesh, with_edges);
     let mut visit = |face: usize| {
         if walker.is_full(face) {
             use_piece(walker.finish())?;
@@ -63,7 +63,7 @@ fn sorted_by_material(mesh: &Mesh) -> Option<Vec<u32>> {
     Some(order)
 }
 
-struct Walker<'a> {
+struct PieceBuilder<'a> {
     mesh: &'a Mesh,
     with_edges: bool,
     /// Whether one vertex of the mesh can be several here.
@@ -72,22 +72,22 @@ struct Walker<'a> {
     newest: Vec<u32>,
     /// The one made before from the same vertex of the mesh, for each vertex of the piece.
     before: Vec<u32>,
-    piece: Piece,
+    piece: MeshPiece,
     corners: Vec<u32>,
     triangles: Vec<[u32; 3]>,
 }
 
-impl<'a> Walker<'a> {
-    fn new(mesh: &'a Mesh, with_edges: bool) -> Walker<'a> {
+impl<'a> PieceBuilder<'a> {
+    fn new(mesh: &'a Mesh, with_edges: bool) -> PieceBuilder<'a> {
         let normals = mesh.normals.as_ref().is_some_and(|n| n.corners.is_some());
         let uvs = mesh.uvs.as_ref().is_some_and(|t| t.corners.is_some());
-        Walker {
+        PieceBuilder {
             mesh,
             with_edges,
             splits: normals || uvs,
             newest: vec![NONE; mesh.positions.len()],
             before: Vec::new(),
-            piece: Piece::default(),
+            piece: MeshPiece::default(),
             corners: Vec::new(),
             triangles: Vec::new(),
         }
@@ -166,7 +166,7 @@ impl<'a> Walker<'a> {
         agrees(normals) && agrees(uvs)
     }
 
-    fn finish(&mut self) -> &Piece {
+    fn finish(&mut self) -> &MeshPiece {
         if self.with_edges {
             self.piece.edges = unique(&self.piece);
         }
@@ -187,7 +187,7 @@ impl<'a> Walker<'a> {
 }
 
 /// The edges, once each: those between the same vertices of the mesh are the same.
-fn unique(piece: &Piece) -> Vec<u32> {
+fn unique(piece: &MeshPiece) -> Vec<u32> {
     // Ends as numbers of the mesh; the numbers of the piece, which are below 2^32, follow.
     let of_mesh = |v: u32| u64::from(piece.vertices[v as usize][0]);
     let mut edges: Vec<(u64, [u32; 2])> = piece
@@ -224,9 +224,9 @@ mod tests {
     }
 
     /// Numbers of vertices, triangles and edges, and the ranges of materials.
-    type Summary = (usize, usize, usize, Vec<(MaterialId, Range<u32>)>);
+    type PieceSummary = (usize, usize, usize, Vec<(MaterialId, Range<u32>)>);
 
-    fn pieces(mesh: &Mesh) -> Vec<Summary> {
+    fn pieces(mesh: &Mesh) -> Vec<PieceSummary> {
         let mut all = Vec::new();
         let Ok(()) = walk(mesh, true, |p| {
             let counts = (p.vertices.len(), p.faces.len(), p.edges.len() / 2);

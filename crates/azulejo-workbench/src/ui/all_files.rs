@@ -1,6 +1,6 @@
 //! A box beside the dialog for files: whether it shows those too whose names promise nothing.
 
-use super::desk::Desk;
+use super::desk::PanelContext;
 use egui::{Area, Context, Frame, Id, Order};
 use egui_file::FileDialog;
 use std::path::Path;
@@ -9,17 +9,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether all files are shown. What a file is, its content says in the end.
 #[derive(Default)]
-pub struct AllFiles(Arc<AtomicBool>);
+pub struct ShowAllFiles(Arc<AtomicBool>);
 
-impl AllFiles {
+impl ShowAllFiles {
     /// Which files the dialog lists: those of which `offers` is true, or all.
-    pub fn filter(&self, offers: impl Fn(&Path) -> bool + Send + Sync + 'static) -> Filter {
+    pub fn filter(&self, offers: impl Fn(&Path) -> bool + Send + Sync + 'static) -> FileFilter {
         let all = Arc::clone(&self.0);
         Box::new(move |path| all.load(Ordering::Relaxed) || offers(path))
     }
 
     /// Draws the box under the dialog of this name.
-    pub fn show(&self, context: &Context, desk: &Desk, id: Id, dialog: &mut FileDialog) {
+    pub fn show(&self, context: &Context, desk: &PanelContext, id: Id, dialog: &mut FileDialog) {
         let Some(rect) = context.memory(|m| m.area_rect(id)) else {
             return;
         };
@@ -43,4 +43,4 @@ impl AllFiles {
 }
 
 /// Whether a file is worth a line.
-type Filter = Box<dyn Fn(&Path) -> bool + Send + Sync + 'static>;
+type FileFilter = Box<dyn Fn(&Path) -> bool + Send + Sync + 'static>;

@@ -2,11 +2,11 @@
 
 use crate::app::App;
 use crate::command::{Command, Selection};
-use crate::document::{Edit, Id};
+use crate::document::{Edit, ItemId};
 use crate::words::Language;
 
 /// The state to show, and the wishes that come of it.
-pub struct Desk<'a> {
+pub struct PanelContext<'a> {
     /// What there is.
     pub app: &'a App,
     /// The language to say it in.
@@ -19,7 +19,7 @@ pub struct Desk<'a> {
     pub wishes: Vec<Command>,
 }
 
-impl Desk<'_> {
+impl PanelContext<'_> {
     /// `english` in the window's language.
     pub fn say(&self, english: &'static str) -> &'static str {
         self.language.say(english)
@@ -59,7 +59,7 @@ impl Desk<'_> {
     }
 
     /// Selects one thing, or adds it to the selection, or takes it away.
-    pub fn select(&mut self, id: Id, adds: bool) {
+    pub fn select(&mut self, id: ItemId, adds: bool) {
         let mut selection = match adds {
             true => self.app.selection.clone(),
             false => Selection::default(),

@@ -1,11 +1,11 @@
 //! Windows over the window: questions, files, letters, preferences, keys.
 
 use super::actions::{ACTIONS, Menu};
-use super::all_files::AllFiles;
-use super::desk::Desk;
+use super::all_files::ShowAllFiles;
+use super::desk::PanelContext;
 use super::prism::PrismDialog;
-use crate::app::{App, Question};
-use crate::command::{Ask, Command};
+use crate::app::{App, PendingQuestion};
+use crate::command::{Command, FileRequest};
 use crate::preferences::{MOST_GATHER, Preferences, Theme};
 use crate::view::ColorMap;
 use crate::words::Language;
@@ -17,10 +17,10 @@ use std::sync::Arc;
 /// What dialogs remember while they are open.
 #[derive(Default)]
 pub struct Dialogs {
-    files: Option<(Ask, FileDialog)>,
-    all_files: AllFiles,
+    files: Option<(FileRequest, FileDialog)>,
+    all_files: ShowAllFiles,
     /// A place to save at where there is a file already.
-    replacing: Option<(Ask, PathBuf)>,
+    replacing: Option<(FileRequest, PathBuf)>,
     /// The last folder that something was chosen in.
     folder: Option<PathBuf>,
     /// The letters that are being asked for.
@@ -47,7 +47,7 @@ pub struct TextDialog {
 }
 
 /// What was chosen for whom the app does not serve itself.
-pub enum Chosen {
+pub enum BrdfFileChoice {
     /// A reflection model to read.
     LoadBrdf(PathBuf),
     /// Where a reflection model goes.
@@ -74,7 +74,7 @@ const MODELS: [&str; 18] = [
 
 impl Dialogs {
     /// Draws what is open; returns a file that was chosen for somebody else.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
+    pub fn show(&mut self, ui: &mut Ui, desk: &mut PanelContext) -> Option<BrdfFileChoice> {
         self.question(ui, desk);
         self.recovery(ui, desk);
         self.ask_text(ui, desk);
@@ -99,18 +99,18 @@ impl Dialogs {
             || self.about
     }
 
-    fn question(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn question(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
         let Some(question) = desk.app.question.clone() else {
             return;
         };
         // While a save goes on or its place is chosen the question waits.
-        if desk.app.is_busy(crate::jobs::Kind::Save) || desk.app.asking.is_some() {
+        if desk.app.is_busy(crate::jobs::JobKind::Save) || desk.app.asking.is_some() {
             return;
         }
         let modal = Modal::new(Id::unique("question")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             match &question {
-                Question::Unsaved(_) => {
+                PendingQuestion::Unsaved(_) => {
                     ui.heading(desk.say("Changes are not saved"));
                     ui.label(desk.say("What you do next would lose them."));
                     ui.horizontal(|ui| {
@@ -121,11 +121,11 @@ impl Dialogs {
                             desk.wish(Command::Discard);
                         }
                         if ui.button(desk.say("Cancel")).clicked() {
-                            desk.wish(Command::Dismiss);
+                            desk.wish(Command::CancelPending);
                         }
                     });
                 }
-                Question::ChangedOnDisk(path) => {
+                PendingQuestion::ChangedOnDisk(path) => {
                     ui.heading(desk.say("The file has changed on the disk"));
                     ui.label(path.display().to_string());
                     ui.label(desk.say("Somebody wrote it since it was opened here."));
@@ -137,18 +137,18 @@ impl Dialogs {
                             desk.wish(Command::Discard);
                         }
                         if ui.button(desk.say("Cancel")).clicked() {
-                            desk.wish(Command::Dismiss);
+                            desk.wish(Command::CancelPending);
                         }
                     });
                 }
             }
         });
         if modal.should_close() {
-            desk.wish(Command::Dismiss);
+            desk.wish(Command::CancelPending);
         }
     }
 
-    fn recovery(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn recovery(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
         let found = desk.app.recoverable();
         if self.asked_recovery || found.is_empty() {
             return;
@@ -168,7 +168,7 @@ impl Dialogs {
                         self.asked_recovery = true;
                     }
                     if ui.button(desk.say("Delete it")).clicked() {
-                        desk.wish(Command::Forget(one.copy.clone()));
+                        desk.wish(Command::DeleteRecovery(one.copy.clone()));
                     }
                 });
             }
@@ -179,7 +179,7 @@ impl Dialogs {
         self.asked_recovery |= modal.should_close();
     }
 
-    fn ask_text(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn ask_text(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
         if self.asks_file() {
             return;
         }
@@ -234,7 +234,7 @@ impl Dialogs {
             });
         });
         if asks_font {
-            desk.wish(Command::Ask(Ask::Font));
+            desk.wish(Command::RequestFile(FileRequest::Font));
         } else if done || modal.should_close() {
             self.text = None;
         }
@@ -245,7 +245,7 @@ impl Dialogs {
         self.files.is_some() || self.replacing.is_some()
     }
 
-    fn ask_prism(&mut self, ui: &Ui, desk: &mut Desk) {
+    fn ask_prism(&mut self, ui: &Ui, desk: &mut PanelContext) {
         if self.asks_file() {
             return;
         }
@@ -255,7 +255,7 @@ impl Dialogs {
         }
     }
 
-    fn show_preferences(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn show_preferences(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
         if !self.preferences {
             return;
         }
@@ -277,7 +277,7 @@ impl Dialogs {
         self.preferences = !(is_done || modal.should_close());
     }
 
-    fn show_keys(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn show_keys(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
         if !self.keys {
             return;
         }
@@ -296,7 +296,7 @@ impl Dialogs {
         self.keys = !(is_done || modal.should_close());
     }
 
-    fn show_about(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn show_about(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
         if !self.about {
             return;
         }
@@ -310,7 +310,7 @@ impl Dialogs {
         self.about = !(is_done || modal.should_close());
     }
 
-    fn ask_file(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
+    fn ask_file(&mut self, ui: &mut Ui, desk: &mut PanelContext) -> Option<BrdfFileChoice> {
         if let Some(what) = desk.app.asking
             && self.replacing.is_none()
             && self.files.as_ref().is_none_or(|(open, _)| *open != what)
@@ -344,7 +344,7 @@ impl Dialogs {
         self.folder = Some(dialog.directory().to_owned());
         self.files = None;
         let Some(mut first) = paths.first().cloned() else {
-            desk.wish(Command::Dismiss);
+            desk.wish(Command::CancelPending);
             return None;
         };
         if let (None, Some(extension)) = (first.extension(), usual_extension(what)) {
@@ -355,7 +355,7 @@ impl Dialogs {
             .app
             .file
             .as_ref()
-            .filter(|f| what == Ask::SaveAs && f.path == first);
+            .filter(|f| what == FileRequest::SaveAs && f.path == first);
         let is_meant = own.is_some_and(|f| !f.has_changed());
         if saves(what) && first.exists() && !is_meant {
             self.replacing = Some((what, first));
@@ -365,7 +365,7 @@ impl Dialogs {
     }
 
     /// Asks before a file is written over.
-    fn ask_replace(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
+    fn ask_replace(&mut self, ui: &mut Ui, desk: &mut PanelContext) -> Option<BrdfFileChoice> {
         let (what, path) = self.replacing.clone()?;
         let mut answer = None;
         let modal = Modal::new(Id::unique("replace")).show(ui.ctx(), |ui| {
@@ -389,7 +389,7 @@ impl Dialogs {
         match replaces {
             true => self.chosen(what, path.clone(), vec![path], desk),
             false => {
-                desk.wish(Command::Dismiss);
+                desk.wish(Command::CancelPending);
                 None
             }
         }
@@ -397,39 +397,39 @@ impl Dialogs {
 
     fn chosen(
         &mut self,
-        what: Ask,
+        what: FileRequest,
         first: PathBuf,
         all: Vec<PathBuf>,
-        desk: &mut Desk,
-    ) -> Option<Chosen> {
-        desk.wish(Command::Answered);
+        desk: &mut PanelContext,
+    ) -> Option<BrdfFileChoice> {
+        desk.wish(Command::DialogClosed);
         desk.wish(match what {
-            Ask::Open => Command::Open(all),
-            Ask::Add => Command::Add(all),
-            Ask::SaveAs => Command::SaveAs(first),
-            Ask::Export => Command::Export(first),
-            Ask::SavePicture => Command::SavePicture(first),
-            Ask::Backdrop => Command::LoadBackdrop(first),
-            Ask::Font => {
+            FileRequest::Open => Command::Open(all),
+            FileRequest::Add => Command::Add(all),
+            FileRequest::SaveAs => Command::SaveAs(first),
+            FileRequest::Export => Command::Export(first),
+            FileRequest::SaveRender => Command::SaveRender(first),
+            FileRequest::Backdrop => Command::LoadBackdrop(first),
+            FileRequest::Font => {
                 if let Some(text) = &mut self.text {
                     text.font = Some(first);
                 }
                 return None;
             }
-            Ask::Outline => {
+            FileRequest::Outline => {
                 if let Some(prism) = &mut self.prism {
                     prism.drawing = Some(first);
                 }
                 return None;
             }
-            Ask::LoadBrdf => return Some(Chosen::LoadBrdf(first)),
-            Ask::SaveBrdf => return Some(Chosen::SaveBrdf(first)),
+            FileRequest::LoadBrdf => return Some(BrdfFileChoice::LoadBrdf(first)),
+            FileRequest::SaveBrdf => return Some(BrdfFileChoice::SaveBrdf(first)),
         });
         None
     }
 
     /// The dialog for a file.
-    fn open(&self, what: Ask, desk: &Desk) -> FileDialog {
+    fn open(&self, what: FileRequest, desk: &PanelContext) -> FileDialog {
         let file = desk.app.file.as_ref().map(|f| f.path.as_path());
         let branch = desk.app.document.branches.first().map(|b| b.path.as_path());
         let known = file.or(branch);
@@ -443,12 +443,17 @@ impl Dialogs {
             false => stem.to_string_lossy().into_owned(),
         };
         let dialog = match what {
-            Ask::Open | Ask::Add => FileDialog::open_file().multi_select(true),
-            Ask::Backdrop | Ask::Font | Ask::Outline | Ask::LoadBrdf => FileDialog::open_file(),
-            Ask::SaveAs => FileDialog::save_file().default_filename(format!("{stem}.grf")),
-            Ask::Export => FileDialog::save_file().default_filename(format!("{stem}.glb")),
-            Ask::SavePicture => FileDialog::save_file().default_filename(format!("{stem}.png")),
-            Ask::SaveBrdf => FileDialog::save_file().default_filename("material.brdf"),
+            FileRequest::Open | FileRequest::Add => FileDialog::open_file().multi_select(true),
+            FileRequest::Backdrop
+            | FileRequest::Font
+            | FileRequest::Outline
+            | FileRequest::LoadBrdf => FileDialog::open_file(),
+            FileRequest::SaveAs => FileDialog::save_file().default_filename(format!("{stem}.grf")),
+            FileRequest::Export => FileDialog::save_file().default_filename(format!("{stem}.glb")),
+            FileRequest::SaveRender => {
+                FileDialog::save_file().default_filename(format!("{stem}.png"))
+            }
+            FileRequest::SaveBrdf => FileDialog::save_file().default_filename("material.brdf"),
         };
         let mut dialog = dialog
             .id(Id::unique("files"))
@@ -474,52 +479,54 @@ impl Dialogs {
 }
 
 /// What is put behind a name that says no kind of file.
-fn usual_extension(what: Ask) -> Option<&'static str> {
+fn usual_extension(what: FileRequest) -> Option<&'static str> {
     match what {
-        Ask::SaveAs => Some("grf"),
-        Ask::SavePicture => Some("png"),
-        Ask::SaveBrdf => Some("brdf"),
+        FileRequest::SaveAs => Some("grf"),
+        FileRequest::SaveRender => Some("png"),
+        FileRequest::SaveBrdf => Some("brdf"),
         _ => None,
     }
 }
 
-fn saves(what: Ask) -> bool {
+fn saves(what: FileRequest) -> bool {
     matches!(
         what,
-        Ask::SaveAs | Ask::Export | Ask::SavePicture | Ask::SaveBrdf
+        FileRequest::SaveAs | FileRequest::Export | FileRequest::SaveRender | FileRequest::SaveBrdf
     )
 }
 
 /// Whether a file is worth a line in the dialog.
-fn is_offered(what: Ask, path: &Path) -> bool {
+fn is_offered(what: FileRequest, path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     let extension = extension.to_ascii_lowercase();
     match what {
-        Ask::Open | Ask::Add | Ask::SaveAs | Ask::Export => MODELS.contains(&extension.as_str()),
-        Ask::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
-        Ask::SavePicture => ["png", "exr", "hdr"].contains(&extension.as_str()),
-        Ask::Outline => ["svg", "dxf"].contains(&extension.as_str()),
-        Ask::Font | Ask::LoadBrdf | Ask::SaveBrdf => true,
+        FileRequest::Open | FileRequest::Add | FileRequest::SaveAs | FileRequest::Export => {
+            MODELS.contains(&extension.as_str())
+        }
+        FileRequest::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
+        FileRequest::SaveRender => ["png", "exr", "hdr"].contains(&extension.as_str()),
+        FileRequest::Outline => ["svg", "dxf"].contains(&extension.as_str()),
+        FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => true,
     }
 }
 
-fn title(what: Ask, desk: &Desk) -> &'static str {
+fn title(what: FileRequest, desk: &PanelContext) -> &'static str {
     match what {
-        Ask::Open => desk.say("Open models"),
-        Ask::Add => desk.say("Add models"),
-        Ask::SaveAs => desk.say("Save as GRF"),
-        Ask::Export => desk.say("Export a copy"),
-        Ask::SavePicture => desk.say("Save the picture"),
-        Ask::Backdrop => desk.say("A picture for the background"),
-        Ask::Font => desk.say("A typeface"),
-        Ask::Outline => desk.say("A drawing to extrude"),
-        Ask::LoadBrdf => desk.say("Load a reflection model"),
-        Ask::SaveBrdf => desk.say("Save the reflection model"),
+        FileRequest::Open => desk.say("Open models"),
+        FileRequest::Add => desk.say("Add models"),
+        FileRequest::SaveAs => desk.say("Save as GRF"),
+        FileRequest::Export => desk.say("Export a copy"),
+        FileRequest::SaveRender => desk.say("Save the picture"),
+        FileRequest::Backdrop => desk.say("A picture for the background"),
+        FileRequest::Font => desk.say("A typeface"),
+        FileRequest::Outline => desk.say("A drawing to extrude"),
+        FileRequest::LoadBrdf => desk.say("Load a reflection model"),
+        FileRequest::SaveBrdf => desk.say("Save the reflection model"),
     }
 }
 
 /// How long ago something was written.
-fn age(written: u64, desk: &Desk) -> String {
+fn age(written: u64, desk: &PanelContext) -> String {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let seconds = now.map_or(0, |d| d.as_secs().saturating_sub(written));
     match seconds {
@@ -529,7 +536,7 @@ fn age(written: u64, desk: &Desk) -> String {
     }
 }
 
-fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
+fn preference_rows(ui: &mut Ui, desk: &PanelContext, new: &mut Preferences) {
     let say = |text| desk.say(text);
     let label = ui.label(say("Language"));
     egui::ComboBox::new("language", "")
@@ -591,7 +598,7 @@ fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
 }
 
 /// Its name.
-pub fn map_name(map: ColorMap, desk: &Desk) -> &'static str {
+pub fn map_name(map: ColorMap, desk: &PanelContext) -> &'static str {
     match map {
         ColorMap::Viridis => "viridis",
         ColorMap::Cividis => "cividis",
@@ -600,7 +607,7 @@ pub fn map_name(map: ColorMap, desk: &Desk) -> &'static str {
     }
 }
 
-fn mouse_help(ui: &mut Ui, desk: &Desk) {
+fn mouse_help(ui: &mut Ui, desk: &PanelContext) {
     let rows = [
         (
             desk.say("Drag"),
@@ -653,7 +660,7 @@ fn mouse_help(ui: &mut Ui, desk: &Desk) {
 }
 
 /// Two columns of menus with their keys.
-fn key_help(ui: &mut Ui, desk: &Desk) {
+fn key_help(ui: &mut Ui, desk: &PanelContext) {
     let half = Menu::ALL.len() / 2;
     ui.columns(2, |columns| {
         for (column, menus) in columns
@@ -665,7 +672,7 @@ fn key_help(ui: &mut Ui, desk: &Desk) {
     });
 }
 
-fn key_column(ui: &mut Ui, desk: &Desk, menus: &[Menu]) {
+fn key_column(ui: &mut Ui, desk: &PanelContext, menus: &[Menu]) {
     for &menu in menus {
         let keyed: Vec<_> = (ACTIONS.iter())
             .filter(|a| a.menu == menu && a.key.is_some())

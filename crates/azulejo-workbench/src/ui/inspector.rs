@@ -1,16 +1,16 @@
 //! Numbers of what is selected.
 
-use super::desk::Desk;
+use super::desk::PanelContext;
 use super::{inputs, together};
 use crate::command::{Command, Selection};
-use crate::document::{Document, Edit, Id, Item, Lamp, Viewpoint};
+use crate::document::{Edit, ItemId, SceneCamera, SceneDocument, SceneLight, SceneObject};
 use azulejo::scene::{Camera, Light, LightKind, MaterialId, PrimitiveKind, Rgb, Shape, Units};
 use egui::{Grid, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::sync::Arc;
 
 /// Draws it.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
     let app = desk.app;
     match &app.selection.ids[..] {
         [] => nothing(ui, desk),
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
 }
 
 /// What the scene is as a whole.
-fn nothing(ui: &mut Ui, desk: &mut Desk) {
+fn nothing(ui: &mut Ui, desk: &mut PanelContext) {
     let document = &desk.app.document;
     ui.weak(desk.say("Nothing is selected: click an object, here or in the tree."));
     ui.add_space(6.0);
@@ -55,7 +55,7 @@ fn nothing(ui: &mut Ui, desk: &mut Desk) {
     units(ui, desk);
 }
 
-fn units(ui: &mut Ui, desk: &mut Desk) {
+fn units(ui: &mut Ui, desk: &mut PanelContext) {
     use azulejo::scene::Up;
     let old = desk.app.document.units;
     let mut units = old;
@@ -83,7 +83,7 @@ fn units(ui: &mut Ui, desk: &mut Desk) {
     }
 }
 
-fn object(ui: &mut Ui, desk: &mut Desk, item: &Item) {
+fn object(ui: &mut Ui, desk: &mut PanelContext, item: &SceneObject) {
     name(ui, desk, item.id, &item.name);
     let kind = kind_of(&item.shape, desk);
     ui.weak(kind);
@@ -108,7 +108,7 @@ fn object(ui: &mut Ui, desk: &mut Desk, item: &Item) {
     assign(ui, desk);
 }
 
-fn kind_of(shape: &Shape, desk: &Desk) -> String {
+fn kind_of(shape: &Shape, desk: &PanelContext) -> String {
     match shape {
         Shape::Mesh(mesh) => format!(
             "{}: {} {}, {} {}",
@@ -133,7 +133,7 @@ fn kind_of(shape: &Shape, desk: &Desk) -> String {
     }
 }
 
-fn name(ui: &mut Ui, desk: &mut Desk, id: Id, name: &str) {
+fn name(ui: &mut Ui, desk: &mut PanelContext, id: ItemId, name: &str) {
     let label = ui.label(desk.say("Name"));
     // A name has no space at its end, but who types two words passes there.
     let draft = ui.scope_id().with(("name", id));
@@ -180,11 +180,11 @@ pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool
 }
 
 /// How far a pixel of dragging goes.
-pub(super) fn speed(document: &Document) -> f64 {
+pub(super) fn speed(document: &SceneDocument) -> f64 {
     (document.bounds(None).diagonal() * 1e-3).max(1e-6)
 }
 
-fn placement(ui: &mut Ui, desk: &mut Desk, item: &Item) {
+fn placement(ui: &mut Ui, desk: &mut PanelContext, item: &SceneObject) {
     let (mut scale, rotation, mut translation) = item.placement.to_scale_rotation_translation();
     // Adding 0 takes the sign from a negative zero.
     let angles = DVec3::from(rotation.to_euler(EulerRot::XYZ)).map(|a| a.to_degrees() + 0.0);
@@ -203,7 +203,7 @@ fn placement(ui: &mut Ui, desk: &mut Desk, item: &Item) {
         }
     });
     if ui.button(desk.say("Back to where it was made")).clicked() {
-        desk.edit(Edit::Place(item.id, DAffine3::IDENTITY));
+        desk.edit(Edit::SetPlacement(item.id, DAffine3::IDENTITY));
     }
     if !changed {
         return;
@@ -222,11 +222,11 @@ fn placement(ui: &mut Ui, desk: &mut Desk, item: &Item) {
             DAffine3::from_scale_rotation_translation(scale, q, translation)
         }
     };
-    desk.edit(Edit::Place(item.id, placement));
+    desk.edit(Edit::SetPlacement(item.id, placement));
 }
 
 /// Materials of what is selected, and what else it could be made of.
-fn assign(ui: &mut Ui, desk: &mut Desk) {
+fn assign(ui: &mut Ui, desk: &mut PanelContext) {
     let app = desk.app;
     let document = &app.document;
     let selection = &app.selection;
@@ -286,7 +286,7 @@ fn assign(ui: &mut Ui, desk: &mut Desk) {
 }
 
 /// The name of a material, or its number.
-pub fn named(document: &Document, material: MaterialId) -> String {
+pub fn named(document: &SceneDocument, material: MaterialId) -> String {
     match document.materials.get(material as usize) {
         Some(m) if !m.name.is_empty() => m.name.clone(),
         _ => format!("#{material}"),
@@ -304,8 +304,8 @@ fn unit(units: Units, radiometric: &'static str, photometric: &'static str) -> &
 /// A row with strength and colour of a light; colours are relative to their brightest channel.
 fn light_color(
     ui: &mut Ui,
-    desk: &Desk,
-    lamp: Id,
+    desk: &PanelContext,
+    lamp: ItemId,
     name: &str,
     unit: &str,
     light: &mut Rgb,
@@ -334,7 +334,7 @@ fn light_color(
     changed
 }
 
-fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
+fn lamp_numbers(ui: &mut Ui, desk: &mut PanelContext, lamp: &SceneLight) {
     name(ui, desk, lamp.id, &lamp.light.name);
     let mut light = lamp.light.clone();
     let units = desk.app.document.units;
@@ -384,7 +384,7 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
 }
 
 /// How the light falls off, which is a matter of physics and not of taste.
-fn attenuation(light: &Light, desk: &Desk) -> &'static str {
+fn attenuation(light: &Light, desk: &PanelContext) -> &'static str {
     match light.kind {
         LightKind::Point { .. } | LightKind::Spot { .. } => {
             desk.say("Falls with the square of the distance.")
@@ -409,7 +409,7 @@ fn unit_vector(ui: &mut Ui, name: &str, direction: &mut DVec3) -> bool {
     }
 }
 
-fn cone(ui: &mut Ui, desk: &Desk, inner: &mut f64, outer: &mut f64) -> bool {
+fn cone(ui: &mut Ui, desk: &PanelContext, inner: &mut f64, outer: &mut f64) -> bool {
     let mut degrees = [inner.to_degrees(), outer.to_degrees()];
     let names = [desk.say("Full inside"), desk.say("None outside")];
     let mut changed = false;
@@ -434,7 +434,7 @@ fn cone(ui: &mut Ui, desk: &Desk, inner: &mut f64, outer: &mut f64) -> bool {
     changed
 }
 
-fn camera_numbers(ui: &mut Ui, desk: &mut Desk, view: &Viewpoint) {
+fn camera_numbers(ui: &mut Ui, desk: &mut PanelContext, view: &SceneCamera) {
     name(ui, desk, view.id, &view.camera.name);
     let mut camera = view.camera.clone();
     let step = speed(&desk.app.document);
@@ -458,7 +458,7 @@ fn camera_numbers(ui: &mut Ui, desk: &mut Desk, view: &Viewpoint) {
         if ui.button(desk.say("Look through it")).clicked() {
             let mut look = desk.app.view.clone();
             look.camera = view.camera.clone();
-            desk.wish(Command::Look(Box::new(look)));
+            desk.wish(Command::SetView(Box::new(look)));
         }
         if ui.button(desk.say("Take the view's place")).clicked() {
             camera = Camera {

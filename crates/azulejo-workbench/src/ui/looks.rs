@@ -1,16 +1,16 @@
 //! How the model is looked at: shading, false colours, background, fog.
 
-use super::desk::Desk;
+use super::desk::PanelContext;
 use super::dialogs::map_name;
 use super::inputs;
-use crate::command::{Ask, Command};
+use crate::command::{Command, FileRequest};
 use crate::document::Edit;
-use crate::view::{Backdrop, COLORS, ColorMap, Fit, View, linear};
+use crate::view::{Backdrop, COLORS, ColorMap, Fit, ModelView, linear};
 use azulejo::scene::Fog;
 use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
 
 /// Draws the tab.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
     let old = &desk.app.view;
     let mut view = old.clone();
     exposure(ui, desk, &mut view);
@@ -34,11 +34,11 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
         }
     });
     if view != *old {
-        desk.wish(Command::Look(Box::new(view)));
+        desk.wish(Command::SetView(Box::new(view)));
     }
 }
 
-fn exposure(ui: &mut Ui, desk: &Desk, view: &mut View) {
+fn exposure(ui: &mut Ui, desk: &PanelContext, view: &mut ModelView) {
     ui.horizontal(|ui| {
         let mut auto = view.exposure.is_none();
         if ui
@@ -57,7 +57,7 @@ fn exposure(ui: &mut Ui, desk: &Desk, view: &mut View) {
     });
 }
 
-fn false_colors(ui: &mut Ui, desk: &Desk, view: &mut View) {
+fn false_colors(ui: &mut Ui, desk: &PanelContext, view: &mut ModelView) {
     ui.strong(desk.say("False colours"));
     let colors = &mut view.false_color;
     ComboBox::new("false map", desk.say("Colour map"))
@@ -95,7 +95,7 @@ fn false_colors(ui: &mut Ui, desk: &Desk, view: &mut View) {
     });
 }
 
-fn background(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
+fn background(ui: &mut Ui, desk: &mut PanelContext, view: &mut ModelView) {
     ui.strong(desk.say("Background"));
     if ui
         .radio(
@@ -136,7 +136,7 @@ fn background(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
     });
     ui.horizontal(|ui| {
         if ui.button(desk.say("Picture…")).clicked() {
-            desk.wish(Command::Ask(Ask::Backdrop));
+            desk.wish(Command::RequestFile(FileRequest::Backdrop));
         }
         if let Backdrop::Image(_, fit) = &mut view.backdrop {
             ui.selectable_value(fit, Fit::Scaled, desk.say("scaled"));
@@ -147,7 +147,7 @@ fn background(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
 }
 
 /// The background that is saved with the scene.
-fn own_background(ui: &mut Ui, desk: &mut Desk) {
+fn own_background(ui: &mut Ui, desk: &mut PanelContext) {
     let old = desk.app.document.background;
     let mut has = old.is_some();
     ui.horizontal(|ui| {
@@ -167,7 +167,7 @@ fn own_background(ui: &mut Ui, desk: &mut Desk) {
     });
 }
 
-fn fog(ui: &mut Ui, desk: &mut Desk, view: &mut View) {
+fn fog(ui: &mut Ui, desk: &mut PanelContext, view: &mut ModelView) {
     let old = desk.app.document.fog;
     let mut has = old.is_some();
     let reach = desk.app.document.bounds(None).diagonal().max(1e-3);

@@ -1,14 +1,14 @@
 //! The menu bar and the bar of tools under it.
 
-use super::actions::{ACTIONS, Action, Menu, Wish};
-use super::desk::Desk;
+use super::actions::{ACTIONS, Action, ActionTarget, Menu};
+use super::desk::PanelContext;
 use crate::app::App;
 use crate::command::Command;
-use crate::jobs::Kind;
+use crate::jobs::JobKind;
 use egui::{Button, ComboBox, Ui};
 
 /// Draws the menus; returns what was chosen.
-pub fn show(ui: &mut Ui, desk: &mut Desk) -> Vec<Wish> {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) -> Vec<ActionTarget> {
     let mut wishes = Vec::new();
     egui::MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
@@ -31,13 +31,13 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) -> Vec<Wish> {
     wishes
 }
 
-fn entries(ui: &mut Ui, desk: &Desk, menu: Menu, wishes: &mut Vec<Wish>) {
+fn entries(ui: &mut Ui, desk: &PanelContext, menu: Menu, wishes: &mut Vec<ActionTarget>) {
     for action in ACTIONS.iter().filter(|a| a.menu == menu) {
         wishes.extend(entry(ui, desk, action));
     }
 }
 
-fn entry(ui: &mut Ui, desk: &Desk, action: &Action) -> Option<Wish> {
+fn entry(ui: &mut Ui, desk: &PanelContext, action: &Action) -> Option<ActionTarget> {
     let wish = (action.wish)(desk.app);
     let label = label(desk, action);
     let mut button = Button::new(label);
@@ -52,7 +52,7 @@ fn entry(ui: &mut Ui, desk: &Desk, action: &Action) -> Option<Wish> {
 }
 
 /// The name of an action, and of what it is about.
-fn label(desk: &Desk, action: &Action) -> String {
+fn label(desk: &PanelContext, action: &Action) -> String {
     let name = desk.say(action.label);
     let (undo, redo) = desk.app.undo_labels();
     match (action.label, undo, redo) {
@@ -63,7 +63,7 @@ fn label(desk: &Desk, action: &Action) -> String {
     }
 }
 
-fn recent(ui: &mut Ui, desk: &mut Desk) {
+fn recent(ui: &mut Ui, desk: &mut PanelContext) {
     let files = desk.app.preferences.recent.clone();
     ui.separator();
     ui.menu_button(desk.say("Recent"), |ui| {
@@ -82,7 +82,7 @@ fn recent(ui: &mut Ui, desk: &mut Desk) {
 }
 
 /// Draws the tools that one wants all the time.
-pub fn tools(ui: &mut Ui, desk: &mut Desk) -> Vec<Wish> {
+pub fn tools(ui: &mut Ui, desk: &mut PanelContext) -> Vec<ActionTarget> {
     let mut wishes = Vec::new();
     ui.horizontal_wrapped(|ui| {
         for label in ["Open…", "Add…", "Save"] {
@@ -102,7 +102,10 @@ pub fn tools(ui: &mut Ui, desk: &mut Desk) -> Vec<Wish> {
             wishes.extend(tool(ui, desk, "Save picture…"));
         }
         ui.separator();
-        let solver = match (desk.app.is_busy(Kind::Solve), desk.app.lighting.is_paused) {
+        let solver = match (
+            desk.app.is_busy(JobKind::Solve),
+            desk.app.lighting.is_paused,
+        ) {
             (false, _) => &["Solve"][..],
             (true, false) => &["Pause", "Stop"],
             (true, true) => &["Go on", "Stop"],
@@ -114,7 +117,7 @@ pub fn tools(ui: &mut Ui, desk: &mut Desk) -> Vec<Wish> {
     wishes
 }
 
-fn tool(ui: &mut Ui, desk: &Desk, label: &str) -> Option<Wish> {
+fn tool(ui: &mut Ui, desk: &PanelContext, label: &str) -> Option<ActionTarget> {
     let action = ACTIONS.iter().find(|a| a.label == label)?;
     let wish = (action.wish)(desk.app);
     let button = ui.add_enabled(wish.is_some(), Button::new(desk.say(action.label)));
@@ -125,7 +128,7 @@ fn tool(ui: &mut Ui, desk: &Desk, label: &str) -> Option<Wish> {
     wish.filter(|_| button.clicked())
 }
 
-fn shading(ui: &mut Ui, desk: &Desk, wishes: &mut Vec<Wish>) {
+fn shading(ui: &mut Ui, desk: &PanelContext, wishes: &mut Vec<ActionTarget>) {
     ComboBox::new("shading", "")
         .selected_text(current(desk.app).map_or("", |a| desk.say(a.label)))
         .height(400.0)
@@ -145,6 +148,6 @@ fn shading(ui: &mut Ui, desk: &Desk, wishes: &mut Vec<Wish>) {
 fn current(app: &App) -> Option<&'static Action> {
     (ACTIONS.iter().filter(|a| a.menu == Menu::Shading)).find(|action| {
         let wish = (action.wish)(app);
-        matches!(wish, Some(Wish::Do(Command::Look(view))) if view.shading == app.view.shading)
+        matches!(wish, Some(ActionTarget::Do(Command::SetView(view))) if view.shading == app.view.shading)
     })
 }

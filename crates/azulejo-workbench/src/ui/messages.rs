@@ -1,9 +1,9 @@
 //! What was told, and what goes on.
 
-use super::desk::Desk;
-use crate::app::Level;
+use super::desk::PanelContext;
+use crate::app::Severity;
 use crate::command::{Command, Selection};
-use crate::document::Id;
+use crate::document::ItemId;
 use egui::{
     Align, Align2, Color32, Layout, ProgressBar, Rect, RichText, Role, ScrollArea, Sense,
     TextStyle, Ui, Vec2, WidgetInfo, pos2,
@@ -11,7 +11,7 @@ use egui::{
 use std::time::Duration;
 
 /// Draws the list of messages. One that is about an object leads there.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
     let app = desk.app;
     ui.horizontal(|ui| {
         ui.strong(desk.say("Messages"));
@@ -50,23 +50,23 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
 }
 
 /// Selects a thing and looks at it.
-fn lead_to(desk: &mut Desk, id: Id) {
+fn lead_to(desk: &mut PanelContext, id: ItemId) {
     let mut view = desk.app.view.clone();
     view.frame(desk.app.document.frame_of(&[id]));
     desk.wish(Command::Select(Selection::one(id)));
-    desk.wish(Command::Look(Box::new(view)));
+    desk.wish(Command::SetView(Box::new(view)));
 }
 
-fn color(level: Level, ui: &Ui) -> Option<Color32> {
+fn color(level: Severity, ui: &Ui) -> Option<Color32> {
     match level {
-        Level::Note => None,
-        Level::Warning => Some(ui.visuals().warn_fg_color),
-        Level::Error => Some(ui.visuals().error_fg_color),
+        Severity::Note => None,
+        Severity::Warning => Some(ui.visuals().warn_fg_color),
+        Severity::Error => Some(ui.visuals().error_fg_color),
     }
 }
 
 /// Draws the line at the bottom: jobs, the last message, `probe` of what is under the mouse.
-pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
+pub fn status(ui: &mut Ui, desk: &mut PanelContext, probe: Option<&str>) -> bool {
     let mut asks_messages = false;
     ui.horizontal(|ui| {
         for job in desk.app.jobs() {
@@ -89,7 +89,7 @@ pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
             ui.separator();
         }
         let problems = desk.app.messages.iter();
-        let problems = problems.filter(|m| m.level >= Level::Warning).count();
+        let problems = problems.filter(|m| m.level >= Severity::Warning).count();
         if problems > 0 {
             let text = format!("⚠ {problems}");
             let text = RichText::new(text).color(ui.visuals().warn_fg_color);

@@ -25,4 +25,4 @@ pub mod viewport;
 mod workbench;
 
 pub use viewport::Viewport;
-pub use workbench::{Rescued, Tab, Workbench};
+pub use workbench::{PanelTab, Rescued, Workbench};

@@ -1,8 +1,8 @@
 //! The dialog that asks for a prism.
 
-use super::desk::Desk;
+use super::desk::PanelContext;
 use super::inputs;
-use crate::command::{Ask, Base, Command};
+use crate::command::{Command, FileRequest, PrismBase};
 use crate::document::SIDES;
 use egui::{DragValue, Grid, Id, Modal, Ui};
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ impl PrismDialog {
     }
 
     /// Draws it; whether it is done with.
-    pub fn show(&mut self, ui: &Ui, desk: &mut Desk) -> bool {
+    pub fn show(&mut self, ui: &Ui, desk: &mut PanelContext) -> bool {
         let mut is_done = false;
         let modal = Modal::new(Id::unique("prism")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
@@ -51,7 +51,7 @@ impl PrismDialog {
     }
 
     /// How many sides, or which drawing.
-    fn base(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn base(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
         ui.label(desk.say("Outline"));
         ui.horizontal(|ui| {
             let name = self.drawing.as_deref().and_then(Path::file_name);
@@ -59,7 +59,7 @@ impl PrismDialog {
             let name = name.unwrap_or_else(|| desk.say("of a drawing…").to_owned());
             let about = desk.say("Filled shapes of an SVG, or closed outlines of a DXF drawing");
             if ui.button(name).on_hover_text(about).clicked() {
-                desk.wish(Command::Ask(Ask::Outline));
+                desk.wish(Command::RequestFile(FileRequest::Outline));
             }
             if self.drawing.is_some() && ui.button(desk.say("Regular")).clicked() {
                 self.drawing = None;
@@ -74,7 +74,7 @@ impl PrismDialog {
         }
     }
 
-    fn lengths(&mut self, ui: &mut Ui, desk: &Desk) {
+    fn lengths(&mut self, ui: &mut Ui, desk: &PanelContext) {
         for (name, length) in [
             (desk.say("Larger side"), &mut self.size),
             (desk.say("Height"), &mut self.height),
@@ -90,8 +90,8 @@ impl PrismDialog {
     fn command(&self) -> Command {
         Command::AddPrism {
             base: match &self.drawing {
-                Some(path) => Base::Drawing(path.clone()),
-                None => Base::Regular(self.sides),
+                Some(path) => PrismBase::Drawing(path.clone()),
+                None => PrismBase::Regular(self.sides),
             },
             size: self.size,
             height: self.height,

@@ -1,12 +1,12 @@
 //! Materials as wholes: copied, and taken away.
 
-use super::desk::Desk;
-use crate::document::{Document, Edit};
+use super::desk::PanelContext;
+use crate::document::{Edit, SceneDocument};
 use azulejo::scene::MaterialId;
 use egui::Ui;
 
 /// Adds the same material again, by a name that is free; `None` if it is gone.
-pub fn duplicate(document: &Document, id: MaterialId) -> Option<Edit> {
+pub fn duplicate(document: &SceneDocument, id: MaterialId) -> Option<Edit> {
     let material = document.materials.get(id as usize)?;
     let mut copy = (**material).clone();
     copy.name = document.fresh_material_name(&copy.name);
@@ -14,7 +14,7 @@ pub fn duplicate(document: &Document, id: MaterialId) -> Option<Edit> {
 }
 
 /// What can be done with a material as a whole.
-pub fn buttons(ui: &mut Ui, desk: &mut Desk, id: MaterialId) {
+pub fn buttons(ui: &mut Ui, desk: &mut PanelContext, id: MaterialId) {
     if ui.button(desk.say("Duplicate")).clicked()
         && let Some(edit) = duplicate(&desk.app.document, id)
     {

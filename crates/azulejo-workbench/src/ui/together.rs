@@ -1,6 +1,6 @@
 //! Several things at once: moved, turned and scaled by numbers.
 
-use super::desk::Desk;
+use super::desk::PanelContext;
 use super::inputs;
 use super::inspector::{speed, vector};
 use super::viewport::middle;
@@ -10,7 +10,7 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
 /// What is to happen to all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Together {
+struct GroupTransform {
     /// World units.
     shift: DVec3,
     /// About x, then y, then z; degrees.
@@ -19,9 +19,9 @@ struct Together {
     factor: f64,
 }
 
-impl Default for Together {
-    fn default() -> Together {
-        Together {
+impl Default for GroupTransform {
+    fn default() -> GroupTransform {
+        GroupTransform {
             shift: DVec3::ZERO,
             turn: DVec3::ZERO,
             factor: 1.0,
@@ -29,7 +29,7 @@ impl Default for Together {
     }
 }
 
-impl Together {
+impl GroupTransform {
     /// The map for things whose middle is `centre`: it is moved, and nothing else happens to it.
     fn map(&self, centre: DVec3) -> DAffine3 {
         let [x, y, z] = self.turn.to_array().map(f64::to_radians);
@@ -44,9 +44,9 @@ impl Together {
 
 /// Draws the numbers. Nothing happens until they are applied, at once and as one step: where the
 /// middle is and what the turns are about would change under the hands of who drags them.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
     let id = Id::unique("together");
-    let mut wanted: Together = ui.data(|d| d.get_temp(id)).unwrap_or_default();
+    let mut wanted: GroupTransform = ui.data(|d| d.get_temp(id)).unwrap_or_default();
     Grid::new("together").num_columns(2).show(ui, |ui| {
         let speed = speed(&desk.app.document);
         vector(ui, desk.say("Move by"), &mut wanted.shift, speed);
@@ -57,12 +57,12 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
         ui.end_row();
     });
     let button = Button::new(desk.say("Apply to all"));
-    let is_some = wanted != Together::default();
+    let is_some = wanted != GroupTransform::default();
     if ui.add_enabled(is_some, button).clicked() {
         let centre = middle(desk.app).unwrap_or_default();
         let ids = desk.app.selection.ids.clone();
         desk.edit(Edit::Transform(ids, wanted.map(centre)));
-        wanted = Together::default();
+        wanted = GroupTransform::default();
     }
     ui.data_mut(|d| d.insert_temp(id, wanted));
 }
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn the_middle_is_moved_and_what_is_beside_it_turns_and_grows() {
         let centre = DVec3::new(1.0, 2.0, 3.0);
-        let wanted = Together {
+        let wanted = GroupTransform {
             shift: DVec3::new(0.0, 0.5, 0.0),
             turn: DVec3::new(90.0, 0.0, 90.0),
             factor: 2.0,
@@ -85,6 +85,6 @@ mod tests {
         // About x first: y becomes z, which the turn about z leaves.
         close(map.transform_vector3(DVec3::Y), 2.0 * DVec3::Z);
         close(map.transform_vector3(DVec3::X), 2.0 * DVec3::Y);
-        assert_eq!(Together::default().map(centre), DAffine3::IDENTITY);
+        assert_eq!(GroupTransform::default().map(centre), DAffine3::IDENTITY);
     }
 }

@@ -2,23 +2,23 @@
 
 mod closing;
 
-use super::actions::{self, Panel, Wish};
+use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
-use super::desk::Desk;
-use super::dialogs::{Chosen, Dialogs, TextDialog};
-use super::material::Materials;
+use super::desk::PanelContext;
+use super::dialogs::{BrdfFileChoice, Dialogs, TextDialog};
+use super::material::MaterialPanel;
 use super::prism::PrismDialog;
-use super::tree::Tree;
-use super::viewport::{Loss, Viewport};
+use super::tree::SceneTree;
+use super::viewport::{DeviceLost, Viewport};
 use super::{inspector, light, looks, menu, messages};
-use crate::app::{App, Level};
+use crate::app::{App, Severity};
 use crate::command::Command;
 use crate::document::Edit;
 use crate::preferences::Theme;
-use crate::script::Player;
+use crate::script::ScriptPlayer;
 use azulejo::output::Output;
 use azulejo::trace::Progress;
-use egui::{CentralPanel, Panel as Side, Ui, ViewportCommand};
+use egui::{CentralPanel, Panel, Ui, ViewportCommand};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -26,7 +26,7 @@ use std::time::Duration;
 
 /// What the panel at the right shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tab {
+pub enum PanelTab {
     /// What is selected.
     #[default]
     Object,
@@ -38,9 +38,14 @@ pub enum Tab {
     View,
 }
 
-impl Tab {
+impl PanelTab {
     /// All of them.
-    pub const ALL: [Tab; 4] = [Tab::Object, Tab::Material, Tab::Light, Tab::View];
+    pub const ALL: [PanelTab; 4] = [
+        PanelTab::Object,
+        PanelTab::Material,
+        PanelTab::Light,
+        PanelTab::View,
+    ];
 }
 
 /// The window.
@@ -48,15 +53,15 @@ pub struct Workbench {
     /// What there is.
     pub app: App,
     /// The panel at the right.
-    pub tab: Tab,
+    pub tab: PanelTab,
     viewport: Viewport,
-    tree: Tree,
+    tree: SceneTree,
     dialogs: Dialogs,
-    materials: Materials,
+    materials: MaterialPanel,
     shows_messages: bool,
     /// Counts presses of the mouse: each is one gesture.
     press: u64,
-    player: Option<Player>,
+    player: Option<ScriptPlayer>,
     was_focused: bool,
     dressed: Option<(Theme, f32)>,
     title: String,
@@ -71,9 +76,9 @@ pub struct Rescued {
     /// Everything that was worked on.
     pub app: App,
     /// The script, as far as it came.
-    pub player: Option<Player>,
+    pub player: Option<ScriptPlayer>,
     /// Why, if the window knew.
-    pub loss: Option<Loss>,
+    pub loss: Option<DeviceLost>,
 }
 
 /// A window that falls lets go of nothing: drivers and their libraries panic when a card is pulled
@@ -91,11 +96,11 @@ impl Workbench {
     pub fn new(app: App) -> Workbench {
         Workbench {
             app,
-            tab: Tab::default(),
+            tab: PanelTab::default(),
             viewport: Viewport::default(),
-            tree: Tree::default(),
+            tree: SceneTree::default(),
             dialogs: Dialogs::default(),
-            materials: Materials::default(),
+            materials: MaterialPanel::default(),
             shows_messages: false,
             press: 0,
             player: None,
@@ -121,7 +126,7 @@ impl Workbench {
     }
 
     /// Plays a script.
-    pub fn play(&mut self, player: Player) {
+    pub fn play(&mut self, player: ScriptPlayer) {
         self.player = Some(player);
     }
 
@@ -162,7 +167,11 @@ impl Workbench {
     }
 
     /// All parts of the window.
-    fn parts(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) -> (Vec<Command>, Option<Loss>) {
+    fn parts(
+        &mut self,
+        ui: &mut Ui,
+        wishes: &mut Vec<ActionTarget>,
+    ) -> (Vec<Command>, Option<DeviceLost>) {
         let Workbench {
             app,
             viewport,
@@ -177,38 +186,38 @@ impl Workbench {
         });
         let writes = ui.ctx().text_edit_focused();
         self.press += u64::from(is_pressed);
-        let mut desk = Desk {
+        let mut desk = PanelContext {
             language: app.preferences.language,
             gesture: is_held.then_some(self.press),
             is_covered: dialogs.is_open(app),
             app,
             wishes: Vec::new(),
         };
-        Side::top("menu").show(ui, |ui| {
+        Panel::top("menu").show(ui, |ui| {
             wishes.extend(menu::show(ui, &mut desk));
             wishes.extend(menu::tools(ui, &mut desk));
         });
-        Side::bottom("status").show(ui, |ui| {
+        Panel::bottom("status").show(ui, |ui| {
             if messages::status(ui, &mut desk, viewport.probe()) {
-                wishes.push(Wish::Show(Panel::Messages));
+                wishes.push(ActionTarget::Show(WindowAction::Messages));
             }
         });
         if self.shows_messages {
-            Side::bottom("messages")
+            Panel::bottom("messages")
                 .resizable(true)
                 .default_size(130.0)
                 .show(ui, |ui| messages::show(ui, &mut desk));
         }
-        Side::left("tree")
+        Panel::left("tree")
             .resizable(true)
             .default_size(220.0)
             .show(ui, |ui| tree.show(ui, &mut desk));
-        Side::right("panel")
+        Panel::right("panel")
             .resizable(true)
             .default_size(380.0)
             .show(ui, |ui| {
                 ui.horizontal(|ui| {
-                    for tab in Tab::ALL {
+                    for tab in PanelTab::ALL {
                         ui.selectable_value(&mut self.tab, tab, tab_name(tab, &desk));
                     }
                 });
@@ -217,14 +226,14 @@ impl Workbench {
                     .id_salt(self.tab as u8)
                     .auto_shrink([false, false])
                     .show(ui, |ui| match self.tab {
-                        Tab::Object => inspector::show(ui, &mut desk),
-                        Tab::Material => self.materials.show(ui, &mut desk),
-                        Tab::Light => {
+                        PanelTab::Object => inspector::show(ui, &mut desk),
+                        PanelTab::Material => self.materials.show(ui, &mut desk),
+                        PanelTab::Light => {
                             if light::show(ui, &mut desk) {
-                                wishes.push(Wish::Show(Panel::Pin));
+                                wishes.push(ActionTarget::Show(WindowAction::AddProbe));
                             }
                         }
-                        Tab::View => looks::show(ui, &mut desk),
+                        PanelTab::View => looks::show(ui, &mut desk),
                     });
             });
         let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut desk));
@@ -239,30 +248,32 @@ impl Workbench {
     }
 
     /// Does what an action asks for.
-    pub fn fulfil(&mut self, wish: Wish) {
+    pub fn fulfil(&mut self, wish: ActionTarget) {
         match wish {
-            Wish::Do(command) => self.app.execute(command),
-            Wish::Show(Panel::Keys) => self.dialogs.keys = true,
-            Wish::Show(Panel::Preferences) => self.dialogs.preferences = true,
-            Wish::Show(Panel::About) => self.dialogs.about = true,
-            Wish::Show(Panel::Messages) => self.shows_messages = !self.shows_messages,
-            Wish::Show(Panel::Prism) => {
+            ActionTarget::Do(command) => self.app.execute(command),
+            ActionTarget::Show(WindowAction::Keys) => self.dialogs.keys = true,
+            ActionTarget::Show(WindowAction::Preferences) => self.dialogs.preferences = true,
+            ActionTarget::Show(WindowAction::About) => self.dialogs.about = true,
+            ActionTarget::Show(WindowAction::Messages) => {
+                self.shows_messages = !self.shows_messages
+            }
+            ActionTarget::Show(WindowAction::Prism) => {
                 self.dialogs.prism = Some(PrismDialog::new(self.app.usual_size()));
             }
-            Wish::Show(Panel::Text) => {
+            ActionTarget::Show(WindowAction::Text) => {
                 let size = 0.25 * self.app.usual_size();
                 self.dialogs.text = Some(TextDialog::new(size));
             }
-            Wish::Show(Panel::Pin) => match self.viewport.pointed_place() {
-                Some(place) => self.app.execute(Command::Pin(place)),
+            ActionTarget::Show(WindowAction::AddProbe) => match self.viewport.pointed_place() {
+                Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,
             },
-            Wish::Show(Panel::Rename) => self.tree.begin_rename(&self.app),
-            Wish::Show(Panel::Picture) => {
+            ActionTarget::Show(WindowAction::Rename) => self.tree.begin_rename(&self.app),
+            ActionTarget::Show(WindowAction::ToggleRender) => {
                 let (width, height) = self.viewport.size();
                 self.app.execute(match self.app.picture {
-                    Some(_) => Command::StopPicture,
-                    None => Command::Picture {
+                    Some(_) => Command::StopRender,
+                    None => Command::Render {
                         width,
                         height,
                         paths: None,
@@ -273,13 +284,13 @@ impl Workbench {
     }
 
     /// A file that was chosen for the editor of reflection models.
-    fn take_file(&mut self, chosen: Chosen) {
+    fn take_file(&mut self, chosen: BrdfFileChoice) {
         let done = match chosen {
-            Chosen::LoadBrdf(path) => self.load_brdf(&path),
-            Chosen::SaveBrdf(path) => self.save_brdf(&path),
+            BrdfFileChoice::LoadBrdf(path) => self.load_brdf(&path),
+            BrdfFileChoice::SaveBrdf(path) => self.save_brdf(&path),
         };
         if let Err(why) = done {
-            self.app.tell(Level::Error, why);
+            self.app.tell(Severity::Error, why);
         }
     }
 
@@ -296,7 +307,7 @@ impl Workbench {
         let file = apply_file(&bytes, path)?;
         let new = with_description(material, file.description).map_err(|e| e.to_string())?;
         for warning in file.warnings {
-            self.app.tell(Level::Warning, warning);
+            self.app.tell(Severity::Warning, warning);
         }
         let edit = Edit::SetMaterial(id, new);
         self.app.execute(Command::Edit(edit, None));
@@ -315,7 +326,7 @@ impl Workbench {
             .write(&Progress::new(), |out| out.write_all(text.as_bytes()))
             .map_err(|e| e.to_string())?;
         let note = format!("{}: {}", path.display(), self.app.say("saved"));
-        self.app.tell(Level::Note, note);
+        self.app.tell(Severity::Note, note);
         Ok(())
     }
 
@@ -353,9 +364,9 @@ impl Workbench {
     }
 
     /// Gives the app to whoever opens another window, and closes this one.
-    fn lose(&mut self, context: &egui::Context, loss: Loss) {
+    fn lose(&mut self, context: &egui::Context, loss: DeviceLost) {
         if self.rescue.is_none() {
-            self.app.tell(Level::Error, loss.0.to_string());
+            self.app.tell(Severity::Error, loss.0.to_string());
             self.viewport = Viewport::default();
             return;
         }
@@ -364,7 +375,7 @@ impl Workbench {
     }
 
     /// Gives everything that was worked on to whoever opens the next window.
-    fn hand_over(&mut self, loss: Option<Loss>) {
+    fn hand_over(&mut self, loss: Option<DeviceLost>) {
         if let Some(rescue) = self.rescue.take() {
             let app = std::mem::replace(&mut self.app, App::quiet());
             let player = self.player.take();
@@ -414,11 +425,11 @@ impl eframe::App for Workbench {
     }
 }
 
-fn tab_name(tab: Tab, desk: &Desk) -> &'static str {
+fn tab_name(tab: PanelTab, desk: &PanelContext) -> &'static str {
     match tab {
-        Tab::Object => desk.say("Object"),
-        Tab::Material => desk.say("Material"),
-        Tab::Light => desk.say("Light"),
-        Tab::View => desk.say("View"),
+        PanelTab::Object => desk.say("Object"),
+        PanelTab::Material => desk.say("Material"),
+        PanelTab::Light => desk.say("Light"),
+        PanelTab::View => desk.say("View"),
     }
 }

@@ -1,8 +1,8 @@
 //! Words of how the model is looked at.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     [
         "Exposure by itself",
         "Exposición automática",

@@ -84,7 +84,7 @@ fn character(source: &str) -> Option<usize> {
     (inner.get(end..)?.starts_with('\'')).then_some(end + 2)
 }
 
-fn table() -> BTreeMap<&'static str, &'static Entry> {
+fn table() -> BTreeMap<&'static str, &'static Translation> {
     let entries = TABLES.iter().flat_map(|t| t.iter());
     entries.map(|e| (e[0], e)).collect()
 }
@@ -152,7 +152,7 @@ fn nothing_in_the_tables_is_without_use() {
 
 #[test]
 fn a_text_has_one_translation() {
-    let mut known: BTreeMap<&str, &Entry> = BTreeMap::new();
+    let mut known: BTreeMap<&str, &Translation> = BTreeMap::new();
     for entry in TABLES.iter().flat_map(|t| t.iter()) {
         for text in entry {
             assert!(!text.trim().is_empty(), "{entry:?}");

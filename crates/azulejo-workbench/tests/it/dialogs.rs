@@ -1,7 +1,7 @@
 //! Windows over the window, and the list of messages.
 
 use crate::window::*;
-use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::app::{App, Severity};
 use azulejo_workbench::words::Language;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -85,7 +85,7 @@ fn solid_letters_are_added() {
 
 #[test]
 fn a_message_leads_to_what_it_is_about() {
-    let folder = Folder::new("messages");
+    let folder = TestFolder::new("messages");
     let path = folder.path("odd.obj");
     let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl nowhere\nf 1 2 3\ncurv2 1 2\n\
                 o far\nv 9 9 9\nv 10 9 9\nv 9 10 9\nf 4 5 6\n";
@@ -95,7 +95,7 @@ fn a_message_leads_to_what_it_is_about() {
     let mut window = window(app);
     wait(&mut window);
     let warnings = window.state().app.messages.iter();
-    let warnings = warnings.filter(|m| m.level == Level::Warning).count();
+    let warnings = warnings.filter(|m| m.level == Severity::Warning).count();
     assert!(warnings > 0);
     click(&mut window, &format!("⚠ {warnings}"));
     window
@@ -157,8 +157,8 @@ fn a_prism_is_added() {
 
 #[test]
 fn a_drawing_is_extruded_and_what_is_none_is_told() {
-    use azulejo_workbench::command::{Base, Command};
-    let folder = Folder::new("drawing");
+    use azulejo_workbench::command::{Command, PrismBase};
+    let folder = TestFolder::new("drawing");
     let (path, other) = (folder.path("logo.svg"), folder.path("no.svg"));
     let text = r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="2">
         <circle cx="1" cy="1" r="1"/><path d="M2 0h2v2h-2z"/></svg>"#;
@@ -166,7 +166,7 @@ fn a_drawing_is_extruded_and_what_is_none_is_told() {
     std::fs::write(&other, "none").unwrap();
     let mut app = App::quiet();
     let add = |path| Command::AddPrism {
-        base: Base::Drawing(path),
+        base: PrismBase::Drawing(path),
         size: 8.0,
         height: 1.0,
     };

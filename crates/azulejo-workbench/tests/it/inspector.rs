@@ -4,14 +4,14 @@ use crate::window::*;
 use azulejo::scene::{LightKind, Rgb, Shape};
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::{Command, Selection};
-use azulejo_workbench::document::{Edit, NewKind, NewLightKind};
+use azulejo_workbench::document::{Edit, NewLightKind, NewShapeKind};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use glam::DVec3;
 
 fn with_shape() -> Window {
     let mut app = App::quiet();
-    app.execute(Command::AddShape(NewKind::Cuboid));
+    app.execute(Command::AddShape(NewShapeKind::Cuboid));
     window(app)
 }
 
@@ -277,7 +277,7 @@ fn looking_at_numbers_and_colours_changes_nothing() {
 #[test]
 fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     let mut app = App::quiet();
-    app.execute(Command::AddShape(NewKind::Cone));
+    app.execute(Command::AddShape(NewShapeKind::Cone));
     let mut cone = window(app);
     type_slowly(&mut cone, "Radius at the top", "0.25");
     let Shape::Primitive(p) = &*cone.state().app.document.items[0].shape else {

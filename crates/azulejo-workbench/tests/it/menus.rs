@@ -107,7 +107,7 @@ fn the_bar_of_tools_shows_what_surfaces_show() {
 
 #[test]
 fn recent_files_are_opened_again() {
-    let folder = Folder::new("recent");
+    let folder = TestFolder::new("recent");
     let model = folder.copy("shapes.grf");
     let mut app = App::quiet();
     app.preferences.note_recent(&model);

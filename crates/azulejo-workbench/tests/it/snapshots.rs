@@ -3,9 +3,9 @@
 use crate::window::*;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
-use azulejo_workbench::gpu::Headless;
-use azulejo_workbench::light::{EngineName, LightSettings};
-use azulejo_workbench::ui::{Tab, Viewport, Workbench};
+use azulejo_workbench::gpu::HeadlessDevice;
+use azulejo_workbench::light::{EngineChoice, LightSettings};
+use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};
 
@@ -19,7 +19,7 @@ fn tolerance() -> SnapshotOptions {
 
 /// A window with a card, or `None` where there is none.
 fn drawn(app: App) -> Option<Window> {
-    if Headless::open(wgpu::Backends::all()).is_err() {
+    if HeadlessDevice::open(wgpu::Backends::all()).is_err() {
         // A test's output, which is seen where somebody asks for it.
         #[allow(clippy::print_stderr)]
         {
@@ -43,7 +43,7 @@ fn drawn(app: App) -> Option<Window> {
 fn look(app: &mut App, shading: Shading) {
     let mut view = app.view.clone();
     view.shading = shading;
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn a_model_is_shown() {
 fn its_light_is_shown_in_false_colours_with_a_legend() {
     let mut app = opened("cornell.grf");
     app.execute(Command::SetLight(LightSettings {
-        engine: EngineName::Analytic,
+        engine: EngineChoice::Analytic,
         patches: 300,
         error: 0.1,
         ..LightSettings::default()
@@ -72,7 +72,7 @@ fn its_light_is_shown_in_false_colours_with_a_legend() {
     look(&mut app, Shading::FalseColor);
     app.view.false_color.range = Some((0.0, 4.0));
     if let Some(mut window) = drawn(app) {
-        window.state_mut().tab = Tab::View;
+        window.state_mut().tab = PanelTab::View;
         window.run();
         window.snapshot_options("false-colours", &tolerance());
     }

@@ -2,12 +2,12 @@
 
 use crate::window::*;
 use azulejo_workbench::command::{Command, Selection};
-use azulejo_workbench::document::Id;
+use azulejo_workbench::document::ItemId;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-fn id_of(window: &Window, name: &str) -> Id {
+fn id_of(window: &Window, name: &str) -> ItemId {
     let mut items = window.state().app.document.items.iter();
     items.find(|i| i.name == name).unwrap().id
 }

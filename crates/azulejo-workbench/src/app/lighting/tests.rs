@@ -1,5 +1,5 @@
 use super::*;
-use crate::command::{Command, PatchAt};
+use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
 use azulejo::scene::Material;
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
@@ -11,7 +11,7 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 fn cornell() -> App {
     let mut app = App::quiet();
-    app.document = Document::of_scene(cornell_box(CornellVariant::Diffuse), None);
+    app.document = SceneDocument::of_scene(cornell_box(CornellVariant::Diffuse), None);
     app.execute(Command::SetLight(LightSettings {
         patches: 200,
         error: 0.2,
@@ -39,11 +39,11 @@ fn solve(app: &mut App) {
 }
 
 /// A place of the floor that the lamp sees, from above.
-fn on_the_floor(app: &App) -> PatchAt {
+fn on_the_floor(app: &App) -> SurfacePick {
     let bounds = app.document.bounds(None);
     let floor = app.document.items.iter().find(|i| i.name.contains("floor"));
     let up = app.document.units.up.axis();
-    PatchAt {
+    SurfacePick {
         item: floor.expect("a Cornell box has a floor").id,
         position: bounds.min + bounds.size() * DVec3::new(0.8, 0.0, 0.2),
         normal: up,
@@ -73,7 +73,7 @@ fn an_edit_makes_light_old_and_undo_makes_it_true_again() {
     solve(&mut app);
     let first = app.document.items[0].id;
     let shift = DAffine3::from_translation(DVec3::X);
-    app.execute(Command::Edit(Edit::Place(first, shift), None));
+    app.execute(Command::Edit(Edit::SetPlacement(first, shift), None));
     assert!(!app.lighting.is_current && app.lighting.solution.is_some());
     app.execute(Command::Undo);
     assert!(app.lighting.is_current);
@@ -96,12 +96,12 @@ fn the_solver_rests_goes_on_and_stops() {
     std::thread::sleep(Duration::from_millis(20));
     app.poll();
     assert_eq!(app.lighting.watch.elapsed(), held);
-    assert!(app.is_busy(Kind::Solve));
+    assert!(app.is_busy(JobKind::Solve));
     app.execute(Command::Resume);
     assert!(!app.lighting.is_paused && !app.jobs()[0].progress.is_paused());
     app.execute(Command::Pause);
     app.execute(Command::StopSolving);
-    assert!(!app.is_busy(Kind::Solve) && !app.lighting.is_paused);
+    assert!(!app.is_busy(JobKind::Solve) && !app.lighting.is_paused);
     assert_eq!(app.messages, []);
 }
 
@@ -127,7 +127,7 @@ fn what_cannot_be_lit_is_a_message() {
     app.execute(Command::Solve);
     assert!(app.jobs().is_empty());
     let last = app.messages.last().expect("a message");
-    assert!(last.level == Level::Error && last.text.contains("nothing shines"));
+    assert!(last.level == Severity::Error && last.text.contains("nothing shines"));
     // What only the solver finds out comes as its message.
     let mut app = App::quiet();
     let material = Material::emitter("lamp", Rgb::WHITE);
@@ -150,7 +150,7 @@ fn what_cannot_be_lit_is_a_message() {
 fn probes_read_the_solution_and_measure_the_place_itself() {
     let mut app = cornell();
     let place = on_the_floor(&app);
-    app.execute(Command::Pin(place));
+    app.execute(Command::AddProbe(place));
     let site = app.probes[0].site.clone().expect("the floor is there");
     assert!(site.paint.is_front && site.light.is_none());
     solve(&mut app);
@@ -164,7 +164,7 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
     assert!((0.6..1.6).contains(&ratio), "{ratio}");
     // A move takes the surface away, and what was measured is of another model.
     let away = DAffine3::from_translation(DVec3::splat(1e4));
-    app.execute(Command::Edit(Edit::Place(place.item, away), None));
+    app.execute(Command::Edit(Edit::SetPlacement(place.item, away), None));
     assert!(app.probes[0].site.is_none() && app.probes[0].measured.is_none());
     app.execute(Command::Undo);
     assert!(
@@ -173,7 +173,7 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
             .as_ref()
             .is_some_and(|s| s.light.is_some())
     );
-    app.execute(Command::Unpin(app.probes[0].number));
+    app.execute(Command::RemoveProbe(app.probes[0].number));
     assert!(app.probes.is_empty());
 }
 
@@ -181,7 +181,7 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
 fn another_document_has_no_probes() {
     let mut app = cornell();
     let place = on_the_floor(&app);
-    app.execute(Command::Pin(place));
+    app.execute(Command::AddProbe(place));
     app.execute(Command::New);
     app.execute(Command::Discard);
     assert!(app.probes.is_empty());
@@ -192,7 +192,7 @@ fn the_back_of_a_surface_has_no_light_of_its_own() {
     let mut app = cornell();
     solve(&mut app);
     let place = on_the_floor(&app);
-    app.execute(Command::Pin(PatchAt {
+    app.execute(Command::AddProbe(SurfacePick {
         normal: -place.normal,
         ..place
     }));

@@ -9,7 +9,7 @@ fn file_of(app: &App) -> Option<&Path> {
 }
 
 /// An app with a copy of the Cornell box open, and a change.
-fn changed(folder: &Folder) -> App {
+fn changed(folder: &TestFolder) -> App {
     let mut app = App::quiet();
     let model = folder.copy("cornell.grf");
     run(&mut app, Command::Open(vec![model]));
@@ -22,7 +22,7 @@ fn changed(folder: &Folder) -> App {
 
 #[test]
 fn a_file_is_opened_and_others_join_it_under_their_names() {
-    let folder = Folder::new("open");
+    let folder = TestFolder::new("open");
     let mut app = App::quiet();
     let cornell = folder.copy("cornell.grf");
     run(&mut app, Command::Open(vec![cornell.clone()]));
@@ -53,7 +53,7 @@ fn a_file_is_opened_and_others_join_it_under_their_names() {
 
 #[test]
 fn a_file_that_fails_changes_nothing_and_is_told() {
-    let folder = Folder::new("fails");
+    let folder = TestFolder::new("fails");
     let mut app = changed(&folder);
     let before = app.document.clone();
     let broken = folder.path("broken.grf");
@@ -79,7 +79,7 @@ fn a_file_that_fails_changes_nothing_and_is_told() {
 
 #[test]
 fn of_several_files_those_that_can_be_read_are_opened() {
-    let folder = Folder::new("several");
+    let folder = TestFolder::new("several");
     let broken = folder.path("broken.obj");
     std::fs::write(&broken, "f 1 2 3").unwrap();
     let mut app = App::quiet();
@@ -100,7 +100,7 @@ fn check_two_of_three(app: &App, first: &Path) {
 
 #[test]
 fn files_that_are_added_wait_for_those_on_their_way() {
-    let folder = Folder::new("queue");
+    let folder = TestFolder::new("queue");
     let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
     let mut app = App::quiet();
     app.execute(Command::Open(vec![a.clone()]));
@@ -111,14 +111,14 @@ fn files_that_are_added_wait_for_those_on_their_way() {
 
 #[test]
 fn what_waits_to_be_added_to_a_file_waits_for_the_answer_about_it() {
-    let folder = Folder::new("queue-asked");
+    let folder = TestFolder::new("queue-asked");
     let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
     let mut app = filled();
     app.execute(Command::Open(vec![a.clone()]));
     app.execute(Command::Add(vec![b.clone()]));
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     settle(&mut app);
-    let asked = Question::Unsaved(Box::new(Command::Open(vec![a, b])));
+    let asked = PendingQuestion::Unsaved(Box::new(Command::Open(vec![a, b])));
     assert_eq!(app.question, Some(asked));
     run(&mut app, Command::Discard);
     assert_eq!(app.document.branches.len(), 2);
@@ -126,13 +126,13 @@ fn what_waits_to_be_added_to_a_file_waits_for_the_answer_about_it() {
 
 #[test]
 fn files_that_are_given_up_for_another_are_named() {
-    let folder = Folder::new("given-up");
+    let folder = TestFolder::new("given-up");
     let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
     let mut app = App::quiet();
     app.execute(Command::Open(vec![a]));
     app.execute(Command::Add(vec![b]));
     run(&mut app, Command::Open(vec![folder.copy("cornell.grf")]));
-    let given_up = app.messages.iter().find(|m| m.level == Level::Warning);
+    let given_up = app.messages.iter().find(|m| m.level == Severity::Warning);
     let text = &given_up.expect("a warning").text;
     assert!(text.contains("shapes.grf") && text.contains("csg.grf"));
     assert_eq!(app.document.branches.len(), 1);
@@ -140,9 +140,9 @@ fn files_that_are_given_up_for_another_are_named() {
 
 #[test]
 fn what_is_saved_comes_back_equal() {
-    let folder = Folder::new("save");
+    let folder = TestFolder::new("save");
     let mut app = filled();
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     let path = folder.path("unlit.grf");
     run(&mut app, Command::SaveAs(folder.path("unlit")));
     check_no_error(&app);
@@ -156,7 +156,7 @@ fn what_is_saved_comes_back_equal() {
 
 #[test]
 fn light_is_saved_and_comes_back() {
-    let folder = Folder::new("lit");
+    let folder = TestFolder::new("lit");
     let mut app = filled();
     app.take_light(solved(&app.document));
     assert!(app.is_changed());
@@ -181,7 +181,7 @@ fn light_is_saved_and_comes_back() {
     assert_eq!(reread, lit);
 
     // Light of an earlier state is not written onto another one.
-    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    edit(&mut app, Edit::Delete(vec![ItemId(3)]));
     run(&mut app, Command::Save);
     assert!(app.messages.last().unwrap().text.contains("without light"));
     run(&mut again, Command::Open(vec![path]));
@@ -190,7 +190,7 @@ fn light_is_saved_and_comes_back() {
 
 #[test]
 fn what_cannot_be_written_is_told_and_stays_a_change() {
-    let folder = Folder::new("refused");
+    let folder = TestFolder::new("refused");
     let mut app = changed(&folder);
     let own = app.file.clone();
     let file = folder.path("file");
@@ -215,7 +215,7 @@ fn what_cannot_be_written_is_told_and_stays_a_change() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_told_and_what_waited_for_the_save_does_not_go_on() {
-    let folder = Folder::new("full");
+    let folder = TestFolder::new("full");
     let mut app = changed(&folder);
     let full = folder.path("full.grf");
     std::os::unix::fs::symlink("/dev/full", &full).unwrap();
@@ -228,7 +228,7 @@ fn a_full_disk_is_told_and_what_waited_for_the_save_does_not_go_on() {
 
 #[test]
 fn a_file_that_others_wrote_is_asked_about() {
-    let folder = Folder::new("others");
+    let folder = TestFolder::new("others");
     let mut app = changed(&folder);
     let path = folder.path("cornell.grf");
     app.check_disk();
@@ -236,8 +236,11 @@ fn a_file_that_others_wrote_is_asked_about() {
     let others = std::fs::read_to_string(example("shapes.grf")).unwrap();
     std::fs::write(&path, &others).unwrap();
     run(&mut app, Command::Save);
-    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
-    app.execute(Command::Dismiss);
+    assert_eq!(
+        app.question,
+        Some(PendingQuestion::ChangedOnDisk(path.clone()))
+    );
+    app.execute(Command::CancelPending);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), others);
     assert!(app.is_changed());
 
@@ -249,12 +252,18 @@ fn a_file_that_others_wrote_is_asked_about() {
     // When the window is looked at again; once, and again before it is written over.
     std::fs::write(&path, &others).unwrap();
     app.check_disk();
-    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
-    app.execute(Command::Dismiss);
+    assert_eq!(
+        app.question,
+        Some(PendingQuestion::ChangedOnDisk(path.clone()))
+    );
+    app.execute(Command::CancelPending);
     app.check_disk();
     assert_eq!(app.question, None);
     run(&mut app, Command::Save);
-    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
+    assert_eq!(
+        app.question,
+        Some(PendingQuestion::ChangedOnDisk(path.clone()))
+    );
     run(&mut app, Command::Discard);
     check_no_error(&app);
     assert_eq!(app.document.branches[0].name, "cornell");
@@ -273,20 +282,20 @@ fn a_file_that_others_wrote_is_asked_about() {
 
 #[test]
 fn changes_are_not_lost_without_asking() {
-    let folder = Folder::new("guard");
+    let folder = TestFolder::new("guard");
     let other = folder.copy("shapes.grf");
     for command in [Command::New, Command::Open(vec![other]), Command::Quit] {
         let mut app = changed(&folder);
         let before = app.document.clone();
         let ask = |app: &mut App| {
             app.execute(command.clone());
-            let question = Question::Unsaved(Box::new(command.clone()));
+            let question = PendingQuestion::Unsaved(Box::new(command.clone()));
             assert_eq!(app.question.as_ref(), Some(&question));
             assert_eq!(app.document, before);
         };
         let is_done = |app: &App| app.closing || app.document != before;
         ask(&mut app);
-        run(&mut app, Command::Dismiss);
+        run(&mut app, Command::CancelPending);
         assert!(!is_done(&app) && app.is_changed());
         ask(&mut app);
         run(&mut app, Command::Discard);
@@ -305,13 +314,13 @@ fn changes_are_not_lost_without_asking() {
 
 #[test]
 fn a_document_without_a_place_asks_for_one_before_it_goes() {
-    let folder = Folder::new("place");
+    let folder = TestFolder::new("place");
     let mut app = filled();
-    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    edit(&mut app, Edit::Delete(vec![ItemId(3)]));
     app.execute(Command::Quit);
     app.execute(Command::Save);
-    assert_eq!(app.asking, Some(Ask::SaveAs));
-    app.execute(Command::Answered);
+    assert_eq!(app.asking, Some(FileRequest::SaveAs));
+    app.execute(Command::DialogClosed);
     run(&mut app, Command::SaveAs(folder.path("a.grf")));
     assert!(app.closing && app.asking.is_none());
 
@@ -320,8 +329,8 @@ fn a_document_without_a_place_asks_for_one_before_it_goes() {
     run(&mut app, Command::Open(vec![folder.copy("box.vs3")]));
     check_no_error(&app);
     app.execute(Command::Save);
-    assert_eq!(app.asking, Some(Ask::SaveAs));
-    app.execute(Command::Dismiss);
+    assert_eq!(app.asking, Some(FileRequest::SaveAs));
+    app.execute(Command::CancelPending);
     assert_eq!(app.asking, None);
 }
 
@@ -330,18 +339,18 @@ fn edits_made_while_a_file_is_read_are_not_lost() {
     let mut app = filled();
     let shapes = example("shapes.grf");
     app.execute(Command::Open(vec![shapes.clone()]));
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     settle(&mut app);
-    let question = Question::Unsaved(Box::new(Command::Open(vec![shapes.clone()])));
+    let question = PendingQuestion::Unsaved(Box::new(Command::Open(vec![shapes.clone()])));
     assert_eq!(app.question, Some(question));
-    assert_eq!(app.document.name(Id(3)), Some("marble"));
+    assert_eq!(app.document.name(ItemId(3)), Some("marble"));
     run(&mut app, Command::Discard);
     assert_eq!(file_of(&app), Some(&*shapes));
 }
 
 #[test]
 fn a_save_that_ends_late_is_not_of_the_next_document() {
-    let folder = Folder::new("late");
+    let folder = TestFolder::new("late");
     let mut app = filled();
     let path = folder.path("late.grf");
     app.execute(Command::SaveAs(path.clone()));
@@ -363,7 +372,7 @@ fn a_new_document_is_not_replaced_by_a_file_on_its_way() {
 
 #[test]
 fn copies_are_exported_in_every_format() {
-    let folder = Folder::new("export");
+    let folder = TestFolder::new("export");
     let mut app = changed(&folder);
     let own = app.file.clone();
     for format in &FORMATS {
@@ -381,7 +390,7 @@ fn copies_are_exported_in_every_format() {
 
 #[test]
 fn warnings_lead_to_what_they_are_about() {
-    let folder = Folder::new("warnings");
+    let folder = TestFolder::new("warnings");
     let path = folder.path("odd.obj");
     let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl nowhere\ncurv2 1 2\n";
     std::fs::write(&path, text).unwrap();
@@ -391,7 +400,7 @@ fn warnings_lead_to_what_they_are_about() {
     let warnings: Vec<_> = app
         .messages
         .iter()
-        .filter(|m| m.level == Level::Warning)
+        .filter(|m| m.level == Severity::Warning)
         .collect();
     assert!(!warnings.is_empty());
     assert!(
@@ -417,14 +426,14 @@ fn a_job_is_cancelled() {
 #[test]
 fn messages_are_not_kept_for_ever() {
     let mut app = App::quiet();
-    (0..1_500).for_each(|k| app.tell(Level::Note, k.to_string()));
+    (0..1_500).for_each(|k| app.tell(Severity::Note, k.to_string()));
     assert_eq!(app.messages.len(), 1_000);
     assert_eq!(app.messages.last().unwrap().text, "1499");
 }
 
 #[test]
 fn what_forgets_lights_is_not_saved_under_that_name() {
-    let folder = Folder::new("lossy");
+    let folder = TestFolder::new("lossy");
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![folder.copy("cornell.grf")]));
     let first = app.document.items[0].id;

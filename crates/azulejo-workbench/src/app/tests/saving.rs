@@ -12,11 +12,11 @@ fn last(app: &App) -> &str {
 
 #[test]
 fn the_later_of_two_saves_is_what_stays() {
-    let folder = Folder::new("twice");
+    let folder = TestFolder::new("twice");
     let path = folder.path("a.grf");
     let mut app = filled();
     app.execute(Command::SaveAs(path.clone()));
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     app.execute(Command::SaveAs(folder.path("b.grf")));
     app.execute(Command::SaveAs(path.clone()));
     assert_eq!(app.jobs().len(), 2, "the first is given up");
@@ -29,7 +29,7 @@ fn the_later_of_two_saves_is_what_stays() {
 
 #[test]
 fn a_copy_over_the_own_file_was_not_written_by_others() {
-    let folder = Folder::new("own-copy");
+    let folder = TestFolder::new("own-copy");
     let path = folder.copy("shapes.grf");
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![path.clone()]));
@@ -54,7 +54,7 @@ fn lit_file(path: &Path, whole: bool) {
 
 #[test]
 fn light_of_what_is_added_to_nothing_is_kept() {
-    let folder = Folder::new("added-light");
+    let folder = TestFolder::new("added-light");
     let path = folder.path("lit.grf");
     lit_file(&path, true);
     let mut app = App::quiet();
@@ -67,7 +67,7 @@ fn light_of_what_is_added_to_nothing_is_kept() {
 
 #[test]
 fn light_of_a_part_is_not_lost_without_a_word() {
-    let folder = Folder::new("part-light");
+    let folder = TestFolder::new("part-light");
     let path = folder.path("part.grf");
     lit_file(&path, false);
     let mut app = App::quiet();

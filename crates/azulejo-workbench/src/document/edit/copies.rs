@@ -1,23 +1,23 @@
 //! What comes in many copies: duplicates, whole documents, and names that nobody else has.
 
 use super::{Edited, refuse, set};
-use crate::document::{Document, Id, Item, Lamp, Viewpoint, map_materials};
+use crate::document::{ItemId, SceneCamera, SceneDocument, SceneLight, SceneObject, map_materials};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-impl Document {
-    pub(super) fn duplicate(&mut self, ids: &[Id]) -> Edited {
+impl SceneDocument {
+    pub(super) fn duplicate(&mut self, ids: &[ItemId]) -> Edited {
         if !ids.iter().any(|&id| self.has(id)) {
             return refuse("nothing is selected, select what to duplicate");
         }
         let chosen = set(ids);
         let items = self.items.iter().filter(|i| chosen.contains(&i.id));
-        let items: Vec<Item> = items.map(|item| Item::clone(item)).collect();
+        let items: Vec<SceneObject> = items.map(|item| SceneObject::clone(item)).collect();
         let lamps = self.lights.iter().filter(|l| chosen.contains(&l.id));
-        let lamps: Vec<Lamp> = lamps.cloned().collect();
+        let lamps: Vec<SceneLight> = lamps.cloned().collect();
         let views = self.cameras.iter().filter(|c| chosen.contains(&c.id));
-        let views: Vec<Viewpoint> = views.cloned().collect();
-        let mut names = Names::of(self);
+        let views: Vec<SceneCamera> = views.cloned().collect();
+        let mut names = UniqueNames::of(self);
         let mut copies = Vec::new();
         for mut item in items {
             item.id = self.new_id();
@@ -43,11 +43,11 @@ impl Document {
 
     /// `name` with the first number behind it that no object, light or camera has.
     pub(super) fn fresh_name(&self, name: &str) -> String {
-        Names::of(self).fresh(name)
+        UniqueNames::of(self).fresh(name)
     }
 
     /// Adds what another document holds; its names for good become ones of this document.
-    pub(super) fn append_document(&mut self, other: &Document) -> Vec<Id> {
+    pub(super) fn append_document(&mut self, other: &SceneDocument) -> Vec<ItemId> {
         if self.is_empty() {
             self.units = other.units;
         }
@@ -66,7 +66,7 @@ impl Document {
         }
         let mut ids = Vec::new();
         for item in &other.items {
-            let mut item = Item::clone(item);
+            let mut item = SceneObject::clone(item);
             if materials > 0 {
                 item.change_shape(|shape| map_materials(shape, &mut |m| m + materials));
             }
@@ -77,7 +77,7 @@ impl Document {
         }
         for lamp in &other.lights {
             let id = self.new_id();
-            self.lights.push(Lamp {
+            self.lights.push(SceneLight {
                 id,
                 branch: branch(lamp.branch),
                 hidden: lamp.hidden,
@@ -86,7 +86,7 @@ impl Document {
         }
         for view in &other.cameras {
             let id = self.new_id();
-            self.cameras.push(Viewpoint {
+            self.cameras.push(SceneCamera {
                 id,
                 branch: branch(view.branch),
                 hidden: view.hidden,
@@ -101,23 +101,23 @@ impl Document {
 }
 
 /// Names that are taken.
-pub(super) struct Names {
+pub(super) struct UniqueNames {
     taken: HashSet<String>,
     /// The last number behind each stem that was found free: those before it are not asked again.
     numbers: HashMap<String, u64>,
 }
 
-impl Names {
-    fn of(document: &Document) -> Names {
+impl UniqueNames {
+    fn of(document: &SceneDocument) -> UniqueNames {
         let items = document.items.iter().map(|i| &i.name);
         let lights = document.lights.iter().map(|l| &l.light.name);
         let cameras = document.cameras.iter().map(|c| &c.camera.name);
-        Names::among(items.chain(lights).chain(cameras))
+        UniqueNames::among(items.chain(lights).chain(cameras))
     }
 
     /// Those names.
-    pub(super) fn among<'a>(names: impl Iterator<Item = &'a String>) -> Names {
-        Names {
+    pub(super) fn among<'a>(names: impl Iterator<Item = &'a String>) -> UniqueNames {
+        UniqueNames {
             taken: names.cloned().collect(),
             numbers: HashMap::new(),
         }

@@ -1,6 +1,6 @@
 //! What a model keeps of what nature does, measured: reciprocity and energy.
 
-use super::optics::Optics;
+use super::optics::MaterialReflection;
 use super::theme::mark;
 use crate::words::Language;
 use azulejo::scene::Rgb;
@@ -19,14 +19,14 @@ const BRIGHT: f64 = 1.0 + 1e-3;
 
 /// What was measured.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Measures {
+pub(super) struct ModelChecks {
     /// The largest relative difference when light and eye are exchanged.
     pub exchanged: f64,
     /// Angles in degrees, each with the share that is reflected by the channel that reflects most.
     pub albedos: Vec<(f64, f64)>,
 }
 
-impl Measures {
+impl ModelChecks {
     /// The most that is reflected, with the angle in degrees.
     fn most(&self) -> (f64, f64) {
         let all = self.albedos.iter().map(|&(angle, albedo)| (albedo, angle));
@@ -39,9 +39,9 @@ impl Measures {
 
 /// Measures a surface.
 pub(super) fn measure(
-    optics: &Optics,
+    optics: &MaterialReflection,
     progress: &Progress,
-    show: &mut dyn FnMut(Measures),
+    show: &mut dyn FnMut(ModelChecks),
 ) -> Result<(), Cancelled> {
     let reflector = optics.reflector();
     let mut exchanged = 0f64;
@@ -59,17 +59,17 @@ pub(super) fn measure(
         }
         albedos.push((angle, sum.max_channel()));
     }
-    show(Measures { exchanged, albedos });
+    show(ModelChecks { exchanged, albedos });
     Ok(())
 }
 
 /// Shows both badges.
-pub(super) fn badges(ui: &mut Ui, language: Language, measures: &Measures) {
+pub(super) fn badges(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     reciprocity(ui, language, measures);
     energy(ui, language, measures);
 }
 
-fn reciprocity(ui: &mut Ui, language: Language, measures: &Measures) {
+fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let holds = measures.exchanged <= SAME;
     let words = match holds {
         true => language.say("reciprocal"),
@@ -80,7 +80,7 @@ fn reciprocity(ui: &mut Ui, language: Language, measures: &Measures) {
     badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
 }
 
-fn energy(ui: &mut Ui, language: Language, measures: &Measures) {
+fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let (most, angle) = measures.most();
     let holds = most <= BRIGHT;
     let words = match holds {
@@ -126,16 +126,18 @@ mod tests {
     use azulejo::scene::{Brdf, Material};
     use std::sync::Arc;
 
-    fn measured(text: &str) -> Measures {
+    fn measured(text: &str) -> ModelChecks {
         let brdf = Arc::new(Brdf::new(text.parse().unwrap()).unwrap());
         let material = Material {
             brdf: Some(brdf),
             ..Material::default()
         };
         let mut found = None;
-        measure(&Optics::of(&material), &Progress::new(), &mut |m| {
-            found = Some(m)
-        })
+        measure(
+            &MaterialReflection::of(&material),
+            &Progress::new(),
+            &mut |m| found = Some(m),
+        )
         .unwrap();
         found.unwrap()
     }

@@ -1,8 +1,8 @@
 //! A lobe as a solid body, turned by dragging or by the arrow keys.
 
-use super::shapes::{Body, RINGS, SECTORS};
+use super::shapes::{LobeSurface, RINGS, SECTORS};
 use super::theme::{brightness, grid};
-use super::view::View;
+use super::view::LobeView;
 use crate::ui::focus::keep_arrows;
 use crate::words::Language;
 use egui::{Color32, Key, Mesh, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
@@ -14,7 +14,7 @@ const TURN: [f32; 2] = [0.5, 5.0];
 
 /// How a body is drawn.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stage {
+pub(super) struct LobeViewport {
     /// In points of the screen.
     pub size: Vec2,
     /// The value that reaches as far as 1.
@@ -23,8 +23,14 @@ pub(super) struct Stage {
 }
 
 /// Draws a body; dragging and arrow keys turn `view.orbit`.
-pub(super) fn draw(ui: &mut Ui, language: Language, view: &mut View, body: &Body, stage: Stage) {
-    let Stage { size, top, color } = stage;
+pub(super) fn draw(
+    ui: &mut Ui,
+    language: Language,
+    view: &mut LobeView,
+    body: &LobeSurface,
+    stage: LobeViewport,
+) {
+    let LobeViewport { size, top, color } = stage;
     let response = ui.allocate_response(size, Sense::click_and_drag());
     if response.clicked() || response.drag_started() {
         response.request_focus();
@@ -37,7 +43,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &mut View, body: &Body
         return;
     }
     let painter = ui.painter_at(response.rect);
-    let eye = Eye::new(view.orbit, response.rect);
+    let eye = OrbitCamera::new(view.orbit, response.rect);
     painter.extend(eye.floor(grid(ui)));
     painter.add(eye.solid(&grown(body, view, top), color));
     painter.extend(eye.light(body.light, ui.visuals().strong_text_color()));
@@ -59,7 +65,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &mut View, body: &Body
 }
 
 /// The largest value of a body.
-pub(super) fn top(view: &View, body: &Body) -> f64 {
+pub(super) fn top(view: &LobeView, body: &LobeSurface) -> f64 {
     let all = body.rings.iter().flatten();
     let values = all.map(|(w, f)| view.value(brightness(*f), w.z));
     values.filter(|v| v.is_finite()).fold(0.0, f64::max)
@@ -81,7 +87,7 @@ fn turn(ui: &Ui, response: &egui::Response, orbit: &mut [f32; 2]) {
 }
 
 /// The surface of the body in space.
-fn grown(body: &Body, view: &View, top: f64) -> Vec<Vec<DVec3>> {
+fn grown(body: &LobeSurface, view: &LobeView, top: f64) -> Vec<Vec<DVec3>> {
     let point = |&(w, f): &(DVec3, _)| w * view.share(view.value(brightness(f), w.z), top);
     body.rings
         .iter()
@@ -90,7 +96,7 @@ fn grown(body: &Body, view: &View, top: f64) -> Vec<Vec<DVec3>> {
 }
 
 /// A camera that looks at the origin from far away.
-struct Eye {
+struct OrbitCamera {
     right: DVec3,
     up: DVec3,
     toward: DVec3,
@@ -99,8 +105,8 @@ struct Eye {
     center: Pos2,
 }
 
-impl Eye {
-    fn new([around, above]: [f32; 2], rect: Rect) -> Eye {
+impl OrbitCamera {
+    fn new([around, above]: [f32; 2], rect: Rect) -> OrbitCamera {
         let [around, above] = [around, above].map(|a| f64::from(a).to_radians());
         let ((sa, ca), (sb, cb)) = (around.sin_cos(), above.sin_cos());
         let toward = DVec3::new(cb * ca, cb * sa, sb);
@@ -109,7 +115,7 @@ impl Eye {
         let (width, height) = (f64::from(rect.width()), f64::from(rect.height()));
         let zoom = (0.44 * width).min(0.6 * height);
         let drop = 0.5 * zoom * cb;
-        Eye {
+        OrbitCamera {
             right,
             up: toward.cross(right),
             toward,
@@ -198,7 +204,7 @@ mod tests {
     #[test]
     fn what_is_near_is_drawn_last() {
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(200.0, 100.0));
-        let eye = Eye::new([-90.0, 0.0], rect);
+        let eye = OrbitCamera::new([-90.0, 0.0], rect);
         // Seen from −y, x is to the right and z up.
         assert!(eye.place(DVec3::X).x > eye.place(DVec3::ZERO).x);
         assert!(eye.place(DVec3::Z).y < eye.place(DVec3::ZERO).y);
@@ -213,7 +219,7 @@ mod tests {
     #[test]
     fn straight_from_above_there_is_a_view() {
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(200.0, 100.0));
-        let eye = Eye::new([-106.0, 90.0], rect);
+        let eye = OrbitCamera::new([-106.0, 90.0], rect);
         assert!(eye.place(DVec3::X).is_finite() && eye.up.is_finite());
     }
 }

@@ -10,7 +10,7 @@ use egui::{ComboBox, RichText, Ui};
 use std::sync::Arc;
 
 /// The other side.
-pub(super) struct Compared {
+pub(super) struct ComparedMaterial {
     name: String,
     material: Arc<Material>,
     /// Where it is among the scene's materials, unless it is the example of a model.
@@ -21,7 +21,7 @@ pub(super) struct Compared {
 pub(super) fn choose(
     ui: &mut Ui,
     language: Language,
-    compared: &mut Option<Compared>,
+    compared: &mut Option<ComparedMaterial>,
     others: &[Arc<Material>],
 ) {
     let none = language.say("nothing");
@@ -46,7 +46,7 @@ pub(super) fn choose(
 }
 
 /// Materials of the scene, and the first example of each model.
-fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<Compared> {
+fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<ComparedMaterial> {
     let mut chosen = None;
     if !others.is_empty() {
         ui.label(RichText::new(language.say("Materials of the scene")).strong());
@@ -58,7 +58,7 @@ fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<
             .inner
             .clicked()
         {
-            chosen = Some(Compared {
+            chosen = Some(ComparedMaterial {
                 name,
                 material: material.clone(),
                 index: Some(index),
@@ -78,10 +78,10 @@ fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<
     chosen
 }
 
-fn exemplary(language: Language, info: &'static Info) -> Option<Compared> {
+fn exemplary(language: Language, info: &'static Info) -> Option<ComparedMaterial> {
     let description = Description::Model(example(info, 0)?);
     let material = with_description(&Material::default(), description).ok()?;
-    Some(Compared {
+    Some(ComparedMaterial {
         name: language.say(info.title).to_owned(),
         material: Arc::new(material),
         index: None,
@@ -90,7 +90,7 @@ fn exemplary(language: Language, info: &'static Info) -> Option<Compared> {
 
 /// The other side as it is now: a material of the scene may have changed, or gone.
 pub(super) fn current<'a>(
-    compared: &'a mut Option<Compared>,
+    compared: &'a mut Option<ComparedMaterial>,
     others: &[Arc<Material>],
 ) -> Option<(&'a str, &'a Material)> {
     let compared = compared.as_mut()?;

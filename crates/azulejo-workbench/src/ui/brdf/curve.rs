@@ -1,6 +1,6 @@
 //! What is reflected in all, against the angle.
 
-use super::shapes::Curve;
+use super::shapes::AlbedoCurve;
 use super::theme::{brightness, channels, grid, short};
 use crate::words::Language;
 use azulejo::scene::Rgb;
@@ -11,7 +11,7 @@ use egui_plot::{GridMark, HLine, HoverPosition, Line, LineStyle, Plot, PlotPoint
 const NEAR: f64 = 0.005;
 
 /// Draws the curves of one model, or of two: the second is dashed.
-pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&Curve]) {
+pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&AlbedoCurve]) {
     let all = curves
         .iter()
         .flat_map(|c| c.iter().map(|p| p.1.max_channel()));
@@ -70,7 +70,13 @@ fn shares(most: f64) -> Vec<GridMark> {
 }
 
 /// One line, or three where the channels differ.
-fn lines(plot: &mut PlotUi, curve: &Curve, is_dashed: bool, colors: [Color32; 3], ink: Color32) {
+fn lines(
+    plot: &mut PlotUi,
+    curve: &AlbedoCurve,
+    is_dashed: bool,
+    colors: [Color32; 3],
+    ink: Color32,
+) {
     let is_colored = |(_, a): &(f64, Rgb)| (0..3).any(|c| (a[c] - a.mean()).abs() > NEAR);
     let mut line = |name: &str, color: Color32, width: f32, of: &dyn Fn(Rgb) -> f64| {
         let points: Vec<[f64; 2]> = curve.iter().map(|&(angle, a)| [angle, of(a)]).collect();

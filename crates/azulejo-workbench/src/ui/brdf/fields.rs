@@ -7,7 +7,7 @@ use egui::{SliderClamping, Ui, vec2};
 
 /// Numbers that a field takes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span<'a> {
+pub(super) struct NumberRange<'a> {
     /// The least that is possible.
     pub least: f64,
     /// The most.
@@ -20,17 +20,17 @@ pub(super) struct Span<'a> {
 }
 
 /// Shares of light.
-pub(super) const SHARE: Span = Span {
+pub(super) const SHARE: NumberRange = NumberRange {
     least: 0.0,
     most: 1.0,
     unit: "",
     is_strict: true,
 };
 
-impl Span<'_> {
+impl NumberRange<'_> {
     /// The same up to another number.
     pub fn up_to(self, most: f64) -> Self {
-        Span { most, ..self }
+        NumberRange { most, ..self }
     }
 
     fn range(&self) -> std::ops::RangeInclusive<f64> {
@@ -56,7 +56,7 @@ impl Span<'_> {
 }
 
 /// A slider with a number behind it, called `name`.
-pub(super) fn number(ui: &mut Ui, name: &str, span: Span, value: &mut f64) {
+pub(super) fn number(ui: &mut Ui, name: &str, span: NumberRange, value: &mut f64) {
     let clamping = match span.is_strict {
         true => SliderClamping::Always,
         false => SliderClamping::Never,
@@ -71,12 +71,12 @@ pub(super) fn number(ui: &mut Ui, name: &str, span: Span, value: &mut f64) {
 }
 
 /// A row of a number.
-pub(super) fn number_row(ui: &mut Ui, name: &str, about: &str, span: Span, value: &mut f64) {
+pub(super) fn number_row(ui: &mut Ui, name: &str, about: &str, span: NumberRange, value: &mut f64) {
     row(ui, name, about, |ui, name| number(ui, name, span, value));
 }
 
 /// A button with the colour, and three numbers.
-pub(super) fn color(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
+pub(super) fn color(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     if span.least >= 0.0 && span.most <= 1.0 {
         swatch(ui, name, color);
     }
@@ -94,7 +94,7 @@ fn rounded(x: f64) -> f64 {
 }
 
 /// Three numbers.
-fn channels(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
+fn channels(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
         let value = &mut color[channel];
         let range = match span.is_strict {
@@ -115,6 +115,6 @@ fn channels(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
 }
 
 /// A row of a colour.
-pub(super) fn color_row(ui: &mut Ui, name: &str, about: &str, span: Span, value: &mut Rgb) {
+pub(super) fn color_row(ui: &mut Ui, name: &str, about: &str, span: NumberRange, value: &mut Rgb) {
     row(ui, name, about, |ui, name| color(ui, name, span, value));
 }

@@ -12,16 +12,16 @@ const PATIENCE: Duration = Duration::from_millis(250);
 
 /// One thread beside the window, apart from those of the solver: what a person waits for is not
 /// held up by what takes minutes.
-pub(super) struct Worker {
+pub(super) struct BackgroundWorker {
     /// `None` where the system gives no more threads; the common ones are used then.
     pool: Option<ThreadPool>,
 }
 
-impl Worker {
-    pub fn new(name: &'static str) -> Worker {
+impl BackgroundWorker {
+    pub fn new(name: &'static str) -> BackgroundWorker {
         let builder = ThreadPoolBuilder::new().num_threads(1);
         let pool = builder.thread_name(move |_| name.to_owned()).build();
-        Worker { pool: pool.ok() }
+        BackgroundWorker { pool: pool.ok() }
     }
 
     fn spawn(&self, job: impl FnOnce() + Send + 'static) {
@@ -33,12 +33,12 @@ impl Worker {
 }
 
 /// The newest result of work that is asked for by a key.
-pub(super) struct Latest<K, T> {
-    running: Option<Running<K, T>>,
+pub(super) struct LatestResult<K, T> {
+    running: Option<RunningTask<K, T>>,
     found: Option<(K, T)>,
 }
 
-struct Running<K, T> {
+struct RunningTask<K, T> {
     key: K,
     progress: Arc<Progress>,
     results: Receiver<T>,
@@ -46,9 +46,9 @@ struct Running<K, T> {
     has_shown: bool,
 }
 
-impl<K, T> Default for Latest<K, T> {
-    fn default() -> Latest<K, T> {
-        Latest {
+impl<K, T> Default for LatestResult<K, T> {
+    fn default() -> LatestResult<K, T> {
+        LatestResult {
             running: None,
             found: None,
         }
@@ -57,11 +57,18 @@ impl<K, T> Default for Latest<K, T> {
 
 /// What is done in the background: it hands over results, better and better ones, until it is
 /// done or cancelled.
-pub(super) type Job<K, T> = fn(&K, &Progress, &mut dyn FnMut(T)) -> Result<(), Cancelled>;
+pub(super) type BackgroundTask<K, T> =
+    fn(&K, &Progress, &mut dyn FnMut(T)) -> Result<(), Cancelled>;
 
-impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> Latest<K, T> {
+impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T> {
     /// Sees to it that the result for `key` is there or on its way, and takes what has come.
-    pub fn ask(&mut self, key: &K, job: Job<K, T>, worker: &Worker, ctx: &egui::Context) {
+    pub fn ask(
+        &mut self,
+        key: &K,
+        job: BackgroundTask<K, T>,
+        worker: &BackgroundWorker,
+        ctx: &egui::Context,
+    ) {
         self.collect();
         if let Some(running) = &self.running {
             if running.key == *key {
@@ -128,7 +135,7 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> Latest<K, T> {
     }
 }
 
-impl<K, T> Drop for Latest<K, T> {
+impl<K, T> Drop for LatestResult<K, T> {
     fn drop(&mut self) {
         if let Some(running) = &self.running {
             running.progress.cancel();
@@ -136,7 +143,12 @@ impl<K, T> Drop for Latest<K, T> {
     }
 }
 
-fn start<K, T>(key: K, job: Job<K, T>, worker: &Worker, ctx: egui::Context) -> Running<K, T>
+fn start<K, T>(
+    key: K,
+    job: BackgroundTask<K, T>,
+    worker: &BackgroundWorker,
+    ctx: egui::Context,
+) -> RunningTask<K, T>
 where
     K: Clone + Send + 'static,
     T: Send + 'static,
@@ -157,7 +169,7 @@ where
         drop(sender);
         ctx.request_repaint();
     });
-    Running {
+    RunningTask {
         key,
         progress,
         results,
@@ -170,7 +182,12 @@ where
 mod tests {
     use super::*;
 
-    fn wait(latest: &mut Latest<u32, u32>, key: u32, job: Job<u32, u32>, worker: &Worker) {
+    fn wait(
+        latest: &mut LatestResult<u32, u32>,
+        key: u32,
+        job: BackgroundTask<u32, u32>,
+        worker: &BackgroundWorker,
+    ) {
         let ctx = egui::Context::default();
         for _ in 0..2000 {
             latest.ask(&key, job, worker, &ctx);
@@ -201,7 +218,7 @@ mod tests {
 
     #[test]
     fn the_result_is_that_of_the_last_key() {
-        let (mut latest, worker) = (Latest::default(), Worker::new("test"));
+        let (mut latest, worker) = (LatestResult::default(), BackgroundWorker::new("test"));
         wait(&mut latest, 3, doubled, &worker);
         assert_eq!(latest.found(), Some(&(3, 6)));
         wait(&mut latest, 4, doubled, &worker);
@@ -210,7 +227,7 @@ mod tests {
 
     #[test]
     fn work_that_nobody_wants_is_stopped() {
-        let (mut latest, worker) = (Latest::default(), Worker::new("test"));
+        let (mut latest, worker) = (LatestResult::default(), BackgroundWorker::new("test"));
         let ctx = egui::Context::default();
         while latest.found().is_none() {
             latest.ask(&7, endless, &worker, &ctx);

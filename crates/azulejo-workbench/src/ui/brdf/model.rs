@@ -1,7 +1,7 @@
 //! A description: which models it is made of, and their parameters.
 
 use super::catalog::{GROUPS, example, switched};
-use super::fields::{SHARE, Span, number};
+use super::fields::{NumberRange, SHARE, number};
 use super::parameter::parameters;
 use super::theme::{notice, row};
 use crate::words::Language;
@@ -59,7 +59,7 @@ fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -
             egui::Frame::group(ui.style()).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
                 let about = language.say("Share of this model in the sum.");
-                let span = Span {
+                let span = NumberRange {
                     is_strict: false,
                     ..SHARE
                 };

@@ -7,16 +7,16 @@ use std::sync::Arc;
 
 /// The part of a material that its reflection depends on: what results are kept by.
 #[derive(Clone, Debug)]
-pub(super) struct Optics {
+pub(super) struct MaterialReflection {
     diffuse: Rgb,
     mirror: Rgb,
     dielectric: Option<Dielectric>,
     brdf: Option<Arc<Brdf>>,
 }
 
-impl Optics {
-    pub fn of(material: &Material) -> Optics {
-        Optics {
+impl MaterialReflection {
+    pub fn of(material: &Material) -> MaterialReflection {
+        MaterialReflection {
             diffuse: material.diffuse,
             mirror: material.mirror,
             dielectric: material.dielectric,
@@ -36,17 +36,17 @@ impl Optics {
     }
 
     /// What to evaluate.
-    pub fn reflector(&self) -> Reflector {
+    pub fn reflector(&self) -> BrdfSum {
         let parts = match (&self.brdf, self.dielectric) {
             (_, Some(glass)) => vec![fresnel(glass.ior, self.mirror.max_channel())],
-            (Some(brdf), None) => return Reflector(vec![brdf.clone()]),
+            (Some(brdf), None) => return BrdfSum(vec![brdf.clone()]),
             (None, None) => vec![
                 one("diffuse", "kd", self.diffuse),
                 one("specular", "ks", self.mirror),
             ],
         };
         let made = parts.into_iter().filter_map(|d| Brdf::new(d).ok());
-        Reflector(made.map(Arc::new).collect())
+        BrdfSum(made.map(Arc::new).collect())
     }
 }
 
@@ -60,9 +60,9 @@ fn fresnel(ior: f64, share: f64) -> Description {
     Description::Combination(vec![(share.min(1.0), model)])
 }
 
-impl PartialEq for Optics {
-    fn eq(&self, other: &Optics) -> bool {
-        let plain = |o: &Optics| (o.diffuse, o.mirror, o.dielectric);
+impl PartialEq for MaterialReflection {
+    fn eq(&self, other: &MaterialReflection) -> bool {
+        let plain = |o: &MaterialReflection| (o.diffuse, o.mirror, o.dielectric);
         plain(self) == plain(other) && is_same_model(self.brdf.as_ref(), other.brdf.as_ref())
     }
 }
@@ -97,9 +97,9 @@ pub(super) fn is_same_description(a: &Description, b: &Description) -> bool {
 }
 
 /// Models whose light is added.
-pub(super) struct Reflector(Vec<Arc<Brdf>>);
+pub(super) struct BrdfSum(Vec<Arc<Brdf>>);
 
-impl Reflector {
+impl BrdfSum {
     /// f_r, 1/sr, without what is mirrored exactly.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         self.0.iter().map(|brdf| brdf.eval(wo, wi)).sum()
@@ -129,7 +129,7 @@ mod tests {
     fn a_matt_mirror_reflects_both() {
         let mut material = Material::diffuse("", Rgb::grey(0.3));
         material.mirror = Rgb::grey(0.5);
-        let both = Optics::of(&material).reflector();
+        let both = MaterialReflection::of(&material).reflector();
         let wo = DVec3::new(0.6, 0.0, 0.8);
         assert!((both.albedo(wo).r - 0.8).abs() < 1e-9);
         assert!((both.mirror(0.8).r - 0.5).abs() < 1e-9);
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn glass_mirrors_as_fresnel_says() {
-        let glass = Optics::of(&Material::dielectric("", 1.5)).reflector();
+        let glass = MaterialReflection::of(&Material::dielectric("", 1.5)).reflector();
         assert!((glass.mirror(1.0).r - 0.04).abs() < 1e-9);
     }
 
@@ -149,8 +149,8 @@ mod tests {
             emission: Rgb::WHITE,
             ..a.clone()
         };
-        assert!(Optics::of(&a) == Optics::of(&b));
+        assert!(MaterialReflection::of(&a) == MaterialReflection::of(&b));
         b.diffuse = Rgb::grey(0.4);
-        assert!(Optics::of(&a) != Optics::of(&b));
+        assert!(MaterialReflection::of(&a) != MaterialReflection::of(&b));
     }
 }

@@ -1,7 +1,7 @@
 //! The parameters of one model.
 
-use super::catalog::{self, Term, as_color, fallback, set};
-use super::fields::{Span, color, number};
+use super::catalog::{self, FresnelChoice, as_color, fallback, set};
+use super::fields::{NumberRange, color, number};
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::brdf::{Info, Kind, METALS, Model, ParameterInfo, Value, find, find_metal};
@@ -56,7 +56,7 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
 
 /// The fields of a value.
 fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, value: &mut Value) {
-    let span = Span {
+    let span = NumberRange {
         least: info.least,
         most: info.most,
         unit: language.say(info.unit),
@@ -73,7 +73,7 @@ fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, valu
 }
 
 /// One number for all channels, or three.
-fn shade(ui: &mut Ui, language: Language, name: &str, span: Span, value: &mut Value) {
+fn shade(ui: &mut Ui, language: Language, name: &str, span: NumberRange, value: &mut Value) {
     let mut is_color = matches!(value, Value::Color(_));
     let words = language.say("One number for each of red, green and blue.");
     let toggle = ui.toggle_value(&mut is_color, "RGB").on_hover_text(words);
@@ -115,7 +115,7 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
 
 /// The Fresnel term.
 fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
-    let term = Term::of(model);
+    let term = FresnelChoice::of(model);
     let about = language.say("How much the smooth boundary of a facet mirrors, by the angle.");
     let mut chosen = term;
     row(ui, language.say("Fresnel"), about, |ui, name| {
@@ -124,7 +124,7 @@ fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
             .selected_text(words(term))
             .width(210.0);
         let shown = combo.show_ui(ui, |ui| {
-            for t in Term::ALL {
+            for t in FresnelChoice::ALL {
                 ui.selectable_value(&mut chosen, t, words(t));
             }
         });
@@ -134,11 +134,11 @@ fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
         return chosen.choose(model);
     }
     let names: &[&str] = match term {
-        Term::None => &[],
-        Term::Metal => &["metal"],
-        Term::Index => &["eta", "k"],
-        Term::Schlick => &["f0", "tint"],
-        Term::Constant => &["F"],
+        FresnelChoice::None => &[],
+        FresnelChoice::Metal => &["metal"],
+        FresnelChoice::Index => &["eta", "k"],
+        FresnelChoice::Schlick => &["f0", "tint"],
+        FresnelChoice::Constant => &["F"],
     };
     for info in names.iter().filter_map(|name| catalog::fresnel(name)) {
         // What stands for a term is needed, the others may be left out.
@@ -148,7 +148,7 @@ fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
             false => one(ui, language, model, info),
         });
     }
-    if term == Term::Index {
+    if term == FresnelChoice::Index {
         copied(ui, language, model);
     }
 }
@@ -186,12 +186,12 @@ fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     });
 }
 
-fn term_words(language: Language, term: Term) -> &'static str {
+fn term_words(language: Language, term: FresnelChoice) -> &'static str {
     match term {
-        Term::None => language.say("all light is reflected"),
-        Term::Metal => language.say("a metal by name"),
-        Term::Index => language.say("indices of refraction"),
-        Term::Schlick => language.say("Schlick, from normal incidence"),
-        Term::Constant => language.say("the same at all angles"),
+        FresnelChoice::None => language.say("all light is reflected"),
+        FresnelChoice::Metal => language.say("a metal by name"),
+        FresnelChoice::Index => language.say("indices of refraction"),
+        FresnelChoice::Schlick => language.say("Schlick, from normal incidence"),
+        FresnelChoice::Constant => language.say("the same at all angles"),
     }
 }

@@ -4,10 +4,10 @@ use super::badges::badges;
 use super::body;
 use super::curve;
 use super::polar;
-use super::shapes::{Curve, Lobes, largest_albedo_difference, largest_difference};
-use super::side::Side;
+use super::shapes::{AlbedoCurve, SampledLobes, largest_albedo_difference, largest_difference};
+use super::side::SurfacePlots;
 use super::theme::{lines, short};
-use super::view::View;
+use super::view::LobeView;
 use crate::words::Language;
 use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 
@@ -15,8 +15,8 @@ use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 pub(super) fn show(
     ui: &mut Ui,
     language: Language,
-    view: &mut View,
-    sides: &mut [Side],
+    view: &mut LobeView,
+    sides: &mut [SurfacePlots],
     names: &[String],
 ) {
     // Of one scale, so that the larger of two is drawn larger.
@@ -31,7 +31,7 @@ pub(super) fn show(
         pictures(ui, language, view, side, (k, top));
     }
     ui.add_space(4.0);
-    let lobes: Vec<&Lobes> = sides
+    let lobes: Vec<&SampledLobes> = sides
         .iter()
         .filter_map(|s| s.lobes.found())
         .map(|f| &f.1)
@@ -42,7 +42,7 @@ pub(super) fn show(
     view.ui(ui, language);
     ui.add_space(4.0);
     ui.strong(language.say("Reflected share against the angle"));
-    let curves: Vec<&Curve> = sides
+    let curves: Vec<&AlbedoCurve> = sides
         .iter()
         .filter_map(|s| s.albedo.found())
         .map(|f| &f.1)
@@ -68,7 +68,7 @@ fn name(ui: &mut Ui, index: usize, name: &str) {
 }
 
 /// Badges, and a sign that more is to come.
-fn marks(ui: &mut Ui, language: Language, side: &Side) {
+fn marks(ui: &mut Ui, language: Language, side: &SurfacePlots) {
     ui.horizontal_wrapped(|ui| {
         if let Some((_, measures)) = side.measures.found() {
             badges(ui, language, measures);
@@ -87,8 +87,8 @@ fn marks(ui: &mut Ui, language: Language, side: &Side) {
 fn pictures(
     ui: &mut Ui,
     language: Language,
-    view: &mut View,
-    side: &mut Side,
+    view: &mut LobeView,
+    side: &mut SurfacePlots,
     (index, top): (usize, f64),
 ) {
     ui.horizontal(|ui| {
@@ -98,7 +98,7 @@ fn pictures(
         let color = lines(ui)[index];
         match side.lobes.found() {
             Some((_, lobes)) => {
-                let stage = body::Stage { size, top, color };
+                let stage = body::LobeViewport { size, top, color };
                 body::draw(ui, language, view, &lobes.body, stage);
             }
             None => drop(ui.allocate_exact_size(size, Sense::hover())),
@@ -107,7 +107,7 @@ fn pictures(
 }
 
 /// How far two models are from each other.
-fn difference(ui: &mut Ui, language: Language, lobes: &[&Lobes], curves: &[&Curve]) {
+fn difference(ui: &mut Ui, language: Language, lobes: &[&SampledLobes], curves: &[&AlbedoCurve]) {
     let ([a, b], [c, d]) = (lobes, curves) else {
         return;
     };

@@ -1,6 +1,6 @@
 //! What the plots show of a reflector, found in the background: numbers, no pictures.
 
-use super::optics::{Optics, Reflector};
+use super::optics::{BrdfSum, MaterialReflection};
 use azulejo::scene::Rgb;
 use azulejo::scene::brdf::check::direction;
 use azulejo::scene::math::Frame;
@@ -21,7 +21,7 @@ const LAST: f64 = 89.0;
 /// What lobes are asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LobeKey {
-    pub optics: Optics,
+    pub optics: MaterialReflection,
     /// Angles of incidence in degrees; the body is that of the first.
     pub incidences: Vec<f64>,
     /// Where the plane of incidence stands about the normal, in degrees.
@@ -30,14 +30,14 @@ pub(super) struct LobeKey {
 
 /// Lobes in the plane of incidence, and one of them as a body.
 #[derive(Clone, Debug)]
-pub(super) struct Lobes {
-    pub slices: Vec<Slice>,
-    pub body: Body,
+pub(super) struct SampledLobes {
+    pub slices: Vec<LobeSlice>,
+    pub body: LobeSurface,
 }
 
 /// A lobe in the plane of incidence.
 #[derive(Clone, Debug)]
-pub(super) struct Slice {
+pub(super) struct LobeSlice {
     /// Angle of incidence in degrees.
     pub incidence: f64,
     /// Angle to the normal in degrees, below 0 on the light's side, and f_r there, 1/sr.
@@ -48,7 +48,7 @@ pub(super) struct Slice {
 
 /// A lobe over all of the hemisphere.
 #[derive(Clone, Debug)]
-pub(super) struct Body {
+pub(super) struct LobeSurface {
     /// To the light.
     pub light: DVec3,
     /// Directions with f_r, in rings about the mirrored direction.
@@ -61,7 +61,7 @@ pub(super) struct Body {
 pub(super) fn lobes(
     key: &LobeKey,
     progress: &Progress,
-    show: &mut dyn FnMut(Lobes),
+    show: &mut dyn FnMut(SampledLobes),
 ) -> Result<(), Cancelled> {
     let reflector = key.optics.reflector();
     let slices = key.incidences.iter().map(|&incidence| {
@@ -71,12 +71,12 @@ pub(super) fn lobes(
     let slices = slices.collect::<Result<Vec<_>, Cancelled>>()?;
     let first = key.incidences.first().copied().unwrap_or(0.0);
     let body = body(&reflector, first, key.azimuth, progress)?;
-    show(Lobes { slices, body });
+    show(SampledLobes { slices, body });
     Ok(())
 }
 
 /// The line of a lobe: denser around the mirrored direction, where it may be narrow.
-fn slice(reflector: &Reflector, incidence: f64, azimuth: f64) -> Slice {
+fn slice(reflector: &BrdfSum, incidence: f64, azimuth: f64) -> LobeSlice {
     let wide = (-90..=90).map(f64::from);
     let close = (-120..=120).map(|k: i32| {
         let t = f64::from(k) / 120.0;
@@ -89,7 +89,7 @@ fn slice(reflector: &Reflector, incidence: f64, azimuth: f64) -> Slice {
     angles.sort_by(f64::total_cmp);
     let wi = direction(-incidence, azimuth);
     let value = |a: f64| (a, reflector.eval(direction(a, azimuth), wi));
-    Slice {
+    LobeSlice {
         incidence,
         points: angles.into_iter().map(value).collect(),
         mirrored: reflector.mirror(wi.z),
@@ -97,11 +97,11 @@ fn slice(reflector: &Reflector, incidence: f64, azimuth: f64) -> Slice {
 }
 
 fn body(
-    reflector: &Reflector,
+    reflector: &BrdfSum,
     incidence: f64,
     azimuth: f64,
     progress: &Progress,
-) -> Result<Body, Cancelled> {
+) -> Result<LobeSurface, Cancelled> {
     let light = direction(-incidence, azimuth);
     let axis = DVec3::new(-light.x, -light.y, light.z);
     let frame = Frame::from_normal(axis);
@@ -114,7 +114,7 @@ fn body(
         };
         Ok((0..SECTORS).map(sector).collect())
     };
-    Ok(Body {
+    Ok(LobeSurface {
         light,
         rings: (0..=RINGS).map(ring).collect::<Result<_, Cancelled>>()?,
         mirrored: reflector.mirror(light.z),
@@ -134,19 +134,19 @@ fn around(frame: &Frame, share: f64, turn: f64) -> DVec3 {
 /// What a curve of the albedo is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AlbedoKey {
-    pub optics: Optics,
+    pub optics: MaterialReflection,
     /// In degrees.
     pub azimuth: f64,
 }
 
 /// Angle in degrees, and share of light from there that is reflected in all.
-pub(super) type Curve = Vec<(f64, Rgb)>;
+pub(super) type AlbedoCurve = Vec<(f64, Rgb)>;
 
 /// Finds a curve.
 pub(super) fn albedo(
     key: &AlbedoKey,
     progress: &Progress,
-    show: &mut dyn FnMut(Curve),
+    show: &mut dyn FnMut(AlbedoCurve),
 ) -> Result<(), Cancelled> {
     let reflector = key.optics.reflector();
     let point = |k: usize| {
@@ -160,7 +160,7 @@ pub(super) fn albedo(
 
 /// The largest difference between two bodies for the same light: of f_r cos θ of a channel, in
 /// 1/sr, with the angle to the normal where it is, in degrees.
-pub(super) fn largest_difference(a: &Body, b: &Body) -> (f64, f64) {
+pub(super) fn largest_difference(a: &LobeSurface, b: &LobeSurface) -> (f64, f64) {
     let pairs = a.rings.iter().flatten().zip(b.rings.iter().flatten());
     let off = pairs.map(|(&(w, f), &(_, g))| {
         let difference = (0..3).map(|c| (f[c] - g[c]).abs()).fold(0.0, f64::max);
@@ -173,7 +173,7 @@ pub(super) fn largest_difference(a: &Body, b: &Body) -> (f64, f64) {
 }
 
 /// The largest difference between two curves of a channel, with its angle in degrees.
-pub(super) fn largest_albedo_difference(a: &Curve, b: &Curve) -> (f64, f64) {
+pub(super) fn largest_albedo_difference(a: &AlbedoCurve, b: &AlbedoCurve) -> (f64, f64) {
     let off = a.iter().zip(b).map(|((angle, x), (_, y))| {
         (
             (0..3).map(|c| (x[c] - y[c]).abs()).fold(0.0, f64::max),
@@ -191,9 +191,9 @@ mod tests {
     use super::*;
     use azulejo::scene::Material;
 
-    fn found(material: &Material, incidence: f64) -> Lobes {
+    fn found(material: &Material, incidence: f64) -> SampledLobes {
         let key = LobeKey {
-            optics: Optics::of(material),
+            optics: MaterialReflection::of(material),
             incidences: vec![incidence],
             azimuth: 0.0,
         };
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn cancelled_work_stops() {
         let key = AlbedoKey {
-            optics: Optics::of(&Material::default()),
+            optics: MaterialReflection::of(&Material::default()),
             azimuth: 0.0,
         };
         let progress = Progress::new();

@@ -1,12 +1,12 @@
 //! One of the two surfaces that are shown: all that is found of it in the background.
 
-use super::badges::{Measures, measure};
-use super::latest::{Latest, Worker};
+use super::badges::{ModelChecks, measure};
+use super::latest::{BackgroundWorker, LatestResult};
 use super::light::PreviewLight;
-use super::optics::Optics;
-use super::shapes::{AlbedoKey, Curve, LobeKey, Lobes, albedo, lobes};
-use super::sphere::{Picture, SphereKey, draw};
-use super::view::View;
+use super::optics::MaterialReflection;
+use super::shapes::{AlbedoCurve, AlbedoKey, LobeKey, SampledLobes, albedo, lobes};
+use super::sphere::{SphereImage, SphereKey, draw};
+use super::view::LobeView;
 use crate::words::Language;
 use azulejo::scene::Material;
 use egui::accesskit::Role;
@@ -16,42 +16,42 @@ use egui::{ColorImage, Context, TextureHandle, TextureOptions, Ui, Vec2};
 const SIDE: u32 = 160;
 
 /// Threads of the editor: one for plots, one for pictures.
-pub(super) struct Workers {
-    plots: Worker,
-    pictures: Worker,
+pub(super) struct BackgroundWorkers {
+    plots: BackgroundWorker,
+    pictures: BackgroundWorker,
 }
 
-impl Default for Workers {
-    fn default() -> Workers {
-        Workers {
-            plots: Worker::new("brdf plots"),
-            pictures: Worker::new("brdf spheres"),
+impl Default for BackgroundWorkers {
+    fn default() -> BackgroundWorkers {
+        BackgroundWorkers {
+            plots: BackgroundWorker::new("brdf plots"),
+            pictures: BackgroundWorker::new("brdf spheres"),
         }
     }
 }
 
 /// What is known of a surface.
 #[derive(Default)]
-pub(super) struct Side {
-    pub lobes: Latest<LobeKey, Lobes>,
-    pub albedo: Latest<AlbedoKey, Curve>,
-    pub measures: Latest<Optics, Measures>,
-    sphere: Latest<SphereKey, Picture>,
+pub(super) struct SurfacePlots {
+    pub lobes: LatestResult<LobeKey, SampledLobes>,
+    pub albedo: LatestResult<AlbedoKey, AlbedoCurve>,
+    pub measures: LatestResult<MaterialReflection, ModelChecks>,
+    sphere: LatestResult<SphereKey, SphereImage>,
     /// The picture on the screen's side, with how many paths it has and what it shows.
     texture: Option<(SphereKey, u32, TextureHandle)>,
 }
 
-impl Side {
+impl SurfacePlots {
     /// Asks for all that is shown of a material.
     pub fn ask(
         &mut self,
         ctx: &Context,
-        workers: &Workers,
+        workers: &BackgroundWorkers,
         material: &Material,
         light: &PreviewLight,
-        view: &View,
+        view: &LobeView,
     ) {
-        let optics = Optics::of(material);
+        let optics = MaterialReflection::of(material);
         let key = LobeKey {
             optics: optics.clone(),
             incidences: view.incidences(),

@@ -1,7 +1,7 @@
 //! A sphere of the material on a floor of tiles, drawn in the background, better and better.
 
-use super::light::{Lamp, PreviewLight};
-use super::optics::Optics;
+use super::light::{PreviewLamp, PreviewLight};
+use super::optics::MaterialReflection;
 use azulejo::render::{ReferencePass, Tone, reference, tone_map};
 use azulejo::scene::{
     Camera, Image, Light, LightKind, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene,
@@ -24,7 +24,7 @@ const ANGLES: [f64; 2] = [0.035, 0.8];
 /// What a picture is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SphereKey {
-    optics: Optics,
+    optics: MaterialReflection,
     emission: Rgb,
     light: PreviewLight,
     /// Pixels on each side.
@@ -33,7 +33,7 @@ pub(super) struct SphereKey {
 
 /// A picture of the sphere.
 #[derive(Clone, Debug)]
-pub(super) struct Picture {
+pub(super) struct SphereImage {
     /// Pixels on each side.
     pub side: usize,
     /// sRGB, rows from the top.
@@ -50,7 +50,7 @@ impl SphereKey {
             false => light.clone(),
         };
         SphereKey {
-            optics: Optics::of(material),
+            optics: MaterialReflection::of(material),
             emission: material.emission,
             light,
             side,
@@ -62,7 +62,7 @@ impl SphereKey {
 pub(super) fn draw(
     key: &SphereKey,
     progress: &Progress,
-    show: &mut dyn FnMut(Picture),
+    show: &mut dyn FnMut(SphereImage),
 ) -> Result<(), Cancelled> {
     let scene = scene(key);
     let tracer = Tracer::new(&scene);
@@ -82,7 +82,7 @@ pub(super) fn draw(
         samples += count;
         // A white surface that faces all lamps is nearly white.
         let exposure = 1.1 * PI / key.light.strength() / f64::from(samples);
-        show(Picture {
+        show(SphereImage {
             side: key.side as usize,
             rgb: tone_map(&sum, exposure, Tone::Filmic),
             samples,
@@ -157,7 +157,7 @@ fn floor(tiles: [u32; 2]) -> Mesh {
 }
 
 /// A square that faces the sphere, as bright as the lamp.
-fn add_lamp(scene: &mut Scene, lamp: &Lamp) {
+fn add_lamp(scene: &mut Scene, lamp: &PreviewLamp) {
     let angle = lamp.half_angle.clamp(ANGLES[0], ANGLES[1]);
     let solid = TAU * (1.0 - angle.cos());
     let material = scene.add_material(Material::emitter("lamp", lamp.irradiance / solid));
@@ -175,7 +175,7 @@ fn add_lamp(scene: &mut Scene, lamp: &Lamp) {
 mod tests {
     use super::*;
 
-    fn first(material: &Material, light: &PreviewLight) -> Picture {
+    fn first(material: &Material, light: &PreviewLight) -> SphereImage {
         let (progress, mut found) = (Progress::new(), None);
         let key = SphereKey::new(material, light, 48);
         let stopped = draw(&key, &progress, &mut |picture| {
@@ -187,7 +187,7 @@ mod tests {
     }
 
     /// The middle of the sphere.
-    fn middle(picture: &Picture) -> [u8; 3] {
+    fn middle(picture: &SphereImage) -> [u8; 3] {
         let at = 3 * (picture.side / 2 * picture.side + picture.side / 2);
         [0, 1, 2].map(|c| picture.rgb[at + c])
     }

@@ -1,7 +1,7 @@
 //! What kind of surface a material is, and the numbers of each kind.
 
 use super::super::inputs;
-use super::fields::{SHARE, Span, color_row, number_row};
+use super::fields::{NumberRange, SHARE, color_row, number_row};
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::{Dielectric, Material, Rgb};
@@ -9,7 +9,7 @@ use egui::{ComboBox, Ui};
 
 /// Kinds of surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum SurfaceKind {
     Matt,
     Mirror,
     MattAndMirror,
@@ -17,23 +17,23 @@ pub(super) enum Kind {
     Model,
 }
 
-impl Kind {
-    const ALL: [Kind; 5] = [
-        Kind::Matt,
-        Kind::Mirror,
-        Kind::MattAndMirror,
-        Kind::Glass,
-        Kind::Model,
+impl SurfaceKind {
+    const ALL: [SurfaceKind; 5] = [
+        SurfaceKind::Matt,
+        SurfaceKind::Mirror,
+        SurfaceKind::MattAndMirror,
+        SurfaceKind::Glass,
+        SurfaceKind::Model,
     ];
 
     /// What a material is.
-    pub fn of(material: &Material) -> Kind {
+    pub fn of(material: &Material) -> SurfaceKind {
         match (&material.dielectric, &material.brdf) {
-            (Some(_), _) => Kind::Glass,
-            (None, Some(_)) => Kind::Model,
-            _ if material.mirror.is_black() => Kind::Matt,
-            _ if material.diffuse.is_black() => Kind::Mirror,
-            _ => Kind::MattAndMirror,
+            (Some(_), _) => SurfaceKind::Glass,
+            (None, Some(_)) => SurfaceKind::Model,
+            _ if material.mirror.is_black() => SurfaceKind::Matt,
+            _ if material.diffuse.is_black() => SurfaceKind::Mirror,
+            _ => SurfaceKind::MattAndMirror,
         }
     }
 
@@ -42,20 +42,20 @@ impl Kind {
     pub fn suits(self, material: &Material) -> bool {
         let plain = material.dielectric.is_none() && material.brdf.is_none();
         match self {
-            Kind::Matt => plain && material.mirror.is_black(),
-            Kind::Mirror => plain && material.diffuse.is_black(),
-            Kind::MattAndMirror => plain,
-            Kind::Glass | Kind::Model => Kind::of(material) == self,
+            SurfaceKind::Matt => plain && material.mirror.is_black(),
+            SurfaceKind::Mirror => plain && material.diffuse.is_black(),
+            SurfaceKind::MattAndMirror => plain,
+            SurfaceKind::Glass | SurfaceKind::Model => SurfaceKind::of(material) == self,
         }
     }
 
     fn words(self, language: Language) -> &'static str {
         match self {
-            Kind::Matt => language.say("Matt surface"),
-            Kind::Mirror => language.say("Mirror"),
-            Kind::MattAndMirror => language.say("Matt and mirror"),
-            Kind::Glass => language.say("Glass"),
-            Kind::Model => language.say("Reflection model"),
+            SurfaceKind::Matt => language.say("Matt surface"),
+            SurfaceKind::Mirror => language.say("Mirror"),
+            SurfaceKind::MattAndMirror => language.say("Matt and mirror"),
+            SurfaceKind::Glass => language.say("Glass"),
+            SurfaceKind::Model => language.say("Reflection model"),
         }
     }
 
@@ -66,12 +66,12 @@ impl Kind {
         let (diffuse, mirror) = (material.diffuse, material.mirror);
         (material.dielectric, material.brdf) = (None, None);
         (material.diffuse, material.mirror) = match self {
-            Kind::Matt | Kind::Model => (color(diffuse, 0.5), Rgb::BLACK),
-            Kind::Mirror => (Rgb::BLACK, color(mirror, 0.9)),
-            Kind::MattAndMirror => (color(diffuse, 0.5) * 0.9, color(mirror, 1.0) * 0.1),
-            Kind::Glass => (Rgb::BLACK, Rgb::WHITE),
+            SurfaceKind::Matt | SurfaceKind::Model => (color(diffuse, 0.5), Rgb::BLACK),
+            SurfaceKind::Mirror => (Rgb::BLACK, color(mirror, 0.9)),
+            SurfaceKind::MattAndMirror => (color(diffuse, 0.5) * 0.9, color(mirror, 1.0) * 0.1),
+            SurfaceKind::Glass => (Rgb::BLACK, Rgb::WHITE),
         };
-        if self == Kind::Glass {
+        if self == SurfaceKind::Glass {
             material.dielectric = Some(Dielectric {
                 ior: 1.5,
                 transmittance: Rgb::WHITE,
@@ -83,7 +83,7 @@ impl Kind {
     }
 
     /// Lets a person choose another.
-    pub fn choose(self, ui: &mut Ui, language: Language) -> Kind {
+    pub fn choose(self, ui: &mut Ui, language: Language) -> SurfaceKind {
         let mut chosen = self;
         row(
             ui,
@@ -94,7 +94,7 @@ impl Kind {
                     .selected_text(self.words(language))
                     .width(170.0);
                 let shown = combo.show_ui(ui, |ui| {
-                    for kind in Kind::ALL {
+                    for kind in SurfaceKind::ALL {
                         ui.selectable_value(&mut chosen, kind, kind.words(language));
                     }
                 });
@@ -106,9 +106,9 @@ impl Kind {
 }
 
 /// The numbers of what is no model.
-pub(super) fn fields(ui: &mut Ui, language: Language, kind: Kind, material: &mut Material) {
+pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, material: &mut Material) {
     let room = |other: Rgb| 1.0 - other.max_channel();
-    if matches!(kind, Kind::Matt | Kind::MattAndMirror) {
+    if matches!(kind, SurfaceKind::Matt | SurfaceKind::MattAndMirror) {
         let about = language.say("Share of light that is reflected in all directions alike; with what is mirrored at most 1.");
         let span = SHARE.up_to(room(material.mirror));
         color_row(
@@ -119,7 +119,7 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: Kind, material: &mut
             &mut material.diffuse,
         );
     }
-    if matches!(kind, Kind::Mirror | Kind::MattAndMirror) {
+    if matches!(kind, SurfaceKind::Mirror | SurfaceKind::MattAndMirror) {
         let about = language
             .say("Share of light that is mirrored exactly; with what is diffuse at most 1.");
         let span = SHARE.up_to(room(material.diffuse));
@@ -134,7 +134,7 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: Kind, material: &mut
     if let Some(glass) = &mut material.dielectric {
         glass_fields(ui, language, glass, &mut material.mirror);
     }
-    if kind != Kind::Model {
+    if kind != SurfaceKind::Model {
         material.diffuse = material.diffuse.map(|x| x.clamp(0.0, 1.0));
         material.mirror = material.mirror.map(|x| x.clamp(0.0, 1.0));
     }
@@ -142,7 +142,7 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: Kind, material: &mut
 
 fn glass_fields(ui: &mut Ui, language: Language, glass: &mut Dielectric, mirror: &mut Rgb) {
     let about = language.say("Index of refraction of the body relative to what is outside: water 1.33, glass 1.5, diamond 2.4.");
-    let span = Span {
+    let span = NumberRange {
         least: 0.3,
         most: 4.0,
         ..SHARE
@@ -230,10 +230,15 @@ mod tests {
             model,
         ];
         for material in start {
-            for kind in [Kind::Matt, Kind::Mirror, Kind::MattAndMirror, Kind::Glass] {
+            for kind in [
+                SurfaceKind::Matt,
+                SurfaceKind::Mirror,
+                SurfaceKind::MattAndMirror,
+                SurfaceKind::Glass,
+            ] {
                 let mut material = material.clone();
                 kind.give(&mut material);
-                assert_eq!(Kind::of(&material), kind);
+                assert_eq!(SurfaceKind::of(&material), kind);
                 assert!(kind.suits(&material));
                 assert!(material.limit_reflectance(), "{kind:?} of {material:?}");
             }
@@ -243,7 +248,7 @@ mod tests {
     #[test]
     fn a_dark_mirror_stays_one() {
         let black = Material::default();
-        assert!(Kind::Mirror.suits(&black) && Kind::Matt.suits(&black));
-        assert!(!Kind::Mirror.suits(&Material::diffuse("", Rgb::WHITE)));
+        assert!(SurfaceKind::Mirror.suits(&black) && SurfaceKind::Matt.suits(&black));
+        assert!(!SurfaceKind::Mirror.suits(&Material::diffuse("", Rgb::WHITE)));
     }
 }

@@ -1,6 +1,6 @@
 //! Where the emitted power went.
 
-use super::super::desk::Desk;
+use super::super::desk::PanelContext;
 use super::super::paint::lines;
 use super::percent;
 use crate::ui::viewport::value;
@@ -9,7 +9,7 @@ use azulejo::scene::Rgb;
 use egui::{Color32, Grid, ProgressBar, RichText, Ui};
 
 /// Draws numbers and bars, and a caution where the energy does not add up.
-pub fn show(ui: &mut Ui, desk: &Desk, balance: &Balance) {
+pub fn show(ui: &mut Ui, desk: &PanelContext, balance: &Balance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
     let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
     let grid = Grid::new("energy").num_columns(3).spacing([10.0, 3.0]);
@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, desk: &Desk, balance: &Balance) {
 }
 
 /// The unit of power.
-fn unit(desk: &Desk) -> &'static str {
+fn unit(desk: &PanelContext) -> &'static str {
     match desk.app.document.units.photometric {
         true => "lm",
         false => "W",

@@ -1,22 +1,24 @@
 //! Start, pause, stop; how far the solver is.
 
 use super::super::actions::ACTIONS;
-use super::super::desk::Desk;
+use super::super::desk::PanelContext;
 use super::percent;
 use crate::command::Command;
-use crate::jobs::{Job, Kind};
+use crate::jobs::{Job, JobKind};
 use egui::{Button, ProgressBar, RichText, Ui};
 use std::time::Duration;
 
 /// Draws the buttons, the progress, and the state in words.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
     buttons(ui, desk);
-    let job = desk.app.jobs().iter().find(|j| j.kind == Kind::Solve);
+    let job = desk.app.jobs().iter().find(|j| j.kind == JobKind::Solve);
     let state = state(desk, job.is_some());
     let text = RichText::new(state.words(desk));
     ui.label(match state {
-        State::Dark if !desk.app.document.has_light() => text.color(ui.visuals().warn_fg_color),
-        State::Old => text.color(ui.visuals().warn_fg_color),
+        SolverState::Dark if !desk.app.document.has_light() => {
+            text.color(ui.visuals().warn_fg_color)
+        }
+        SolverState::Old => text.color(ui.visuals().warn_fg_color),
         _ => text,
     });
     if let Some(job) = job {
@@ -24,8 +26,11 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
     }
 }
 
-fn buttons(ui: &mut Ui, desk: &mut Desk) {
-    let (runs, rests) = (desk.app.is_busy(Kind::Solve), desk.app.lighting.is_paused);
+fn buttons(ui: &mut Ui, desk: &mut PanelContext) {
+    let (runs, rests) = (
+        desk.app.is_busy(JobKind::Solve),
+        desk.app.lighting.is_paused,
+    );
     let (language, has_light) = (desk.language, desk.app.document.has_light());
     ui.horizontal(|ui| {
         let mut button = |name: &str, action: &str, makes_sense: bool, command: Command| {
@@ -52,7 +57,7 @@ fn buttons(ui: &mut Ui, desk: &mut Desk) {
 
 /// What there is of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum State {
+enum SolverState {
     Dark,
     Settling,
     Resting,
@@ -62,38 +67,38 @@ enum State {
     Old,
 }
 
-fn state(desk: &Desk, runs: bool) -> State {
+fn state(desk: &PanelContext, runs: bool) -> SolverState {
     let lighting = &desk.app.lighting;
     match (&lighting.solution, runs) {
-        (_, true) if lighting.is_paused => State::Resting,
-        (_, true) => State::Settling,
-        (None, false) => State::Dark,
-        (Some(_), false) if !lighting.is_current => State::Old,
-        (Some(solution), false) if solution.report.is_some() => State::Done,
-        (Some(_), false) if lighting.began.is_some() => State::Stopped,
-        (Some(_), false) => State::FromFile,
+        (_, true) if lighting.is_paused => SolverState::Resting,
+        (_, true) => SolverState::Settling,
+        (None, false) => SolverState::Dark,
+        (Some(_), false) if !lighting.is_current => SolverState::Old,
+        (Some(solution), false) if solution.report.is_some() => SolverState::Done,
+        (Some(_), false) if lighting.began.is_some() => SolverState::Stopped,
+        (Some(_), false) => SolverState::FromFile,
     }
 }
 
-impl State {
-    fn words(self, desk: &Desk) -> String {
+impl SolverState {
+    fn words(self, desk: &PanelContext) -> String {
         let lighting = &desk.app.lighting;
         let took = seconds(lighting.watch.elapsed());
         match self {
-            State::Dark if !desk.app.document.has_light() => desk
+            SolverState::Dark if !desk.app.document.has_light() => desk
                 .say("Nothing shines: add a light, or give a material emission.")
                 .into(),
-            State::Dark => desk.say("Not solved yet.").into(),
-            State::Settling => format!("{} {took}", desk.say("The light is settling:")),
-            State::Resting => format!("{} {took}", desk.say("The solver rests; it worked")),
-            State::Stopped => desk
+            SolverState::Dark => desk.say("Not solved yet.").into(),
+            SolverState::Settling => format!("{} {took}", desk.say("The light is settling:")),
+            SolverState::Resting => format!("{} {took}", desk.say("The solver rests; it worked")),
+            SolverState::Stopped => desk
                 .say("Stopped before the end: a first impression.")
                 .into(),
-            State::FromFile => desk.say("This light came with the file.").into(),
-            State::Old => desk
+            SolverState::FromFile => desk.say("This light came with the file.").into(),
+            SolverState::Old => desk
                 .say("This light is from an earlier state of the model.")
                 .into(),
-            State::Done => {
+            SolverState::Done => {
                 let report = lighting.solution.as_ref().and_then(|s| s.report.as_ref());
                 let error = percent(report.map_or(0.0, |r| r.error));
                 let (done, after) = (desk.say("Done: error"), desk.say("it took"));
@@ -104,7 +109,7 @@ impl State {
 }
 
 /// The stage with its share, and how long it will take yet.
-fn progress(ui: &mut Ui, desk: &Desk, job: &Job) {
+fn progress(ui: &mut Ui, desk: &PanelContext, job: &Job) {
     let (done, total) = (job.progress.done(), job.progress.total());
     let share = match total {
         0 => 0.0,

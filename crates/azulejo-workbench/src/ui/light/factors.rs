@@ -1,15 +1,15 @@
 //! What a picked patch sees.
 
-use super::super::desk::Desk;
+use super::super::desk::PanelContext;
 use super::percent;
-use crate::light::SeenFromPatch;
+use crate::light::PatchFormFactors;
 use egui::{Grid, ProgressBar, Ui};
 
 /// Objects that are listed.
 const MOST: usize = 12;
 
 /// Draws the sum, and the objects that take most of the patch's light.
-pub fn show(ui: &mut Ui, desk: &mut Desk, seen: &SeenFromPatch) {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext, seen: &PatchFormFactors) {
     let app = desk.app;
     let name = app.document.name(seen.item).unwrap_or_default();
     ui.label(format!("{} {name}", desk.say("A patch of")));

@@ -1,13 +1,13 @@
 //! Who found the light, and at what expense.
 
-use super::super::desk::Desk;
+use super::super::desk::PanelContext;
 use super::{percent, row};
 use crate::ui::viewport::number;
 use azulejo::radiosity::{Method, Report};
 use egui::{Grid, RichText, Ui};
 
 /// Draws what the solver reports.
-pub fn show(ui: &mut Ui, desk: &Desk, report: &Report) {
+pub fn show(ui: &mut Ui, desk: &PanelContext, report: &Report) {
     let grid = Grid::new("report").num_columns(2).spacing([12.0, 2.0]);
     grid.show(ui, |ui| rows(ui, desk, report));
     for note in &report.ran.notes {
@@ -16,7 +16,7 @@ pub fn show(ui: &mut Ui, desk: &Desk, report: &Report) {
     }
 }
 
-fn rows(ui: &mut Ui, desk: &Desk, report: &Report) {
+fn rows(ui: &mut Ui, desk: &PanelContext, report: &Report) {
     if !report.ran.engine.is_empty() {
         let text = format!("{} ({})", report.ran.engine, report.ran.device);
         row(ui, desk.say("Engine"), "", text);

@@ -11,11 +11,11 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-use super::desk::Desk;
+use super::desk::PanelContext;
 use egui::{CollapsingHeader, RichText, Ui};
 
 /// Draws the tab; whether a probe is to be pinned.
-pub fn show(ui: &mut Ui, desk: &mut Desk) -> bool {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) -> bool {
     settings::show(ui, desk);
     ui.add_space(6.0);
     control::show(ui, desk);

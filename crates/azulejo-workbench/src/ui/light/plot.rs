@@ -1,9 +1,9 @@
 //! How the light settles, as curves.
 
-use super::super::desk::Desk;
+use super::super::desk::PanelContext;
 use super::super::paint::lines;
 use super::percent;
-use super::series::Curves;
+use super::series::ConvergenceCurves;
 use crate::ui::viewport::number;
 use azulejo::trace::Measure;
 use egui::{Color32, Grid, Ui, WidgetInfo};
@@ -13,10 +13,10 @@ use egui_plot::{
 use std::time::Instant;
 
 /// Draws the last measures as numbers, and all of them as curves.
-pub fn show(ui: &mut Ui, desk: &Desk) {
+pub fn show(ui: &mut Ui, desk: &PanelContext) {
     let lighting = &desk.app.lighting;
     let began = lighting.began.unwrap_or_else(Instant::now);
-    let curves = Curves::new(&lighting.measures, began);
+    let curves = ConvergenceCurves::new(&lighting.measures, began);
     numbers(ui, desk);
     if !curves.residuals.is_empty() {
         residuals(ui, desk, &curves);
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, desk: &Desk) {
 }
 
 /// The last measures, for whom a curve says too little.
-fn numbers(ui: &mut Ui, desk: &Desk) {
+fn numbers(ui: &mut Ui, desk: &PanelContext) {
     let lighting = &desk.app.lighting;
     let measures = || lighting.measures.iter().rev().map(|m| m.measure);
     let residual = measures().find_map(|m| match m {
@@ -54,7 +54,7 @@ fn numbers(ui: &mut Ui, desk: &Desk) {
     });
 }
 
-fn residuals(ui: &mut Ui, desk: &Desk, curves: &Curves) {
+fn residuals(ui: &mut Ui, desk: &PanelContext, curves: &ConvergenceCurves) {
     let colors = lines(ui);
     let (replicate, bounces) = (desk.say("replicate"), desk.say("bounces"));
     let ys = curves.residuals.iter().flat_map(|c| &c.points);
@@ -85,7 +85,7 @@ fn residuals(ui: &mut Ui, desk: &Desk, curves: &Curves) {
         .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
 }
 
-fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
+fn errors(ui: &mut Ui, desk: &PanelContext, curves: &ConvergenceCurves) {
     let [blue, orange, ..] = lines(ui);
     let ink = ui.visuals().strong_text_color();
     let aim = desk.app.lighting.settings.error.max(1e-9).log10();

@@ -1,16 +1,16 @@
 //! The table of pinned probes.
 
-use super::super::desk::Desk;
-use crate::app::{Probe, Site};
+use super::super::desk::PanelContext;
+use crate::app::{Probe, ProbeSurface};
 use crate::command::Command;
-use crate::jobs::Kind;
+use crate::jobs::JobKind;
 use crate::ui::inspector::named;
 use crate::ui::viewport::{irradiance_unit, number, radiance_unit, value};
 use azulejo::scene::Rgb;
 use egui::{Grid, Ui};
 
 /// Draws the table; whether one more is to be pinned.
-pub fn show(ui: &mut Ui, desk: &mut Desk) -> bool {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) -> bool {
     let app = desk.app;
     let mut pins = false;
     ui.horizontal(|ui| {
@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) -> bool {
         let button = egui::Button::new(desk.say("Pin a probe"));
         let button = ui.add_enabled(!app.document.items.is_empty(), button);
         pins = button.on_hover_text(about).clicked();
-        let measures = app.is_busy(Kind::Probe);
+        let measures = app.is_busy(JobKind::Probe);
         let about = desk.say(
             "Solves the light anew, with the settings above, and gathers it at the probes \
              themselves instead of between vertices.",
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) -> bool {
     pins
 }
 
-fn row(ui: &mut Ui, desk: &mut Desk, probe: &Probe) {
+fn row(ui: &mut Ui, desk: &mut PanelContext, probe: &Probe) {
     let app = desk.app;
     let name = app.document.name(probe.place.item);
     ui.label(probe.number.to_string());
@@ -76,7 +76,7 @@ fn row(ui: &mut Ui, desk: &mut Desk, probe: &Probe) {
     let remove = remove.on_hover_text(&words);
     remove.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, words.clone()));
     if remove.clicked() {
-        desk.wish(Command::Unpin(probe.number));
+        desk.wish(Command::RemoveProbe(probe.number));
     }
     ui.end_row();
 }
@@ -84,8 +84,8 @@ fn row(ui: &mut Ui, desk: &mut Desk, probe: &Probe) {
 /// Irradiance with its standard error, and the radiance that it makes.
 fn cell(
     ui: &mut Ui,
-    desk: &Desk,
-    site: Option<&Site>,
+    desk: &PanelContext,
+    site: Option<&ProbeSurface>,
     light: Option<(Rgb, Option<Rgb>)>,
     why_not: &str,
 ) {
@@ -115,7 +115,7 @@ fn cell(
 }
 
 /// Why a probe shows no light.
-fn why_not(desk: &Desk, probe: &Probe) -> &'static str {
+fn why_not(desk: &PanelContext, probe: &Probe) -> &'static str {
     match &probe.site {
         None => desk.say("There is no surface at this place any more."),
         Some(site) if !site.paint.is_front => {
@@ -126,7 +126,7 @@ fn why_not(desk: &Desk, probe: &Probe) -> &'static str {
 }
 
 /// All that there is to know of a place.
-fn about(desk: &Desk, probe: &Probe) -> String {
+fn about(desk: &PanelContext, probe: &Probe) -> String {
     let place = &probe.place;
     let name = desk.app.document.name(place.item).unwrap_or("–");
     let three = |v: glam::DVec3| format!("({}, {}, {})", number(v.x), number(v.y), number(v.z));

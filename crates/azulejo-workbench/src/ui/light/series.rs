@@ -10,7 +10,7 @@ const MOST_CURVES: usize = 16;
 
 /// How the light of one replicate came into balance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Residual {
+pub struct ResidualCurve {
     /// Which of the independent replicates, from 0.
     pub replicate: u32,
     /// Bounces, and log₁₀ of the residual.
@@ -21,20 +21,20 @@ pub struct Residual {
 
 /// All curves.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curves {
+pub struct ConvergenceCurves {
     /// Residuals; one curve for each time that a replicate was solved.
-    pub residuals: Vec<Residual>,
+    pub residuals: Vec<ResidualCurve>,
     /// log₁₀ of seconds since the solver began, log₁₀ of the estimated error of irradiance.
     pub errors: Vec<[f64; 2]>,
     /// The same of the patches' radiosity.
     pub patch_errors: Vec<[f64; 2]>,
 }
 
-impl Curves {
+impl ConvergenceCurves {
     /// Sorts measures into curves, each no longer than can be seen. What has no logarithm is
     /// left out.
-    pub fn new(measures: &[Measured], began: Instant) -> Curves {
-        let mut curves = Curves::default();
+    pub fn new(measures: &[Measured], began: Instant) -> ConvergenceCurves {
+        let mut curves = ConvergenceCurves::default();
         let mut bounces = Vec::new();
         for measured in measures {
             let after = measured.at.saturating_duration_since(began).as_secs_f64();
@@ -61,7 +61,7 @@ impl Curves {
     }
 }
 
-fn residual(curves: &mut Vec<Residual>, replicate: u32, iteration: u32, value: f64) {
+fn residual(curves: &mut Vec<ResidualCurve>, replicate: u32, iteration: u32, value: f64) {
     let x = f64::from(iteration);
     let latest = curves.iter_mut().rev().find(|c| c.replicate == replicate);
     match latest {
@@ -78,7 +78,7 @@ fn residual(curves: &mut Vec<Residual>, replicate: u32, iteration: u32, value: f
             if let Some(curve) = latest {
                 curve.is_superseded = true;
             }
-            curves.push(Residual {
+            curves.push(ResidualCurve {
                 replicate,
                 points,
                 is_superseded: false,
@@ -111,14 +111,14 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    fn curves(measures: &[Measure]) -> Curves {
+    fn curves(measures: &[Measure]) -> ConvergenceCurves {
         let began = Instant::now();
         let at = |(k, &measure): (usize, &Measure)| Measured {
             at: began + Duration::from_secs(1 + k as u64),
             measure,
         };
         let measured: Vec<Measured> = measures.iter().enumerate().map(at).collect();
-        Curves::new(&measured, began)
+        ConvergenceCurves::new(&measured, began)
     }
 
     fn bounce(replicate: u32, iteration: u32, value: f64) -> Measure {
@@ -152,7 +152,7 @@ mod tests {
                 Measure::Error(value),
                 Measure::PatchError(value),
             ]);
-            assert_eq!(found, Curves::default(), "{value}");
+            assert_eq!(found, ConvergenceCurves::default(), "{value}");
         }
     }
 

@@ -1,15 +1,15 @@
 //! What the solver should do.
 
-use super::super::desk::Desk;
+use super::super::desk::PanelContext;
 use crate::command::Command;
-use crate::light::{EngineName, LightSettings, USUAL_TIME};
+use crate::light::{EngineChoice, LightSettings, USUAL_TIME};
 use egui::{ComboBox, DragValue, Grid, Ui};
 
 /// Bounces that are offered when they are to be counted.
 const USUAL_BOUNCES: u32 = 3;
 
 /// Draws the fields.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
+pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
     let old = desk.app.lighting.settings;
     let mut new = old;
     let grid = Grid::new("light settings").num_columns(2);
@@ -25,14 +25,14 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
     }
 }
 
-fn engine(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
+fn engine(ui: &mut Ui, desk: &PanelContext, settings: &mut LightSettings) {
     let about = desk.say("Who computes the form factors between patches.");
     let label = ui.label(desk.say("Engine")).on_hover_text(about);
     ComboBox::from_id_salt("engine")
         .width(170.0)
         .selected_text(name(settings.engine, desk))
         .show_ui(ui, |ui| {
-            for engine in EngineName::ALL {
+            for engine in EngineChoice::ALL {
                 let value = &mut settings.engine;
                 ui.selectable_value(value, engine, name(engine, desk))
                     .on_hover_text(what(engine, desk));
@@ -44,31 +44,31 @@ fn engine(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
     ui.end_row();
 }
 
-fn name(engine: EngineName, desk: &Desk) -> &'static str {
+fn name(engine: EngineChoice, desk: &PanelContext) -> &'static str {
     match engine {
-        EngineName::Auto => desk.say("by itself"),
-        EngineName::Rays => desk.say("rays"),
-        EngineName::Hemicube => desk.say("hemicubes"),
-        EngineName::Hybrid => desk.say("hemicubes and rays"),
-        EngineName::Analytic => desk.say("formulas"),
+        EngineChoice::Auto => desk.say("by itself"),
+        EngineChoice::Rays => desk.say("rays"),
+        EngineChoice::Hemicube => desk.say("hemicubes"),
+        EngineChoice::Hybrid => desk.say("hemicubes and rays"),
+        EngineChoice::Analytic => desk.say("formulas"),
     }
 }
 
-fn what(engine: EngineName, desk: &Desk) -> &'static str {
+fn what(engine: EngineChoice, desk: &PanelContext) -> &'static str {
     match engine {
-        EngineName::Auto => {
+        EngineChoice::Auto => {
             desk.say("Formulas where surfaces are flat and few enough to pair, else rays.")
         }
-        EngineName::Rays => desk.say("Rays from all over each patch, through mirrors and glass."),
-        EngineName::Hemicube => desk.say("Pictures of what each patch sees."),
-        EngineName::Hybrid => {
+        EngineChoice::Rays => desk.say("Rays from all over each patch, through mirrors and glass."),
+        EngineChoice::Hemicube => desk.say("Pictures of what each patch sees."),
+        EngineChoice::Hybrid => {
             desk.say("Pictures for what is seen straight, rays for what mirrors and glass show.")
         }
-        EngineName::Analytic => desk.say("Formulas for pairs of polygons, with exact shadows."),
+        EngineChoice::Analytic => desk.say("Formulas for pairs of polygons, with exact shadows."),
     }
 }
 
-fn patches(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
+fn patches(ui: &mut Ui, desk: &PanelContext, settings: &mut LightSettings) {
     let about = desk.say(
         "About how many pieces the surfaces are divided into. More show finer shadows; twice as \
          many take up to four times the time.",
@@ -83,7 +83,7 @@ fn patches(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
     ui.end_row();
 }
 
-fn error(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
+fn error(ui: &mut Ui, desk: &PanelContext, settings: &mut LightSettings) {
     let about = desk.say(
         "Estimated relative error at which the solver rests. Half the error takes about four \
          times the time.",
@@ -103,7 +103,7 @@ fn error(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
     ui.end_row();
 }
 
-fn time(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
+fn time(ui: &mut Ui, desk: &PanelContext, settings: &mut LightSettings) {
     let about = desk.say(
         "After this time the solver ends with what it has, and says how good that is. Rests do \
          not count.",
@@ -131,7 +131,7 @@ fn time(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
     ui.end_row();
 }
 
-fn bounces(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
+fn bounces(ui: &mut Ui, desk: &PanelContext, settings: &mut LightSettings) {
     let about = desk.say(
         "Light is reflected from surface to surface until next to nothing is left, or so many \
          times: 0 is direct light alone.",

@@ -4,38 +4,38 @@ mod definitions;
 mod list;
 mod rows;
 
-use super::desk::Desk;
+use super::desk::PanelContext;
 use crate::app::App;
 use crate::command::{Command, Selection};
-use crate::document::{Edit, Id};
+use crate::document::{Edit, ItemId};
 use azulejo::scene::MaterialId;
 use egui::{Align, Layout, RichText, ScrollArea, Sense, Ui};
-use list::List;
-use rows::{Leaf, Row};
+use list::TreeList;
+use rows::{TreeLeaf, TreeRow};
 
 /// What the tree remembers between frames.
 #[derive(Default)]
-pub struct Tree {
+pub struct SceneTree {
     /// Only what has this in its name is shown.
     filter: String,
-    list: List,
-    rename: Rename,
+    list: TreeList,
+    rename: RenameField,
     /// What the rows should be scrolled to.
-    reveal: Option<Id>,
-    last_selected: Option<Id>,
+    reveal: Option<ItemId>,
+    last_selected: Option<ItemId>,
 }
 
 /// What is being renamed, and its name so far.
 #[derive(Default)]
-struct Rename(Option<(Id, String)>);
+struct RenameField(Option<(ItemId, String)>);
 
-impl Rename {
-    fn begin(&mut self, app: &App, id: Id) {
+impl RenameField {
+    fn begin(&mut self, app: &App, id: ItemId) {
         self.0 = app.document.name(id).map(|name| (id, name.to_owned()));
     }
 }
 
-impl Tree {
+impl SceneTree {
     /// Renames what is selected, in its row.
     pub fn begin_rename(&mut self, app: &App) {
         if let [id] = app.selection.ids[..] {
@@ -45,7 +45,7 @@ impl Tree {
     }
 
     /// Draws the tree.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    pub fn show(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
         let hint = desk.say("Search");
         ui.add(
             egui::TextEdit::singleline(&mut self.filter)
@@ -92,15 +92,21 @@ impl Tree {
 }
 
 /// Draws one row; the group that should be opened or closed.
-fn row(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, rename: &mut Rename) -> Option<u64> {
+fn row(
+    ui: &mut Ui,
+    desk: &mut PanelContext,
+    list: &TreeList,
+    at: usize,
+    rename: &mut RenameField,
+) -> Option<u64> {
     let row = list.row(at);
     let draw = |ui: &mut Ui| {
         ui.add_space(14.0 * row.depth as f32);
         match &row.leaf {
-            Leaf::Group(key) => return group(ui, desk, list, at, *key),
-            Leaf::Material(id) => material(ui, desk, &row.label, *id),
-            Leaf::Definition(users) => definition(ui, desk, &row.label, users),
-            Leaf::Item(id) | Leaf::Light(id) | Leaf::Camera(id) => {
+            TreeLeaf::Group(key) => return group(ui, desk, list, at, *key),
+            TreeLeaf::Material(id) => material(ui, desk, &row.label, *id),
+            TreeLeaf::Definition(users) => definition(ui, desk, &row.label, users),
+            TreeLeaf::Item(id) | TreeLeaf::Light(id) | TreeLeaf::Camera(id) => {
                 thing(ui, desk, row, *id, list.is_chosen(at), rename);
             }
         }
@@ -109,7 +115,13 @@ fn row(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, rename: &mut Rename
     ui.push_id(at, |ui| ui.horizontal(draw).inner).inner
 }
 
-fn group(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, key: u64) -> Option<u64> {
+fn group(
+    ui: &mut Ui,
+    desk: &mut PanelContext,
+    list: &TreeList,
+    at: usize,
+    key: u64,
+) -> Option<u64> {
     let row = list.row(at);
     let (label, is_open) = (&row.label, list.is_open(key));
     let arrow = if is_open { "⏷" } else { "⏵" };
@@ -137,7 +149,7 @@ fn group(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, key: u64) -> Opti
 }
 
 /// Shows and hides; whether it was asked to.
-fn eye(ui: &mut Ui, desk: &Desk, name: &str, shown: bool) -> bool {
+fn eye(ui: &mut Ui, desk: &PanelContext, name: &str, shown: bool) -> bool {
     let draw = |ui: &mut Ui| {
         let sign = if shown { "👁" } else { "–" };
         let button = ui.add(egui::Button::new(sign).small().frame(false));
@@ -159,7 +171,7 @@ fn eye(ui: &mut Ui, desk: &Desk, name: &str, shown: bool) -> bool {
     ui.with_layout(place, draw).inner
 }
 
-fn material(ui: &mut Ui, desk: &mut Desk, label: &str, material: MaterialId) {
+fn material(ui: &mut Ui, desk: &mut PanelContext, label: &str, material: MaterialId) {
     let known = desk.app.document.materials.get(material as usize);
     if let Some(known) = known {
         let color = super::paint::swatch(known);
@@ -180,7 +192,7 @@ fn material(ui: &mut Ui, desk: &mut Desk, label: &str, material: MaterialId) {
     }
 }
 
-fn definition(ui: &mut Ui, desk: &mut Desk, label: &str, users: &[Id]) {
+fn definition(ui: &mut Ui, desk: &mut PanelContext, label: &str, users: &[ItemId]) {
     let response = ui.selectable_label(false, label);
     let what = desk.say("Click to select the objects that share it");
     if response.on_hover_text(what).clicked() && !users.is_empty() {
@@ -191,7 +203,14 @@ fn definition(ui: &mut Ui, desk: &mut Desk, label: &str, users: &[Id]) {
     }
 }
 
-fn thing(ui: &mut Ui, desk: &mut Desk, row: &Row, id: Id, is_chosen: bool, rename: &mut Rename) {
+fn thing(
+    ui: &mut Ui,
+    desk: &mut PanelContext,
+    row: &TreeRow,
+    id: ItemId,
+    is_chosen: bool,
+    rename: &mut RenameField,
+) {
     if let Some((renamed, name)) = &mut rename.0
         && *renamed == id
     {
@@ -201,8 +220,8 @@ fn thing(ui: &mut Ui, desk: &mut Desk, row: &Row, id: Id, is_chosen: bool, renam
         return;
     }
     let sign = match row.leaf {
-        Leaf::Light(_) => "💡 ",
-        Leaf::Camera(_) => "📷 ",
+        TreeLeaf::Light(_) => "💡 ",
+        TreeLeaf::Camera(_) => "📷 ",
         _ => "",
     };
     let label = match row.label.as_str() {
@@ -215,7 +234,7 @@ fn thing(ui: &mut Ui, desk: &mut Desk, row: &Row, id: Id, is_chosen: bool, renam
             Some(view) => {
                 let mut look = desk.app.view.clone();
                 look.camera = view.camera.clone();
-                desk.wish(Command::Look(Box::new(look)));
+                desk.wish(Command::SetView(Box::new(look)));
             }
             None => rename.begin(desk.app, id),
         }
@@ -230,7 +249,7 @@ fn thing(ui: &mut Ui, desk: &mut Desk, row: &Row, id: Id, is_chosen: bool, renam
 }
 
 /// The field of a name in its row; whether it is done with.
-fn name_field(ui: &mut Ui, desk: &mut Desk, id: Id, name: &mut String) -> bool {
+fn name_field(ui: &mut Ui, desk: &mut PanelContext, id: ItemId, name: &mut String) -> bool {
     let field = egui::TextEdit::singleline(name).hint_text(desk.say("Name"));
     let response = ui.add(field);
     response.request_focus();

@@ -13,36 +13,36 @@ mod stage;
 
 pub(super) use signs::middle;
 
-pub use gizmo::Mode;
+pub use gizmo::GizmoMode;
 pub use legend::number;
 pub use probe::{radiance_unit, value};
 
-use super::desk::Desk;
+use super::desk::PanelContext;
 use crate::app::App;
-use crate::command::{Command, PatchAt};
+use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
-use crate::gpu::{Background, Frame, Picture, Projection, Quantity, Scale};
-use crate::view::{Backdrop, Shading, View};
+use crate::gpu::{Background, ColorScalar, ColorScale, Projection, TextureSource, ViewportFrame};
+use crate::view::{Backdrop, ModelView, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Camera, Material};
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
-use gizmo::{Gizmo, Grip};
+use gizmo::{Gizmo, GizmoHandle};
 use glam::DAffine3;
-use screen::{Screen, Stamp};
-use stage::Stage;
+use screen::{DrawStamp, ViewportTexture};
+use stage::ViewportCache;
 
-pub use screen::Loss;
+pub use screen::DeviceLost;
 
 /// The viewport's own state.
 #[derive(Default)]
 pub struct Viewport {
-    stage: Stage,
-    screen: Option<Screen>,
-    picture: picture::Shown,
+    stage: ViewportCache,
+    screen: Option<ViewportTexture>,
+    picture: picture::RenderTexture,
     /// What the handles of the selection do.
-    pub mode: Mode,
-    grip: Option<Grip>,
+    pub mode: GizmoMode,
+    grip: Option<GizmoHandle>,
     /// What is under the mouse.
     probe: Option<String>,
     probed_at: Option<(Pos2, u64, Camera, Shading)>,
@@ -66,7 +66,7 @@ pub fn auto_exposure(app: &App) -> f64 {
 }
 
 /// Exposure of the light modes.
-fn exposure(app: &App, view: &View) -> f64 {
+fn exposure(app: &App, view: &ModelView) -> f64 {
     view.exposure.unwrap_or_else(|| auto_exposure(app))
 }
 
@@ -82,16 +82,16 @@ impl Viewport {
     /// On the card of a window, if it has one.
     ///
     /// # Errors
-    /// [`Loss`]: the card cannot draw.
-    pub fn of_window(context: &eframe::CreationContext<'_>) -> Result<Viewport, Loss> {
+    /// [`DeviceLost`]: the card cannot draw.
+    pub fn of_window(context: &eframe::CreationContext<'_>) -> Result<Viewport, DeviceLost> {
         let card = context.wgpu_render_state.as_ref();
         card.map_or_else(|| Ok(Viewport::default()), Viewport::on)
     }
 
     /// With a graphics card to draw on.
-    fn on(state: &eframe::egui_wgpu::RenderState) -> Result<Viewport, Loss> {
+    fn on(state: &eframe::egui_wgpu::RenderState) -> Result<Viewport, DeviceLost> {
         Ok(Viewport {
-            screen: Some(Screen::new(state)?),
+            screen: Some(ViewportTexture::new(state)?),
             ..Viewport::default()
         })
     }
@@ -99,9 +99,9 @@ impl Viewport {
     /// Whether there is a card, or none was expected.
     ///
     /// # Errors
-    /// [`Loss`].
-    pub fn check(&self) -> Result<(), Loss> {
-        self.screen.as_ref().map_or(Ok(()), Screen::check)
+    /// [`DeviceLost`].
+    pub fn check(&self) -> Result<(), DeviceLost> {
+        self.screen.as_ref().map_or(Ok(()), ViewportTexture::check)
     }
 
     /// What is under the mouse.
@@ -110,7 +110,7 @@ impl Viewport {
     }
 
     /// The place of a surface that is pointed at.
-    pub fn pointed_place(&self) -> Option<PatchAt> {
+    pub fn pointed_place(&self) -> Option<SurfacePick> {
         self.patch_at(&self.pointed?)
     }
 
@@ -122,8 +122,8 @@ impl Viewport {
     /// Draws the model, or the picture by rays in its place; takes the mouse and the keys.
     ///
     /// # Errors
-    /// [`Loss`]: the graphics card is gone. The window has to be opened again.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut Desk) -> Result<(), Loss> {
+    /// [`DeviceLost`]: the graphics card is gone. The window has to be opened again.
+    pub fn show(&mut self, ui: &mut Ui, desk: &mut PanelContext) -> Result<(), DeviceLost> {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let name = desk.say("Viewport");
@@ -152,7 +152,7 @@ impl Viewport {
     }
 
     /// The view after this frame's mouse and keys.
-    fn view(&mut self, ui: &Ui, response: &Response, desk: &mut Desk) -> View {
+    fn view(&mut self, ui: &Ui, response: &Response, desk: &mut PanelContext) -> ModelView {
         let app = desk.app;
         // Where a drag begins is found out below: on a handle, it does not turn the view.
         if self.grip.is_some() || response.drag_started() || desk.is_covered {
@@ -164,19 +164,25 @@ impl Viewport {
             ui.ctx().request_repaint();
         }
         if view != app.view {
-            desk.wish(Command::Look(Box::new(view.clone())));
+            desk.wish(Command::SetView(Box::new(view.clone())));
         }
         view
     }
 
-    fn draw(&mut self, ui: &Ui, rect: Rect, desk: &Desk, view: &View) -> Result<(), Loss> {
+    fn draw(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        desk: &PanelContext,
+        view: &ModelView,
+    ) -> Result<(), DeviceLost> {
         let Some(screen) = &mut self.screen else {
             ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
             return Ok(());
         };
         let app = desk.app;
         let scale = scale(app);
-        let stamp = Stamp {
+        let stamp = DrawStamp {
             view: view.clone(),
             size: self.size,
             revision: app.revision(),
@@ -188,8 +194,8 @@ impl Viewport {
         let backdrop = self.stage.backdrop_key(&view.backdrop);
         let stage = &self.stage;
         let textures = app.document.textures.iter();
-        let textures: Vec<Picture> = textures
-            .map(|t| Picture {
+        let textures: Vec<TextureSource> = textures
+            .map(|t| TextureSource {
                 key: stage.texture_key(t),
                 image: t.image.as_ref(),
             })
@@ -197,7 +203,7 @@ impl Viewport {
         let shows_factors = view.shading == Shading::FormFactors;
         let drawn = stage.drawn(app, shows_factors);
         let overlay = signs::overlay(app);
-        let frame = Frame {
+        let frame = ViewportFrame {
             shading: view.shading,
             textures: &textures,
             background: background(app, view, backdrop, ui.visuals().dark_mode),
@@ -205,7 +211,7 @@ impl Viewport {
             overlay: &overlay,
             exposure: exposure(app, view),
             scale,
-            ..Frame::new(self.size, &view.camera, &drawn, &materials)
+            ..ViewportFrame::new(self.size, &view.camera, &drawn, &materials)
         };
         screen.draw(ui, rect, stamp, &frame)
     }
@@ -217,7 +223,7 @@ impl Viewport {
         rect: Rect,
         response: &Response,
         view: &Projection,
-        desk: &mut Desk,
+        desk: &mut PanelContext,
     ) {
         let Some(centre) = middle(desk.app) else {
             self.grip = None;
@@ -254,7 +260,7 @@ impl Viewport {
     }
 
     /// What is painted over the model: legends and buttons.
-    fn decorate(&mut self, ui: &mut Ui, rect: Rect, desk: &Desk) {
+    fn decorate(&mut self, ui: &mut Ui, rect: Rect, desk: &PanelContext) {
         let app = desk.app;
         if self.by_keys {
             pins::cross(ui.painter(), rect.center(), "", 1.0);
@@ -288,7 +294,7 @@ impl Viewport {
     }
 
     /// What one should know of what is shown.
-    fn hint(&self, desk: &Desk) -> Option<&'static str> {
+    fn hint(&self, desk: &PanelContext) -> Option<&'static str> {
         let app = desk.app;
         let lighting = &app.lighting;
         let shading = app.view.shading;
@@ -307,11 +313,11 @@ impl Viewport {
         }
     }
 
-    fn mode_buttons(&mut self, ui: &mut Ui, rect: Rect, desk: &Desk) {
+    fn mode_buttons(&mut self, ui: &mut Ui, rect: Rect, desk: &PanelContext) {
         let modes = [
-            (Mode::Move, desk.say("Move")),
-            (Mode::Turn, desk.say("Turn")),
-            (Mode::Scale, desk.say("Resize")),
+            (GizmoMode::Move, desk.say("Move")),
+            (GizmoMode::Turn, desk.say("Turn")),
+            (GizmoMode::Scale, desk.say("Resize")),
         ];
         let place = Rect::from_min_size(rect.min + Vec2::splat(8.0), Vec2::new(240.0, 24.0));
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
@@ -325,18 +331,18 @@ impl Viewport {
 }
 
 /// How numbers become colours now.
-fn scale(app: &App) -> Scale {
+fn scale(app: &App) -> ColorScale {
     let colors = &app.view.false_color;
     if app.view.shading == Shading::FormFactors {
         let factors = app.lighting.seen.iter().flat_map(|s| s.factors.iter());
         let high = factors.fold(0.0, |a: f64, &b| a.max(b)).max(1e-9);
-        return Scale {
+        return ColorScale {
             map: colors.map,
             low: if colors.logarithmic { 1e-4 * high } else { 0.0 },
             high,
             is_logarithmic: colors.logarithmic,
             bands: 0,
-            quantity: Quantity::default(),
+            quantity: ColorScalar::default(),
         };
     }
     let found = app.lighting.range;
@@ -346,22 +352,22 @@ fn scale(app: &App) -> Scale {
         high = high.max(1e-9);
         low = low.clamp(1e-4 * high, high);
     }
-    Scale {
+    ColorScale {
         map: colors.map,
         low,
         high: if high > low { high } else { low + 1.0 },
         is_logarithmic: colors.logarithmic,
         bands: colors.isolines,
-        quantity: Quantity::default(),
+        quantity: ColorScalar::default(),
     }
 }
 
 /// What is behind the model.
-fn background<'a>(app: &App, view: &'a View, key: u64, is_dark: bool) -> Background<'a> {
+fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Background<'a> {
     match &view.backdrop {
         Backdrop::Color(color) => Background::Color(*color),
         Backdrop::Image(image, fit) => Background::Image {
-            picture: Picture {
+            picture: TextureSource {
                 key,
                 image: Some(&**image),
             },

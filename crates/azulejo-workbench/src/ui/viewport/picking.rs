@@ -1,10 +1,10 @@
 //! What the mouse points at, or keys: the middle of the view then; and what a click there does.
 
 use super::{Viewport, probe, signs};
-use crate::command::{Command, PatchAt, Selection};
-use crate::document::Id;
-use crate::gpu::{Drawn, Pick, Projection, pick};
-use crate::ui::desk::Desk;
+use crate::command::{Command, Selection, SurfacePick};
+use crate::document::ItemId;
+use crate::gpu::{MeshInstance, PickHit, Projection, pick};
+use crate::ui::desk::PanelContext;
 use crate::view::Shading;
 use azulejo::scene::Shape;
 use azulejo::scene::math::Ray;
@@ -19,7 +19,7 @@ impl Viewport {
         rect: Rect,
         response: &Response,
         view: &Projection,
-        desk: &mut Desk,
+        desk: &mut PanelContext,
     ) {
         if self.pins_next && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
             self.pins_next = false;
@@ -38,7 +38,7 @@ impl Viewport {
             let bounds = desk.app.document.frame_of(&desk.app.selection.ids);
             let mut look = desk.app.view.clone();
             look.frame(bounds);
-            desk.wish(Command::Look(Box::new(look)));
+            desk.wish(Command::SetView(Box::new(look)));
         } else if response.clicked() {
             response.request_focus();
             self.click(ui, at, rect, &ray, view, desk);
@@ -73,12 +73,12 @@ impl Viewport {
         rect: Rect,
         ray: &Ray,
         view: &Projection,
-        desk: &mut Desk,
+        desk: &mut PanelContext,
     ) {
         let modifiers = ui.input(|i| i.modifiers);
         if std::mem::take(&mut self.pins_next) {
             if let Some(place) = self.patch_at(ray) {
-                desk.wish(Command::Pin(place));
+                desk.wish(Command::AddProbe(place));
             }
             return;
         }
@@ -102,39 +102,39 @@ impl Viewport {
         }
     }
 
-    pub(super) fn patch_at(&self, ray: &Ray) -> Option<PatchAt> {
+    pub(super) fn patch_at(&self, ray: &Ray) -> Option<SurfacePick> {
         let hit = self.hit(ray)?;
         let entry = &self.stage.entries()[hit.object];
-        Some(PatchAt {
+        Some(SurfacePick {
             item: entry.id,
             position: hit.position,
             normal: entry.normal(hit.vertices, ray),
         })
     }
 
-    fn hit(&self, ray: &Ray) -> Option<Pick> {
-        let drawn: Vec<Drawn> = self.stage.entries().iter().map(|e| e.drawn()).collect();
+    fn hit(&self, ray: &Ray) -> Option<PickHit> {
+        let drawn: Vec<MeshInstance> = self.stage.entries().iter().map(|e| e.drawn()).collect();
         pick(&drawn, ray, false)
     }
 
     /// Adds a face to the selection, or takes it away. Faces are those of the model, whatever the
     /// solver divided them into.
-    fn pick_face(&self, ray: &Ray, desk: &mut Desk) {
+    fn pick_face(&self, ray: &Ray, desk: &mut PanelContext) {
         let document = &desk.app.document;
-        let meshes: Vec<(Id, Drawn)> = (document.items.iter())
+        let meshes: Vec<(ItemId, MeshInstance)> = (document.items.iter())
             .filter(|item| !item.hidden)
             .filter_map(|item| match &*item.shape {
                 Shape::Mesh(mesh) => Some((
                     item.id,
-                    Drawn {
+                    MeshInstance {
                         world_from_object: item.placement,
-                        ..Drawn::new(0, mesh)
+                        ..MeshInstance::new(0, mesh)
                     },
                 )),
                 _ => None,
             })
             .collect();
-        let drawn: Vec<Drawn> = meshes.iter().map(|(_, d)| *d).collect();
+        let drawn: Vec<MeshInstance> = meshes.iter().map(|(_, d)| *d).collect();
         let Some(hit) = pick(&drawn, ray, false) else {
             return;
         };

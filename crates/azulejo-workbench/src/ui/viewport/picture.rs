@@ -15,12 +15,12 @@ pub fn place(rect: Rect, (width, height): (u32, u32)) -> Rect {
 
 /// The picture as a texture.
 #[derive(Default)]
-pub struct Shown {
+pub struct RenderTexture {
     texture: Option<TextureHandle>,
     made_of: Option<(Arc<Image>, Option<f64>)>,
 }
 
-impl Shown {
+impl RenderTexture {
     /// Paints the picture as far as it is, as large as fits.
     pub fn show(&mut self, ui: &Ui, rect: Rect, app: &App) {
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);

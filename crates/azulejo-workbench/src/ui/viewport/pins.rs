@@ -1,13 +1,13 @@
 //! Pinned probes on the picture of the model.
 
-use super::{Desk, irradiance_unit, number};
+use super::{PanelContext, irradiance_unit, number};
 use crate::app::Probe;
 use crate::gpu::Projection;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui, Vec2};
 use glam::DVec3;
 
 /// Paints a cross with a number at each probe; those on sides that face away are faint.
-pub fn paint(ui: &Ui, rect: Rect, view: &Projection, desk: &Desk) {
+pub fn paint(ui: &Ui, rect: Rect, view: &Projection, desk: &PanelContext) {
     let app = desk.app;
     let painter = ui.painter().with_clip_rect(rect);
     let eye = app.view.camera.eye;

@@ -1,18 +1,18 @@
 //! What is under the mouse, in one line.
 
 use super::legend::number;
-use super::stage::{Entry, Stage};
-use super::{Desk, irradiance_unit};
+use super::stage::{CachedMesh, ViewportCache};
+use super::{PanelContext, irradiance_unit};
 use crate::app::App;
-use crate::document::Paint;
-use crate::gpu::{Drawn, Pick, pick};
+use crate::document::ShadingPoint;
+use crate::gpu::{MeshInstance, PickHit, pick};
 use crate::ui::inspector::named;
 use azulejo::scene::Rgb;
 use azulejo::scene::math::Ray;
 
 /// The object, the place, the material and the light where a ray meets the model.
-pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
-    let drawn: Vec<Drawn> = stage.entries().iter().map(|e| e.drawn()).collect();
+pub fn text(desk: &PanelContext, stage: &ViewportCache, ray: &Ray) -> Option<String> {
+    let drawn: Vec<MeshInstance> = stage.entries().iter().map(|e| e.drawn()).collect();
     let hit = pick(&drawn, ray, false)?;
     let entry = &stage.entries()[hit.object];
     let document = &desk.app.document;
@@ -29,7 +29,7 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
     );
     let weights = hit.barycentric.to_array();
     let mesh = entry.mesh();
-    if let Some(paint) = Paint::at(mesh, hit.face, hit.vertices, weights, hit.is_front) {
+    if let Some(paint) = ShadingPoint::at(mesh, hit.face, hit.vertices, weights, hit.is_front) {
         let name = named(document, paint.material);
         text += &format!(" · {name} #{}", paint.material);
         text += &light(desk, entry, &hit, &paint, ray).unwrap_or_default();
@@ -38,7 +38,13 @@ pub fn text(desk: &Desk, stage: &Stage, ray: &Ray) -> Option<String> {
 }
 
 /// Irradiance with its standard error, and the radiance that leaves evenly to all sides.
-fn light(desk: &Desk, entry: &Entry, hit: &Pick, paint: &Paint, ray: &Ray) -> Option<String> {
+fn light(
+    desk: &PanelContext,
+    entry: &CachedMesh,
+    hit: &PickHit,
+    paint: &ShadingPoint,
+    ray: &Ray,
+) -> Option<String> {
     if !hit.is_front {
         // Light is known on fronts.
         return None;

@@ -1,31 +1,31 @@
 //! Where the viewport is drawn: a texture of the graphics card that egui shows.
 
 use crate::command::Selection;
-use crate::gpu::{Frame, GpuError, Renderer, Scale};
-use crate::view::View;
+use crate::gpu::{ColorScale, GpuError, Renderer, ViewportFrame};
+use crate::view::ModelView;
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Rect, TextureId, Ui};
 use std::time::Duration;
 
 /// The graphics card is gone.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Loss(pub GpuError);
+pub struct DeviceLost(pub GpuError);
 
 /// What a drawing was made from: the same again need not be drawn.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stamp {
-    pub view: View,
+pub struct DrawStamp {
+    pub view: ModelView,
     pub size: [u32; 2],
     pub revision: u64,
     pub selection: Selection,
     pub seen: Option<u64>,
-    pub scale: Scale,
+    pub scale: ColorScale,
 }
 
 /// What the picture on the screen is.
 #[derive(Clone, Debug, PartialEq)]
-struct Drawing {
-    stamp: Stamp,
+struct LastDrawing {
+    stamp: DrawStamp,
     is_dark: bool,
     is_smooth: bool,
 }
@@ -36,19 +36,20 @@ const MOST_SMOOTH: usize = 200_000;
 const REST: Duration = Duration::from_millis(150);
 
 /// A renderer and its picture.
-pub struct Screen {
+pub struct ViewportTexture {
     state: RenderState,
     renderer: Renderer,
     texture: Option<TextureId>,
-    drawn: Option<Drawing>,
+    drawn: Option<LastDrawing>,
     /// What could not be drawn, until something changes.
     failure: Option<GpuError>,
 }
 
-impl Screen {
-    pub fn new(state: &RenderState) -> Result<Screen, Loss> {
-        let renderer = Renderer::new(state.device.clone(), state.queue.clone()).map_err(Loss)?;
-        Ok(Screen {
+impl ViewportTexture {
+    pub fn new(state: &RenderState) -> Result<ViewportTexture, DeviceLost> {
+        let renderer =
+            Renderer::new(state.device.clone(), state.queue.clone()).map_err(DeviceLost)?;
+        Ok(ViewportTexture {
             state: state.clone(),
             renderer,
             texture: None,
@@ -58,23 +59,29 @@ impl Screen {
     }
 
     /// Whether the card is still there.
-    pub fn check(&self) -> Result<(), Loss> {
+    pub fn check(&self) -> Result<(), DeviceLost> {
         match self.renderer.check() {
-            Err(lost @ GpuError::Lost { .. }) => Err(Loss(lost)),
+            Err(lost @ GpuError::Lost { .. }) => Err(DeviceLost(lost)),
             _ => Ok(()),
         }
     }
 
     /// Draws a frame, unless it is the last one again, and shows it.
-    pub fn draw(&mut self, ui: &Ui, rect: Rect, stamp: Stamp, frame: &Frame) -> Result<(), Loss> {
+    pub fn draw(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        stamp: DrawStamp,
+        frame: &ViewportFrame,
+    ) -> Result<(), DeviceLost> {
         let is_smooth = self.smooths(ui, &stamp, frame);
-        let drawing = Drawing {
+        let drawing = LastDrawing {
             stamp,
             is_dark: ui.visuals().dark_mode,
             is_smooth,
         };
         if self.drawn.as_ref() != Some(&drawing) {
-            let frame = Frame {
+            let frame = ViewportFrame {
                 antialiasing: is_smooth,
                 ..frame.clone()
             };
@@ -84,7 +91,7 @@ impl Screen {
                     self.failure = None;
                     self.register(&view, is_new);
                 }
-                Err(lost @ GpuError::Lost { .. }) => return Err(Loss(lost)),
+                Err(lost @ GpuError::Lost { .. }) => return Err(DeviceLost(lost)),
                 Err(other) => self.failure = Some(other),
             }
             self.drawn = Some(drawing);
@@ -105,7 +112,7 @@ impl Screen {
 
     /// Whether edges are to be smoothed: always by a card; by the processor once the view rests,
     /// because it takes three times as long.
-    fn smooths(&self, ui: &Ui, stamp: &Stamp, frame: &Frame) -> bool {
+    fn smooths(&self, ui: &Ui, stamp: &DrawStamp, frame: &ViewportFrame) -> bool {
         if !self.renderer.is_software() {
             return true;
         }

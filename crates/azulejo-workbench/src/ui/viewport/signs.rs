@@ -1,8 +1,8 @@
 //! What stands beside the model: lights, cameras, a grid, axes.
 
 use crate::app::App;
-use crate::document::{Id, light_place};
-use crate::gpu::{Ink, Overlay, Projection};
+use crate::document::{ItemId, light_place};
+use crate::gpu::{Overlay, OverlayStyle, Projection};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, LightKind, Shape, Up};
 use egui::{Pos2, Rect, Vec2};
@@ -56,9 +56,9 @@ fn chosen_faces(overlay: &mut Overlay, app: &App) {
         return;
     }
     let [r, g, b] = CHOSEN;
-    let film = Ink {
+    let film = OverlayStyle {
         color: [r, g, b, 128],
-        ..Ink::new(CHOSEN, 1.0)
+        ..OverlayStyle::new(CHOSEN, 1.0)
     };
     let mut triangles = Vec::new();
     for face in faces.iter().map(|&f| f as usize) {
@@ -74,7 +74,7 @@ fn chosen_faces(overlay: &mut Overlay, app: &App) {
 }
 
 /// The light or camera whose sign is nearest to a point of the window, if one is near.
-pub fn at(mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<Id> {
+pub fn at(mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<ItemId> {
     const NEAR: f32 = 12.0;
     if !app.view.signs {
         return None;
@@ -94,10 +94,10 @@ pub fn at(mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<Id> {
     near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id)
 }
 
-fn ink(color: [u8; 3], is_selected: bool) -> Ink {
+fn ink(color: [u8; 3], is_selected: bool) -> OverlayStyle {
     match is_selected {
-        true => Ink::new(CHOSEN, 2.5),
-        false => Ink::new(color, 1.5),
+        true => OverlayStyle::new(CHOSEN, 2.5),
+        false => OverlayStyle::new(color, 1.5),
     }
 }
 
@@ -111,7 +111,7 @@ pub fn middle(app: &App) -> Option<DVec3> {
     (!bounds.is_empty()).then(|| bounds.centre())
 }
 
-fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: Ink) {
+fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: OverlayStyle) {
     let at = light_place(kind, bounds);
     let reach = 0.04 * size;
     match *kind {
@@ -140,7 +140,7 @@ fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: 
     }
 }
 
-fn star(overlay: &mut Overlay, at: DVec3, reach: f64, ink: Ink) {
+fn star(overlay: &mut Overlay, at: DVec3, reach: f64, ink: OverlayStyle) {
     overlay.cross(at, 2.0 * reach, ink);
     for s in [
         DVec3::ONE,
@@ -154,7 +154,7 @@ fn star(overlay: &mut Overlay, at: DVec3, reach: f64, ink: Ink) {
 }
 
 /// A pyramid with the eye as its tip.
-fn camera(overlay: &mut Overlay, camera: &Camera, size: f64, ink: Ink) {
+fn camera(overlay: &mut Overlay, camera: &Camera, size: f64, ink: OverlayStyle) {
     let (right, up, forward) = camera.axes();
     let reach = 0.08 * size;
     let half = reach * (0.5 * camera.vertical_fov).tan().min(2.0);
@@ -198,7 +198,7 @@ fn grid(overlay: &mut Overlay, bounds: Aabb, up: Up) {
         (origin(u) + i * step) * u + (origin(v) + j * step) * v + ground * up.axis()
     };
     let far = f64::from(count);
-    let thin = Ink::new(GROUND, 1.0);
+    let thin = OverlayStyle::new(GROUND, 1.0);
     for k in -count..=count {
         let k = f64::from(k);
         overlay.line(at(k, -far), at(k, far), thin);
@@ -210,7 +210,11 @@ fn grid(overlay: &mut Overlay, bounds: Aabb, up: Up) {
         (DVec3::Z, [84, 146, 236]),
     ];
     for (axis, color) in axes {
-        overlay.arrow(DVec3::ZERO, 0.25 * size * axis, Ink::new(color, 2.0));
+        overlay.arrow(
+            DVec3::ZERO,
+            0.25 * size * axis,
+            OverlayStyle::new(color, 2.0),
+        );
     }
 }
 
@@ -231,7 +235,7 @@ mod tests {
         let view = Projection::new(&app.document.cameras[0].camera, [100, 100]);
         let bulb = view.project(DVec3::new(0.0, 1.5, 0.0)).unwrap();
         let mouse = Pos2::new(bulb.x as f32, bulb.y as f32);
-        assert_eq!(at(mouse, rect, &view, &app), Some(Id(5)));
+        assert_eq!(at(mouse, rect, &view, &app), Some(ItemId(5)));
         app.document.lights[0].hidden = true;
         assert_eq!(at(mouse, rect, &view, &app), None);
         let without_light = lines(&app);
@@ -244,7 +248,7 @@ mod tests {
     fn selected_faces_are_marked_on_what_the_solver_divided() {
         let mut app = App::quiet();
         app.document = sample();
-        app.selection.faces = Some((Id(1), vec![1]));
+        app.selection.faces = Some((ItemId(1), vec![1]));
         app.view.shading = Shading::Irradiance;
         let marks = |app: &App| overlay(app).triangles.len();
         let before = marks(&app);

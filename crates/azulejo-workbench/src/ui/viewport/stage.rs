@@ -1,8 +1,8 @@
 //! What of the document stands on the stage: the polygons to draw for each object.
 
 use crate::app::App;
-use crate::document::{Id, Item};
-use crate::gpu::{Drawn, FaceValues, Projection, chord_error, display_mesh, pick};
+use crate::document::{ItemId, SceneObject};
+use crate::gpu::{FaceValues, MeshInstance, Projection, chord_error, display_mesh, pick};
 use crate::view::Backdrop;
 use azulejo::scene::math::{Aabb, Ray};
 use azulejo::scene::{Image, Mesh, Rgb, Shape, Texture};
@@ -13,8 +13,8 @@ use std::sync::Arc;
 
 /// Polygons of objects, kept as long as neither shape nor distance ask for others.
 #[derive(Default)]
-pub struct Stage {
-    entries: Vec<Entry>,
+pub struct ViewportCache {
+    entries: Vec<CachedMesh>,
     textures: HashMap<*const Texture, (u64, Arc<Texture>)>,
     seen: Option<(u64, Arc<Mesh>, Vec<f32>)>,
     backdrop: Option<(u64, Arc<Image>)>,
@@ -22,9 +22,9 @@ pub struct Stage {
 }
 
 /// One object on the stage.
-pub struct Entry {
+pub struct CachedMesh {
     /// Which.
-    pub id: Id,
+    pub id: ItemId,
     shape: Arc<Shape>,
     /// Polygons of an exact shape.
     made: Option<Mesh>,
@@ -37,7 +37,7 @@ pub struct Entry {
     pub placement: DAffine3,
 }
 
-impl Entry {
+impl CachedMesh {
     /// The polygons.
     pub fn mesh(&self) -> &Mesh {
         match (&self.made, &*self.shape) {
@@ -49,11 +49,11 @@ impl Entry {
     }
 
     /// The polygons where they stand, for those who look for them.
-    pub fn drawn(&self) -> Drawn<'_> {
-        Drawn {
+    pub fn drawn(&self) -> MeshInstance<'_> {
+        MeshInstance {
             world_from_object: self.placement,
             bounds: Some(self.bounds),
-            ..Drawn::new(self.key, self.mesh())
+            ..MeshInstance::new(self.key, self.mesh())
         }
     }
 
@@ -80,9 +80,9 @@ impl Entry {
         let Shape::Mesh(mesh) = &*item.shape else {
             return None;
         };
-        let drawn = Drawn {
+        let drawn = MeshInstance {
             world_from_object: item.placement,
-            ..Drawn::new(0, mesh)
+            ..MeshInstance::new(0, mesh)
         };
         pick(&[drawn], ray, false).map(|hit| hit.face)
     }
@@ -93,7 +93,7 @@ impl Entry {
         let item = app.document.item(self.id)?;
         let lit = app.lighting.solution.as_ref()?.shown(item)?;
         let mesh = display_mesh(lit, self.chord_error, true);
-        let hit = pick(&[Drawn::new(0, &mesh)], ray, false)?;
+        let hit = pick(&[MeshInstance::new(0, &mesh)], ray, false)?;
         light_of(&mesh, hit.vertices, hit.barycentric).filter(|_| hit.is_front)
     }
 }
@@ -127,10 +127,11 @@ static EMPTY: Mesh = Mesh {
     smoothing: Vec::new(),
 };
 
-impl Stage {
+impl ViewportCache {
     /// Brings on the stage what the document has, as the view asks for it.
     pub fn update(&mut self, app: &App, view: &Projection) {
-        let mut old: HashMap<Id, Entry> = self.entries.drain(..).map(|e| (e.id, e)).collect();
+        let mut old: HashMap<ItemId, CachedMesh> =
+            self.entries.drain(..).map(|e| (e.id, e)).collect();
         for item in app.document.items.iter().filter(|i| !i.hidden) {
             let entry = self.entry(app, item, view, old.remove(&item.id));
             self.entries.push(entry);
@@ -139,7 +140,13 @@ impl Stage {
         self.keep_seen(app);
     }
 
-    fn entry(&mut self, app: &App, item: &Item, view: &Projection, old: Option<Entry>) -> Entry {
+    fn entry(
+        &mut self,
+        app: &App,
+        item: &SceneObject,
+        view: &Projection,
+        old: Option<CachedMesh>,
+    ) -> CachedMesh {
         let lit = match app.view.shading.shows_light() {
             true => app.lighting.solution.as_ref().and_then(|s| s.shown(item)),
             false => None,
@@ -168,7 +175,7 @@ impl Stage {
             Cow::Borrowed(_) => None,
             Cow::Owned(mesh) => Some(mesh),
         };
-        let mut entry = Entry {
+        let mut entry = CachedMesh {
             id: item.id,
             shape: Arc::clone(shape),
             made,
@@ -233,33 +240,38 @@ impl Stage {
     }
 
     /// What is on the stage.
-    pub fn entries(&self) -> &[Entry] {
+    pub fn entries(&self) -> &[CachedMesh] {
         &self.entries
     }
 
     /// What is to be drawn; in the order of [`entries`](Stage::entries), unless form factors
     /// are shown, whose patches stand for everything.
-    pub fn drawn<'a>(&'a self, app: &'a App, shows_factors: bool) -> Vec<Drawn<'a>> {
+    pub fn drawn<'a>(&'a self, app: &'a App, shows_factors: bool) -> Vec<MeshInstance<'a>> {
         if shows_factors && let Some((number, mesh, values)) = &self.seen {
             // Keys of objects count up from 1, those of patches down from the end.
-            let mut drawn = Drawn::new(u64::MAX - number, mesh);
+            let mut drawn = MeshInstance::new(u64::MAX - number, mesh);
             drawn.face_values = Some(FaceValues {
                 key: *number,
                 values,
             });
             return vec![drawn];
         }
-        let selected: HashSet<Id> = app.selection.ids.iter().copied().collect();
+        let selected: HashSet<ItemId> = app.selection.ids.iter().copied().collect();
         let one = |e| self.one(app, e, &selected);
         self.entries.iter().map(one).collect()
     }
 
-    fn one<'a>(&'a self, app: &'a App, entry: &'a Entry, selected: &HashSet<Id>) -> Drawn<'a> {
+    fn one<'a>(
+        &'a self,
+        app: &'a App,
+        entry: &'a CachedMesh,
+        selected: &HashSet<ItemId>,
+    ) -> MeshInstance<'a> {
         let faces = match &app.selection.faces {
             Some((id, faces)) if *id == entry.id => faces.as_slice(),
             _ => &[],
         };
-        Drawn {
+        MeshInstance {
             is_selected: selected.contains(&entry.id) && faces.is_empty(),
             // Their numbers are the model's and mean nothing where it is divided into patches:
             // there the overlay marks them.

@@ -3,7 +3,7 @@
 use super::Workbench;
 use crate::app::App;
 use crate::command::Command;
-use crate::jobs::Kind;
+use crate::jobs::JobKind;
 use egui::ViewportCommand;
 
 impl Workbench {
@@ -33,7 +33,7 @@ impl Workbench {
         let is_lost = self.rescue.is_none();
         if !ends || is_lost || self.leaves {
             self.leaves |= ends;
-        } else if self.app.is_busy(Kind::Save) {
+        } else if self.app.is_busy(JobKind::Save) {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
             if !self.app.closing {
                 self.app.execute(Command::Quit);
