@@ -1,7 +1,7 @@
 //! All that a person can ask for.
 
 use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
-use crate::light::LightSettings;
+use crate::first_pass::LightSettings;
 use crate::preferences::Preferences;
 use crate::view::ModelView;
 use azulejo::scene::MaterialId;

@@ -62,7 +62,7 @@ pub enum JobMessage<T> {
 pub struct JobSender<T> {
     id: u64,
     sender: Sender<(u64, JobMessage<T>)>,
-    wake: RepaintRequest,
+    repaint: RepaintRequest,
 }
 
 impl<T> JobSender<T> {
@@ -74,7 +74,7 @@ impl<T> JobSender<T> {
     fn post(&self, news: JobMessage<T>) {
         // The window may be gone; then nobody waits for the news.
         let _ = self.sender.send((self.id, news));
-        (self.wake)();
+        (self.repaint)();
     }
 }
 
@@ -83,26 +83,26 @@ pub struct Jobs<T> {
     running: Vec<Job>,
     sender: Sender<(u64, JobMessage<T>)>,
     receiver: Receiver<(u64, JobMessage<T>)>,
-    wake: RepaintRequest,
+    repaint: RepaintRequest,
     next: u64,
 }
 
 impl<T: Send + 'static> Jobs<T> {
     /// None yet.
-    pub fn new(wake: RepaintRequest) -> Jobs<T> {
+    pub fn new(repaint: RepaintRequest) -> Jobs<T> {
         let (sender, receiver) = channel();
         Jobs {
             running: Vec::new(),
             sender,
             receiver,
-            wake,
+            repaint,
             next: 0,
         }
     }
 
     /// Another way of asking for the window to be drawn, for the jobs that begin from now on.
-    pub fn set_wake(&mut self, wake: RepaintRequest) {
-        self.wake = wake;
+    pub fn set_repaint(&mut self, repaint: RepaintRequest) {
+        self.repaint = repaint;
     }
 
     /// Starts `work` in a thread of its own; returns its number. An error it returns is told.
@@ -117,7 +117,7 @@ impl<T: Send + 'static> Jobs<T> {
         let outbox = JobSender {
             id,
             sender: self.sender.clone(),
-            wake: Arc::clone(&self.wake),
+            repaint: Arc::clone(&self.repaint),
         };
         self.running.push(Job {
             id,
@@ -130,7 +130,7 @@ impl<T: Send + 'static> Jobs<T> {
             let result = catch_unwind(AssertUnwindSafe(|| work(&progress, &outbox)));
             let end = match result {
                 Ok(done) => done.err(),
-                Err(panic) => Some(said(&*panic)),
+                Err(panic) => Some(panic_message(&*panic)),
             };
             outbox.post(JobMessage::Ended(end));
         };
@@ -145,7 +145,7 @@ impl<T: Send + 'static> Jobs<T> {
     }
 
     /// The next message, if there is one, with the job that sent it. A cancelled job is not heard.
-    pub fn next_news(&mut self) -> Option<(Job, JobMessage<T>)> {
+    pub fn next_message(&mut self) -> Option<(Job, JobMessage<T>)> {
         loop {
             let (id, news) = self.receiver.try_recv().ok()?;
             let Some(at) = self.running.iter().position(|j| j.id == id) else {
@@ -209,7 +209,7 @@ impl Job {
 }
 
 /// What a panic said.
-fn said(panic: &(dyn std::any::Any + Send)) -> String {
+fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!(
@@ -221,21 +221,21 @@ fn said(panic: &(dyn std::any::Any + Send)) -> String {
 /// Runs `work` on threads of its own, fewer than there are: the window needs one too, and workers
 /// that pause must not hold up anybody else. They give way to whatever draws, which may want all
 /// processors for a moment where there is no graphics card.
-pub fn on_own_threads<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
+pub fn in_thread_pool<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = match most {
         0 => all.saturating_sub(1).max(1),
         most => most.min(all),
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    match pool.start_handler(|_| give_way()).build() {
+    match pool.start_handler(|_| lower_priority()).build() {
         Ok(pool) => pool.install(work),
         Err(_) => work(),
     }
 }
 
 /// Lets other threads go before this one. Where the system does not have it so, nothing changes.
-fn give_way() {
+fn lower_priority() {
     // Of 0 to 99, where threads begin at 49. Niceness 5 where there is such a thing: the window
     // has three quarters of a processor that both want, and other programs do not starve the work.
     const BELOW_OTHERS: u8 = 35;
@@ -252,7 +252,7 @@ mod tests {
     fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, JobMessage<T>) {
         let begin = Instant::now();
         loop {
-            if let Some(found) = jobs.next_news() {
+            if let Some(found) = jobs.next_message() {
                 return found;
             }
             assert!(begin.elapsed() < Duration::from_secs(60), "no news");
@@ -300,7 +300,7 @@ mod tests {
         jobs.cancel(id);
         told.recv_timeout(Duration::from_secs(60)).unwrap();
         std::thread::sleep(Duration::from_millis(20));
-        assert!(jobs.next_news().is_none());
+        assert!(jobs.next_message().is_none());
     }
 
     #[cfg(target_os = "linux")]
@@ -317,7 +317,7 @@ mod tests {
                 .unwrap()
         };
         let own = niceness();
-        let theirs = on_own_threads(1, niceness);
+        let theirs = in_thread_pool(1, niceness);
         assert!(theirs > own || own >= 5, "{theirs} {own}");
         assert_eq!(niceness(), own);
     }

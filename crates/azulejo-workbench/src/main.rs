@@ -31,7 +31,7 @@ struct Arguments {
 }
 
 /// How often a window is opened again that could not stay.
-const MOST_FALLS: u32 = 3;
+const MAX_REOPENS: u32 = 3;
 
 /// What is worked on, and a script, until a window has them.
 type AppSlot = RefCell<Option<(App, Option<ScriptPlayer>)>>;
@@ -40,14 +40,14 @@ fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
-            complain(&why);
+            print_error(&why);
             ExitCode::FAILURE
         }
     }
 }
 
 #[allow(clippy::print_stderr)]
-fn complain(why: &str) {
+fn print_error(why: &str) {
     eprintln!("azulejo-workbench: {why}");
 }
 
@@ -93,22 +93,22 @@ fn player(arguments: &Arguments) -> Result<Option<ScriptPlayer>, String> {
 }
 
 fn app(arguments: &Arguments) -> App {
-    let places = match arguments.no_preferences {
+    let dirs = match arguments.no_preferences {
         true => UserDirs::default(),
         false => UserDirs::of_system(),
     };
-    let mut places = places;
-    let (preferences, trouble) = match &places.preferences {
+    let mut dirs = dirs;
+    let (preferences, window_error) = match &dirs.preferences {
         Some(path) => Preferences::load(path),
         None => (Preferences::default(), None),
     };
-    if trouble.is_some() {
+    if window_error.is_some() {
         // A slip in a file that a person wrote is theirs to mend, and no reason to write over it.
-        places.preferences = None;
+        dirs.preferences = None;
     }
-    let mut app = App::new(preferences, places, Arc::new(|| ()));
-    if let Some(why) = trouble {
-        app.tell(azulejo_workbench::app::Severity::Warning, why);
+    let mut app = App::new(preferences, dirs, Arc::new(|| ()));
+    if let Some(why) = window_error {
+        app.report(azulejo_workbench::app::Severity::Warning, why);
     }
     if !arguments.files.is_empty() {
         app.execute(Command::Open(arguments.files.clone()));
@@ -127,7 +127,7 @@ fn windows(
     mut open: impl FnMut(&AppSlot, Sender<Box<Rescued>>) -> Result<(), String>,
 ) -> Result<(), String> {
     let mut work = (app, player);
-    for _ in 0..=MOST_FALLS {
+    for _ in 0..=MAX_REOPENS {
         // Outside of all that may fall.
         let slot = AppSlot::new(Some(work));
         let (rescue, rescued) = channel::<Box<Rescued>>();
@@ -136,7 +136,7 @@ fn windows(
         let result = opened.unwrap_or_else(|_| Err("the window fell before it was open".into()));
         if let Some((app, _)) = slot.into_inner() {
             let why = result.err().unwrap_or_else(|| "no window".into());
-            return Err(unopened(app, why));
+            return Err(open_failure(app, why));
         }
         match rescued.try_recv() {
             Err(_) => return result,
@@ -144,13 +144,14 @@ fn windows(
             Ok(left) => work = (left.app, left.player),
         }
         let text = "the graphics card was lost, and the window was opened again";
-        work.0.tell(azulejo_workbench::app::Severity::Warning, text);
+        work.0
+            .report(azulejo_workbench::app::Severity::Warning, text);
     }
     Err(keep(work.0))
 }
 
 /// What to say of a window that was never there; what was to be in it is kept.
-fn unopened(app: App, why: String) -> String {
+fn open_failure(app: App, why: String) -> String {
     match app.is_changed() {
         true => format!("{why}\n{}", keep(app)),
         false => why,
@@ -159,7 +160,7 @@ fn unopened(app: App, why: String) -> String {
 
 /// Writes what was worked on for the next start; says so.
 fn keep(mut app: App) -> String {
-    let kept = app.keep_for_next_start();
+    let kept = app.save_recovery_now();
     // Ending in good order would take the copy away.
     std::mem::forget(app);
     match kept {
@@ -196,11 +197,11 @@ fn window(slot: &AppSlot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
         }
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
-    eframe::run_native("azulejo", options, Box::new(open)).map_err(|e| trouble(&e))
+    eframe::run_native("azulejo", options, Box::new(open)).map_err(|e| window_error(&e))
 }
 
 /// Why there is no window, and what to do.
-fn trouble(error: &eframe::Error) -> String {
+fn window_error(error: &eframe::Error) -> String {
     let advice = match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {
             "A window needs a display: run it on a desktop, or in a virtual one (xvfb-run), with \
@@ -234,11 +235,11 @@ mod tests {
     ) {
         let folder = format!("azulejo-windows-{name}-{}", std::process::id());
         let folder = std::env::temp_dir().join(folder);
-        let places = UserDirs {
+        let dirs = UserDirs {
             preferences: None,
             recovery: Some(folder.clone()),
         };
-        let mut app = App::new(Preferences::default(), places, Arc::new(|| ()));
+        let mut app = App::new(Preferences::default(), dirs, Arc::new(|| ()));
         app.execute(Command::AddShape(NewShapeKind::Cuboid));
         let result = windows(app, None, open).unwrap_err();
         assert!(result.contains(said), "{result}");

@@ -98,20 +98,20 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 impl Recovery {
     /// Writes nothing and finds nothing.
-    pub fn nowhere() -> Recovery {
+    pub fn disabled() -> Recovery {
         Recovery::default()
     }
 
     /// Copies go into `folder`; finds what sessions left there.
     pub fn new(folder: PathBuf) -> Recovery {
-        let mut recovery = Recovery::nowhere();
-        recovery.found = left_behind(&folder);
+        let mut recovery = Recovery::disabled();
+        recovery.found = orphaned_copies(&folder);
         recovery.folder = Some(folder);
         recovery
     }
 
     /// What sessions left behind.
-    pub fn found(&self) -> &[Recoverable] {
+    pub fn recoverable(&self) -> &[Recoverable] {
         &self.found
     }
 
@@ -121,7 +121,7 @@ impl Recovery {
         if waits || self.copied == Some(revision) {
             return None;
         }
-        let place = self.place(original);
+        let place = self.copy_path(original);
         if place.is_none() {
             self.failed();
         }
@@ -129,12 +129,12 @@ impl Recovery {
     }
 
     /// Whether the next copy of a document is still to be written, now or later.
-    pub fn awaits(&self, revision: u64) -> bool {
+    pub fn is_pending(&self, revision: u64) -> bool {
         self.folder.is_some() && self.copied != Some(revision)
     }
 
     /// How long nothing is tried, after a copy that failed.
-    pub fn rests(&self) -> Duration {
+    pub fn retry_delay(&self) -> Duration {
         let rest = self
             .not_before
             .map(|t| t.saturating_duration_since(Instant::now()));
@@ -142,7 +142,7 @@ impl Recovery {
     }
 
     /// Where copies of this session go; `None` where nothing is kept.
-    pub fn place(&mut self, original: Option<&Path>) -> Option<PathBuf> {
+    pub fn copy_path(&mut self, original: Option<&Path>) -> Option<PathBuf> {
         if self.session.is_none() {
             self.session = self.folder.as_deref().and_then(RecoverySession::begin);
         }
@@ -184,7 +184,7 @@ impl Recovery {
     }
 
     /// Takes a copy off the list, and off the disk.
-    pub fn forget(&mut self, copy: &Path) {
+    pub fn delete(&mut self, copy: &Path) {
         self.found.retain(|f| {
             let goes = f.copy == copy;
             if goes {
@@ -257,7 +257,7 @@ fn pictures(copy: &Path) -> Vec<PathBuf> {
 
 /// Copies in `folder` that belong to no session that lives, the newest first. Notes without a
 /// copy are removed.
-fn left_behind(folder: &Path) -> Vec<Recoverable> {
+fn orphaned_copies(folder: &Path) -> Vec<Recoverable> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
     };
@@ -303,16 +303,16 @@ mod tests {
             alive.due(2, Some(Path::new("/a/room.3ds"))),
             Some(copy.clone())
         );
-        assert_eq!(Recovery::new(folder.clone()).found(), []);
+        assert_eq!(Recovery::new(folder.clone()).recoverable(), []);
 
         // It dies: its lock goes, its files stay.
         alive.session = None;
         let mut next = Recovery::new(folder.clone());
-        let found = next.found().to_vec();
+        let found = next.recoverable().to_vec();
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].original.as_deref(), Some(Path::new("/a/room.3ds")));
-        next.forget(&copy);
-        assert!(next.found().is_empty() && !copy.exists());
+        next.delete(&copy);
+        assert!(next.recoverable().is_empty() && !copy.exists());
         std::fs::remove_dir_all(folder).unwrap();
     }
 

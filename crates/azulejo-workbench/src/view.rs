@@ -231,11 +231,11 @@ pub struct ModelView {
     /// What is behind.
     pub backdrop: Backdrop,
     /// Whether lights and cameras are drawn.
-    pub signs: bool,
+    pub shows_markers: bool,
     /// Whether the axes' grid is drawn.
-    pub grid: bool,
+    pub shows_grid: bool,
     /// Whether the scene's fog is drawn.
-    pub fog: bool,
+    pub shows_fog: bool,
 }
 
 impl Default for ModelView {
@@ -246,9 +246,9 @@ impl Default for ModelView {
             exposure: None,
             false_color: FalseColor::default(),
             backdrop: Backdrop::default(),
-            signs: true,
-            grid: false,
-            fog: true,
+            shows_markers: true,
+            shows_grid: false,
+            shows_fog: true,
         }
     }
 }
@@ -330,7 +330,7 @@ impl ModelView {
     }
 
     /// Looks at `bounds` from a side.
-    pub fn look_from(&mut self, side: ViewDirection, bounds: Aabb, up: Up) {
+    pub fn view_from(&mut self, side: ViewDirection, bounds: Aabb, up: Up) {
         let (u, back) = match up {
             Up::Y => (DVec3::Y, DVec3::Z),
             Up::Z => (DVec3::Z, DVec3::NEG_Y),
@@ -453,14 +453,14 @@ mod tests {
         for up in [Up::Y, Up::Z] {
             for side in ViewDirection::ALL {
                 let mut v = view();
-                v.look_from(side, bounds, up);
+                v.view_from(side, bounds, up);
                 is_near(v.camera.target, DVec3::splat(2.0));
                 let (right, ..) = v.camera.axes();
                 assert!(right.is_finite(), "{side:?} {up:?}");
             }
         }
         let mut v = view();
-        v.look_from(ViewDirection::Top, bounds, Up::Z);
+        v.view_from(ViewDirection::Top, bounds, Up::Z);
         assert!(v.camera.eye.z > 3.0);
     }
 }

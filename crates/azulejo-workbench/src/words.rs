@@ -12,11 +12,11 @@ mod brdf;
 mod dialogs;
 mod inspector;
 mod light;
-mod looks;
 mod menu;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod view_tab;
 mod viewport;
 
 /// A language of the window.
@@ -44,7 +44,7 @@ const TABLES: [&[Translation]; 9] = [
     inspector::TABLE,
     brdf::TABLE,
     light::TABLE,
-    looks::TABLE,
+    view_tab::TABLE,
     dialogs::TABLE,
 ];
 
@@ -74,7 +74,7 @@ impl Language {
     }
 
     /// `english` in this language; itself where there is no translation.
-    pub fn say(self, english: &str) -> &str {
+    pub fn tr(self, english: &str) -> &str {
         static INDEX: OnceLock<HashMap<&str, &Translation>> = OnceLock::new();
         let index = INDEX.get_or_init(|| {
             let entries = TABLES.iter().flat_map(|table| table.iter());

@@ -15,9 +15,9 @@ use std::path::PathBuf;
 impl App {
     /// Adds a shape on the ground; a lamp under the ceiling, or above what has none.
     pub(super) fn add_shape(&mut self, kind: NewShapeKind) {
-        let size = self.usual_size();
+        let size = self.default_size();
         let at = match kind {
-            NewShapeKind::AreaLight => self.lamp_place(size),
+            NewShapeKind::AreaLight => self.lamp_position(size),
             _ => self.ground(),
         };
         let new = NewShape {
@@ -32,7 +32,7 @@ impl App {
     pub(super) fn add_light(&mut self, kind: NewLightKind) {
         let new = NewLight {
             kind,
-            at: self.lamp_place(self.usual_size()),
+            at: self.lamp_position(self.default_size()),
             toward: self.ground(),
         };
         self.edit(&Edit::AddLight(new), None);
@@ -55,7 +55,7 @@ impl App {
                 };
                 self.edit(&Edit::AddShape(new), None);
             }
-            Err(why) => self.tell(Severity::Error, why),
+            Err(why) => self.report(Severity::Error, why),
         }
     }
 
@@ -70,7 +70,7 @@ impl App {
                 };
                 self.edit(&Edit::AddShape(new), None);
             }
-            Err(why) => self.tell(Severity::Error, why),
+            Err(why) => self.report(Severity::Error, why),
         }
     }
 
@@ -86,7 +86,7 @@ impl App {
         let drawing = PrismOutline::drawing(&bytes, &path.to_string_lossy(), height);
         let (outline, warnings) = drawing.map_err(|e| e.to_string())?;
         for warning in warnings {
-            self.tell(Severity::Warning, warning.to_string());
+            self.report(Severity::Warning, warning.to_string());
         }
         Ok(outline)
     }
@@ -99,7 +99,7 @@ impl App {
     }
 
     /// A size that suits what there is, world units.
-    pub fn usual_size(&self) -> f64 {
+    pub fn default_size(&self) -> f64 {
         let bounds = self.document.bounds(None);
         match bounds.is_empty() || bounds.diagonal() <= 0.0 {
             true => 1.0,
@@ -109,7 +109,7 @@ impl App {
 
     /// Where a lamp lights most: a little under the ceiling of a room, and well above what is no
     /// room.
-    fn lamp_place(&self, size: f64) -> DVec3 {
+    fn lamp_position(&self, size: f64) -> DVec3 {
         let bounds = self.document.bounds(None);
         let up = self.document.units.up.axis();
         if bounds.is_empty() {
@@ -127,7 +127,7 @@ impl App {
     /// of the model, and walls at most of its sides.
     pub(super) fn is_room(&self) -> bool {
         let bounds = self.document.bounds(None);
-        let meshes: Vec<(Cow<Mesh>, glam::DAffine3)> = (self.document.items.iter())
+        let meshes: Vec<(Cow<Mesh>, glam::DAffine3)> = (self.document.objects.iter())
             .map(|item| {
                 let error = 0.02 * bounds.diagonal().max(f64::MIN_POSITIVE);
                 let mesh = match &*item.shape {

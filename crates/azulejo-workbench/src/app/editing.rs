@@ -46,26 +46,27 @@ impl App {
         let material = self.chosen_material();
         match edit.apply(&mut self.document) {
             Ok(ids) => {
-                self.keep_step(edit.label(), before, gesture);
+                self.push_history(edit.label(), before, gesture);
                 self.changed();
                 self.select_after(edit, ids, material);
             }
             Err(refused) => {
-                let text = self.say(&refused.0).to_owned();
-                self.tell(Severity::Error, text);
+                let text = self.tr(&refused.0).to_owned();
+                self.report(Severity::Error, text);
             }
         }
     }
 
     /// Keeps what was before an edit that was made just now, and forgets what is too much.
-    fn keep_step(&mut self, label: &'static str, before: UndoSnapshot, gesture: Option<u64>) {
+    fn push_history(&mut self, label: &'static str, before: UndoSnapshot, gesture: Option<u64>) {
         let document = &self.document;
-        self.history.note(label, before, gesture);
-        self.history.weigh(|version| version.bytes_beyond(document));
+        self.history.record(label, before, gesture);
+        self.history
+            .set_bytes(|version| version.bytes_beyond(document));
         // The document itself is weighed where that matters.
         if self.history.bytes() > self.undo_bytes {
             let most = self.undo_bytes.max(2 * document.bytes());
-            self.history.forget_beyond(most);
+            self.history.limit_bytes(most);
         }
     }
 
@@ -94,7 +95,7 @@ impl App {
             }
             _ => {}
         }
-        self.mend_selection();
+        self.prune_selection();
     }
 
     /// The document is another one now.
@@ -111,7 +112,7 @@ impl App {
             self.lit();
         }
         self.refresh_probes();
-        self.stop_picture();
+        self.stop_render();
     }
 
     /// A number that no document had before.
@@ -144,29 +145,29 @@ impl App {
         if loses_all {
             self.selection.material = None;
         }
-        self.mend_selection();
+        self.prune_selection();
         self.edited();
     }
 
     pub(super) fn select(&mut self, selection: Selection) {
         self.selection = selection;
         self.history.end_gesture();
-        self.mend_selection();
-        self.find_material();
+        self.prune_selection();
+        self.sync_material();
     }
 
     pub(super) fn select_all(&mut self) {
         let document = &self.document;
-        let items = document.items.iter().map(|i| i.id);
+        let items = document.objects.iter().map(|i| i.id);
         let lights = document.lights.iter().map(|l| l.id);
         let cameras = document.cameras.iter().map(|c| c.id);
         self.selection.ids = items.chain(lights).chain(cameras).collect();
         self.selection.faces = None;
-        self.find_material();
+        self.sync_material();
     }
 
     /// The material of what is selected is the one that one wants to edit.
-    fn find_material(&mut self) {
+    fn sync_material(&mut self) {
         let items = self.selection.ids.iter();
         let mut items = items.filter_map(|&id| self.document.item(id));
         if self.selection.material.is_none() {
@@ -176,7 +177,7 @@ impl App {
     }
 
     /// Forgets what is not there any more.
-    fn mend_selection(&mut self) {
+    fn prune_selection(&mut self) {
         let document = &self.document;
         let selection = &mut self.selection;
         selection.ids.retain(|&id| document.has(id));

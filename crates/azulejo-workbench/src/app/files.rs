@@ -3,7 +3,7 @@
 use super::saving::{OnDisk, PendingQuestion};
 use super::{AcceptedLoss, App, JobResult, Severity};
 use crate::command::Command;
-use crate::document::{Branch, Edit, SceneDocument};
+use crate::document::{Edit, SceneDocument, SourceFile};
 use crate::jobs::{Job, JobKind};
 use crate::words::Language;
 use azulejo::formats::Warning;
@@ -29,7 +29,7 @@ pub(super) struct Loading {
     /// Whether it is what was written before a crash.
     recovered: bool,
     /// What was there when it began, which may be lost.
-    pub(super) agreed: AcceptedLoss,
+    pub(super) accepted: AcceptedLoss,
     /// What was asked for.
     command: Command,
     /// What is to be added when these are there.
@@ -50,20 +50,23 @@ impl App {
     }
 
     /// What is opened takes the place of what would have come: that is told.
-    fn give_up_loading(&mut self) {
+    fn abandon_loading(&mut self) {
         let job = self.jobs.of(JobKind::Load).map(|job| job.title.clone());
         let waiting = self.loading.take().map(|l| l.then).unwrap_or_default();
         let waiting = waiting.iter().map(|p| p.display().to_string());
         let all: Vec<String> = job.into_iter().chain(waiting).collect();
         if !all.is_empty() {
-            let said = self.say("given up for another file");
-            self.tell(Severity::Warning, format!("{}: {said}", all.join(", ")));
+            let abandoned = self.tr("given up for another file");
+            self.report(
+                Severity::Warning,
+                format!("{}: {abandoned}", all.join(", ")),
+            );
         }
         self.jobs.cancel_kind(JobKind::Load);
     }
 
     pub(super) fn begin_loading(&mut self, paths: Vec<PathBuf>, replaces: bool, recovered: bool) {
-        self.give_up_loading();
+        self.abandon_loading();
         let command = match recovered {
             true => Command::Recover(paths[0].clone()),
             false => Command::Open(paths.clone()),
@@ -74,25 +77,25 @@ impl App {
         self.loading = Some(Loading {
             replaces,
             recovered,
-            agreed: self.agreed(),
+            accepted: self.accept_loss(),
             command,
             then: then.map_or_else(Vec::new, |(_, then)| then),
         });
         let keeps = !replaces && !self.document.is_empty();
         let units = keeps.then_some(self.document.units);
-        let branches = self.document.branches.iter().map(|b| b.name.clone());
+        let source_files = self.document.source_files.iter().map(|b| b.name.clone());
         let taken: Vec<String> = if keeps {
-            branches.collect()
+            source_files.collect()
         } else {
             Vec::new()
         };
-        let copies = self.recovery.found().iter();
+        let copies = self.recovery.recoverable().iter();
         let copy = copies.filter(|_| recovered).find(|f| f.copy == paths[0]);
         let original = copy.and_then(|f| f.original.as_deref());
         let home = original.and_then(Path::parent).map(Path::to_owned);
         let title = match &paths[..] {
             [one] => one.display().to_string(),
-            several => format!("{} {}", several.len(), self.say("files")),
+            several => format!("{} {}", several.len(), self.tr("files")),
         };
         self.jobs
             .start(JobKind::Load, title, move |progress, outbox| {
@@ -120,7 +123,7 @@ impl App {
             return;
         };
         let (replaces, recovered) = (loading.replaces, loading.recovered);
-        if replaces && self.loses_more(loading.agreed) {
+        if replaces && self.loses_unaccepted(loading.accepted) {
             // Nobody agreed to lose what was done while the file was read.
             self.jobs.cancel(job.id);
             return self.ask_again();
@@ -128,7 +131,7 @@ impl App {
         if let Some(loading) = &mut self.loading {
             loading.replaces = false;
         }
-        let before = self.document.items.len();
+        let before = self.document.objects.len();
         let summary = summary(
             &document,
             &path,
@@ -142,13 +145,13 @@ impl App {
                 self.adopt_recovered(&path);
             }
         } else {
-            let was_empty = self.document.items.is_empty();
-            let (document, changes) = self.in_units_of_now(document, &path);
+            let was_empty = self.document.objects.is_empty();
+            let (document, changes) = self.in_current_units(document, &path);
             notes.extend(changes);
             self.edit(&Edit::Append(Box::new(document)), None);
             if was_empty {
                 self.take_light_of_file();
-                self.look_at_all();
+                self.frame_all();
             }
         }
         if !recovered {
@@ -156,16 +159,18 @@ impl App {
             self.store_preferences();
         }
         let start = if replaces { 0 } else { before };
-        let items = self.document.items.get(start..).unwrap_or_default();
+        let items = self.document.objects.get(start..).unwrap_or_default();
         let ids: Vec<_> = items.iter().map(|i| i.id).collect();
-        self.tell_warnings(&warnings, &ids);
-        notes.into_iter().for_each(|n| self.tell(Severity::Note, n));
-        self.tell(Severity::Note, summary);
+        self.report_warnings(&warnings, &ids);
+        notes
+            .into_iter()
+            .for_each(|n| self.report(Severity::Note, n));
+        self.report(Severity::Note, summary);
     }
 
     /// What was read in the units that held when reading began, in those that hold now; and what
     /// that changes.
-    fn in_units_of_now(
+    fn in_current_units(
         &self,
         document: SceneDocument,
         path: &Path,
@@ -175,8 +180,8 @@ impl App {
         }
         let units = self.document.units;
         let changes = models::changes(document.units, units);
-        let said = changes.iter().map(|c| said(path, c)).collect();
-        (document.adapted(units), said)
+        let unit_change_text = changes.iter().map(|c| unit_change_text(path, c)).collect();
+        (document.adapted(units), unit_change_text)
     }
 
     /// Asks whether what was done meanwhile may be lost too; what was asked for waits.
@@ -199,7 +204,7 @@ impl App {
             true => why.to_owned(),
             false => format!("{}: {why}", path.display()),
         };
-        self.tell(Severity::Error, text);
+        self.report(Severity::Error, text);
     }
 
     /// These files are there, or given up; those that wait are next.
@@ -233,20 +238,20 @@ fn summary(document: &SceneDocument, path: &Path, time: Duration, language: Lang
     format!(
         "{}: {} {}, {} {}, {} {}, {} {}, {:.1} s",
         path.display(),
-        document.items.len(),
-        language.say("objects"),
+        document.objects.len(),
+        language.tr("objects"),
         document.face_count(),
-        language.say("faces"),
+        language.tr("faces"),
         document.materials.len(),
-        language.say("materials"),
+        language.tr("materials"),
         document.lights.len(),
-        language.say("lights"),
+        language.tr("lights"),
         time.as_secs_f64()
     )
 }
 
 /// What becomes of a file that has other units.
-fn said(path: &Path, change: &models::Change) -> String {
+fn unit_change_text(path: &Path, change: &models::Change) -> String {
     format!("{}: {change}", path.display())
 }
 
@@ -282,16 +287,16 @@ impl ModelReader {
             models::name_branch(&mut scene, &name);
         }
         self.taken.push(name.clone());
-        let branch = Branch {
+        let source_file = SourceFile {
             name,
             path: path.to_owned(),
             format: Some(model.format),
         };
         Ok(LoadedModel {
-            notes: changes.iter().map(|c| said(path, c)).collect(),
+            notes: changes.iter().map(|c| unit_change_text(path, c)).collect(),
             path: path.to_owned(),
             on_disk,
-            document: SceneDocument::of_scene(scene, Some(branch)),
+            document: SceneDocument::of_scene(scene, Some(source_file)),
             warnings: model.warnings,
         })
     }

@@ -6,8 +6,8 @@ mod tests;
 use super::{App, JobResult, Severity};
 use crate::command::SurfacePick;
 use crate::document::{SceneDocument, Solution};
-use crate::jobs::{Job, JobKind, on_own_threads};
-use crate::light::{LightSettings, PatchFormFactors, seen_from, solve_document};
+use crate::first_pass::{LightSettings, PatchFormFactors, patch_form_factors, solve_document};
+use crate::jobs::{Job, JobKind, in_thread_pool};
 use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
 use azulejo::trace::Measured;
@@ -30,7 +30,7 @@ pub struct Lighting {
     /// Whether the solver rests.
     pub is_paused: bool,
     /// How long it worked.
-    pub watch: Stopwatch,
+    pub stopwatch: Stopwatch,
     /// What it is at, and how long it had worked when it began that.
     pub stage: Option<(String, Duration)>,
     /// Irradiance that is shown: least, most, and what nearly all is below.
@@ -50,7 +50,7 @@ pub struct Stopwatch {
 
 impl Stopwatch {
     /// Runs from now on.
-    pub fn begin() -> Stopwatch {
+    pub fn start() -> Stopwatch {
         Stopwatch {
             runs_since: Some(Instant::now()),
             before: Duration::ZERO,
@@ -58,13 +58,13 @@ impl Stopwatch {
     }
 
     /// Stands still.
-    pub fn hold(&mut self) {
+    pub fn pause(&mut self) {
         self.before = self.elapsed();
         self.runs_since = None;
     }
 
     /// Runs again.
-    pub fn go_on(&mut self) {
+    pub fn resume(&mut self) {
         self.runs_since.get_or_insert_with(Instant::now);
     }
 
@@ -117,7 +117,7 @@ impl Lighting {
     pub fn time_left(&self, share: f64) -> Option<Duration> {
         const ENOUGH: f64 = 0.02;
         let (_, began) = self.stage.as_ref()?;
-        let took = self.watch.elapsed().saturating_sub(*began);
+        let took = self.stopwatch.elapsed().saturating_sub(*began);
         let left = took.as_secs_f64() * (1.0 - share.min(1.0)) / share;
         (share >= ENOUGH).then(|| Duration::try_from_secs_f64(left).ok())?
     }
@@ -145,7 +145,7 @@ impl Lighting {
 fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRange> {
     let mut values: Vec<f64> = Vec::new();
     let mut push = |light: &[Rgb]| values.extend(light.iter().map(|e| e.luminance()));
-    for item in &document.items {
+    for item in &document.objects {
         match solution.shape(item.id).map(|s| &**s) {
             Some(Shape::Mesh(mesh)) => push(&mesh.irradiance),
             Some(Shape::Primitive(p)) => p.light.iter().for_each(|l| push(&l.irradiance)),
@@ -175,8 +175,8 @@ impl App {
     /// Begins to solve the light of the document as it is.
     pub(super) fn solve(&mut self) {
         if !self.document.has_light() {
-            let text = self.say("nothing shines: add a light, or give a material emission");
-            self.tell(Severity::Error, text);
+            let text = self.tr("nothing shines: add a light, or give a material emission");
+            self.report(Severity::Error, text);
             return;
         }
         if !self.view.shading.shows_light() {
@@ -187,14 +187,14 @@ impl App {
         self.lighting.measures.clear();
         self.lighting.began = Some(Instant::now());
         self.lighting.is_paused = false;
-        self.lighting.watch = Stopwatch::begin();
+        self.lighting.stopwatch = Stopwatch::start();
         self.lighting.stage = None;
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        let title = self.say("light");
+        let title = self.tr("light");
         self.jobs
             .start(JobKind::Solve, title, move |progress, outbox| {
-                on_own_threads(threads, || {
+                in_thread_pool(threads, || {
                     solve_document(&document, &settings, progress, outbox)
                 })
             });
@@ -207,11 +207,11 @@ impl App {
         match rest {
             true => {
                 job.progress.pause();
-                self.lighting.watch.hold();
+                self.lighting.stopwatch.pause();
             }
             false => {
                 job.progress.resume();
-                self.lighting.watch.go_on();
+                self.lighting.stopwatch.resume();
             }
         }
         self.lighting.is_paused = rest;
@@ -224,20 +224,20 @@ impl App {
 
     pub(super) fn end_solving(&mut self) {
         self.lighting.is_paused = false;
-        self.lighting.watch.hold();
+        self.lighting.stopwatch.pause();
         self.lighting.stage = None;
     }
 
     /// Takes in what the solver measured meanwhile.
     pub(super) fn take_measures(&mut self) {
-        const MOST: usize = 100_000;
+        const MAX_MEASURES: usize = 100_000;
         if let Some(job) = self.jobs.of(JobKind::Solve) {
             let new = job.progress.take_measures();
-            let room = MOST.saturating_sub(self.lighting.measures.len());
+            let room = MAX_MEASURES.saturating_sub(self.lighting.measures.len());
             self.lighting.measures.extend(new.into_iter().take(room));
             let stage = job.progress.stage();
             if self.lighting.stage.as_ref().is_none_or(|s| s.0 != stage) {
-                self.lighting.stage = Some((stage, self.lighting.watch.elapsed()));
+                self.lighting.stage = Some((stage, self.lighting.stopwatch.elapsed()));
             }
         }
     }
@@ -247,10 +247,10 @@ impl App {
         let before = self.state();
         self.take_light(solution);
         let now = self.state();
-        let loading = self.loading.as_mut().map(|l| &mut l.agreed);
-        for agreed in loading.into_iter().chain(&mut self.left) {
-            if agreed.solver == Some(job.id) && agreed.state == before {
-                agreed.state = now;
+        let loading = self.loading.as_mut().map(|l| &mut l.accepted);
+        for accepted in loading.into_iter().chain(&mut self.left) {
+            if accepted.solver == Some(job.id) && accepted.state == before {
+                accepted.state = now;
             }
         }
     }
@@ -274,7 +274,7 @@ impl App {
         self.revision = self.new_revision();
         self.light = self.revision;
         self.changed_at.get_or_insert_with(Instant::now);
-        self.redraw_picture();
+        self.restart_render();
     }
 
     pub(super) fn drop_light(&mut self) {
@@ -290,15 +290,15 @@ impl App {
     }
 
     /// Finds what the patch at a place sees, with the patches that the solver would make.
-    pub(super) fn form_factors_from(&mut self, place: SurfacePick) {
+    pub(super) fn form_factors_from(&mut self, pick: SurfacePick) {
         self.jobs.cancel_kind(JobKind::FormFactors);
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        let title = self.say("form factors");
+        let title = self.tr("form factors");
         self.jobs
             .start(JobKind::FormFactors, title, move |progress, outbox| {
-                let seen = on_own_threads(threads, || {
-                    seen_from(&document, &settings, &place, progress)
+                let seen = in_thread_pool(threads, || {
+                    patch_form_factors(&document, &settings, &pick, progress)
                 })?;
                 if let Some(seen) = seen {
                     outbox.send(JobResult::FormFactors(Box::new(seen)));

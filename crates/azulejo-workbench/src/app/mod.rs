@@ -4,20 +4,20 @@
 //! [`App::poll`] until the jobs are done.
 
 mod adding;
-mod copies;
+mod autosave;
 mod editing;
 mod files;
 mod lighting;
 mod materials;
-mod picture;
 mod probes;
+mod render;
 mod saving;
 #[cfg(test)]
 mod tests;
 
 pub use lighting::{Lighting, Stopwatch};
-pub use picture::{RenderedImage, shown};
 pub use probes::{Probe, ProbeMeasurement, ProbeSurface};
+pub use render::{RenderedImage, shown};
 pub use saving::{OnDisk, PendingQuestion};
 
 use crate::command::{Command, FileRequest, Selection};
@@ -51,7 +51,7 @@ pub enum JobResult {
     /// A picture for the background.
     Backdrop(Box<Image>),
     /// What a patch sees.
-    FormFactors(Box<crate::light::PatchFormFactors>),
+    FormFactors(Box<crate::first_pass::PatchFormFactors>),
     /// Irradiance at probes.
     Measured(Box<ProbeMeasurement>),
     /// Something to tell.
@@ -92,10 +92,10 @@ pub struct UserDirs {
 impl UserDirs {
     /// Where this system keeps such things.
     pub fn of_system() -> UserDirs {
-        let places = directories::ProjectDirs::from("", "", "azulejo");
+        let dirs = directories::ProjectDirs::from("", "", "azulejo");
         UserDirs {
-            preferences: (places.as_ref()).map(|p| p.config_dir().join("workbench.toml")),
-            recovery: places.map(|p| p.data_local_dir().join("recovery")),
+            preferences: (dirs.as_ref()).map(|p| p.config_dir().join("workbench.toml")),
+            recovery: dirs.map(|p| p.data_local_dir().join("recovery")),
         }
     }
 }
@@ -113,7 +113,7 @@ pub struct App {
     /// Places whose light is watched, in the order of their numbers.
     pub probes: Vec<Probe>,
     /// The picture that is being refined, if there is one.
-    pub picture: Option<RenderedImage>,
+    pub render: Option<RenderedImage>,
     /// Where the document is kept.
     pub file: Option<OnDisk>,
     /// What was told, the last at the end.
@@ -175,15 +175,15 @@ struct AcceptedLoss {
 }
 
 impl App {
-    /// Begins with nothing. `wake` asks for the window to be drawn.
-    pub fn new(preferences: Preferences, places: UserDirs, wake: RepaintRequest) -> App {
+    /// Begins with nothing. `repaint` asks for the window to be drawn.
+    pub fn new(preferences: Preferences, dirs: UserDirs, repaint: RepaintRequest) -> App {
         let mut app = App {
             document: SceneDocument::default(),
             selection: Selection::default(),
             view: ModelView::default(),
             lighting: Lighting::default(),
             probes: Vec::new(),
-            picture: None,
+            render: None,
             file: None,
             messages: Vec::new(),
             errors: 0,
@@ -198,11 +198,9 @@ impl App {
             history: History::default(),
             undo_bytes: editing::UNDO_BYTES,
             latest: 0,
-            jobs: Jobs::new(wake),
-            recovery: places
-                .recovery
-                .map_or_else(Recovery::nowhere, Recovery::new),
-            preferences_file: places.preferences,
+            jobs: Jobs::new(repaint),
+            recovery: dirs.recovery.map_or_else(Recovery::disabled, Recovery::new),
+            preferences_file: dirs.preferences,
             loading: None,
             after_recovery: None,
             saves: Vec::new(),
@@ -226,8 +224,8 @@ impl App {
     }
 
     /// Another way of asking for the window to be drawn.
-    pub fn set_wake(&mut self, wake: RepaintRequest) {
-        self.jobs.set_wake(wake);
+    pub fn set_repaint(&mut self, repaint: RepaintRequest) {
+        self.jobs.set_repaint(repaint);
     }
 
     /// Does what is asked for. What cannot be done is told in [`App::messages`].
@@ -252,14 +250,14 @@ impl App {
             Command::SaveAnyway => self.save(true),
             Command::SaveAs(path) => self.save_as(path),
             Command::Export(path) => self.export(path),
-            Command::SaveRender(path) => self.save_picture(path),
+            Command::SaveRender(path) => self.save_render(path),
             Command::RequestFile(what) => self.asking = Some(what),
             Command::DialogClosed => self.asking = None,
-            Command::Quit => self.leave(),
+            Command::Quit => self.allow_close(),
             Command::Discard => self.discard(),
             Command::CancelPending => (self.question, self.asking) = (None, None),
             Command::Recover(path) => self.recover(path),
-            Command::DeleteRecovery(path) => self.recovery.forget(&path),
+            Command::DeleteRecovery(path) => self.recovery.delete(&path),
             Command::Edit(edit, gesture) => self.edit(&edit, gesture),
             Command::AddShape(kind) => self.add_shape(kind),
             Command::AddLight(kind) => self.add_light(kind),
@@ -274,7 +272,7 @@ impl App {
             Command::Redo => self.redo(),
             Command::Select(selection) => self.select(selection),
             Command::SelectAll => self.select_all(),
-            Command::SetView(view) => self.look(*view),
+            Command::SetView(view) => self.set_view(*view),
             Command::LoadBackdrop(path) => self.load_backdrop(path),
             Command::SetLight(settings) => self.lighting.settings = settings,
             Command::Solve => self.solve(),
@@ -292,9 +290,9 @@ impl App {
                 paths,
             } => {
                 let most = paths.unwrap_or(self.preferences.picture_samples);
-                self.draw_picture((width, height), most);
+                self.start_render((width, height), most);
             }
-            Command::StopRender => self.stop_picture(),
+            Command::StopRender => self.stop_render(),
             Command::Cancel(job) => self.cancel(job),
             Command::SetPreferences(preferences) => self.set_preferences(*preferences),
             Command::ClearMessages => self.messages.clear(),
@@ -306,7 +304,7 @@ impl App {
     pub fn poll(&mut self) -> bool {
         let mut any = false;
         self.take_measures();
-        while let Some((job, news)) = self.jobs.next_news() {
+        while let Some((job, news)) = self.jobs.next_message() {
             any = true;
             match news {
                 JobMessage::Output(found) => self.take(&job, found),
@@ -324,11 +322,11 @@ impl App {
             JobResult::Saved(saved) => self.take_saved(saved),
             JobResult::Autosaved(revision) => self.recovery.done(revision),
             JobResult::Light(solution) => self.take_light_of(job, *solution),
-            JobResult::Render(image, samples) => self.take_picture(*image, samples),
+            JobResult::Render(image, samples) => self.take_render(*image, samples),
             JobResult::Backdrop(image) => self.take_backdrop(*image),
             JobResult::FormFactors(seen) => self.lighting.seen = Some(*seen),
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
-            JobResult::Note(text) => self.tell(Severity::Note, text),
+            JobResult::Note(text) => self.report(Severity::Note, text),
         }
     }
 
@@ -343,11 +341,11 @@ impl App {
                     self.question = self
                         .question
                         .take()
-                        .filter(PendingQuestion::outlives_failure);
+                        .filter(PendingQuestion::survives_job_failure);
                 }
                 _ => {}
             }
-            self.tell(Severity::Error, format!("{}: {why}", job.title));
+            self.report(Severity::Error, format!("{}: {why}", job.title));
         }
         match job.kind {
             JobKind::Load => self.end_loading(),
@@ -361,15 +359,15 @@ impl App {
     }
 
     /// `english` in the language of the window.
-    pub(crate) fn say<'s>(&self, english: &'s str) -> &'s str {
-        self.preferences.language.say(english)
+    pub(crate) fn tr<'s>(&self, english: &'s str) -> &'s str {
+        self.preferences.language.tr(english)
     }
 
     /// Adds a message.
-    pub fn tell(&mut self, level: Severity, text: impl Into<String>) {
-        const MOST: usize = 1_000;
+    pub fn report(&mut self, level: Severity, text: impl Into<String>) {
+        const MAX_MESSAGES: usize = 1_000;
         self.errors += u64::from(level == Severity::Error);
-        if self.messages.len() >= MOST {
+        if self.messages.len() >= MAX_MESSAGES {
             self.messages.remove(0);
         }
         self.messages.push(Message {
@@ -381,7 +379,7 @@ impl App {
 
     /// Tells what was odd about a file that brought `items`: each warning leads to the first object
     /// that it names in quotes. Most are about a file as a whole: those lead to its content.
-    fn tell_warnings(&mut self, warnings: &[Warning], items: &[ItemId]) {
+    fn report_warnings(&mut self, warnings: &[Warning], items: &[ItemId]) {
         let mut named: HashMap<String, ItemId> = HashMap::new();
         for &id in items.iter().filter(|_| !warnings.is_empty()) {
             let name = self.document.name(id).unwrap_or_default();
@@ -390,7 +388,7 @@ impl App {
         }
         named.remove("");
         for warning in warnings {
-            self.tell(Severity::Warning, warning.to_string());
+            self.report(Severity::Warning, warning.to_string());
             let mut quoted = warning.message.split('"').skip(1).step_by(2);
             let about = quoted.find_map(|name| named.get(name).copied());
             if let Some(message) = self.messages.last_mut() {
@@ -426,7 +424,7 @@ impl App {
 
     /// What was written before a crash and waits for an answer.
     pub fn recoverable(&self) -> &[crate::recovery::Recoverable] {
-        self.recovery.found()
+        self.recovery.recoverable()
     }
 
     fn state(&self) -> DocumentState {
@@ -437,7 +435,7 @@ impl App {
     }
 
     /// What is there may be lost, whatever it is.
-    fn agreed(&self) -> AcceptedLoss {
+    fn accept_loss(&self) -> AcceptedLoss {
         let solver = self.jobs.of(JobKind::Solve).filter(|_| self.is_changed());
         AcceptedLoss {
             state: self.state(),
@@ -446,17 +444,19 @@ impl App {
     }
 
     /// Whether there is more to lose than what was agreed to.
-    fn loses_more(&self, agreed: AcceptedLoss) -> bool {
-        self.is_changed() && self.state() != agreed.state
+    fn loses_unaccepted(&self, accepted: AcceptedLoss) -> bool {
+        self.is_changed() && self.state() != accepted.state
     }
 
     /// Whether closing the window would lose what nobody agreed to lose.
-    pub fn loses_by_closing(&self) -> bool {
+    pub fn close_loses_changes(&self) -> bool {
         let left = self.left.filter(|_| self.closing);
-        left.map_or(self.is_changed(), |agreed| self.loses_more(agreed))
+        left.map_or(self.is_changed(), |accepted| {
+            self.loses_unaccepted(accepted)
+        })
     }
 
-    fn look(&mut self, view: ModelView) {
+    fn set_view(&mut self, view: ModelView) {
         let moved = view.camera != self.view.camera;
         let finite = {
             let (x, y, z) = view.camera.axes();
@@ -467,12 +467,12 @@ impl App {
             self.view = view;
         }
         if moved {
-            self.redraw_picture();
+            self.restart_render();
         }
     }
 
     /// Looks at all there is: by the file's own camera, if it shows the model, else by one that does.
-    fn look_at_all(&mut self) {
+    fn frame_all(&mut self) {
         let bounds = self.document.bounds(None);
         let own = self.document.cameras.first().map(|c| c.camera.clone());
         let own = own.filter(|camera| sees_most(camera, bounds) || self.is_room());
@@ -491,7 +491,7 @@ impl App {
         match kind {
             Some(JobKind::Load) => self.end_loading(),
             Some(JobKind::Solve) => self.end_solving(),
-            Some(JobKind::Render) => self.picture = None,
+            Some(JobKind::Render) => self.render = None,
             _ => {}
         }
     }
@@ -504,7 +504,7 @@ impl App {
         self.preferences = preferences;
         self.store_preferences();
         if gathers {
-            self.redraw_picture();
+            self.restart_render();
         }
     }
 
@@ -513,7 +513,7 @@ impl App {
             return;
         };
         if let Err(why) = self.preferences.store(path) {
-            self.tell(Severity::Warning, why);
+            self.report(Severity::Warning, why);
         }
     }
 
@@ -534,7 +534,7 @@ impl App {
     /// Another document takes the place of this one, history and light included.
     fn replace(&mut self, document: SceneDocument, file: Option<OnDisk>) {
         self.stop_solving();
-        self.stop_picture();
+        self.stop_render();
         self.jobs.cancel_kind(JobKind::FormFactors);
         self.drop_probes();
         self.document = document;
@@ -547,6 +547,6 @@ impl App {
         self.changed_at = None;
         self.forget_copy();
         self.lighting.replaced(&self.document);
-        self.look_at_all();
+        self.frame_all();
     }
 }

@@ -3,9 +3,9 @@
 use super::{App, JobResult, Severity};
 use crate::command::SurfacePick;
 use crate::document::{SceneDocument, SceneObject, ShadingPoint, Solution, same_light};
+use crate::first_pass::measure;
 use crate::gpu::display_mesh;
-use crate::jobs::{JobKind, on_own_threads};
-use crate::light::measure;
+use crate::jobs::{JobKind, in_thread_pool};
 use azulejo::radiosity::Estimate;
 use azulejo::scene::{Mesh, Rgb, Shape};
 use glam::DVec3;
@@ -18,7 +18,7 @@ pub struct Probe {
     /// Counts: no two probes of a session have the same.
     pub number: u64,
     /// Where, and on which side.
-    pub place: SurfacePick,
+    pub pick: SurfacePick,
     /// What is there now; `None` where the surface moved away or is gone.
     pub site: Option<ProbeSurface>,
     /// Irradiance of the place itself, if it was asked for.
@@ -48,7 +48,7 @@ pub struct ProbeMeasurement {
 impl Probe {
     /// Looks again at what is there, if that may have changed.
     fn refresh(&mut self, document: &SceneDocument, solution: Option<&Solution>) {
-        let item = document.item(self.place.item);
+        let item = document.item(self.pick.item);
         let lit = item.and_then(|item| solution?.shown(item));
         let Some((item, shape)) = item.map(|item| (item, lit.unwrap_or(&item.shape))) else {
             self.site = None;
@@ -58,7 +58,7 @@ impl Probe {
         let is_same = |site: &ProbeSurface| lit.is_some() && Arc::ptr_eq(&site.shape, shape);
         if !self.site.as_ref().is_some_and(is_same) {
             let face = self.site.as_ref().map(|site| site.face);
-            self.site = site(&self.place, item, shape, lit.is_some(), face);
+            self.site = site(&self.pick, item, shape, lit.is_some(), face);
         }
     }
 }
@@ -66,19 +66,19 @@ impl Probe {
 /// Finds the surface at a place: the nearest face, unless that is too far away to be meant. `face`
 /// is where it was found last, and is still the nearest as long as the place lies on it.
 fn site(
-    place: &SurfacePick,
+    pick: &SurfacePick,
     item: &SceneObject,
     shape: &Arc<Shape>,
     is_lit: bool,
     face: Option<u32>,
 ) -> Option<ProbeSurface> {
-    const FAR: f64 = 0.01;
+    const MAX_DISTANCE: f64 = 0.01;
     const ON: f64 = 1e-7;
     let size = item.bounds().diagonal();
     // Something that is dragged away is not searched through in every frame.
     let bounds = item.bounds();
-    let inside = place.position.clamp(bounds.min, bounds.max);
-    if bounds.is_empty() || place.position.distance(inside) > FAR * size {
+    let inside = pick.position.clamp(bounds.min, bounds.max);
+    if bounds.is_empty() || pick.position.distance(inside) > MAX_DISTANCE * size {
         return None;
     }
     let local = match is_lit {
@@ -87,17 +87,17 @@ fn site(
     };
     let scale = local.matrix3.determinant().abs().cbrt();
     let mesh = display_mesh(shape, (1e-3 * size * scale).max(f64::MIN_POSITIVE), is_lit);
-    let position = local.transform_point3(place.position);
+    let position = local.transform_point3(pick.position);
     let last = face.and_then(|f| nearest(&mesh, f as usize..(f as usize + 1), position));
     let last = last.filter(|found| found.distance <= ON * size * scale);
     let found = last.or_else(|| nearest(&mesh, 0..mesh.faces.len(), position))?;
-    if found.distance > FAR * size * scale {
+    if found.distance > MAX_DISTANCE * size * scale {
         return None;
     }
     let [a, b, c] = found.corners.map(|v| mesh.positions[v as usize]);
     // Normals of the world are normals of the object times the transposed inverse placement.
     let normal = local.matrix3.transpose() * (b - a).cross(c - a);
-    let is_front = normal.dot(place.normal) > 0.0;
+    let is_front = normal.dot(pick.normal) > 0.0;
     let face = found.face as usize;
     Some(ProbeSurface {
         face: found.face,
@@ -192,17 +192,17 @@ fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
 
 impl App {
     /// Watches the light of a place.
-    pub(super) fn pin(&mut self, place: SurfacePick) {
-        const MOST: usize = 100;
-        if self.probes.len() >= MOST {
-            let text = self.say("there are as many probes as there may be: remove some first");
-            self.tell(Severity::Error, text);
+    pub(super) fn pin(&mut self, pick: SurfacePick) {
+        const MAX_PROBES: usize = 100;
+        if self.probes.len() >= MAX_PROBES {
+            let text = self.tr("there are as many probes as there may be: remove some first");
+            self.report(Severity::Error, text);
             return;
         }
         self.pinned += 1;
         self.probes.push(Probe {
             number: self.pinned,
-            place,
+            pick,
             site: None,
             measured: None,
         });
@@ -241,9 +241,9 @@ impl App {
         let (of, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
         let (numbers, places): (Vec<u64>, Vec<SurfacePick>) =
-            self.probes.iter().map(|p| (p.number, p.place)).unzip();
+            self.probes.iter().map(|p| (p.number, p.pick)).unzip();
         let work = move |progress: &_, outbox: &crate::jobs::JobSender<JobResult>| {
-            let found = on_own_threads(threads, || measure(&of, &settings, &places, progress))?;
+            let found = in_thread_pool(threads, || measure(&of, &settings, &places, progress))?;
             let estimates = numbers.into_iter().zip(found).collect();
             outbox.send(JobResult::Measured(Box::new(ProbeMeasurement {
                 of,
@@ -251,14 +251,14 @@ impl App {
             })));
             Ok(())
         };
-        let title = self.say("probes");
+        let title = self.tr("probes");
         self.jobs.start(JobKind::Probe, title, work);
     }
 
     pub(super) fn take_measurement(&mut self, found: ProbeMeasurement) {
         if !same_light(&found.of, &self.document) {
-            let text = self.say("the model changed while probes were measured: measure again");
-            self.tell(Severity::Warning, text);
+            let text = self.tr("the model changed while probes were measured: measure again");
+            self.report(Severity::Warning, text);
             return;
         }
         for probe in &mut self.probes {

@@ -21,7 +21,7 @@ pub enum PendingQuestion {
 
 impl PendingQuestion {
     /// Whether it still makes sense when a job failed: what waits for a save does not go on.
-    pub(super) fn outlives_failure(&self) -> bool {
+    pub(super) fn survives_job_failure(&self) -> bool {
         matches!(self, PendingQuestion::ChangedOnDisk(_))
     }
 }
@@ -34,7 +34,7 @@ pub struct OnDisk {
     /// Its time and length.
     stamp: FileStamp,
     /// The same of what others wrote and a person was told of. Saving over it is still asked about.
-    told: FileStamp,
+    acknowledged: FileStamp,
 }
 
 /// When a file was written, and how long it is; `None` for one that is not there.
@@ -47,28 +47,28 @@ impl OnDisk {
         OnDisk {
             path: path.to_owned(),
             stamp,
-            told: stamp,
+            acknowledged: stamp,
         }
     }
 
     /// A file that was never read or written here.
-    pub(super) fn unread(path: PathBuf) -> OnDisk {
+    pub(super) fn never_read(path: PathBuf) -> OnDisk {
         OnDisk {
             path,
             stamp: None,
-            told: None,
+            acknowledged: None,
         }
     }
 
     /// Whether it is the same file.
     fn is_at(&self, path: &Path) -> bool {
-        is_same_place(&self.path, path)
+        is_same_file(&self.path, path)
     }
 
     /// Whether it was written or removed since, and nobody was told yet; now somebody is.
-    fn is_news(&mut self) -> bool {
+    fn is_newly_changed(&mut self) -> bool {
         let now = stamp(&self.path);
-        std::mem::replace(&mut self.told, now) != now
+        std::mem::replace(&mut self.acknowledged, now) != now
     }
 
     /// Whether it was written or removed since.
@@ -78,7 +78,7 @@ impl OnDisk {
 }
 
 /// Whether two paths lead to one file, by whatever links.
-fn is_same_place(a: &Path, b: &Path) -> bool {
+fn is_same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     a == b || real(a).is_some_and(|a| Some(a) == real(b))
 }
@@ -97,7 +97,7 @@ pub struct SavedModel {
     state: Option<DocumentState>,
     lit: bool,
     /// Whether some surfaces came with light that is not written.
-    forgets_light: bool,
+    drops_light: bool,
 }
 
 impl App {
@@ -151,7 +151,7 @@ impl App {
                 losses,
                 state,
                 lit,
-                forgets_light: !lit && solution.is_none() && document.brings_light(),
+                drops_light: !lit && solution.is_none() && document.brings_light(),
             }));
             Ok(())
         });
@@ -167,7 +167,7 @@ impl App {
         let jobs = &mut self.jobs;
         self.saves.retain(|(id, other)| {
             let goes_on = jobs.running().iter().any(|job| job.id == *id);
-            if goes_on && is_same_place(other, &path) {
+            if goes_on && is_same_file(other, &path) {
                 jobs.cancel(*id);
                 return false;
             }
@@ -179,7 +179,7 @@ impl App {
 
     pub(super) fn take_saved(&mut self, saved: SavedModel) {
         let path = saved.on_disk.path.clone();
-        self.tell_saved(&saved);
+        self.report_saved(&saved);
         self.preferences.note_recent(&path);
         self.store_preferences();
         // What took this document's place meanwhile does not belong there.
@@ -190,7 +190,7 @@ impl App {
                 self.saved = state;
                 if !self.is_changed() {
                     self.forget_copy();
-                    self.go_on_after_save();
+                    self.continue_after_save();
                 }
             }
             // A copy over the document's own file was not written by others.
@@ -199,26 +199,26 @@ impl App {
         }
     }
 
-    fn tell_saved(&mut self, saved: &SavedModel) {
+    fn report_saved(&mut self, saved: &SavedModel) {
         let name = saved.on_disk.path.display();
         let said = match (saved.lit, &self.lighting.solution) {
-            (true, _) => self.say("saved with its light"),
+            (true, _) => self.tr("saved with its light"),
             (false, Some(_)) => {
-                self.say("saved without light: what is solved is of an earlier state")
+                self.tr("saved without light: what is solved is of an earlier state")
             }
-            (false, None) if saved.forgets_light => self.say("saved without the light of the file"),
-            (false, None) => self.say("saved"),
+            (false, None) if saved.drops_light => self.tr("saved without the light of the file"),
+            (false, None) => self.tr("saved"),
         };
-        self.tell(Severity::Note, format!("{name}: {said}"));
+        self.report(Severity::Note, format!("{name}: {said}"));
         if !saved.losses.is_empty() {
             let losses = saved.losses.join(", ");
-            let said = self.say("this format does not keep all");
-            self.tell(Severity::Warning, format!("{name}: {said}: {losses}"));
+            let said = self.tr("this format does not keep all");
+            self.report(Severity::Warning, format!("{name}: {said}: {losses}"));
         }
     }
 
     /// What waited for the changes to be safe.
-    fn go_on_after_save(&mut self) {
+    fn continue_after_save(&mut self) {
         if let Some(PendingQuestion::Unsaved(command)) = self.question.take() {
             self.execute(*command);
         }
@@ -240,16 +240,16 @@ impl App {
         let Some(file) = &mut self.file else { return };
         // One that was never read here is asked about when it is written.
         let was_read = file.stamp.is_some();
-        if is_occupied || !was_read || !file.is_news() {
+        if is_occupied || !was_read || !file.is_newly_changed() {
             return;
         }
         let path = file.path.clone();
         if path.exists() {
             self.question = Some(PendingQuestion::ChangedOnDisk(path.clone()));
         } else {
-            let said = self.say("the file is gone; save to write it again");
+            let said = self.tr("the file is gone; save to write it again");
             let text = format!("{}: {said}", path.display());
-            self.tell(Severity::Warning, text);
+            self.report(Severity::Warning, text);
         }
     }
 
@@ -258,7 +258,7 @@ impl App {
         match Output::check(path) {
             Ok(output) => Some(output),
             Err(failure) => {
-                self.tell(Severity::Error, failure.to_string());
+                self.report(Severity::Error, failure.to_string());
                 None
             }
         }
@@ -280,7 +280,7 @@ mod tests {
             losses: Vec::new(),
             state: Some(app.state()),
             lit: false,
-            forgets_light: false,
+            drops_light: false,
         };
         std::fs::write(&path, "of others").unwrap();
         app.take_saved(saved);

@@ -1,6 +1,6 @@
 //! All the ways in which a document changes.
 
-mod copies;
+mod duplicate;
 mod materials;
 mod objects;
 
@@ -157,14 +157,14 @@ fn missing<T>(what: &str) -> Result<T, EditError> {
 }
 
 /// Factors beyond this, or below its inverse, are of no unit of length.
-const MOST_SCALE: f64 = 1e12;
+const MAX_SCALE: f64 = 1e12;
 
 /// Whether a map keeps shapes what they are: finite, flattening nothing, and no further from a
 /// turn than numbers can tell.
 fn is_placement(map: &DAffine3) -> bool {
     let m = &map.matrix3;
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length());
-    let sane = |length: f64| (1.0 / MOST_SCALE..=MOST_SCALE).contains(&length);
+    let sane = |length: f64| (1.0 / MAX_SCALE..=MAX_SCALE).contains(&length);
     let flatness = m.determinant().abs() / (x * y * z);
     map.is_finite() && [x, y, z].into_iter().all(sane) && flatness > 1e-9
 }
@@ -177,7 +177,7 @@ impl SceneDocument {
         let id = self.new_id();
         self.lights.push(SceneLight {
             id,
-            branch: None,
+            source_file: None,
             hidden: false,
             light,
         });
@@ -204,7 +204,7 @@ impl SceneDocument {
         camera.name = self.fresh_name(name);
         self.cameras.push(SceneCamera {
             id,
-            branch: None,
+            source_file: None,
             hidden: false,
             camera,
         });

@@ -5,22 +5,22 @@
 //! is a list of pointers, undo is the document before, and dragging an object moves one matrix
 //! however many triangles hang on it.
 
+mod create;
 mod edit;
-mod make;
+mod marker_bounds;
+mod memory;
 mod outline;
-mod paint;
-mod places;
+mod shading_point;
 mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
 mod units;
-mod weight;
 
+pub use create::{NewLight, NewLightKind, NewShape, NewShapeKind, TextLayout};
 pub use edit::{Edit, EditError};
-pub use make::{NewLight, NewLightKind, NewShape, NewShapeKind, TextLayout};
+pub use marker_bounds::light_position;
 pub use outline::{PrismOutline, SIDES};
-pub use paint::ShadingPoint;
-pub use places::light_place;
+pub use shading_point::ShadingPoint;
 pub use solution::{Solution, same_light};
 
 use azulejo::formats::Format;
@@ -41,10 +41,10 @@ pub struct ItemId(pub u64);
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneDocument {
     /// Where things come from; what is made by hand has none.
-    pub branches: Vec<Branch>,
+    pub source_files: Vec<SourceFile>,
     /// What has a surface. Each stands behind a pointer of its own: of a thousand objects an edit
     /// copies those that it changes.
-    pub items: Vec<Arc<SceneObject>>,
+    pub objects: Vec<Arc<SceneObject>>,
     /// What surfaces refer to by [`MaterialId`].
     pub materials: Vec<Arc<Material>>,
     /// What materials refer to.
@@ -67,7 +67,7 @@ pub struct SceneDocument {
 
 /// One file's content in a document.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Branch {
+pub struct SourceFile {
     /// What its objects' names begin with.
     pub name: String,
     /// The file.
@@ -83,8 +83,8 @@ pub struct SceneObject {
     pub id: ItemId,
     /// Its name for people; groups of a file are parts of it, as in `house/kitchen/table`.
     pub name: String,
-    /// Index of its file in [`SceneDocument::branches`].
-    pub branch: Option<usize>,
+    /// Index of its file in [`SceneDocument::source_files`].
+    pub source_file: Option<usize>,
     /// Whether the viewport leaves it out. It goes on casting and receiving light.
     pub hidden: bool,
     /// Its geometry before it is placed; [`SceneObject::set_shape`] changes it.
@@ -100,8 +100,8 @@ pub struct SceneObject {
 pub struct SceneLight {
     /// Its name for good.
     pub id: ItemId,
-    /// Index of its file in [`SceneDocument::branches`].
-    pub branch: Option<usize>,
+    /// Index of its file in [`SceneDocument::source_files`].
+    pub source_file: Option<usize>,
     /// Whether its sign is left out of the viewport. It goes on shining.
     pub hidden: bool,
     /// What it is.
@@ -113,8 +113,8 @@ pub struct SceneLight {
 pub struct SceneCamera {
     /// Its name for good.
     pub id: ItemId,
-    /// Index of its file in [`SceneDocument::branches`].
-    pub branch: Option<usize>,
+    /// Index of its file in [`SceneDocument::source_files`].
+    pub source_file: Option<usize>,
     /// Whether its sign is left out of the viewport.
     pub hidden: bool,
     /// What it sees.
@@ -234,24 +234,24 @@ fn placed_bounds(bounds: Aabb, map: &DAffine3) -> Aabb {
 
 impl SceneDocument {
     /// A document of one scene. Nothing is copied.
-    pub fn of_scene(scene: Scene, branch: Option<Branch>) -> SceneDocument {
+    pub fn of_scene(scene: Scene, source_file: Option<SourceFile>) -> SceneDocument {
         let mut document = SceneDocument {
             units: scene.units,
             rtrace: None,
             ..SceneDocument::default()
         };
         let rtrace = scene.rtrace.clone();
-        document.append(scene, branch);
+        document.append(scene, source_file);
         document.rtrace = rtrace.map(|numbers| Arc::new(*numbers));
         document
     }
 
     /// Adds a scene that already has this document's units, as [`Scene::merge`] does; returns the
     /// new objects.
-    pub fn append(&mut self, scene: Scene, branch: Option<Branch>) -> Vec<ItemId> {
-        let branch = branch.map(|b| {
-            self.branches.push(b);
-            self.branches.len() - 1
+    pub fn append(&mut self, scene: Scene, source_file: Option<SourceFile>) -> Vec<ItemId> {
+        let source_file = source_file.map(|b| {
+            self.source_files.push(b);
+            self.source_files.len() - 1
         });
         let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
         self.rtrace = None;
@@ -266,13 +266,13 @@ impl SceneDocument {
             if materials > 0 {
                 map_materials(&mut object.shape, &mut |m| m + materials);
             }
-            ids.push(self.push_shape(object.name, object.shape, branch));
+            ids.push(self.push_shape(object.name, object.shape, source_file));
         }
         for light in scene.lights {
             let id = self.new_id();
             self.lights.push(SceneLight {
                 id,
-                branch,
+                source_file,
                 hidden: false,
                 light,
             });
@@ -281,7 +281,7 @@ impl SceneDocument {
             let id = self.new_id();
             self.cameras.push(SceneCamera {
                 id,
-                branch,
+                source_file,
                 hidden: false,
                 camera,
             });
@@ -292,12 +292,12 @@ impl SceneDocument {
     }
 
     /// Adds an object where it was made.
-    fn push_shape(&mut self, name: String, shape: Shape, branch: Option<usize>) -> ItemId {
+    fn push_shape(&mut self, name: String, shape: Shape, source_file: Option<usize>) -> ItemId {
         let id = self.new_id();
-        self.items.push(Arc::new(SceneObject {
+        self.objects.push(Arc::new(SceneObject {
             id,
             name,
-            branch,
+            source_file,
             hidden: false,
             facts: Arc::new(ShapeFacts::of(&shape)),
             shape: Arc::new(shape),
@@ -337,7 +337,7 @@ impl SceneDocument {
 
     fn scene_of(&self, object: impl Fn(&SceneObject) -> Object) -> Scene {
         Scene {
-            objects: self.items.iter().map(|item| object(item)).collect(),
+            objects: self.objects.iter().map(|item| object(item)).collect(),
             materials: self.materials.iter().map(|m| Material::clone(m)).collect(),
             textures: self.textures.iter().map(|t| Texture::clone(t)).collect(),
             lights: self.lights.iter().map(|l| l.light.clone()).collect(),
@@ -356,7 +356,7 @@ impl SceneDocument {
             let material = self.materials.get(m as usize);
             material.is_some_and(|m| m.is_emitter())
         };
-        (lamps.items).retain(|item| item.materials().iter().any(|&m| shines(m)));
+        (lamps.objects).retain(|item| item.materials().iter().any(|&m| shines(m)));
         lamps.rtrace = None;
         // Pictures on them do not shine, and are large.
         lamps.textures.clear();
@@ -372,20 +372,20 @@ impl SceneDocument {
 
     /// Whether there is nothing in it that has a place.
     pub fn is_empty(&self) -> bool {
-        self.items.is_empty() && self.lights.is_empty() && self.cameras.is_empty()
+        self.objects.is_empty() && self.lights.is_empty() && self.cameras.is_empty()
     }
 
     /// Everything is as if it was made by hand.
     pub(crate) fn leave_files(&mut self) {
-        self.branches.clear();
-        (self.items.iter_mut()).for_each(|i| Arc::make_mut(i).branch = None);
-        self.lights.iter_mut().for_each(|l| l.branch = None);
-        self.cameras.iter_mut().for_each(|c| c.branch = None);
+        self.source_files.clear();
+        (self.objects.iter_mut()).for_each(|i| Arc::make_mut(i).source_file = None);
+        self.lights.iter_mut().for_each(|l| l.source_file = None);
+        self.cameras.iter_mut().for_each(|c| c.source_file = None);
     }
 
     /// The object of this name for good.
     pub fn item(&self, id: ItemId) -> Option<&SceneObject> {
-        in_order(&self.items, id, |i| i.id).map(|item| &**item)
+        in_order(&self.objects, id, |i| i.id).map(|item| &**item)
     }
 
     /// The light of this name for good.
@@ -413,7 +413,7 @@ impl SceneDocument {
 
     /// Everything that is out of sight.
     pub fn hidden(&self) -> Vec<ItemId> {
-        let items = self.items.iter().filter(|i| i.hidden).map(|i| i.id);
+        let items = self.objects.iter().filter(|i| i.hidden).map(|i| i.id);
         let lights = self.lights.iter().filter(|l| l.hidden).map(|l| l.id);
         let cameras = self.cameras.iter().filter(|c| c.hidden).map(|c| c.id);
         items.chain(lights).chain(cameras).collect()
@@ -431,7 +431,7 @@ impl SceneDocument {
     pub fn bounds(&self, ids: Option<&[ItemId]>) -> Aabb {
         let around = |all: Aabb, item: &SceneObject| all.union(item.bounds());
         match ids {
-            None => (self.items.iter()).fold(Aabb::EMPTY, |all, item| around(all, item)),
+            None => (self.objects.iter()).fold(Aabb::EMPTY, |all, item| around(all, item)),
             Some(ids) => {
                 let items = ids.iter().filter_map(|&id| self.item(id));
                 items.fold(Aabb::EMPTY, around)
@@ -446,7 +446,7 @@ impl SceneDocument {
             Shape::Primitive(_) => 1,
             Shape::Exact(exact) => exact.leaves().len(),
         };
-        self.items.iter().map(|item| faces(item)).sum()
+        self.objects.iter().map(|item| faces(item)).sum()
     }
 
     /// Whether anything shines.
@@ -457,7 +457,7 @@ impl SceneDocument {
         };
         !self.lights.is_empty()
             || (self.materials.iter().any(|m| m.is_emitter())
-                && (self.items.iter()).any(|i| i.materials().iter().any(|&m| shines(m))))
+                && (self.objects.iter()).any(|i| i.materials().iter().any(|&m| shines(m))))
     }
 }
 

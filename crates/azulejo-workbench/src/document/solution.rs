@@ -29,7 +29,7 @@ impl Solution {
         report: Option<Report>,
     ) -> Solution {
         scene.set_irradiance(irradiance);
-        let ids = document.items.iter().map(|i| i.id);
+        let ids = document.objects.iter().map(|i| i.id);
         let shapes = scene.objects.into_iter().map(|o| Arc::new(o.shape));
         Solution {
             shapes: ids.zip(shapes).collect(),
@@ -41,13 +41,13 @@ impl Solution {
     /// The light that a file brought, if every surface has some.
     pub fn of_file(document: &SceneDocument) -> Option<Solution> {
         let stands = |item: &SceneObject| item.placement == DAffine3::IDENTITY;
-        let all = !document.items.is_empty()
+        let all = !document.objects.is_empty()
             && document
-                .items
+                .objects
                 .iter()
                 .all(|item| is_lit(item) && stands(item));
         all.then(|| Solution {
-            shapes: (document.items.iter())
+            shapes: (document.objects.iter())
                 .map(|i| (i.id, Arc::clone(&i.shape)))
                 .collect(),
             of: document.clone(),
@@ -91,15 +91,16 @@ impl SceneDocument {
             Shape::Mesh(mesh) => !mesh.faces.is_empty(),
             Shape::Primitive(_) | Shape::Exact(_) => true,
         };
-        self.items.iter().any(|i| has_faces(i) && is_lit(i))
+        self.objects.iter().any(|i| has_faces(i) && is_lit(i))
     }
 }
 
 /// Whether light that was found in one document is that of a later one: whether both have the
 /// same surfaces, materials and lights.
 pub fn same_light(then: &SceneDocument, now: &SceneDocument) -> bool {
-    let items = then.items.len() == now.items.len()
-        && (then.items.iter().zip(&now.items)).all(|(a, b)| a.id == b.id && same_geometry(a, b));
+    let items = then.objects.len() == now.objects.len()
+        && (then.objects.iter().zip(&now.objects))
+            .all(|(a, b)| a.id == b.id && same_geometry(a, b));
     let lights = then.lights.len() == now.lights.len()
         && (then.lights.iter().zip(&now.lights)).all(|(a, b)| a.light.kind == b.light.kind);
     items && lights && same_materials(then, now)

@@ -1,7 +1,7 @@
 //! Documents and scenes, edits and what refuses them, light and whose it is.
 
 use super::*;
-use crate::light::LightSettings;
+use crate::first_pass::LightSettings;
 use azulejo::models::{self, Reading};
 use azulejo::radiosity::{Report, solve};
 use azulejo::scene::{
@@ -158,25 +158,28 @@ fn the_light_of_a_file_is_kept_beside_the_scene() {
 fn two_scenes_in_one_document_are_as_two_merged() {
     let (mut a, b) = (sample_scene(), read("shapes.grf"));
     let mut document = SceneDocument::of_scene(a.clone(), None);
-    let branch = Branch {
+    let source_file = SourceFile {
         name: "shapes".into(),
         path: "shapes.grf".into(),
         format: None,
     };
-    let new = document.append(b.clone(), Some(branch.clone()));
+    let new = document.append(b.clone(), Some(source_file.clone()));
     let mut appended = sample();
-    Edit::Append(Box::new(SceneDocument::of_scene(b.clone(), Some(branch))))
-        .apply(&mut appended)
-        .unwrap();
+    Edit::Append(Box::new(SceneDocument::of_scene(
+        b.clone(),
+        Some(source_file),
+    )))
+    .apply(&mut appended)
+    .unwrap();
     a.merge(b);
     assert_eq!(document.scene(), a);
     assert_eq!(appended.scene(), a);
     document.scene().validate().unwrap();
     assert!(
         new.iter()
-            .all(|&id| document.item(id).unwrap().branch == Some(0))
+            .all(|&id| document.item(id).unwrap().source_file == Some(0))
     );
-    assert_eq!(document.items[0].branch, None);
+    assert_eq!(document.objects[0].source_file, None);
 }
 
 #[test]
@@ -254,7 +257,7 @@ fn what_is_added_is_valid_in_every_kind_of_units() {
         }
         document.scene().validate().unwrap();
         assert!(document.has_light());
-        let names: HashSet<&str> = document.items.iter().map(|i| i.name.as_str()).collect();
+        let names: HashSet<&str> = document.objects.iter().map(|i| i.name.as_str()).collect();
         assert_eq!(names.len(), kinds.len());
     }
 }
@@ -269,7 +272,7 @@ fn a_lamp_shines_downward() {
         material: None,
     };
     Edit::AddShape(new).apply(&mut document).unwrap();
-    let Shape::Primitive(square) = &*document.items[0].shape else {
+    let Shape::Primitive(square) = &*document.objects[0].shape else {
         unreachable!("a lamp is a square")
     };
     let mesh = square.tessellate(&[SurfaceGrid { nu: 1, nv: 1 }]);
@@ -409,13 +412,13 @@ fn letters_that_cannot_be_set_are_refused() {
 #[test]
 fn copies_of_many_have_names_of_their_own() {
     let mut document = SceneDocument::of_scene(sample_scene(), None);
-    let all: Vec<ItemId> = document.items.iter().map(|i| i.id).collect();
+    let all: Vec<ItemId> = document.objects.iter().map(|i| i.id).collect();
     for _ in 0..3 {
         Edit::Duplicate(all.clone()).apply(&mut document).unwrap();
     }
     // One more takes names where there is room, and of two that share a name each its own.
     let ball = document
-        .items
+        .objects
         .iter()
         .find(|i| i.name == "ball 3")
         .unwrap()
@@ -424,7 +427,7 @@ fn copies_of_many_have_names_of_their_own() {
         .apply(&mut document)
         .unwrap();
     let both: Vec<ItemId> = document
-        .items
+        .objects
         .iter()
         .filter(|i| i.name == "ball")
         .map(|i| i.id)

@@ -18,7 +18,7 @@ impl SceneDocument {
             _ => DAffine3::IDENTITY,
         };
         if map != DAffine3::IDENTITY {
-            for item in &mut self.items {
+            for item in &mut self.objects {
                 let item = Arc::make_mut(item);
                 item.placement = map * item.placement;
             }

@@ -123,7 +123,7 @@ impl DeviceErrors {
 }
 
 /// Does something with the device and returns the first error that it meets.
-pub(super) fn guarded<T>(
+pub(super) fn catch_errors<T>(
     device: &wgpu::Device,
     work: impl FnOnce() -> Result<T, GpuError>,
 ) -> Result<T, GpuError> {

@@ -174,7 +174,7 @@ impl Default for ColorScale {
 
 impl ColorScale {
     /// Where `value` stands on the scale: 0 at `low`, 1 at `high`.
-    pub fn place(&self, value: f64) -> f64 {
+    pub fn fraction(&self, value: f64) -> f64 {
         let (a, b, x) = if self.is_logarithmic {
             (self.low.ln(), self.high.ln(), value.ln())
         } else {

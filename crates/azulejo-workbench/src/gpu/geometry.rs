@@ -5,8 +5,8 @@
 
 use super::GpuError;
 use super::frame::{FaceValues, MeshInstance};
+use super::mesh_pieces::{MeshPiece, for_each_piece};
 use super::pipelines::VertexAttributes;
-use super::walk::{MeshPiece, walk};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{MaterialId, Mesh, Rgb};
 use bytemuck::Pod;
@@ -14,9 +14,9 @@ use glam::{DVec3, Vec3};
 use std::ops::Range;
 
 /// How much may be on its way to the card before it is waited for.
-const MOST_UNDER_WAY: u64 = 64 << 20;
+const MAX_IN_FLIGHT: u64 = 64 << 20;
 /// Most triangles of selected faces that are shown.
-const MOST_SELECTED: usize = 1 << 22;
+const MAX_SELECTED: usize = 1 << 22;
 /// The largest number of light as it is stored: far below the largest half float, 65504.
 const BRIGHTEST: f64 = 16384.0;
 
@@ -119,7 +119,7 @@ impl<'a> GpuUploader<'a> {
         self.queue.write_buffer(&buffer, 0, bytes);
         self.bytes += bytes.len() as u64;
         self.under_way += bytes.len() as u64;
-        if self.under_way > MOST_UNDER_WAY {
+        if self.under_way > MAX_IN_FLIGHT {
             self.queue.submit([]);
             // A lost device is heard of elsewhere.
             let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
@@ -151,7 +151,7 @@ impl GpuMesh {
     }
 
     /// Brings what `wanted` names and is not there, or is there of another revision.
-    pub fn hold(
+    pub fn upload(
         &mut self,
         drawn: &MeshInstance,
         wanted: VertexStreams,
@@ -182,7 +182,7 @@ impl GpuMesh {
             return Ok(());
         }
         let mut number = 0;
-        walk(mesh, wanted.edges, |piece| {
+        for_each_piece(mesh, wanted.edges, |piece| {
             if number == self.pieces.len() {
                 let buffers = PieceBuffers::new(mesh, self.origin, piece, loader);
                 self.pieces.push(buffers);
@@ -251,7 +251,7 @@ impl SelectionBuffers {
             let vertices = mesh.faces.get(face);
             let all = triangles.iter().flatten();
             corners.extend(all.map(|&k| relative(mesh, vertices[k as usize], origin)));
-            if corners.len() > 3 * MOST_SELECTED {
+            if corners.len() > 3 * MAX_SELECTED {
                 break;
             }
         }

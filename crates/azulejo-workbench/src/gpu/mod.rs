@@ -9,34 +9,33 @@
 //! | `frame`, `overlay` | what is to be drawn, as plain data |
 //! | `projection` | from the world to the picture, in `f64` |
 //! | `walk`, `geometry` | polygons to vertices and triangles, and these to the card |
-//! | `pictures`, `blocks` | textures and numbers to the card |
+//! | `textures`, `blocks` | textures and numbers to the card |
 //! | `pipelines`, `draw.wgsl` | what the card runs |
 //! | `pass`, `renderer`, `target` | the order of drawing, and what is drawn into |
 //! | `display` | polygons of exact shapes, as fine as the view shows |
 //! | `pick` | what a ray or a rectangle meets |
 //! | `device`, `error` | opening a card, and what can go wrong |
 
-mod blocks;
 mod color_map;
 mod device;
-mod display;
 mod error;
 mod frame;
 mod geometry;
+mod mesh_pieces;
 mod overlay;
 mod pass;
 mod pick;
-mod pictures;
 mod pipelines;
 mod projection;
 mod renderer;
 mod target;
+mod tessellate;
 #[cfg(test)]
 mod tests;
-mod walk;
+mod textures;
+mod uniforms;
 
 pub use device::HeadlessDevice;
-pub use display::{chord_error, display_mesh};
 pub use error::GpuError;
 pub use frame::{
     Background, ColorScalar, ColorScale, FaceValues, MeshInstance, TextureSource, ViewportFrame,
@@ -46,3 +45,4 @@ pub use pick::{PickHit, pick, pick_rectangle};
 pub use projection::Projection;
 pub use renderer::{DrawnFrame, RenderStatistics, Renderer};
 pub use target::PixelBuffer;
+pub use tessellate::{chord_error, display_mesh};

@@ -1,13 +1,13 @@
 //! The order in which a frame is drawn.
 
-use super::blocks::{self, UniformBlocks};
 use super::frame::{MeshInstance, ViewportFrame};
 use super::geometry::{FacetAttribute, GpuMesh, PieceBuffers, VertexStreams};
 use super::overlay::WORDS;
-use super::pictures::TextureCache;
 use super::pipelines::{DrawStage, PipelineKey, RenderPipelines, VertexAttributes};
 use super::projection::Projection;
 use super::renderer::DefaultAttributes;
+use super::textures::TextureCache;
+use super::uniforms::{self, UniformBlocks};
 use crate::view::Shading;
 use glam::DAffine3;
 use std::collections::HashMap;
@@ -114,7 +114,7 @@ pub struct PassEncoder<'a> {
     pub plan: DrawPlan,
     pub device: &'a wgpu::Device,
     pub pipelines: &'a mut RenderPipelines,
-    pub pictures: &'a TextureCache,
+    pub texture_cache: &'a TextureCache,
     pub geometries: &'a HashMap<u64, GpuMesh>,
     pub objects: &'a UniformBlocks,
     pub materials: &'a UniformBlocks,
@@ -295,7 +295,7 @@ impl PassEncoder<'_> {
             self.frame.shading,
             Shading::Flat | Shading::Gouraud | Shading::Textured | Shading::Irradiance
         );
-        shows_matter && material.is_some_and(|m| blocks::is_glass(m))
+        shows_matter && material.is_some_and(|m| uniforms::is_glass(m))
     }
 
     /// Says whether the triangles are named by indices.
@@ -330,7 +330,7 @@ impl PassEncoder<'_> {
         let offset = self.materials.offset(number);
         pass.set_bind_group(2, &self.materials.group, &[offset]);
         let key = self.textures.get(number as usize).and_then(Option::as_ref);
-        pass.set_bind_group(3, self.pictures.group(key), &[]);
+        pass.set_bind_group(3, self.texture_cache.group(key), &[]);
     }
 
     fn hiding(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw) {

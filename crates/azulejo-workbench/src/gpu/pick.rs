@@ -57,7 +57,7 @@ fn pick_in(drawn: &MeshInstance, ray: &Ray, hides_backs: bool) -> Option<PickHit
         direction: from_world.transform_vector3(ray.direction),
         ..*ray
     };
-    if drawn.bounds.is_some_and(|bounds| !touches(bounds, &local)) {
+    if drawn.bounds.is_some_and(|bounds| !hits_box(bounds, &local)) {
         return None;
     }
     let mesh = drawn.mesh;
@@ -92,13 +92,13 @@ fn pick_among(
         triangles.clear();
         match vertices.len() {
             3 => triangles.push([0, 1, 2]),
-            _ if !touches(around(mesh, vertices), &ray) => continue,
+            _ if !hits_box(around(mesh, vertices), &ray) => continue,
             _ => mesh.triangulate_into(face, &mut triangles),
         }
         for triangle in &triangles {
             let vertices = triangle.map(|k| vertices[k as usize]);
             let corners = vertices.map(|v| mesh.positions[v as usize]);
-            let Some((distance, barycentric, is_front)) = meet(&corners, &ray) else {
+            let Some((distance, barycentric, is_front)) = intersect(&corners, &ray) else {
                 continue;
             };
             if is_front || !hides_backs {
@@ -123,7 +123,7 @@ fn around(mesh: &Mesh, vertices: &[u32]) -> Aabb {
 }
 
 /// Whether a ray meets a box, somewhat widened.
-fn touches(bounds: Aabb, ray: &Ray) -> bool {
+fn hits_box(bounds: Aabb, ray: &Ray) -> bool {
     let margin = 1e-9 * bounds.diagonal();
     let (mut from, mut to) = (ray.t_min, ray.t_max);
     for axis in 0..3 {
@@ -139,7 +139,7 @@ fn touches(bounds: Aabb, ray: &Ray) -> bool {
 
 /// Parameter, weights and whether the front is met: Möller and Trumbore, *Fast, Minimum Storage
 /// Ray/Triangle Intersection*, JGT 2(1), 1997.
-fn meet([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
+fn intersect([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
     let (ab, ac) = (*b - *a, *c - *a);
     let p = ray.direction.cross(ac);
     let determinant = ab.dot(p);
@@ -172,13 +172,13 @@ pub fn pick_rectangle(
         let pixel = view.project(place.transform_point3(p));
         pixel.is_some_and(|q| q.cmpge(low).all() && q.cmple(high).all())
     };
-    let touches = |drawn: &MeshInstance| {
+    let is_touched = |drawn: &MeshInstance| {
         let mesh = drawn.mesh;
         let corners = mesh.faces.corners.par_iter();
         corners.any(|&v| is_inside(&drawn.world_from_object, mesh.positions[v as usize]))
     };
     let all = objects.iter().enumerate();
-    all.filter(|(_, d)| touches(d)).map(|(k, _)| k).collect()
+    all.filter(|(_, d)| is_touched(d)).map(|(k, _)| k).collect()
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! What the card runs: pipelines of draw.wgsl, each made when it is first wanted.
 
 use super::overlay::WORDS;
-use super::pictures::{sampler_binding, texture_binding};
 use super::target::{COLOR, DEPTH};
+use super::textures::{sampler_binding, texture_binding};
 use std::collections::HashMap;
 
 /// A pipeline by what it does.

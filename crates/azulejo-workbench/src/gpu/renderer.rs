@@ -1,16 +1,16 @@
 //! From a frame to its picture.
 
 use super::GpuError;
-use super::blocks::{self, UniformBlocks};
-use super::device::{DeviceErrors, guarded};
+use super::device::{DeviceErrors, catch_errors};
 use super::frame::{Background, MeshInstance, TextureSource, ViewportFrame};
 use super::geometry::{FacetAttribute, GpuMesh, GpuUploader};
 use super::overlay;
 use super::pass::{DrawPlan, PassEncoder, VisibleObject};
-use super::pictures::TextureCache;
 use super::pipelines::RenderPipelines;
 use super::projection::Projection;
 use super::target::{COLOR, PixelBuffer, RenderTarget, SAMPLES};
+use super::textures::TextureCache;
+use super::uniforms::{self, UniformBlocks};
 use crate::view::ColorMap;
 use std::collections::HashMap;
 
@@ -28,7 +28,7 @@ pub struct Renderer {
     listener: DeviceErrors,
     can_smooth: bool,
     pipelines: RenderPipelines,
-    pictures: TextureCache,
+    textures: TextureCache,
     geometries: HashMap<u64, GpuMesh>,
     target: Option<RenderTarget>,
     frame_block: wgpu::Buffer,
@@ -76,11 +76,11 @@ impl Renderer {
     pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Renderer, GpuError> {
         let listener = DeviceErrors::new(&device);
         listener.check()?;
-        let can_smooth = guarded(&device, || {
+        let can_smooth = catch_errors(&device, || {
             RenderTarget::new(&device, [4, 4], SAMPLES);
             Ok(())
         });
-        guarded(&device.clone(), || {
+        catch_errors(&device.clone(), || {
             Ok(Renderer::build(device, queue, listener, can_smooth.is_ok()))
         })
     }
@@ -91,11 +91,11 @@ impl Renderer {
         listener: DeviceErrors,
         can_smooth: bool,
     ) -> Renderer {
-        let pictures = TextureCache::new(&device, &queue);
-        let pipelines = RenderPipelines::new(&device, pictures.layout());
+        let textures = TextureCache::new(&device, &queue);
+        let pipelines = RenderPipelines::new(&device, textures.layout());
         let frame_block = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
-            size: 4 * blocks::FRAME_WORDS as u64,
+            size: 4 * uniforms::FRAME_WORDS as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -113,7 +113,7 @@ impl Renderer {
             listener,
             can_smooth,
             pipelines,
-            pictures,
+            textures,
             frame_block,
         }
     }
@@ -131,11 +131,11 @@ impl Renderer {
             return Err(GpuError::TooLarge { asked: size, most });
         }
         let device = self.device.clone();
-        let mut outcome = guarded(&device, || self.try_draw(frame, size));
+        let mut outcome = catch_errors(&device, || self.try_draw(frame, size));
         if outcome == Err(GpuError::OutOfMemory) {
             // Once more with nothing in the card's memory but what this frame needs.
             self.forget();
-            outcome = guarded(&device, || self.try_draw(frame, size));
+            outcome = catch_errors(&device, || self.try_draw(frame, size));
         }
         if outcome.is_err() {
             self.forget();
@@ -160,7 +160,7 @@ impl Renderer {
         let target = self.target.as_ref().ok_or_else(|| GpuError::Rejected {
             reason: "nothing was drawn yet".to_owned(),
         })?;
-        guarded(&self.device, || target.read(&self.device, &self.queue))
+        catch_errors(&self.device, || target.read(&self.device, &self.queue))
     }
 
     /// Whether the card is the processor: then pictures without [`ViewportFrame::antialiasing`] come about
@@ -190,7 +190,7 @@ impl Renderer {
     /// Frees everything that comes with frames.
     pub fn forget(&mut self) {
         self.geometries.clear();
-        self.pictures.free_before(u64::MAX);
+        self.textures.free_before(u64::MAX);
         self.target = None;
     }
 
@@ -213,14 +213,14 @@ impl Renderer {
         let textures = self.load_textures(frame, &plan);
         let backdrop = self.load_backdrop(frame);
         let objects = self.object_blocks(frame, &view, &seen, &plan);
-        let materials: Vec<_> = materials(frame).map(blocks::material).collect();
+        let materials: Vec<_> = materials(frame).map(uniforms::material).collect();
         let layout = &self.pipelines.block;
         self.object_blocks
             .write(&self.device, &self.queue, layout, &objects);
         self.material_blocks
             .write(&self.device, &self.queue, layout, &materials);
         let picture = backdrop.as_ref().and(background_size(&frame.background));
-        let block = blocks::frame(frame, &view, picture);
+        let block = uniforms::frame(frame, &view, picture);
         self.queue
             .write_buffer(&self.frame_block, 0, bytemuck::cast_slice(&block));
         let group = self.frame_group(backdrop.as_ref());
@@ -234,7 +234,7 @@ impl Renderer {
             plan,
             device: &self.device,
             pipelines: &mut self.pipelines,
-            pictures: &self.pictures,
+            texture_cache: &self.textures,
             geometries: &self.geometries,
             objects: &self.object_blocks,
             materials: &self.material_blocks,
@@ -301,7 +301,7 @@ impl Renderer {
             if drawn.mesh.faces.is_empty() || !view.sees(view.to_view(centre), radius) {
                 continue;
             }
-            geometry.hold(drawn, plan.streams, &mut loader)?;
+            geometry.upload(drawn, plan.streams, &mut loader)?;
             geometry.select(drawn, &mut loader);
             seen.push(VisibleObject {
                 index,
@@ -319,13 +319,13 @@ impl Renderer {
 
     /// Of each material the key of its texture.
     fn load_textures(&mut self, frame: &ViewportFrame, plan: &DrawPlan) -> Vec<Option<Vec<u64>>> {
-        let pictures = &mut self.pictures;
+        let cache = &mut self.textures;
         let mut key = |textures: &[u32]| {
             let known = textures
                 .iter()
                 .filter_map(|&t| frame.textures.get(t as usize));
             let used: Vec<TextureSource> = known.copied().collect();
-            pictures.hold(&self.device, &self.queue, &used, self.number)
+            cache.upload(&self.device, &self.queue, &used, self.number)
         };
         let all = materials(frame).map(|m| m.filter(|_| plan.streams.uvs));
         all.map(|m| m.and_then(|m| key(&m.textures))).collect()
@@ -335,8 +335,8 @@ impl Renderer {
         let Background::Image { picture, .. } = frame.background else {
             return None;
         };
-        self.pictures
-            .hold(&self.device, &self.queue, &[picture], self.number)
+        self.textures
+            .upload(&self.device, &self.queue, &[picture], self.number)
     }
 
     fn load_overlay(&self, frame: &ViewportFrame, view: &Projection) -> (wgpu::Buffer, u32) {
@@ -358,7 +358,7 @@ impl Renderer {
         view: &Projection,
         seen: &[VisibleObject],
         plan: &DrawPlan,
-    ) -> Vec<[f32; blocks::WORDS]> {
+    ) -> Vec<[f32; uniforms::WORDS]> {
         let [r, g, b] = frame.selection_color.map(|x| f32::from(x) / 255.0);
         let block = |s: &VisibleObject| {
             let drawn = &frame.objects[s.index];
@@ -368,17 +368,17 @@ impl Renderer {
                 FacetAttribute::None => geometry.light_scale,
                 FacetAttribute::Light | FacetAttribute::Values => geometry.facet_scale,
             };
-            Some(blocks::object(view, &s.view_from, geometry, tint, scale))
+            Some(uniforms::object(view, &s.view_from, geometry, tint, scale))
         };
-        let none = [0.0; blocks::WORDS];
+        let none = [0.0; uniforms::WORDS];
         seen.iter().map(|s| block(s).unwrap_or(none)).collect()
     }
 
     fn frame_group(&mut self, backdrop: Option<&Vec<u64>>) -> wgpu::BindGroup {
-        let sampler = wgpu::BindingResource::Sampler(self.pictures.sampler());
+        let sampler = wgpu::BindingResource::Sampler(self.textures.sampler());
         let resources = [
             self.frame_block.as_entire_binding(),
-            wgpu::BindingResource::TextureView(self.pictures.view(backdrop)),
+            wgpu::BindingResource::TextureView(self.textures.view(backdrop)),
             sampler.clone(),
             wgpu::BindingResource::TextureView(&self.color_map.1),
             sampler,
@@ -397,7 +397,7 @@ impl Renderer {
     fn free(&mut self, plan: &DrawPlan) {
         let oldest = self.number.saturating_sub(PATIENCE);
         self.geometries.retain(|_, g| g.used >= oldest);
-        self.pictures.free_before(oldest);
+        self.textures.free_before(oldest);
         if plan.streams.facets == FacetAttribute::None {
             self.geometries.values_mut().for_each(GpuMesh::drop_facets);
         }

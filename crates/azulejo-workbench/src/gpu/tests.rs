@@ -577,12 +577,12 @@ fn what_is_selected_stands_out() {
 #[test]
 fn both_drivers_draw_the_same() {
     let white = Material::diffuse("", Rgb::new(0.9, 0.6, 0.3));
-    let pictures = Mutex::new(Vec::new());
+    let textures = Mutex::new(Vec::new());
     on_each_driver(|renderer| {
         let pixels = draw_one(renderer, &sphere(), &[&white], |_| {});
-        pictures.lock().expect("one thread").push(pixels);
+        textures.lock().expect("one thread").push(pixels);
     });
-    if let [vulkan, gl] = &pictures.into_inner().expect("one thread")[..] {
+    if let [vulkan, gl] = &textures.into_inner().expect("one thread")[..] {
         let differ = vulkan
             .rgba
             .iter()

@@ -26,7 +26,7 @@ pub struct ScriptPlayer {
     name: String,
     waits: Option<WaitCondition>,
     /// How many errors were told before the step.
-    told: u64,
+    errors_before: u64,
     line: usize,
     outcome: Arc<Mutex<Option<Result<(), String>>>>,
 }
@@ -60,7 +60,7 @@ impl ScriptPlayer {
             steps: steps.into(),
             name: name.to_owned(),
             waits: Some(WaitCondition::Frames(SETTLE)),
-            told: 0,
+            errors_before: 0,
             line: 0,
             outcome: Arc::default(),
         }
@@ -100,10 +100,10 @@ impl ScriptPlayer {
             return self.end(Ok(()));
         };
         self.line = line;
-        self.told = window.app.errors;
+        self.errors_before = window.app.errors;
         if step == ScriptStep::Quit {
             window.app.execute(Command::Discard);
-            window.app.leave();
+            window.app.allow_close();
             return self.end(Ok(()));
         }
         match self.begin(step, window, context) {
@@ -129,7 +129,7 @@ impl ScriptPlayer {
         if app.asking.is_some() {
             return Some("a dialog came up, and a script has no answer".into());
         }
-        if app.errors == self.told {
+        if app.errors == self.errors_before {
             return None;
         }
         let errors = app
@@ -156,7 +156,7 @@ impl ScriptPlayer {
             }
             Some(WaitCondition::Until(moment)) => Instant::now() < *moment,
             Some(WaitCondition::Samples(wanted)) => {
-                let found = app.picture.as_ref().map_or(0, |p| p.samples);
+                let found = app.render.as_ref().map_or(0, |p| p.samples);
                 if found < *wanted && !app.is_busy(JobKind::Render) {
                     return Err(format!("{found} paths per pixel, expected {wanted}"));
                 }
@@ -203,9 +203,9 @@ impl ScriptPlayer {
             ScriptStep::PanelTab(tab) => window.tab = tab,
             ScriptStep::Action(name) => {
                 let action = ACTIONS.iter().find(|a| a.label == name);
-                let wish = action.and_then(|a| (a.wish)(&window.app));
-                let wish = wish.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
-                window.fulfil(wish);
+                let target = action.and_then(|a| (a.target)(&window.app));
+                let target = target.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
+                window.run_action(target);
                 // What it looks like is seen a few frames later, what it began when that is done.
                 return Ok(WaitCondition::Jobs(SETTLE));
             }
@@ -251,7 +251,7 @@ fn run(app: &mut App, step: ScriptStep) -> Result<WaitCondition, String> {
         ScriptStep::Solve(error) => {
             if let Some(error) = error {
                 // Who names an error wants that, however long it takes.
-                let settings = crate::light::LightSettings {
+                let settings = crate::first_pass::LightSettings {
                     error,
                     time: None,
                     ..app.lighting.settings
@@ -262,22 +262,22 @@ fn run(app: &mut App, step: ScriptStep) -> Result<WaitCondition, String> {
             return Ok(WaitCondition::Jobs(0));
         }
         ScriptStep::Patches(patches) => {
-            let settings = crate::light::LightSettings {
+            let settings = crate::first_pass::LightSettings {
                 patches,
                 ..app.lighting.settings
             };
             app.execute(Command::SetLight(settings));
         }
         ScriptStep::Select(name) => select(app, &name)?,
-        ScriptStep::Shading(shading) => look(app, |view| view.shading = shading),
+        ScriptStep::Shading(shading) => change_view(app, |view| view.shading = shading),
         ScriptStep::View(side) => {
             let (bounds, up) = (app.document.bounds(None), app.document.units.up);
-            look(app, |view| match side {
-                Some(side) => view.look_from(side, bounds, up),
+            change_view(app, |view| match side {
+                Some(side) => view.view_from(side, bounds, up),
                 None => view.frame(bounds),
             });
         }
-        ScriptStep::Camera(eye, target) => look(app, |view| {
+        ScriptStep::Camera(eye, target) => change_view(app, |view| {
             view.camera = Camera {
                 eye,
                 target,
@@ -373,7 +373,7 @@ fn set_material(
     Ok(())
 }
 
-fn look(app: &mut App, change: impl FnOnce(&mut crate::view::ModelView)) {
+fn change_view(app: &mut App, change: impl FnOnce(&mut crate::view::ModelView)) {
     let mut view = app.view.clone();
     change(&mut view);
     app.execute(Command::SetView(Box::new(view)));
@@ -400,7 +400,7 @@ fn select(app: &mut App, name: &str) -> Result<(), String> {
 /// Everything whose name, or the last part of it, is this.
 fn named(app: &App, name: &str) -> Vec<ItemId> {
     let document = &app.document;
-    let items = document.items.iter().map(|i| (i.id, &i.name));
+    let items = document.objects.iter().map(|i| (i.id, &i.name));
     let lights = document.lights.iter().map(|l| (l.id, &l.light.name));
     let cameras = document.cameras.iter().map(|c| (c.id, &c.camera.name));
     let all = items.chain(lights).chain(cameras);

@@ -1,6 +1,6 @@
 //! What menus and keys can do: one table for both, and for the page that lists the keys.
 
-use super::stock::duplicate;
+use super::material_actions::duplicate;
 use crate::app::App;
 use crate::command::{Command, FileRequest, Selection};
 use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
@@ -18,16 +18,16 @@ pub struct Action {
     /// Its key.
     pub key: Option<KeyboardShortcut>,
     /// What it does now; `None` where it makes no sense.
-    pub wish: fn(&App) -> Option<ActionTarget>,
+    pub target: fn(&App) -> Option<ActionTarget>,
 }
 
 /// What an action asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ActionTarget {
     /// Of the app.
-    Do(Command),
+    Command(Command),
     /// Of the window alone.
-    Show(WindowAction),
+    Window(WindowAction),
 }
 
 /// What only the window knows of.
@@ -87,13 +87,13 @@ impl Menu {
     /// Its English name.
     pub fn label(self, language: crate::words::Language) -> &'static str {
         match self {
-            Menu::File => language.say("File"),
-            Menu::Edit => language.say("Edit"),
-            Menu::Add => language.say("Add"),
-            Menu::View => language.say("View"),
-            Menu::Shading => language.say("Shading"),
-            Menu::Light => language.say("Light"),
-            Menu::Help => language.say("Help"),
+            Menu::File => language.tr("File"),
+            Menu::Edit => language.tr("Edit"),
+            Menu::Add => language.tr("Add"),
+            Menu::View => language.tr("View"),
+            Menu::Shading => language.tr("Shading"),
+            Menu::Light => language.tr("Light"),
+            Menu::Help => language.tr("Help"),
         }
     }
 }
@@ -125,22 +125,22 @@ const fn action(
     menu: Menu,
     label: &'static str,
     key: Option<KeyboardShortcut>,
-    wish: fn(&App) -> Option<ActionTarget>,
+    target: fn(&App) -> Option<ActionTarget>,
 ) -> Action {
     Action {
         menu,
         label,
         key,
-        wish,
+        target,
     }
 }
 
 fn done(command: Command) -> Option<ActionTarget> {
-    Some(ActionTarget::Do(command))
+    Some(ActionTarget::Command(command))
 }
 
 fn when(holds: bool, command: Command) -> Option<ActionTarget> {
-    holds.then_some(ActionTarget::Do(command))
+    holds.then_some(ActionTarget::Command(command))
 }
 
 fn edit(edit: Edit) -> Option<ActionTarget> {
@@ -149,7 +149,7 @@ fn edit(edit: Edit) -> Option<ActionTarget> {
 
 fn selected(app: &App, make: impl Fn(Vec<ItemId>) -> Edit) -> Option<ActionTarget> {
     let ids = &app.selection.ids;
-    (!ids.is_empty()).then(|| ActionTarget::Do(Command::Edit(make(ids.clone()), None)))
+    (!ids.is_empty()).then(|| ActionTarget::Command(Command::Edit(make(ids.clone()), None)))
 }
 
 fn hide(ids: Vec<ItemId>, hidden: bool) -> Option<ActionTarget> {
@@ -165,20 +165,23 @@ fn chosen_material(app: &App) -> Option<MaterialId> {
     material.filter(|_| app.selection.is_empty())
 }
 
-fn look(app: &App, change: impl FnOnce(&mut crate::view::ModelView)) -> Option<ActionTarget> {
+fn change_view(
+    app: &App,
+    change: impl FnOnce(&mut crate::view::ModelView),
+) -> Option<ActionTarget> {
     let mut view = app.view.clone();
     change(&mut view);
     done(Command::SetView(Box::new(view)))
 }
 
 fn shade(app: &App, shading: Shading) -> Option<ActionTarget> {
-    look(app, |view| view.shading = shading)
+    change_view(app, |view| view.shading = shading)
 }
 
 fn from(app: &App, side: ViewDirection) -> Option<ActionTarget> {
     let bounds = app.document.bounds(None);
     let up = app.document.units.up;
-    look(app, |view| view.look_from(side, bounds, up))
+    change_view(app, |view| view.view_from(side, bounds, up))
 }
 
 /// All of them, in the order of the menus.
@@ -192,7 +195,7 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::File, "Save", ctrl(Key::S), |a| {
         when(
-            !a.document.items.is_empty() || a.is_changed(),
+            !a.document.objects.is_empty() || a.is_changed(),
             Command::Save,
         )
     }),
@@ -204,12 +207,12 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::File, "Save picture…", ctrl_shift(Key::P), |a| {
         when(
-            a.picture.is_some(),
+            a.render.is_some(),
             Command::RequestFile(FileRequest::SaveRender),
         )
     }),
     action(Menu::File, "Preferences…", ctrl(Key::Comma), |_| {
-        Some(ActionTarget::Show(WindowAction::Preferences))
+        Some(ActionTarget::Window(WindowAction::Preferences))
     }),
     action(Menu::File, "Quit", ctrl(Key::Q), |_| done(Command::Quit)),
     action(Menu::Edit, "Undo", ctrl(Key::Z), |a| {
@@ -240,7 +243,7 @@ pub const ACTIONS: &[Action] = &[
         when(used < a.document.materials.len(), command)
     }),
     action(Menu::Edit, "Rename…", key(Key::F2), |a| {
-        (a.selection.ids.len() == 1).then_some(ActionTarget::Show(WindowAction::Rename))
+        (a.selection.ids.len() == 1).then_some(ActionTarget::Window(WindowAction::Rename))
     }),
     action(Menu::Edit, "Hide", key(Key::H), |a| {
         let shown = |id: &ItemId| a.document.is_hidden(*id) == Some(false);
@@ -263,13 +266,13 @@ pub const ACTIONS: &[Action] = &[
         done(Command::AddShape(NewShapeKind::Cone))
     }),
     action(Menu::Add, "Prism…", None, |_| {
-        Some(ActionTarget::Show(WindowAction::Prism))
+        Some(ActionTarget::Window(WindowAction::Prism))
     }),
     action(Menu::Add, "Square", None, |_| {
         done(Command::AddShape(NewShapeKind::Square))
     }),
     action(Menu::Add, "Text…", None, |_| {
-        Some(ActionTarget::Show(WindowAction::Text))
+        Some(ActionTarget::Window(WindowAction::Text))
     }),
     action(Menu::Add, "Area light", ctrl(Key::L), |_| {
         done(Command::AddShape(NewShapeKind::AreaLight))
@@ -295,13 +298,13 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::View, "Frame all", key(Key::Home), |a| {
         let bounds = a.document.bounds(None);
-        look(a, |view| view.frame(bounds))
+        change_view(a, |view| view.frame(bounds))
     }),
     action(Menu::View, "Frame selection", key(Key::Period), |a| {
         let bounds = a.document.frame_of(&a.selection.ids);
         match bounds.is_empty() {
             true => None,
-            false => look(a, |view| view.frame(bounds)),
+            false => change_view(a, |view| view.frame(bounds)),
         }
     }),
     action(Menu::View, "From the front", key(Key::Num1), |a| {
@@ -326,16 +329,16 @@ pub const ACTIONS: &[Action] = &[
         from(a, ViewDirection::Corner)
     }),
     action(Menu::View, "Lights and cameras", key(Key::L), |a| {
-        look(a, |view| view.signs = !view.signs)
+        change_view(a, |view| view.shows_markers = !view.shows_markers)
     }),
     action(Menu::View, "Grid", key(Key::G), |a| {
-        look(a, |view| view.grid = !view.grid)
+        change_view(a, |view| view.shows_grid = !view.shows_grid)
     }),
     action(Menu::View, "Fog", None, |a| {
-        look(a, |view| view.fog = !view.fog)
+        change_view(a, |view| view.shows_fog = !view.shows_fog)
     }),
     action(Menu::View, "Picture by rays", key(Key::F12), |_| {
-        Some(ActionTarget::Show(WindowAction::ToggleRender))
+        Some(ActionTarget::Window(WindowAction::ToggleRender))
     }),
     action(Menu::Shading, "Points", ctrl(Key::Num1), |a| {
         shade(a, Shading::Points)
@@ -388,7 +391,7 @@ pub const ACTIONS: &[Action] = &[
         when(a.is_busy(JobKind::Solve), Command::StopSolving)
     }),
     action(Menu::Light, "Pin a probe", key(Key::P), |a| {
-        (!a.document.items.is_empty()).then_some(ActionTarget::Show(WindowAction::AddProbe))
+        (!a.document.objects.is_empty()).then_some(ActionTarget::Window(WindowAction::AddProbe))
     }),
     action(Menu::Light, "Measure the probes", None, |a| {
         when(!a.probes.is_empty(), Command::MeasureProbes)
@@ -397,20 +400,20 @@ pub const ACTIONS: &[Action] = &[
         when(a.lighting.solution.is_some(), Command::ClearLight)
     }),
     action(Menu::Help, "Keys", key(Key::Questionmark), |_| {
-        Some(ActionTarget::Show(WindowAction::Keys))
+        Some(ActionTarget::Window(WindowAction::Keys))
     }),
     action(Menu::Help, "Messages", key(Key::F8), |_| {
-        Some(ActionTarget::Show(WindowAction::Messages))
+        Some(ActionTarget::Window(WindowAction::Messages))
     }),
     action(Menu::Help, "About azulejo", None, |_| {
-        Some(ActionTarget::Show(WindowAction::About))
+        Some(ActionTarget::Window(WindowAction::About))
     }),
 ];
 
 /// The actions whose keys were pressed. Keys alone are for texts while one is being written.
 pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
     let writes = context.text_edit_focused();
-    let mut wishes = Vec::new();
+    let mut commands = Vec::new();
     // Keys with more modifiers first: Ctrl+Z would take Ctrl+Shift+Z too.
     let mut keyed: Vec<(&Action, KeyboardShortcut)> =
         ACTIONS.iter().filter_map(|a| Some((a, a.key?))).collect();
@@ -422,10 +425,10 @@ pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
             continue;
         }
         if context.input_mut(|input| input.consume_shortcut(&key)) {
-            wishes.extend((action.wish)(app));
+            commands.extend((action.target)(app));
         }
     }
-    wishes
+    commands
 }
 
 fn is_function(key: Key) -> bool {
@@ -462,35 +465,36 @@ mod tests {
         let app = App::quiet();
         let of = |label: &str| ACTIONS.iter().find(|a| a.label == label).unwrap();
         for label in ["Undo", "Redo", "Delete", "Pause", "Stop", "Show all"] {
-            assert_eq!((of(label).wish)(&app), None, "{label}");
+            assert_eq!((of(label).target)(&app), None, "{label}");
         }
-        assert!(ACTIONS.iter().any(|a| (a.wish)(&app).is_some()));
+        assert!(ACTIONS.iter().any(|a| (a.target)(&app).is_some()));
     }
 
     #[test]
     fn lights_and_cameras_are_hidden_and_framed() {
         let mut app = App::quiet();
         app.document = crate::document::tests::sample();
-        let wish = |app: &App, label: &str| {
+        let target = |app: &App, label: &str| {
             let action = ACTIONS.iter().find(|a| a.label == label).unwrap();
-            (action.wish)(app)
+            (action.target)(app)
         };
-        assert_eq!(wish(&app, "Frame selection"), None);
+        assert_eq!(target(&app, "Frame selection"), None);
         let (bulb, view) = (ItemId(5), ItemId(6));
         app.selection.ids = vec![bulb, view];
         app.document.cameras[0].hidden = true;
         let hide = |ids: Vec<ItemId>, hidden| {
-            Some(ActionTarget::Do(Command::Edit(
+            Some(ActionTarget::Command(Command::Edit(
                 Edit::Hide(ids, hidden),
                 None,
             )))
         };
-        assert_eq!(wish(&app, "Hide"), hide(vec![bulb], true));
-        assert_eq!(wish(&app, "Show all"), hide(vec![view], false));
+        assert_eq!(target(&app, "Hide"), hide(vec![bulb], true));
+        assert_eq!(target(&app, "Show all"), hide(vec![view], false));
         app.document.lights[0].hidden = true;
-        assert_eq!(wish(&app, "Hide"), None);
+        assert_eq!(target(&app, "Hide"), None);
         app.selection.ids = vec![bulb];
-        let Some(ActionTarget::Do(Command::SetView(look))) = wish(&app, "Frame selection") else {
+        let Some(ActionTarget::Command(Command::SetView(look))) = target(&app, "Frame selection")
+        else {
             panic!("a light can be framed")
         };
         let middle = look.camera.target - glam::DVec3::new(0.0, 1.5, 0.0);

@@ -11,7 +11,7 @@ use std::rc::Rc;
 /// Colours that differ less than this in every channel, linear and relative to the brightest if
 /// that is above 1, are the same to a picker: it converts to gamma and back in 32 bits, which some
 /// colours do not survive.
-const SAME: f64 = 1e-5;
+const TOLERANCE: f64 = 1e-5;
 
 /// A number that is dragged or typed, within `range`. A number beyond it stays until it is changed.
 pub fn number(value: &mut f64, range: RangeInclusive<f64>) -> DragValue<'_> {
@@ -98,7 +98,7 @@ pub fn picked(
 }
 
 fn is_same(a: Rgb, b: Rgb) -> bool {
-    let most = SAME * a.max_channel().max(1.0);
+    let most = TOLERANCE * a.max_channel().max(1.0);
     (0..3).all(|channel| (a[channel] - b[channel]).abs() <= most)
 }
 

@@ -1,8 +1,8 @@
 //! The editor of the selected material, with what it is shown.
 
 use super::brdf::{BrdfEditor, EditorInput, EditorResponse, PreviewLight};
-use super::desk::PanelContext;
-use super::stock::buttons;
+use super::material_actions::buttons;
+use super::panel_context::PanelContext;
 use crate::command::{Command, FileRequest};
 use crate::document::{Edit, ItemId, SceneDocument};
 use azulejo::scene::{Light, Material, MaterialId, Shape};
@@ -23,29 +23,29 @@ pub struct MaterialPanel {
 
 impl MaterialPanel {
     /// Shows the material that is selected.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
-        let app = desk.app;
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
+        let app = cx.app;
         let id = app.selection.material;
         let found = id.and_then(|id| Some((id, app.document.materials.get(id as usize)?)));
         let Some((id, material)) = found else {
-            ui.weak(desk.say("Select an object, or a material in the tree."));
+            ui.weak(cx.tr("Select an object, or a material in the tree."));
             return;
         };
-        ui.horizontal(|ui| buttons(ui, desk, id));
+        ui.horizontal(|ui| buttons(ui, cx, id));
         let shown = EditorInput {
             // The same number is another material where some were taken away.
             key: u64::from(id) | (app.document.materials.len() as u64) << 32,
             material,
             others: &app.document.materials,
-            light: self.preview.light(desk),
+            light: self.preview.light(cx),
             is_photometric: app.document.units.photometric,
         };
-        for answer in self.editor.ui(ui, desk.language, &shown) {
-            self.take(answer, id, desk);
+        for answer in self.editor.ui(ui, cx.language, &shown) {
+            self.take(answer, id, cx);
         }
     }
 
-    fn take(&mut self, answer: EditorResponse, id: MaterialId, desk: &mut PanelContext) {
+    fn take(&mut self, answer: EditorResponse, id: MaterialId, cx: &mut PanelContext) {
         match answer {
             EditorResponse::Change {
                 material,
@@ -53,13 +53,13 @@ impl MaterialPanel {
             } => {
                 // Presses of the mouse count up from 0, finished changes down from the end.
                 let gesture = Some(u64::MAX - self.changes);
-                desk.wish(Command::Edit(Edit::SetMaterial(id, material), gesture));
+                cx.send(Command::Edit(Edit::SetMaterial(id, material), gesture));
                 self.changes += u64::from(is_finished);
             }
-            EditorResponse::Load => desk.wish(Command::RequestFile(FileRequest::LoadBrdf)),
+            EditorResponse::Load => cx.send(Command::RequestFile(FileRequest::LoadBrdf)),
             EditorResponse::Save(text) => {
                 self.saving = Some(text);
-                desk.wish(Command::RequestFile(FileRequest::SaveBrdf));
+                cx.send(Command::RequestFile(FileRequest::SaveBrdf));
             }
         }
     }
@@ -75,8 +75,8 @@ struct PreviewCache {
 
 impl PreviewCache {
     /// The scene's own light, at the selection or in the middle; a studio where nothing shines.
-    fn light(&mut self, desk: &PanelContext) -> &PreviewLight {
-        let app = desk.app;
+    fn light(&mut self, cx: &PanelContext) -> &PreviewLight {
+        let app = cx.app;
         let (revision, ids) = (app.revision(), &app.selection.ids);
         let is_seen = (self.seen.as_ref()).is_some_and(|(r, s)| *r == revision && s == ids);
         if !is_seen {
@@ -133,7 +133,7 @@ impl LightingKey {
         let emitters = document.materials.iter().filter(|m| m.is_emitter());
         let materials = &document.materials;
         let shines = |m: MaterialId| materials.get(m as usize).is_some_and(|m| m.is_emitter());
-        let items = document.items.iter();
+        let items = document.objects.iter();
         let items = items.filter(|item| item.materials().iter().any(|&m| shines(m)));
         Some(LightingKey {
             at,

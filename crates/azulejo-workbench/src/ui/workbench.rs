@@ -4,13 +4,13 @@ mod closing;
 
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
-use super::desk::PanelContext;
 use super::dialogs::{BrdfFileChoice, Dialogs, TextDialog};
 use super::material::MaterialPanel;
+use super::panel_context::PanelContext;
 use super::prism::PrismDialog;
 use super::tree::SceneTree;
 use super::viewport::{DeviceLost, Viewport};
-use super::{inspector, light, looks, menu, messages};
+use super::{inspector, light, menu, messages, view_tab};
 use crate::app::{App, Severity};
 use crate::command::Command;
 use crate::document::Edit;
@@ -66,7 +66,7 @@ pub struct Workbench {
     dressed: Option<(Theme, f32)>,
     title: String,
     /// Whether the window closes because somebody wants it to.
-    leaves: bool,
+    is_leaving: bool,
     /// Where the app goes when the window cannot stay.
     rescue: Option<Sender<Box<Rescued>>>,
 }
@@ -85,7 +85,7 @@ pub struct Rescued {
 /// out, and so may we.
 impl Drop for Workbench {
     fn drop(&mut self) {
-        if !self.leaves {
+        if !self.is_leaving {
             self.hand_over(None);
         }
     }
@@ -107,7 +107,7 @@ impl Workbench {
             was_focused: true,
             dressed: None,
             title: String::new(),
-            leaves: false,
+            is_leaving: false,
             rescue: None,
         }
     }
@@ -119,7 +119,7 @@ impl Workbench {
         context: &eframe::CreationContext<'_>,
     ) -> Workbench {
         let egui = context.egui_ctx.clone();
-        app.set_wake(Arc::new(move || egui.request_repaint()));
+        app.set_repaint(Arc::new(move || egui.request_repaint()));
         let mut window = Workbench::new(app);
         window.viewport = viewport;
         window
@@ -144,33 +144,33 @@ impl Workbench {
     pub fn show(&mut self, ui: &mut Ui) {
         if let Err(loss) = self.viewport.check() {
             // Before anything is painted: egui cannot paint on what is gone, and would panic.
-            self.lose(ui.ctx(), loss);
+            self.on_device_lost(ui.ctx(), loss);
             return;
         }
         self.app.poll();
         self.dress(ui.ctx());
         self.take_drops(ui.ctx());
-        let mut wishes = Vec::new();
+        let mut targets = Vec::new();
         if !self.dialogs.is_open(&self.app) {
-            wishes = actions::pressed(ui.ctx(), &self.app);
+            targets = actions::pressed(ui.ctx(), &self.app);
         }
-        let (commands, loss) = self.parts(ui, &mut wishes);
-        let acted = !commands.is_empty() || !wishes.is_empty();
+        let (commands, loss) = self.parts(ui, &mut targets);
+        let acted = !commands.is_empty() || !targets.is_empty();
         commands.into_iter().for_each(|c| self.app.execute(c));
-        wishes.into_iter().for_each(|w| self.fulfil(w));
+        targets.into_iter().for_each(|w| self.run_action(w));
         if let Some(loss) = loss {
-            self.lose(ui.ctx(), loss);
+            self.on_device_lost(ui.ctx(), loss);
         }
         self.step_script(ui.ctx());
-        self.keep_time(ui.ctx(), acted);
-        self.mind_window(ui.ctx());
+        self.schedule_repaint(ui.ctx(), acted);
+        self.update_window(ui.ctx());
     }
 
     /// All parts of the window.
     fn parts(
         &mut self,
         ui: &mut Ui,
-        wishes: &mut Vec<ActionTarget>,
+        targets: &mut Vec<ActionTarget>,
     ) -> (Vec<Command>, Option<DeviceLost>) {
         let Workbench {
             app,
@@ -186,39 +186,39 @@ impl Workbench {
         });
         let writes = ui.ctx().text_edit_focused();
         self.press += u64::from(is_pressed);
-        let mut desk = PanelContext {
+        let mut cx = PanelContext {
             language: app.preferences.language,
             gesture: is_held.then_some(self.press),
             is_covered: dialogs.is_open(app),
             app,
-            wishes: Vec::new(),
+            commands: Vec::new(),
         };
         Panel::top("menu").show(ui, |ui| {
-            wishes.extend(menu::show(ui, &mut desk));
-            wishes.extend(menu::tools(ui, &mut desk));
+            targets.extend(menu::show(ui, &mut cx));
+            targets.extend(menu::tools(ui, &mut cx));
         });
         Panel::bottom("status").show(ui, |ui| {
-            if messages::status(ui, &mut desk, viewport.probe()) {
-                wishes.push(ActionTarget::Show(WindowAction::Messages));
+            if messages::status(ui, &mut cx, viewport.probe()) {
+                targets.push(ActionTarget::Window(WindowAction::Messages));
             }
         });
         if self.shows_messages {
             Panel::bottom("messages")
                 .resizable(true)
                 .default_size(130.0)
-                .show(ui, |ui| messages::show(ui, &mut desk));
+                .show(ui, |ui| messages::show(ui, &mut cx));
         }
         Panel::left("tree")
             .resizable(true)
             .default_size(220.0)
-            .show(ui, |ui| tree.show(ui, &mut desk));
+            .show(ui, |ui| tree.show(ui, &mut cx));
         Panel::right("panel")
             .resizable(true)
             .default_size(380.0)
             .show(ui, |ui| {
                 ui.horizontal(|ui| {
                     for tab in PanelTab::ALL {
-                        ui.selectable_value(&mut self.tab, tab, tab_name(tab, &desk));
+                        ui.selectable_value(&mut self.tab, tab, tab_name(tab, &cx));
                     }
                 });
                 ui.separator();
@@ -226,52 +226,52 @@ impl Workbench {
                     .id_salt(self.tab as u8)
                     .auto_shrink([false, false])
                     .show(ui, |ui| match self.tab {
-                        PanelTab::Object => inspector::show(ui, &mut desk),
-                        PanelTab::Material => self.materials.show(ui, &mut desk),
+                        PanelTab::Object => inspector::show(ui, &mut cx),
+                        PanelTab::Material => self.materials.show(ui, &mut cx),
                         PanelTab::Light => {
-                            if light::show(ui, &mut desk) {
-                                wishes.push(ActionTarget::Show(WindowAction::AddProbe));
+                            if light::show(ui, &mut cx) {
+                                targets.push(ActionTarget::Window(WindowAction::AddProbe));
                             }
                         }
-                        PanelTab::View => looks::show(ui, &mut desk),
+                        PanelTab::View => view_tab::show(ui, &mut cx),
                     });
             });
-        let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut desk));
-        let chosen = dialogs.show(ui, &mut desk);
-        let commands = desk.wishes;
+        let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut cx));
+        let chosen = dialogs.show(ui, &mut cx);
+        let commands = cx.commands;
         // A press elsewhere ends what was being typed, which is no part of what the press begins.
         self.press += u64::from(is_pressed && writes);
         if let Some(chosen) = chosen {
-            self.take_file(chosen);
+            self.use_brdf_file(chosen);
         }
         (commands, shown.inner.err())
     }
 
     /// Does what an action asks for.
-    pub fn fulfil(&mut self, wish: ActionTarget) {
-        match wish {
-            ActionTarget::Do(command) => self.app.execute(command),
-            ActionTarget::Show(WindowAction::Keys) => self.dialogs.keys = true,
-            ActionTarget::Show(WindowAction::Preferences) => self.dialogs.preferences = true,
-            ActionTarget::Show(WindowAction::About) => self.dialogs.about = true,
-            ActionTarget::Show(WindowAction::Messages) => {
+    pub fn run_action(&mut self, target: ActionTarget) {
+        match target {
+            ActionTarget::Command(command) => self.app.execute(command),
+            ActionTarget::Window(WindowAction::Keys) => self.dialogs.keys = true,
+            ActionTarget::Window(WindowAction::Preferences) => self.dialogs.preferences = true,
+            ActionTarget::Window(WindowAction::About) => self.dialogs.about = true,
+            ActionTarget::Window(WindowAction::Messages) => {
                 self.shows_messages = !self.shows_messages
             }
-            ActionTarget::Show(WindowAction::Prism) => {
-                self.dialogs.prism = Some(PrismDialog::new(self.app.usual_size()));
+            ActionTarget::Window(WindowAction::Prism) => {
+                self.dialogs.prism = Some(PrismDialog::new(self.app.default_size()));
             }
-            ActionTarget::Show(WindowAction::Text) => {
-                let size = 0.25 * self.app.usual_size();
+            ActionTarget::Window(WindowAction::Text) => {
+                let size = 0.25 * self.app.default_size();
                 self.dialogs.text = Some(TextDialog::new(size));
             }
-            ActionTarget::Show(WindowAction::AddProbe) => match self.viewport.pointed_place() {
+            ActionTarget::Window(WindowAction::AddProbe) => match self.viewport.pointed_place() {
                 Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,
             },
-            ActionTarget::Show(WindowAction::Rename) => self.tree.begin_rename(&self.app),
-            ActionTarget::Show(WindowAction::ToggleRender) => {
+            ActionTarget::Window(WindowAction::Rename) => self.tree.begin_rename(&self.app),
+            ActionTarget::Window(WindowAction::ToggleRender) => {
                 let (width, height) = self.viewport.size();
-                self.app.execute(match self.app.picture {
+                self.app.execute(match self.app.render {
                     Some(_) => Command::StopRender,
                     None => Command::Render {
                         width,
@@ -284,13 +284,13 @@ impl Workbench {
     }
 
     /// A file that was chosen for the editor of reflection models.
-    fn take_file(&mut self, chosen: BrdfFileChoice) {
+    fn use_brdf_file(&mut self, chosen: BrdfFileChoice) {
         let done = match chosen {
             BrdfFileChoice::LoadBrdf(path) => self.load_brdf(&path),
             BrdfFileChoice::SaveBrdf(path) => self.save_brdf(&path),
         };
         if let Err(why) = done {
-            self.app.tell(Severity::Error, why);
+            self.app.report(Severity::Error, why);
         }
     }
 
@@ -307,7 +307,7 @@ impl Workbench {
         let file = apply_file(&bytes, path)?;
         let new = with_description(material, file.description).map_err(|e| e.to_string())?;
         for warning in file.warnings {
-            self.app.tell(Severity::Warning, warning);
+            self.app.report(Severity::Warning, warning);
         }
         let edit = Edit::SetMaterial(id, new);
         self.app.execute(Command::Edit(edit, None));
@@ -325,8 +325,8 @@ impl Workbench {
         output
             .write(&Progress::new(), |out| out.write_all(text.as_bytes()))
             .map_err(|e| e.to_string())?;
-        let note = format!("{}: {}", path.display(), self.app.say("saved"));
-        self.app.tell(Severity::Note, note);
+        let note = format!("{}: {}", path.display(), self.app.tr("saved"));
+        self.app.report(Severity::Note, note);
         Ok(())
     }
 
@@ -336,7 +336,7 @@ impl Workbench {
         if paths.is_empty() {
             return;
         }
-        let is_empty = self.app.document.items.is_empty();
+        let is_empty = self.app.document.objects.is_empty();
         self.app.execute(match is_empty {
             true => Command::Open(paths),
             false => Command::Add(paths),
@@ -364,9 +364,9 @@ impl Workbench {
     }
 
     /// Gives the app to whoever opens another window, and closes this one.
-    fn lose(&mut self, context: &egui::Context, loss: DeviceLost) {
+    fn on_device_lost(&mut self, context: &egui::Context, loss: DeviceLost) {
         if self.rescue.is_none() {
-            self.app.tell(Severity::Error, loss.0.to_string());
+            self.app.report(Severity::Error, loss.0.to_string());
             self.viewport = Viewport::default();
             return;
         }
@@ -391,20 +391,20 @@ impl Workbench {
                 self.player = Some(player);
             } else if player.has_failed() {
                 // Whoever started it waits for its status.
-                self.app.leave();
+                self.app.allow_close();
             }
         }
     }
 
     /// When the next frame is due: at once after a command, now and then while jobs go on.
-    fn keep_time(&mut self, context: &egui::Context, acted: bool) {
+    fn schedule_repaint(&mut self, context: &egui::Context, acted: bool) {
         if acted {
             context.request_repaint();
         }
         if self.app.jobs().iter().any(|j| !j.progress.is_paused()) {
             context.request_repaint_after(Duration::from_millis(100));
         }
-        if let Some(rest) = self.app.wakes_in() {
+        if let Some(rest) = self.app.repaint_after() {
             context.request_repaint_after(rest);
         }
     }
@@ -425,11 +425,11 @@ impl eframe::App for Workbench {
     }
 }
 
-fn tab_name(tab: PanelTab, desk: &PanelContext) -> &'static str {
+fn tab_name(tab: PanelTab, cx: &PanelContext) -> &'static str {
     match tab {
-        PanelTab::Object => desk.say("Object"),
-        PanelTab::Material => desk.say("Material"),
-        PanelTab::Light => desk.say("Light"),
-        PanelTab::View => desk.say("View"),
+        PanelTab::Object => cx.tr("Object"),
+        PanelTab::Material => cx.tr("Material"),
+        PanelTab::Light => cx.tr("Light"),
+        PanelTab::View => cx.tr("View"),
     }
 }

@@ -70,7 +70,7 @@ fn azulejo_says_what_it_is() {
 #[test]
 fn solid_letters_are_added() {
     let mut window = window(opened("cornell.grf"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     click(&mut window, "Add");
     click_last(&mut window, "Text…");
     write(&mut window, "", "Hola");
@@ -78,8 +78,8 @@ fn solid_letters_are_added() {
     click_last(&mut window, "Add the letters");
     check_no_error(&window);
     let document = &window.state().app.document;
-    assert_eq!(document.items.len(), many + 1);
-    assert_eq!(document.items[many].name, "Hola");
+    assert_eq!(document.objects.len(), many + 1);
+    assert_eq!(document.objects[many].name, "Hola");
     assert!(!says(&window, "Solid letters"));
 }
 
@@ -105,7 +105,7 @@ fn a_message_leads_to_what_it_is_about() {
         .click();
     window.run();
     let app = &window.state().app;
-    assert_eq!(app.selection.ids, [app.document.items[0].id]);
+    assert_eq!(app.selection.ids, [app.document.objects[0].id]);
     // It is in the middle of what is seen.
     let about = app.document.bounds(Some(&app.selection.ids)).centre();
     assert!((app.view.camera.target - about).length() < 1e-9);
@@ -139,7 +139,7 @@ fn an_idle_window_draws_nothing() {
 #[test]
 fn a_prism_is_added() {
     let mut window = window(opened("cornell.grf"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     click(&mut window, "Add");
     click_last(&mut window, "Prism…");
     set(&mut window, "Sides", 5.0);
@@ -148,7 +148,7 @@ fn a_prism_is_added() {
     click_last(&mut window, "Add the prism");
     check_no_error(&window);
     let app = &window.state().app;
-    assert_eq!(app.document.items[many].name, "prism");
+    assert_eq!(app.document.objects[many].name, "prism");
     let size = app.document.bounds(Some(&app.selection.ids)).size();
     assert!((size.x - 2.0).abs() < 1e-9, "{size}");
     assert!((size.y - 0.5).abs() < 1e-9, "{size}");
@@ -172,7 +172,7 @@ fn a_drawing_is_extruded_and_what_is_none_is_told() {
     };
     app.execute(add(path));
     assert!(app.messages.is_empty(), "{:?}", app.messages);
-    assert_eq!(app.document.items[0].name, "logo");
+    assert_eq!(app.document.objects[0].name, "logo");
     let size = app.document.bounds(None).size();
     assert!(
         (size - glam::DVec3::new(8.0, 1.0, 4.0)).length() < 1e-9,
@@ -180,7 +180,7 @@ fn a_drawing_is_extruded_and_what_is_none_is_told() {
     );
     app.execute(add(other));
     assert_eq!(app.errors, 1);
-    assert_eq!(app.document.items.len(), 1);
+    assert_eq!(app.document.objects.len(), 1);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::window::*;
 use azulejo_workbench::app::{App, Severity};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::document::NewShapeKind;
-use azulejo_workbench::light::LightSettings;
+use azulejo_workbench::first_pass::LightSettings;
 use azulejo_workbench::script::ScriptPlayer;
 use azulejo_workbench::ui::PanelTab;
 use egui::accesskit::Role;
@@ -61,8 +61,8 @@ fn files_are_added_from_the_list_and_a_dialog_can_be_left() {
     click_last(&mut window, "Open");
     wait(&mut window);
     check_no_error(&window);
-    let branches = &window.state().app.document.branches;
-    assert_eq!(branches.len(), 2);
+    let source_files = &window.state().app.document.source_files;
+    assert_eq!(source_files.len(), 2);
     assert!(!says(&window, "Add models"));
 }
 
@@ -151,10 +151,10 @@ fn a_file_that_others_wrote_is_asked_about_when_the_window_is_looked_at_again() 
     std::fs::copy(example("csg.grf"), folder.path("shapes.grf")).unwrap();
     focus(&mut window, true);
     assert!(says(&window, "The file has changed on the disk"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     click_last(&mut window, "Read it again");
     wait(&mut window);
-    assert_ne!(window.state().app.document.items.len(), many);
+    assert_ne!(window.state().app.document.objects.len(), many);
     assert!(!says(&window, "The file has changed on the disk"));
 }
 
@@ -208,7 +208,7 @@ fn work_that_does_not_know_how_much_it_is_shows_no_share() {
     drop(writer);
     wait(&mut window);
     check_no_error(&window);
-    assert_eq!(window.state().app.document.branches[0].name, "pipe");
+    assert_eq!(window.state().app.document.source_files[0].name, "pipe");
 }
 
 /// A save that waits for somebody to read it: a pipe.

@@ -73,7 +73,12 @@ fn a_session_plays_to_its_end() {
     let app = &window.state().app;
     assert!(app.closing && app.lighting.is_current && !app.is_changed());
     assert!(lit.exists() && copy.exists() && picture.exists());
-    assert!(app.document.items.iter().any(|i| i.name == "lamp of mine"));
+    assert!(
+        app.document
+            .objects
+            .iter()
+            .any(|i| i.name == "lamp of mine")
+    );
     assert!(app.document.materials.iter().any(|m| m.name == "wood"));
 }
 
@@ -92,7 +97,7 @@ fn an_action_waits_for_what_it_began_and_a_picture_for_its_paths() {
     assert_eq!(outcome, Ok(()));
     let app = &window.state().app;
     assert!(app.lighting.is_current && !app.is_changed());
-    assert!(app.picture.as_ref().is_some_and(|p| p.samples >= 3));
+    assert!(app.render.as_ref().is_some_and(|p| p.samples >= 3));
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use crate::window::*;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
+use azulejo_workbench::first_pass::{EngineChoice, LightSettings};
 use azulejo_workbench::gpu::HeadlessDevice;
-use azulejo_workbench::light::{EngineChoice, LightSettings};
 use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};

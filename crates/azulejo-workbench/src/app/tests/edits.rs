@@ -347,7 +347,7 @@ fn what_is_made_is_selected_and_undo_selects_what_was() {
 /// A floor of ten thousand vertices and more.
 fn large() -> App {
     let mut app = filled();
-    let Shape::Mesh(mesh) = &*app.document.items[0].shape else {
+    let Shape::Mesh(mesh) = &*app.document.objects[0].shape else {
         panic!("the floor is a mesh")
     };
     let mut mesh = mesh.clone();
@@ -393,10 +393,10 @@ fn undo_holds_twice_a_large_document_and_forgets_the_rest() {
 fn a_step_holds_the_objects_that_it_changes() {
     let mut app = filled();
     for _ in 0..9 {
-        let all = app.document.items.iter().map(|i| i.id).collect();
+        let all = app.document.objects.iter().map(|i| i.id).collect();
         edit(&mut app, Edit::Duplicate(all));
     }
-    let count = app.document.items.len() as u64;
+    let count = app.document.objects.len() as u64;
     assert_eq!(count, 2_048);
     app.execute(Command::Select(Selection::one(ItemId(3))));
     let before = app.history.bytes();
@@ -459,13 +459,13 @@ fn letters_are_added_and_nonsense_is_told() {
     };
     app.execute(text("Olé", 1.0, None));
     check_no_error(&app);
-    assert_eq!(app.document.items.last().unwrap().name, "Olé");
+    assert_eq!(app.document.objects.last().unwrap().name, "Olé");
     check_app(&app);
     app.execute(text("a", -1.0, None));
     app.execute(text("a", 1.0, Some("/nowhere/font.ttf".into())));
     app.execute(text("a", 1.0, Some(example("cornell.grf"))));
     assert_eq!(errors(&app).len(), 3, "{:?}", app.messages);
-    assert_eq!(app.document.items.len(), 5);
+    assert_eq!(app.document.objects.len(), 5);
 }
 
 #[test]

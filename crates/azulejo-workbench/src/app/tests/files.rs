@@ -14,7 +14,7 @@ fn changed(folder: &TestFolder) -> App {
     let model = folder.copy("cornell.grf");
     run(&mut app, Command::Open(vec![model]));
     check_no_error(&app);
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     edit(&mut app, Edit::Rename(first, "ground".into()));
     assert!(app.is_changed());
     app
@@ -29,8 +29,8 @@ fn a_file_is_opened_and_others_join_it_under_their_names() {
     assert_eq!(file_of(&app), Some(&*cornell));
     assert!(!app.is_changed() && app.undo_labels().0.is_none());
     assert_eq!(app.preferences.recent, std::slice::from_ref(&cornell));
-    let (count, units) = (app.document.items.len(), app.document.units);
-    assert_eq!(app.document.items[0].name, "floor");
+    let (count, units) = (app.document.objects.len(), app.document.units);
+    assert_eq!(app.document.objects[0].name, "floor");
     // It looks through the file's own camera.
     assert_eq!(app.view.camera, app.document.cameras[0].camera);
 
@@ -39,15 +39,15 @@ fn a_file_is_opened_and_others_join_it_under_their_names() {
     assert!(app.is_changed());
     assert_eq!(file_of(&app), Some(&*cornell));
     assert_eq!(app.document.units, units);
-    let new = &app.document.items[count..];
-    assert!(!new.is_empty() && new.iter().all(|i| i.branch == Some(1)));
+    let new = &app.document.objects[count..];
+    assert!(!new.is_empty() && new.iter().all(|i| i.source_file == Some(1)));
     assert!(
         new.iter().all(|i| i.name.starts_with("shapes")),
         "{:?}",
         new[0].name
     );
     app.execute(Command::Undo);
-    assert_eq!(app.document.items.len(), count);
+    assert_eq!(app.document.objects.len(), count);
     assert!(!app.is_changed());
 }
 
@@ -93,7 +93,7 @@ fn of_several_files_those_that_can_be_read_are_opened() {
 fn check_two_of_three(app: &App, first: &Path) {
     assert_eq!(errors(app).len(), 1, "{:?}", errors(app));
     assert_eq!(file_of(app), Some(first));
-    let names: Vec<&str> = app.document.branches.iter().map(|b| &*b.name).collect();
+    let names: Vec<&str> = app.document.source_files.iter().map(|b| &*b.name).collect();
     assert_eq!(names, ["shapes", "csg"]);
     assert!(app.loading.is_none());
 }
@@ -121,7 +121,7 @@ fn what_waits_to_be_added_to_a_file_waits_for_the_answer_about_it() {
     let asked = PendingQuestion::Unsaved(Box::new(Command::Open(vec![a, b])));
     assert_eq!(app.question, Some(asked));
     run(&mut app, Command::Discard);
-    assert_eq!(app.document.branches.len(), 2);
+    assert_eq!(app.document.source_files.len(), 2);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn files_that_are_given_up_for_another_are_named() {
     let given_up = app.messages.iter().find(|m| m.level == Severity::Warning);
     let text = &given_up.expect("a warning").text;
     assert!(text.contains("shapes.grf") && text.contains("csg.grf"));
-    assert_eq!(app.document.branches.len(), 1);
+    assert_eq!(app.document.source_files.len(), 1);
 }
 
 #[test]
@@ -223,7 +223,7 @@ fn a_full_disk_is_told_and_what_waited_for_the_save_does_not_go_on() {
     run(&mut app, Command::SaveAs(full));
     check_error(&app, "full.grf");
     assert!(app.is_changed() && !app.closing && app.question.is_none());
-    assert_eq!(app.document.items[0].name, "ground");
+    assert_eq!(app.document.objects[0].name, "ground");
 }
 
 #[test]
@@ -266,8 +266,8 @@ fn a_file_that_others_wrote_is_asked_about() {
     );
     run(&mut app, Command::Discard);
     check_no_error(&app);
-    assert_eq!(app.document.branches[0].name, "cornell");
-    assert!(!app.document.items.iter().any(|i| i.name == "ground"));
+    assert_eq!(app.document.source_files[0].name, "cornell");
+    assert!(!app.document.objects.iter().any(|i| i.name == "ground"));
     app.check_disk();
     assert_eq!(app.question, None);
 
@@ -426,7 +426,7 @@ fn a_job_is_cancelled() {
 #[test]
 fn messages_are_not_kept_for_ever() {
     let mut app = App::quiet();
-    (0..1_500).for_each(|k| app.tell(Severity::Note, k.to_string()));
+    (0..1_500).for_each(|k| app.report(Severity::Note, k.to_string()));
     assert_eq!(app.messages.len(), 1_000);
     assert_eq!(app.messages.last().unwrap().text, "1499");
 }
@@ -436,7 +436,7 @@ fn what_forgets_lights_is_not_saved_under_that_name() {
     let folder = TestFolder::new("lossy");
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![folder.copy("cornell.grf")]));
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     edit(&mut app, Edit::Rename(first, "ground".into()));
     app.execute(Command::Quit);
     run(&mut app, Command::SaveAs(folder.path("room.obj")));

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::document::tests::solved;
-use crate::light::LightSettings;
+use crate::first_pass::LightSettings;
 use azulejo::formats::read_picture;
 
 /// The sample, solved at a pinch.
@@ -144,12 +144,12 @@ fn a_solver_rests_goes_on_and_ends() {
 #[test]
 fn form_factors_are_found_and_forgotten_with_an_edit() {
     let mut app = lit();
-    let place = crate::command::SurfacePick {
+    let pick = crate::command::SurfacePick {
         item: ItemId(1),
         position: glam::DVec3::new(1.5, 0.0, -1.5),
         normal: glam::DVec3::Y,
     };
-    run(&mut app, Command::FormFactorsFrom(place));
+    run(&mut app, Command::FormFactorsFrom(pick));
     check_no_error(&app);
     let seen = app.lighting.seen.as_ref().expect("factors");
     assert!(seen.sum > 0.0 && seen.sum <= 1.0 + 1e-6, "{}", seen.sum);
@@ -158,7 +158,7 @@ fn form_factors_are_found_and_forgotten_with_an_edit() {
     assert!(app.lighting.seen.is_none());
     let nowhere = crate::command::SurfacePick {
         position: glam::DVec3::splat(1e3),
-        ..place
+        ..pick
     };
     run(&mut app, Command::FormFactorsFrom(nowhere));
     check_error(&app, "no patch at that place");
@@ -180,8 +180,8 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
             paths: None,
         },
     );
-    let picture = app.picture.clone().expect("a picture");
-    assert_eq!((picture.samples, picture.size), (2, (24, 16)));
+    let render = app.render.clone().expect("a picture");
+    assert_eq!((render.samples, render.size), (2, (24, 16)));
     for name in ["a.png", "a.hdr", "a.exr", "bare"] {
         run(&mut app, Command::SaveRender(folder.path(name)));
     }
@@ -195,7 +195,7 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
     run(&mut app, Command::SaveRender(folder.path("a.webp")));
     check_error(&app, "unknown kind of picture");
     edit(&mut app, Edit::Delete(vec![ItemId(3)]));
-    assert!(app.picture.is_none(), "a picture of what is gone");
+    assert!(app.render.is_none(), "a picture of what is gone");
     app.messages.clear();
     app.execute(Command::Render {
         width: 0,
@@ -215,13 +215,13 @@ fn a_final_gather_draws_the_picture_anew() {
         paths: Some(1),
     };
     run(&mut app, small);
-    let plain = app.picture.clone().expect("a picture");
+    let plain = app.render.clone().expect("a picture");
     let preferences = Preferences {
         picture_gather: 4,
         ..app.preferences.clone()
     };
     run(&mut app, Command::SetPreferences(Box::new(preferences)));
-    let gathered = app.picture.clone().expect("a picture");
+    let gathered = app.render.clone().expect("a picture");
     assert_eq!((gathered.samples, gathered.most), (1, 1));
     assert_ne!(gathered.image, plain.image);
 }

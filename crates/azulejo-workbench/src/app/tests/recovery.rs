@@ -3,7 +3,7 @@
 use super::*;
 use crate::words::Language;
 
-fn places(folder: &TestFolder) -> UserDirs {
+fn dirs(folder: &TestFolder) -> UserDirs {
     UserDirs {
         preferences: Some(folder.path("preferences.toml")),
         recovery: Some(folder.path("recovery")),
@@ -16,7 +16,7 @@ fn app_in(folder: &TestFolder, autosave: u32) -> App {
         autosave,
         ..Preferences::default()
     };
-    App::new(preferences, places(folder), Arc::new(|| ()))
+    App::new(preferences, dirs(folder), Arc::new(|| ()))
 }
 
 /// The change was made so many seconds ago.
@@ -56,12 +56,15 @@ fn a_copy_is_written_after_a_while_and_only_of_changes() {
     run(&mut app, Command::Open(vec![example("shapes.grf")]));
     settle(&mut app);
     assert!(copies(&folder).is_empty());
-    assert_eq!(app.wakes_in(), None);
+    assert_eq!(app.repaint_after(), None);
 
     edit(&mut app, Edit::Rename(ItemId(1), "renamed".into()));
     settle(&mut app);
     assert!(copies(&folder).is_empty());
-    assert!(app.wakes_in().is_some_and(|t| t <= Duration::from_secs(20)));
+    assert!(
+        app.repaint_after()
+            .is_some_and(|t| t <= Duration::from_secs(20))
+    );
     let_pass(&mut app, 21);
     settle(&mut app);
     assert_eq!(copies(&folder).len(), 1);
@@ -71,7 +74,7 @@ fn a_copy_is_written_after_a_while_and_only_of_changes() {
         .unwrap();
     settle(&mut app);
     let_pass(&mut app, 21);
-    assert_eq!(app.wakes_in(), None, "there is nothing to wake for");
+    assert_eq!(app.repaint_after(), None, "there is nothing to wake for");
     let again = std::fs::metadata(&copies(&folder)[0])
         .unwrap()
         .modified()
@@ -89,7 +92,7 @@ fn no_copy_is_written_where_none_is_wanted() {
     edit(&mut app, Edit::Append(Box::new(sample())));
     let_pass(&mut app, 1_000);
     settle(&mut app);
-    assert!(copies(&folder).is_empty() && app.wakes_in().is_none());
+    assert!(copies(&folder).is_empty() && app.repaint_after().is_none());
 }
 
 #[test]
@@ -98,7 +101,7 @@ fn what_a_crash_left_is_recovered_with_its_name() {
     let mut app = app_in(&folder, 1);
     let model = folder.copy("cornell.grf");
     run(&mut app, Command::Open(vec![model.clone()]));
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     edit(&mut app, Edit::Rename(first, "ground".into()));
     let_pass(&mut app, 2);
     settle(&mut app);
@@ -116,7 +119,7 @@ fn what_a_crash_left_is_recovered_with_its_name() {
     check_no_error(&app);
     assert_eq!(app.document.scene(), scene);
     assert_eq!(app.file.as_ref().map(|f| &*f.path), Some(&*model));
-    assert_eq!(app.document.branches[0].path, model);
+    assert_eq!(app.document.source_files[0].path, model);
     assert!(app.is_changed() && app.recoverable().is_empty());
     assert!(copy.exists(), "another crash would take the only copy");
     // It was not recovered because somebody wrote it: there is nothing to ask.
@@ -145,7 +148,7 @@ fn what_had_no_name_has_none_after_a_crash() {
     let copy = app.recoverable()[0].copy.clone();
     run(&mut app, Command::Recover(copy));
     check_no_error(&app);
-    assert!(app.file.is_none() && app.document.branches.is_empty());
+    assert!(app.file.is_none() && app.document.source_files.is_empty());
     assert_eq!(app.document.scene(), sample().scene());
     app.execute(Command::Save);
     assert_eq!(app.asking, Some(FileRequest::SaveAs));
@@ -301,8 +304,8 @@ fn what_waits_for_a_copy_waits_for_the_answer_too() {
     assert_eq!(app.question, Some(question));
     run(&mut app, Command::Discard);
     check_no_error(&app);
-    assert_eq!(app.document.branches.len(), 1);
-    assert!(app.document.items.len() > sample().items.len());
+    assert_eq!(app.document.source_files.len(), 1);
+    assert!(app.document.objects.len() > sample().objects.len());
 }
 
 #[test]
@@ -313,7 +316,10 @@ fn a_copy_that_failed_is_tried_again_though_nothing_happens() {
     edit(&mut app, Edit::Append(Box::new(sample())));
     let_pass(&mut app, 2);
     settle(&mut app);
-    assert!(app.wakes_in().is_some_and(|t| t > Duration::from_secs(60)));
+    assert!(
+        app.repaint_after()
+            .is_some_and(|t| t > Duration::from_secs(60))
+    );
 }
 
 #[test]
@@ -326,7 +332,7 @@ fn a_copy_that_cannot_be_written_is_told_once() {
     settle(&mut app);
     settle(&mut app);
     assert!(errors(&app).len() <= 1, "{:?}", errors(&app));
-    assert_eq!(app.document.items.len(), 4);
+    assert_eq!(app.document.objects.len(), 4);
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn a_copy_over_the_own_file_was_not_written_by_others() {
     let path = folder.copy("shapes.grf");
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![path.clone()]));
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     edit(&mut app, Edit::Rename(first, "renamed".into()));
     run(&mut app, Command::Export(path));
     app.check_disk();

@@ -26,7 +26,12 @@ fn what_is_done_while_a_file_is_read_gives_the_units() {
         app
     };
     let size = |app: &App, name: &str| {
-        let item = app.document.items.iter().find(|i| i.name == name).unwrap();
+        let item = app
+            .document
+            .objects
+            .iter()
+            .find(|i| i.name == name)
+            .unwrap();
         item.bounds().size()
     };
     let alone = add(&[]);
@@ -60,7 +65,7 @@ fn units_of_what_joins_are_adapted() {
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![metres, inches]));
     check_no_error(&app);
-    let (a, b) = (&app.document.items[0], &app.document.items[4]);
+    let (a, b) = (&app.document.objects[0], &app.document.objects[4]);
     assert_eq!(b.name, format!("in/{}", a.name));
     let (a, b) = (a.bounds(), b.bounds());
     assert!(

@@ -1,6 +1,6 @@
 //! Materials that come and go. Surfaces know theirs by number, so that the others move up.
 
-use super::copies::UniqueNames;
+use super::duplicate::UniqueNames;
 use super::{EditError, Edited};
 use crate::document::{SceneDocument, SceneObject, ShapeFacts, map_materials};
 use azulejo::scene::{MaterialId, Shape};
@@ -38,7 +38,7 @@ impl SceneDocument {
 
     /// The materials that are on some surface.
     pub fn used_materials(&self) -> HashSet<MaterialId> {
-        let items = self.items.iter();
+        let items = self.objects.iter();
         items.flat_map(|i| i.materials().iter().copied()).collect()
     }
 
@@ -46,7 +46,7 @@ impl SceneDocument {
         let Some(material) = self.materials.get(id as usize) else {
             return Err(EditError("there is no such material any more".into()));
         };
-        let items = self.items.iter().map(|item| &**item);
+        let items = self.objects.iter().map(|item| &**item);
         let users: Vec<&SceneObject> = items.filter(|i| i.materials().contains(&id)).collect();
         if !users.is_empty() {
             let why = format!("{} is used by {}", quoted(&material.name), listed(&users));
@@ -84,7 +84,7 @@ impl SceneDocument {
     fn renumber(&mut self, numbers: &[MaterialId]) {
         let mut done: HashMap<*const Shape, RenumberedShape> = HashMap::new();
         let moved = |m: &MaterialId| numbers[*m as usize] != *m;
-        for item in &mut self.items {
+        for item in &mut self.objects {
             if !item.materials().iter().any(moved) {
                 continue;
             }

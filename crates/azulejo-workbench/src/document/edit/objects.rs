@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 impl SceneDocument {
     pub(super) fn item_mut(&mut self, id: ItemId) -> Option<&mut SceneObject> {
-        let at = self.items.binary_search_by_key(&id, |i| i.id).ok()?;
-        self.items.get_mut(at).map(Arc::make_mut)
+        let at = self.objects.binary_search_by_key(&id, |i| i.id).ok()?;
+        self.objects.get_mut(at).map(Arc::make_mut)
     }
 
     pub(super) fn rename(&mut self, id: ItemId, name: &str) -> Edited {
@@ -32,7 +32,7 @@ impl SceneDocument {
 
     pub(super) fn hide(&mut self, ids: &[ItemId], hidden: bool) -> Vec<ItemId> {
         let chosen = set(ids);
-        let named = self.items.iter_mut().filter(|i| chosen.contains(&i.id));
+        let named = self.objects.iter_mut().filter(|i| chosen.contains(&i.id));
         // What is so already is not copied.
         let others = named.filter(|i| i.hidden != hidden);
         others.for_each(|item| Arc::make_mut(item).hidden = hidden);
@@ -48,7 +48,7 @@ impl SceneDocument {
             return refuse("nothing is selected, select what to delete");
         }
         let chosen = set(ids);
-        self.items.retain(|i| !chosen.contains(&i.id));
+        self.objects.retain(|i| !chosen.contains(&i.id));
         self.lights.retain(|l| !chosen.contains(&l.id));
         self.cameras.retain(|c| !chosen.contains(&c.id));
         self.rtrace = None;
@@ -61,7 +61,7 @@ impl SceneDocument {
         }
         let mut moved = self.clone();
         moved.transform_items(ids, map)?;
-        moved.transform_signs(ids, map)?;
+        moved.transform_markers(ids, map)?;
         moved.rtrace = None;
         *self = moved;
         Ok(ids.to_vec())
@@ -69,16 +69,16 @@ impl SceneDocument {
 
     fn transform_items(&mut self, ids: &[ItemId], map: &DAffine3) -> Result<(), EditError> {
         let chosen = set(ids);
-        for item in self.items.iter_mut().filter(|i| chosen.contains(&i.id)) {
+        for item in self.objects.iter_mut().filter(|i| chosen.contains(&i.id)) {
             let item = Arc::make_mut(item);
             item.placement = *map * item.placement;
         }
-        let items = self.items.iter().filter(|i| chosen.contains(&i.id));
+        let items = self.objects.iter().filter(|i| chosen.contains(&i.id));
         self.check_placed(items.map(|item| &**item))
     }
 
     /// Lights and cameras know themselves how they move.
-    fn transform_signs(&mut self, ids: &[ItemId], map: &DAffine3) -> Result<(), EditError> {
+    fn transform_markers(&mut self, ids: &[ItemId], map: &DAffine3) -> Result<(), EditError> {
         let chosen = set(ids);
         let lights = self.lights.iter().filter(|l| chosen.contains(&l.id));
         let cameras = self.cameras.iter().filter(|c| chosen.contains(&c.id));
@@ -192,7 +192,7 @@ impl SceneDocument {
         self.known_material(material)?;
         let chosen = set(ids);
         let mut made: HashMap<*const Shape, (Arc<Shape>, Arc<ShapeFacts>)> = HashMap::new();
-        for item in self.items.iter_mut().filter(|i| chosen.contains(&i.id)) {
+        for item in self.objects.iter_mut().filter(|i| chosen.contains(&i.id)) {
             let item = Arc::make_mut(item);
             let old = Arc::clone(&item.shape);
             match made.get(&Arc::as_ptr(&old)) {
@@ -258,7 +258,7 @@ mod tests {
             let ball = vec![ItemId(3)];
             Edit::Duplicate(ball).apply(&mut document).unwrap();
         }
-        let ids = (document.items.iter())
+        let ids = (document.objects.iter())
             .map(|i| i.id)
             .filter(|id| *id != ItemId(4));
         let ids = ids.collect();
@@ -299,7 +299,7 @@ mod tests {
         Edit::Transform(ids, DAffine3::from_translation(DVec3::X))
             .apply(&mut document)
             .unwrap();
-        let pairs = before.items.iter().zip(&document.items);
+        let pairs = before.objects.iter().zip(&document.objects);
         let shared: Vec<ItemId> = pairs
             .filter(|(a, b)| Arc::ptr_eq(a, b))
             .map(|(a, _)| a.id)

@@ -1,6 +1,6 @@
 //! What a model keeps of what nature does, measured: reciprocity and energy.
 
-use super::optics::MaterialReflection;
+use super::reflection::MaterialReflection;
 use super::theme::mark;
 use crate::words::Language;
 use azulejo::scene::Rgb;
@@ -12,7 +12,7 @@ use egui::{Color32, RichText, Ui};
 const PAIRS: u32 = 2_000;
 
 /// Larger relative differences are not rounding.
-const SAME: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 
 /// What quadrature may leave of an albedo of 1.
 const BRIGHT: f64 = 1.0 + 1e-3;
@@ -70,13 +70,13 @@ pub(super) fn badges(ui: &mut Ui, language: Language, measures: &ModelChecks) {
 }
 
 fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
-    let holds = measures.exchanged <= SAME;
+    let holds = measures.exchanged <= TOLERANCE;
     let words = match holds {
-        true => language.say("reciprocal"),
-        false => language.say("not reciprocal"),
+        true => language.tr("reciprocal"),
+        false => language.tr("not reciprocal"),
     };
     let about =
-        language.say("Light and eye exchanged, for many pairs of directions: f differs by at most");
+        language.tr("Light and eye exchanged, for many pairs of directions: f differs by at most");
     badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
 }
 
@@ -84,12 +84,12 @@ fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let (most, angle) = measures.most();
     let holds = most <= BRIGHT;
     let words = match holds {
-        true => language.say("energy at most"),
-        false => language.say("creates energy:"),
+        true => language.tr("energy at most"),
+        false => language.tr("creates energy:"),
     };
-    let at = language.say("at");
+    let at = language.tr("at");
     let mut about = language
-        .say("Share of the light that is reflected, by its angle:")
+        .tr("Share of the light that is reflected, by its angle:")
         .to_owned();
     for (angle, albedo) in &measures.albedos {
         about += &format!("\n{angle}°  {albedo:.4}");
@@ -146,10 +146,12 @@ mod tests {
     fn measures_tell_models_apart() {
         let lewis = measured("lewis kd = 0.3 ks = 0.6 n = 20");
         assert!(
-            lewis.exchanged <= SAME && lewis.most().0 <= BRIGHT,
+            lewis.exchanged <= TOLERANCE && lewis.most().0 <= BRIGHT,
             "{lewis:?}"
         );
         assert!(measured("phong kd = 0.3 ks = 0.4 n = 10").exchanged > 0.1);
-        assert!(measured("lafortune ks = 0.5 cx = 0.9 cy = 0.8 cz = 0.7 n = 5").exchanged <= SAME);
+        assert!(
+            measured("lafortune ks = 0.5 cx = 0.9 cy = 0.8 cz = 0.7 n = 5").exchanged <= TOLERANCE
+        );
     }
 }

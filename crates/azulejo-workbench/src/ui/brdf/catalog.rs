@@ -15,19 +15,19 @@ pub(super) struct ModelGroup {
 /// All groups; the last takes what is in no other.
 pub(super) const GROUPS: [ModelGroup; 6] = [
     ModelGroup {
-        title: |l| l.say("Matt"),
+        title: |l| l.tr("Matt"),
         names: &["diffuse", "oren_nayar", "eon", "burley_diffuse", "minnaert"],
     },
     ModelGroup {
-        title: |l| l.say("Smooth"),
+        title: |l| l.tr("Smooth"),
         names: &["specular", "fresnel_conductor", "fresnel_dielectric"],
     },
     ModelGroup {
-        title: |l| l.say("Cosine lobes"),
+        title: |l| l.tr("Cosine lobes"),
         names: &["phong", "lewis", "blinn", "ashikhmin_shirley", "lafortune"],
     },
     ModelGroup {
-        title: |l| l.say("Microfacets"),
+        title: |l| l.tr("Microfacets"),
         names: &[
             "ggx_smith",
             "ggx_ms",
@@ -41,11 +41,11 @@ pub(super) const GROUPS: [ModelGroup; 6] = [
         ],
     },
     ModelGroup {
-        title: |l| l.say("Waves and cylinders"),
+        title: |l| l.tr("Waves and cylinders"),
         names: &["he_torrance", "he_torrance_mirror", "poulin_fournier"],
     },
     ModelGroup {
-        title: |l| l.say("By impression"),
+        title: |l| l.tr("By impression"),
         names: &[],
     },
 ];

@@ -24,10 +24,10 @@ pub(super) fn choose(
     compared: &mut Option<ComparedMaterial>,
     others: &[Arc<Material>],
 ) {
-    let none = language.say("nothing");
+    let none = language.tr("nothing");
     let chosen = compared.as_ref().map_or(none, |c| &c.name).to_owned();
-    let about = language.say("Both are shown in the same plots; the second is dashed.");
-    row(ui, language.say("Compare with"), about, |ui, label| {
+    let about = language.tr("Both are shown in the same plots; the second is dashed.");
+    row(ui, language.tr("Compare with"), about, |ui, label| {
         let combo = ComboBox::from_id_salt("compare")
             .selected_text(&chosen)
             .width(220.0)
@@ -49,7 +49,7 @@ pub(super) fn choose(
 fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<ComparedMaterial> {
     let mut chosen = None;
     if !others.is_empty() {
-        ui.label(RichText::new(language.say("Materials of the scene")).strong());
+        ui.label(RichText::new(language.tr("Materials of the scene")).strong());
     }
     for (index, material) in others.iter().enumerate() {
         let name = name(language, material);
@@ -68,7 +68,7 @@ fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<
     for group in &GROUPS {
         ui.label(RichText::new((group.title)(language)).strong());
         for info in group.models() {
-            let entry = ui.selectable_label(false, format!("   {}", language.say(info.title)));
+            let entry = ui.selectable_label(false, format!("   {}", language.tr(info.title)));
             let about = info.examples.first().copied().unwrap_or_default();
             if entry.on_hover_text(about).clicked() {
                 chosen = exemplary(language, info);
@@ -82,7 +82,7 @@ fn exemplary(language: Language, info: &'static Info) -> Option<ComparedMaterial
     let description = Description::Model(example(info, 0)?);
     let material = with_description(&Material::default(), description).ok()?;
     Some(ComparedMaterial {
-        name: language.say(info.title).to_owned(),
+        name: language.tr(info.title).to_owned(),
         material: Arc::new(material),
         index: None,
     })
@@ -108,9 +108,9 @@ pub(super) fn name(language: Language, material: &Material) -> String {
     }
     match material.brdf.as_ref().map(|brdf| brdf.description()) {
         Some(Description::Model(model)) => find(&model.name).map_or(model.name.clone(), |info| {
-            language.say(info.title).to_owned()
+            language.tr(info.title).to_owned()
         }),
         Some(Description::File { path, .. }) => path.clone(),
-        _ => language.say("without name").to_owned(),
+        _ => language.tr("without name").to_owned(),
     }
 }

@@ -1,7 +1,7 @@
 //! A description while it is changed, and the model that is made of it in the background.
 
-use super::latest::{BackgroundWorker, LatestResult};
-use super::optics::{MaterialReflection, is_same_description, is_same_model};
+use super::background::{BackgroundWorker, LatestResult};
+use super::reflection::{MaterialReflection, is_same_description, is_same_model};
 use super::theme::{notice, problem};
 use crate::words::Language;
 use azulejo::scene::brdf::{Description, Problem};
@@ -90,18 +90,18 @@ impl ModelDraft {
     }
 
     /// Says what is wrong with the description, or what becomes of it.
-    pub fn say(&self, ui: &mut Ui, language: Language) {
+    pub fn show_status(&self, ui: &mut Ui, language: Language) {
         match self.making.of(&DraftKey(self.description.clone())) {
             None => {
                 ui.spinner();
             }
             Some(Err(wrong)) => {
-                let kept = language.say("The last possible model is kept.");
+                let kept = language.tr("The last possible model is kept.");
                 problem(ui, &format!("{} {kept}", problem_words(language, wrong)));
             }
             Some(Ok(made)) if made.reflected > 1.0 + 1e-3 => {
-                let words = language.say("This model reflects more than arrives: of even light");
-                let scaled = language.say("scaled down to");
+                let words = language.tr("This model reflects more than arrives: of even light");
+                let scaled = language.tr("scaled down to");
                 let share = 100.0 / made.reflected;
                 notice(
                     ui,
@@ -125,13 +125,13 @@ fn problem_words(language: Language, problem: &Problem) -> String {
             least,
             most,
         } => {
-            let (is, between) = (language.say("is"), language.say("it must be between"));
-            let and = language.say("and");
+            let (is, between) = (language.tr("is"), language.tr("it must be between"));
+            let and = language.tr("and");
             format!("{name} {is} {value}; {between} {least} {and} {most}.")
         }
-        Problem::Missing { name, .. } => format!("{} {name}.", language.say("Missing:")),
+        Problem::Missing { name, .. } => format!("{} {name}.", language.tr("Missing:")),
         Problem::Energy { what, sum } => {
-            let more = language.say("more than 1 would reflect more than arrives.");
+            let more = language.tr("more than 1 would reflect more than arrives.");
             format!("{what} = {}: {more}", (1e6 * sum).round() / 1e6)
         }
         other => format!("{other}."),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// The most lamps that are kept; the others become ambient light.
-const MOST: usize = 6;
+const MAX_LAMPS: usize = 6;
 
 /// What shines on the preview sphere: a scene's lights as they are seen from one place, or a
 /// studio. The axis y points up.
@@ -92,7 +92,7 @@ impl PreviewLight {
         let brightness = |l: &PreviewLamp| l.irradiance.luminance();
         self.lamps
             .sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
-        let rest = self.lamps.split_off(self.lamps.len().min(MOST));
+        let rest = self.lamps.split_off(self.lamps.len().min(MAX_LAMPS));
         self.ambient += rest.iter().map(|l| l.irradiance).sum::<Rgb>() / (4.0 * PI);
         self
     }
@@ -300,7 +300,7 @@ mod tests {
         );
         assert_eq!(
             (found.lamps.len(), found.lamps[0].irradiance.r),
-            (MOST, 8.0)
+            (MAX_LAMPS, 8.0)
         );
         assert!((found.ambient.r - 3.0 / (4.0 * PI)).abs() < 1e-12);
     }

@@ -26,25 +26,25 @@
 //! };
 //! ```
 
+mod background;
 mod badges;
-mod body;
 mod catalog;
 mod compare;
 mod curve;
 mod draft;
 mod fields;
 mod file;
-mod latest;
 mod light;
+mod lobe_solid;
+mod lobes;
 mod model;
-mod optics;
 mod parameter;
 mod plots;
 mod polar;
-mod shapes;
-mod side;
+mod reflection;
 mod sphere;
 mod surface;
+mod surface_plots;
 mod theme;
 mod view;
 
@@ -60,9 +60,9 @@ use azulejo::scene::{Material, Rgb};
 use compare::ComparedMaterial;
 use draft::ModelDraft;
 use egui::{TextEdit, Ui};
-use side::{BackgroundWorkers, SurfacePlots};
 use std::sync::Arc;
 use surface::SurfaceKind;
+use surface_plots::{BackgroundWorkers, SurfacePlots};
 use view::LobeView;
 
 /// What the editor is shown.
@@ -216,9 +216,9 @@ impl BrdfEditor {
         shown: &EditorInput,
     ) -> Option<EditorResponse> {
         let brdf = shown.material.brdf.as_deref();
-        let [load, save] = theme::row(ui, language.say("Model file"), "", |ui, _| {
-            let load = ui.button(language.say("Load…"));
-            let save = egui::Button::new(language.say("Save…"));
+        let [load, save] = theme::row(ui, language.tr("Model file"), "", |ui, _| {
+            let load = ui.button(language.tr("Load…"));
+            let save = egui::Button::new(language.tr("Save…"));
             [load, ui.add_enabled(brdf.is_some(), save)].map(|button| button.clicked())
         });
         if let Some(brdf) = brdf.filter(|_| save) {
@@ -233,7 +233,7 @@ impl BrdfEditor {
     }
 
     fn name_field(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
-        theme::row(ui, language.say("Name"), "", |ui, label| {
+        theme::row(ui, language.tr("Name"), "", |ui, label| {
             let mut name = self.name.take().unwrap_or_else(|| material.name.clone());
             let field = TextEdit::singleline(&mut name).desired_width(ui.available_width());
             let response = ui.add(field).accessible_name(label);
@@ -267,7 +267,7 @@ impl BrdfEditor {
             if let Some(brdf) = draft.made(ui.ctx()) {
                 *material = file::with_brdf(material, brdf);
             }
-            draft.say(ui, language);
+            draft.show_status(ui, language);
         }
     }
 

@@ -22,8 +22,8 @@ pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {
 
 /// What a parameter does, in which range.
 fn about(language: Language, info: &ParameterInfo) -> String {
-    let words = language.say(info.about);
-    let (from, to, unit) = (info.least, info.most, language.say(info.unit));
+    let words = language.tr(info.about);
+    let (from, to, unit) = (info.least, info.most, language.tr(info.unit));
     match info.kind {
         Kind::Word => words.to_owned(),
         _ => format!("{words}\n{from} … {to} {unit}"),
@@ -36,11 +36,11 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
         let is_optional = !info.is_needed && info.default.is_none();
         let mut is_given = given.is_some();
         if is_optional {
-            let words = language.say("Given; otherwise the model has its own value.");
+            let words = language.tr("Given; otherwise the model has its own value.");
             let check = ui.checkbox(&mut is_given, "").on_hover_text(words);
             check.accessible_name(format!("{name} ?"));
             if !is_given {
-                ui.weak(language.say("as the model has it"));
+                ui.weak(language.tr("as the model has it"));
                 return set(model, info, None);
             }
         }
@@ -59,7 +59,7 @@ fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, valu
     let span = NumberRange {
         least: info.least,
         most: info.most,
-        unit: language.say(info.unit),
+        unit: language.tr(info.unit),
         is_strict: false,
     };
     match (info.kind, &mut *value) {
@@ -75,7 +75,7 @@ fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, valu
 /// One number for all channels, or three.
 fn shade(ui: &mut Ui, language: Language, name: &str, span: NumberRange, value: &mut Value) {
     let mut is_color = matches!(value, Value::Color(_));
-    let words = language.say("One number for each of red, green and blue.");
+    let words = language.tr("One number for each of red, green and blue.");
     let toggle = ui.toggle_value(&mut is_color, "RGB").on_hover_text(words);
     let toggle = toggle.accessible_name(format!("{name} RGB"));
     let shown = as_color(value);
@@ -116,9 +116,9 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
 /// The Fresnel term.
 fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
     let term = FresnelChoice::of(model);
-    let about = language.say("How much the smooth boundary of a facet mirrors, by the angle.");
+    let about = language.tr("How much the smooth boundary of a facet mirrors, by the angle.");
     let mut chosen = term;
-    row(ui, language.say("Fresnel"), about, |ui, name| {
+    row(ui, language.tr("Fresnel"), about, |ui, name| {
         let words = |t| term_words(language, t);
         let combo = ComboBox::from_id_salt(("fresnel", info.name))
             .selected_text(words(term))
@@ -170,7 +170,7 @@ fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Par
 /// The numbers of a metal of the table, to begin with.
 fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     row(ui, "", "", |ui, _| {
-        ui.menu_button(language.say("Numbers of a metal"), |ui| {
+        ui.menu_button(language.tr("Numbers of a metal"), |ui| {
             for metal in METALS {
                 let entry = ui.button(metal.name).on_hover_text(metal.source);
                 if entry.clicked() {
@@ -188,10 +188,10 @@ fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
 
 fn term_words(language: Language, term: FresnelChoice) -> &'static str {
     match term {
-        FresnelChoice::None => language.say("all light is reflected"),
-        FresnelChoice::Metal => language.say("a metal by name"),
-        FresnelChoice::Index => language.say("indices of refraction"),
-        FresnelChoice::Schlick => language.say("Schlick, from normal incidence"),
-        FresnelChoice::Constant => language.say("the same at all angles"),
+        FresnelChoice::None => language.tr("all light is reflected"),
+        FresnelChoice::Metal => language.tr("a metal by name"),
+        FresnelChoice::Index => language.tr("indices of refraction"),
+        FresnelChoice::Schlick => language.tr("Schlick, from normal incidence"),
+        FresnelChoice::Constant => language.tr("the same at all angles"),
     }
 }

@@ -1,6 +1,6 @@
 //! Lobes in the plane of incidence.
 
-use super::shapes::LobeSlice;
+use super::lobes::LobeSlice;
 use super::theme::{brightness, grid, lines, short};
 use super::view::{LobeQuantity, LobeView, RadialScale};
 use crate::words::Language;
@@ -23,7 +23,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&
         ink: ui.visuals().weak_text_color(),
         colors: lines(ui),
     };
-    let (name, unit) = (quantity(view), language.say("1/sr"));
+    let (name, unit) = (quantity(view), language.tr("1/sr"));
     let height = (0.56 * ui.available_width()).clamp(120.0, 230.0);
     let plot = Plot::new("polar")
         .height(height)
@@ -51,10 +51,10 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&
             }
         }
     });
-    let words = language.say("Lobes in the plane of incidence");
+    let words = language.tr("Lobes in the plane of incidence");
     let scale = match view.scale {
-        RadialScale::Linear => language.say("linear"),
-        RadialScale::Logarithmic => language.say("logarithmic"),
+        RadialScale::Linear => language.tr("linear"),
+        RadialScale::Logarithmic => language.tr("logarithmic"),
     };
     let words = format!("{words}: {name}, {unit}, {scale}");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, &words);
@@ -105,15 +105,15 @@ impl PolarAxes<'_> {
     fn text(
         &self,
         plot: &mut PlotUi,
-        place: [f64; 2],
+        position: [f64; 2],
         words: &str,
         color: Color32,
         anchor: Align2,
     ) {
         let text = egui::RichText::new(words).size(10.0);
-        let place = PlotPoint::new(place[0], place[1]);
+        let position = PlotPoint::new(position[0], position[1]);
         plot.text(
-            Text::new("", place, text)
+            Text::new("", position, text)
                 .color(color)
                 .anchor(anchor)
                 .allow_hover(false),
@@ -151,11 +151,11 @@ impl PolarAxes<'_> {
             true => LineStyle::dashed_dense(),
             false => LineStyle::Solid,
         };
-        let place = |(angle, value)| at(angle, self.view.share(value, self.top));
+        let position = |(angle, value)| at(angle, self.view.share(value, self.top));
         let ends = std::iter::once([0.0; 2]);
         let points = ends
             .clone()
-            .chain(drawn(self.view, slice).map(place))
+            .chain(drawn(self.view, slice).map(position))
             .chain(ends);
         let width = if k == 0 { 2.4 } else { 1.2 };
         let name = format!("{}°", short(slice.incidence));
@@ -185,8 +185,8 @@ impl PolarAxes<'_> {
             if mirrored > SEEN {
                 let words = format!("{:.1} %", 100.0 * mirrored);
                 // Beside the ray, where the angle of the light is not.
-                let place = at(slice.incidence.max(3.0), 1.03);
-                self.text(plot, place, &words, color, Align2::LEFT_CENTER);
+                let position = at(slice.incidence.max(3.0), 1.03);
+                self.text(plot, position, &words, color, Align2::LEFT_CENTER);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! A sphere of the material on a floor of tiles, drawn in the background, better and better.
 
 use super::light::{PreviewLamp, PreviewLight};
-use super::optics::MaterialReflection;
+use super::reflection::MaterialReflection;
 use azulejo::render::{ReferencePass, Tone, reference, tone_map};
 use azulejo::scene::{
     Camera, Image, Light, LightKind, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene,
@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 const PASSES: [u32; 6] = [2, 2, 4, 8, 16, 32];
 
 /// How far away lamps are, in radii of the sphere.
-const FAR: f64 = 40.0;
+const LAMP_DISTANCE: f64 = 40.0;
 
 /// Lamps are seen under half an angle between these, in radians: a point would not show in a
 /// mirror, and a square that is far away is no sky.
@@ -161,11 +161,11 @@ fn add_lamp(scene: &mut Scene, lamp: &PreviewLamp) {
     let angle = lamp.half_angle.clamp(ANGLES[0], ANGLES[1]);
     let solid = TAU * (1.0 - angle.cos());
     let material = scene.add_material(Material::emitter("lamp", lamp.irradiance / solid));
-    let side = FAR * solid.sqrt();
+    let side = LAMP_DISTANCE * solid.sqrt();
     let front = -lamp.toward;
     let across = front.any_orthonormal_vector();
     let matrix = DMat3::from_cols(across * side, front.cross(across) * side, front);
-    let corner = DVec3::Y + lamp.toward * FAR - 0.5 * (matrix.x_axis + matrix.y_axis);
+    let corner = DVec3::Y + lamp.toward * LAMP_DISTANCE - 0.5 * (matrix.x_axis + matrix.y_axis);
     let place = DAffine3::from_mat3_translation(matrix, corner);
     let shape = primitive(PrimitiveKind::Square, place, material);
     scene.objects.push(Object::new("lamp", shape));

@@ -51,11 +51,11 @@ impl SurfaceKind {
 
     fn words(self, language: Language) -> &'static str {
         match self {
-            SurfaceKind::Matt => language.say("Matt surface"),
-            SurfaceKind::Mirror => language.say("Mirror"),
-            SurfaceKind::MattAndMirror => language.say("Matt and mirror"),
-            SurfaceKind::Glass => language.say("Glass"),
-            SurfaceKind::Model => language.say("Reflection model"),
+            SurfaceKind::Matt => language.tr("Matt surface"),
+            SurfaceKind::Mirror => language.tr("Mirror"),
+            SurfaceKind::MattAndMirror => language.tr("Matt and mirror"),
+            SurfaceKind::Glass => language.tr("Glass"),
+            SurfaceKind::Model => language.tr("Reflection model"),
         }
     }
 
@@ -87,8 +87,8 @@ impl SurfaceKind {
         let mut chosen = self;
         row(
             ui,
-            language.say("Surface"),
-            language.say("What happens to light that arrives."),
+            language.tr("Surface"),
+            language.tr("What happens to light that arrives."),
             |ui, name| {
                 let combo = ComboBox::from_id_salt("kind")
                     .selected_text(self.words(language))
@@ -109,23 +109,23 @@ impl SurfaceKind {
 pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, material: &mut Material) {
     let room = |other: Rgb| 1.0 - other.max_channel();
     if matches!(kind, SurfaceKind::Matt | SurfaceKind::MattAndMirror) {
-        let about = language.say("Share of light that is reflected in all directions alike; with what is mirrored at most 1.");
+        let about = language.tr("Share of light that is reflected in all directions alike; with what is mirrored at most 1.");
         let span = SHARE.up_to(room(material.mirror));
         color_row(
             ui,
-            language.say("Diffuse"),
+            language.tr("Diffuse"),
             about,
             span,
             &mut material.diffuse,
         );
     }
     if matches!(kind, SurfaceKind::Mirror | SurfaceKind::MattAndMirror) {
-        let about = language
-            .say("Share of light that is mirrored exactly; with what is diffuse at most 1.");
+        let about =
+            language.tr("Share of light that is mirrored exactly; with what is diffuse at most 1.");
         let span = SHARE.up_to(room(material.diffuse));
         color_row(
             ui,
-            language.say("Mirrored"),
+            language.tr("Mirrored"),
             about,
             span,
             &mut material.mirror,
@@ -141,26 +141,26 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, materia
 }
 
 fn glass_fields(ui: &mut Ui, language: Language, glass: &mut Dielectric, mirror: &mut Rgb) {
-    let about = language.say("Index of refraction of the body relative to what is outside: water 1.33, glass 1.5, diamond 2.4.");
+    let about = language.tr("Index of refraction of the body relative to what is outside: water 1.33, glass 1.5, diamond 2.4.");
     let span = NumberRange {
         least: 0.3,
         most: 4.0,
         ..SHARE
     };
-    number_row(ui, language.say("Refraction"), about, span, &mut glass.ior);
-    let about = language.say("Scales the light that passes; white for clear glass.");
+    number_row(ui, language.tr("Refraction"), about, span, &mut glass.ior);
+    let about = language.tr("Scales the light that passes; white for clear glass.");
     color_row(
         ui,
-        language.say("Passes"),
+        language.tr("Passes"),
         about,
         SHARE,
         &mut glass.transmittance,
     );
-    let about = language.say("Scales the light that is mirrored; white by Fresnel's equations.");
-    color_row(ui, language.say("Mirrored"), about, SHARE, mirror);
-    let about = language.say("A whole pane, both surfaces of it in one face.");
+    let about = language.tr("Scales the light that is mirrored; white by Fresnel's equations.");
+    color_row(ui, language.tr("Mirrored"), about, SHARE, mirror);
+    let about = language.tr("A whole pane, both surfaces of it in one face.");
     row(ui, "", "", |ui, _| {
-        ui.checkbox(&mut glass.thin, language.say("thin pane"))
+        ui.checkbox(&mut glass.thin, language.tr("thin pane"))
             .on_hover_text(about)
     });
 }
@@ -184,8 +184,8 @@ pub(super) fn emission(
         false => " W/(sr·m²)",
     };
     let about =
-        language.say("Radiance of the front, of the channel that is brightest; 0 for no light.");
-    row(ui, language.say("Emission"), about, |ui, name| {
+        language.tr("Radiance of the front, of the channel that is brightest; 0 for no light.");
+    row(ui, language.tr("Emission"), about, |ui, name| {
         let speed = (0.01 * strength).max(0.01);
         let drag = inputs::number(&mut strength, 0.0..=1e12)
             .speed(speed)
@@ -193,12 +193,12 @@ pub(super) fn emission(
             .suffix(unit);
         ui.add(drag).accessible_name(name);
         if strength > 0.0 {
-            ui.checkbox(&mut material.emits_back, language.say("from both sides"));
+            ui.checkbox(&mut material.emits_back, language.tr("from both sides"));
         }
     });
     if strength > 0.0 {
-        let about = language.say("Colour of the light that is emitted.");
-        color_row(ui, language.say("Its colour"), about, SHARE, &mut shade);
+        let about = language.tr("Colour of the light that is emitted.");
+        color_row(ui, language.tr("Its colour"), about, SHARE, &mut shade);
     }
     if (strength, shade) == old {
         return;

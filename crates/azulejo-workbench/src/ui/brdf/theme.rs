@@ -1,6 +1,6 @@
 //! Colours and rows that all parts of the editor share.
 
-pub(super) use crate::ui::paint::lines;
+pub(super) use crate::ui::colors::lines;
 use azulejo::scene::Rgb;
 use egui::{Align, Color32, Layout, RichText, Sense, Stroke, Ui, vec2};
 

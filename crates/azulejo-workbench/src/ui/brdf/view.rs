@@ -113,8 +113,8 @@ impl LobeView {
     pub fn ui(&mut self, ui: &mut Ui, language: Language) {
         theme::row(
             ui,
-            language.say("Incidence"),
-            language.say("Angle between the light and the normal."),
+            language.tr("Incidence"),
+            language.tr("Angle between the light and the normal."),
             |ui, name| {
                 ui.add(
                     Slider::new(&mut self.incidence, 0.0..=89.0)
@@ -126,8 +126,8 @@ impl LobeView {
         );
         theme::row(
             ui,
-            language.say("Azimuth"),
-            language.say("Angle between the plane of incidence and the tangent."),
+            language.tr("Azimuth"),
+            language.tr("Angle between the plane of incidence and the tangent."),
             |ui, name| {
                 ui.add(
                     Slider::new(&mut self.azimuth, 0.0..=180.0)
@@ -139,8 +139,8 @@ impl LobeView {
         );
         theme::row(
             ui,
-            language.say("Radius"),
-            language.say("What the distance from the origin means."),
+            language.tr("Radius"),
+            language.tr("What the distance from the origin means."),
             |ui, name| {
                 let quantity = |q| match q {
                     LobeQuantity::WithCosine => "f·cos θ",
@@ -157,8 +157,8 @@ impl LobeView {
                 });
                 shown.response.accessible_name(name);
                 let scale = |s| match s {
-                    RadialScale::Linear => language.say("linear"),
-                    RadialScale::Logarithmic => language.say("logarithmic"),
+                    RadialScale::Linear => language.tr("linear"),
+                    RadialScale::Logarithmic => language.tr("logarithmic"),
                 };
                 let combo = ComboBox::from_id_salt("scale")
                     .selected_text(scale(self.scale))
@@ -168,8 +168,8 @@ impl LobeView {
                         ui.selectable_value(&mut self.scale, s, scale(s));
                     }
                 });
-                shown.response.accessible_name(language.say("Scale"));
-                ui.checkbox(&mut self.has_others, language.say("more angles"));
+                shown.response.accessible_name(language.tr("Scale"));
+                ui.checkbox(&mut self.has_others, language.tr("more angles"));
             },
         );
     }

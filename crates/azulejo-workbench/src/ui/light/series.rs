@@ -4,9 +4,9 @@ use azulejo::trace::{Measure, Measured};
 use std::time::Instant;
 
 /// Points of a curve that are drawn at most: more than a panel has pixels help nobody.
-const MOST_POINTS: usize = 400;
+const MAX_POINTS: usize = 400;
 /// Curves that are drawn at most; the last ones tell.
-const MOST_CURVES: usize = 16;
+const MAX_CURVES: usize = 16;
 
 /// How the light of one replicate came into balance.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl ConvergenceCurves {
                 _ => {}
             }
         }
-        bounces.drain(..bounces.len().saturating_sub(MOST_CURVES));
+        bounces.drain(..bounces.len().saturating_sub(MAX_CURVES));
         curves.residuals = bounces;
         for curve in &mut curves.residuals {
             thin(&mut curve.points);
@@ -96,7 +96,7 @@ fn push(points: &mut Vec<[f64; 2]>, x: f64, value: f64) {
 
 /// Keeps each so many, and always the last.
 fn thin(points: &mut Vec<[f64; 2]>) {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    let step = points.len().div_ceil(MAX_POINTS).max(1);
     let last = points.len().saturating_sub(1);
     let mut index = 0;
     points.retain(|_| {
@@ -162,7 +162,7 @@ mod tests {
             .map(|k| Measure::Error(1.0 / f64::from(k)))
             .collect();
         let found = curves(&measures).errors;
-        assert!(found.len() <= MOST_POINTS + 1, "{}", found.len());
+        assert!(found.len() <= MAX_POINTS + 1, "{}", found.len());
         assert_eq!(found.first(), Some(&[0.0, 0.0]));
         assert_eq!(found.last().map(|p| p[1]), Some(1e-5f64.log10()));
     }
@@ -171,7 +171,7 @@ mod tests {
     fn of_many_curves_the_last_are_kept() {
         let many: Vec<Measure> = (0..1_000).map(|_| bounce(0, 1, 1.0)).collect();
         let found = curves(&many).residuals;
-        assert_eq!(found.len(), MOST_CURVES);
+        assert_eq!(found.len(), MAX_CURVES);
         assert!(!found.last().unwrap().is_superseded);
     }
 }

@@ -2,8 +2,8 @@ use super::*;
 use crate::app::App;
 use crate::command::{Command, SurfacePick};
 use crate::document::{SceneDocument, Solution};
+use crate::first_pass::{EngineChoice, LightSettings, PatchFormFactors};
 use crate::jobs::JobKind;
-use crate::light::{EngineChoice, LightSettings, PatchFormFactors};
 use crate::words::Language;
 use azulejo::radiosity::{Balance, Method, Ran, Report};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
@@ -37,18 +37,18 @@ fn bench(app: App) -> Harness<'static, LightTabFixture> {
     };
     let draw = |ui: &mut Ui, bench: &mut LightTabFixture| {
         bench.app.poll();
-        let mut desk = PanelContext {
+        let mut cx = PanelContext {
             is_covered: false,
             app: &bench.app,
             language: bench.app.preferences.language,
             gesture: None,
-            wishes: Vec::new(),
+            commands: Vec::new(),
         };
-        bench.pins |= show(ui, &mut desk);
-        let wishes = desk.wishes;
-        for wish in wishes {
-            bench.asked.push(wish.clone());
-            bench.app.execute(wish);
+        bench.pins |= show(ui, &mut cx);
+        let commands = cx.commands;
+        for target in commands {
+            bench.asked.push(target.clone());
+            bench.app.execute(target);
         }
     };
     Harness::builder()
@@ -277,11 +277,11 @@ fn old_light_says_so() {
 #[test]
 fn probes_are_pinned_measured_and_removed() {
     let mut app = cornell();
-    let item = app.document.items[0].id;
+    let item = app.document.objects[0].id;
     for _ in 0..2 {
         app.execute(Command::AddProbe(SurfacePick {
             item,
-            position: app.document.items[0].bounds().centre(),
+            position: app.document.objects[0].bounds().centre(),
             normal: DVec3::Y,
         }));
     }
@@ -305,7 +305,7 @@ fn probes_are_pinned_measured_and_removed() {
 #[test]
 fn form_factors_are_listed_by_object() {
     let mut app = cornell();
-    let ids: Vec<_> = app.document.items.iter().map(|i| i.id).collect();
+    let ids: Vec<_> = app.document.objects.iter().map(|i| i.id).collect();
     app.lighting.seen = Some(PatchFormFactors {
         number: 1,
         item: ids[0],

@@ -55,9 +55,9 @@ pub(super) fn of(
     language: Language,
 ) -> [(&'static str, Vec<TreeItem>); 3] {
     [
-        (language.say("Shapes"), shapes(document, language)),
-        (language.say("Outlines"), outlines(document, language)),
-        (language.say("Textures"), textures(document, language)),
+        (language.tr("Shapes"), shapes(document, language)),
+        (language.tr("Outlines"), outlines(document, language)),
+        (language.tr("Textures"), textures(document, language)),
     ]
 }
 
@@ -74,14 +74,14 @@ fn name_of<'a>(document: &'a SceneDocument, users: &[ItemId], language: Language
     let name = users.first().and_then(|&id| document.name(id));
     let last = name.and_then(|name| name.rsplit('/').next());
     let known = last.filter(|name| !name.is_empty());
-    known.unwrap_or(language.say("without name"))
+    known.unwrap_or(language.tr("without name"))
 }
 
 /// Shapes that stand in several places. Undo holds them as well: pointers say who shares, counts of
 /// references do not.
 fn shapes(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
     let mut shared: SharedUses<*const Shape> = SharedUses::new();
-    for item in &document.items {
+    for item in &document.objects {
         shared.note(Arc::as_ptr(&item.shape), item.id, 1);
     }
     let several = shared.uses.into_iter().filter(|u| u.count > 1);
@@ -98,7 +98,7 @@ fn outlines(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
     let mut shared: SharedUses<*const Figure> = SharedUses::new();
     let mut seen: HashSet<*const Shape> = HashSet::new();
     let mut curves: HashMap<*const Figure, usize> = HashMap::new();
-    for item in &document.items {
+    for item in &document.objects {
         let Shape::Exact(exact) = &*item.shape else {
             continue;
         };
@@ -117,7 +117,7 @@ fn outlines(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
         .map(|u| {
             let name = name_of(document, &u.users, language);
             let count = curves.get(&u.what).copied().unwrap_or_default();
-            let name = format!("{name} ({count} {})", language.say("curves"));
+            let name = format!("{name} ({count} {})", language.tr("curves"));
             definition(&name, u.count, u.users)
         })
         .collect()
@@ -126,7 +126,7 @@ fn outlines(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
 /// Textures, by the objects that have them.
 fn textures(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
     let mut users = vec![Vec::new(); document.textures.len()];
-    for item in &document.items {
+    for item in &document.objects {
         let materials = item.materials().iter();
         let materials = materials.filter_map(|&m| document.materials.get(m as usize));
         for &texture in materials.flat_map(|m| &m.textures) {
@@ -147,12 +147,12 @@ fn textures(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
 fn picture(texture: &Texture, language: Language) -> String {
     let name = texture.path.rsplit(['/', '\\']).next().unwrap_or_default();
     let name = match name {
-        "" => language.say("without name"),
+        "" => language.tr("without name"),
         known => known,
     };
     match &texture.image {
         Some(image) => format!("{name} ({} × {})", image.width, image.height),
-        None => format!("{name} ({})", language.say("not found")),
+        None => format!("{name} ({})", language.tr("not found")),
     }
 }
 
@@ -214,7 +214,7 @@ mod tests {
             panic!("one letter comes twice: {found:?}")
         };
         assert!(label.starts_with("pop (") && label.ends_with("curves) × 2"));
-        let id = document.items[0].id;
+        let id = document.objects[0].id;
         assert_eq!(*users, [id.0]);
         // The same text elsewhere has no more prisms.
         Edit::Duplicate(vec![id]).apply(&mut document).unwrap();

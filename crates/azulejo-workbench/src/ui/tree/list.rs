@@ -136,15 +136,15 @@ fn reads_alike(a: &SceneDocument, b: &SceneDocument) -> bool {
     materials
         && lights
         && cameras
-        && all(&a.branches, &b.branches, |a, b| a.name == b.name)
+        && all(&a.source_files, &b.source_files, |a, b| a.name == b.name)
         && all(&a.textures, &b.textures, Arc::ptr_eq)
-        && all(&a.items, &b.items, |a, b| {
+        && all(&a.objects, &b.objects, |a, b| {
             Arc::ptr_eq(a, b) || is_same_row(a, b)
         })
 }
 
 fn is_same_row(a: &SceneObject, b: &SceneObject) -> bool {
-    let key = |i: &SceneObject| (i.id, i.branch, i.hidden);
+    let key = |i: &SceneObject| (i.id, i.source_file, i.hidden);
     key(a) == key(b) && a.name == b.name && Arc::ptr_eq(&a.shape, &b.shape)
 }
 

@@ -4,7 +4,7 @@ mod definitions;
 mod list;
 mod rows;
 
-use super::desk::PanelContext;
+use super::panel_context::PanelContext;
 use crate::app::App;
 use crate::command::{Command, Selection};
 use crate::document::{Edit, ItemId};
@@ -45,19 +45,19 @@ impl SceneTree {
     }
 
     /// Draws the tree.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut PanelContext) {
-        let hint = desk.say("Search");
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
+        let hint = cx.tr("Search");
         ui.add(
             egui::TextEdit::singleline(&mut self.filter)
                 .hint_text(hint)
                 .desired_width(f32::INFINITY),
         );
-        self.list.follow(desk.app, &self.filter, desk.language);
-        self.follow_selection(desk.app);
+        self.list.follow(cx.app, &self.filter, cx.language);
+        self.follow_selection(cx.app);
         let target = self.reveal.take().and_then(|id| self.list.reveal(id));
         let visible = self.list.visible();
         if visible.is_empty() {
-            let text = desk.say("Drop files here, or open them (Ctrl+O).");
+            let text = cx.tr("Drop files here, or open them (Ctrl+O).");
             ui.weak(text);
             return;
         }
@@ -72,7 +72,7 @@ impl SceneTree {
         let rename = &mut self.rename;
         area.show_rows(ui, height, visible.len(), |ui, range| {
             for &at in &visible[range] {
-                let clicked = row(ui, desk, &self.list, at, rename);
+                let clicked = row(ui, cx, &self.list, at, rename);
                 toggled = toggled.or(clicked);
             }
         });
@@ -94,7 +94,7 @@ impl SceneTree {
 /// Draws one row; the group that should be opened or closed.
 fn row(
     ui: &mut Ui,
-    desk: &mut PanelContext,
+    cx: &mut PanelContext,
     list: &TreeList,
     at: usize,
     rename: &mut RenameField,
@@ -103,11 +103,11 @@ fn row(
     let draw = |ui: &mut Ui| {
         ui.add_space(14.0 * row.depth as f32);
         match &row.leaf {
-            TreeLeaf::Group(key) => return group(ui, desk, list, at, *key),
-            TreeLeaf::Material(id) => material(ui, desk, &row.label, *id),
-            TreeLeaf::Definition(users) => definition(ui, desk, &row.label, users),
+            TreeLeaf::Group(key) => return group(ui, cx, list, at, *key),
+            TreeLeaf::Material(id) => material(ui, cx, &row.label, *id),
+            TreeLeaf::Definition(users) => definition(ui, cx, &row.label, users),
             TreeLeaf::Item(id) | TreeLeaf::Light(id) | TreeLeaf::Camera(id) => {
-                thing(ui, desk, row, *id, list.is_chosen(at), rename);
+                thing(ui, cx, row, *id, list.is_chosen(at), rename);
             }
         }
         None
@@ -115,13 +115,7 @@ fn row(
     ui.push_id(at, |ui| ui.horizontal(draw).inner).inner
 }
 
-fn group(
-    ui: &mut Ui,
-    desk: &mut PanelContext,
-    list: &TreeList,
-    at: usize,
-    key: u64,
-) -> Option<u64> {
+fn group(ui: &mut Ui, cx: &mut PanelContext, list: &TreeList, at: usize, key: u64) -> Option<u64> {
     let row = list.row(at);
     let (label, is_open) = (&row.label, list.is_open(key));
     let arrow = if is_open { "⏷" } else { "⏵" };
@@ -134,36 +128,32 @@ fn group(
     if ui.selectable_label(list.is_chosen(at), text).clicked() {
         let ids = list.ids(at);
         if !ids.is_empty() {
-            desk.wish(Command::Select(Selection {
+            cx.send(Command::Select(Selection {
                 ids,
                 ..Selection::default()
             }));
         }
     }
     if let Some(shown) = row.shown
-        && eye(ui, desk, label, shown)
+        && eye(ui, cx, label, shown)
     {
-        desk.edit(Edit::Hide(list.ids(at), shown));
+        cx.edit(Edit::Hide(list.ids(at), shown));
     }
     toggle.clicked().then_some(key)
 }
 
 /// Shows and hides; whether it was asked to.
-fn eye(ui: &mut Ui, desk: &PanelContext, name: &str, shown: bool) -> bool {
+fn eye(ui: &mut Ui, cx: &PanelContext, name: &str, shown: bool) -> bool {
     let draw = |ui: &mut Ui| {
         let sign = if shown { "👁" } else { "–" };
         let button = ui.add(egui::Button::new(sign).small().frame(false));
         button.widget_info(|| {
-            let does = if shown {
-                desk.say("Hide")
-            } else {
-                desk.say("Show")
-            };
+            let does = if shown { cx.tr("Hide") } else { cx.tr("Show") };
             egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{does}: {name}"))
         });
         let what = match shown {
-            true => desk.say("Hide: out of sight, but it casts and receives light as before"),
-            false => desk.say("Show"),
+            true => cx.tr("Hide: out of sight, but it casts and receives light as before"),
+            false => cx.tr("Show"),
         };
         button.on_hover_text(what).clicked()
     };
@@ -171,32 +161,32 @@ fn eye(ui: &mut Ui, desk: &PanelContext, name: &str, shown: bool) -> bool {
     ui.with_layout(place, draw).inner
 }
 
-fn material(ui: &mut Ui, desk: &mut PanelContext, label: &str, material: MaterialId) {
-    let known = desk.app.document.materials.get(material as usize);
+fn material(ui: &mut Ui, cx: &mut PanelContext, label: &str, material: MaterialId) {
+    let known = cx.app.document.materials.get(material as usize);
     if let Some(known) = known {
-        let color = super::paint::swatch(known);
+        let color = super::colors::swatch(known);
         let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
         ui.painter().rect_filled(rect, 2.0, color);
     }
-    let is_selected = desk.app.selection.material == Some(material);
+    let is_selected = cx.app.selection.material == Some(material);
     let label = match label {
-        "" => desk.say("without name"),
+        "" => cx.tr("without name"),
         other => other,
     };
     let response = ui.selectable_label(is_selected, label);
-    response.context_menu(|ui| super::stock::buttons(ui, desk, material));
+    response.context_menu(|ui| super::material_actions::buttons(ui, cx, material));
     if response.clicked() {
-        let mut selection = desk.app.selection.clone();
+        let mut selection = cx.app.selection.clone();
         selection.material = Some(material);
-        desk.wish(Command::Select(selection));
+        cx.send(Command::Select(selection));
     }
 }
 
-fn definition(ui: &mut Ui, desk: &mut PanelContext, label: &str, users: &[ItemId]) {
+fn definition(ui: &mut Ui, cx: &mut PanelContext, label: &str, users: &[ItemId]) {
     let response = ui.selectable_label(false, label);
-    let what = desk.say("Click to select the objects that share it");
+    let what = cx.tr("Click to select the objects that share it");
     if response.on_hover_text(what).clicked() && !users.is_empty() {
-        desk.wish(Command::Select(Selection {
+        cx.send(Command::Select(Selection {
             ids: users.to_vec(),
             ..Selection::default()
         }));
@@ -205,7 +195,7 @@ fn definition(ui: &mut Ui, desk: &mut PanelContext, label: &str, users: &[ItemId
 
 fn thing(
     ui: &mut Ui,
-    desk: &mut PanelContext,
+    cx: &mut PanelContext,
     row: &TreeRow,
     id: ItemId,
     is_chosen: bool,
@@ -214,7 +204,7 @@ fn thing(
     if let Some((renamed, name)) = &mut rename.0
         && *renamed == id
     {
-        if name_field(ui, desk, id, name) {
+        if name_field(ui, cx, id, name) {
             rename.0 = None;
         }
         return;
@@ -225,39 +215,39 @@ fn thing(
         _ => "",
     };
     let label = match row.label.as_str() {
-        "" => format!("{sign}{}", desk.say("without name")),
+        "" => format!("{sign}{}", cx.tr("without name")),
         name => format!("{sign}{name}"),
     };
     let response = ui.selectable_label(is_chosen, label);
     if response.double_clicked() {
-        match desk.app.document.viewpoint(id) {
+        match cx.app.document.viewpoint(id) {
             Some(view) => {
-                let mut look = desk.app.view.clone();
+                let mut look = cx.app.view.clone();
                 look.camera = view.camera.clone();
-                desk.wish(Command::SetView(Box::new(look)));
+                cx.send(Command::SetView(Box::new(look)));
             }
-            None => rename.begin(desk.app, id),
+            None => rename.begin(cx.app, id),
         }
     } else if response.clicked() {
-        desk.select(id, ui.input(|i| i.modifiers.command || i.modifiers.shift));
+        cx.select(id, ui.input(|i| i.modifiers.command || i.modifiers.shift));
     }
     if let Some(shown) = row.shown
-        && eye(ui, desk, &row.label, shown)
+        && eye(ui, cx, &row.label, shown)
     {
-        desk.edit(Edit::Hide(vec![id], shown));
+        cx.edit(Edit::Hide(vec![id], shown));
     }
 }
 
 /// The field of a name in its row; whether it is done with.
-fn name_field(ui: &mut Ui, desk: &mut PanelContext, id: ItemId, name: &mut String) -> bool {
-    let field = egui::TextEdit::singleline(name).hint_text(desk.say("Name"));
+fn name_field(ui: &mut Ui, cx: &mut PanelContext, id: ItemId, name: &mut String) -> bool {
+    let field = egui::TextEdit::singleline(name).hint_text(cx.tr("Name"));
     let response = ui.add(field);
     response.request_focus();
     let enter = ui.input(|i| i.key_pressed(egui::Key::Enter));
     let escape = ui.input(|i| i.key_pressed(egui::Key::Escape));
     let is_done = enter || escape || response.clicked_elsewhere();
     if is_done && !escape {
-        desk.edit(Edit::Rename(id, name.clone()));
+        cx.edit(Edit::Rename(id, name.clone()));
     }
     is_done
 }

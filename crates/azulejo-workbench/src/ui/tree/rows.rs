@@ -10,9 +10,9 @@ use std::hash::{Hash, Hasher};
 
 /// Groups within groups that are shown as such: deeper ones are part of the label. Nobody nests as
 /// deep by hand, but a file can.
-const DEEPEST: usize = 64;
+const MAX_DEPTH: usize = 64;
 /// Characters of a label; a name may be as long as its file.
-const LONGEST: usize = 200;
+const MAX_LABEL_CHARS: usize = 200;
 
 /// One line of the tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +87,7 @@ impl GroupNode {
     /// Puts a thing where its path leads.
     fn insert(&mut self, path: &str, leaf: TreeLeaf, shown: bool) {
         let (mut node, mut rest) = (self, path);
-        for _ in 0..DEEPEST {
+        for _ in 0..MAX_DEPTH {
             match rest.split_once('/') {
                 Some((group, inner)) if !group.is_empty() && !inner.is_empty() => {
                     node = node.groups.entry(group.to_owned()).or_default();
@@ -104,18 +104,18 @@ impl GroupNode {
     }
 
     /// Lists what it holds; whether anything of that is shown.
-    fn list(self, place: &ListPosition, rows: &mut Vec<TreeRow>) -> Option<bool> {
+    fn list(self, position: &ListPosition, rows: &mut Vec<TreeRow>) -> Option<bool> {
         let mut shown = None;
         for (name, node) in self.groups {
-            shown = either(shown, node.list_as(&name, place, rows));
+            shown = either(shown, node.list_as(&name, position, rows));
         }
         for thing in self.things {
             shown = either(shown, thing.shown);
             rows.push(TreeRow {
-                depth: place.depth,
+                depth: position.depth,
                 label: short(&thing.label),
                 leaf: thing.leaf,
-                parent: place.parent,
+                parent: position.parent,
                 end: rows.len() + 1,
                 shown: thing.shown,
             });
@@ -124,19 +124,19 @@ impl GroupNode {
     }
 
     /// Lists it as a group.
-    fn list_as(self, name: &str, place: &ListPosition, rows: &mut Vec<TreeRow>) -> Option<bool> {
-        let (at, key) = (rows.len(), key(place.key, name));
+    fn list_as(self, name: &str, position: &ListPosition, rows: &mut Vec<TreeRow>) -> Option<bool> {
+        let (at, key) = (rows.len(), key(position.key, name));
         rows.push(TreeRow {
-            depth: place.depth,
+            depth: position.depth,
             label: short(name),
             leaf: TreeLeaf::Group(key),
-            parent: place.parent,
+            parent: position.parent,
             end: at,
             shown: None,
         });
         let within = ListPosition {
             parent: Some(at),
-            depth: place.depth + 1,
+            depth: position.depth + 1,
             key,
         };
         let shown = self.list(&within, rows);
@@ -160,7 +160,7 @@ fn key(parent: u64, name: &str) -> u64 {
 }
 
 fn short(name: &str) -> String {
-    match name.char_indices().nth(LONGEST) {
+    match name.char_indices().nth(MAX_LABEL_CHARS) {
         Some((end, _)) => format!("{}…", &name[..end]),
         None => name.to_owned(),
     }
@@ -193,7 +193,7 @@ pub(super) fn rows(document: &SceneDocument, filter: &str, language: Language) -
         groups: shared.filter(|(_, node)| !node.is_empty()).collect(),
         things: Vec::new(),
     };
-    lists.push((language.say("Definitions"), shared));
+    lists.push((language.tr("Definitions"), shared));
     for (title, node) in lists.into_iter().filter(|(_, node)| !node.is_empty()) {
         node.list_as(title, &behind, &mut rows);
     }
@@ -206,13 +206,13 @@ fn objects<'d>(
     matches: &impl Fn(&str) -> bool,
     language: Language,
 ) -> Vec<(&'d str, GroupNode)> {
-    let names = document.branches.iter().map(|b| b.name.as_str());
-    let titles = names.chain([language.say("made here")]);
+    let names = document.source_files.iter().map(|b| b.name.as_str());
+    let titles = names.chain([language.tr("made here")]);
     let mut files: Vec<(&str, GroupNode)> =
         titles.map(|title| (title, GroupNode::default())).collect();
-    let made_here = document.branches.len();
-    for item in document.items.iter().filter(|i| matches(&i.name)) {
-        let file = item.branch.unwrap_or(made_here).min(made_here);
+    let made_here = document.source_files.len();
+    for item in document.objects.iter().filter(|i| matches(&i.name)) {
+        let file = item.source_file.unwrap_or(made_here).min(made_here);
         let (title, node) = &mut files[file];
         node.insert(
             inside(&item.name, title),
@@ -245,18 +245,17 @@ fn lists(
     let materials = (0..).zip(&document.materials);
     let materials = materials.filter_map(|(k, m)| thing(&m.name, TreeLeaf::Material(k), None));
     vec![
-        (language.say("Lights"), GroupNode::of(lights.collect())),
-        (language.say("Cameras"), GroupNode::of(cameras.collect())),
-        (
-            language.say("Materials"),
-            GroupNode::of(materials.collect()),
-        ),
+        (language.tr("Lights"), GroupNode::of(lights.collect())),
+        (language.tr("Cameras"), GroupNode::of(cameras.collect())),
+        (language.tr("Materials"), GroupNode::of(materials.collect())),
     ]
 }
 
 /// A name without the branch in front of it, which stands above it already.
-fn inside<'a>(name: &'a str, branch: &str) -> &'a str {
-    let rest = name.strip_prefix(branch).and_then(|r| r.strip_prefix('/'));
+fn inside<'a>(name: &'a str, source_file: &str) -> &'a str {
+    let rest = name
+        .strip_prefix(source_file)
+        .and_then(|r| r.strip_prefix('/'));
     rest.unwrap_or(name)
 }
 
@@ -302,8 +301,8 @@ mod tests {
 
     fn named(name: &str) -> Vec<TreeRow> {
         let mut document = sample();
-        document.items.truncate(1);
-        Arc::make_mut(&mut document.items[0]).name = name.into();
+        document.objects.truncate(1);
+        Arc::make_mut(&mut document.objects[0]).name = name.into();
         let mut rows = rows(&document, "", Language::English);
         rows.truncate(rows[0].end);
         rows
@@ -326,9 +325,9 @@ mod tests {
         assert_eq!(parents, [None, Some(0), Some(1), Some(2)]);
         for levels in [4_000, 50_000] {
             let deep = named(&"a/".repeat(levels));
-            assert_eq!(deep.len(), DEEPEST + 2);
+            assert_eq!(deep.len(), MAX_DEPTH + 2);
             assert!(bytes(&deep) < 100_000, "{} bytes", bytes(&deep));
-            let last = &deep[DEEPEST + 1];
+            let last = &deep[MAX_DEPTH + 1];
             assert!(last.label.starts_with("a/a/") && last.label.ends_with('…'));
         }
         assert_eq!(named("//a")[1].label, "//a");
@@ -351,14 +350,14 @@ mod tests {
     #[test]
     fn files_come_in_their_order_and_what_was_made_here_behind_them() {
         let mut document = sample();
-        let branch = |name: &str| crate::document::Branch {
+        let source_file = |name: &str| crate::document::SourceFile {
             name: name.into(),
             path: name.into(),
             format: None,
         };
-        document.branches = vec![branch("z"), branch("a")];
-        for (item, branch) in document.items.iter_mut().zip([None, Some(1), Some(0)]) {
-            Arc::make_mut(item).branch = branch;
+        document.source_files = vec![source_file("z"), source_file("a")];
+        for (item, source_file) in document.objects.iter_mut().zip([None, Some(1), Some(0)]) {
+            Arc::make_mut(item).source_file = source_file;
         }
         let rows = rows(&document, "", Language::English);
         let top = rows.iter().filter(|r| r.parent.is_none());
@@ -391,9 +390,9 @@ mod tests {
             rows.iter().find(|r| r.label == label).unwrap().shown
         };
         assert_eq!(shown(&document, "room"), Some(true));
-        Arc::make_mut(&mut document.items[0]).hidden = true;
+        Arc::make_mut(&mut document.objects[0]).hidden = true;
         assert_eq!(shown(&document, "room"), Some(true));
-        Arc::make_mut(&mut document.items[1]).hidden = true;
+        Arc::make_mut(&mut document.objects[1]).hidden = true;
         assert_eq!(shown(&document, "room"), Some(false));
         assert_eq!(shown(&document, "made here"), Some(true));
         assert_eq!(shown(&document, "Cameras"), Some(true));

@@ -30,7 +30,7 @@ pub struct GizmoHandle {
 /// Length of an axis on the screen, points.
 const LENGTH: f64 = 80.0;
 /// How near the mouse must be, points.
-const NEAR: f32 = 8.0;
+const PICK_RADIUS: f32 = 8.0;
 const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 /// Red, green and blue that differ in brightness too.
 const COLORS: [Color32; 3] = [
@@ -90,7 +90,7 @@ impl Gizmo<'_> {
             last: mouse,
         };
         let middle = self.on_screen(self.centre)?;
-        if self.mode == GizmoMode::Scale && middle.distance(mouse) < NEAR {
+        if self.mode == GizmoMode::Scale && middle.distance(mouse) < PICK_RADIUS {
             return Some(grip(3));
         }
         let distance = |axis: usize| {
@@ -101,7 +101,9 @@ impl Gizmo<'_> {
         let nearest = (0..3)
             .map(|k| (k, distance(k)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.filter(|(_, d)| *d < NEAR).map(|(k, _)| grip(k))
+        nearest
+            .filter(|(_, d)| *d < PICK_RADIUS)
+            .map(|(k, _)| grip(k))
     }
 
     /// Draws the handles; the one that is held or under the mouse is bright.

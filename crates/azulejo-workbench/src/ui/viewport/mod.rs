@@ -1,23 +1,23 @@
 //! The model: drawn, moved around, picked.
 
+mod cache;
 mod gizmo;
+mod hover;
 mod legend;
+mod markers;
 mod navigate;
 mod picking;
-mod picture;
-mod pins;
-mod probe;
-mod screen;
-mod signs;
-mod stage;
+mod probe_markers;
+mod rendered;
+mod texture;
 
-pub(super) use signs::middle;
+pub(super) use markers::middle;
 
 pub use gizmo::GizmoMode;
+pub use hover::{radiance_unit, value};
 pub use legend::number;
-pub use probe::{radiance_unit, value};
 
-use super::desk::PanelContext;
+use super::panel_context::PanelContext;
 use crate::app::App;
 use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
@@ -26,25 +26,25 @@ use crate::view::{Backdrop, ModelView, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Camera, Material};
+use cache::ViewportCache;
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
 use gizmo::{Gizmo, GizmoHandle};
 use glam::DAffine3;
-use screen::{DrawStamp, ViewportTexture};
-use stage::ViewportCache;
+use texture::{DrawStamp, ViewportTexture};
 
-pub use screen::DeviceLost;
+pub use texture::DeviceLost;
 
 /// The viewport's own state.
 #[derive(Default)]
 pub struct Viewport {
-    stage: ViewportCache,
+    cache: ViewportCache,
     screen: Option<ViewportTexture>,
-    picture: picture::RenderTexture,
+    rendered: rendered::RenderTexture,
     /// What the handles of the selection do.
     pub mode: GizmoMode,
     grip: Option<GizmoHandle>,
     /// What is under the mouse.
-    probe: Option<String>,
+    hover_text: Option<String>,
     probed_at: Option<(Pos2, u64, Camera, Shading)>,
     /// What is pointed at, as a ray: by the mouse, or by keys the middle.
     pointed: Option<Ray>,
@@ -106,7 +106,7 @@ impl Viewport {
 
     /// What is under the mouse.
     pub fn probe(&self) -> Option<&str> {
-        self.probe.as_deref()
+        self.hover_text.as_deref()
     }
 
     /// The place of a surface that is pointed at.
@@ -123,39 +123,39 @@ impl Viewport {
     ///
     /// # Errors
     /// [`DeviceLost`]: the graphics card is gone. The window has to be opened again.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut PanelContext) -> Result<(), DeviceLost> {
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Result<(), DeviceLost> {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        let name = desk.say("Viewport");
+        let name = cx.tr("Viewport");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
         let pixels = rect.size() * ui.ctx().pixels_per_point();
         self.size = [pixels.x.round() as u32, pixels.y.round() as u32];
-        let view = self.view(ui, &response, desk);
-        self.stage
-            .update(desk.app, &Projection::new(&view.camera, self.size));
+        let view = self.view(ui, &response, cx);
+        self.cache
+            .update(cx.app, &Projection::new(&view.camera, self.size));
         // A picture that was begun at another size fills a part of the place.
-        let seen = match &desk.app.picture {
-            Some(shown) => picture::place(rect, shown.size),
+        let seen = match &cx.app.render {
+            Some(shown) => rendered::fit(rect, shown.size),
             None => rect,
         };
         let points = Projection::new(&view.camera, [seen.width() as u32, seen.height() as u32]);
-        if desk.app.picture.is_some() {
-            self.picture.show(ui, rect, desk.app);
+        if cx.app.render.is_some() {
+            self.rendered.show(ui, rect, cx.app);
         } else {
-            self.draw(ui, rect, desk, &view)?;
-            self.handles(ui, rect, &response, &points, desk);
+            self.draw(ui, rect, cx, &view)?;
+            self.handles(ui, rect, &response, &points, cx);
         }
-        self.point(ui, seen, &response, &points, desk);
-        pins::paint(ui, seen, &points, desk);
-        self.decorate(ui, rect, desk);
+        self.point(ui, seen, &response, &points, cx);
+        probe_markers::paint(ui, seen, &points, cx);
+        self.decorate(ui, rect, cx);
         Ok(())
     }
 
     /// The view after this frame's mouse and keys.
-    fn view(&mut self, ui: &Ui, response: &Response, desk: &mut PanelContext) -> ModelView {
-        let app = desk.app;
+    fn view(&mut self, ui: &Ui, response: &Response, cx: &mut PanelContext) -> ModelView {
+        let app = cx.app;
         // Where a drag begins is found out below: on a handle, it does not turn the view.
-        if self.grip.is_some() || response.drag_started() || desk.is_covered {
+        if self.grip.is_some() || response.drag_started() || cx.is_covered {
             return app.view.clone();
         }
         let (view, is_held) = navigate::navigate(ui, response, app);
@@ -164,7 +164,7 @@ impl Viewport {
             ui.ctx().request_repaint();
         }
         if view != app.view {
-            desk.wish(Command::SetView(Box::new(view.clone())));
+            cx.send(Command::SetView(Box::new(view.clone())));
         }
         view
     }
@@ -173,14 +173,14 @@ impl Viewport {
         &mut self,
         ui: &Ui,
         rect: Rect,
-        desk: &PanelContext,
+        cx: &PanelContext,
         view: &ModelView,
     ) -> Result<(), DeviceLost> {
         let Some(screen) = &mut self.screen else {
             ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
             return Ok(());
         };
-        let app = desk.app;
+        let app = cx.app;
         let scale = scale(app);
         let stamp = DrawStamp {
             view: view.clone(),
@@ -191,23 +191,23 @@ impl Viewport {
             scale,
         };
         let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
-        let backdrop = self.stage.backdrop_key(&view.backdrop);
-        let stage = &self.stage;
+        let backdrop = self.cache.backdrop_key(&view.backdrop);
+        let cache = &self.cache;
         let textures = app.document.textures.iter();
         let textures: Vec<TextureSource> = textures
             .map(|t| TextureSource {
-                key: stage.texture_key(t),
+                key: cache.texture_key(t),
                 image: t.image.as_ref(),
             })
             .collect();
         let shows_factors = view.shading == Shading::FormFactors;
-        let drawn = stage.drawn(app, shows_factors);
-        let overlay = signs::overlay(app);
+        let drawn = cache.drawn(app, shows_factors);
+        let overlay = markers::overlay(app);
         let frame = ViewportFrame {
             shading: view.shading,
             textures: &textures,
             background: background(app, view, backdrop, ui.visuals().dark_mode),
-            fog: app.document.fog.filter(|_| view.fog),
+            fog: app.document.fog.filter(|_| view.shows_fog),
             overlay: &overlay,
             exposure: exposure(app, view),
             scale,
@@ -223,9 +223,9 @@ impl Viewport {
         rect: Rect,
         response: &Response,
         view: &Projection,
-        desk: &mut PanelContext,
+        cx: &mut PanelContext,
     ) {
-        let Some(centre) = middle(desk.app) else {
+        let Some(centre) = middle(cx.app) else {
             self.grip = None;
             return;
         };
@@ -247,8 +247,8 @@ impl Viewport {
             && let Some(map) = gizmo.drag(grip, mouse)
             && map != DAffine3::IDENTITY
         {
-            let ids = desk.app.selection.ids.clone();
-            desk.edit(Edit::Transform(ids, map));
+            let ids = cx.app.selection.ids.clone();
+            cx.edit(Edit::Transform(ids, map));
         }
         if !response.dragged() {
             self.grip = None;
@@ -260,12 +260,12 @@ impl Viewport {
     }
 
     /// What is painted over the model: legends and buttons.
-    fn decorate(&mut self, ui: &mut Ui, rect: Rect, desk: &PanelContext) {
-        let app = desk.app;
+    fn decorate(&mut self, ui: &mut Ui, rect: Rect, cx: &PanelContext) {
+        let app = cx.app;
         if self.by_keys {
-            pins::cross(ui.painter(), rect.center(), "", 1.0);
+            probe_markers::cross(ui.painter(), rect.center(), "", 1.0);
         }
-        if app.picture.is_none() {
+        if app.render.is_none() {
             match app.view.shading {
                 Shading::FalseColor if app.lighting.solution.is_some() => {
                     legend::paint(ui.painter(), rect, &scale(app), irradiance_unit(app));
@@ -276,7 +276,7 @@ impl Viewport {
                 _ => {}
             }
         }
-        if let Some(hint) = self.hint(desk) {
+        if let Some(hint) = self.hint(cx) {
             let at = rect.center_top() + Vec2::new(0.0, 10.0);
             let font = egui::FontId::proportional(13.0);
             let galley = ui
@@ -288,36 +288,36 @@ impl Viewport {
             ui.painter().rect_filled(place.expand(5.0), 4.0, back);
             ui.painter().galley(place.min, galley, Color32::WHITE);
         }
-        if app.picture.is_none() && !app.selection.ids.is_empty() {
-            self.mode_buttons(ui, rect, desk);
+        if app.render.is_none() && !app.selection.ids.is_empty() {
+            self.mode_buttons(ui, rect, cx);
         }
     }
 
     /// What one should know of what is shown.
-    fn hint(&self, desk: &PanelContext) -> Option<&'static str> {
-        let app = desk.app;
+    fn hint(&self, cx: &PanelContext) -> Option<&'static str> {
+        let app = cx.app;
         let lighting = &app.lighting;
         let shading = app.view.shading;
-        if app.document.items.is_empty() {
+        if app.document.objects.is_empty() {
             None
         } else if self.pins_next {
-            Some(desk.say("Click the place to watch; Escape for none."))
+            Some(cx.tr("Click the place to watch; Escape for none."))
         } else if shading == Shading::FormFactors && lighting.seen.is_none() {
-            Some(desk.say("Click a surface: its form factors become colours."))
+            Some(cx.tr("Click a surface: its form factors become colours."))
         } else if shading.shows_light() && lighting.solution.is_none() {
-            Some(desk.say("Not solved yet: press F5."))
+            Some(cx.tr("Not solved yet: press F5."))
         } else if shading.shows_light() && !lighting.is_current {
-            Some(desk.say("This light is from before the last changes: press F5."))
+            Some(cx.tr("This light is from before the last changes: press F5."))
         } else {
             None
         }
     }
 
-    fn mode_buttons(&mut self, ui: &mut Ui, rect: Rect, desk: &PanelContext) {
+    fn mode_buttons(&mut self, ui: &mut Ui, rect: Rect, cx: &PanelContext) {
         let modes = [
-            (GizmoMode::Move, desk.say("Move")),
-            (GizmoMode::Turn, desk.say("Turn")),
-            (GizmoMode::Scale, desk.say("Resize")),
+            (GizmoMode::Move, cx.tr("Move")),
+            (GizmoMode::Turn, cx.tr("Turn")),
+            (GizmoMode::Scale, cx.tr("Resize")),
         ];
         let place = Rect::from_min_size(rect.min + Vec2::splat(8.0), Vec2::new(240.0, 24.0));
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
@@ -383,7 +383,7 @@ fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Ba
                     }
                     _ => radiance,
                 };
-                let [r, g, b, _] = super::paint::color(shown).to_array();
+                let [r, g, b, _] = super::colors::color(shown).to_array();
                 Background::Color([r, g, b])
             }
             None if is_dark => Background::Gradient {

@@ -132,7 +132,7 @@ impl ViewportCache {
     pub fn update(&mut self, app: &App, view: &Projection) {
         let mut old: HashMap<ItemId, CachedMesh> =
             self.entries.drain(..).map(|e| (e.id, e)).collect();
-        for item in app.document.items.iter().filter(|i| !i.hidden) {
+        for item in app.document.objects.iter().filter(|i| !i.hidden) {
             let entry = self.entry(app, item, view, old.remove(&item.id));
             self.entries.push(entry);
         }

@@ -1,7 +1,7 @@
 //! Where the emitted power went.
 
-use super::super::desk::PanelContext;
-use super::super::paint::lines;
+use super::super::colors::lines;
+use super::super::panel_context::PanelContext;
 use super::percent;
 use crate::ui::viewport::value;
 use azulejo::radiosity::Balance;
@@ -9,50 +9,50 @@ use azulejo::scene::Rgb;
 use egui::{Color32, Grid, ProgressBar, RichText, Ui};
 
 /// Draws numbers and bars, and a caution where the energy does not add up.
-pub fn show(ui: &mut Ui, desk: &PanelContext, balance: &Balance) {
+pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &Balance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
     let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
     let grid = Grid::new("energy").num_columns(3).spacing([10.0, 3.0]);
     grid.show(ui, |ui| {
         let mut row = |name: &str, about: &str, power: Rgb, share: f64, color: Color32| {
             ui.label(name).on_hover_text(about);
-            ui.label(format!("{} {}", value(power), unit(desk)));
+            ui.label(format!("{} {}", value(power), unit(cx)));
             bar(ui, name, share, color);
             ui.end_row();
         };
         let emitted = balance.emitted.mean();
         let share = |power: Rgb| power.mean() / emitted.max(f64::MIN_POSITIVE);
         row(
-            desk.say("Emitted"),
-            desk.say("By surfaces that shine, and by lights as far as it reaches a surface."),
+            cx.tr("Emitted"),
+            cx.tr("By surfaces that shine, and by lights as far as it reaches a surface."),
             balance.emitted,
             share(balance.emitted),
             yellow,
         );
         row(
-            desk.say("Absorbed"),
-            desk.say("By surfaces."),
+            cx.tr("Absorbed"),
+            cx.tr("By surfaces."),
             balance.absorbed,
             share(balance.absorbed),
             blue,
         );
         row(
-            desk.say("Escaped"),
-            desk.say("Out of an open scene."),
+            cx.tr("Escaped"),
+            cx.tr("Out of an open scene."),
             balance.escaped,
             share(balance.escaped),
             green,
         );
         row(
-            desk.say("Cut off"),
-            desk.say("Between mirrors, where light was not followed any further."),
+            cx.tr("Cut off"),
+            cx.tr("Between mirrors, where light was not followed any further."),
             balance.cut,
             share(balance.cut),
             purple,
         );
         row(
-            desk.say("Unaccounted"),
-            desk.say("What is missing, or too much: the noise of the solution."),
+            cx.tr("Unaccounted"),
+            cx.tr("What is missing, or too much: the noise of the solution."),
             rest,
             balance.error(),
             orange,
@@ -60,14 +60,14 @@ pub fn show(ui: &mut Ui, desk: &PanelContext, balance: &Balance) {
     });
     if balance.is_off() {
         let words =
-            desk.say("The energy does not add up: ask for a smaller error, or give it more time.");
+            cx.tr("The energy does not add up: ask for a smaller error, or give it more time.");
         ui.label(RichText::new(format!("⚠ {words}")).color(ui.visuals().warn_fg_color));
     }
 }
 
 /// The unit of power.
-fn unit(desk: &PanelContext) -> &'static str {
-    match desk.app.document.units.photometric {
+fn unit(cx: &PanelContext) -> &'static str {
+    match cx.app.document.units.photometric {
         true => "lm",
         false => "W",
     }

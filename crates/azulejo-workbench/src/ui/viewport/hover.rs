@@ -1,7 +1,7 @@
 //! What is under the mouse, in one line.
 
+use super::cache::{CachedMesh, ViewportCache};
 use super::legend::number;
-use super::stage::{CachedMesh, ViewportCache};
 use super::{PanelContext, irradiance_unit};
 use crate::app::App;
 use crate::document::ShadingPoint;
@@ -11,18 +11,18 @@ use azulejo::scene::Rgb;
 use azulejo::scene::math::Ray;
 
 /// The object, the place, the material and the light where a ray meets the model.
-pub fn text(desk: &PanelContext, stage: &ViewportCache, ray: &Ray) -> Option<String> {
-    let drawn: Vec<MeshInstance> = stage.entries().iter().map(|e| e.drawn()).collect();
+pub fn text(cx: &PanelContext, cache: &ViewportCache, ray: &Ray) -> Option<String> {
+    let drawn: Vec<MeshInstance> = cache.entries().iter().map(|e| e.drawn()).collect();
     let hit = pick(&drawn, ray, false)?;
-    let entry = &stage.entries()[hit.object];
-    let document = &desk.app.document;
+    let entry = &cache.entries()[hit.object];
+    let document = &cx.app.document;
     let name = document.name(entry.id).unwrap_or_default();
     let p = hit.position;
     let mut text = format!(
         "{name} #{} · {} {} · ({}, {}, {})",
         entry.id.0,
-        desk.say("face"),
-        entry.model_face(desk.app, ray).unwrap_or(hit.face),
+        cx.tr("face"),
+        entry.model_face(cx.app, ray).unwrap_or(hit.face),
         number(p.x),
         number(p.y),
         number(p.z)
@@ -32,14 +32,14 @@ pub fn text(desk: &PanelContext, stage: &ViewportCache, ray: &Ray) -> Option<Str
     if let Some(paint) = ShadingPoint::at(mesh, hit.face, hit.vertices, weights, hit.is_front) {
         let name = named(document, paint.material);
         text += &format!(" · {name} #{}", paint.material);
-        text += &light(desk, entry, &hit, &paint, ray).unwrap_or_default();
+        text += &light(cx, entry, &hit, &paint, ray).unwrap_or_default();
     }
     Some(text)
 }
 
 /// Irradiance with its standard error, and the radiance that leaves evenly to all sides.
 fn light(
-    desk: &PanelContext,
+    cx: &PanelContext,
     entry: &CachedMesh,
     hit: &PickHit,
     paint: &ShadingPoint,
@@ -50,16 +50,16 @@ fn light(
         return None;
     }
     let shown = entry.light(hit.vertices, hit.barycentric);
-    let (irradiance, error) = shown.or_else(|| entry.light_beneath(desk.app, ray))?;
+    let (irradiance, error) = shown.or_else(|| entry.light_beneath(cx.app, ray))?;
     let error = error.map_or_else(|| "?".to_owned(), value);
-    let app = desk.app;
+    let app = cx.app;
     let radiance = app.document.radiance(paint, irradiance)?;
     Some(format!(
         " · E = {} ± {} {} · {} L = {} {}",
         value(irradiance),
         error,
         irradiance_unit(app),
-        desk.say("matt"),
+        cx.tr("matt"),
         value(radiance),
         radiance_unit(app)
     ))

@@ -1,68 +1,63 @@
 //! Who found the light, and at what expense.
 
-use super::super::desk::PanelContext;
+use super::super::panel_context::PanelContext;
 use super::{percent, row};
 use crate::ui::viewport::number;
 use azulejo::radiosity::{Method, Report};
 use egui::{Grid, RichText, Ui};
 
 /// Draws what the solver reports.
-pub fn show(ui: &mut Ui, desk: &PanelContext, report: &Report) {
+pub fn show(ui: &mut Ui, cx: &PanelContext, report: &Report) {
     let grid = Grid::new("report").num_columns(2).spacing([12.0, 2.0]);
-    grid.show(ui, |ui| rows(ui, desk, report));
+    grid.show(ui, |ui| rows(ui, cx, report));
     for note in &report.ran.notes {
         let text = RichText::new(format!("ℹ {note}")).small();
         ui.add(egui::Label::new(text).wrap());
     }
 }
 
-fn rows(ui: &mut Ui, desk: &PanelContext, report: &Report) {
+fn rows(ui: &mut Ui, cx: &PanelContext, report: &Report) {
     if !report.ran.engine.is_empty() {
         let text = format!("{} ({})", report.ran.engine, report.ran.device);
-        row(ui, desk.say("Engine"), "", text);
+        row(ui, cx.tr("Engine"), "", text);
     }
     let patches = count(report.patches as u64);
     let text = match report.method {
         Method::Matrix => {
-            let rows = desk.say("of form factors");
+            let rows = cx.tr("of form factors");
             format!("{patches}, {} {rows}", bytes(report.bytes))
         }
-        Method::Stochastic => format!("{patches}, {}", desk.say("without a matrix")),
+        Method::Stochastic => format!("{patches}, {}", cx.tr("without a matrix")),
     };
-    row(ui, desk.say("Patches"), "", text);
+    row(ui, cx.tr("Patches"), "", text);
     let gathered = report.points as u64 * u64::from(report.point_rays);
-    let (patches, points) = (desk.say("from patches"), desk.say("from points"));
+    let (patches, points) = (cx.tr("from patches"), cx.tr("from points"));
     let text = format!(
         "{} {patches}, {} {points}",
         count(report.patch_rays),
         count(gathered)
     );
-    row(ui, desk.say("Rays"), "", text);
-    let about = desk.say("Vertices at which light was gathered.");
-    row(ui, desk.say("Points"), about, count(report.points as u64));
-    let residual = desk.say("residual");
+    row(ui, cx.tr("Rays"), "", text);
+    let about = cx.tr("Vertices at which light was gathered.");
+    row(ui, cx.tr("Points"), about, count(report.points as u64));
+    let residual = cx.tr("residual");
     let text = format!(
         "{}, {residual} {}",
         report.iterations,
         number(report.residual)
     );
-    row(ui, desk.say("Bounces"), "", text);
+    row(ui, cx.tr("Bounces"), "", text);
     if report.method == Method::Matrix {
         let mut text = percent(report.patch_error);
         if report.refined_rows > 0 {
-            let refined = desk.say("rows refined");
+            let refined = cx.tr("rows refined");
             text += &format!(", {} {refined}", count(report.refined_rows as u64));
         }
-        let about = desk.say("Estimated relative error of the light that patches reflect.");
-        row(ui, desk.say("Error of patches"), about, text);
+        let about = cx.tr("Estimated relative error of the light that patches reflect.");
+        row(ui, cx.tr("Error of patches"), about, text);
     }
-    let about = desk.say("Estimated relative error of irradiance at the points.");
-    row(
-        ui,
-        desk.say("Estimated error"),
-        about,
-        percent(report.error),
-    );
+    let about = cx.tr("Estimated relative error of irradiance at the points.");
+    row(ui, cx.tr("Estimated error"), about, percent(report.error));
 }
 
 /// A count with its thousands apart, by narrow spaces as the languages agree on.

@@ -1,6 +1,6 @@
 //! A lobe as a solid body, turned by dragging or by the arrow keys.
 
-use super::shapes::{LobeSurface, RINGS, SECTORS};
+use super::lobes::{LobeSurface, RINGS, SECTORS};
 use super::theme::{brightness, grid};
 use super::view::LobeView;
 use crate::ui::focus::keep_arrows;
@@ -36,7 +36,7 @@ pub(super) fn draw(
         response.request_focus();
     }
     turn(ui, &response, &mut view.orbit);
-    let words = language.say("Lobe as a body; drag or use the arrow keys to turn it");
+    let words = language.tr("Lobe as a body; drag or use the arrow keys to turn it");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, words);
     response.widget_info(info);
     if !ui.is_rect_visible(response.rect) {
@@ -49,7 +49,7 @@ pub(super) fn draw(
     painter.extend(eye.light(body.light, ui.visuals().strong_text_color()));
     if brightness(body.mirrored) > 5e-4 {
         let away = DVec3::new(-body.light.x, -body.light.y, body.light.z);
-        let ends = [DVec3::ZERO, away].map(|p| eye.place(p));
+        let ends = [DVec3::ZERO, away].map(|p| eye.project(p));
         painter.extend(Shape::dotted_line(&ends, color, 5.0, 1.5));
     }
     if response.has_focus() {
@@ -124,7 +124,7 @@ impl OrbitCamera {
         }
     }
 
-    fn place(&self, p: DVec3) -> Pos2 {
+    fn project(&self, p: DVec3) -> Pos2 {
         let flat = self.zoom * DVec2::new(p.dot(self.right), -p.dot(self.up));
         self.center + vec2(flat.x as f32, flat.y as f32)
     }
@@ -135,11 +135,11 @@ impl OrbitCamera {
         let circle = |r: f64| {
             let point = |k: i32| {
                 let (sin, cos) = (TAU * f64::from(k) / 48.0).sin_cos();
-                self.place(r * DVec3::new(cos, sin, 0.0))
+                self.project(r * DVec3::new(cos, sin, 0.0))
             };
             Shape::closed_line((0..48).map(point).collect(), stroke)
         };
-        let axis = |a: DVec3| Shape::line_segment([self.place(-a), self.place(a)], stroke);
+        let axis = |a: DVec3| Shape::line_segment([self.project(-a), self.project(a)], stroke);
         let circles = [0.5, 1.0].map(circle);
         circles
             .into_iter()
@@ -179,13 +179,13 @@ impl OrbitCamera {
         let first = mesh.vertices.len() as u32;
         corners
             .iter()
-            .for_each(|c| mesh.colored_vertex(self.place(*c), color));
+            .for_each(|c| mesh.colored_vertex(self.project(*c), color));
         mesh.add_triangle(first, first + 1, first + 2);
     }
 
     /// Light's way.
     fn light(&self, light: DVec3, color: Color32) -> Vec<Shape> {
-        let [from, to] = [1.1, 0.08].map(|t| self.place(light * t));
+        let [from, to] = [1.1, 0.08].map(|t| self.project(light * t));
         let arrow = to - from;
         let along = arrow.normalized();
         let side = 3.0 * along.rot90();
@@ -206,8 +206,8 @@ mod tests {
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(200.0, 100.0));
         let eye = OrbitCamera::new([-90.0, 0.0], rect);
         // Seen from −y, x is to the right and z up.
-        assert!(eye.place(DVec3::X).x > eye.place(DVec3::ZERO).x);
-        assert!(eye.place(DVec3::Z).y < eye.place(DVec3::ZERO).y);
+        assert!(eye.project(DVec3::X).x > eye.project(DVec3::ZERO).x);
+        assert!(eye.project(DVec3::Z).y < eye.project(DVec3::ZERO).y);
         let far = [DVec3::Y, DVec3::Y + DVec3::X, DVec3::Y + DVec3::Z];
         let near = far.map(|p| p - 2.0 * DVec3::Y);
         let rings = [[near[0], far[0]], [near[1], far[1]]].map(|r| r.to_vec());
@@ -220,6 +220,6 @@ mod tests {
     fn straight_from_above_there_is_a_view() {
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(200.0, 100.0));
         let eye = OrbitCamera::new([-106.0, 90.0], rect);
-        assert!(eye.place(DVec3::X).is_finite() && eye.up.is_finite());
+        assert!(eye.project(DVec3::X).is_finite() && eye.up.is_finite());
     }
 }

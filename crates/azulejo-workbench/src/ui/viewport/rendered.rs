@@ -7,7 +7,7 @@ use egui::{Color32, Rect, TextureHandle, TextureOptions, Ui, Vec2};
 use std::sync::Arc;
 
 /// Where a picture of so many pixels stands: as large as fits, in the middle.
-pub fn place(rect: Rect, (width, height): (u32, u32)) -> Rect {
+pub fn fit(rect: Rect, (width, height): (u32, u32)) -> Rect {
     let size = Vec2::new(width.max(1) as f32, height.max(1) as f32);
     let scale = (rect.width() / size.x).min(rect.height() / size.y);
     Rect::from_center_size(rect.center(), scale * size)
@@ -24,14 +24,14 @@ impl RenderTexture {
     /// Paints the picture as far as it is, as large as fits.
     pub fn show(&mut self, ui: &Ui, rect: Rect, app: &App) {
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
-        let Some(picture) = &app.picture else { return };
+        let Some(picture) = &app.render else { return };
         if let Some(image) = &picture.image {
             self.refresh(ui, image, app.view.exposure);
         } else {
             self.made_of = None;
         }
         if let (Some(texture), Some(_)) = (&self.texture, &self.made_of) {
-            let place = place(rect, picture.size);
+            let place = fit(rect, picture.size);
             let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
             ui.painter()
                 .image(texture.id(), place, whole, Color32::WHITE);
@@ -70,10 +70,10 @@ mod tests {
     #[test]
     fn a_picture_fills_what_its_shape_allows() {
         let rect = Rect::from_min_size(egui::pos2(10.0, 20.0), Vec2::new(200.0, 100.0));
-        assert_eq!(place(rect, (400, 200)), rect);
-        let upright = place(rect, (50, 100));
+        assert_eq!(fit(rect, (400, 200)), rect);
+        let upright = fit(rect, (50, 100));
         assert_eq!(upright.size(), Vec2::new(50.0, 100.0));
         assert_eq!(upright.center(), rect.center());
-        assert!(place(rect, (0, 0)).is_finite());
+        assert!(fit(rect, (0, 0)).is_finite());
     }
 }

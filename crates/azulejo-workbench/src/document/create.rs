@@ -79,7 +79,7 @@ pub enum NewLightKind {
 /// The typeface for those who choose none: its licence stands beside the examples.
 const TYPEFACE: &[u8] = include_bytes!("../../../../examples/fonts/dejavu-serif.ppf");
 /// Letters that one line of a dialog holds with ease; a page belongs into a file.
-const LONGEST: usize = 10_000;
+const MAX_TEXT_CHARS: usize = 10_000;
 /// Reflectance of what is made by hand.
 const WHITE: f64 = 0.7;
 /// Radiance of a new lamp, W/(sr·m²), or in scenes of lux, cd/m²: a bright panel's.
@@ -116,9 +116,9 @@ impl TextLayout {
         depth: f64,
         font: Option<(&[u8], &str)>,
     ) -> Result<TextLayout, EditError> {
-        if text.trim().is_empty() || text.len() > LONGEST {
+        if text.trim().is_empty() || text.len() > MAX_TEXT_CHARS {
             let message = format!(
-                "{} bytes of text, expected 1 to {LONGEST}",
+                "{} bytes of text, expected 1 to {MAX_TEXT_CHARS}",
                 text.trim().len()
             );
             return Err(EditError(message));

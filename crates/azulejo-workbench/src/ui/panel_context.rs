@@ -16,46 +16,46 @@ pub struct PanelContext<'a> {
     /// Whether a dialog or a question lies over everything: keys are for it.
     pub is_covered: bool,
     /// What was asked for.
-    pub wishes: Vec<Command>,
+    pub commands: Vec<Command>,
 }
 
 impl PanelContext<'_> {
     /// `english` in the window's language.
-    pub fn say(&self, english: &'static str) -> &'static str {
-        self.language.say(english)
+    pub fn tr(&self, english: &'static str) -> &'static str {
+        self.language.tr(english)
     }
 
     /// A stage of a job in the window's language; as the job says it, if it is not known.
     pub fn stage<'s>(&self, stage: &'s str) -> &'s str {
         match stage {
-            "direct light" => self.say("direct light"),
-            "form factors" => self.say("form factors"),
-            "formulas" => self.say("formulas"),
-            "merging" => self.say("merging"),
-            "scaling rows" | "row sums" | "grey interchange" => self.say("balancing rows"),
-            "exchange areas" => self.say("exchange areas"),
-            "forecast" => self.say("forecast"),
-            "refining" => self.say("refining"),
-            "bounces" => self.say("bounces"),
-            "shooting" => self.say("shooting"),
-            "irradiance" => self.say("irradiance"),
-            "radiance" => self.say("radiance"),
-            "reading" => self.say("reading"),
-            "parsing" => self.say("parsing"),
-            "render" => self.say("tracing rays"),
-            "" => self.say("preparing"),
+            "direct light" => self.tr("direct light"),
+            "form factors" => self.tr("form factors"),
+            "formulas" => self.tr("formulas"),
+            "merging" => self.tr("merging"),
+            "scaling rows" | "row sums" | "grey interchange" => self.tr("balancing rows"),
+            "exchange areas" => self.tr("exchange areas"),
+            "forecast" => self.tr("forecast"),
+            "refining" => self.tr("refining"),
+            "bounces" => self.tr("bounces"),
+            "shooting" => self.tr("shooting"),
+            "irradiance" => self.tr("irradiance"),
+            "radiance" => self.tr("radiance"),
+            "reading" => self.tr("reading"),
+            "parsing" => self.tr("parsing"),
+            "render" => self.tr("tracing rays"),
+            "" => self.tr("preparing"),
             other => other,
         }
     }
 
     /// Asks for something.
-    pub fn wish(&mut self, command: Command) {
-        self.wishes.push(command);
+    pub fn send(&mut self, command: Command) {
+        self.commands.push(command);
     }
 
     /// Asks for a change of the document.
     pub fn edit(&mut self, edit: Edit) {
-        self.wishes.push(Command::Edit(edit, self.gesture));
+        self.commands.push(Command::Edit(edit, self.gesture));
     }
 
     /// Selects one thing, or adds it to the selection, or takes it away.
@@ -74,6 +74,6 @@ impl PanelContext<'_> {
         if !adds {
             selection.material = None;
         }
-        self.wish(Command::Select(selection));
+        self.send(Command::Select(selection));
     }
 }

@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 
 impl App {
     /// The window may close, whatever is lost by it.
-    pub fn leave(&mut self) {
+    pub fn allow_close(&mut self) {
         self.forget_copy();
-        self.left = Some(self.agreed());
+        self.left = Some(self.accept_loss());
         self.closing = true;
     }
 
@@ -29,14 +29,14 @@ impl App {
 
     /// What was recovered is not on the disk where it belongs.
     pub(super) fn adopt_recovered(&mut self, copy: &Path) {
-        let found = self.recovery.found().iter().find(|f| f.copy == copy);
+        let found = self.recovery.recoverable().iter().find(|f| f.copy == copy);
         let original = found.and_then(|f| f.original.clone());
         self.recovery.adopt(copy);
-        self.file = original.map(OnDisk::unread);
-        match (&self.file, self.document.branches.first_mut()) {
-            (Some(file), Some(branch)) => {
-                branch.path.clone_from(&file.path);
-                branch.name = models::branch_name(&file.path, |_| false);
+        self.file = original.map(OnDisk::never_read);
+        match (&self.file, self.document.source_files.first_mut()) {
+            (Some(file), Some(source_file)) => {
+                source_file.path.clone_from(&file.path);
+                source_file.name = models::branch_name(&file.path, |_| false);
             }
             // The copy's own name says nothing to anybody.
             _ => self.document.leave_files(),
@@ -61,7 +61,7 @@ impl App {
         let home = self.home();
         let (document, revision) = (self.document.clone(), self.revision);
         let solution = self.lighting.solution.clone();
-        let title = self.say("copy for recovery");
+        let title = self.tr("copy for recovery");
         self.jobs
             .start(JobKind::Autosave, title, move |progress, outbox| {
                 let (scene, _) = document.lit_scene(solution.as_deref());
@@ -77,12 +77,12 @@ impl App {
     ///
     /// # Errors
     /// Why it cannot be written, in words.
-    pub fn keep_for_next_start(&mut self) -> Result<Option<PathBuf>, String> {
+    pub fn save_recovery_now(&mut self) -> Result<Option<PathBuf>, String> {
         if !self.is_changed() {
             return Ok(None);
         }
         let original = self.file.as_ref().map(|f| f.path.as_path());
-        let path = self.recovery.place(original).unwrap_or_else(|| {
+        let path = self.recovery.copy_path(original).unwrap_or_else(|| {
             let name = format!("azulejo-kept-{}.grf", std::process::id());
             std::env::temp_dir().join(name)
         });
@@ -101,14 +101,16 @@ impl App {
     }
 
     /// When the window should be drawn again although nothing happens: for a copy that is due.
-    pub fn wakes_in(&self) -> Option<Duration> {
+    pub fn repaint_after(&self) -> Option<Duration> {
         let patience = Duration::from_secs(u64::from(self.preferences.autosave));
         let waits = !patience.is_zero() && self.is_changed() && !self.is_busy(JobKind::Autosave);
-        let waits = waits && self.recovery.awaits(self.revision);
+        let waits = waits && self.recovery.is_pending(self.revision);
         let since = self.changed_at.filter(|_| waits)?.elapsed();
         // After a copy that failed the next one is due later. What is due already is begun by the
         // next frame, which must not be the next of very many.
-        let rest = patience.saturating_sub(since).max(self.recovery.rests());
+        let rest = patience
+            .saturating_sub(since)
+            .max(self.recovery.retry_delay());
         Some(rest.max(SOON))
     }
 }

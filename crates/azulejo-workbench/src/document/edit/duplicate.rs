@@ -11,7 +11,7 @@ impl SceneDocument {
             return refuse("nothing is selected, select what to duplicate");
         }
         let chosen = set(ids);
-        let items = self.items.iter().filter(|i| chosen.contains(&i.id));
+        let items = self.objects.iter().filter(|i| chosen.contains(&i.id));
         let items: Vec<SceneObject> = items.map(|item| SceneObject::clone(item)).collect();
         let lamps = self.lights.iter().filter(|l| chosen.contains(&l.id));
         let lamps: Vec<SceneLight> = lamps.cloned().collect();
@@ -23,7 +23,7 @@ impl SceneDocument {
             item.id = self.new_id();
             item.name = names.fresh(&item.name);
             copies.push(item.id);
-            self.items.push(Arc::new(item));
+            self.objects.push(Arc::new(item));
             self.rtrace = None;
         }
         for mut lamp in lamps {
@@ -51,10 +51,10 @@ impl SceneDocument {
         if self.is_empty() {
             self.units = other.units;
         }
-        let (branches, materials) = (self.branches.len(), self.materials.len() as u32);
+        let (source_files, materials) = (self.source_files.len(), self.materials.len() as u32);
         let textures = self.textures.len() as u32;
-        let branch = |b: Option<usize>| b.map(|b| b + branches);
-        self.branches.extend(other.branches.iter().cloned());
+        let source_file = |b: Option<usize>| b.map(|b| b + source_files);
+        self.source_files.extend(other.source_files.iter().cloned());
         self.textures.extend(other.textures.iter().cloned());
         for material in &other.materials {
             let mut material = Arc::clone(material);
@@ -65,21 +65,21 @@ impl SceneDocument {
             self.materials.push(material);
         }
         let mut ids = Vec::new();
-        for item in &other.items {
+        for item in &other.objects {
             let mut item = SceneObject::clone(item);
             if materials > 0 {
                 item.change_shape(|shape| map_materials(shape, &mut |m| m + materials));
             }
             item.id = self.new_id();
-            item.branch = branch(item.branch);
+            item.source_file = source_file(item.source_file);
             ids.push(item.id);
-            self.items.push(Arc::new(item));
+            self.objects.push(Arc::new(item));
         }
         for lamp in &other.lights {
             let id = self.new_id();
             self.lights.push(SceneLight {
                 id,
-                branch: branch(lamp.branch),
+                source_file: source_file(lamp.source_file),
                 hidden: lamp.hidden,
                 light: lamp.light.clone(),
             });
@@ -88,7 +88,7 @@ impl SceneDocument {
             let id = self.new_id();
             self.cameras.push(SceneCamera {
                 id,
-                branch: branch(view.branch),
+                source_file: source_file(view.source_file),
                 hidden: view.hidden,
                 camera: view.camera.clone(),
             });
@@ -109,7 +109,7 @@ pub(super) struct UniqueNames {
 
 impl UniqueNames {
     fn of(document: &SceneDocument) -> UniqueNames {
-        let items = document.items.iter().map(|i| &i.name);
+        let items = document.objects.iter().map(|i| &i.name);
         let lights = document.lights.iter().map(|l| &l.light.name);
         let cameras = document.cameras.iter().map(|c| &c.camera.name);
         UniqueNames::among(items.chain(lights).chain(cameras))

@@ -1,6 +1,6 @@
 //! What the plots show of a reflector, found in the background: numbers, no pictures.
 
-use super::optics::{BrdfSum, MaterialReflection};
+use super::reflection::{BrdfSum, MaterialReflection};
 use azulejo::scene::Rgb;
 use azulejo::scene::brdf::check::direction;
 use azulejo::scene::math::Frame;
@@ -16,7 +16,7 @@ pub(super) const SECTORS: usize = 72;
 const ANGLES: usize = 31;
 
 /// The largest of them, in degrees.
-const LAST: f64 = 89.0;
+const MAX_ANGLE: f64 = 89.0;
 
 /// What lobes are asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +151,7 @@ pub(super) fn albedo(
     let reflector = key.optics.reflector();
     let point = |k: usize| {
         progress.advance(1)?;
-        let angle = LAST * k as f64 / (ANGLES - 1) as f64;
+        let angle = MAX_ANGLE * k as f64 / (ANGLES - 1) as f64;
         Ok((angle, reflector.albedo(direction(angle, key.azimuth))))
     };
     show((0..ANGLES).map(point).collect::<Result<_, Cancelled>>()?);

@@ -1,8 +1,8 @@
 //! Several things at once: moved, turned and scaled by numbers.
 
-use super::desk::PanelContext;
 use super::inputs;
 use super::inspector::{speed, vector};
+use super::panel_context::PanelContext;
 use super::viewport::middle;
 use crate::document::Edit;
 use egui::{Button, Grid, Id, Ui};
@@ -44,24 +44,24 @@ impl GroupTransform {
 
 /// Draws the numbers. Nothing happens until they are applied, at once and as one step: where the
 /// middle is and what the turns are about would change under the hands of who drags them.
-pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
+pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     let id = Id::unique("together");
     let mut wanted: GroupTransform = ui.data(|d| d.get_temp(id)).unwrap_or_default();
     Grid::new("together").num_columns(2).show(ui, |ui| {
-        let speed = speed(&desk.app.document);
-        vector(ui, desk.say("Move by"), &mut wanted.shift, speed);
-        vector(ui, desk.say("Turn by °"), &mut wanted.turn, 0.5);
-        let label = ui.label(desk.say("Scale by"));
+        let speed = speed(&cx.app.document);
+        vector(ui, cx.tr("Move by"), &mut wanted.shift, speed);
+        vector(ui, cx.tr("Turn by °"), &mut wanted.turn, 0.5);
+        let label = ui.label(cx.tr("Scale by"));
         let drag = inputs::number(&mut wanted.factor, 1e-6..=1e6).speed(0.01);
         ui.add(drag).labelled_by(label.id);
         ui.end_row();
     });
-    let button = Button::new(desk.say("Apply to all"));
+    let button = Button::new(cx.tr("Apply to all"));
     let is_some = wanted != GroupTransform::default();
     if ui.add_enabled(is_some, button).clicked() {
-        let centre = middle(desk.app).unwrap_or_default();
-        let ids = desk.app.selection.ids.clone();
-        desk.edit(Edit::Transform(ids, wanted.map(centre)));
+        let centre = middle(cx.app).unwrap_or_default();
+        let ids = cx.app.selection.ids.clone();
+        cx.edit(Edit::Transform(ids, wanted.map(centre)));
         wanted = GroupTransform::default();
     }
     ui.data_mut(|d| d.insert_temp(id, wanted));

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 /// Most vertices and triangles of a piece. Its buffers stay far below any card's limit, and what
 /// is made on the way to the card stays small.
-const MOST_VERTICES: usize = 1 << 18;
-const MOST_TRIANGLES: usize = 1 << 19;
+const MAX_VERTICES: usize = 1 << 18;
+const MAX_TRIANGLES: usize = 1 << 19;
 
 /// The mark for no vertex.
 const NONE: u32 = u32::MAX;
@@ -28,7 +28,7 @@ pub struct MeshPiece {
 
 /// Hands the pieces of a mesh to `use_piece`, always the same ones in the same order. What it
 /// says ends the walk.
-pub fn walk<E>(
+pub fn for_each_piece<E>(
     mesh: &Mesh,
     with_edges: bool,
     mut use_piece: impl FnMut(&MeshPiece) -> Result<(), E>,
@@ -96,8 +96,8 @@ impl<'a> PieceBuilder<'a> {
     fn is_full(&self, face: usize) -> bool {
         let more = self.mesh.faces.corner_range(face).len();
         !self.piece.triangles.is_empty()
-            && (self.piece.vertices.len() + more > MOST_VERTICES
-                || self.piece.faces.len() + more > MOST_TRIANGLES)
+            && (self.piece.vertices.len() + more > MAX_VERTICES
+                || self.piece.faces.len() + more > MAX_TRIANGLES)
     }
 
     fn add(&mut self, face: usize) {
@@ -228,7 +228,7 @@ mod tests {
 
     fn pieces(mesh: &Mesh) -> Vec<PieceSummary> {
         let mut all = Vec::new();
-        let Ok(()) = walk(mesh, true, |p| {
+        let Ok(()) = for_each_piece(mesh, true, |p| {
             let counts = (p.vertices.len(), p.faces.len(), p.edges.len() / 2);
             all.push((counts.0, counts.1, counts.2, p.ranges.clone()));
             Ok::<(), std::convert::Infallible>(())
@@ -261,9 +261,9 @@ mod tests {
 
     #[test]
     fn large_meshes_come_in_pieces() {
-        let mesh = strip(&vec![0; MOST_VERTICES]);
+        let mesh = strip(&vec![0; MAX_VERTICES]);
         let all = pieces(&mesh);
-        assert!(all.len() > 1 && all.iter().all(|p| p.0 <= MOST_VERTICES));
-        assert_eq!(all.iter().map(|p| p.1).sum::<usize>(), 2 * MOST_VERTICES);
+        assert!(all.len() > 1 && all.iter().all(|p| p.0 <= MAX_VERTICES));
+        assert_eq!(all.iter().map(|p| p.1).sum::<usize>(), 2 * MAX_VERTICES);
     }
 }

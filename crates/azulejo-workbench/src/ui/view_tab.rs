@@ -1,8 +1,8 @@
 //! How the model is looked at: shading, false colours, background, fog.
 
-use super::desk::PanelContext;
 use super::dialogs::map_name;
 use super::inputs;
+use super::panel_context::PanelContext;
 use crate::command::{Command, FileRequest};
 use crate::document::Edit;
 use crate::view::{Backdrop, COLORS, ColorMap, Fit, ModelView, linear};
@@ -10,22 +10,22 @@ use azulejo::scene::Fog;
 use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
 
 /// Draws the tab.
-pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
-    let old = &desk.app.view;
+pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
+    let old = &cx.app.view;
     let mut view = old.clone();
-    exposure(ui, desk, &mut view);
+    exposure(ui, cx, &mut view);
     ui.separator();
-    false_colors(ui, desk, &mut view);
+    false_colors(ui, cx, &mut view);
     ui.separator();
-    background(ui, desk, &mut view);
+    background(ui, cx, &mut view);
     ui.separator();
-    fog(ui, desk, &mut view);
+    fog(ui, cx, &mut view);
     ui.separator();
-    ui.checkbox(&mut view.signs, desk.say("Lights and cameras"));
-    ui.checkbox(&mut view.grid, desk.say("Grid"));
+    ui.checkbox(&mut view.shows_markers, cx.tr("Lights and cameras"));
+    ui.checkbox(&mut view.shows_grid, cx.tr("Grid"));
     let mut degrees = view.camera.vertical_fov.to_degrees();
     ui.horizontal(|ui| {
-        let label = ui.label(desk.say("Field of view"));
+        let label = ui.label(cx.tr("Field of view"));
         let slider = Slider::new(&mut degrees, 5.0..=120.0)
             .suffix("°")
             .clamping(egui::SliderClamping::Edits);
@@ -34,85 +34,79 @@ pub fn show(ui: &mut Ui, desk: &mut PanelContext) {
         }
     });
     if view != *old {
-        desk.wish(Command::SetView(Box::new(view)));
+        cx.send(Command::SetView(Box::new(view)));
     }
 }
 
-fn exposure(ui: &mut Ui, desk: &PanelContext, view: &mut ModelView) {
+fn exposure(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     ui.horizontal(|ui| {
         let mut auto = view.exposure.is_none();
         if ui
-            .checkbox(&mut auto, desk.say("Exposure by itself"))
+            .checkbox(&mut auto, cx.tr("Exposure by itself"))
             .changed()
         {
-            view.exposure = (!auto).then_some(super::viewport::auto_exposure(desk.app));
+            view.exposure = (!auto).then_some(super::viewport::auto_exposure(cx.app));
         }
         if let Some(exposure) = &mut view.exposure {
             let slider = Slider::new(exposure, 1e-4..=1e4).logarithmic(true);
             let response = ui.add(slider);
             response.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::Role::Slider, true, desk.say("Exposure"))
+                egui::WidgetInfo::labeled(egui::Role::Slider, true, cx.tr("Exposure"))
             });
         }
     });
 }
 
-fn false_colors(ui: &mut Ui, desk: &PanelContext, view: &mut ModelView) {
-    ui.strong(desk.say("False colours"));
+fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
+    ui.strong(cx.tr("False colours"));
     let colors = &mut view.false_color;
-    ComboBox::new("false map", desk.say("Colour map"))
-        .selected_text(map_name(colors.map, desk))
+    ComboBox::new("false map", cx.tr("Colour map"))
+        .selected_text(map_name(colors.map, cx))
         .show_ui(ui, |ui| {
             for map in ColorMap::ALL {
-                ui.selectable_value(&mut colors.map, map, map_name(map, desk));
+                ui.selectable_value(&mut colors.map, map, map_name(map, cx));
             }
         });
-    let found = desk.app.lighting.range;
+    let found = cx.app.lighting.range;
     let mut auto = colors.range.is_none();
-    if ui
-        .checkbox(&mut auto, desk.say("Range by itself"))
-        .changed()
-    {
+    if ui.checkbox(&mut auto, cx.tr("Range by itself")).changed() {
         let now = found.map_or((0.0, 1.0), |r| (r.low, r.usual));
         colors.range = (!auto).then_some(now);
     }
     if let Some((low, high)) = &mut colors.range {
         ui.horizontal(|ui| {
             let speed = (0.01 * (*high - *low).abs()).max(1e-6);
-            let label = ui.label(desk.say("from"));
+            let label = ui.label(cx.tr("from"));
             ui.add(inputs::number(low, 0.0..=1e12).speed(speed))
                 .labelled_by(label.id);
-            let label = ui.label(desk.say("to"));
+            let label = ui.label(cx.tr("to"));
             ui.add(inputs::number(high, 0.0..=1e12).speed(speed))
                 .labelled_by(label.id);
         });
     }
-    ui.checkbox(&mut colors.logarithmic, desk.say("Logarithmic"));
+    ui.checkbox(&mut colors.logarithmic, cx.tr("Logarithmic"));
     ui.horizontal(|ui| {
-        let label = ui.label(desk.say("Bands between isolines"));
+        let label = ui.label(cx.tr("Bands between isolines"));
         ui.add(DragValue::new(&mut colors.isolines).range(0..=64))
             .labelled_by(label.id);
     });
 }
 
-fn background(ui: &mut Ui, desk: &mut PanelContext, view: &mut ModelView) {
-    ui.strong(desk.say("Background"));
+fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
+    ui.strong(cx.tr("Background"));
     if ui
-        .radio(
-            view.backdrop == Backdrop::Scene,
-            desk.say("the scene's own"),
-        )
+        .radio(view.backdrop == Backdrop::Scene, cx.tr("the scene's own"))
         .clicked()
     {
         view.backdrop = Backdrop::Scene;
     }
     if view.backdrop == Backdrop::Scene {
-        own_background(ui, desk);
+        own_background(ui, cx);
     }
     ui.horizontal_wrapped(|ui| {
         for (name, [r, g, b]) in COLORS {
             let (rect, response) = ui.allocate_exact_size(egui::vec2(20.0, 20.0), Sense::click());
-            let name = desk.say(name);
+            let name = cx.tr(name);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
             ui.painter()
                 .rect_filled(rect, 3.0, Color32::from_rgb(r, g, b));
@@ -130,72 +124,66 @@ fn background(ui: &mut Ui, desk: &mut PanelContext, view: &mut ModelView) {
             _ => [64, 64, 64],
         };
         let any_color = ui.color_edit_button_srgb(&mut any);
-        if any_color.on_hover_text(desk.say("any colour")).changed() {
+        if any_color.on_hover_text(cx.tr("any colour")).changed() {
             view.backdrop = Backdrop::Color(any);
         }
     });
     ui.horizontal(|ui| {
-        if ui.button(desk.say("Picture…")).clicked() {
-            desk.wish(Command::RequestFile(FileRequest::Backdrop));
+        if ui.button(cx.tr("Picture…")).clicked() {
+            cx.send(Command::RequestFile(FileRequest::Backdrop));
         }
         if let Backdrop::Image(_, fit) = &mut view.backdrop {
-            ui.selectable_value(fit, Fit::Scaled, desk.say("scaled"));
-            ui.selectable_value(fit, Fit::Centered, desk.say("centred"));
-            ui.selectable_value(fit, Fit::Tiled, desk.say("tiled"));
+            ui.selectable_value(fit, Fit::Scaled, cx.tr("scaled"));
+            ui.selectable_value(fit, Fit::Centered, cx.tr("centred"));
+            ui.selectable_value(fit, Fit::Tiled, cx.tr("tiled"));
         }
     });
 }
 
 /// The background that is saved with the scene.
-fn own_background(ui: &mut Ui, desk: &mut PanelContext) {
-    let old = desk.app.document.background;
+fn own_background(ui: &mut Ui, cx: &mut PanelContext) {
+    let old = cx.app.document.background;
     let mut has = old.is_some();
     ui.horizontal(|ui| {
         if ui
-            .checkbox(&mut has, desk.say("saved with the scene"))
+            .checkbox(&mut has, cx.tr("saved with the scene"))
             .changed()
         {
             let quiet = linear([64, 96, 160]);
-            desk.edit(Edit::SetBackground(has.then_some(quiet)));
+            cx.edit(Edit::SetBackground(has.then_some(quiet)));
         }
         if let Some(mut radiance) = old {
-            let name = desk.say("Background");
+            let name = cx.tr("Background");
             if inputs::picked(ui, name, &mut radiance, Some) {
-                desk.edit(Edit::SetBackground(Some(radiance)));
+                cx.edit(Edit::SetBackground(Some(radiance)));
             }
         }
     });
 }
 
-fn fog(ui: &mut Ui, desk: &mut PanelContext, view: &mut ModelView) {
-    let old = desk.app.document.fog;
+fn fog(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
+    let old = cx.app.document.fog;
     let mut has = old.is_some();
-    let reach = desk.app.document.bounds(None).diagonal().max(1e-3);
-    if ui
-        .checkbox(&mut has, desk.say("Fog in the scene"))
-        .changed()
-    {
+    let reach = cx.app.document.bounds(None).diagonal().max(1e-3);
+    if ui.checkbox(&mut has, cx.tr("Fog in the scene")).changed() {
         let fog = Fog {
             color: linear([160, 170, 180]),
             visibility: 3.0 * reach,
             exponential: true,
         };
-        desk.edit(Edit::SetFog(has.then_some(fog)));
+        cx.edit(Edit::SetFog(has.then_some(fog)));
     }
     let Some(mut fog) = old else { return };
     let before = fog;
     ui.horizontal(|ui| {
-        inputs::picked(ui, desk.say("Fog"), &mut fog.color, Some);
-        let label = ui.label(desk.say("Nothing is seen beyond"));
+        inputs::picked(ui, cx.tr("Fog"), &mut fog.color, Some);
+        let label = ui.label(cx.tr("Nothing is seen beyond"));
         let drag = inputs::number(&mut fog.visibility, 1e-6..=1e12);
         ui.add(drag.speed(0.01 * reach)).labelled_by(label.id);
     });
-    ui.checkbox(
-        &mut fog.exponential,
-        desk.say("Exponential, as in real fog"),
-    );
-    ui.checkbox(&mut view.fog, desk.say("Show it here"));
+    ui.checkbox(&mut fog.exponential, cx.tr("Exponential, as in real fog"));
+    ui.checkbox(&mut view.shows_fog, cx.tr("Show it here"));
     if fog != before {
-        desk.edit(Edit::SetFog(Some(fog)));
+        cx.edit(Edit::SetFog(Some(fog)));
     }
 }

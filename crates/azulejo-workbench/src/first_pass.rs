@@ -73,7 +73,7 @@ pub struct LightSettings {
 }
 
 /// Seconds that light takes where nobody says otherwise.
-pub const USUAL_TIME: f64 = 60.0;
+pub const DEFAULT_TIME: f64 = 60.0;
 
 impl LightSettings {
     /// As the library takes them.
@@ -104,7 +104,7 @@ impl Default for LightSettings {
             error: 0.03,
             // Models whose undersides hardly any light reaches would take long for their last
             // percents, and whoever tries things out wants light soon.
-            time: Some(USUAL_TIME),
+            time: Some(DEFAULT_TIME),
             bounces: None,
         }
     }
@@ -152,11 +152,11 @@ pub fn measure(
     settings.limit_time(progress);
     let scene = document.scene();
     let tracer = Tracer::new(&scene);
-    let points = places.iter().map(|place| {
-        let surface = on_surface(document, &tracer, place);
+    let points = places.iter().map(|pick| {
+        let surface = on_surface(document, &tracer, pick);
         PointNormal {
-            position: surface.map_or(place.position, |s| s.position),
-            normal: place.normal,
+            position: surface.map_or(pick.position, |s| s.position),
+            normal: pick.normal,
         }
     });
     let points: Vec<PointNormal> = points.collect();
@@ -178,29 +178,25 @@ struct ExactPoint {
 
 /// Finds the place of a surface that a place on its polygons stands for: chords of a ball lie inside
 /// it, by up to a 64th of its size.
-fn on_surface(
-    document: &SceneDocument,
-    tracer: &Tracer,
-    place: &SurfacePick,
-) -> Option<ExactPoint> {
-    let index = document.items.iter().position(|i| i.id == place.item)?;
-    let size = document.items[index].bounds().diagonal();
+fn on_surface(document: &SceneDocument, tracer: &Tracer, pick: &SurfacePick) -> Option<ExactPoint> {
+    let index = document.objects.iter().position(|i| i.id == pick.item)?;
+    let size = document.objects[index].bounds().diagonal();
     let reach = (size / 32.0).max(f64::MIN_POSITIVE);
-    let mut origin = place.position + reach * place.normal;
+    let mut origin = pick.position + reach * pick.normal;
     // Others may stand in between, as near as they like.
-    const MOST: usize = 64;
-    for _ in 0..MOST {
-        let hit = tracer.hit(&Ray::new(origin, -place.normal))?;
+    const MAX_HITS: usize = 64;
+    for _ in 0..MAX_HITS {
+        let hit = tracer.hit(&Ray::new(origin, -pick.normal))?;
         if hit.object as usize == index {
             let clear = (hit.position - origin).length().min(reach);
-            let from = hit.position + 0.5 * clear * place.normal;
+            let from = hit.position + 0.5 * clear * pick.normal;
             return Some(ExactPoint {
                 position: hit.position,
                 is_front: hit.entering,
-                from_outside: Ray::new(from, -place.normal),
+                from_outside: Ray::new(from, -pick.normal),
             });
         }
-        origin = hit.position - 1e-9 * size * place.normal;
+        origin = hit.position - 1e-9 * size * pick.normal;
     }
     None
 }
@@ -226,10 +222,10 @@ pub struct PatchFormFactors {
 ///
 /// # Errors
 /// In words: no surface, too many patches, no patch at that place.
-pub fn seen_from(
+pub fn patch_form_factors(
     document: &SceneDocument,
     settings: &LightSettings,
-    place: &SurfacePick,
+    pick: &SurfacePick,
     progress: &Progress,
 ) -> Result<Option<PatchFormFactors>, String> {
     let scene = document.scene();
@@ -243,7 +239,7 @@ pub fn seen_from(
     };
     let plan = Plan::new(&scene, &tracer, &options).map_err(|e| e.to_string())?;
     let nowhere = || "there is no patch at that place".to_owned();
-    let surface = on_surface(document, &tracer, place).ok_or_else(nowhere)?;
+    let surface = on_surface(document, &tracer, pick).ok_or_else(nowhere)?;
     let picked = plan.patch_at(&surface.from_outside).ok_or_else(nowhere)?;
     // Rows and columns are sides: the front of a patch, then its back.
     let row = 2 * picked + usize::from(!surface.is_front);
@@ -256,7 +252,7 @@ pub fn seen_from(
     };
     let factors: Vec<Factor> = sides.chunks(2).map(both).collect();
     Ok(Some(PatchFormFactors::new(
-        document, place.item, &plan, picked, &factors,
+        document, pick.item, &plan, picked, &factors,
     )))
 }
 
@@ -300,7 +296,7 @@ fn by_object(document: &SceneDocument, plan: &Plan, factors: &[Factor]) -> Vec<(
         seen.iter().map(|f| f.value).sum()
     };
     // The scene has the objects of the document, in its order.
-    let ids = document.items.iter().enumerate();
+    let ids = document.objects.iter().enumerate();
     let mut sums: Vec<(ItemId, f64)> = ids.map(|(k, item)| (item.id, sum(k))).collect();
     sums.retain(|(_, f)| *f > 0.0);
     sums.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -326,15 +322,15 @@ mod tests {
     #[test]
     fn chords_of_a_ball_stand_for_its_outside() {
         let document = document();
-        let ball = document.items.last().expect("a ball").id;
+        let ball = document.objects.last().expect("a ball").id;
         let tracer = Tracer::new(&document.scene());
         for normal in [DVec3::X, DVec3::NEG_Z, DVec3::ONE.normalize()] {
-            let place = SurfacePick {
+            let pick = SurfacePick {
                 item: ball,
                 position: DVec3::splat(0.5) + 0.245 * normal,
                 normal,
             };
-            let found = on_surface(&document, &tracer, &place).expect("the ball");
+            let found = on_surface(&document, &tracer, &pick).expect("the ball");
             let expected = DVec3::splat(0.5) + 0.25 * normal;
             assert!((found.position - expected).length() < 1e-9 && found.is_front);
         }
@@ -343,18 +339,18 @@ mod tests {
     #[test]
     fn a_patch_sees_what_is_before_the_side_that_was_picked() {
         let document = document();
-        let ball = document.items.last().expect("a ball").id;
+        let ball = document.objects.last().expect("a ball").id;
         let settings = LightSettings {
             patches: 60,
             ..LightSettings::default()
         };
         let seen = |item, position, normal| {
-            let place = SurfacePick {
+            let pick = SurfacePick {
                 item,
                 position,
                 normal,
             };
-            let seen = seen_from(&document, &settings, &place, &Progress::new());
+            let seen = patch_form_factors(&document, &settings, &pick, &Progress::new());
             seen.expect("an answer").expect("not cancelled")
         };
         // Outside of the ball there is the room and nothing else.
@@ -362,7 +358,7 @@ mod tests {
         assert!((from_ball.sum - 1.0).abs() < 0.02, "{}", from_ball.sum);
         assert!(from_ball.objects.iter().all(|(id, _)| *id != ball));
         // Out of the room there is nothing.
-        let wall = document.items[0].id;
+        let wall = document.objects[0].id;
         let outside = seen(wall, DVec3::new(0.0, 0.2, 0.2), DVec3::NEG_X);
         assert!(outside.sum < 1e-9, "{}", outside.sum);
         let inside = seen(wall, DVec3::new(0.0, 0.2, 0.2), DVec3::X);

@@ -6,7 +6,7 @@ use azulejo::scene::math::Aabb;
 use glam::DVec3;
 
 /// Where a light is drawn: those without a place hang above the model, whose box is `bounds`.
-pub fn light_place(kind: &LightKind, bounds: Aabb) -> DVec3 {
+pub fn light_position(kind: &LightKind, bounds: Aabb) -> DVec3 {
     let bounds = match bounds.is_empty() {
         true => Aabb::around([DVec3::ZERO]),
         false => bounds,
@@ -23,10 +23,10 @@ pub fn light_place(kind: &LightKind, bounds: Aabb) -> DVec3 {
 impl SceneDocument {
     /// The smallest box around objects, and around the places of lights and cameras, which reach
     /// `radius` world units to each side.
-    pub fn bounds_with_signs(&self, ids: &[ItemId], radius: f64) -> Aabb {
+    pub fn bounds_with_markers(&self, ids: &[ItemId], radius: f64) -> Aabb {
         let all = self.bounds(None);
         let lights = ids.iter().filter_map(|&id| self.lamp(id));
-        let lights = lights.map(|lamp| light_place(&lamp.light.kind, all));
+        let lights = lights.map(|lamp| light_position(&lamp.light.kind, all));
         let cameras = ids.iter().filter_map(|&id| self.viewpoint(id));
         let places = lights.chain(cameras.map(|view| view.camera.eye));
         let reach = DVec3::splat(radius);
@@ -44,7 +44,7 @@ impl SceneDocument {
             false => all.diagonal(),
         };
         let radius = if size > 0.0 { 0.05 * size } else { 0.5 };
-        self.bounds_with_signs(ids, radius)
+        self.bounds_with_markers(ids, radius)
     }
 }
 

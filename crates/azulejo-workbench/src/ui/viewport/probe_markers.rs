@@ -7,12 +7,12 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui, Vec2};
 use glam::DVec3;
 
 /// Paints a cross with a number at each probe; those on sides that face away are faint.
-pub fn paint(ui: &Ui, rect: Rect, view: &Projection, desk: &PanelContext) {
-    let app = desk.app;
+pub fn paint(ui: &Ui, rect: Rect, view: &Projection, cx: &PanelContext) {
+    let app = cx.app;
     let painter = ui.painter().with_clip_rect(rect);
     let eye = app.view.camera.eye;
     for probe in &app.probes {
-        let Some(p) = view.project(probe.place.position) else {
+        let Some(p) = view.project(probe.pick.position) else {
             continue;
         };
         let at = rect.min + Vec2::new(p.x as f32, p.y as f32);
@@ -28,8 +28,8 @@ pub fn paint(ui: &Ui, rect: Rect, view: &Projection, desk: &PanelContext) {
 }
 
 fn strength(probe: &Probe, eye: DVec3) -> f32 {
-    let place = &probe.place;
-    match place.normal.dot(eye - place.position) > 0.0 && probe.site.is_some() {
+    let pick = &probe.pick;
+    match pick.normal.dot(eye - pick.position) > 0.0 && probe.site.is_some() {
         true => 1.0,
         false => 0.35,
     }
@@ -60,8 +60,8 @@ pub fn cross(painter: &Painter, at: Pos2, words: &str, strength: f32) {
     }
     let color = Color32::WHITE.gamma_multiply(strength);
     let galley = painter.layout_no_wrap(words.into(), FontId::proportional(12.0), color);
-    let place = Align2::LEFT_CENTER.anchor_size(at + Vec2::new(ARM + 5.0, 0.0), galley.size());
+    let pick = Align2::LEFT_CENTER.anchor_size(at + Vec2::new(ARM + 5.0, 0.0), galley.size());
     let back = Color32::from_black_alpha(170).gamma_multiply(strength);
-    painter.rect_filled(place.expand2(Vec2::new(3.0, 1.0)), 3.0, back);
-    painter.galley(place.min, galley, color);
+    painter.rect_filled(pick.expand2(Vec2::new(3.0, 1.0)), 3.0, back);
+    painter.galley(pick.min, galley, color);
 }

@@ -41,7 +41,7 @@ impl SceneDocument {
         self.note_looks(other, &mut alone);
         if !alone.0.is_empty() {
             // What is anywhere in the other one is not alone.
-            (other.items.iter()).for_each(|item| forget_item(item, &mut alone));
+            (other.objects.iter()).for_each(|item| forget_item(item, &mut alone));
             (other.materials.iter()).for_each(|material| forget_material(material, &mut alone));
             (other.textures.iter()).for_each(|texture| alone.forget(texture));
         }
@@ -54,14 +54,14 @@ impl SceneDocument {
         let lights = lights.map(|l| size_of::<SceneLight>() + l.light.name.capacity());
         let cameras = self.cameras.iter();
         let cameras = cameras.map(|c| size_of::<SceneCamera>() + c.camera.name.capacity());
-        let pointers = self.items.len() + self.materials.len() + self.textures.len();
+        let pointers = self.objects.len() + self.materials.len() + self.textures.len();
         let all = pointers * size_of::<usize>() + lights.sum::<usize>() + cameras.sum::<usize>();
         all as u64
     }
 
     fn note_items(&self, other: &SceneDocument, alone: &mut SharedAllocations) {
-        let mut others = other.items.iter().peekable();
-        for item in &self.items {
+        let mut others = other.objects.iter().peekable();
+        for item in &self.objects {
             // Both lists are in the order of their names for good.
             while others.next_if(|o| o.id < item.id).is_some() {}
             let same = others.next_if(|o| o.id == item.id);
@@ -225,7 +225,7 @@ mod tests {
     /// A document with a mesh of a million bytes, its object's name for good being 1.
     fn large() -> SceneDocument {
         let mut document = sample();
-        let Shape::Mesh(mesh) = &*document.items[0].shape else {
+        let Shape::Mesh(mesh) = &*document.objects[0].shape else {
             panic!("the floor is a mesh")
         };
         let mut mesh = mesh.clone();
@@ -280,7 +280,7 @@ mod tests {
             .unwrap();
         assert!(document.bytes() < 1_100_000);
         assert!(alone(&document, &Edit::Delete(vec![ItemId(1)])) < 2_000);
-        let both = document.items.iter().map(|i| i.id).collect();
+        let both = document.objects.iter().map(|i| i.id).collect();
         let bytes = alone(&document, &Edit::Delete(both));
         assert!((1_000_000..1_100_000).contains(&bytes), "{bytes}");
     }
@@ -298,7 +298,7 @@ mod tests {
         let all = alone(&document, &Edit::Delete(ids.clone()));
         let without_outlines = alone(&document, &Edit::Assign(ids, 0));
         // One outline for three letters.
-        let Shape::Exact(exact) = &*document.items[0].shape else {
+        let Shape::Exact(exact) = &*document.objects[0].shape else {
             panic!("letters are exact")
         };
         let Solid::Prism(letter) = &exact.solids[0] else {

@@ -1,6 +1,6 @@
 //! Materials as wholes: copied, and taken away.
 
-use super::desk::PanelContext;
+use super::panel_context::PanelContext;
 use crate::document::{Edit, SceneDocument};
 use azulejo::scene::MaterialId;
 use egui::Ui;
@@ -14,15 +14,15 @@ pub fn duplicate(document: &SceneDocument, id: MaterialId) -> Option<Edit> {
 }
 
 /// What can be done with a material as a whole.
-pub fn buttons(ui: &mut Ui, desk: &mut PanelContext, id: MaterialId) {
-    if ui.button(desk.say("Duplicate")).clicked()
-        && let Some(edit) = duplicate(&desk.app.document, id)
+pub fn buttons(ui: &mut Ui, cx: &mut PanelContext, id: MaterialId) {
+    if ui.button(cx.tr("Duplicate")).clicked()
+        && let Some(edit) = duplicate(&cx.app.document, id)
     {
-        desk.edit(edit);
+        cx.edit(edit);
     }
-    let about = desk.say("Only where nothing is made of it.");
-    let delete = ui.button(desk.say("Delete")).on_hover_text(about);
+    let about = cx.tr("Only where nothing is made of it.");
+    let delete = ui.button(cx.tr("Delete")).on_hover_text(about);
     if delete.clicked() {
-        desk.edit(Edit::DeleteMaterial(id));
+        cx.edit(Edit::DeleteMaterial(id));
     }
 }

@@ -1,10 +1,10 @@
 //! One of the two surfaces that are shown: all that is found of it in the background.
 
+use super::background::{BackgroundWorker, LatestResult};
 use super::badges::{ModelChecks, measure};
-use super::latest::{BackgroundWorker, LatestResult};
 use super::light::PreviewLight;
-use super::optics::MaterialReflection;
-use super::shapes::{AlbedoCurve, AlbedoKey, LobeKey, SampledLobes, albedo, lobes};
+use super::lobes::{AlbedoCurve, AlbedoKey, LobeKey, SampledLobes, albedo, lobes};
+use super::reflection::MaterialReflection;
 use super::sphere::{SphereImage, SphereKey, draw};
 use super::view::LobeView;
 use crate::words::Language;
@@ -84,7 +84,7 @@ impl SurfacePlots {
 
     /// Shows the sphere, `size` points wide and high.
     pub fn sphere(&mut self, ui: &mut Ui, language: Language, size: f32) {
-        let words = language.say("Sphere of the material under the light of the scene");
+        let words = language.tr("Sphere of the material under the light of the scene");
         self.upload(ui.ctx());
         let Some((_, samples, texture)) = &self.texture else {
             let place = ui.allocate_ui(Vec2::splat(size), |ui| {
@@ -98,7 +98,7 @@ impl SurfacePlots {
         let image = egui::Image::new((texture.id(), Vec2::splat(size)))
             .corner_radius(4)
             .alt_text(words);
-        let paths = language.say("paths per pixel");
+        let paths = language.tr("paths per pixel");
         ui.add(image)
             .on_hover_text(format!("{words}\n{samples} {paths}"));
     }

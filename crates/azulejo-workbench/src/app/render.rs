@@ -3,7 +3,7 @@
 use super::files::absolute;
 use super::{App, JobResult, Severity};
 use crate::document::{SceneDocument, Solution};
-use crate::jobs::{JobKind, JobSender, on_own_threads};
+use crate::jobs::{JobKind, JobSender, in_thread_pool};
 use azulejo::formats::{exr, png};
 use azulejo::render::{SecondPass, Tone, auto_exposure, render, tone_map};
 use azulejo::scene::{Camera, Image, Scene};
@@ -27,7 +27,7 @@ pub struct RenderedImage {
 }
 
 /// More pixels than this are not drawn while one waits.
-const MOST_PIXELS: u64 = 1 << 26;
+const MAX_PIXELS: u64 = 1 << 26;
 /// How long a view rests before its picture is begun.
 const QUIET: Duration = Duration::from_millis(80);
 /// Rays of final gathers where no light was solved: noisy, but not dark.
@@ -35,25 +35,25 @@ const GATHER: u32 = 8;
 
 impl App {
     /// Draws the picture anew, if there is one: what it shows is another thing.
-    pub(super) fn redraw_picture(&mut self) {
-        if let Some(picture) = &self.picture {
-            let (size, most) = (picture.size, picture.most);
-            self.draw_picture(size, most);
+    pub(super) fn restart_render(&mut self) {
+        if let Some(render) = &self.render {
+            let (size, most) = (render.size, render.most);
+            self.start_render(size, most);
         }
     }
 
     /// Draws from the view's camera, and goes on refining to so many paths per pixel.
-    pub(super) fn draw_picture(&mut self, size: (u32, u32), most: u32) {
+    pub(super) fn start_render(&mut self, size: (u32, u32), most: u32) {
         let pixels = u64::from(size.0) * u64::from(size.1);
-        if !(1..=MOST_PIXELS).contains(&pixels) {
-            let why = self.say("no such picture can be drawn, in pixels");
+        if !(1..=MAX_PIXELS).contains(&pixels) {
+            let why = self.tr("no such picture can be drawn, in pixels");
             let text = format!("{why}: {} × {}", size.0, size.1);
-            self.tell(Severity::Error, text);
+            self.report(Severity::Error, text);
             return;
         }
         self.jobs.cancel_kind(JobKind::Render);
-        let last = self.picture.take().filter(|p| p.size == size);
-        self.picture = Some(RenderedImage {
+        let last = self.render.take().filter(|p| p.size == size);
+        self.render = Some(RenderedImage {
             size,
             // The old one stays until there is a new one: nothing flickers.
             image: last.and_then(|p| p.image),
@@ -69,38 +69,38 @@ impl App {
             gather: Some(self.preferences.picture_gather).filter(|&rays| rays > 0),
         };
         let threads = self.preferences.threads;
-        let title = self.say("picture");
+        let title = self.tr("picture");
         self.jobs
             .start(JobKind::Render, title, move |progress, outbox| {
                 // While the view turns each moment asks for another picture: only the one that is
                 // still wanted a little later copies the scene and builds its tree.
                 std::thread::sleep(QUIET);
                 if progress.advance(0).is_ok() {
-                    on_own_threads(threads, || work.run(progress, outbox));
+                    in_thread_pool(threads, || work.run(progress, outbox));
                 }
                 Ok(())
             });
     }
 
-    pub(super) fn stop_picture(&mut self) {
+    pub(super) fn stop_render(&mut self) {
         self.jobs.cancel_kind(JobKind::Render);
-        self.picture = None;
+        self.render = None;
     }
 
-    pub(super) fn take_picture(&mut self, image: Image, samples: u32) {
-        if let Some(picture) = &mut self.picture {
-            picture.image = Some(Arc::new(image));
-            picture.samples = samples;
+    pub(super) fn take_render(&mut self, image: Image, samples: u32) {
+        if let Some(render) = &mut self.render {
+            render.image = Some(Arc::new(image));
+            render.samples = samples;
         }
     }
 
     /// Writes the picture as it is: PNG as it is shown, EXR and HDR as linear radiance.
-    pub(super) fn save_picture(&mut self, path: PathBuf) {
+    pub(super) fn save_render(&mut self, path: PathBuf) {
         self.asking = None;
-        let picture = self.picture.as_ref().filter(|p| p.samples > 0);
-        let Some(image) = picture.and_then(|p| p.image.clone()) else {
-            let text = self.say("there is no picture yet: draw one first");
-            self.tell(Severity::Error, text);
+        let render = self.render.as_ref().filter(|p| p.samples > 0);
+        let Some(image) = render.and_then(|p| p.image.clone()) else {
+            let text = self.tr("there is no picture yet: draw one first");
+            self.report(Severity::Error, text);
             return;
         };
         let path = match path.extension() {
@@ -111,7 +111,7 @@ impl App {
         let Some(output) = self.output(&path) else {
             return;
         };
-        let saved = self.say("saved");
+        let saved = self.tr("saved");
         self.start_saving(path.clone(), move |progress, outbox| {
             let extension = path.extension().and_then(|e| e.to_str());
             let kind = extension.map(str::to_ascii_lowercase);

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::OnceLock;
 
 /// The longest side of a picture in the card's memory.
-const MOST_PIXELS: u32 = 4096;
+const MAX_PIXELS: u32 = 4096;
 /// Steps of the table from linear light to sRGB: fine enough for every byte.
 const STEPS: usize = 1 << 14;
 
@@ -65,21 +65,21 @@ impl TextureCache {
 
     /// Brings the product of some pictures; returns the key to it, or `None` if none of them has
     /// pixels.
-    pub fn hold(
+    pub fn upload(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        pictures: &[TextureSource],
+        textures: &[TextureSource],
         frame: u64,
     ) -> Option<Vec<u64>> {
         let has_pixels = |p: &&TextureSource| p.image.is_some_and(|i| !i.pixels.is_empty());
-        let pictures: Vec<&TextureSource> = pictures.iter().filter(has_pixels).collect();
-        let key: Vec<u64> = pictures.iter().map(|p| p.key).collect();
+        let textures: Vec<&TextureSource> = textures.iter().filter(has_pixels).collect();
+        let key: Vec<u64> = textures.iter().map(|p| p.key).collect();
         if let Some(loaded) = self.loaded.get_mut(&key) {
             loaded.used = frame;
             return Some(key);
         }
-        let images: Vec<&Image> = pictures.iter().filter_map(|p| p.image).collect();
+        let images: Vec<&Image> = textures.iter().filter_map(|p| p.image).collect();
         let view = load(device, queue, product(&images)?);
         let loaded = LoadedTexture {
             group: group(device, &self.layout, &view, &self.sampler),
@@ -160,8 +160,8 @@ fn product<'a>(images: &[&'a Image]) -> Option<Cow<'a, Image>> {
     if others.is_empty() {
         return Some(Cow::Borrowed(first));
     }
-    let width = images.iter().map(|i| i.width).max()?.min(MOST_PIXELS);
-    let height = images.iter().map(|i| i.height).max()?.min(MOST_PIXELS);
+    let width = images.iter().map(|i| i.width).max()?.min(MAX_PIXELS);
+    let height = images.iter().map(|i| i.height).max()?.min(MAX_PIXELS);
     let pixel = |k: u32| {
         let (x, y) = (f64::from(k % width) + 0.5, f64::from(k / width) + 0.5);
         let (u, v) = (x / f64::from(width), 1.0 - y / f64::from(height));
@@ -180,7 +180,7 @@ fn product<'a>(images: &[&'a Image]) -> Option<Cow<'a, Image>> {
 
 /// Brings a picture with all its smaller versions.
 fn load(device: &wgpu::Device, queue: &wgpu::Queue, image: Cow<Image>) -> wgpu::TextureView {
-    let most = device.limits().max_texture_dimension_2d.min(MOST_PIXELS);
+    let most = device.limits().max_texture_dimension_2d.min(MAX_PIXELS);
     let mut level = image;
     while level.width.max(level.height) > most {
         level = Cow::Owned(halved(&level));

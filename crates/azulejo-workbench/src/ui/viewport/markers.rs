@@ -1,7 +1,7 @@
 //! What stands beside the model: lights, cameras, a grid, axes.
 
 use crate::app::App;
-use crate::document::{ItemId, light_place};
+use crate::document::{ItemId, light_position};
 use crate::gpu::{Overlay, OverlayStyle, Projection};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, LightKind, Shape, Up};
@@ -22,10 +22,10 @@ pub fn overlay(app: &App) -> Overlay {
         true => 1.0,
         false => bounds.diagonal().max(1e-9),
     };
-    if app.view.grid || bounds.is_empty() {
+    if app.view.shows_grid || bounds.is_empty() {
         grid(&mut overlay, bounds, app.document.units.up);
     }
-    if app.view.signs {
+    if app.view.shows_markers {
         for lamp in app.document.lights.iter().filter(|l| !l.hidden) {
             let ink = ink(LIGHT, app.selection.ids.contains(&lamp.id));
             light(&mut overlay, &lamp.light.kind, bounds, size, ink);
@@ -75,19 +75,19 @@ fn chosen_faces(overlay: &mut Overlay, app: &App) {
 
 /// The light or camera whose sign is nearest to a point of the window, if one is near.
 pub fn at(mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<ItemId> {
-    const NEAR: f32 = 12.0;
-    if !app.view.signs {
+    const PICK_RADIUS: f32 = 12.0;
+    if !app.view.shows_markers {
         return None;
     }
     let bounds = app.document.bounds(None);
     let lights = app.document.lights.iter().filter(|l| !l.hidden);
-    let lights = lights.map(|l| (l.id, light_place(&l.light.kind, bounds)));
+    let lights = lights.map(|l| (l.id, light_position(&l.light.kind, bounds)));
     let cameras = app.document.cameras.iter().filter(|c| !c.hidden);
     let cameras = cameras.map(|c| (c.id, c.camera.eye));
     let distance = |p: DVec3| {
         let p = view.project(p)?;
         let p = rect.min + Vec2::new(p.x as f32, p.y as f32);
-        Some(p.distance(mouse)).filter(|d| *d < NEAR)
+        Some(p.distance(mouse)).filter(|d| *d < PICK_RADIUS)
     };
     let near = lights.chain(cameras);
     let near = near.filter_map(|(id, p)| Some((id, distance(p)?)));
@@ -107,12 +107,12 @@ pub fn middle(app: &App) -> Option<DVec3> {
     if ids.is_empty() {
         return None;
     }
-    let bounds = app.document.bounds_with_signs(ids, 0.0);
+    let bounds = app.document.bounds_with_markers(ids, 0.0);
     (!bounds.is_empty()).then(|| bounds.centre())
 }
 
 fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: OverlayStyle) {
-    let at = light_place(kind, bounds);
+    let at = light_position(kind, bounds);
     let reach = 0.04 * size;
     match *kind {
         LightKind::Point { .. } => star(overlay, at, reach, ink),

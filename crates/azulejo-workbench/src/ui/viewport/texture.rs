@@ -31,7 +31,7 @@ struct LastDrawing {
 }
 
 /// Where the processor draws, smooth edges of more triangles than this take too long.
-const MOST_SMOOTH: usize = 200_000;
+const MAX_SMOOTH: usize = 200_000;
 /// How long a view rests until its edges are smoothed there.
 const REST: Duration = Duration::from_millis(150);
 
@@ -117,7 +117,7 @@ impl ViewportTexture {
             return true;
         }
         let triangles = frame.objects.iter().map(|o| o.mesh.faces.triangle_count());
-        if triangles.sum::<usize>() > MOST_SMOOTH {
+        if triangles.sum::<usize>() > MAX_SMOOTH {
             return false;
         }
         let Some(last) = &self.drawn else {

@@ -1,6 +1,6 @@
 //! A box beside the dialog for files: whether it shows those too whose names promise nothing.
 
-use super::desk::PanelContext;
+use super::panel_context::PanelContext;
 use egui::{Area, Context, Frame, Id, Order};
 use egui_file::FileDialog;
 use std::path::Path;
@@ -19,7 +19,7 @@ impl ShowAllFiles {
     }
 
     /// Draws the box under the dialog of this name.
-    pub fn show(&self, context: &Context, desk: &PanelContext, id: Id, dialog: &mut FileDialog) {
+    pub fn show(&self, context: &Context, cx: &PanelContext, id: Id, dialog: &mut FileDialog) {
         let Some(rect) = context.memory(|m| m.area_rect(id)) else {
             return;
         };
@@ -29,7 +29,7 @@ impl ShowAllFiles {
             .fixed_pos(rect.left_bottom());
         let shown = area.show(context, |ui| {
             let frame = Frame::window(ui.style());
-            frame.show(ui, |ui| ui.checkbox(&mut all, desk.say("All files")))
+            frame.show(ui, |ui| ui.checkbox(&mut all, cx.tr("All files")))
         });
         // The dialog puts itself on top in every frame, and a small window has no room below it.
         context.move_to_top(shown.response.layer_id);
