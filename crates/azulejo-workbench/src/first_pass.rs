@@ -271,10 +271,11 @@ impl PatchFormFactors {
             let first = mesh.positions.len() as u32;
             mesh.positions.extend(corners);
             mesh.push_face(&[first, first + 1, first + 2], 0);
-            values.push(match patch as usize == picked {
+            values.push(if patch as usize == picked {
                 // It shows itself as what is not known.
-                true => f64::NAN,
-                false => factors.get(patch as usize).map_or(0.0, |f| f.value),
+                f64::NAN
+            } else {
+                factors.get(patch as usize).map_or(0.0, |f| f.value)
             });
         }
         PatchFormFactors {

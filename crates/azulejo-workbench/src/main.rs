@@ -93,9 +93,10 @@ fn player(arguments: &Arguments) -> Result<Option<ScriptPlayer>, String> {
 }
 
 fn app(arguments: &Arguments) -> App {
-    let dirs = match arguments.no_preferences {
-        true => UserDirs::default(),
-        false => UserDirs::of_system(),
+    let dirs = if arguments.no_preferences {
+        UserDirs::default()
+    } else {
+        UserDirs::of_system()
     };
     let mut dirs = dirs;
     let (preferences, window_error) = match &dirs.preferences {
@@ -152,9 +153,10 @@ fn windows(
 
 /// What to say of a window that was never there; what was to be in it is kept.
 fn open_failure(app: App, why: String) -> String {
-    match app.is_changed() {
-        true => format!("{why}\n{}", keep(app)),
-        false => why,
+    if app.is_changed() {
+        format!("{why}\n{}", keep(app))
+    } else {
+        why
     }
 }
 

@@ -102,9 +102,10 @@ impl Preferences {
 
     /// Numbers from a file that a person may have written.
     fn limited(mut self) -> Preferences {
-        self.scale = match self.scale.is_finite() {
-            true => self.scale.clamp(0.5, 3.0),
-            false => 1.0,
+        self.scale = if self.scale.is_finite() {
+            self.scale.clamp(0.5, 3.0)
+        } else {
+            1.0
         };
         self.picture_samples = self.picture_samples.clamp(1, 1 << 16);
         self.picture_gather = self.picture_gather.min(MAX_GATHER);

@@ -255,9 +255,10 @@ impl Default for ModelView {
 
 /// A camera that sees all of `bounds`; of a unit cube where there is nothing.
 pub fn whole(bounds: Aabb, up: Up) -> Camera {
-    let bounds = match bounds.is_empty() {
-        true => Aabb::around([DVec3::splat(-0.5), DVec3::splat(0.5)]),
-        false => bounds,
+    let bounds = if bounds.is_empty() {
+        Aabb::around([DVec3::splat(-0.5), DVec3::splat(0.5)])
+    } else {
+        bounds
     };
     Camera::framing(bounds, 1.0, up.axis())
 }
@@ -356,9 +357,10 @@ impl ModelView {
 pub fn linear(color: [u8; 3]) -> Rgb {
     let channel = |c: u8| {
         let c = f64::from(c) / 255.0;
-        match c <= 0.040_45 {
-            true => c / 12.92,
-            false => ((c + 0.055) / 1.055).powf(2.4),
+        if c <= 0.040_45 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
         }
     };
     Rgb::new(channel(color[0]), channel(color[1]), channel(color[2]))

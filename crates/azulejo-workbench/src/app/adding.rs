@@ -101,9 +101,10 @@ impl App {
     /// A size that suits what there is, world units.
     pub fn default_size(&self) -> f64 {
         let bounds = self.document.bounds(None);
-        match bounds.is_empty() || bounds.diagonal() <= 0.0 {
-            true => 1.0,
-            false => 0.25 * bounds.diagonal(),
+        if bounds.is_empty() || bounds.diagonal() <= 0.0 {
+            1.0
+        } else {
+            0.25 * bounds.diagonal()
         }
     }
 
@@ -116,9 +117,10 @@ impl App {
             return size * up;
         }
         let half = 0.5 * bounds.size().dot(up);
-        let height = match self.is_room() {
-            true => 0.96 * half,
-            false => half + size,
+        let height = if self.is_room() {
+            0.96 * half
+        } else {
+            half + size
         };
         bounds.centre() + height * up
     }

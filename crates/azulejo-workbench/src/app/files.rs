@@ -67,9 +67,10 @@ impl App {
 
     pub(super) fn begin_loading(&mut self, paths: Vec<PathBuf>, replaces: bool, recovered: bool) {
         self.abandon_loading();
-        let command = match recovered {
-            true => Command::Recover(paths[0].clone()),
-            false => Command::Open(paths.clone()),
+        let command = if recovered {
+            Command::Recover(paths[0].clone())
+        } else {
+            Command::Open(paths.clone())
         };
         // What waited for the same copy, which was asked about meanwhile.
         let waiting = self.after_recovery.take();
@@ -200,9 +201,10 @@ impl App {
 
     pub(super) fn take_failure(&mut self, path: &Path, why: &str) {
         let named = why.contains(&*path.to_string_lossy());
-        let text = match named {
-            true => why.to_owned(),
-            false => format!("{}: {why}", path.display()),
+        let text = if named {
+            why.to_owned()
+        } else {
+            format!("{}: {why}", path.display())
         };
         self.report(Severity::Error, text);
     }

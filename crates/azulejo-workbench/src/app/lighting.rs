@@ -204,15 +204,12 @@ impl App {
         let Some(job) = self.jobs.of(JobKind::Solve) else {
             return;
         };
-        match rest {
-            true => {
-                job.progress.pause();
-                self.lighting.stopwatch.pause();
-            }
-            false => {
-                job.progress.resume();
-                self.lighting.stopwatch.resume();
-            }
+        if rest {
+            job.progress.pause();
+            self.lighting.stopwatch.pause();
+        } else {
+            job.progress.resume();
+            self.lighting.stopwatch.resume();
         }
         self.lighting.is_paused = rest;
     }

@@ -81,9 +81,10 @@ fn site(
     if bounds.is_empty() || pick.position.distance(inside) > MAX_DISTANCE * size {
         return None;
     }
-    let local = match is_lit {
-        true => glam::DAffine3::IDENTITY,
-        false => item.placement.inverse(),
+    let local = if is_lit {
+        glam::DAffine3::IDENTITY
+    } else {
+        item.placement.inverse()
     };
     let scale = local.matrix3.determinant().abs().cbrt();
     let mesh = display_mesh(shape, (1e-3 * size * scale).max(f64::MIN_POSITIVE), is_lit);

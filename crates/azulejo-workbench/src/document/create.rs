@@ -187,9 +187,10 @@ impl NewShape {
     fn new_material(&self, document: &mut SceneDocument) -> MaterialId {
         let material = match self.kind {
             NewShapeKind::AreaLight => {
-                let strength = match document.units.photometric {
-                    true => LUMINANCE,
-                    false => RADIANCE,
+                let strength = if document.units.photometric {
+                    LUMINANCE
+                } else {
+                    RADIANCE
                 };
                 Material::emitter("lamp", Rgb::grey(strength))
             }
@@ -260,9 +261,10 @@ impl NewShape {
 impl NewLight {
     /// The light, bright enough for what it looks at.
     pub(super) fn make(&self, document: &SceneDocument) -> Light {
-        let wanted = match document.units.photometric {
-            true => ILLUMINANCE,
-            false => IRRADIANCE,
+        let wanted = if document.units.photometric {
+            ILLUMINANCE
+        } else {
+            IRRADIANCE
         };
         let toward = self.toward - self.at;
         let down = -document.units.up.axis();

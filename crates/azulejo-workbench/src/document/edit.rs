@@ -197,9 +197,10 @@ impl SceneDocument {
         check_camera(camera)?;
         let id = self.new_id();
         let mut camera = camera.clone();
-        let name = match camera.name.is_empty() {
-            true => "camera",
-            false => &camera.name,
+        let name = if camera.name.is_empty() {
+            "camera"
+        } else {
+            &camera.name
         };
         camera.name = self.fresh_name(name);
         self.cameras.push(SceneCamera {

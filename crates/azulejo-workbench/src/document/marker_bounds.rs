@@ -7,9 +7,10 @@ use glam::DVec3;
 
 /// Where a light is drawn: those without a place hang above the model, whose box is `bounds`.
 pub fn light_position(kind: &LightKind, bounds: Aabb) -> DVec3 {
-    let bounds = match bounds.is_empty() {
-        true => Aabb::around([DVec3::ZERO]),
-        false => bounds,
+    let bounds = if bounds.is_empty() {
+        Aabb::around([DVec3::ZERO])
+    } else {
+        bounds
     };
     match *kind {
         LightKind::Point { position, .. } | LightKind::Spot { position, .. } => position,
@@ -39,10 +40,7 @@ impl SceneDocument {
     /// the model stands for it.
     pub fn frame_of(&self, ids: &[ItemId]) -> Aabb {
         let all = self.bounds(None);
-        let size = match all.is_empty() {
-            true => 0.0,
-            false => all.diagonal(),
-        };
+        let size = if all.is_empty() { 0.0 } else { all.diagonal() };
         let radius = if size > 0.0 { 0.05 * size } else { 0.5 };
         self.bounds_with_markers(ids, radius)
     }

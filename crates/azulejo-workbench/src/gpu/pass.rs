@@ -188,9 +188,10 @@ impl PassEncoder<'_> {
         (0..).zip(self.seen).filter_map(|(number, seen)| {
             let drawn = &self.frame.objects[seen.index];
             let is_mirrored = seen.view_from.matrix3.determinant() < 0.0;
-            let culled = match is_mirrored {
-                true => wgpu::Face::Front,
-                false => wgpu::Face::Back,
+            let culled = if is_mirrored {
+                wgpu::Face::Front
+            } else {
+                wgpu::Face::Back
             };
             Some(ObjectDraw {
                 drawn,
@@ -281,9 +282,10 @@ impl PassEncoder<'_> {
             let is_indexed = self.set_corners(pass, piece);
             for (material, range) in piece.ranges.iter().filter(|r| is_wanted(r.0)) {
                 self.set_material(pass, *material);
-                match is_indexed {
-                    true => pass.draw_indexed(range.clone(), 0, 0..1),
-                    false => pass.draw(range.clone(), 0..1),
+                if is_indexed {
+                    pass.draw_indexed(range.clone(), 0, 0..1)
+                } else {
+                    pass.draw(range.clone(), 0..1)
                 }
             }
         }

@@ -276,9 +276,10 @@ fn surface(has: VertexAttributes) -> Vec<Option<wgpu::VertexBufferLayout<'static
     let optional = |is_there, array_stride, attributes| {
         Some(wgpu::VertexBufferLayout {
             array_stride,
-            step_mode: match is_there {
-                true => wgpu::VertexStepMode::Vertex,
-                false => wgpu::VertexStepMode::Instance,
+            step_mode: if is_there {
+                wgpu::VertexStepMode::Vertex
+            } else {
+                wgpu::VertexStepMode::Instance
             },
             attributes,
         })

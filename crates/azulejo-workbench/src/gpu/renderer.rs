@@ -256,9 +256,10 @@ impl Renderer {
 
     /// Makes textures of the right kind; says whether they are new.
     fn resize(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> bool {
-        let samples = match frame.antialiasing && self.can_smooth {
-            true => SAMPLES,
-            false => 1,
+        let samples = if frame.antialiasing && self.can_smooth {
+            SAMPLES
+        } else {
+            1
         };
         let fits = |t: &RenderTarget| t.size == size && t.samples == samples;
         let is_new = !self.target.as_ref().is_some_and(fits);

@@ -196,15 +196,14 @@ fn error(text: &str) -> Result<Option<f64>, String> {
 /// An action that exists.
 fn action(name: &str) -> Result<String, String> {
     let known = crate::ui::actions::ACTIONS.iter().map(|a| a.label);
-    match known.clone().any(|label| label == name) {
-        true => Ok(name.to_owned()),
-        false => {
-            let all: Vec<&str> = known.collect();
-            Err(format!(
-                "no action \"{name}\", expected one of {}",
-                all.join(", ")
-            ))
-        }
+    if known.clone().any(|label| label == name) {
+        Ok(name.to_owned())
+    } else {
+        let all: Vec<&str> = known.collect();
+        Err(format!(
+            "no action \"{name}\", expected one of {}",
+            all.join(", ")
+        ))
     }
 }
 

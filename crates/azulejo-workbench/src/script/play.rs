@@ -350,9 +350,10 @@ fn change(app: &mut App, step: ScriptStep) -> Result<(), String> {
 }
 
 fn some(ids: Vec<ItemId>) -> Result<Vec<ItemId>, String> {
-    match ids.is_empty() {
-        true => Err("nothing is selected".into()),
-        false => Ok(ids),
+    if ids.is_empty() {
+        Err("nothing is selected".into())
+    } else {
+        Ok(ids)
     }
 }
 

@@ -302,9 +302,10 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::View, "Frame selection", key(Key::Period), |a| {
         let bounds = a.document.frame_of(&a.selection.ids);
-        match bounds.is_empty() {
-            true => None,
-            false => change_view(a, |view| view.frame(bounds)),
+        if bounds.is_empty() {
+            None
+        } else {
+            change_view(a, |view| view.frame(bounds))
         }
     }),
     action(Menu::View, "From the front", key(Key::Num1), |a| {

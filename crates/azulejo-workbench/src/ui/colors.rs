@@ -23,21 +23,22 @@ pub fn swatch(material: &Material) -> Color32 {
 /// paper allows.
 pub fn lines(ui: &Ui) -> [Color32; 5] {
     let rgb = |[r, g, b]: [u8; 3]| Color32::from_rgb(r, g, b);
-    match ui.visuals().dark_mode {
-        true => [
+    if ui.visuals().dark_mode {
+        [
             [86, 180, 233],
             [230, 159, 0],
             [0, 178, 130],
             [219, 141, 182],
             [240, 228, 66],
-        ],
-        false => [
+        ]
+    } else {
+        [
             [0, 114, 178],
             [213, 94, 0],
             [0, 138, 100],
             [187, 90, 145],
             [176, 117, 0],
-        ],
+        ]
     }
     .map(rgb)
 }

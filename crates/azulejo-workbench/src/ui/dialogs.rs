@@ -386,12 +386,11 @@ impl Dialogs {
         }
         let replaces = answer?;
         self.replacing = None;
-        match replaces {
-            true => self.chosen(what, path.clone(), vec![path], cx),
-            false => {
-                cx.send(Command::CancelPending);
-                None
-            }
+        if replaces {
+            self.chosen(what, path.clone(), vec![path], cx)
+        } else {
+            cx.send(Command::CancelPending);
+            None
         }
     }
 
@@ -443,9 +442,10 @@ impl Dialogs {
         let folder = folder.filter(|f| f.is_dir());
         let folder = folder.or_else(|| std::env::current_dir().ok());
         let stem = known.and_then(Path::file_stem).unwrap_or_default();
-        let stem = match stem.is_empty() {
-            true => "azulejo".to_owned(),
-            false => stem.to_string_lossy().into_owned(),
+        let stem = if stem.is_empty() {
+            "azulejo".to_owned()
+        } else {
+            stem.to_string_lossy().into_owned()
         };
         let dialog = match what {
             FileRequest::Open | FileRequest::Add => FileDialog::open_file().multi_select(true),

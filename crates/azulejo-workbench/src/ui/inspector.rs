@@ -208,18 +208,18 @@ fn placement(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
     if !changed {
         return;
     }
-    let placement = match is_plain {
-        false => DAffine3 {
+    let placement = if is_plain {
+        let t = turned.map(f64::to_radians);
+        let q = if turned == angles {
+            rotation
+        } else {
+            DQuat::from_euler(EulerRot::XYZ, t.x, t.y, t.z)
+        };
+        DAffine3::from_scale_rotation_translation(scale, q, translation)
+    } else {
+        DAffine3 {
             translation,
             ..item.placement
-        },
-        true => {
-            let t = turned.map(f64::to_radians);
-            let q = match turned == angles {
-                true => rotation,
-                false => DQuat::from_euler(EulerRot::XYZ, t.x, t.y, t.z),
-            };
-            DAffine3::from_scale_rotation_translation(scale, q, translation)
         }
     };
     cx.edit(Edit::SetPlacement(item.id, placement));
@@ -295,9 +295,10 @@ pub fn named(document: &SceneDocument, material: MaterialId) -> String {
 
 /// A unit with what it is of.
 fn unit(units: Units, radiometric: &'static str, photometric: &'static str) -> &'static str {
-    match units.photometric {
-        true => photometric,
-        false => radiometric,
+    if units.photometric {
+        photometric
+    } else {
+        radiometric
     }
 }
 

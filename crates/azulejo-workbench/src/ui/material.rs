@@ -126,9 +126,10 @@ impl LightingKey {
             return None;
         }
         let chosen = document.bounds(Some(ids));
-        let at = match chosen.is_empty() {
-            true => document.bounds(None).centre(),
-            false => chosen.centre(),
+        let at = if chosen.is_empty() {
+            document.bounds(None).centre()
+        } else {
+            chosen.centre()
         };
         let emitters = document.materials.iter().filter(|m| m.is_emitter());
         let materials = &document.materials;

@@ -148,11 +148,12 @@ fn unknown_share(ui: &mut Ui, stage: &str, time: Duration) {
 fn short(title: &str) -> String {
     const MAX_CHARS: usize = 32;
     let count = title.chars().count();
-    match count > MAX_CHARS {
-        true => format!(
+    if count > MAX_CHARS {
+        format!(
             "…{}",
             title.chars().skip(count - MAX_CHARS).collect::<String>()
-        ),
-        false => title.to_owned(),
+        )
+    } else {
+        title.to_owned()
     }
 }

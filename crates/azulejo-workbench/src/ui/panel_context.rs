@@ -60,9 +60,10 @@ impl PanelContext<'_> {
 
     /// Selects one thing, or adds it to the selection, or takes it away.
     pub fn select(&mut self, id: ItemId, adds: bool) {
-        let mut selection = match adds {
-            true => self.app.selection.clone(),
-            false => Selection::default(),
+        let mut selection = if adds {
+            self.app.selection.clone()
+        } else {
+            Selection::default()
         };
         selection.faces = None;
         match selection.ids.iter().position(|&i| i == id) {

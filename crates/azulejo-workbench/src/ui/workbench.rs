@@ -337,9 +337,10 @@ impl Workbench {
             return;
         }
         let is_empty = self.app.document.objects.is_empty();
-        self.app.execute(match is_empty {
-            true => Command::Open(paths),
-            false => Command::Add(paths),
+        self.app.execute(if is_empty {
+            Command::Open(paths)
+        } else {
+            Command::Add(paths)
         });
     }
 

@@ -71,9 +71,10 @@ pub(super) fn badges(ui: &mut Ui, language: Language, measures: &ModelChecks) {
 
 fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let holds = measures.exchanged <= TOLERANCE;
-    let words = match holds {
-        true => language.tr("reciprocal"),
-        false => language.tr("not reciprocal"),
+    let words = if holds {
+        language.tr("reciprocal")
+    } else {
+        language.tr("not reciprocal")
     };
     let about =
         language.tr("Light and eye exchanged, for many pairs of directions: f differs by at most");
@@ -83,9 +84,10 @@ fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
 fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let (most, angle) = measures.most();
     let holds = most <= BRIGHT;
-    let words = match holds {
-        true => language.tr("energy at most"),
-        false => language.tr("creates energy:"),
+    let words = if holds {
+        language.tr("energy at most")
+    } else {
+        language.tr("creates energy:")
     };
     let at = language.tr("at");
     let mut about = language

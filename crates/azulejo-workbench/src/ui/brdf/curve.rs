@@ -81,9 +81,10 @@ fn lines(
         |(_, a): &(f64, Rgb)| (0..3).any(|c| (a[c] - a.mean()).abs() > MERGE_TOLERANCE);
     let mut line = |name: &str, color: Color32, width: f32, of: &dyn Fn(Rgb) -> f64| {
         let points: Vec<[f64; 2]> = curve.iter().map(|&(angle, a)| [angle, of(a)]).collect();
-        let style = match is_dashed {
-            true => LineStyle::dashed_dense(),
-            false => LineStyle::Solid,
+        let style = if is_dashed {
+            LineStyle::dashed_dense()
+        } else {
+            LineStyle::Solid
         };
         let line = Line::new(name, PlotPoints::from(points)).id((name, is_dashed));
         plot.line(line.color(color).width(width).style(style));

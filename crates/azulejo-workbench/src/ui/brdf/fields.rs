@@ -40,9 +40,10 @@ impl NumberRange<'_> {
     /// Whether steps grow with the number: over the whole range most numbers would be out of
     /// reach else.
     fn is_logarithmic(&self) -> bool {
-        match self.least > 0.0 {
-            true => self.most > 20.0 * self.least,
-            false => self.least == 0.0 && self.most > 90.0,
+        if self.least > 0.0 {
+            self.most > 20.0 * self.least
+        } else {
+            self.least == 0.0 && self.most > 90.0
         }
     }
 
@@ -57,9 +58,10 @@ impl NumberRange<'_> {
 
 /// A slider with a number behind it, called `name`.
 pub(super) fn number(ui: &mut Ui, name: &str, span: NumberRange, value: &mut f64) {
-    let clamping = match span.is_strict {
-        true => SliderClamping::Always,
-        false => SliderClamping::Never,
+    let clamping = if span.is_strict {
+        SliderClamping::Always
+    } else {
+        SliderClamping::Never
     };
     let slider = inputs::slider(value, span.range())
         .logarithmic(span.is_logarithmic())
@@ -97,9 +99,10 @@ fn rounded(x: f64) -> f64 {
 fn channels(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
         let value = &mut color[channel];
-        let range = match span.is_strict {
-            true => span.range(),
-            false => f64::NEG_INFINITY..=f64::INFINITY,
+        let range = if span.is_strict {
+            span.range()
+        } else {
+            f64::NEG_INFINITY..=f64::INFINITY
         };
         let drag = inputs::number(value, range)
             .speed(0.002 * (span.most - span.least).min(1.0))

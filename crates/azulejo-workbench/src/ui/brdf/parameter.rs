@@ -80,9 +80,10 @@ fn shade(ui: &mut Ui, language: Language, name: &str, span: NumberRange, value: 
     let toggle = toggle.accessible_name(format!("{name} RGB"));
     let shown = as_color(value);
     if toggle.changed() {
-        *value = match is_color {
-            true => Value::Color(shown),
-            false => Value::Number(shown.mean()),
+        *value = if is_color {
+            Value::Color(shown)
+        } else {
+            Value::Number(shown.mean())
         };
         return;
     }
@@ -143,9 +144,12 @@ fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
     for info in names.iter().filter_map(|name| catalog::fresnel(name)) {
         // What stands for a term is needed, the others may be left out.
         let is_first = names.first() == Some(&info.name);
-        ui.push_id(info.name, |ui| match is_first {
-            true => needed(ui, language, model, info),
-            false => one(ui, language, model, info),
+        ui.push_id(info.name, |ui| {
+            if is_first {
+                needed(ui, language, model, info)
+            } else {
+                one(ui, language, model, info)
+            }
         });
     }
     if term == FresnelChoice::Index {

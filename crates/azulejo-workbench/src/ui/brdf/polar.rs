@@ -147,9 +147,10 @@ impl PolarAxes<'_> {
     /// One lobe, with where its light comes from.
     fn slice(&self, plot: &mut PlotUi, slice: &LobeSlice, k: usize, is_dashed: bool) {
         let color = self.colors[k % self.colors.len()];
-        let style = match is_dashed {
-            true => LineStyle::dashed_dense(),
-            false => LineStyle::Solid,
+        let style = if is_dashed {
+            LineStyle::dashed_dense()
+        } else {
+            LineStyle::Solid
         };
         let position = |(angle, value)| at(angle, self.view.share(value, self.top));
         let ends = std::iter::once([0.0; 2]);

@@ -45,9 +45,10 @@ pub(super) struct SphereImage {
 impl SphereKey {
     /// Where there is no light at all, that of a studio.
     pub fn new(material: &Material, light: &PreviewLight, side: u32) -> SphereKey {
-        let light = match light.is_dark() {
-            true => PreviewLight::studio(),
-            false => light.clone(),
+        let light = if light.is_dark() {
+            PreviewLight::studio()
+        } else {
+            light.clone()
         };
         SphereKey {
             optics: MaterialReflection::of(material),

@@ -179,9 +179,10 @@ pub(super) fn emission(
     }
     let old = (strength, *last);
     let mut shade = *last;
-    let unit = match is_photometric {
-        true => " cd/m²",
-        false => " W/(sr·m²)",
+    let unit = if is_photometric {
+        " cd/m²"
+    } else {
+        " W/(sr·m²)"
     };
     let about =
         language.tr("Radiance of the front, of the channel that is brightest; 0 for no light.");

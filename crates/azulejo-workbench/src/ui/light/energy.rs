@@ -67,9 +67,10 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &Balance) {
 
 /// The unit of power.
 fn unit(cx: &PanelContext) -> &'static str {
-    match cx.app.document.units.photometric {
-        true => "lm",
-        false => "W",
+    if cx.app.document.units.photometric {
+        "lm"
+    } else {
+        "W"
     }
 }
 

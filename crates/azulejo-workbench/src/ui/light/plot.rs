@@ -157,9 +157,10 @@ fn framed<'a>(name: &str, legend: Corner, ys: impl Iterator<Item = f64>) -> Plot
 }
 
 fn faded(color: Color32, is_superseded: bool) -> Color32 {
-    match is_superseded {
-        true => color.gamma_multiply(0.45),
-        false => color,
+    if is_superseded {
+        color.gamma_multiply(0.45)
+    } else {
+        color
     }
 }
 

@@ -147,11 +147,12 @@ fn about(cx: &PanelContext, probe: &Probe) -> String {
 pub fn shortened(name: &str) -> String {
     const MAX_CHARS: usize = 14;
     let count = name.chars().count();
-    match count > MAX_CHARS {
-        true => format!(
+    if count > MAX_CHARS {
+        format!(
             "…{}",
             name.chars().skip(count + 1 - MAX_CHARS).collect::<String>()
-        ),
-        false => name.to_owned(),
+        )
+    } else {
+        name.to_owned()
     }
 }

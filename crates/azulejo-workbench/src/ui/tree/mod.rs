@@ -151,9 +151,10 @@ fn eye(ui: &mut Ui, cx: &PanelContext, name: &str, shown: bool) -> bool {
             let does = if shown { cx.tr("Hide") } else { cx.tr("Show") };
             egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{does}: {name}"))
         });
-        let what = match shown {
-            true => cx.tr("Hide: out of sight, but it casts and receives light as before"),
-            false => cx.tr("Show"),
+        let what = if shown {
+            cx.tr("Hide: out of sight, but it casts and receives light as before")
+        } else {
+            cx.tr("Show")
         };
         button.on_hover_text(what).clicked()
     };

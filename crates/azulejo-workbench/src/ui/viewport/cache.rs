@@ -147,16 +147,18 @@ impl ViewportCache {
         view: &Projection,
         old: Option<CachedMesh>,
     ) -> CachedMesh {
-        let lit = match app.view.shading.shows_light() {
-            true => app.lighting.solution.as_ref().and_then(|s| s.shown(item)),
-            false => None,
+        let lit = if app.view.shading.shows_light() {
+            app.lighting.solution.as_ref().and_then(|s| s.shown(item))
+        } else {
+            None
         };
         let is_lit = lit.is_some();
         let shape = lit.unwrap_or(&item.shape);
         // What the solver returns stands in its place already.
-        let placement = match is_lit {
-            true => DAffine3::IDENTITY,
-            false => item.placement,
+        let placement = if is_lit {
+            DAffine3::IDENTITY
+        } else {
+            item.placement
         };
         let error = match &**shape {
             Shape::Mesh(_) => 1.0,
@@ -284,9 +286,10 @@ impl ViewportCache {
 /// How much a map enlarges, on the whole.
 fn mean_scale(map: &DAffine3) -> f64 {
     let scale = map.matrix3.determinant().abs().cbrt();
-    match scale > 0.0 && scale.is_finite() {
+    if scale > 0.0 && scale.is_finite() {
         // Powers of two, so that a drag does not tessellate anew at each step.
-        true => 2f64.powi(scale.log2().round() as i32),
-        false => 1.0,
+        2f64.powi(scale.log2().round() as i32)
+    } else {
+        1.0
     }
 }

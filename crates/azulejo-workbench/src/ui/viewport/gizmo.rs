@@ -110,10 +110,7 @@ impl Gizmo<'_> {
     pub fn paint(&self, painter: &Painter, lit: Option<&GizmoHandle>) {
         for (axis, own) in COLORS.into_iter().enumerate() {
             let is_lit = lit.is_some_and(|g| g.axis == axis || g.axis == 3);
-            let color = match is_lit {
-                true => Color32::WHITE,
-                false => own,
-            };
+            let color = if is_lit { Color32::WHITE } else { own };
             let lines = self.lines(axis);
             let stroke = Stroke::new(if is_lit { 3.5 } else { 2.5 }, color);
             lines.windows(2).for_each(|w| {

@@ -67,17 +67,19 @@ fn light(
 
 /// The unit of radiance.
 pub fn radiance_unit(app: &App) -> &'static str {
-    match app.document.units.photometric {
-        true => "cd/m²",
-        false => "W/(sr·m²)",
+    if app.document.units.photometric {
+        "cd/m²"
+    } else {
+        "W/(sr·m²)"
     }
 }
 
 /// One number where the channels agree, three where they do not.
 pub fn value(c: Rgb) -> String {
     let (low, high) = (c.r.min(c.g).min(c.b), c.max_channel());
-    match high - low <= 5e-3 * high.abs() {
-        true => number(c.luminance()),
-        false => format!("({}, {}, {})", number(c.r), number(c.g), number(c.b)),
+    if high - low <= 5e-3 * high.abs() {
+        number(c.luminance())
+    } else {
+        format!("({}, {}, {})", number(c.r), number(c.g), number(c.b))
     }
 }

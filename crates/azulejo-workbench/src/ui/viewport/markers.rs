@@ -18,9 +18,10 @@ const CHOSEN: [u8; 3] = [255, 150, 30];
 pub fn overlay(app: &App) -> Overlay {
     let mut overlay = Overlay::default();
     let bounds = app.document.bounds(None);
-    let size = match bounds.is_empty() {
-        true => 1.0,
-        false => bounds.diagonal().max(1e-9),
+    let size = if bounds.is_empty() {
+        1.0
+    } else {
+        bounds.diagonal().max(1e-9)
     };
     if app.view.shows_grid || bounds.is_empty() {
         grid(&mut overlay, bounds, app.document.units.up);
@@ -95,9 +96,10 @@ pub fn at(mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<ItemI
 }
 
 fn ink(color: [u8; 3], is_selected: bool) -> OverlayStyle {
-    match is_selected {
-        true => OverlayStyle::new(CHOSEN, 2.5),
-        false => OverlayStyle::new(color, 1.5),
+    if is_selected {
+        OverlayStyle::new(CHOSEN, 2.5)
+    } else {
+        OverlayStyle::new(color, 1.5)
     }
 }
 
@@ -178,13 +180,12 @@ fn camera(overlay: &mut Overlay, camera: &Camera, size: f64, ink: OverlayStyle) 
 
 /// Squares of a round size on the ground, and the axes.
 fn grid(overlay: &mut Overlay, bounds: Aabb, up: Up) {
-    let (size, centre, ground) = match bounds.is_empty() {
-        true => (4.0, DVec3::ZERO, 0.0),
-        false => {
-            let axis = up.axis();
-            let low = bounds.min.dot(axis);
-            (bounds.diagonal().max(1e-6), bounds.centre(), low)
-        }
+    let (size, centre, ground) = if bounds.is_empty() {
+        (4.0, DVec3::ZERO, 0.0)
+    } else {
+        let axis = up.axis();
+        let low = bounds.min.dot(axis);
+        (bounds.diagonal().max(1e-6), bounds.centre(), low)
     };
     let step = 10f64.powf((0.2 * size).log10().floor());
     let step = if size / step > 25.0 { 5.0 * step } else { step };

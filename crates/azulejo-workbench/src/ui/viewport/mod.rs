@@ -59,9 +59,10 @@ pub struct Viewport {
 /// Exposure that shows the usual irradiance on a grey surface as a bright middle.
 pub fn auto_exposure(app: &App) -> f64 {
     let usual = app.lighting.range.map_or(0.0, |r| r.usual);
-    match usual > 0.0 {
-        true => 0.6 * std::f64::consts::PI / (0.5 * usual),
-        false => 1.0,
+    if usual > 0.0 {
+        0.6 * std::f64::consts::PI / (0.5 * usual)
+    } else {
+        1.0
     }
 }
 
@@ -72,9 +73,10 @@ fn exposure(app: &App, view: &ModelView) -> f64 {
 
 /// The unit of irradiance.
 pub fn irradiance_unit(app: &App) -> &'static str {
-    match app.document.units.photometric {
-        true => "lx",
-        false => "W/m²",
+    if app.document.units.photometric {
+        "lx"
+    } else {
+        "W/m²"
     }
 }
 

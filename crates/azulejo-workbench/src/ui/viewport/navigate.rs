@@ -93,13 +93,14 @@ impl HeldKeys {
         }
         ui.input(|i| {
             let held = |key| f64::from(u8::from(i.key_down(key)));
-            let letters = match i.modifiers.any() {
-                true => DVec3::ZERO,
-                false => DVec3::new(
+            let letters = if i.modifiers.any() {
+                DVec3::ZERO
+            } else {
+                DVec3::new(
                     held(Key::D) - held(Key::A),
                     held(Key::R) - held(Key::F),
                     held(Key::W) - held(Key::S),
-                ),
+                )
             };
             let plus = held(Key::Plus).max(held(Key::Equals));
             let signs = plus - held(Key::Minus);

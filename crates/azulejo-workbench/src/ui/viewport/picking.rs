@@ -60,9 +60,10 @@ impl Viewport {
         } else if response.gained_focus() && !response.hovered() {
             self.by_keys = true;
         }
-        match self.by_keys {
-            true => Some(rect.center()),
-            false => response.hover_pos(),
+        if self.by_keys {
+            Some(rect.center())
+        } else {
+            response.hover_pos()
         }
     }
 

@@ -29,9 +29,10 @@ pub fn paint(ui: &Ui, rect: Rect, view: &Projection, cx: &PanelContext) {
 
 fn strength(probe: &Probe, eye: DVec3) -> f32 {
     let pick = &probe.pick;
-    match pick.normal.dot(eye - pick.position) > 0.0 && probe.site.is_some() {
-        true => 1.0,
-        false => 0.35,
+    if pick.normal.dot(eye - pick.position) > 0.0 && probe.site.is_some() {
+        1.0
+    } else {
+        0.35
     }
 }
 
