@@ -1,9 +1,9 @@
-//! How long the editor of reflection models keeps a frame, while a parameter is dragged and all
-//! that depends on it is found anew in the background.
+//! Frame times of the BRDF editor while a parameter is dragged and everything that depends on it
+//! is recomputed in the background.
 //!
-//! Prints the median and the worst of 200 frames for each model, in milliseconds of wall time: the
-//! widgets with their texts and shapes, without drawing them on a card. An argument selects the
-//! models whose name contains it.
+//! Prints the median and the maximum of 200 frames for each model, in milliseconds of wall-clock
+//! time: layout, text and tessellation of the widgets, without drawing them on a GPU. An argument
+//! selects the models whose name contains it.
 
 use azulejo::scene::brdf::MODELS;
 use azulejo::scene::{Brdf, Material};
@@ -34,7 +34,7 @@ fn report(name: &str, sorted: &[Duration]) {
     println!("{name:24} median {middle:6.2} ms   worst {worst:6.2} ms");
 }
 
-/// Times of all frames, the shortest first; in each the document has another model.
+/// Times of all frames in ascending order. The document's material changes in every frame.
 fn frames(example: &str) -> Vec<Duration> {
     let light = PreviewLight::studio();
     let mut material = made(example, 0);
@@ -64,7 +64,7 @@ fn frames(example: &str) -> Vec<Duration> {
     took
 }
 
-/// The model in front of a matt one, whose weight another frame changes.
+/// The model added to a matt one, with a weight that changes from frame to frame.
 fn made(example: &str, frame: usize) -> Arc<Material> {
     let weight = 0.4 + 1e-4 * frame as f64;
     let text = format!("combination weight = {weight} diffuse kd = 0.5 weight = 0.5 {example}");

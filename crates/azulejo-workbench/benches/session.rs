@@ -1,10 +1,10 @@
-//! How soon the window shows a large model, how quickly it answers while light is solved, and what
-//! it takes of memory: `cargo bench -p azulejo-workbench --bench session`.
+//! Time until a large model is visible, frame times while the solver runs, and memory use:
+//! `cargo bench -p azulejo-workbench --bench session`.
 //!
-//! The whole window is drawn without a display, by the driver there is: widgets, the model, and
-//! egui's own pass, until the card has finished. Without a driver it says so and ends.
+//! The whole window is drawn without a display by the installed driver: widgets, the model and
+//! egui's own pass, until the GPU has finished. Without a driver it prints a note and ends.
 
-// A benchmark prints what it finds.
+// A benchmark prints its results.
 #![allow(clippy::print_stdout)]
 
 use azulejo::models;
@@ -22,7 +22,7 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The window, points.
+/// Size of the window, points.
 const SIZE: [f32; 2] = [1280.0, 800.0];
 
 fn main() {
@@ -37,7 +37,7 @@ fn main() {
     let _ = std::fs::remove_dir_all(folder);
 }
 
-/// A million triangles: reading, the first picture, further ones, memory.
+/// A model of a million triangles: loading, the first frame, further frames, memory.
 fn large_model(folder: &Path) {
     let path = folder.join("large.ply");
     let (triangles, bytes) = write_large(&path);
@@ -80,7 +80,7 @@ fn large_model(folder: &Path) {
     );
 }
 
-/// Frames of the window while the solver has its threads.
+/// Frame times while the solver runs.
 fn while_solving(folder: &Path) {
     let path = folder.join("cornell.grf");
     let variant = azulejo::scene::synthetic::CornellVariant::Diffuse;
@@ -125,14 +125,14 @@ fn window() -> Harness<'static, Workbench> {
     window
 }
 
-/// What the window itself does in a frame: it takes events, does what they ask for, and lays out.
+/// The CPU part of a frame: handles events, executes commands and lays out the widgets.
 fn step(window: &mut Harness<'_, Workbench>) -> Duration {
     let begin = Instant::now();
     window.step();
     begin.elapsed()
 }
 
-/// One frame, to the last pixel, which is read back: more than a window on a screen does.
+/// One complete frame including reading the pixels back, which a window on a screen does not do.
 fn frame(window: &mut Harness<'_, Workbench>) -> Duration {
     let begin = Instant::now();
     window.step();
@@ -162,7 +162,8 @@ fn settle(app: &mut App) {
     app.poll();
 }
 
-/// A wavy sheet of a million triangles, as binary PLY; their number, and the scene's bytes.
+/// Writes a wavy sheet of a million triangles as binary PLY; returns the number of triangles and
+/// the size of the scene in bytes.
 fn write_large(path: &Path) -> (usize, u64) {
     const SIDE: u32 = 708;
     let mut mesh = Mesh::default();
@@ -210,7 +211,7 @@ fn mega(bytes: u64) -> f64 {
     bytes as f64 / 1e6
 }
 
-/// Bytes of memory that the process holds, as Linux says.
+/// Resident memory of the process in bytes, on Linux.
 fn resident() -> u64 {
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     let pages = text

@@ -1,8 +1,8 @@
-//! A mesh of a million triangles: from memory to the first picture, further pictures, picking.
+//! A mesh of a million triangles: upload and first frame, further frames, picking.
 //!
-//! `cargo bench -p azulejo-workbench --bench viewport`, on each interface that has a driver;
-//! `WGPU_BACKEND=vulkan` or `gl` narrows them. Wall-clock times of 1280 x 720 pixels; a picture
-//! is done when the card says so.
+//! `cargo bench -p azulejo-workbench --bench viewport` runs on each graphics API that has a driver;
+//! `WGPU_BACKEND=vulkan` or `gl` narrows them. Wall-clock times at 1280 x 720 pixels; a frame
+//! ends when the GPU has finished it.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use azulejo::scene::math::Ray;
@@ -51,7 +51,7 @@ fn main() {
     picking(&mesh, &camera);
 }
 
-/// A ball of about a million triangles, with light.
+/// A sphere of about a million triangles, with irradiance.
 fn million() -> Mesh {
     let scene = displaced_sphere(1_000_000);
     let shapes = scene.objects.into_iter().map(|o| o.shape);
@@ -92,7 +92,7 @@ fn measure(card: HeadlessDevice, mesh: &Mesh, camera: &Camera) {
             if let Err(e) = renderer.draw(frame) {
                 println!("  {e}");
             }
-            // The figures are wrong where this fails, and the next picture says why.
+            // If this fails the times are wrong, and the next frame reports the reason.
             let _ = device.poll(wgpu::PollType::wait_indefinitely());
             let bytes = renderer.statistics().bytes_loaded;
             (1e3 * start.elapsed().as_secs_f64(), bytes)

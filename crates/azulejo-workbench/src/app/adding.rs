@@ -1,4 +1,4 @@
-//! New things, put where they suit what is there.
+//! New shapes and lights, placed to suit the existing model.
 
 use super::{App, Severity};
 use crate::command::PrismBase;
@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 impl App {
-    /// Adds a shape on the ground; a lamp under the ceiling, or above what has none.
+    /// Adds a shape on the ground, or an area light under the ceiling or above the model.
     pub(super) fn add_shape(&mut self, kind: NewShapeKind) {
         let size = self.default_size();
         let at = match kind {
@@ -74,7 +74,7 @@ impl App {
         }
     }
 
-    /// What is to be extruded; `height` is in parts of its larger side.
+    /// The outline to extrude; `height` is relative to its larger side.
     fn outline(&mut self, base: &PrismBase, height: f64) -> Result<PrismOutline, String> {
         let path = match base {
             PrismBase::Regular(sides) => {
@@ -91,14 +91,14 @@ impl App {
         Ok(outline)
     }
 
-    /// The middle of the ground of what there is: where new things stand.
+    /// The middle of the model's ground, where new objects are placed.
     pub fn ground(&self) -> DVec3 {
         let bounds = self.document.bounds(None);
         let up = self.document.units.up.axis();
         bounds.centre() - up * (0.5 * bounds.size().dot(up))
     }
 
-    /// A size that suits what there is, world units.
+    /// A default size for new objects, in world units.
     pub fn default_size(&self) -> f64 {
         let bounds = self.document.bounds(None);
         if bounds.is_empty() || bounds.diagonal() <= 0.0 {
@@ -108,8 +108,7 @@ impl App {
         }
     }
 
-    /// Where a lamp lights most: a little under the ceiling of a room, and well above what is no
-    /// room.
+    /// Position of a new light: a little below the ceiling of a room, well above anything else.
     fn lamp_position(&self, size: f64) -> DVec3 {
         let bounds = self.document.bounds(None);
         let up = self.document.units.up.axis();
@@ -125,8 +124,8 @@ impl App {
         bounds.centre() + height * up
     }
 
-    /// Whether one who floats in the middle of everything has a floor and a ceiling at the ends
-    /// of the model, and walls at most of its sides.
+    /// Whether the model is a room: from its centre, rays hit a floor and a ceiling at the ends of
+    /// the model, and walls on most sides.
     pub(super) fn is_room(&self) -> bool {
         let bounds = self.document.bounds(None);
         let meshes: Vec<(Cow<Mesh>, glam::DAffine3)> = (self.document.objects.iter())

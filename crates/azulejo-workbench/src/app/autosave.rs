@@ -1,4 +1,4 @@
-//! Copies for recovery: written now and then, opened after a crash, forgotten when all is safe.
+//! Recovery copies: written periodically, opened after a crash, deleted when no longer needed.
 
 use super::saving::OnDisk;
 use super::{App, JobResult};
@@ -9,25 +9,25 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 impl App {
-    /// The window may close, whatever is lost by it.
+    /// Lets the window close, whatever changes are lost.
     pub fn allow_close(&mut self) {
         self.forget_copy();
         self.left = Some(self.accept_loss());
         self.closing = true;
     }
 
-    /// The document is safe, or given up: no copy of it is needed.
+    /// Deletes the recovery copy of a document that is saved or discarded.
     pub(super) fn forget_copy(&mut self) {
         self.jobs.cancel_kind(JobKind::Autosave);
         self.recovery.clear();
     }
 
-    /// Opens what was written before a crash.
+    /// Opens a recovery copy.
     pub(super) fn recover(&mut self, copy: PathBuf) {
         self.begin_loading(vec![copy], true, true);
     }
 
-    /// What was recovered is not on the disk where it belongs.
+    /// Marks a recovered document as changed, since it differs from the file on disk.
     pub(super) fn adopt_recovered(&mut self, copy: &Path) {
         let found = self.recovery.recoverable().iter().find(|f| f.copy == copy);
         let original = found.and_then(|f| f.original.clone());
@@ -38,14 +38,14 @@ impl App {
                 source_file.path.clone_from(&file.path);
                 source_file.name = models::branch_name(&file.path, |_| false);
             }
-            // The copy's own name says nothing to anybody.
+            // The name of the copy itself means nothing to the user.
             _ => self.document.leave_files(),
         }
         self.revision = self.new_revision();
         self.changed_at = Some(Instant::now());
     }
 
-    /// Writes a copy for recovery, if one is due.
+    /// Writes a recovery copy in the background if one is due.
     pub(super) fn autosave(&mut self) {
         let patience = Duration::from_secs(u64::from(self.preferences.autosave));
         let rests = self.changed_at.is_some_and(|t| t.elapsed() >= patience);
@@ -72,11 +72,12 @@ impl App {
             });
     }
 
-    /// Writes a copy for recovery now, whatever time it is, and waits for it; returns where it is,
-    /// `None` if there is nothing that is not on the disk.
+    /// Writes a recovery copy now and waits for it; returns its path, or `None` if there are no
+    /// unsaved changes.
     ///
     /// # Errors
-    /// Why it cannot be written, in words.
+    ///
+    /// A message with the reason why it cannot be written.
     pub fn save_recovery_now(&mut self) -> Result<Option<PathBuf>, String> {
         if !self.is_changed() {
             return Ok(None);
@@ -94,20 +95,20 @@ impl App {
         Ok(Some(path))
     }
 
-    /// Where the pictures of a copy stay: those beside the file, whose copy it is.
+    /// The folder in which a recovery copy looks for its textures: that of the original file.
     fn home(&self) -> Option<PathBuf> {
         let folder = self.file.as_ref()?.path.parent()?;
         Some(folder.to_owned())
     }
 
-    /// When the window should be drawn again although nothing happens: for a copy that is due.
+    /// Time until the window must be redrawn even without input, because a recovery copy is due.
     pub fn repaint_after(&self) -> Option<Duration> {
         let patience = Duration::from_secs(u64::from(self.preferences.autosave));
         let waits = !patience.is_zero() && self.is_changed() && !self.is_busy(JobKind::Autosave);
         let waits = waits && self.recovery.is_pending(self.revision);
         let since = self.changed_at.filter(|_| waits)?.elapsed();
-        // After a copy that failed the next one is due later. What is due already is begun by the
-        // next frame, which must not be the next of very many.
+        // After a failed copy the next one is due later. A copy that is due now starts in the next
+        // frame; that must not turn into continuous repainting.
         let rest = patience
             .saturating_sub(since)
             .max(self.recovery.retry_delay());
@@ -115,5 +116,5 @@ impl App {
     }
 }
 
-/// A frame that was asked for this early is no load.
+/// Repainting at this rate costs next to nothing.
 const SOON: Duration = Duration::from_millis(100);

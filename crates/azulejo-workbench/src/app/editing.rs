@@ -1,4 +1,4 @@
-//! Edits, what takes them back, and what is selected.
+//! Edits, undo and redo, and the selection.
 
 use super::{App, Severity};
 use crate::command::Selection;
@@ -8,12 +8,12 @@ use azulejo::scene::{Material, Shape};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Bytes that steps may hold beside the document: half a gigabyte. Of a document that is larger than
-/// half of that, they may hold twice its own size: otherwise what changes all of it could hardly be
-/// taken back.
+/// Memory that the undo history may use beside the document, in bytes: half a gigabyte. For a
+/// document larger than half of that, twice its own size; otherwise an edit of everything could
+/// hardly be undone.
 pub(super) const UNDO_BYTES: u64 = 512 << 20;
 
-/// What undo brings back.
+/// The state that undo restores.
 #[derive(Clone, Debug)]
 pub(super) struct UndoSnapshot {
     document: SceneDocument,
@@ -22,7 +22,7 @@ pub(super) struct UndoSnapshot {
 }
 
 impl UndoSnapshot {
-    /// What it holds that a document does not, bytes.
+    /// Bytes that the snapshot holds and `document` does not.
     fn bytes_beyond(&self, document: &SceneDocument) -> u64 {
         let selection = self.selection.capacity() * size_of::<ItemId>();
         self.document.bytes_beyond(document) + selection as u64
@@ -57,20 +57,21 @@ impl App {
         }
     }
 
-    /// Keeps what was before an edit that was made just now, and forgets what is too much.
+    /// Records the state before the last edit, and drops old steps beyond the memory limit.
     fn push_history(&mut self, label: &'static str, before: UndoSnapshot, gesture: Option<u64>) {
         let document = &self.document;
         self.history.record(label, before, gesture);
         self.history
             .set_bytes(|version| version.bytes_beyond(document));
-        // The document itself is weighed where that matters.
+        // Measuring the document takes time, so only do it when it matters.
         if self.history.bytes() > self.undo_bytes {
             let most = self.undo_bytes.max(2 * document.bytes());
             self.history.limit_bytes(most);
         }
     }
 
-    /// Selects what an edit made, and forgets what it took away; `material` was edited before.
+    /// Selects what an edit created and deselects what it deleted; `material` is the one that was
+    /// being edited before.
     fn select_after(&mut self, edit: &Edit, ids: Vec<ItemId>, material: Option<Arc<Material>>) {
         match edit {
             Edit::AddMaterial(_) => {
@@ -78,7 +79,7 @@ impl App {
             }
             Edit::Delete(_) => {
                 self.selection.ids.retain(|&id| self.document.has(id));
-                // The same key again must not mean the material of what is gone.
+                // Pressing the same key again must not apply to the material of a deleted object.
                 if self.selection.ids.is_empty() {
                     self.selection.material = None;
                 }
@@ -98,13 +99,13 @@ impl App {
         self.prune_selection();
     }
 
-    /// The document is another one now.
+    /// Updates everything that depends on which document is open.
     fn changed(&mut self) {
         self.revision = self.new_revision();
         self.edited();
     }
 
-    /// What follows from every change of the document.
+    /// Updates everything that depends on the content of the document.
     fn edited(&mut self) {
         self.changed_at.get_or_insert_with(Instant::now);
         self.jobs.cancel_kind(JobKind::FormFactors);
@@ -115,7 +116,7 @@ impl App {
         self.stop_render();
     }
 
-    /// A number that no document had before.
+    /// Returns a revision number that no document has had before.
     pub(super) fn new_revision(&mut self) -> u64 {
         self.latest += 1;
         self.latest
@@ -166,7 +167,7 @@ impl App {
         self.sync_material();
     }
 
-    /// The material of what is selected is the one that one wants to edit.
+    /// Makes the material of the selected object the one being edited.
     fn sync_material(&mut self) {
         let items = self.selection.ids.iter();
         let mut items = items.filter_map(|&id| self.document.item(id));
@@ -176,7 +177,7 @@ impl App {
         }
     }
 
-    /// Forgets what is not there any more.
+    /// Removes deleted objects, faces and materials from the selection.
     fn prune_selection(&mut self) {
         let document = &self.document;
         let selection = &mut self.selection;

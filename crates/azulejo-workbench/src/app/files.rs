@@ -1,4 +1,4 @@
-//! Files on their way into the document.
+//! Loading files into the document.
 
 use super::saving::{OnDisk, PendingQuestion};
 use super::{AcceptedLoss, App, JobResult, Severity};
@@ -13,7 +13,7 @@ use azulejo::trace::Progress;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// A model on its way into the document.
+/// A model that a job has read.
 pub struct LoadedModel {
     path: PathBuf,
     on_disk: OnDisk,
@@ -22,22 +22,22 @@ pub struct LoadedModel {
     notes: Vec<String>,
 }
 
-/// Files on their way in.
+/// Files that are being loaded.
 pub(super) struct Loading {
-    /// Whether the first of them takes the place of the document.
+    /// Whether the first of them replaces the document.
     replaces: bool,
-    /// Whether it is what was written before a crash.
+    /// Whether it is a recovery copy.
     recovered: bool,
-    /// What was there when it began, which may be lost.
+    /// The state when loading began, whose loss the user has accepted.
     pub(super) accepted: AcceptedLoss,
-    /// What was asked for.
+    /// The command that started loading.
     command: Command,
-    /// What is to be added when these are there.
+    /// Files to add when these are loaded.
     then: Vec<PathBuf>,
 }
 
 impl App {
-    /// Reads files in the background. What is added waits for what is on its way.
+    /// Loads files in the background. Files to add wait for those already being loaded.
     pub(super) fn load(&mut self, paths: Vec<PathBuf>, replaces: bool) {
         if paths.is_empty() {
             return;
@@ -49,7 +49,7 @@ impl App {
         }
     }
 
-    /// What is opened takes the place of what would have come: that is told.
+    /// Cancels the files being loaded because another one is opened, and reports it.
     fn abandon_loading(&mut self) {
         let job = self.jobs.of(JobKind::Load).map(|job| job.title.clone());
         let waiting = self.loading.take().map(|l| l.then).unwrap_or_default();
@@ -72,7 +72,8 @@ impl App {
         } else {
             Command::Open(paths.clone())
         };
-        // What waited for the same copy, which was asked about meanwhile.
+        // Files that were waiting for the same recovery copy, about which the user has been asked
+        // meanwhile.
         let waiting = self.after_recovery.take();
         let then = waiting.filter(|(copy, _)| recovered && *copy == paths[0]);
         self.loading = Some(Loading {
@@ -125,7 +126,7 @@ impl App {
         };
         let (replaces, recovered) = (loading.replaces, loading.recovered);
         if replaces && self.loses_unaccepted(loading.accepted) {
-            // Nobody agreed to lose what was done while the file was read.
+            // The user has not agreed to lose the changes made while the file was being read.
             self.jobs.cancel(job.id);
             return self.ask_again();
         }
@@ -169,8 +170,8 @@ impl App {
         self.report(Severity::Note, summary);
     }
 
-    /// What was read in the units that held when reading began, in those that hold now; and what
-    /// that changes.
+    /// Converts a document that was read in the units valid when reading began to the current
+    /// units; also returns messages on what changed.
     fn in_current_units(
         &self,
         document: SceneDocument,
@@ -185,7 +186,8 @@ impl App {
         (document.adapted(units), unit_change_text)
     }
 
-    /// Asks whether what was done meanwhile may be lost too; what was asked for waits.
+    /// Asks whether the changes made while loading may be lost too; the command waits for the
+    /// answer.
     fn ask_again(&mut self) {
         let Some(loading) = self.loading.take() else {
             return;
@@ -209,7 +211,7 @@ impl App {
         self.report(Severity::Error, text);
     }
 
-    /// These files are there, or given up; those that wait are next.
+    /// Ends loading, successfully or not, and starts on the files that are waiting.
     pub(super) fn end_loading(&mut self) {
         let then = self.loading.take().map(|loading| loading.then);
         self.load(then.unwrap_or_default(), false);
@@ -227,7 +229,7 @@ impl App {
     }
 }
 
-/// The path from the root: the next session may begin in another folder. `-` is no file.
+/// The absolute path, since the next session may start in another folder. `-` is not a file.
 pub(super) fn absolute(path: PathBuf) -> PathBuf {
     if path == Path::new("-") {
         return path;
@@ -235,7 +237,7 @@ pub(super) fn absolute(path: PathBuf) -> PathBuf {
     std::path::absolute(&path).unwrap_or(path)
 }
 
-/// What was read, for the list of messages.
+/// Summary of a loaded file for the message list.
 fn summary(document: &SceneDocument, path: &Path, time: Duration, language: Language) -> String {
     format!(
         "{}: {} {}, {} {}, {} {}, {} {}, {:.1} s",
@@ -252,18 +254,18 @@ fn summary(document: &SceneDocument, path: &Path, time: Duration, language: Lang
     )
 }
 
-/// What becomes of a file that has other units.
+/// Describes how a file in other units was converted.
 fn unit_change_text(path: &Path, change: &models::Change) -> String {
     format!("{}: {change}", path.display())
 }
 
-/// Reads one file after the other into one set of units.
+/// Reads several files into one set of units.
 struct ModelReader {
-    /// Those of the document that files join; the first file's, where there is none.
+    /// Units of the document that the files join; `None` takes those of the first file.
     units: Option<Units>,
-    /// Names of branches that are taken.
+    /// Names of source files that are taken.
     taken: Vec<String>,
-    /// Where a copy for recovery finds the pictures of its original.
+    /// Folder in which a recovery copy finds the textures of its original.
     home: Option<PathBuf>,
 }
 
@@ -273,7 +275,7 @@ impl ModelReader {
         path: &Path,
         progress: &Progress,
     ) -> Result<LoadedModel, models::ReadFailure> {
-        // As it is before it is read: what others write meanwhile is theirs.
+        // Taken before reading, so that later changes by other programs are detected.
         let on_disk = OnDisk::now(path);
         let reading = models::Reading {
             home: self.home.clone(),

@@ -1,4 +1,5 @@
-//! The light: its solver, its moments, and whose light it is.
+//! The solved light of the document: its solver, its progress, and which document state it belongs
+//! to.
 
 #[cfg(test)]
 mod tests;
@@ -14,34 +15,34 @@ use azulejo::trace::Measured;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// The light of the document.
+/// The solved light and the state of the solver.
 #[derive(Clone, Debug, Default)]
 pub struct Lighting {
-    /// How it is to be solved.
+    /// Settings for the next solve.
     pub settings: LightSettings,
-    /// What was found last.
+    /// The latest solution.
     pub solution: Option<Arc<Solution>>,
-    /// Whether that is the light of the document as it is now.
+    /// Whether the solution belongs to the document in its current state.
     pub is_current: bool,
-    /// What the solver measured since it began.
+    /// Measures of convergence since the solver started.
     pub measures: Vec<Measured>,
-    /// When it began.
+    /// When the solver started.
     pub began: Option<Instant>,
-    /// Whether the solver rests.
+    /// Whether the solver is paused.
     pub is_paused: bool,
-    /// How long it worked.
+    /// Time spent solving.
     pub stopwatch: Stopwatch,
-    /// What it is at, and how long it had worked when it began that.
+    /// The current stage, and the solving time at which it began.
     pub stage: Option<(String, Duration)>,
-    /// Irradiance that is shown: least, most, and what nearly all is below.
+    /// Range of the displayed irradiance.
     pub range: Option<IrradianceRange>,
-    /// What a picked patch sees.
+    /// Form factors of the picked patch.
     pub seen: Option<PatchFormFactors>,
-    /// Light of another state than that which is shown, found while the shown one was true.
+    /// A solution for another document state, which arrived while the displayed one was current.
     aside: Option<Arc<Solution>>,
 }
 
-/// The time that work took, without its rests.
+/// Measures working time, pauses excluded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stopwatch {
     runs_since: Option<Instant>,
@@ -49,7 +50,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Runs from now on.
+    /// Starts a stopwatch.
     pub fn start() -> Stopwatch {
         Stopwatch {
             runs_since: Some(Instant::now()),
@@ -57,37 +58,38 @@ impl Stopwatch {
         }
     }
 
-    /// Stands still.
+    /// Pauses it.
     pub fn pause(&mut self) {
         self.before = self.elapsed();
         self.runs_since = None;
     }
 
-    /// Runs again.
+    /// Resumes it.
     pub fn resume(&mut self) {
         self.runs_since.get_or_insert_with(Instant::now);
     }
 
-    /// What it shows.
+    /// The time measured so far.
     pub fn elapsed(&self) -> Duration {
         self.before + self.runs_since.map_or(Duration::ZERO, |t| t.elapsed())
     }
 }
 
-/// Luminances of irradiance, W/m² or lux.
+/// Luminance of the irradiance over all vertices, W/m² or lux.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IrradianceRange {
-    /// The least.
+    /// Minimum.
     pub low: f64,
-    /// The most.
+    /// Maximum.
     pub high: f64,
-    /// What 19 of 20 vertices are below.
+    /// The 95th percentile.
     pub usual: f64,
 }
 
 impl Lighting {
-    /// The document was edited: the light may be old now, or true again. Whether it is another
-    /// light now: the one that was found for this document while it was not there.
+    /// Updates the solution after an edit: it may have become outdated, or current again. Returns
+    /// whether another solution, which had been set aside for this document state, is now
+    /// displayed.
     pub(super) fn document_changed(&mut self, document: &SceneDocument) -> bool {
         self.is_current = self.solution.as_ref().is_some_and(|s| s.is_of(document));
         self.seen = None;
@@ -102,7 +104,7 @@ impl Lighting {
         is_other
     }
 
-    /// There is another document.
+    /// Drops everything that belonged to the previous document.
     pub(super) fn replaced(&mut self, document: &SceneDocument) {
         *self = Lighting {
             settings: self.settings,
@@ -113,7 +115,8 @@ impl Lighting {
         }
     }
 
-    /// How long the stage will go on, if so much of it is done; a guess from the time it took.
+    /// Estimated time until the current stage ends, from the time it has taken so far and the share
+    /// that is done.
     pub fn time_left(&self, share: f64) -> Option<Duration> {
         const ENOUGH: f64 = 0.02;
         let (_, began) = self.stage.as_ref()?;
@@ -122,8 +125,8 @@ impl Lighting {
         (share >= ENOUGH).then(|| Duration::try_from_secs_f64(left).ok())?
     }
 
-    /// Takes light in; whether it is shown. True light does not make room for that of another
-    /// state, which waits until that state is back.
+    /// Takes a new solution; returns whether it is displayed. A solution for another state never
+    /// replaces a current one: it is set aside until that state is restored by undo or redo.
     pub(super) fn set(&mut self, solution: Solution, document: &SceneDocument) -> bool {
         let solution = Arc::new(solution);
         if self.is_current && !solution.is_of(document) {
@@ -141,7 +144,7 @@ impl Lighting {
     }
 }
 
-/// What irradiance there is on the front of things.
+/// Range of the irradiance on the front sides of surfaces.
 fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRange> {
     let mut values: Vec<f64> = Vec::new();
     let mut push = |light: &[Rgb]| values.extend(light.iter().map(|e| e.luminance()));
@@ -161,7 +164,7 @@ fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRang
         values.iter().fold(first, least),
         values.iter().fold(first, most),
     );
-    // Not all of them need be in order for one of them.
+    // Selecting one percentile does not require sorting all values.
     let at = values.len() * 19 / 20;
     let (_, usual, _) = values.select_nth_unstable_by(at, f64::total_cmp);
     Some(IrradianceRange {
@@ -172,7 +175,7 @@ fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRang
 }
 
 impl App {
-    /// Begins to solve the light of the document as it is.
+    /// Starts solving the document in its current state.
     pub(super) fn solve(&mut self) {
         if !self.document.has_light() {
             let text = self.tr("nothing shines: add a light, or give a material emission");
@@ -180,7 +183,7 @@ impl App {
             return;
         }
         if !self.view.shading.shows_light() {
-            // Whoever solves light wants to see it.
+            // Show the light that is about to be solved.
             self.view.shading = Shading::Irradiance;
         }
         self.jobs.cancel_kind(JobKind::Solve);
@@ -225,7 +228,7 @@ impl App {
         self.lighting.stage = None;
     }
 
-    /// Takes in what the solver measured meanwhile.
+    /// Collects the measures that the solver has reported.
     pub(super) fn take_measures(&mut self) {
         const MAX_MEASURES: usize = 100_000;
         if let Some(job) = self.jobs.of(JobKind::Solve) {
@@ -239,7 +242,8 @@ impl App {
         }
     }
 
-    /// Takes in what a solver found. Who agreed to lose it has agreed to this too.
+    /// Takes a solution from the solver. The user who accepted losing its light has accepted this
+    /// as well.
     pub(super) fn take_light_of(&mut self, job: &Job, solution: Solution) {
         let before = self.state();
         self.take_light(solution);
@@ -259,14 +263,14 @@ impl App {
         }
     }
 
-    /// The light that came with files which were added to nothing.
+    /// Takes the light stored in files that were added to an empty document.
     pub(super) fn take_light_of_file(&mut self) {
         if let Some(solution) = Solution::of_file(&self.document) {
             self.take_light(solution);
         }
     }
 
-    /// The light is another one: what is on the disk is not all there is, and pictures are old.
+    /// Called when the light changes: the document has unsaved changes and renders are outdated.
     pub(super) fn lit(&mut self) {
         self.revision = self.new_revision();
         self.light = self.revision;
@@ -286,7 +290,8 @@ impl App {
         }
     }
 
-    /// Finds what the patch at a place sees, with the patches that the solver would make.
+    /// Computes the form factors of the patch at a picked point, with the patches that the solver
+    /// would use.
     pub(super) fn form_factors_from(&mut self, pick: SurfacePick) {
         self.jobs.cancel_kind(JobKind::FormFactors);
         let (document, settings) = (self.document.clone(), self.lighting.settings);

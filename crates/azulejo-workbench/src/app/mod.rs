@@ -1,6 +1,6 @@
-//! The state of the workbench, and what each command does to it.
+//! The state of the workbench, and the effect of each command on it.
 //!
-//! Nothing here knows windows: a test or a script executes [`Command`]s and calls
+//! This module is independent of the window: a test or a script executes [`Command`]s and calls
 //! [`App::poll`] until the jobs are done.
 
 mod adding;
@@ -34,63 +34,63 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What jobs find.
+/// A result sent by a job.
 pub enum JobResult {
-    /// A model from a file.
+    /// A model read from a file.
     Model(Box<files::LoadedModel>),
     /// A file that could not be read; others may follow.
     NoModel(PathBuf, String),
-    /// The document is on the disk.
+    /// The document has been saved.
     Saved(saving::SavedModel),
-    /// A copy for recovery is on the disk.
+    /// A recovery copy of this revision has been written.
     Autosaved(u64),
-    /// Light, with more to come perhaps.
+    /// A light solution; more accurate ones may follow.
     Light(Box<crate::document::Solution>),
-    /// A picture with so many paths per pixel.
+    /// A rendered image with its number of paths per pixel.
     Render(Box<Image>, u32),
-    /// A picture for the background.
+    /// An image for the background.
     Backdrop(Box<Image>),
-    /// What a patch sees.
+    /// Form factors of a patch.
     FormFactors(Box<crate::first_pass::PatchFormFactors>),
-    /// Irradiance at probes.
+    /// Irradiance measured at probes.
     Measured(Box<ProbeMeasurement>),
-    /// Something to tell.
+    /// A message for the user.
     Note(String),
 }
 
-/// How serious a message is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// Good to know.
+    /// Information.
     Note,
-    /// Something was skipped or mended.
+    /// Something was skipped or repaired.
     Warning,
-    /// Something was not done.
+    /// An operation failed.
     Error,
 }
 
-/// Something told.
+/// An entry of the message list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    /// How serious.
+    /// Its severity.
     pub level: Severity,
-    /// What.
+    /// Its text in the language of the window.
     pub text: String,
-    /// The object it is about.
+    /// The object that it concerns.
     pub about: Option<ItemId>,
 }
 
-/// Where a person's things are kept; nowhere in tests.
+/// Per-user files and folders; both are `None` in tests.
 #[derive(Clone, Debug, Default)]
 pub struct UserDirs {
-    /// The file of preferences.
+    /// The preferences file.
     pub preferences: Option<PathBuf>,
-    /// The folder of copies for recovery.
+    /// The folder for recovery copies.
     pub recovery: Option<PathBuf>,
 }
 
 impl UserDirs {
-    /// Where this system keeps such things.
+    /// The standard locations on this system.
     pub fn of_system() -> UserDirs {
         let dirs = directories::ProjectDirs::from("", "", "azulejo");
         UserDirs {
@@ -100,74 +100,75 @@ impl UserDirs {
     }
 }
 
-/// Everything there is.
+/// The complete state of the workbench.
 pub struct App {
-    /// What is being worked on.
+    /// The document being edited.
     pub document: SceneDocument,
-    /// What further commands are about.
+    /// The objects, faces or material that commands apply to.
     pub selection: Selection,
-    /// How it is looked at.
+    /// The camera and display settings of the viewport.
     pub view: ModelView,
-    /// The light, its solver and how it settles.
+    /// The light solution and its solver.
     pub lighting: Lighting,
-    /// Places whose light is watched, in the order of their numbers.
+    /// Pinned probes in the order of their numbers.
     pub probes: Vec<Probe>,
-    /// The picture that is being refined, if there is one.
+    /// The image being rendered, if there is one.
     pub render: Option<RenderedImage>,
-    /// Where the document is kept.
+    /// The file of the document.
     pub file: Option<OnDisk>,
-    /// What was told, the last at the end.
+    /// The message list, oldest first.
     pub messages: Vec<Message>,
-    /// How many errors were told so far.
+    /// Number of errors reported so far.
     pub errors: u64,
-    /// A question that must be answered first.
+    /// A question that the user must answer first.
     pub question: Option<PendingQuestion>,
-    /// A file that a dialog is asked for.
+    /// The purpose of the open file dialog, if there is one.
     pub asking: Option<FileRequest>,
-    /// Choices that outlive the session.
+    /// Settings kept between sessions.
     pub preferences: Preferences,
     /// Whether the window should close.
     pub closing: bool,
-    /// Counts documents: whoever keeps something made from one keeps the number too.
+    /// Revision of the document: a new number for every change, restored by undo. Cached data
+    /// stores it as its key.
     revision: u64,
-    /// The number of the light that is on it.
+    /// Number of the light solution on the document.
     light: u64,
-    /// What is on the disk.
+    /// The state last saved.
     saved: DocumentState,
-    /// The revision with which this document began.
+    /// The first revision of this document.
     began: u64,
     history: History<editing::UndoSnapshot>,
-    /// Bytes that undo may hold; of a large document, more.
+    /// Memory limit of the undo history in bytes; larger documents get more.
     undo_bytes: u64,
-    /// The number that a document got last.
+    /// The highest revision assigned so far.
     latest: u64,
     jobs: Jobs<JobResult>,
     recovery: Recovery,
     preferences_file: Option<PathBuf>,
     loading: Option<files::Loading>,
-    /// What is to be added to a copy for recovery, once it may be opened.
+    /// A recovery copy, and the files to add once the user has decided whether to open it.
     after_recovery: Option<(PathBuf, Vec<PathBuf>)>,
-    /// What is being written, by the numbers of the jobs.
+    /// Files being written, with the numbers of their jobs.
     saves: Vec<(u64, PathBuf)>,
-    /// What may be lost when the window closes.
+    /// What the user agreed to lose when the window closes.
     left: Option<AcceptedLoss>,
     /// Number of the last probe.
     pinned: u64,
-    /// The document that probes were measured in.
+    /// The document in which the probes were measured.
     measured_in: Option<SceneDocument>,
     changed_at: Option<Instant>,
 }
 
-/// A revision of the document, and which light is on it: undo brings a revision back, but never
-/// an earlier light.
+/// Revision of the document and number of its light solution. Undo restores a revision, but never
+/// an earlier solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct DocumentState {
     revision: u64,
     light: u64,
 }
 
-/// A state whose loss was agreed to, or that is safe; and the solver whose light may be lost with
-/// it.
+/// A state that is saved or whose loss was accepted, and the solver job whose light may be lost
+/// with it.
 #[derive(Clone, Copy, Debug)]
 struct AcceptedLoss {
     state: DocumentState,
@@ -175,7 +176,7 @@ struct AcceptedLoss {
 }
 
 impl App {
-    /// Begins with nothing. `repaint` asks for the window to be drawn.
+    /// Creates an empty document. `repaint` requests a repaint of the window.
     pub fn new(preferences: Preferences, dirs: UserDirs, repaint: RepaintRequest) -> App {
         let mut app = App {
             document: SceneDocument::default(),
@@ -213,7 +214,7 @@ impl App {
         app
     }
 
-    /// An app for tests: English, nothing on the disk.
+    /// Creates an app for tests: in English, without files on disk.
     pub fn quiet() -> App {
         let preferences = Preferences {
             language: crate::words::Language::English,
@@ -223,12 +224,12 @@ impl App {
         App::new(preferences, UserDirs::default(), Arc::new(|| ()))
     }
 
-    /// Another way of asking for the window to be drawn.
+    /// Replaces the function that requests a repaint.
     pub fn set_repaint(&mut self, repaint: RepaintRequest) {
         self.jobs.set_repaint(repaint);
     }
 
-    /// Does what is asked for. What cannot be done is told in [`App::messages`].
+    /// Executes a command. Failures are reported in [`App::messages`].
     pub fn execute(&mut self, command: Command) {
         match command {
             Command::New | Command::Open(_) | Command::Quit | Command::Recover(_)
@@ -240,7 +241,7 @@ impl App {
         }
     }
 
-    /// Does it, whatever is lost by it.
+    /// Executes a command without asking about unsaved changes.
     fn perform(&mut self, command: Command) {
         match command {
             Command::New => self.clear(),
@@ -299,8 +300,8 @@ impl App {
         }
     }
 
-    /// Takes in what jobs found since the last time; whether there was anything. Called whenever
-    /// the window is drawn.
+    /// Processes the results of jobs since the last call; returns whether there were any. Called in
+    /// every frame.
     pub fn poll(&mut self) -> bool {
         let mut any = false;
         self.take_measures();
@@ -333,10 +334,10 @@ impl App {
     fn end(&mut self, job: &Job, failure: Option<String>) {
         if let Some(why) = failure {
             match job.kind {
-                // The same words every few seconds help nobody.
+                // Repeating the same message every few seconds would not help.
                 JobKind::Autosave => self.recovery.failed(),
                 JobKind::Load | JobKind::Save => {
-                    // Who wanted to leave wants to know this first.
+                    // Keep the window open so that the user sees the error.
                     self.closing = false;
                     self.question = self
                         .question
@@ -350,7 +351,7 @@ impl App {
         match job.kind {
             JobKind::Load => self.end_loading(),
             JobKind::Solve => self.end_solving(),
-            // Whatever became of it, what is changed waits for the next one.
+            // Whatever happened to this copy, remaining changes are written by the next one.
             JobKind::Autosave if self.is_changed() => {
                 self.changed_at.get_or_insert_with(Instant::now);
             }
@@ -358,12 +359,12 @@ impl App {
         }
     }
 
-    /// `english` in the language of the window.
+    /// Translates `english` to the language of the window.
     pub(crate) fn tr<'s>(&self, english: &'s str) -> &'s str {
         self.preferences.language.tr(english)
     }
 
-    /// Adds a message.
+    /// Adds an entry to the message list.
     pub fn report(&mut self, level: Severity, text: impl Into<String>) {
         const MAX_MESSAGES: usize = 1_000;
         self.errors += u64::from(level == Severity::Error);
@@ -377,8 +378,8 @@ impl App {
         });
     }
 
-    /// Tells what was odd about a file that brought `items`: each warning leads to the first object
-    /// that it names in quotes. Most are about a file as a whole: those lead to its content.
+    /// Reports the warnings of a file that created `items`. A warning links to the first object
+    /// that it names in quotes, and otherwise to the whole content of the file.
     fn report_warnings(&mut self, warnings: &[Warning], items: &[ItemId]) {
         let mut named: HashMap<String, ItemId> = HashMap::new();
         for &id in items.iter().filter(|_| !warnings.is_empty()) {
@@ -397,32 +398,32 @@ impl App {
         }
     }
 
-    /// Whether there is something that is not on the disk.
+    /// Whether there are unsaved changes.
     pub fn is_changed(&self) -> bool {
         self.state() != self.saved
     }
 
-    /// Counts documents: changes whenever the document does, and back with undo.
+    /// Revision of the document: changes with every edit and is restored by undo.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// The jobs that go on.
+    /// The running jobs.
     pub fn jobs(&self) -> &[Job] {
         self.jobs.running()
     }
 
-    /// Whether a job of this kind goes on.
+    /// Whether a job of this kind is running.
     pub fn is_busy(&self, kind: JobKind) -> bool {
         self.jobs.of(kind).is_some()
     }
 
-    /// What undo and redo would do.
+    /// Labels of the edits that undo and redo would apply.
     pub fn undo_labels(&self) -> (Option<&'static str>, Option<&'static str>) {
         (self.history.undo_label(), self.history.redo_label())
     }
 
-    /// What was written before a crash and waits for an answer.
+    /// Recovery copies about which the user has not decided yet.
     pub fn recoverable(&self) -> &[crate::recovery::Recoverable] {
         self.recovery.recoverable()
     }
@@ -434,7 +435,7 @@ impl App {
         }
     }
 
-    /// What is there may be lost, whatever it is.
+    /// Accepts the loss of the current state.
     fn accept_loss(&self) -> AcceptedLoss {
         let solver = self.jobs.of(JobKind::Solve).filter(|_| self.is_changed());
         AcceptedLoss {
@@ -443,12 +444,12 @@ impl App {
         }
     }
 
-    /// Whether there is more to lose than what was agreed to.
+    /// Whether more would be lost than the user has accepted.
     fn loses_unaccepted(&self, accepted: AcceptedLoss) -> bool {
         self.is_changed() && self.state() != accepted.state
     }
 
-    /// Whether closing the window would lose what nobody agreed to lose.
+    /// Whether closing the window would lose changes without the user's consent.
     pub fn close_loses_changes(&self) -> bool {
         let left = self.left.filter(|_| self.closing);
         left.map_or(self.is_changed(), |accepted| {
@@ -462,7 +463,7 @@ impl App {
             let (x, y, z) = view.camera.axes();
             x.is_finite() && y.is_finite() && z.is_finite() && view.camera.eye.is_finite()
         };
-        // A view without direction would show nothing ever after.
+        // A view without a direction would leave the viewport empty for good.
         if finite {
             self.view = view;
         }
@@ -471,7 +472,8 @@ impl App {
         }
     }
 
-    /// Looks at all there is: by the file's own camera, if it shows the model, else by one that does.
+    /// Shows the whole model: from the file's own camera if it sees most of the model, otherwise
+    /// from a default one.
     fn frame_all(&mut self) {
         let bounds = self.document.bounds(None);
         let own = self.document.cameras.first().map(|c| c.camera.clone());
@@ -531,7 +533,7 @@ impl App {
         self.replace(SceneDocument::default(), None);
     }
 
-    /// Another document takes the place of this one, history and light included.
+    /// Replaces the document together with its history and light.
     fn replace(&mut self, document: SceneDocument, file: Option<OnDisk>) {
         self.stop_solving();
         self.stop_render();

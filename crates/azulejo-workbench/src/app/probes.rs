@@ -1,4 +1,4 @@
-//! Probes: places on surfaces whose light is watched.
+//! Probes: pinned surface points at which the light is displayed.
 
 use super::{App, JobResult, Severity};
 use crate::command::SurfacePick;
@@ -12,41 +12,40 @@ use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A place whose light is watched.
+/// A pinned surface point.
 #[derive(Clone, Debug)]
 pub struct Probe {
-    /// Counts: no two probes of a session have the same.
+    /// Unique within the session.
     pub number: u64,
-    /// Where, and on which side.
+    /// The point and the side of the surface.
     pub pick: SurfacePick,
-    /// What is there now; `None` where the surface moved away or is gone.
+    /// The surface at this point now; `None` if it was moved away or deleted.
     pub site: Option<ProbeSurface>,
-    /// Irradiance of the place itself, if it was asked for.
+    /// Irradiance measured at the point itself, if this was requested.
     pub measured: Option<Estimate>,
 }
 
 /// The surface under a probe.
 #[derive(Clone, Debug)]
 pub struct ProbeSurface {
-    /// Face of the polygons that show the object.
+    /// Index of the face in the polygons that display the object.
     pub face: u32,
-    /// What it is made of, and whether the probe is in front of it: light is kept for the fronts of
-    /// surfaces alone.
+    /// Material and side of the surface; light is stored for front sides only.
     pub paint: ShadingPoint,
-    /// Irradiance, interpolated between vertices, and its standard error where that is known.
+    /// Irradiance interpolated between the vertices, with its standard error where known.
     pub light: Option<(Rgb, Option<Rgb>)>,
-    /// The shape that this was read from.
+    /// The shape that these values were read from.
     shape: Arc<Shape>,
 }
 
-/// What was measured at probes, by their numbers, and in which document.
+/// Irradiance measured at probes, by their numbers, and the document it was measured in.
 pub struct ProbeMeasurement {
     of: SceneDocument,
     estimates: Vec<(u64, Estimate)>,
 }
 
 impl Probe {
-    /// Looks again at what is there, if that may have changed.
+    /// Updates the probe if the surface or its light may have changed.
     fn refresh(&mut self, document: &SceneDocument, solution: Option<&Solution>) {
         let item = document.item(self.pick.item);
         let lit = item.and_then(|item| solution?.shown(item));
@@ -54,7 +53,7 @@ impl Probe {
             self.site = None;
             return;
         };
-        // Whoever stands where it was lit has a shape of its own, in its place: then nothing moved.
+        // An object that has not moved since it was solved has a lit shape of its own.
         let is_same = |site: &ProbeSurface| lit.is_some() && Arc::ptr_eq(&site.shape, shape);
         if !self.site.as_ref().is_some_and(is_same) {
             let face = self.site.as_ref().map(|site| site.face);
@@ -63,8 +62,8 @@ impl Probe {
     }
 }
 
-/// Finds the surface at a place: the nearest face, unless that is too far away to be meant. `face`
-/// is where it was found last, and is still the nearest as long as the place lies on it.
+/// Finds the surface at a point: the nearest face, unless it is too far away. `face` is the one
+/// found last time, which is still the nearest as long as the point lies on it.
 fn site(
     pick: &SurfacePick,
     item: &SceneObject,
@@ -75,7 +74,7 @@ fn site(
     const MAX_DISTANCE: f64 = 0.01;
     const ON: f64 = 1e-7;
     let size = item.bounds().diagonal();
-    // Something that is dragged away is not searched through in every frame.
+    // Skip the search while an object is being dragged far away from the probe.
     let bounds = item.bounds();
     let inside = pick.position.clamp(bounds.min, bounds.max);
     if bounds.is_empty() || pick.position.distance(inside) > MAX_DISTANCE * size {
@@ -96,7 +95,7 @@ fn site(
         return None;
     }
     let [a, b, c] = found.corners.map(|v| mesh.positions[v as usize]);
-    // Normals of the world are normals of the object times the transposed inverse placement.
+    // World normals are object normals times the inverse transpose of the placement.
     let normal = local.matrix3.transpose() * (b - a).cross(c - a);
     let is_front = normal.dot(pick.normal) > 0.0;
     let face = found.face as usize;
@@ -108,7 +107,7 @@ fn site(
     })
 }
 
-/// A place on a mesh.
+/// A point on a mesh.
 struct NearestPoint {
     face: u32,
     corners: [u32; 3],
@@ -130,7 +129,7 @@ impl NearestPoint {
     }
 }
 
-/// The place of some faces of a mesh, of those that there are, that is nearest to a point.
+/// The point of the given faces of a mesh that is nearest to `point`.
 fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<NearestPoint> {
     let mut best: Option<NearestPoint> = None;
     let mut triangles = Vec::new();
@@ -156,7 +155,7 @@ fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<NearestPoin
     best
 }
 
-/// Weights of a triangle's corners for its point nearest to `p` (Ericson 2005, section 5.1.5).
+/// Barycentric coordinates of the point of a triangle nearest to `p` (Ericson 2005, section 5.1.5).
 fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
@@ -192,7 +191,7 @@ fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
 }
 
 impl App {
-    /// Watches the light of a place.
+    /// Pins a probe at a picked point.
     pub(super) fn pin(&mut self, pick: SurfacePick) {
         const MAX_PROBES: usize = 100;
         if self.probes.len() >= MAX_PROBES {
@@ -214,7 +213,8 @@ impl App {
         self.probes.retain(|p| p.number != number);
     }
 
-    /// The document or its light changed. What was measured is of one document.
+    /// Updates all probes after a change of the document or its light. Measurements are valid for
+    /// one document only.
     pub(super) fn refresh_probes(&mut self) {
         let solution = self.lighting.solution.as_deref();
         let document = &self.document;
@@ -233,7 +233,7 @@ impl App {
         self.measured_in = None;
     }
 
-    /// Finds the irradiance at the probes themselves.
+    /// Measures the irradiance at all probes in the background.
     pub(super) fn measure_probes(&mut self) {
         if self.probes.is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! A picture of what the viewport shows, by rays, better and better.
+//! Progressive rendering of the current view by path tracing.
 
 use super::files::absolute;
 use super::{App, JobResult, Severity};
@@ -13,28 +13,28 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The picture as far as it is.
+/// An image being rendered.
 #[derive(Clone, Debug)]
 pub struct RenderedImage {
-    /// Pixels of the finished picture, width then height.
+    /// Width and height of the finished image, pixels.
     pub size: (u32, u32),
-    /// Linear radiance; `None` before the first pass over the picture. It may be a coarse one.
+    /// Linear radiance; `None` before the first pass. The first passes may have a lower resolution.
     pub image: Option<Arc<Image>>,
     /// Paths per pixel so far.
     pub samples: u32,
-    /// Paths per pixel when it is done.
+    /// Paths per pixel of the finished image.
     pub most: u32,
 }
 
-/// More pixels than this are not drawn while one waits.
+/// Limit on the number of pixels of an interactive render.
 const MAX_PIXELS: u64 = 1 << 26;
-/// How long a view rests before its picture is begun.
+/// How long the view must be still before rendering starts.
 const QUIET: Duration = Duration::from_millis(80);
-/// Rays of final gathers where no light was solved: noisy, but not dark.
+/// Final gather rays where no light has been solved: noisy, but not black.
 const GATHER: u32 = 8;
 
 impl App {
-    /// Draws the picture anew, if there is one: what it shows is another thing.
+    /// Restarts the current render, if there is one, because its scene or view has changed.
     pub(super) fn restart_render(&mut self) {
         if let Some(render) = &self.render {
             let (size, most) = (render.size, render.most);
@@ -42,7 +42,7 @@ impl App {
         }
     }
 
-    /// Draws from the view's camera, and goes on refining to so many paths per pixel.
+    /// Renders the view of the viewport progressively, up to `most` paths per pixel.
     pub(super) fn start_render(&mut self, size: (u32, u32), most: u32) {
         let pixels = u64::from(size.0) * u64::from(size.1);
         if !(1..=MAX_PIXELS).contains(&pixels) {
@@ -55,7 +55,7 @@ impl App {
         let last = self.render.take().filter(|p| p.size == size);
         self.render = Some(RenderedImage {
             size,
-            // The old one stays until there is a new one: nothing flickers.
+            // Keep the old image until the new one is available, to avoid flicker.
             image: last.and_then(|p| p.image),
             samples: 0,
             most,
@@ -72,8 +72,8 @@ impl App {
         let title = self.tr("picture");
         self.jobs
             .start(JobKind::Render, title, move |progress, outbox| {
-                // While the view turns each moment asks for another picture: only the one that is
-                // still wanted a little later copies the scene and builds its tree.
+                // While the camera moves, every frame requests another render: only the one that is
+                // still wanted a little later copies the scene and builds its BVH.
                 std::thread::sleep(QUIET);
                 if progress.advance(0).is_ok() {
                     in_thread_pool(threads, || work.run(progress, outbox));
@@ -94,7 +94,7 @@ impl App {
         }
     }
 
-    /// Writes the picture as it is: PNG as it is shown, EXR and HDR as linear radiance.
+    /// Writes the current image: PNG as displayed, EXR and HDR with linear radiance.
     pub(super) fn save_render(&mut self, path: PathBuf) {
         self.asking = None;
         let render = self.render.as_ref().filter(|p| p.samples > 0);
@@ -146,13 +146,13 @@ fn write_picture(
     }
 }
 
-/// The picture as it is shown: 8-bit sRGB, three bytes a pixel.
+/// The image as displayed: 8-bit sRGB, three bytes per pixel.
 pub fn shown(image: &Image, exposure: Option<f64>) -> Vec<u8> {
     let exposure = exposure.unwrap_or_else(|| auto_exposure(image));
     tone_map(image, exposure, Tone::default())
 }
 
-/// What a picture is made of.
+/// The input of a render job.
 struct RenderJob {
     document: SceneDocument,
     solution: Option<Arc<Solution>>,
@@ -164,7 +164,7 @@ struct RenderJob {
 }
 
 impl RenderJob {
-    /// Coarse at once, then pass after pass, each of as many paths as all before it.
+    /// Renders a coarse image first, then passes that each double the number of paths.
     fn run(&self, progress: &Progress, outbox: &JobSender<JobResult>) {
         let (scene, is_lit) = self.document.lit_scene(self.solution.as_deref());
         if progress.advance(0).is_err() {
@@ -204,7 +204,7 @@ impl RenderJob {
         }
     }
 
-    /// `None` once it is cancelled.
+    /// Renders one pass; `None` if cancelled.
     fn draw(
         &self,
         scene: &Scene,
@@ -216,7 +216,7 @@ impl RenderJob {
     }
 }
 
-/// The mean of two pictures of so many paths per pixel.
+/// The mean of two images, weighted with their paths per pixel.
 fn blend(mut a: Image, na: u32, b: &Image, nb: u32) -> Image {
     let share = nb as f32 / (na + nb) as f32;
     for (x, y) in a.pixels.iter_mut().zip(&b.pixels) {

@@ -1,4 +1,4 @@
-//! The app without a window.
+//! Tests of the app without a window.
 
 mod edits;
 mod files;
@@ -13,7 +13,7 @@ use crate::document::tests::{example, sample};
 use std::path::Path;
 use std::time::Duration;
 
-/// A folder that goes away with the test.
+/// A temporary folder, deleted at the end of the test.
 struct TestFolder(PathBuf);
 
 impl TestFolder {
@@ -29,7 +29,7 @@ impl TestFolder {
         self.0.join(name)
     }
 
-    /// A copy of a model that comes with azulejo.
+    /// Copies one of azulejo's example models into the folder.
     fn copy(&self, name: &str) -> PathBuf {
         std::fs::copy(example(name), self.path(name)).unwrap();
         self.path(name)
@@ -42,14 +42,14 @@ impl Drop for TestFolder {
     }
 }
 
-/// An app with the sample in it, as if it was just opened.
+/// An app with the sample scene, as if it had just been opened.
 fn filled() -> App {
     let mut app = App::quiet();
     app.replace(sample(), None);
     app
 }
 
-/// Polls until no job goes on.
+/// Polls until no job is running.
 fn settle(app: &mut App) {
     let begin = Instant::now();
     app.poll();
@@ -63,7 +63,7 @@ fn settle(app: &mut App) {
     }
 }
 
-/// Executes a command and waits for all that it begins.
+/// Executes a command and waits for the jobs that it starts.
 fn run(app: &mut App, command: Command) {
     app.execute(command);
     settle(app);
@@ -73,13 +73,13 @@ fn edit(app: &mut App, edit: Edit) {
     app.execute(Command::Edit(edit, None));
 }
 
-/// The errors that were told.
+/// The errors reported so far.
 fn errors(app: &App) -> Vec<&str> {
     let errors = app.messages.iter().filter(|m| m.level == Severity::Error);
     errors.map(|m| m.text.as_str()).collect()
 }
 
-/// Tells an error that has this in it, and that alone.
+/// Asserts that exactly one error was reported and that it contains `said`.
 fn check_error(app: &App, said: &str) {
     let errors = errors(app);
     assert!(

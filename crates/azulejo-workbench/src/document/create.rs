@@ -1,4 +1,4 @@
-//! New shapes and lights, with sizes and strengths that suit the model they join.
+//! New shapes and lights, with sizes and strengths that suit the model.
 
 use super::{EditError, PrismOutline, SceneDocument};
 use azulejo::formats::{ppf, typeface};
@@ -13,38 +13,38 @@ use std::sync::Arc;
 /// A shape to add.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewShape {
-    /// What it is.
+    /// Its type.
     pub kind: NewShapeKind,
-    /// The middle of its ground; for an area light, its own middle.
+    /// Centre of its base; for an area light, its own centre.
     pub at: DVec3,
-    /// Its largest side, of a prism that of its base, of letters an em; world units, > 0.
+    /// Largest side (of the base for a prism; an em for text), world units, > 0.
     pub size: f64,
-    /// What it is made of; `None` for a new white, or a new lamp.
+    /// Its material; `None` creates a new white or emissive one.
     pub material: Option<MaterialId>,
 }
 
-/// The kinds of shapes that can be added.
+/// The shapes that can be added.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NewShapeKind {
     /// A cube.
     Cuboid,
-    /// A ball.
+    /// A sphere.
     Sphere,
-    /// A closed cylinder that stands.
+    /// An upright closed cylinder.
     Cylinder,
-    /// A closed cone that stands.
+    /// An upright closed cone.
     Cone,
-    /// A square that lies and looks up.
+    /// A horizontal square that faces up.
     Square,
-    /// A square that shines downward.
+    /// A square that emits downward.
     AreaLight,
-    /// Outlines that are extruded upward.
+    /// An outline extruded upward.
     Prism(PrismOutline),
-    /// Solid letters that stand and look at the viewer.
+    /// Upright solid text that faces the front.
     Text(TextLayout),
 }
 
-/// Text that has been set: outlines and where they go.
+/// Text after layout: glyph outlines and their positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextLayout {
     text: String,
@@ -55,42 +55,42 @@ pub struct TextLayout {
 /// A light to add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewLight {
-    /// What it is.
+    /// Its type.
     pub kind: NewLightKind,
-    /// Where it is.
+    /// Its position.
     pub at: DVec3,
-    /// What it looks at.
+    /// The point it is aimed at.
     pub toward: DVec3,
 }
 
-/// The kinds of lights without area that can be added.
+/// The light sources without area that can be added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NewLightKind {
-    /// In all directions.
+    /// A point light.
     Point,
-    /// In a cone.
+    /// A spot light.
     Spot,
-    /// From far away.
+    /// Directional light such as the sun's.
     Directional,
-    /// From everywhere.
+    /// Uniform light from all directions.
     Ambient,
 }
 
-/// The typeface for those who choose none: its licence stands beside the examples.
+/// The default typeface; its licence is in the folder of the examples.
 const TYPEFACE: &[u8] = include_bytes!("../../../../examples/fonts/dejavu-serif.ppf");
-/// Letters that one line of a dialog holds with ease; a page belongs into a file.
+/// Limit on the length of a text, in characters.
 const MAX_TEXT_CHARS: usize = 10_000;
-/// Reflectance of what is made by hand.
+/// Reflectance of new white materials.
 const WHITE: f64 = 0.7;
-/// Radiance of a new lamp, W/(sr·m²), or in scenes of lux, cd/m²: a bright panel's.
+/// Radiance of a new area light, W/(sr·m²), or cd/m² in photometric scenes: that of a bright panel.
 const RADIANCE: f64 = 10.0;
 const LUMINANCE: f64 = 5_000.0;
-/// Irradiance that a new light gives to what it looks at, W/m², or lux.
+/// Irradiance that a new light produces at its target, W/m² or lux.
 const IRRADIANCE: f64 = 3.0;
 const ILLUMINANCE: f64 = 500.0;
 
 impl NewShapeKind {
-    /// Its name for people, before a number is put behind it.
+    /// Base of the name of a new object, before a number is appended.
     fn name(&self) -> &str {
         match self {
             NewShapeKind::Cuboid => "box",
@@ -106,11 +106,13 @@ impl NewShapeKind {
 }
 
 impl TextLayout {
-    /// Sets `text` in a font file of any kind, or in the typeface that comes with azulejo; letters
-    /// are `depth` ems deep.
+    /// Lays out `text` in a font of any supported format, or in the default typeface, extruded by
+    /// `depth` ems.
     ///
     /// # Errors
-    /// No text or too much, no positive depth, a font that cannot be read or lacks a character.
+    ///
+    /// The text is empty or too long, the depth is not positive, or the font cannot be read or
+    /// lacks a character.
     pub fn set(
         text: &str,
         depth: f64,
@@ -160,7 +162,7 @@ fn set_lines<E: fmt::Display>(
         .map_err(refused)
 }
 
-/// Right, up and toward the viewer of someone who stands in the scene.
+/// Axes of an upright object: right, up and toward the viewer.
 fn axes(up: Up) -> DMat3 {
     match up {
         Up::Y => DMat3::IDENTITY,
@@ -169,7 +171,7 @@ fn axes(up: Up) -> DMat3 {
 }
 
 impl NewShape {
-    /// A name and the shape; may add a material to the document.
+    /// Creates the shape and a name for it; may add a material to the document.
     pub(super) fn make(&self, document: &mut SceneDocument) -> Result<(String, Shape), EditError> {
         let valid = self.at.is_finite() && self.size > 0.0 && self.size.is_finite();
         if !valid {
@@ -198,7 +200,7 @@ impl NewShape {
         };
         let same = document.materials.iter().position(|m| **m == material);
         match (same, &self.kind) {
-            // Lamps are dimmed one by one.
+            // Each area light has its own material, so that it can be dimmed separately.
             (Some(at), kind) if *kind != NewShapeKind::AreaLight => at as MaterialId,
             _ => {
                 document.materials.push(Arc::new(material));
@@ -208,7 +210,7 @@ impl NewShape {
     }
 
     fn shape(&self, up: Up, material: MaterialId) -> Shape {
-        // The unit primitives stand along z.
+        // The unit primitives have z as their axis.
         let standing = axes(up) * DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);
         let primitive = |kind, size: DVec3, corner: DVec3| {
             let map = DAffine3 {
@@ -233,7 +235,7 @@ impl NewShape {
                 DVec3::splat(s),
                 DVec3::new(-r, -r, 0.0),
             ),
-            // Turned about x, so that the front looks down.
+            // Rotated about x so that the front faces down.
             NewShapeKind::AreaLight => primitive(
                 PrimitiveKind::Square,
                 DVec3::new(s, -s, -s),
@@ -259,7 +261,7 @@ impl NewShape {
 }
 
 impl NewLight {
-    /// The light, bright enough for what it looks at.
+    /// Creates the light, bright enough for the distance to its target.
     pub(super) fn make(&self, document: &SceneDocument) -> Light {
         let wanted = if document.units.photometric {
             ILLUMINANCE
@@ -296,7 +298,7 @@ impl NewLight {
                     irradiance: Rgb::grey(wanted),
                 },
             ),
-            // A hemisphere of radiance L gives a horizontal surface πL.
+            // A hemisphere of radiance L produces the irradiance πL on a horizontal surface.
             NewLightKind::Ambient => (
                 "sky",
                 LightKind::Ambient {

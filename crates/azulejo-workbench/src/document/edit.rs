@@ -1,4 +1,4 @@
-//! All the ways in which a document changes.
+//! All edits of a document.
 
 mod duplicate;
 mod materials;
@@ -11,56 +11,56 @@ use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-/// One change of a document.
+/// One edit of a document.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
-    /// Gives an object, a light or a camera another name.
+    /// Renames an object, a light or a camera.
     Rename(ItemId, String),
-    /// Hides objects, and the signs of lights and cameras, from the viewport, or shows them.
+    /// Hides objects and the markers of lights and cameras in the viewport, or shows them.
     Hide(Vec<ItemId>, bool),
-    /// Takes things away.
+    /// Deletes objects, lights and cameras.
     Delete(Vec<ItemId>),
-    /// Adds the same again, in the same place.
+    /// Duplicates them in place.
     Duplicate(Vec<ItemId>),
-    /// Moves, turns or scales things, cameras and lights included.
+    /// Moves, rotates or scales objects, lights and cameras.
     Transform(Vec<ItemId>, DAffine3),
-    /// Says where an object stands.
+    /// Sets the placement of an object.
     SetPlacement(ItemId, DAffine3),
     /// Adds a shape.
     AddShape(NewShape),
-    /// Puts another shape in the place of an object's.
+    /// Replaces the shape of an object.
     SetShape(ItemId, Arc<Shape>),
     /// Adds a light.
     AddLight(NewLight),
     /// Changes a light.
     SetLight(ItemId, Light),
-    /// Saves a viewpoint.
+    /// Adds a camera.
     AddCamera(Camera),
-    /// Changes a viewpoint.
+    /// Changes a camera.
     SetCamera(ItemId, Camera),
     /// Adds a material.
     AddMaterial(Material),
     /// Changes a material.
     SetMaterial(MaterialId, Material),
-    /// Takes a material away that nothing is made of; those behind it move up by one number.
+    /// Deletes an unused material; the indices of later materials decrease by one.
     DeleteMaterial(MaterialId),
-    /// Takes all materials away that nothing is made of.
+    /// Deletes all unused materials.
     DeleteUnusedMaterials,
-    /// Gives objects a material.
+    /// Assigns a material to objects.
     Assign(Vec<ItemId>, MaterialId),
-    /// Gives some faces of a mesh a material.
+    /// Assigns a material to faces of a mesh.
     AssignFaces(ItemId, Vec<u32>, MaterialId),
-    /// The radiance where there is no surface.
+    /// Sets the radiance of the background.
     SetBackground(Option<Rgb>),
-    /// What hides far surfaces.
+    /// Sets the fog.
     SetFog(Option<Fog>),
-    /// What the numbers mean. Nothing is scaled.
+    /// Changes the units. Nothing is scaled.
     SetUnits(Units),
-    /// Adds another document's things, which has the same units; an empty one takes them over.
+    /// Appends another document in the same units; an empty document takes over its units.
     Append(Box<SceneDocument>),
 }
 
-/// Why an edit was not made: what was found, what was expected.
+/// Why an edit was rejected: what was found and what was expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EditError(pub String);
 
@@ -75,7 +75,7 @@ impl std::error::Error for EditError {}
 pub(super) type Edited = Result<Vec<ItemId>, EditError>;
 
 impl Edit {
-    /// A few words for the menu: "Undo ...".
+    /// Short label for the menu entry "Undo ...".
     pub fn label(&self) -> &'static str {
         match self {
             Edit::Rename(..) => "rename",
@@ -102,8 +102,8 @@ impl Edit {
         }
     }
 
-    /// Whether anything is other than before when this is done. What hides what is hidden already, or
-    /// gives a thing the name that it has, is no step that one would want to take back.
+    /// Whether the edit would change anything. Hiding what is hidden or keeping a name is not worth
+    /// an undo step.
     pub fn changes(&self, document: &SceneDocument) -> bool {
         match self {
             Edit::Hide(ids, hidden) => {
@@ -115,11 +115,13 @@ impl Edit {
         }
     }
 
-    /// Changes `document`; returns what should be selected then. A document that refuses is
-    /// unchanged.
+    /// Applies the edit to `document`; returns what should be selected afterwards. A rejected edit
+    /// leaves the document unchanged.
     ///
     /// # Errors
-    /// [`EditError`]: what is named does not exist, or the numbers make no valid scene.
+    ///
+    /// [`EditError`] if something it refers to does not exist, or if the result is not a valid
+    /// scene.
     pub fn apply(&self, document: &mut SceneDocument) -> Edited {
         match self {
             Edit::Rename(id, name) => document.rename(*id, name),
@@ -156,11 +158,11 @@ fn missing<T>(what: &str) -> Result<T, EditError> {
     refuse(format_args!("there is no such {what} any more"))
 }
 
-/// Factors beyond this, or below its inverse, are of no unit of length.
+/// No unit of length needs a larger factor, or a smaller one than its inverse.
 const MAX_SCALE: f64 = 1e12;
 
-/// Whether a map keeps shapes what they are: finite, flattening nothing, and no further from a
-/// turn than numbers can tell.
+/// Whether a placement preserves shapes within rounding: finite, invertible, and not too far from a
+/// similarity.
 fn is_placement(map: &DAffine3) -> bool {
     let m = &map.matrix3;
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length());

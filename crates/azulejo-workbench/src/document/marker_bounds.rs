@@ -1,11 +1,12 @@
-//! Where things are that have no surface.
+//! Positions and bounding boxes of the markers of lights and cameras.
 
 use super::{ItemId, SceneDocument};
 use azulejo::scene::LightKind;
 use azulejo::scene::math::Aabb;
 use glam::DVec3;
 
-/// Where a light is drawn: those without a place hang above the model, whose box is `bounds`.
+/// Position of a light's marker: lights without a position are drawn above the model, whose
+/// bounding box is `bounds`.
 pub fn light_position(kind: &LightKind, bounds: Aabb) -> DVec3 {
     let bounds = if bounds.is_empty() {
         Aabb::around([DVec3::ZERO])
@@ -22,8 +23,8 @@ pub fn light_position(kind: &LightKind, bounds: Aabb) -> DVec3 {
 }
 
 impl SceneDocument {
-    /// The smallest box around objects, and around the places of lights and cameras, which reach
-    /// `radius` world units to each side.
+    /// Bounding box of objects and of light and camera markers, which extend `radius` world units
+    /// to each side.
     pub fn bounds_with_markers(&self, ids: &[ItemId], radius: f64) -> Aabb {
         let all = self.bounds(None);
         let lights = ids.iter().filter_map(|&id| self.lamp(id));
@@ -36,8 +37,8 @@ impl SceneDocument {
         })
     }
 
-    /// What the view should show to show these: lights and cameras have no size, a twentieth of
-    /// the model stands for it.
+    /// The box that the view should show to frame these items. Lights and cameras have no size of
+    /// their own, so they count as a twentieth of the model.
     pub fn frame_of(&self, ids: &[ItemId]) -> Aabb {
         let all = self.bounds(None);
         let size = if all.is_empty() { 0.0 } else { all.diagonal() };

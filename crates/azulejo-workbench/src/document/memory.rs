@@ -1,4 +1,4 @@
-//! How much memory a document holds that another one does not.
+//! Memory use of a document, and how much of it another document does not share.
 
 use super::{SceneCamera, SceneDocument, SceneLight, SceneObject};
 use azulejo::scene::brdf::{Content, Description, Measured};
@@ -8,7 +8,7 @@ use azulejo::scene::{
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What stands behind pointers that documents share, by those pointers, with its bytes.
+/// Sizes in bytes of the shared allocations, by address.
 #[derive(Default)]
 struct SharedAllocations(HashMap<*const (), u64>);
 
@@ -28,19 +28,19 @@ impl SharedAllocations {
 }
 
 impl SceneDocument {
-    /// Bytes that it holds, about.
+    /// Approximate size in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes_beyond(&SceneDocument::default())
     }
 
-    /// Bytes that go away with this document while `other` stays, about: lists, and whatever
-    /// stands behind pointers that `other` has not. Small things around them are not counted.
+    /// Approximate number of bytes that are freed if this document is dropped while `other` stays:
+    /// its lists, and allocations that `other` does not share. Small objects are not counted.
     pub fn bytes_beyond(&self, other: &SceneDocument) -> u64 {
         let mut alone = SharedAllocations::default();
         self.note_items(other, &mut alone);
         self.note_looks(other, &mut alone);
         if !alone.0.is_empty() {
-            // What is anywhere in the other one is not alone.
+            // Whatever the other document uses as well is not freed.
             (other.objects.iter()).for_each(|item| forget_item(item, &mut alone));
             (other.materials.iter()).for_each(|material| forget_material(material, &mut alone));
             (other.textures.iter()).for_each(|texture| alone.forget(texture));
@@ -48,7 +48,7 @@ impl SceneDocument {
         self.lists() + alone.bytes()
     }
 
-    /// The bytes of its lists, and of what stands in them without pointers.
+    /// Bytes of its lists and of their elements, without what these point to.
     fn lists(&self) -> u64 {
         let lights = self.lights.iter();
         let lights = lights.map(|l| size_of::<SceneLight>() + l.light.name.capacity());
@@ -62,7 +62,7 @@ impl SceneDocument {
     fn note_items(&self, other: &SceneDocument, alone: &mut SharedAllocations) {
         let mut others = other.objects.iter().peekable();
         for item in &self.objects {
-            // Both lists are in the order of their names for good.
+            // Both lists are sorted by id.
             while others.next_if(|o| o.id < item.id).is_some() {}
             let same = others.next_if(|o| o.id == item.id);
             if same.is_some_and(|o| Arc::ptr_eq(o, item)) {
@@ -77,7 +77,7 @@ impl SceneDocument {
         }
     }
 
-    /// Materials and textures keep their places: they are never taken away.
+    /// Materials and textures are compared by index, since they are only appended.
     fn note_looks(&self, other: &SceneDocument, alone: &mut SharedAllocations) {
         for (k, material) in self.materials.iter().enumerate() {
             let then = other.materials.get(k);
@@ -144,7 +144,7 @@ fn measured(material: &Material) -> Option<&Arc<Measured>> {
 fn measured_bytes(measured: &Measured) -> u64 {
     match measured {
         Measured::Merl(merl) => merl.sizes().iter().product::<usize>() as u64 * 12,
-        // They do not say; this is more than most of them have.
+        // These have no known size; this is more than most of them have.
         _ => 8 << 20,
     }
 }
@@ -222,7 +222,7 @@ mod tests {
     use azulejo::scene::Image;
     use glam::{DAffine3, DVec3};
 
-    /// A document with a mesh of a million bytes, its object's name for good being 1.
+    /// A document with a mesh of a million bytes, as the object with id 1.
     fn large() -> SceneDocument {
         let mut document = sample();
         let Shape::Mesh(mesh) = &*document.objects[0].shape else {
@@ -238,7 +238,7 @@ mod tests {
         document
     }
 
-    /// What is alone in `before` once this is done, beside its lists.
+    /// Bytes that only `before` holds after the edit, apart from its lists.
     fn alone(before: &SceneDocument, edit: &Edit) -> u64 {
         let mut after = before.clone();
         edit.apply(&mut after).unwrap();
@@ -297,7 +297,7 @@ mod tests {
         let ids = Edit::AddShape(text).apply(&mut document).unwrap();
         let all = alone(&document, &Edit::Delete(ids.clone()));
         let without_outlines = alone(&document, &Edit::Assign(ids, 0));
-        // One outline for three letters.
+        // Three letters share one outline.
         let Shape::Exact(exact) = &*document.objects[0].shape else {
             panic!("letters are exact")
         };

@@ -1,4 +1,4 @@
-//! Outlines in a plane, to be extruded.
+//! Planar outlines to extrude.
 
 use super::EditError;
 use azulejo::formats::{ReadOptions, Warning, drawing};
@@ -8,26 +8,26 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// How many sides a regular prism may have: with more it is a cylinder to the eye.
+/// Number of sides of a regular prism; with more it looks like a cylinder.
 pub const SIDES: RangeInclusive<u32> = 3..=64;
 
-/// What is extruded, and how far.
+/// An outline and the height of its extrusion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrismOutline {
     name: String,
     figures: Vec<Arc<Figure>>,
-    /// The middle of them all, and their larger side, in their own units.
+    /// Centre of the bounding box of all contours, and its larger side, in their own units.
     middle: DVec2,
     span: f64,
     height: f64,
 }
 
 impl PrismOutline {
-    /// A regular polygon that turns a side to the viewer. `height` is that of the prism, in parts of
-    /// its larger side.
+    /// A regular polygon with one side facing the viewer. `height` is relative to the larger side.
     ///
     /// # Errors
-    /// Sides beyond [`SIDES`], or no positive height.
+    ///
+    /// The number of sides is outside [`SIDES`], or the height is not positive.
     pub fn regular(sides: u32, height: f64) -> Result<PrismOutline, EditError> {
         if !SIDES.contains(&sides) {
             let (least, most) = (SIDES.start(), SIDES.end());
@@ -40,11 +40,12 @@ impl PrismOutline {
         PrismOutline::of("prism".into(), vec![figure], height)
     }
 
-    /// The filled figures of an SVG or DXF drawing, with what is odd about it. `name` is that of the
-    /// file, and stands in messages.
+    /// The filled contours of an SVG or DXF drawing, and warnings. `name` is the file name used in
+    /// messages.
     ///
     /// # Errors
-    /// What cannot be read, has no figures, or has no positive height.
+    ///
+    /// The drawing cannot be read or has no filled contours, or the height is not positive.
     pub fn drawing(
         bytes: &[u8],
         name: &str,
@@ -81,13 +82,13 @@ impl PrismOutline {
         })
     }
 
-    /// What it is called.
+    /// Base of the name of the new object.
     pub(super) fn name(&self) -> &str {
         &self.name
     }
 
     /// Exact prisms whose larger side is `size`, on the ground at `at`; `standing` maps z to the
-    /// world's up.
+    /// world's up axis.
     pub(super) fn prisms(
         &self,
         size: f64,
@@ -120,7 +121,7 @@ mod tests {
     const DRAWING: &[u8] = br#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="2">
         <rect x="0" y="0" width="1" height="2"/><circle cx="3" cy="1" r="1"/></svg>"#;
 
-    /// The box around what is made of an outline, where the middle of the ground is (1, 2, 3).
+    /// Bounding box of the prism made from an outline with the centre of its base at (1, 2, 3).
     fn added(outline: PrismOutline, size: f64) -> (DVec3, DVec3) {
         let mut document = SceneDocument::default();
         let new = NewShape {
@@ -145,7 +146,7 @@ mod tests {
     fn a_prism_stands_on_the_ground_and_is_as_large_as_was_said() {
         let cube = PrismOutline::regular(4, 0.5).unwrap();
         check(added(cube, 2.0), [0.0, 2.0, 2.0], [2.0, 3.0, 4.0]);
-        // Across its corners a hexagon is wider than across its sides.
+        // A hexagon is wider across its corners than across its sides.
         let low = 3f64.sqrt() / 2.0;
         let nut = PrismOutline::regular(6, 1.0).unwrap();
         check(

@@ -1,26 +1,26 @@
-//! What a mesh adds to its material at one place: vertex colour and texture coordinates.
+//! Material, vertex colour and texture coordinates at a surface point.
 
 use super::SceneDocument;
 use azulejo::scene::{MaterialId, Mesh, Rgb};
 use glam::DVec2;
 use std::f64::consts::PI;
 
-/// One place of a surface: what it is made of, and what its mesh says about the colour.
+/// A surface point with the data that determine its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadingPoint {
-    /// What it is made of.
+    /// Its material.
     pub material: MaterialId,
-    /// Which side is meant.
+    /// Which side of the surface is meant.
     pub is_front: bool,
-    /// Vertex colour; white where there are none.
+    /// Vertex colour; white if the mesh has none.
     color: Rgb,
-    /// Texture coordinates, if there are any.
+    /// Texture coordinates, if the mesh has any.
     uv: Option<DVec2>,
 }
 
 impl ShadingPoint {
-    /// The paint at a place of a face: in the triangle of three of its vertices, with weights that
-    /// add up to 1. `None` if there is no such face.
+    /// The shading data at a point of a face, given by three of its vertices and barycentric
+    /// coordinates. `None` if the face does not exist.
     pub fn at(
         mesh: &Mesh,
         face: usize,
@@ -52,8 +52,8 @@ impl ShadingPoint {
 }
 
 impl SceneDocument {
-    /// Radiance that leaves a place evenly to all sides under an irradiance, its own included;
-    /// `None` if its material is gone.
+    /// Diffuse radiance leaving a point under an irradiance, emission included; `None` if its
+    /// material no longer exists.
     pub fn radiance(&self, paint: &ShadingPoint, irradiance: Rgb) -> Option<Rgb> {
         let material = self.materials.get(paint.material as usize)?;
         let image = |id: u32| self.textures.get(id as usize)?.image.as_ref();

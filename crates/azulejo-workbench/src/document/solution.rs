@@ -1,4 +1,4 @@
-//! The light of a document, and of which document it is.
+//! The solved light of a document, and the document state it belongs to.
 
 use super::{ItemId, SceneDocument, SceneObject};
 use azulejo::radiosity::Report;
@@ -6,21 +6,21 @@ use azulejo::scene::{Irradiance, Material, Scene, Shape};
 use glam::DAffine3;
 use std::sync::Arc;
 
-/// Irradiance on the surfaces of a document as it was when the solver began.
+/// Irradiance on the surfaces of a document at the time the solver was started.
 ///
-/// Light stays beside the model and not in it: objects keep the faces that they came with, an
-/// edit makes the light old without losing it, and undoing the edit makes it true again.
+/// The solution is stored beside the model: objects keep their original faces, an edit makes the
+/// solution outdated without losing it, and undoing the edit makes it current again.
 #[derive(Clone, Debug)]
 pub struct Solution {
     of: SceneDocument,
-    /// One placed, lit shape for each object of the document.
+    /// A placed shape with irradiance for each object of the document.
     shapes: Vec<(ItemId, Arc<Shape>)>,
-    /// How it was found; `None` where it settles yet, or came with the file.
+    /// The solver's report; `None` while it is running or if the light came with the file.
     pub report: Option<Report>,
 }
 
 impl Solution {
-    /// What the first pass found for `scene`, which was made from `document`; with its report once
+    /// Result of the first pass for `scene`, which was created from `document`; with a report once
     /// it is done.
     pub fn new(
         document: SceneDocument,
@@ -38,7 +38,7 @@ impl Solution {
         }
     }
 
-    /// The light that a file brought, if every surface has some.
+    /// The light stored in a file, if every surface has some.
     pub fn of_file(document: &SceneDocument) -> Option<Solution> {
         let stands = |item: &SceneObject| item.placement == DAffine3::IDENTITY;
         let all = !document.objects.is_empty()
@@ -55,26 +55,27 @@ impl Solution {
         })
     }
 
-    /// The placed, lit shape of an object, if the solver knew it.
+    /// The placed shape of an object with its irradiance, if the solver knew the object.
     pub fn shape(&self, id: ItemId) -> Option<&Arc<Shape>> {
         super::in_order(&self.shapes, id, |(i, _)| *i).map(|(_, shape)| shape)
     }
 
-    /// The shape to show for an object: its lit one, as long as it stands where it was lit.
+    /// The shape to display for an object: the lit one, as long as the object has not been moved
+    /// since.
     pub fn shown(&self, item: &SceneObject) -> Option<&Arc<Shape>> {
         let then = self.of.item(item.id)?;
         let same = same_geometry(then, item);
         same.then(|| self.shape(item.id)).flatten()
     }
 
-    /// Whether the light of `document` is this: whether it has the same surfaces, materials and
-    /// lights. Names, viewpoints and what hides do not matter.
+    /// Whether the solution is valid for `document`: the same surfaces, materials and lights.
+    /// Names, cameras and visibility do not matter.
     pub fn is_of(&self, document: &SceneDocument) -> bool {
         same_light(&self.of, document)
     }
 }
 
-/// Whether an object came with light on all of it.
+/// Whether all surfaces of an object came with light.
 fn is_lit(item: &SceneObject) -> bool {
     match &*item.shape {
         Shape::Mesh(mesh) => mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len(),
@@ -84,8 +85,7 @@ fn is_lit(item: &SceneObject) -> bool {
 }
 
 impl SceneDocument {
-    /// Whether some of its surfaces came with light, which [`Solution::of_file`] takes only where
-    /// all did.
+    /// Whether some surfaces came with light, which [`Solution::of_file`] accepts only if all did.
     pub fn brings_light(&self) -> bool {
         let has_faces = |item: &SceneObject| match &*item.shape {
             Shape::Mesh(mesh) => !mesh.faces.is_empty(),
@@ -95,8 +95,8 @@ impl SceneDocument {
     }
 }
 
-/// Whether light that was found in one document is that of a later one: whether both have the
-/// same surfaces, materials and lights.
+/// Whether the light solved for one document is valid for a later one: whether both have the same
+/// surfaces, materials and lights.
 pub fn same_light(then: &SceneDocument, now: &SceneDocument) -> bool {
     let items = then.objects.len() == now.objects.len()
         && (then.objects.iter().zip(&now.objects))
@@ -106,7 +106,7 @@ pub fn same_light(then: &SceneDocument, now: &SceneDocument) -> bool {
     items && lights && same_materials(then, now)
 }
 
-/// Materials that were added later are on no surface that was lit.
+/// Materials added later are not on any surface that was solved.
 fn same_materials(then: &SceneDocument, now: &SceneDocument) -> bool {
     let pairs = then.materials.iter().zip(&now.materials);
     then.materials.len() <= now.materials.len()
@@ -128,7 +128,7 @@ fn same_material(a: &Arc<Material>, b: &Arc<Material>) -> bool {
     unnamed(a) == unnamed(b)
 }
 
-/// Takes the light off a shape.
+/// Removes the irradiance from a shape.
 pub(super) fn strip(shape: &mut Shape) {
     match shape {
         Shape::Mesh(mesh) => {

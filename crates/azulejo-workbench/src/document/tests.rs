@@ -1,4 +1,4 @@
-//! Documents and scenes, edits and what refuses them, light and whose it is.
+//! Documents and scenes, edits and their errors, and the validity of solutions.
 
 use super::*;
 use crate::first_pass::LightSettings;
@@ -13,8 +13,8 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A small room of everything: a mesh of two materials, a ball, solid letters, a lamp, lights,
-/// a camera, a texture, fog.
+/// A small room with one of everything: a mesh with two materials, a sphere, solid text, an area
+/// light, lights, a camera, a texture, fog.
 pub(crate) fn sample_scene() -> Scene {
     let mut floor = Mesh {
         positions: [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)]
@@ -89,7 +89,7 @@ pub(crate) fn sample() -> SceneDocument {
     SceneDocument::of_scene(sample_scene(), None)
 }
 
-/// A model that comes with azulejo.
+/// The path of an example model.
 pub(crate) fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../examples")
@@ -251,7 +251,7 @@ fn what_is_added_is_valid_in_every_kind_of_units() {
                 let side = bounds.size().max_element();
                 assert!((side - 2.0).abs() < 1e-9, "{kind:?} of {side}");
             }
-            // It stands on its ground, or hangs in its middle.
+            // It stands on its base or is centred at its position.
             let low = bounds.min.dot(up.axis()) - DVec3::new(1.0, 2.0, 3.0).dot(up.axis());
             assert!(low > -0.6, "{kind:?} goes {low} below its ground");
         }
@@ -281,7 +281,7 @@ fn a_lamp_shines_downward() {
     assert!(normal.normalize().dot(DVec3::NEG_Y) > 0.999, "{normal}");
 }
 
-/// The light of a document before and after an edit, and after its undoing.
+/// Checks the validity of a solution before and after an edit, and after undoing it.
 fn check_light(edit: Edit, stays: bool) {
     let document = sample();
     let solution = solved_without_solver(&document);
@@ -293,7 +293,7 @@ fn check_light(edit: Edit, stays: bool) {
     assert!(solution.is_of(&document));
 }
 
-/// Light whose values do not matter.
+/// A solution with arbitrary values.
 fn solved_without_solver(document: &SceneDocument) -> Solution {
     static LIGHT: std::sync::OnceLock<Irradiance> = std::sync::OnceLock::new();
     let light = LIGHT.get_or_init(|| light_of(&sample()).0);
@@ -416,7 +416,7 @@ fn copies_of_many_have_names_of_their_own() {
     for _ in 0..3 {
         Edit::Duplicate(all.clone()).apply(&mut document).unwrap();
     }
-    // One more takes names where there is room, and of two that share a name each its own.
+    // A copy gets a free name, and of two objects with the same name each gets its own.
     let ball = document
         .objects
         .iter()
@@ -462,7 +462,7 @@ fn radiance_knows_colours_and_textures() {
         document.radiance(&paint, Rgb::grey(PI)).unwrap().r
     };
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
-    // Without coordinates a texture is not seen.
+    // A texture has no effect without texture coordinates.
     near(radiance(&mesh, [1.0, 0.0, 0.0]), 0.5);
     near(radiance(&mesh, [0.0, 1.0, 0.0]), 0.25);
     let uvs = [0.25, 0.75, 0.75].map(|u| DVec2::new(u, 0.5)).to_vec();
@@ -474,7 +474,7 @@ fn radiance_knows_colours_and_textures() {
         None
     );
 
-    // A lamp shines from its front.
+    // The emitter emits from its front side.
     mesh.face_materials = vec![2];
     let paint =
         |is_front| ShadingPoint::at(&mesh, 0, [0, 1, 2], [1.0, 0.0, 0.0], is_front).unwrap();

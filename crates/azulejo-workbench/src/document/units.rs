@@ -1,4 +1,4 @@
-//! A document in other units.
+//! Conversion of a document to other units.
 
 use super::SceneDocument;
 use azulejo::scene::{Primitive, PrimitiveKind, Scene, Shape, Units};
@@ -6,8 +6,8 @@ use glam::DAffine3;
 use std::sync::Arc;
 
 impl SceneDocument {
-    /// The document in other units, as [`Scene::adapted`] has it; shapes stay what they are and
-    /// stand elsewhere.
+    /// Converts the document to other units, as [`Scene::adapted`] does; shapes stay as they are
+    /// and only placements change.
     pub fn adapted(mut self, units: Units) -> SceneDocument {
         if self.units == units {
             return self;
@@ -33,8 +33,8 @@ impl SceneDocument {
         self
     }
 
-    /// What changes with the units beside objects, for which one at the origin stands: it goes where
-    /// they go.
+    /// Everything but the objects that depends on the units, with one object at the origin that
+    /// stands for them: its placement gives theirs.
     fn beside_objects(&self) -> Scene {
         let origin = Primitive::new(PrimitiveKind::Cuboid, DAffine3::IDENTITY, 0);
         Scene {

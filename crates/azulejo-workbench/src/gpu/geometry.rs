@@ -1,7 +1,6 @@
-//! Meshes in the card's memory.
+//! Meshes in GPU memory.
 //!
-//! What a mode of shading does not need is not there; what it needs is brought when it is first
-//! asked for.
+//! Only the vertex streams that the shading mode needs are uploaded, when they are first needed.
 
 use super::GpuError;
 use super::frame::{FaceValues, MeshInstance};
@@ -13,14 +12,14 @@ use bytemuck::Pod;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// How much may be on its way to the card before it is waited for.
+/// Limit on data in flight to the GPU before waiting for it, in bytes.
 const MAX_IN_FLIGHT: u64 = 64 << 20;
-/// Most triangles of selected faces that are shown.
+/// Limit on the number of highlighted triangles.
 const MAX_SELECTED: usize = 1 << 22;
-/// The largest number of light as it is stored: far below the largest half float, 65504.
+/// The value stored for the largest irradiance: far below the largest half float, 65504.
 const BRIGHTEST: f64 = 16384.0;
 
-/// What vertices carry beside their positions, and what else is drawn of a mesh.
+/// The vertex streams that a shading mode needs beside positions, and its other geometry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct VertexStreams {
     pub normals: bool,
@@ -28,41 +27,41 @@ pub struct VertexStreams {
     pub colors: bool,
     pub uvs: bool,
     pub edges: bool,
-    /// Triangles that share no vertices, so that each face has numbers of its own.
+    /// Triangles that share no vertices, so that each face has a value of its own.
     pub facets: FacetAttribute,
 }
 
-/// The numbers of faces.
+/// The source of per-face values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FacetAttribute {
     #[default]
     None,
-    /// The mean irradiance of their corners.
+    /// The mean irradiance of the corners.
     Light,
-    /// What the frame brings.
+    /// The values in the frame.
     Values,
 }
 
-/// A mesh in the card's memory.
+/// A mesh in GPU memory.
 #[derive(Debug)]
 pub struct GpuMesh {
-    /// What positions are relative to.
+    /// The origin that positions are relative to.
     pub origin: DVec3,
-    /// All positions are within it around the origin.
+    /// Radius of a bounding sphere around the origin.
     pub radius: f64,
     pub pieces: Vec<PieceBuffers>,
-    /// Irradiance of the light number 1; 0 for a mesh without light.
+    /// Irradiance that the stored value 1 stands for; 0 for a mesh without irradiance.
     pub light_scale: f64,
-    /// What the facet number 1 stands for.
+    /// Value that the stored facet value 1 stands for.
     pub facet_scale: f64,
     pub selection: Option<SelectionBuffers>,
-    /// The frame that drew it last.
+    /// The frame in which it was last drawn.
     pub used: u64,
     light_key: Option<u64>,
     facet_key: Option<(FacetAttribute, u64)>,
 }
 
-/// A piece of a mesh in the card's memory.
+/// The buffers of a piece of a mesh.
 #[derive(Debug)]
 pub struct PieceBuffers {
     pub centre: Vec3,
@@ -81,7 +80,7 @@ pub struct PieceBuffers {
     pub facet_values: Option<wgpu::Buffer>,
 }
 
-/// Selected faces in the card's memory.
+/// The buffers of the selected faces.
 #[derive(Debug)]
 pub struct SelectionBuffers {
     pub positions: wgpu::Buffer,
@@ -89,11 +88,11 @@ pub struct SelectionBuffers {
     faces: Vec<u32>,
 }
 
-/// The way to the card.
+/// Uploads data to the GPU.
 pub struct GpuUploader<'a> {
     pub device: &'a wgpu::Device,
     pub queue: &'a wgpu::Queue,
-    /// Bytes brought in all.
+    /// Bytes uploaded in total.
     pub bytes: u64,
     under_way: u64,
 }
@@ -121,7 +120,7 @@ impl<'a> GpuUploader<'a> {
         self.under_way += bytes.len() as u64;
         if self.under_way > MAX_IN_FLIGHT {
             self.queue.submit([]);
-            // A lost device is heard of elsewhere.
+            // A lost device is detected elsewhere.
             let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
             self.under_way = 0;
         }
@@ -134,7 +133,7 @@ impl<'a> GpuUploader<'a> {
 }
 
 impl GpuMesh {
-    /// An empty one for a mesh, to be loaded.
+    /// Prepares a mesh without uploading anything.
     pub fn new(mesh: &Mesh) -> GpuMesh {
         let bounds = mesh.bounds();
         GpuMesh {
@@ -150,7 +149,7 @@ impl GpuMesh {
         }
     }
 
-    /// Brings what `wanted` names and is not there, or is there of another revision.
+    /// Uploads the streams in `wanted` that are missing or out of date.
     pub fn upload(
         &mut self,
         drawn: &MeshInstance,
@@ -199,7 +198,7 @@ impl GpuMesh {
         })
     }
 
-    /// Which attributes have a value for each vertex.
+    /// The attributes that have a value for each vertex.
     pub fn attributes(&self) -> VertexAttributes {
         self.pieces
             .first()
@@ -211,7 +210,7 @@ impl GpuMesh {
             })
     }
 
-    /// Frees triangles that share no vertices: they are the largest thing that a mode asks for.
+    /// Frees the triangles that share no vertices, the largest data of any mode.
     pub fn drop_facets(&mut self) {
         for piece in &mut self.pieces {
             (piece.facets, piece.facet_values) = (None, None);
@@ -219,7 +218,7 @@ impl GpuMesh {
         self.facet_key = None;
     }
 
-    /// Brings the selected faces, if they changed.
+    /// Uploads the selected faces if they have changed.
     pub fn select(&mut self, drawn: &MeshInstance, loader: &mut GpuUploader) {
         let faces = drawn.selected_faces;
         if faces.is_empty() {
@@ -352,7 +351,7 @@ impl PieceBuffers {
     }
 }
 
-/// Where the numbers of faces come from.
+/// Where facet values come from.
 enum FacetSource<'a> {
     None,
     Light(&'a Mesh),
@@ -370,7 +369,7 @@ impl<'a> FacetSource<'a> {
 
     fn key(&self, drawn: &MeshInstance) -> Option<u64> {
         match self {
-            // Where nothing is known, another mode's numbers must not stay.
+            // Without values, those of another mode must not remain.
             FacetSource::None => Some(u64::MAX),
             FacetSource::Light(_) => Some(drawn.light_key),
             FacetSource::Values(values) => Some(values.key),
@@ -388,7 +387,7 @@ impl<'a> FacetSource<'a> {
         }
     }
 
-    /// The number of a face, and whether it is known.
+    /// The value of a face, and whether it is known.
     fn packed(&self, face: u32, scale: f64) -> [u16; 4] {
         let unknown = [0; 4];
         match self {
@@ -420,7 +419,7 @@ fn brightest(mesh: &Mesh) -> f64 {
     positive(most)
 }
 
-/// Darkness is a solution too: it is counted in ones.
+/// A solution may be completely dark; use 1 as its unit.
 fn positive(most: f64) -> f64 {
     if most > 0.0 { most } else { 1.0 }
 }
@@ -431,16 +430,16 @@ fn relative(mesh: &Mesh, vertex: u32, origin: DVec3) -> [f32; 3] {
         .to_array()
 }
 
-/// Light in units of `scale` as half floats; the fourth says that it is known.
+/// Irradiance in units of `scale` as half floats; the fourth component marks it as known.
 fn halves(light: Rgb, scale: f64) -> [u16; 4] {
     let part = |x: f64| half(if scale > 0.0 { (x / scale) as f32 } else { 0.0 });
     [part(light.r), part(light.g), part(light.b), half(1.0)]
 }
 
-/// The nearest half float of 0..=65504; 0 for what is less and for NaN.
+/// The nearest half float in 0..=65504; 0 for negative values and NaN.
 fn half(x: f32) -> u16 {
     let x = if x > 0.0 { x.min(65504.0) } else { 0.0 };
-    // 2^-112 takes the bias of the exponent from 127 to 15, and small numbers to subnormal ones.
+    // 2^-112 changes the exponent's bias from 127 to 15 and maps small values to subnormals.
     let bits = (x * f32::from_bits(0x0780_0000)).to_bits();
     ((bits + 0xfff + (bits >> 13 & 1)) >> 13) as u16
 }
@@ -450,8 +449,8 @@ fn bytes(color: Rgb) -> [u8; 4] {
     [byte(color.r), byte(color.g), byte(color.b), 255]
 }
 
-/// A unit vector as a point of the unfolded octahedron: Meyer et al., *On Floating-Point Normal
-/// Vectors*, EGSR 2010. Within 4e-5 rad.
+/// A unit vector in octahedral encoding: Meyer et al., *On Floating-Point Normal Vectors*, EGSR
+/// 2010. Accurate to 4e-5 rad.
 fn octahedral(n: DVec3) -> [i16; 2] {
     let p = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(f64::MIN_POSITIVE);
     let fold = |x: f64, y: f64| (1.0 - y.abs()) * 1f64.copysign(x);

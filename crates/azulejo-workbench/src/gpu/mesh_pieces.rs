@@ -1,33 +1,33 @@
-//! From polygons to what a card draws: triangles over vertices that have one normal each.
+//! From polygons to drawable geometry: triangles over vertices with one normal each.
 
 use azulejo::scene::{MaterialId, Mesh};
 use std::ops::Range;
 
-/// Most vertices and triangles of a piece. Its buffers stay far below any card's limit, and what
-/// is made on the way to the card stays small.
+/// Limits on the vertices and triangles of a piece. Its buffers stay far below the limits of any
+/// GPU, and temporary buffers stay small.
 const MAX_VERTICES: usize = 1 << 18;
 const MAX_TRIANGLES: usize = 1 << 19;
 
-/// The mark for no vertex.
+/// Marks a missing vertex.
 const NONE: u32 = u32::MAX;
 
 /// Some faces of a mesh, sorted by material.
 #[derive(Debug, Default)]
 pub struct MeshPiece {
-    /// Of each vertex: that of the mesh, and one of the corners that share it.
+    /// For each vertex: the index of the mesh vertex, and of one of the corners that share it.
     pub vertices: Vec<[u32; 2]>,
     /// Three vertices of the piece per triangle.
     pub triangles: Vec<u32>,
     /// The face of each triangle.
     pub faces: Vec<u32>,
-    /// Which of `triangles` have which material.
+    /// The range of `triangles` for each material.
     pub ranges: Vec<(MaterialId, Range<u32>)>,
-    /// Two vertices of the piece per edge, if edges were asked for; each edge once.
+    /// Two vertices of the piece per edge, if edges were requested, without duplicates.
     pub edges: Vec<u32>,
 }
 
-/// Hands the pieces of a mesh to `use_piece`, always the same ones in the same order. What it
-/// says ends the walk.
+/// Passes the pieces of a mesh to `use_piece`, in a reproducible order. An error from `use_piece`
+/// ends the loop.
 pub fn for_each_piece<E>(
     mesh: &Mesh,
     with_edges: bool,
@@ -52,7 +52,7 @@ pub fn for_each_piece<E>(
     use_piece(walker.finish())
 }
 
-/// The faces by material, in their order where that is the same; `None` if they are so already.
+/// The faces sorted by material, with a stable sort; `None` if they are already sorted.
 fn sorted_by_material(mesh: &Mesh) -> Option<Vec<u32>> {
     let materials = &mesh.face_materials;
     if materials.is_sorted() {
@@ -66,11 +66,11 @@ fn sorted_by_material(mesh: &Mesh) -> Option<Vec<u32>> {
 struct PieceBuilder<'a> {
     mesh: &'a Mesh,
     with_edges: bool,
-    /// Whether one vertex of the mesh can be several here.
+    /// Whether a mesh vertex can become several vertices here.
     splits: bool,
-    /// The newest vertex of the piece made from each vertex of the mesh.
+    /// The newest vertex of the piece made from each mesh vertex.
     newest: Vec<u32>,
-    /// The one made before from the same vertex of the mesh, for each vertex of the piece.
+    /// For each vertex of the piece, the previous one made from the same mesh vertex.
     before: Vec<u32>,
     piece: MeshPiece,
     corners: Vec<u32>,
@@ -154,7 +154,7 @@ impl<'a> PieceBuilder<'a> {
         made
     }
 
-    /// Whether a vertex of the piece has the normal and the texture coordinates of a corner.
+    /// Whether a vertex of the piece has the normal and texture coordinates of a corner.
     fn is_same(&self, vertex: u32, corner: usize) -> bool {
         if !self.splits {
             return true;
@@ -186,9 +186,9 @@ impl<'a> PieceBuilder<'a> {
     }
 }
 
-/// The edges, once each: those between the same vertices of the mesh are the same.
+/// The edges without duplicates: edges between the same mesh vertices are the same.
 fn unique(piece: &MeshPiece) -> Vec<u32> {
-    // Ends as numbers of the mesh; the numbers of the piece, which are below 2^32, follow.
+    // Sort by mesh vertices; the vertices of the piece, which are below 2^32, follow.
     let of_mesh = |v: u32| u64::from(piece.vertices[v as usize][0]);
     let mut edges: Vec<(u64, [u32; 2])> = piece
         .edges
@@ -209,7 +209,7 @@ mod tests {
     use azulejo::scene::Attribute;
     use glam::DVec3;
 
-    /// A strip of squares in the plane z = 0, their materials as told.
+    /// A strip of squares in the plane z = 0 with the given materials.
     fn strip(materials: &[MaterialId]) -> Mesh {
         let mut mesh = Mesh::default();
         for k in 0..=materials.len() {
@@ -255,7 +255,7 @@ mod tests {
             values: vec![DVec3::Z, DVec3::X],
             corners: Some(vec![0, 0, 0, 0, 1, 1, 1, 1]),
         });
-        // Edges are those of the mesh all the same.
+        // Edges are still those of the mesh.
         assert_eq!(pieces(&mesh), [(8, 4, 7, vec![(0, 0..12)])]);
     }
 

@@ -1,20 +1,20 @@
-//! Pictures of a scene by the graphics card, or by a driver that does without one.
+//! Drawing a scene with the GPU or a software driver.
 //!
-//! Data in, picture out: a [`ViewportFrame`] says what is to be seen and how, a [`Renderer`] draws it into
-//! a texture of its own, which egui shows and [`Renderer::read`] reads back. Nothing here knows
-//! the document or the window.
+//! Plain data in, pixels out: a [`ViewportFrame`] describes what to draw, a [`Renderer`] draws it
+//! into a texture of its own, which egui displays and [`Renderer::read`] reads back. Nothing here
+//! depends on the document or the window.
 //!
-//! | module | what it does |
+//! | module | purpose |
 //! |---|---|
-//! | `frame`, `overlay` | what is to be drawn, as plain data |
-//! | `projection` | from the world to the picture, in `f64` |
-//! | `walk`, `geometry` | polygons to vertices and triangles, and these to the card |
-//! | `textures`, `blocks` | textures and numbers to the card |
-//! | `pipelines`, `draw.wgsl` | what the card runs |
-//! | `pass`, `renderer`, `target` | the order of drawing, and what is drawn into |
-//! | `display` | polygons of exact shapes, as fine as the view shows |
-//! | `pick` | what a ray or a rectangle meets |
-//! | `device`, `error` | opening a card, and what can go wrong |
+//! | `frame`, `overlay` | the input of the renderer, as plain data |
+//! | `projection` | from world space to pixels, in `f64` |
+//! | `mesh_pieces`, `geometry` | polygons to vertices and triangles, and their upload |
+//! | `textures`, `uniforms` | upload of textures and uniform data |
+//! | `pipelines`, `draw.wgsl` | pipelines and shaders |
+//! | `pass`, `renderer`, `target` | the render pass and its target |
+//! | `tessellate` | polygons of exact shapes, as fine as the view requires |
+//! | `pick` | intersection with a ray or a selection rectangle |
+//! | `device`, `error` | opening a device, and its errors |
 
 mod color_map;
 mod device;

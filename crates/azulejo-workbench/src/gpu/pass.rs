@@ -12,13 +12,13 @@ use crate::view::Shading;
 use glam::DAffine3;
 use std::collections::HashMap;
 
-/// What a mode of shading draws of each mesh.
+/// What a shading mode draws for each mesh.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DrawPlan {
     pub streams: VertexStreams,
-    /// The function for the pixels of faces.
+    /// The fragment shader entry point for faces.
     shade: Option<&'static str>,
-    /// Whether faces hide lines and nothing else.
+    /// Whether faces only occlude edges.
     hides: bool,
     points: bool,
 }
@@ -98,16 +98,16 @@ impl DrawPlan {
     }
 }
 
-/// An object that can be in the picture.
+/// An object that may be visible.
 pub struct VisibleObject {
-    /// Its place among the frame's objects.
+    /// Its index among the frame's objects.
     pub index: usize,
     pub view_from: DAffine3,
-    /// By how much its place makes lengths longer, at most.
+    /// Upper bound on how much its placement stretches lengths.
     pub stretch: f64,
 }
 
-/// All that a pass reads.
+/// Everything that a render pass reads.
 pub struct PassEncoder<'a> {
     pub frame: &'a ViewportFrame<'a>,
     pub view: Projection,
@@ -120,16 +120,16 @@ pub struct PassEncoder<'a> {
     pub materials: &'a UniformBlocks,
     pub constants: &'a DefaultAttributes,
     pub frame_group: &'a wgpu::BindGroup,
-    /// Of each material the key of its texture.
+    /// The texture key of each material.
     pub textures: &'a [Option<Vec<u64>>],
     pub seen: &'a [VisibleObject],
     pub ink: &'a wgpu::Buffer,
-    /// How many corners of the ink surfaces can hide.
+    /// Number of overlay vertices that surfaces can occlude.
     pub hidden_ink: u32,
     pub samples: u32,
 }
 
-/// An object, what is drawn of it, and where its numbers are.
+/// An object with its draw stages and the offset of its uniforms.
 struct ObjectDraw<'a> {
     drawn: &'a MeshInstance<'a>,
     geometry: &'a GpuMesh,
@@ -139,7 +139,7 @@ struct ObjectDraw<'a> {
 }
 
 impl PassEncoder<'_> {
-    /// Makes the pipelines that are missing.
+    /// Creates the missing pipelines.
     pub fn prepare(&mut self) {
         let mut ways = vec![
             self.way(DrawStage::Background, None),
@@ -218,7 +218,7 @@ impl PassEncoder<'_> {
         }
     }
 
-    /// All stages of an object.
+    /// All draw stages of an object.
     fn stages(&self, one: &ObjectDraw) -> impl Iterator<Item = DrawStage> + use<> {
         let has = one.geometry.attributes();
         let faces = [false, true].map(|glass| self.face_stage(has, glass));
@@ -254,7 +254,7 @@ impl PassEncoder<'_> {
         }
     }
 
-    /// The pieces of an object that can be in the picture.
+    /// The pieces of an object that may be visible.
     fn pieces<'b>(&self, one: &ObjectDraw<'b>) -> impl Iterator<Item = &'b PieceBuffers> {
         let (view, seen) = (self.view, one.seen);
         one.geometry.pieces.iter().filter(move |piece| {
@@ -300,7 +300,7 @@ impl PassEncoder<'_> {
         shows_matter && material.is_some_and(|m| uniforms::is_glass(m))
     }
 
-    /// Says whether the triangles are named by indices.
+    /// Binds the vertex buffers; returns whether the triangles are indexed.
     fn set_corners(&self, pass: &mut wgpu::RenderPass, piece: &PieceBuffers) -> bool {
         let (zeros, ones) = (&self.constants.zeros, &self.constants.ones);
         if let (Some(facets), Some(values)) = (&piece.facets, &piece.facet_values)
@@ -327,7 +327,7 @@ impl PassEncoder<'_> {
     }
 
     fn set_material(&self, pass: &mut wgpu::RenderPass, material: u32) {
-        // The last block is for materials that are not there.
+        // The last block is for missing materials.
         let number = material.min(self.frame.materials.len() as u32);
         let offset = self.materials.offset(number);
         pass.set_bind_group(2, &self.materials.group, &[offset]);

@@ -1,6 +1,6 @@
-//! What a ray or a rectangle of the picture meets, found on the processor in `f64`.
+//! Picking with a ray or a rectangle, on the CPU in `f64`.
 //!
-//! Every triangle is asked: no structure is kept that would have to follow every edit.
+//! All triangles are tested: no acceleration structure has to be updated after every edit.
 
 use super::frame::MeshInstance;
 use super::projection::Projection;
@@ -9,30 +9,29 @@ use azulejo::scene::math::{Aabb, Ray};
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Faces that one task asks.
+/// Number of faces per parallel task.
 const BLOCK: usize = 1 << 14;
 
-/// Where a ray meets the nearest face.
+/// The nearest intersection of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PickHit {
-    /// Its place among the objects.
+    /// Index of the object.
     pub object: usize,
-    /// The face of its mesh.
+    /// Index of the face in its mesh.
     pub face: usize,
-    /// Parameter of the ray, in units of its direction's length.
+    /// Ray parameter, in units of the length of the ray's direction.
     pub distance: f64,
-    /// World position.
+    /// Position in world space.
     pub position: DVec3,
-    /// Vertices of the triangle of the face that is met.
+    /// Vertices of the triangle of the face that was hit.
     pub vertices: [u32; 3],
-    /// Weights of the vertices, which add up to 1.
+    /// Barycentric coordinates for these vertices.
     pub barycentric: DVec3,
-    /// Whether the face shows its front.
+    /// Whether the front side was hit.
     pub is_front: bool,
 }
 
-/// The nearest face that `ray` meets, or `None`. With `hides_backs` faces that show their back are
-/// passed.
+/// The nearest intersection with a face, or `None`. With `hides_backs`, back faces are ignored.
 pub fn pick(objects: &[MeshInstance], ray: &Ray, hides_backs: bool) -> Option<PickHit> {
     let mut nearest: Option<PickHit> = None;
     for (object, drawn) in objects.iter().enumerate() {
@@ -51,7 +50,7 @@ fn pick_in(drawn: &MeshInstance, ray: &Ray, hides_backs: bool) -> Option<PickHit
     if !from_world.is_finite() {
         return None;
     }
-    // Parameters along the ray are the same in both spaces.
+    // Ray parameters are the same in both spaces.
     let local = Ray {
         origin: from_world.transform_point3(ray.origin),
         direction: from_world.transform_vector3(ray.direction),
@@ -66,7 +65,7 @@ fn pick_in(drawn: &MeshInstance, ray: &Ray, hides_backs: bool) -> Option<PickHit
         let faces = block * BLOCK..mesh.faces.len().min((block + 1) * BLOCK);
         pick_among(mesh, faces, &local, hides_backs)
     });
-    // Of two at the same distance the first face, however threads come along.
+    // Ties are broken by the face index, so that the result does not depend on the threads.
     let nearest = nearest.min_by(|a, b| {
         let by_distance = a.distance.total_cmp(&b.distance);
         by_distance.then(a.face.cmp(&b.face))
@@ -122,7 +121,7 @@ fn around(mesh: &Mesh, vertices: &[u32]) -> Aabb {
     Aabb::around(vertices.iter().map(|&v| mesh.positions[v as usize]))
 }
 
-/// Whether a ray meets a box, somewhat widened.
+/// Whether a ray hits a slightly enlarged box.
 fn hits_box(bounds: Aabb, ray: &Ray) -> bool {
     let margin = 1e-9 * bounds.diagonal();
     let (mut from, mut to) = (ray.t_min, ray.t_max);
@@ -130,22 +129,22 @@ fn hits_box(bounds: Aabb, ray: &Ray) -> bool {
         let inverse = 1.0 / ray.direction[axis];
         let a = (bounds.min[axis] - margin - ray.origin[axis]) * inverse;
         let b = (bounds.max[axis] + margin - ray.origin[axis]) * inverse;
-        // A ray within a plane of the box makes no number, which `max` and `min` leave out.
+        // A ray within a plane of the box yields NaN, which `max` and `min` ignore.
         from = from.max(a.min(b));
         to = to.min(a.max(b));
     }
     from <= to
 }
 
-/// Parameter, weights and whether the front is met: Möller and Trumbore, *Fast, Minimum Storage
-/// Ray/Triangle Intersection*, JGT 2(1), 1997.
+/// Ray parameter, barycentric coordinates and whether the front was hit: Möller and Trumbore,
+/// *Fast, Minimum Storage Ray/Triangle Intersection*, JGT 2(1), 1997.
 fn intersect([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
     let (ab, ac) = (*b - *a, *c - *a);
     let p = ray.direction.cross(ac);
     let determinant = ab.dot(p);
     let from_a = ray.origin - *a;
     let u = from_a.dot(p) / determinant;
-    // Written so that a triangle without area, which makes no number, is not met.
+    // Written so that a degenerate triangle, which yields NaN, is not hit.
     if !(0.0..=1.0).contains(&u) {
         return None;
     }
@@ -159,8 +158,8 @@ fn intersect([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
     is_within.then_some((t, DVec3::new(1.0 - u - v, u, v), determinant > 0.0))
 }
 
-/// The objects of which a corner lies in a rectangle of the picture, pixels from the upper left
-/// corner, whatever hides them.
+/// The objects with a vertex inside a rectangle of the image (pixels from the upper left corner),
+/// whether occluded or not.
 pub fn pick_rectangle(
     objects: &[MeshInstance],
     view: &Projection,
@@ -262,7 +261,7 @@ mod tests {
 
     #[test]
     fn polygons_are_met_where_they_are() {
-        // An L: its notch is not met.
+        // An L shape: its notch is not hit.
         let mut mesh = Mesh::default();
         let outline = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)];
         mesh.positions = outline

@@ -1,16 +1,16 @@
-//! What the card runs: pipelines of draw.wgsl, each made when it is first wanted.
+//! Render pipelines of draw.wgsl, created on first use.
 
 use super::overlay::WORDS;
 use super::target::{COLOR, DEPTH};
 use super::textures::{sampler_binding, texture_binding};
 use std::collections::HashMap;
 
-/// A pipeline by what it does.
+/// Identifies a pipeline by its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PipelineKey {
     pub stage: DrawStage,
     pub samples: u32,
-    /// What is left out, seen from the card: with mirrored objects the fronts.
+    /// The culled side in GPU terms: for mirrored objects, the front.
     pub culled: Option<wgpu::Face>,
 }
 
@@ -18,20 +18,20 @@ pub struct PipelineKey {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DrawStage {
     Background,
-    /// Triangles over shared vertices, by the function for their pixels.
+    /// Triangles over shared vertices, with the fragment shader entry point.
     Surface {
         shade: &'static str,
         has: VertexAttributes,
         is_glass: bool,
     },
-    /// Triangles of their own.
+    /// Triangles that share no vertices.
     Facets {
         shade: &'static str,
         is_glass: bool,
     },
-    /// Faces that only hide lines.
+    /// Faces that only write depth, to hide edges.
     Hiding,
-    /// Edges; faint ones in front of light.
+    /// Edges; faint over shaded surfaces.
     Edges {
         is_faint: bool,
     },
@@ -42,7 +42,7 @@ pub enum DrawStage {
     },
 }
 
-/// Which attributes have a value for each vertex; the others have one for all.
+/// Which attributes have a value for each vertex; the others are constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct VertexAttributes {
     pub normals: bool,
@@ -54,7 +54,7 @@ pub struct VertexAttributes {
 pub struct RenderPipelines {
     shader: wgpu::ShaderModule,
     pub frame: wgpu::BindGroupLayout,
-    /// One number block at an offset: objects, and materials.
+    /// One uniform block at a dynamic offset: objects and materials.
     pub block: wgpu::BindGroupLayout,
     with_all: wgpu::PipelineLayout,
     with_object: wgpu::PipelineLayout,
@@ -83,7 +83,7 @@ impl RenderPipelines {
         }
     }
 
-    /// Makes a pipeline that is not there yet.
+    /// Creates a pipeline that does not exist yet.
     pub fn prepare(&mut self, device: &wgpu::Device, way: PipelineKey) {
         if !self.made.contains_key(&way) {
             let pipeline = self.make(device, way);
@@ -91,7 +91,7 @@ impl RenderPipelines {
         }
     }
 
-    /// A pipeline that was prepared.
+    /// A pipeline created before.
     pub fn get(&self, way: PipelineKey) -> Option<&wgpu::RenderPipeline> {
         self.made.get(&way)
     }
@@ -144,7 +144,7 @@ impl RenderPipelines {
     }
 }
 
-/// What stages differ in.
+/// The state in which stages differ.
 struct PipelineState {
     corner: &'static str,
     shade: &'static str,
@@ -200,7 +200,8 @@ impl PipelineState {
                 }),
                 writes_depth: !is_glass,
                 blends: is_glass,
-                // Only where edges lie on them: at outlines it lets backs shine through.
+                // Only under edges that lie on the faces: at silhouettes it would let back faces
+                // show through.
                 bias: match shade {
                     "patches" => backward(),
                     _ => usual.bias,
@@ -246,7 +247,8 @@ impl PipelineState {
     }
 }
 
-/// Away from the eye, more on steep faces: their depth changes within the width of a line.
+/// Depth bias away from the camera, larger on steep faces, whose depth changes within the width of
+/// a line.
 fn backward() -> wgpu::DepthBiasState {
     wgpu::DepthBiasState {
         constant: -32,
@@ -271,7 +273,7 @@ fn inked() -> wgpu::VertexBufferLayout<'static> {
     }
 }
 
-/// Five buffers; those that are not there hold one value for all.
+/// Five vertex buffers; missing attributes have one constant value.
 fn surface(has: VertexAttributes) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
     let optional = |is_there, array_stride, attributes| {
         Some(wgpu::VertexBufferLayout {

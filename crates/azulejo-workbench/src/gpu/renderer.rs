@@ -1,4 +1,4 @@
-//! From a frame to its picture.
+//! Drawing a frame.
 
 use super::GpuError;
 use super::device::{DeviceErrors, catch_errors};
@@ -14,14 +14,14 @@ use super::uniforms::{self, UniformBlocks};
 use crate::view::ColorMap;
 use std::collections::HashMap;
 
-/// Frames for which what is not drawn any more stays on the card: a light that settles brings
-/// another mesh each second.
+/// Frames after which an unused mesh is freed: while the solver runs, new meshes arrive every
+/// second.
 const PATIENCE: u64 = 2;
 
 /// Draws frames into a texture of its own.
 ///
-/// Meshes stay in the card's memory by their keys. After an error they are brought again by the
-/// next frame; after [`GpuError::Lost`] a new renderer with a new device is needed.
+/// Meshes stay in GPU memory under their keys. After an error they are uploaded again by the next
+/// frame; after [`GpuError::Lost`] a new renderer with a new device is needed.
 pub struct Renderer {
     device: wgpu::Device,
     queue: wgpu::Queue,
@@ -40,39 +40,40 @@ pub struct Renderer {
     statistics: RenderStatistics,
 }
 
-/// One value for all vertices of meshes that lack an attribute.
+/// Constant values for meshes that lack a vertex attribute.
 pub struct DefaultAttributes {
     pub zeros: wgpu::Buffer,
     pub ones: wgpu::Buffer,
 }
 
-/// The picture of a frame.
+/// The image of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnFrame<'a> {
-    /// sRGB bytes in the format `Rgba8Unorm`, opaque, as egui takes them.
+    /// Opaque sRGB bytes in the format `Rgba8Unorm`, as egui expects.
     pub view: &'a wgpu::TextureView,
-    /// Whether the view is another one than that of the frame before, so that it must be
-    /// registered again.
+    /// Whether this is another view than that of the previous frame, so that it must be registered
+    /// again.
     pub is_new: bool,
 }
 
-/// What the last frame took.
+/// Costs of the last frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RenderStatistics {
-    /// Objects that can be in the picture.
+    /// Number of objects that may be visible.
     pub objects: usize,
-    /// Bytes brought to the card for this frame, uniforms and overlay left out.
+    /// Bytes uploaded for this frame, uniforms and overlay excluded.
     pub bytes_loaded: u64,
-    /// Meshes in the card's memory.
+    /// Meshes in GPU memory.
     pub meshes_held: usize,
 }
 
 impl Renderer {
-    /// A renderer on a card. It listens to the device's end and to its errors, of which wgpu
-    /// would panic.
+    /// Creates a renderer on a device. It handles the device's loss and uncaptured errors, which
+    /// would make wgpu panic.
     ///
     /// # Errors
-    /// [`GpuError::Rejected`] if the driver does not take the shaders, [`GpuError::Lost`].
+    ///
+    /// [`GpuError::Rejected`] if the driver rejects the shaders, or [`GpuError::Lost`].
     pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Renderer, GpuError> {
         let listener = DeviceErrors::new(&device);
         listener.check()?;
@@ -121,8 +122,9 @@ impl Renderer {
     /// Draws a frame.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`] (after what is not in the frame was
-    /// freed), [`GpuError::Lost`], [`GpuError::Rejected`].
+    ///
+    /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`] (after freeing everything that the frame
+    /// does not need), [`GpuError::Lost`] or [`GpuError::Rejected`].
     pub fn draw(&mut self, frame: &ViewportFrame) -> Result<DrawnFrame<'_>, GpuError> {
         self.listener.check()?;
         let size = frame.size.map(|n| n.max(1));
@@ -133,14 +135,14 @@ impl Renderer {
         let device = self.device.clone();
         let mut outcome = catch_errors(&device, || self.try_draw(frame, size));
         if outcome == Err(GpuError::OutOfMemory) {
-            // Once more with nothing in the card's memory but what this frame needs.
+            // Retry with nothing in GPU memory but what this frame needs.
             self.forget();
             outcome = catch_errors(&device, || self.try_draw(frame, size));
         }
         if outcome.is_err() {
             self.forget();
-            // If the device is lost, that is the reason for whatever else went wrong. It is told
-            // while polling, and polling a lost device says no more.
+            // If the device is lost, that is the cause of any other error. Polling reports the
+            // loss; polling a lost device returns nothing else.
             let _ = device.poll(wgpu::PollType::Poll);
             self.listener.check()?;
         }
@@ -151,10 +153,11 @@ impl Renderer {
         Ok(DrawnFrame { view, is_new })
     }
 
-    /// Reads the last picture back.
+    /// Reads the last image back.
     ///
     /// # Errors
-    /// [`GpuError::Rejected`] before the first picture, and the errors of [`draw`](Self::draw).
+    ///
+    /// [`GpuError::Rejected`] before the first frame, and the errors of [`draw`](Self::draw).
     pub fn read(&self) -> Result<PixelBuffer, GpuError> {
         self.listener.check()?;
         let target = self.target.as_ref().ok_or_else(|| GpuError::Rejected {
@@ -163,8 +166,8 @@ impl Renderer {
         catch_errors(&self.device, || target.read(&self.device, &self.queue))
     }
 
-    /// Whether the card is the processor: then pictures without [`ViewportFrame::antialiasing`] come about
-    /// three times as fast.
+    /// Whether the adapter is a software rasteriser; frames without
+    /// [`Frame::antialiasing`](ViewportFrame::antialiasing) are then about three times as fast.
     pub fn is_software(&self) -> bool {
         let info = self.device.adapter_info();
         let name = info.name.to_lowercase();
@@ -172,35 +175,36 @@ impl Renderer {
         info.device_type == wgpu::DeviceType::Cpu || known.iter().any(|k| name.contains(k))
     }
 
-    /// Whether the card is still there.
+    /// Checks whether the device is still available.
     ///
     /// # Errors
+    ///
     /// [`GpuError::Lost`].
     pub fn check(&self) -> Result<(), GpuError> {
-        // What happened to the device is told when it is asked.
+        // Polling reports a lost device.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.listener.check()
     }
 
-    /// What the last frame took.
+    /// Costs of the last frame.
     pub fn statistics(&self) -> RenderStatistics {
         self.statistics
     }
 
-    /// Frees everything that comes with frames.
+    /// Frees all per-frame resources.
     pub fn forget(&mut self) {
         self.geometries.clear();
         self.textures.free_before(u64::MAX);
         self.target = None;
     }
 
-    /// Ends the card as if it were unplugged.
+    /// Destroys the device as if the GPU had been unplugged.
     #[cfg(test)]
     pub(super) fn destroy(&self) {
         self.device.destroy();
     }
 
-    /// Whether the view is new.
+    /// Returns whether the texture view is new.
     fn try_draw(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> Result<bool, GpuError> {
         self.number += 1;
         let is_new = self.resize(frame, size);
@@ -254,7 +258,7 @@ impl Renderer {
         Ok(is_new)
     }
 
-    /// Makes textures of the right kind; says whether they are new.
+    /// Creates the textures of the target; returns whether they are new.
     fn resize(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> bool {
         let samples = if frame.antialiasing && self.can_smooth {
             SAMPLES
@@ -264,7 +268,7 @@ impl Renderer {
         let fits = |t: &RenderTarget| t.size == size && t.samples == samples;
         let is_new = !self.target.as_ref().is_some_and(fits);
         if is_new {
-            // The old textures go first.
+            // Free the old textures first.
             self.target = None;
             self.target = Some(RenderTarget::new(&self.device, size, samples));
         }
@@ -281,11 +285,11 @@ impl Renderer {
             Some(sphere(drawn, geometry))
         });
         let view = Projection::new(frame.camera, size);
-        // Marks may stand far away, and must not push the near plane through the model.
+        // Overlays may be far away and must not push the near plane into the model.
         view.around(objects, frame.overlay.spheres())
     }
 
-    /// Brings what can be in the picture.
+    /// Uploads the objects that may be visible.
     fn load(
         &mut self,
         frame: &ViewportFrame,
@@ -318,7 +322,7 @@ impl Renderer {
         Ok(seen)
     }
 
-    /// Of each material the key of its texture.
+    /// The texture key of each material.
     fn load_textures(&mut self, frame: &ViewportFrame, plan: &DrawPlan) -> Vec<Option<Vec<u64>>> {
         let cache = &mut self.textures;
         let mut key = |textures: &[u32]| {
@@ -424,26 +428,26 @@ impl DefaultAttributes {
     }
 }
 
-/// The frame's materials, and last what stands for those that are not there.
+/// The frame's materials, followed by the one that replaces missing materials.
 fn materials<'a>(
     frame: &'a ViewportFrame,
 ) -> impl Iterator<Item = Option<&'a azulejo::scene::Material>> + use<'a> {
     frame.materials.iter().map(|&m| Some(m)).chain([None])
 }
 
-/// A sphere around a placed mesh.
+/// A bounding sphere of a placed mesh.
 fn sphere(drawn: &MeshInstance, geometry: &GpuMesh) -> (glam::DVec3, f64) {
     let centre = drawn.world_from_object.transform_point3(geometry.origin);
     (centre, geometry.radius * stretch(drawn))
 }
 
-/// By how much an object's place makes lengths longer, at most.
+/// Upper bound on how much an object's placement stretches lengths.
 fn stretch(drawn: &MeshInstance) -> f64 {
     let m = drawn.world_from_object.matrix3;
     let columns = [m.x_axis, m.y_axis, m.z_axis];
     let is_rigid = columns.iter().all(|c| (c.length() - 1.0).abs() < 1e-6)
         && (m.determinant().abs() - 1.0).abs() < 1e-6;
-    // The longest image of a unit vector is no longer than the matrix's Frobenius norm.
+    // The image of a unit vector is no longer than the matrix's Frobenius norm.
     let norm = columns
         .iter()
         .map(|c| c.length_squared())

@@ -1,26 +1,26 @@
-//! Polygons of shapes for the eye: exact surfaces as finely as the picture shows them.
+//! Polygons for displaying shapes: exact shapes are tessellated as finely as the view requires.
 
 use super::projection::Projection;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Mesh, Primitive, Rgb, Shape, SurfaceGrid, SurfaceLight};
 use std::borrow::Cow;
 
-/// How far a chord may be off, pixels.
+/// Accepted chord error in pixels.
 const PIXELS: f64 = 0.4;
-/// Chords are off by no less than this share of an object's size, and no more.
+/// Range of the chord error relative to the size of an object.
 const FINEST: f64 = 1.0 / 4096.0;
 const COARSEST: f64 = 1.0 / 64.0;
 
-/// How far chords of a shape may leave it so that the view does not show it, world units.
+/// Largest chord error of a shape that is not visible in the view, world units.
 ///
-/// A power of two, so that a shape is tessellated anew only when the view comes twice as near.
-/// For a placed shape `bounds` are those in the world.
+/// A power of two, so that a shape is tessellated again only when the camera comes twice as close.
+/// `bounds` is the bounding box in world space.
 pub fn chord_error(bounds: Aabb, view: &Projection) -> f64 {
     let size = bounds.diagonal();
     if !(size > 0.0 && size.is_finite()) {
         return 1.0;
     }
-    // The nearest point of the sphere around it.
+    // The nearest point of the bounding sphere.
     let centre = bounds.centre();
     let eye = view.ray(glam::DVec2::ZERO).origin;
     let toward = (eye - centre).normalize_or_zero();
@@ -29,11 +29,11 @@ pub fn chord_error(bounds: Aabb, view: &Projection) -> f64 {
     2f64.powi(asked.log2().floor() as i32)
 }
 
-/// The polygons that show a shape, in its own coordinates: a mesh as it is, an exact shape with
-/// chords that leave it by at most `chord_error`, > 0.
+/// The polygons that display a shape, in object space: a mesh as it is, an exact shape with a chord
+/// error of at most `chord_error`, > 0.
 ///
-/// With `lit` they carry the irradiance that was found: a primitive's on a grid no coarser than
-/// its own, and the polygons that stood for an exact shape in the first pass.
+/// With `lit` they carry the solved irradiance: on a grid no coarser than the solver's own for a
+/// primitive, and on the solver's proxy mesh for other exact shapes.
 pub fn display_mesh(shape: &Shape, chord_error: f64, lit: bool) -> Cow<'_, Mesh> {
     match shape {
         Shape::Mesh(mesh) => Cow::Borrowed(mesh),
@@ -53,7 +53,7 @@ fn of_primitive(primitive: &Primitive, chord_error: f64, lit: bool) -> Mesh {
     let light = primitive.light.as_ref().filter(|_| lit);
     if let Some(light) = light {
         for (grid, own) in grids.iter_mut().zip(&light.grids) {
-            // Multiples, so that every vertex with light is a vertex here.
+            // An integer multiple, so that every vertex with irradiance is also a vertex here.
             grid.nu = grid.nu.div_ceil(own.nu.max(1)) * own.nu.max(1);
             grid.nv = grid.nv.div_ceil(own.nv.max(1)) * own.nv.max(1);
         }
@@ -72,7 +72,7 @@ fn of_primitive(primitive: &Primitive, chord_error: f64, lit: bool) -> Mesh {
     mesh
 }
 
-/// The light at the vertices of grids, in their order.
+/// The irradiance at the vertices of grids, in their order.
 fn irradiance(light: &SurfaceLight, grids: &[SurfaceGrid]) -> Vec<Rgb> {
     let mut all = Vec::new();
     for (part, grid) in grids.iter().enumerate() {
@@ -117,7 +117,7 @@ mod tests {
         };
         let (near, far) = (faces(4.0), faces(400.0));
         assert!(near > 4 * far && far >= 64, "{near} {far}");
-        // Small steps change nothing.
+        // Small steps do not change the tessellation.
         let levels: std::collections::BTreeSet<_> = (0..40)
             .map(|k| chord_error(bounds, &view(10.0 + 0.1 * f64::from(k))).to_bits())
             .collect();

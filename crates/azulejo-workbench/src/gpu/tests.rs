@@ -1,4 +1,4 @@
-//! Pictures, looked at pixel by pixel, on every driver that is there.
+//! Rendered images, checked by pixel on every installed driver.
 
 use super::*;
 use crate::view::{ColorMap, Fit, Shading};
@@ -7,10 +7,10 @@ use azulejo::scene::{Attribute, Camera, Fog, Image, Material, Mesh, Primitive, R
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::{Mutex, PoisonError};
 
-/// Drivers are tried one after the other: OpenGL's contexts do not like company.
+/// Drivers are tested one after the other: OpenGL contexts do not run well in parallel.
 static GATE: Mutex<()> = Mutex::new(());
 
-/// Runs a test on each interface that has a driver.
+/// Runs a test on each graphics API that has a driver.
 fn on_each_driver(test: impl Fn(&mut Renderer)) {
     let _gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut tried = 0;
@@ -23,7 +23,7 @@ fn on_each_driver(test: impl Fn(&mut Renderer)) {
         test(&mut renderer);
     }
     if tried == 0 {
-        // A test's output, which is seen where somebody asks for it.
+        // A test's output, shown on request.
         #[allow(clippy::print_stderr)]
         {
             eprintln!("skipped: no graphics driver");
@@ -31,7 +31,7 @@ fn on_each_driver(test: impl Fn(&mut Renderer)) {
     }
 }
 
-/// A camera on the z axis that looks down it; the picture spans 2 × 2 world units at z = 0.
+/// A camera on the z axis looking along it; the image spans 2 × 2 world units at z = 0.
 fn camera(distance: f64) -> Camera {
     Camera {
         name: String::new(),
@@ -74,7 +74,7 @@ fn draw(renderer: &mut Renderer, frame: &ViewportFrame) -> PixelBuffer {
     renderer.read().expect("pixels")
 }
 
-/// Draws one mesh, seen from distance 4, after `change`.
+/// Draws one mesh from distance 4, after applying `change` to the frame.
 fn draw_one(
     renderer: &mut Renderer,
     mesh: &Mesh,
@@ -105,7 +105,7 @@ fn byte(linear: f64) -> u8 {
 #[test]
 fn a_sphere_covers_its_disc_in_all_modes_of_faces() {
     let white = Material::diffuse("", Rgb::grey(0.8));
-    // Half the apparent angle of the sphere, and half that of the picture.
+    // Ratio of half the apparent angle of the sphere to half the field of view.
     let apparent = (0.8f64 / 4.0).asin().tan() / 0.25;
     let expected = std::f64::consts::PI * (32.0 * apparent).powi(2);
     on_each_driver(|renderer| {
@@ -278,7 +278,7 @@ fn hidden_lines_hide_and_lines_do_not() {
         };
         assert!(count(renderer, Shading::Lines) > 60);
         assert_eq!(count(renderer, Shading::HiddenLines), 0);
-        // The four corners of the hidden one, three pixels wide.
+        // The four corners of the hidden square, three pixels wide.
         assert_eq!(count(renderer, Shading::Points), 4 * 9);
     });
 }
@@ -291,7 +291,7 @@ fn lines_are_seen_on_the_faces_that_they_bound() {
             f.size = [256, 256];
         });
         let bright = pixels.rgba.chunks(4).filter(|p| p[0] > 60).count();
-        // About a thousand edges of ten pixels are in front.
+        // About a thousand edges of ten pixels each are visible.
         assert!((5_000..25_000).contains(&bright), "{bright}");
     });
 }
@@ -312,7 +312,7 @@ fn far_from_the_origin_nothing_shakes() {
         let mut frame = ViewportFrame::new(SIZE, &there, &drawn, &materials);
         frame.background = BLACK;
         assert_same(&draw(renderer, &frame), &here);
-        // The same by the object's place.
+        // The same by the object's placement.
         let mut placed = MeshInstance::new(8, &near);
         placed.world_from_object = DAffine3::from_translation(offset);
         let drawn = [placed];
@@ -322,7 +322,7 @@ fn far_from_the_origin_nothing_shakes() {
     });
 }
 
-/// Pictures that differ by rounding alone.
+/// Images that differ only by rounding.
 fn assert_same(a: &PixelBuffer, b: &PixelBuffer) {
     let outliers = a
         .rgba
@@ -366,7 +366,7 @@ fn faces_show_numbers_of_their_own() {
         let map = frame.scale.map;
         assert_near(pixels.color(16, 30), map.color(0.25), 2, "left");
         assert_near(pixels.color(48, 30), map.color(0.75), 2, "right");
-        // The light of faces, from the mean of their corners.
+        // The irradiance of faces is the mean of their corners.
         let mut lit = mesh.clone();
         lit.irradiance = [0.0, 1.0, 3.0, 3.0, 1.0, 0.0].map(Rgb::grey).to_vec();
         let white = Material::diffuse("", Rgb::WHITE);
@@ -417,7 +417,7 @@ fn fog_takes_its_share_at_a_distance() {
     });
 }
 
-/// Red above blue, the right half brighter in green.
+/// Red above blue, with more green in the right half.
 fn flag() -> Image {
     Image {
         width: 2,
@@ -500,7 +500,7 @@ fn marks_lie_on_top_or_behind() {
     overlay.line(left, right, ink);
     let (up, down) = (DVec3::new(0.0, 0.8, -0.5), DVec3::new(0.0, -0.8, -0.5));
     overlay.line(up, down, OverlayStyle::new([0, 0, 255], 6.0).on_top());
-    // From behind the eye to behind the square: clipped, not mirrored.
+    // From behind the camera to behind the square: clipped, not mirrored.
     overlay.line(DVec3::new(0.0, 0.5, 9.0), DVec3::new(0.0, 0.5, 0.1), ink);
     on_each_driver(|renderer| {
         let drawn = [MeshInstance::new(1, &mesh)];
@@ -536,7 +536,7 @@ fn backs_are_red_or_left_out_also_in_a_mirror() {
         assert_near(shows(turn, true), [0; 3], 0, "turned away");
         let [r, g, _] = shows(turn, false);
         assert!(r > 150 && g < 50, "red");
-        // A mirrored object's front is where its normals point: away, here.
+        // The front of a mirrored object is where its normals point: away from the camera here.
         assert_near(shows(flip, true), [0; 3], 0, "mirrored");
         assert_near(
             shows(flip * turn, true),
@@ -569,7 +569,7 @@ fn what_is_selected_stands_out() {
         for [r, _, b] in [centre(true, &[]), centre(false, &all)] {
             assert!(r > b + 30, "{r} {b}");
         }
-        // Numbers that are no faces do no harm.
+        // Indices of missing faces are ignored.
         centre(false, &[u32::MAX]);
     });
 }

@@ -1,4 +1,4 @@
-//! Textures and background pictures in the card's memory.
+//! Textures and background images in GPU memory.
 
 use super::frame::TextureSource;
 use azulejo::render::srgb_from_linear;
@@ -8,12 +8,12 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-/// The longest side of a picture in the card's memory.
+/// The longest side of an uploaded image, pixels.
 const MAX_PIXELS: u32 = 4096;
-/// Steps of the table from linear light to sRGB: fine enough for every byte.
+/// Size of the table from linear light to sRGB: fine enough to produce every byte.
 const STEPS: usize = 1 << 14;
 
-/// Pictures by the keys of those that are multiplied in them.
+/// Textures by the keys of the images multiplied in them.
 pub struct TextureCache {
     loaded: HashMap<Vec<u64>, LoadedTexture>,
     layout: wgpu::BindGroupLayout,
@@ -63,7 +63,7 @@ impl TextureCache {
         &self.sampler
     }
 
-    /// Brings the product of some pictures; returns the key to it, or `None` if none of them has
+    /// Uploads the product of several images; returns its key, or `None` if none of them has
     /// pixels.
     pub fn upload(
         &mut self,
@@ -90,7 +90,7 @@ impl TextureCache {
         Some(key)
     }
 
-    /// The group of a key; a white one for `None` and for what was freed.
+    /// The bind group of a key; a white texture for `None` and for freed ones.
     pub fn group(&self, key: Option<&Vec<u64>>) -> &wgpu::BindGroup {
         let loaded = key.and_then(|key| self.loaded.get(key));
         loaded.map_or(&self.white, |l| &l.group)
@@ -101,7 +101,7 @@ impl TextureCache {
         loaded.map_or(&self.white_view, |l| &l.view)
     }
 
-    /// Frees what was last used before a frame.
+    /// Frees the textures last used before the given frame.
     pub fn free_before(&mut self, frame: u64) {
         self.loaded.retain(|_, loaded| loaded.used >= frame);
     }
@@ -154,7 +154,7 @@ fn group(
     })
 }
 
-/// Several pictures over the same coordinates as one; `None` of none.
+/// Multiplies images over the same texture coordinates; `None` for an empty list.
 fn product<'a>(images: &[&'a Image]) -> Option<Cow<'a, Image>> {
     let (&first, others) = images.split_first()?;
     if others.is_empty() {
@@ -178,7 +178,7 @@ fn product<'a>(images: &[&'a Image]) -> Option<Cow<'a, Image>> {
     }))
 }
 
-/// Brings a picture with all its smaller versions.
+/// Uploads an image with its mip levels.
 fn load(device: &wgpu::Device, queue: &wgpu::Queue, image: Cow<Image>) -> wgpu::TextureView {
     let most = device.limits().max_texture_dimension_2d.min(MAX_PIXELS);
     let mut level = image;
@@ -222,7 +222,7 @@ fn extent(image: &Image) -> wgpu::Extent3d {
     }
 }
 
-/// A picture of half the size, rounded down, each pixel the mean of four.
+/// The image at half the size, rounded down, each pixel the mean of four.
 fn halved(image: &Image) -> Image {
     let (width, height) = ((image.width / 2).max(1), (image.height / 2).max(1));
     let pixel = |k: u32| {
@@ -246,7 +246,7 @@ fn texels(image: &Image) -> Vec<u8> {
         let byte = |k| (255.0 * srgb_from_linear(k as f64 / STEPS as f64)).round() as u8;
         (0..=STEPS).map(byte).collect()
     });
-    // A number that is not one becomes index 0.
+    // NaN becomes index 0.
     let byte = |x: f32| table[(x.clamp(0.0, 1.0) * STEPS as f32 + 0.5) as usize];
     let texel = |p: &[f32; 3]| [byte(p[0]), byte(p[1]), byte(p[2]), 255];
     image.pixels.par_iter().flat_map_iter(texel).collect()

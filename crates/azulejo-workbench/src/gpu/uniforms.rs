@@ -1,4 +1,4 @@
-//! Numbers for the shaders: of the frame, of each object, of each material.
+//! Uniform data for the shaders: per frame, per object and per material.
 
 use super::frame::{Background, ColorScalar, ViewportFrame};
 use super::geometry::GpuMesh;
@@ -8,12 +8,12 @@ use azulejo::render::{REINHARD_WHITE, Tone};
 use azulejo::scene::{Material, Rgb};
 use glam::{DAffine3, DMat3, DVec3, Mat4};
 
-/// Words of the largest block, that of an object.
+/// Size in 32-bit words of the largest block, that of an object.
 pub const WORDS: usize = 56;
-/// Words of the frame's block.
+/// Size in words of the frame's block.
 pub const FRAME_WORDS: usize = 56;
 
-/// Blocks side by side in one buffer.
+/// Uniform blocks side by side in one buffer.
 pub struct UniformBlocks {
     buffer: wgpu::Buffer,
     pub group: wgpu::BindGroup,
@@ -54,7 +54,7 @@ impl UniformBlocks {
         }
     }
 
-    /// Writes all blocks, in a larger buffer if need be.
+    /// Writes all blocks, growing the buffer if necessary.
     pub fn write(
         &mut self,
         device: &wgpu::Device,
@@ -78,7 +78,7 @@ impl UniformBlocks {
     }
 }
 
-/// A block as it is filled.
+/// A block being filled.
 struct BlockWriter<const N: usize> {
     words: [f32; N],
     next: usize,
@@ -114,7 +114,7 @@ impl<const N: usize> BlockWriter<N> {
     }
 }
 
-/// The frame's numbers. `picture` is the size of the background's picture, if there is one.
+/// The uniforms of the frame. `picture` is the size of the background image, if there is one.
 pub fn frame(
     frame: &ViewportFrame,
     view: &Projection,
@@ -163,7 +163,7 @@ pub fn frame(
         .words
 }
 
-/// Lines over light are faint, lest they hide it.
+/// Edges drawn over shaded surfaces are faint, so that they do not hide the shading.
 fn line_opacity(frame: &ViewportFrame) -> f32 {
     match frame.shading {
         Shading::Patches => 0.45,
@@ -187,7 +187,7 @@ fn backdrop(background: &Background, has_picture: bool) -> ([u8; 3], [u8; 3], f3
     }
 }
 
-/// From pixels to coordinates of the background's picture: factors, then offsets.
+/// Maps pixels to texture coordinates of the background image: factors, then offsets.
 fn placement(background: &Background, picture: Option<[u32; 2]>, size: [f32; 2]) -> [f32; 4] {
     let (Background::Image { fit, .. }, Some(picture)) = (background, picture) else {
         return [0.0; 4];
@@ -197,14 +197,15 @@ fn placement(background: &Background, picture: Option<[u32; 2]>, size: [f32; 2])
         Fit::Scaled => [1.0 / size[0], 1.0 / size[1], 0.0, 0.0],
         Fit::Tiled => [1.0 / picture[0], 1.0 / picture[1], 0.0, 0.0],
         Fit::Centered => {
-            // Whole pixels, so that the picture stays sharp.
+            // Whole pixels keep the image sharp.
             let offset = |k: usize| -(0.5 * (size[k] - picture[k])).floor() / picture[k];
             [1.0 / picture[0], 1.0 / picture[1], offset(0), offset(1)]
         }
     }
 }
 
-/// An object's numbers. `light_scale`: what its light is counted in; 0 where there is none.
+/// The uniforms of an object. `light_scale` is the irradiance that the stored value 1 stands for; 0
+/// if there is none.
 pub fn object(
     view: &Projection,
     view_from: &DAffine3,
@@ -220,7 +221,7 @@ pub fn object(
     BlockWriter::new()
         .put(&view.clip_from(view_from).to_cols_array())
         .put(&place.to_cols_array())
-        // The cofactors: the inverse transposed up to a length, and never infinite.
+        // The cofactor matrix is the inverse transpose up to a factor, and always finite.
         .put(&wide(cofactors(m)).to_cols_array())
         .put(&tint)
         .put(&[light_scale as f32, flag(light_scale > 0.0)])
@@ -234,7 +235,7 @@ pub fn object(
 fn cofactors(m: DMat3) -> DMat3 {
     let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
     let all = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-    // Mirrored normals would point inside.
+    // Without the sign, normals of mirrored objects would point inward.
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
     let most = all
         .x_axis
@@ -244,7 +245,7 @@ fn cofactors(m: DMat3) -> DMat3 {
     all * (sign / most.max(f64::MIN_POSITIVE))
 }
 
-/// A material's numbers; grey for one that is not there.
+/// The uniforms of a material; grey if it does not exist.
 pub fn material(material: Option<&Material>) -> [f32; WORDS] {
     let Some(material) = material else {
         return BlockWriter::new()
@@ -255,7 +256,7 @@ pub fn material(material: Option<&Material>) -> [f32; WORDS] {
     };
     let glossy = material.mean_glossy();
     let flag = |is: bool| f32::from(u8::from(is));
-    // Glossy light goes near the mirrored direction: in a rough picture half of it does.
+    // Glossy light concentrates around the mirror direction; half of it is a rough approximation.
     let base = material.diffuse + 0.5 * glossy;
     let mirror = match material.dielectric {
         Some(_) => Rgb::grey(0.35),
@@ -269,7 +270,7 @@ pub fn material(material: Option<&Material>) -> [f32; WORDS] {
         .words
 }
 
-/// Whether one sees through it.
+/// Whether the material transmits light.
 pub fn is_glass(material: &Material) -> bool {
     material.dielectric.is_some() && material.diffuse.is_black()
 }

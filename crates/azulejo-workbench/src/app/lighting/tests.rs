@@ -6,7 +6,7 @@ use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::trace::Measure;
 use glam::{DAffine3, DVec3};
 
-/// Longer than any job of a test takes, on a busy machine too.
+/// Longer than any job of a test takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn cornell() -> App {
@@ -38,7 +38,7 @@ fn solve(app: &mut App) {
     assert_eq!(app.messages, []);
 }
 
-/// A place of the floor that the lamp sees, from above.
+/// A point of the floor that the lamp illuminates, seen from above.
 fn on_the_floor(app: &App) -> SurfacePick {
     let bounds = app.document.bounds(None);
     let floor = app
@@ -132,7 +132,7 @@ fn what_cannot_be_lit_is_a_message() {
     assert!(app.jobs().is_empty());
     let last = app.messages.last().expect("a message");
     assert!(last.level == Severity::Error && last.text.contains("nothing shines"));
-    // What only the solver finds out comes as its message.
+    // Errors that only the solver detects arrive as messages of its job.
     let mut app = App::quiet();
     let material = Material::emitter("lamp", Rgb::WHITE);
     app.document.materials.push(Arc::new(material));
@@ -166,7 +166,7 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
     let measured = app.probes[0].measured.expect("an estimate").value;
     let ratio = measured.luminance() / light.luminance();
     assert!((0.6..1.6).contains(&ratio), "{ratio}");
-    // A move takes the surface away, and what was measured is of another model.
+    // The move takes the surface away from the probe and invalidates the measurement.
     let away = DAffine3::from_translation(DVec3::splat(1e4));
     app.execute(Command::Edit(Edit::SetPlacement(pick.item, away), None));
     assert!(app.probes[0].site.is_none() && app.probes[0].measured.is_none());

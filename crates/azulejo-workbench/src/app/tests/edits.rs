@@ -1,4 +1,4 @@
-//! Any sequence of edits can be taken back.
+//! Any sequence of edits can be undone.
 
 use super::*;
 use crate::document::{NewLight, NewLightKind, NewShape, NewShapeKind, PrismOutline, TextLayout};
@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 use proptest::sample::select;
 
-/// Numbers, mostly sane.
+/// Numbers, mostly reasonable ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         12 => -10.0..10.0,
@@ -43,7 +43,7 @@ fn map() -> impl Strategy<Value = DAffine3> {
     ]
 }
 
-/// Things that are there, and some that are not: the sample ends at 6.
+/// Ids that exist, and some that do not: those of the sample end at 6.
 fn id() -> impl Strategy<Value = ItemId> {
     (1..12u64).prop_map(ItemId)
 }
@@ -196,7 +196,7 @@ fn any_edit() -> impl Strategy<Value = Edit> {
     ]
 }
 
-/// What else happens between edits.
+/// Other actions between edits.
 #[derive(Clone, Debug)]
 enum TestAction {
     Edit(Edit, Option<u64>),
@@ -221,7 +221,7 @@ fn act() -> impl Strategy<Value = TestAction> {
     ]
 }
 
-/// What must hold at any time.
+/// Invariants that hold at any time.
 fn check_app(app: &App) {
     let scene = app.document.scene();
     let valid = scene.validate();
@@ -344,7 +344,7 @@ fn what_is_made_is_selected_and_undo_selects_what_was() {
     assert_eq!(app.selection.ids, (1..=6).map(ItemId).collect::<Vec<_>>());
 }
 
-/// A floor of ten thousand vertices and more.
+/// A floor of more than ten thousand vertices.
 fn large() -> App {
     let mut app = filled();
     let Shape::Mesh(mesh) = &*app.document.objects[0].shape else {
@@ -380,7 +380,7 @@ fn undo_holds_twice_a_large_document_and_forgets_the_rest() {
     assert!(app.history.bytes() > 240_000, "{}", app.history.bytes());
     assert_eq!(count_undo(&mut app), 4);
 
-    // With room for all of them, all of them stay.
+    // With enough memory all steps are kept.
     let mut app = large();
     for k in 0..60 {
         edit(&mut app, Edit::AssignFaces(ItemId(1), vec![0], k % 2));
@@ -478,7 +478,7 @@ fn a_view_without_direction_is_not_taken() {
     assert_eq!(app.view, good);
 }
 
-/// The sample with two more materials: one that a ball is made of, and one of nothing.
+/// The sample with two more materials: one used by a sphere, one unused.
 fn with_materials() -> App {
     let mut app = filled();
     for name in ["spare", "used"] {

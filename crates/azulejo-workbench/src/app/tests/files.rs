@@ -1,4 +1,4 @@
-//! Files: opened, added, saved, exported, changed by others.
+//! Opening, adding, saving and exporting files, and changes by other programs.
 
 use super::*;
 use crate::document::tests::solved;
@@ -8,7 +8,7 @@ fn file_of(app: &App) -> Option<&Path> {
     app.file.as_ref().map(|f| f.path.as_path())
 }
 
-/// An app with a copy of the Cornell box open, and a change.
+/// An app with a copy of the Cornell box and an unsaved change.
 fn changed(folder: &TestFolder) -> App {
     let mut app = App::quiet();
     let model = folder.copy("cornell.grf");
@@ -31,7 +31,7 @@ fn a_file_is_opened_and_others_join_it_under_their_names() {
     assert_eq!(app.preferences.recent, std::slice::from_ref(&cornell));
     let (count, units) = (app.document.objects.len(), app.document.units);
     assert_eq!(app.document.objects[0].name, "floor");
-    // It looks through the file's own camera.
+    // The view uses the file's own camera.
     assert_eq!(app.view.camera, app.document.cameras[0].camera);
 
     run(&mut app, Command::Add(vec![folder.copy("shapes.grf")]));
@@ -65,7 +65,7 @@ fn a_file_that_fails_changes_nothing_and_is_told() {
     check_error(&app, "missing.obj");
     assert_eq!(app.document, before);
 
-    // Even one that was to take its place, after the changes were given up.
+    // Even a file that was to replace the document after its changes were discarded.
     app.messages.clear();
     app.execute(Command::Open(vec![broken]));
     run(&mut app, Command::Discard);
@@ -89,7 +89,7 @@ fn of_several_files_those_that_can_be_read_are_opened() {
     check_two_of_three(&app, &a);
 }
 
-/// Shapes and what was cut out of them are open, and one file failed.
+/// Asserts that shapes and CSG models are open and that one file failed.
 fn check_two_of_three(app: &App, first: &Path) {
     assert_eq!(errors(app).len(), 1, "{:?}", errors(app));
     assert_eq!(file_of(app), Some(first));
@@ -180,7 +180,7 @@ fn light_is_saved_and_comes_back() {
     let (reread, _) = again.document.lit_scene(again.lighting.solution.as_deref());
     assert_eq!(reread, lit);
 
-    // Light of an earlier state is not written onto another one.
+    // Light of an earlier state is not written to a later one.
     edit(&mut app, Edit::Delete(vec![ItemId(3)]));
     run(&mut app, Command::Save);
     assert!(app.messages.last().unwrap().text.contains("without light"));
@@ -211,7 +211,7 @@ fn what_cannot_be_written_is_told_and_stays_a_change() {
     }
 }
 
-/// A device that is always full, behind a name that says GRF.
+/// A device that is always full, behind a name with the extension GRF.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_told_and_what_waited_for_the_save_does_not_go_on() {
@@ -249,7 +249,7 @@ fn a_file_that_others_wrote_is_asked_about() {
     assert_eq!((app.question.clone(), app.is_changed()), (None, false));
     assert_ne!(std::fs::read_to_string(&path).unwrap(), others);
 
-    // When the window is looked at again; once, and again before it is written over.
+    // Once when the window gets the focus, and once more before the file is overwritten.
     std::fs::write(&path, &others).unwrap();
     app.check_disk();
     assert_eq!(
@@ -324,7 +324,7 @@ fn a_document_without_a_place_asks_for_one_before_it_goes() {
     run(&mut app, Command::SaveAs(folder.path("a.grf")));
     assert!(app.closing && app.asking.is_none());
 
-    // A format that keeps no light is not written over: a place is asked for.
+    // A format that stores no light is not overwritten: the user is asked for a file.
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![folder.copy("box.vs3")]));
     check_no_error(&app);

@@ -1,11 +1,11 @@
-//! The light of the app's document, and the pictures of it.
+//! The light of the document, and renders of it.
 
 use super::*;
 use crate::document::tests::solved;
 use crate::first_pass::LightSettings;
 use azulejo::formats::read_picture;
 
-/// The sample, solved at a pinch.
+/// The sample, solved with minimal effort.
 fn lit() -> App {
     let mut app = filled();
     app.execute(Command::SetLight(LightSettings {
@@ -57,7 +57,8 @@ fn light_of_another_state_does_not_take_the_place_of_true_light() {
     app.take_light(second);
     assert!(app.lighting.is_current);
     assert!(Arc::ptr_eq(app.lighting.solution.as_ref().unwrap(), &first));
-    // Nor is it lost: its state may come back, and then it is another light than before.
+    // Nor is it lost: its state may be restored, and then it counts as another solution than
+    // before.
     let before = app.state();
     app.execute(Command::Redo);
     assert!(app.lighting.is_current && app.is_changed());
@@ -67,7 +68,7 @@ fn light_of_another_state_does_not_take_the_place_of_true_light() {
     assert!(Arc::ptr_eq(app.lighting.solution.as_ref().unwrap(), &first));
 }
 
-/// A file on its way when light comes.
+/// Starts loading a file, calls `light` meanwhile, and returns the path.
 fn loading(app: &mut App, light: impl FnOnce(&mut App)) -> PathBuf {
     let shapes = example("shapes.grf");
     app.execute(Command::Open(vec![shapes.clone()]));

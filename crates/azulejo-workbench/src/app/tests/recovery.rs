@@ -1,4 +1,4 @@
-//! What survives a crash, and what a person chose once.
+//! Recovery after a crash, and preferences.
 
 use super::*;
 use crate::words::Language;
@@ -19,7 +19,7 @@ fn app_in(folder: &TestFolder, autosave: u32) -> App {
     App::new(preferences, dirs(folder), Arc::new(|| ()))
 }
 
-/// The change was made so many seconds ago.
+/// Pretends that the change was made this many seconds ago.
 fn let_pass(app: &mut App, seconds: u64) {
     app.changed_at = app
         .changed_at
@@ -36,7 +36,7 @@ fn copies(folder: &TestFolder) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The folders of a session that is no more: what it wrote without the locks that it held.
+/// The folders of a crashed session: its files without its locks.
 fn after_a_crash(folder: &TestFolder, app: App) -> TestFolder {
     let name = folder.0.file_name().unwrap().to_string_lossy().into_owned();
     let next = TestFolder::new(&format!("{name}-next"));
@@ -122,10 +122,10 @@ fn what_a_crash_left_is_recovered_with_its_name() {
     assert_eq!(app.document.source_files[0].path, model);
     assert!(app.is_changed() && app.recoverable().is_empty());
     assert!(copy.exists(), "another crash would take the only copy");
-    // It was not recovered because somebody wrote it: there is nothing to ask.
+    // It was not recovered because of another program's change: there is nothing to ask.
     app.check_disk();
     assert_eq!(app.question, None);
-    // But what is on the disk is not what was recovered.
+    // But the file on disk differs from the recovered document.
     app.execute(Command::Save);
     assert_eq!(
         app.question,
@@ -172,7 +172,7 @@ fn what_a_crash_left_can_be_deleted_or_be_broken() {
     assert!(app.recoverable().is_empty() && !copy.exists());
 }
 
-/// A path that leads to a file from the folder of this process.
+/// A relative path to a file from the current folder of the process.
 #[cfg(unix)]
 fn from_here(path: &Path) -> PathBuf {
     let here = std::env::current_dir().unwrap();
@@ -236,7 +236,7 @@ fn pictures_survive_a_crash_with_the_model_and_go_with_the_copy() {
     png::write(1, 2, &[9, 99, 200, 0, 50, 255], &mut file).unwrap();
     std::fs::write(folder.path("wood.png"), &file).unwrap();
     let mut scene = sample().scene();
-    // The one lies beside the model, the other in the model's own file.
+    // One texture is a file beside the model, the other is embedded in the model file.
     for path in ["wood.png", "inside"] {
         scene.textures.push(azulejo::scene::Texture {
             path: path.into(),
@@ -350,7 +350,7 @@ fn preferences_are_kept() {
     assert_eq!(kept.recent, [example("shapes.grf")]);
     assert_eq!(kept.language, Language::Portuguese);
 
-    // Where they cannot be kept it is told, and they hold for now.
+    // Where preferences cannot be stored this is reported, and they apply to this session.
     let mut app = App::new(
         mine,
         UserDirs {

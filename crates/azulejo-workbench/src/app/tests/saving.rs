@@ -1,4 +1,4 @@
-//! What is written: the later of two, its light, and files over each other.
+//! Saving: the later of two saves wins, light is written, files are overwritten.
 
 use super::*;
 use crate::document::tests::solved;
@@ -41,7 +41,7 @@ fn a_copy_over_the_own_file_was_not_written_by_others() {
     assert!(app.is_changed());
 }
 
-/// Writes the sample with light on it; on all of it but the first object, if not `whole`.
+/// Writes the sample with light on all surfaces, or on all but the first object if not `whole`.
 fn lit_file(path: &Path, whole: bool) {
     let document = sample();
     let (mut scene, _) = document.lit_scene(Some(&solved(&document)));

@@ -1,4 +1,4 @@
-//! Files whose numbers mean something else than the document's.
+//! Loading files in other units than the document's.
 
 use super::*;
 use azulejo::scene::{Units, Up};
@@ -72,7 +72,7 @@ fn units_of_what_joins_are_adapted() {
         (b.size().x - 0.0254 * a.size().x).abs() < 1e-9,
         "{a:?} {b:?}"
     );
-    // What was up along z stands up along y.
+    // What was up along z is now up along y.
     assert!(
         (b.size().y - 0.0254 * a.size().z).abs() < 1e-9,
         "{a:?} {b:?}"

@@ -1,4 +1,4 @@
-//! What comes in many copies: duplicates, whole documents, and names that nobody else has.
+//! Duplicating, appending whole documents, and unique names.
 
 use super::{Edited, refuse, set};
 use crate::document::{ItemId, SceneCamera, SceneDocument, SceneLight, SceneObject, map_materials};
@@ -41,12 +41,12 @@ impl SceneDocument {
         Ok(copies)
     }
 
-    /// `name` with the first number behind it that no object, light or camera has.
+    /// `name` with the first number that makes it unique among objects, lights and cameras.
     pub(super) fn fresh_name(&self, name: &str) -> String {
         UniqueNames::of(self).fresh(name)
     }
 
-    /// Adds what another document holds; its names for good become ones of this document.
+    /// Appends the content of another document; its ids are replaced by new ones of this document.
     pub(super) fn append_document(&mut self, other: &SceneDocument) -> Vec<ItemId> {
         if self.is_empty() {
             self.units = other.units;
@@ -100,10 +100,10 @@ impl SceneDocument {
     }
 }
 
-/// Names that are taken.
+/// The names that are taken.
 pub(super) struct UniqueNames {
     taken: HashSet<String>,
-    /// The last number behind each stem that was found free: those before it are not asked again.
+    /// The last free number found for each stem; smaller ones need not be tried again.
     numbers: HashMap<String, u64>,
 }
 
@@ -115,7 +115,7 @@ impl UniqueNames {
         UniqueNames::among(items.chain(lights).chain(cameras))
     }
 
-    /// Those names.
+    /// Starts with the given names.
     pub(super) fn among<'a>(names: impl Iterator<Item = &'a String>) -> UniqueNames {
         UniqueNames {
             taken: names.cloned().collect(),
@@ -123,7 +123,7 @@ impl UniqueNames {
         }
     }
 
-    /// `name`, with the first free number behind it if it is taken; then it is taken too.
+    /// Returns `name`, with the first free number appended if it is taken, and marks it as taken.
     pub(super) fn fresh(&mut self, name: &str) -> String {
         let mut found = name.to_owned();
         if self.taken.contains(name) {

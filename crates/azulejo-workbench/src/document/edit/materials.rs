@@ -1,4 +1,4 @@
-//! Materials that come and go. Surfaces know theirs by number, so that the others move up.
+//! Adding and deleting materials. Surfaces refer to materials by index, so later indices shift.
 
 use super::duplicate::UniqueNames;
 use super::{EditError, Edited};
@@ -7,12 +7,12 @@ use azulejo::scene::{MaterialId, Shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// So many names of those who use a material fit into a message.
+/// Number of object names listed in a message.
 const NAMED: usize = 3;
 
-/// A shape with its materials' new numbers.
+/// A shape with remapped material indices.
 struct RenumberedShape {
-    /// Kept as long as it is looked up by its place: another could come to lie there.
+    /// Kept alive while it is looked up by address, which could be reused otherwise.
     _old: Arc<Shape>,
     shape: Arc<Shape>,
     facts: Arc<ShapeFacts>,
@@ -31,12 +31,12 @@ impl RenumberedShape {
 }
 
 impl SceneDocument {
-    /// `name` with the first number behind it that no material has.
+    /// `name` with the first number that makes it unique among materials.
     pub fn fresh_material_name(&self, name: &str) -> String {
         UniqueNames::among(self.materials.iter().map(|m| &m.name)).fresh(name)
     }
 
-    /// The materials that are on some surface.
+    /// Materials used by at least one surface.
     pub fn used_materials(&self) -> HashSet<MaterialId> {
         let items = self.objects.iter();
         items.flat_map(|i| i.materials().iter().copied()).collect()
@@ -65,7 +65,7 @@ impl SceneDocument {
         Ok(Vec::new())
     }
 
-    /// Forgets the other materials, which nothing uses.
+    /// Deletes the materials for which `keep` returns false; they must be unused.
     fn keep_materials(&mut self, keep: impl Fn(MaterialId) -> bool) {
         let mut numbers: Vec<MaterialId> = Vec::new();
         let mut kept = Vec::new();
@@ -80,7 +80,8 @@ impl SceneDocument {
         self.rtrace = None;
     }
 
-    /// Gives surfaces the new numbers of their materials. Objects that share a shape go on sharing.
+    /// Remaps the material indices of all surfaces. Objects that share a shape continue to share
+    /// it.
     fn renumber(&mut self, numbers: &[MaterialId]) {
         let mut done: HashMap<*const Shape, RenumberedShape> = HashMap::new();
         let moved = |m: &MaterialId| numbers[*m as usize] != *m;
@@ -104,7 +105,7 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// The first names, and how many there are more.
+/// The first few names, and the number of the others.
 fn listed(users: &[&SceneObject]) -> String {
     let names = users.iter().take(NAMED).map(|i| format!("\"{}\"", i.name));
     let names = names.collect::<Vec<_>>().join(", ");

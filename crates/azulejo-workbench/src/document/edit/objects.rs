@@ -1,4 +1,4 @@
-//! Objects: what they are called, where they stand, what they are made of.
+//! Edits of objects: names, placements and materials.
 
 use super::{EditError, Edited, is_placement, missing, refuse, set};
 use crate::document::{ItemId, NewShape, SceneDocument, SceneObject, ShapeFacts, map_materials};
@@ -33,7 +33,7 @@ impl SceneDocument {
     pub(super) fn hide(&mut self, ids: &[ItemId], hidden: bool) -> Vec<ItemId> {
         let chosen = set(ids);
         let named = self.objects.iter_mut().filter(|i| chosen.contains(&i.id));
-        // What is so already is not copied.
+        // Do not copy an object that already has this visibility.
         let others = named.filter(|i| i.hidden != hidden);
         others.for_each(|item| Arc::make_mut(item).hidden = hidden);
         let lights = self.lights.iter_mut().filter(|l| chosen.contains(&l.id));
@@ -77,7 +77,7 @@ impl SceneDocument {
         self.check_placed(items.map(|item| &**item))
     }
 
-    /// Lights and cameras know themselves how they move.
+    /// Lights and cameras transform themselves.
     fn transform_markers(&mut self, ids: &[ItemId], map: &DAffine3) -> Result<(), EditError> {
         let chosen = set(ids);
         let lights = self.lights.iter().filter(|l| chosen.contains(&l.id));
@@ -111,7 +111,7 @@ impl SceneDocument {
         self.replace_item(item)
     }
 
-    /// Puts an object in the place of the one of its name for good.
+    /// Replaces the object with the same id.
     fn replace_item(&mut self, item: SceneObject) -> Edited {
         self.check_placed([&item])?;
         let id = item.id;
@@ -122,7 +122,8 @@ impl SceneDocument {
         Ok(vec![id])
     }
 
-    /// Whether numbers can tell where objects stand, and what they are there.
+    /// Checks that the objects are valid at their placements and that coordinates remain precise
+    /// enough.
     fn check_placed<'a>(
         &self,
         items: impl IntoIterator<Item = &'a SceneObject>,
@@ -131,8 +132,8 @@ impl SceneDocument {
         alone.validate().or_else(|e| refuse(e.problem))
     }
 
-    /// The scene that says whether objects are valid where they stand: one for all of them, since
-    /// it needs as many materials as there are.
+    /// A scene with just these objects, for validation. One scene serves all of them, since
+    /// building it takes time in proportion to the number of materials.
     fn placed_alone<'a>(
         &self,
         items: impl IntoIterator<Item = &'a SceneObject>,
@@ -144,7 +145,7 @@ impl SceneDocument {
             if !is_placement(&item.placement) || !is_there {
                 return refuse("the object leaves the range of numbers");
             }
-            // A mesh that is finite, at a place that is, is what it was.
+            // A finite mesh at a finite placement stays valid.
             if !matches!(&*item.shape, Shape::Mesh(_)) {
                 objects.push(item.object());
             }
@@ -152,7 +153,7 @@ impl SceneDocument {
         Ok(self.with_any_materials(objects))
     }
 
-    /// A scene of objects whose materials are there, whatever they look like.
+    /// A scene of these objects with as many default materials as they refer to.
     fn with_any_materials(&self, objects: Vec<Object>) -> Scene {
         let count = if objects.is_empty() {
             0
@@ -187,7 +188,7 @@ impl SceneDocument {
         self.replace_item(item)
     }
 
-    /// Objects that shared a shape share it again.
+    /// Objects that shared a shape share the changed one.
     pub(super) fn assign(&mut self, ids: &[ItemId], material: MaterialId) -> Edited {
         self.known_material(material)?;
         let chosen = set(ids);
@@ -249,7 +250,7 @@ mod tests {
     use glam::{DAffine3, DVec3};
     use std::sync::Arc;
 
-    /// Forty balls, fifty materials.
+    /// Forty spheres, fifty materials.
     fn crowd() -> (SceneDocument, Vec<ItemId>) {
         let mut document = sample();
         let white = Arc::new(Material::default());
@@ -270,7 +271,7 @@ mod tests {
         let (mut document, ids) = crowd();
         let moved = ids.iter().filter_map(|&id| document.item(id));
         let alone = document.placed_alone(moved).unwrap();
-        // The two meshes need no more than their boxes.
+        // The two meshes are represented by their bounding boxes.
         assert_eq!((alone.objects.len(), alone.materials.len()), (40, 50));
         let meshes = [ItemId(1), ItemId(2)].into_iter();
         let meshes = meshes.filter_map(|id| document.item(id));
