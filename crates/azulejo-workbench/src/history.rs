@@ -1,22 +1,22 @@
 //! Undo and redo.
 
 /// More steps than this are forgotten, the oldest first.
-const MOST_STEPS: usize = 500;
+const MAX_STEPS: usize = 500;
 /// So many steps can be taken back whatever they weigh.
-const LEAST_STEPS: usize = 4;
+const MIN_STEPS: usize = 4;
 
 /// Versions before and after; `V` is cheap to keep, as documents are.
 #[derive(Clone, Debug)]
 pub struct History<V> {
-    past: Vec<Step<V>>,
-    future: Vec<Step<V>>,
+    past: Vec<HistoryStep<V>>,
+    future: Vec<HistoryStep<V>>,
     /// The gesture that made the last step, while it goes on.
     gesture: Option<u64>,
 }
 
 /// What was there before an edit (or, in the future, after it), and what the edit was.
 #[derive(Clone, Debug)]
-struct Step<V> {
+struct HistoryStep<V> {
     label: &'static str,
     version: V,
     /// What is kept for the version before the edit alone: what the one after has not.
@@ -36,17 +36,17 @@ impl<V> Default for History<V> {
 impl<V> History<V> {
     /// Notes an edit, with what was before it. Edits of one gesture, such as all moments of
     /// dragging a slider, are one step.
-    pub fn note(&mut self, label: &'static str, before: V, gesture: Option<u64>) {
+    pub fn record(&mut self, label: &'static str, before: V, gesture: Option<u64>) {
         self.future.clear();
         let goes_on = gesture.is_some() && gesture == self.gesture && !self.past.is_empty();
         self.gesture = gesture;
         if goes_on {
             return;
         }
-        if self.past.len() == MOST_STEPS {
+        if self.past.len() == MAX_STEPS {
             self.past.remove(0);
         }
-        self.past.push(Step {
+        self.past.push(HistoryStep {
             label,
             version: before,
             bytes: 0,
@@ -55,7 +55,7 @@ impl<V> History<V> {
 
     /// Says what the last step holds that nothing after it holds. A gesture that goes on says it
     /// anew.
-    pub fn weigh(&mut self, bytes: impl FnOnce(&V) -> u64) {
+    pub fn set_bytes(&mut self, bytes: impl FnOnce(&V) -> u64) {
         if let Some(step) = self.past.last_mut() {
             step.bytes = bytes(&step.version);
         }
@@ -69,9 +69,9 @@ impl<V> History<V> {
 
     /// Forgets the oldest steps until the others hold no more than `most` bytes; a few stay in any
     /// case.
-    pub fn forget_beyond(&mut self, most: u64) {
+    pub fn limit_bytes(&mut self, most: u64) {
         let mut held = self.bytes();
-        let spare = self.past.len().saturating_sub(LEAST_STEPS);
+        let spare = self.past.len().saturating_sub(MIN_STEPS);
         let mut oldest = self.past.iter().take(spare);
         let mut forgotten = 0;
         while held > most
@@ -111,9 +111,9 @@ impl<V> History<V> {
     }
 }
 
-fn exchange<V>(from: &mut Vec<Step<V>>, to: &mut Vec<Step<V>>, now: V) -> Option<V> {
+fn exchange<V>(from: &mut Vec<HistoryStep<V>>, to: &mut Vec<HistoryStep<V>>, now: V) -> Option<V> {
     let step = from.pop()?;
-    to.push(Step {
+    to.push(HistoryStep {
         label: step.label,
         version: now,
         bytes: step.bytes,
@@ -128,9 +128,9 @@ mod tests {
     #[test]
     fn a_gesture_is_one_step_and_a_new_edit_ends_the_future() {
         let mut history = History::default();
-        history.note("a", 0, None);
+        history.record("a", 0, None);
         for before in 1..5 {
-            history.note("drag", before, Some(7));
+            history.record("drag", before, Some(7));
         }
         assert_eq!(history.undo_label(), Some("drag"));
         assert_eq!(history.undo(5), Some(1));
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(history.undo(0), None);
         assert_eq!(history.redo(0), Some(1));
         assert_eq!(history.redo_label(), Some("drag"));
-        history.note("b", 1, None);
+        history.record("b", 1, None);
         assert_eq!(history.redo(9), None);
     }
 
@@ -146,9 +146,9 @@ mod tests {
     fn steps_are_forgotten_by_what_they_hold() {
         let mut history = History::default();
         for k in 0..100 {
-            history.note("k", k, None);
-            history.weigh(|_| 10);
-            history.forget_beyond(75);
+            history.record("k", k, None);
+            history.set_bytes(|_| 10);
+            history.limit_bytes(75);
             assert!(history.bytes() <= 75);
         }
         assert_eq!(history.bytes(), 70);
@@ -161,22 +161,22 @@ mod tests {
         assert_eq!(history.bytes(), 70);
         // A gesture becomes heavier while it goes on.
         for bytes in [1, 30] {
-            history.note("drag", 100, Some(1));
-            history.weigh(|_| bytes);
+            history.record("drag", 100, Some(1));
+            history.set_bytes(|_| bytes);
         }
         assert_eq!(history.bytes(), 100);
-        history.forget_beyond(0);
+        history.limit_bytes(0);
         let undone = std::iter::from_fn(|| history.undo(0)).count();
-        assert_eq!(undone, LEAST_STEPS);
+        assert_eq!(undone, MIN_STEPS);
     }
 
     #[test]
     fn the_oldest_steps_are_forgotten() {
         let mut history = History::default();
-        for k in 0..2 * MOST_STEPS {
-            history.note("k", k, None);
+        for k in 0..2 * MAX_STEPS {
+            history.record("k", k, None);
         }
         let undone = std::iter::from_fn(|| history.undo(0)).count();
-        assert_eq!(undone, MOST_STEPS);
+        assert_eq!(undone, MAX_STEPS);
     }
 }

@@ -12,11 +12,11 @@ use std::time::Instant;
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
 /// Asks for the window to be drawn.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
+pub type RepaintRequest = Arc<dyn Fn() + Send + Sync>;
 
 /// What a job is about; of some kinds there is one at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum JobKind {
     /// Reading models.
     Load,
     /// Reading a picture for the background.
@@ -28,7 +28,7 @@ pub enum Kind {
     /// The first pass.
     Solve,
     /// The second pass.
-    Picture,
+    Render,
     /// What one patch sees.
     FormFactors,
     /// Irradiance at probes.
@@ -41,7 +41,7 @@ pub struct Job {
     /// Its number.
     pub id: u64,
     /// What it is about.
-    pub kind: Kind,
+    pub kind: JobKind,
     /// What it works on, for people.
     pub title: String,
     /// How far it is; cancels and pauses it too.
@@ -51,73 +51,73 @@ pub struct Job {
 }
 
 /// A message of a job.
-pub enum News<T> {
+pub enum JobMessage<T> {
     /// Something that it found, with more to come.
-    Found(T),
+    Output(T),
     /// It ended; with a reason, if it failed.
     Ended(Option<String>),
 }
 
 /// What a job sends through.
-pub struct Outbox<T> {
+pub struct JobSender<T> {
     id: u64,
-    sender: Sender<(u64, News<T>)>,
-    wake: Wake,
+    sender: Sender<(u64, JobMessage<T>)>,
+    repaint: RepaintRequest,
 }
 
-impl<T> Outbox<T> {
+impl<T> JobSender<T> {
     /// Sends something that was found.
     pub fn send(&self, found: T) {
-        self.post(News::Found(found));
+        self.post(JobMessage::Output(found));
     }
 
-    fn post(&self, news: News<T>) {
+    fn post(&self, news: JobMessage<T>) {
         // The window may be gone; then nobody waits for the news.
         let _ = self.sender.send((self.id, news));
-        (self.wake)();
+        (self.repaint)();
     }
 }
 
 /// All work that goes on.
 pub struct Jobs<T> {
     running: Vec<Job>,
-    sender: Sender<(u64, News<T>)>,
-    receiver: Receiver<(u64, News<T>)>,
-    wake: Wake,
+    sender: Sender<(u64, JobMessage<T>)>,
+    receiver: Receiver<(u64, JobMessage<T>)>,
+    repaint: RepaintRequest,
     next: u64,
 }
 
 impl<T: Send + 'static> Jobs<T> {
     /// None yet.
-    pub fn new(wake: Wake) -> Jobs<T> {
+    pub fn new(repaint: RepaintRequest) -> Jobs<T> {
         let (sender, receiver) = channel();
         Jobs {
             running: Vec::new(),
             sender,
             receiver,
-            wake,
+            repaint,
             next: 0,
         }
     }
 
     /// Another way of asking for the window to be drawn, for the jobs that begin from now on.
-    pub fn set_wake(&mut self, wake: Wake) {
-        self.wake = wake;
+    pub fn set_repaint(&mut self, repaint: RepaintRequest) {
+        self.repaint = repaint;
     }
 
     /// Starts `work` in a thread of its own; returns its number. An error it returns is told.
     pub fn start(
         &mut self,
-        kind: Kind,
+        kind: JobKind,
         title: impl Into<String>,
-        work: impl FnOnce(&Progress, &Outbox<T>) -> Result<(), String> + Send + 'static,
+        work: impl FnOnce(&Progress, &JobSender<T>) -> Result<(), String> + Send + 'static,
     ) -> u64 {
         self.next += 1;
         let (id, progress) = (self.next, Arc::new(Progress::new()));
-        let outbox = Outbox {
+        let outbox = JobSender {
             id,
             sender: self.sender.clone(),
-            wake: Arc::clone(&self.wake),
+            repaint: Arc::clone(&self.repaint),
         };
         self.running.push(Job {
             id,
@@ -130,30 +130,30 @@ impl<T: Send + 'static> Jobs<T> {
             let result = catch_unwind(AssertUnwindSafe(|| work(&progress, &outbox)));
             let end = match result {
                 Ok(done) => done.err(),
-                Err(panic) => Some(said(&*panic)),
+                Err(panic) => Some(panic_message(&*panic)),
             };
-            outbox.post(News::Ended(end));
+            outbox.post(JobMessage::Ended(end));
         };
         let spawned = std::thread::Builder::new()
             .name(format!("{kind:?}"))
             .spawn(run);
         if let Err(error) = spawned {
             let message = format!("no thread for it: {error}");
-            let _ = self.sender.send((id, News::Ended(Some(message))));
+            let _ = self.sender.send((id, JobMessage::Ended(Some(message))));
         }
         id
     }
 
     /// The next message, if there is one, with the job that sent it. A cancelled job is not heard.
-    pub fn next_news(&mut self) -> Option<(Job, News<T>)> {
+    pub fn next_message(&mut self) -> Option<(Job, JobMessage<T>)> {
         loop {
             let (id, news) = self.receiver.try_recv().ok()?;
             let Some(at) = self.running.iter().position(|j| j.id == id) else {
                 continue;
             };
             let job = match news {
-                News::Found(_) => self.running[at].copy(),
-                News::Ended(_) => self.running.remove(at),
+                JobMessage::Output(_) => self.running[at].copy(),
+                JobMessage::Ended(_) => self.running.remove(at),
             };
             return Some((job, news));
         }
@@ -165,7 +165,7 @@ impl<T: Send + 'static> Jobs<T> {
     }
 
     /// The first job of a kind.
-    pub fn of(&self, kind: Kind) -> Option<&Job> {
+    pub fn of(&self, kind: JobKind) -> Option<&Job> {
         self.running.iter().find(|j| j.kind == kind)
     }
 
@@ -175,7 +175,7 @@ impl<T: Send + 'static> Jobs<T> {
     }
 
     /// Cancels all jobs of a kind.
-    pub fn cancel_kind(&mut self, kind: Kind) {
+    pub fn cancel_kind(&mut self, kind: JobKind) {
         self.forget(|job| job.kind == kind);
     }
 
@@ -209,7 +209,7 @@ impl Job {
 }
 
 /// What a panic said.
-fn said(panic: &(dyn std::any::Any + Send)) -> String {
+fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!(
@@ -221,21 +221,21 @@ fn said(panic: &(dyn std::any::Any + Send)) -> String {
 /// Runs `work` on threads of its own, fewer than there are: the window needs one too, and workers
 /// that pause must not hold up anybody else. They give way to whatever draws, which may want all
 /// processors for a moment where there is no graphics card.
-pub fn on_own_threads<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
+pub fn in_thread_pool<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = match most {
         0 => all.saturating_sub(1).max(1),
         most => most.min(all),
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    match pool.start_handler(|_| give_way()).build() {
+    match pool.start_handler(|_| lower_priority()).build() {
         Ok(pool) => pool.install(work),
         Err(_) => work(),
     }
 }
 
 /// Lets other threads go before this one. Where the system does not have it so, nothing changes.
-fn give_way() {
+fn lower_priority() {
     // Of 0 to 99, where threads begin at 49. Niceness 5 where there is such a thing: the window
     // has three quarters of a processor that both want, and other programs do not starve the work.
     const BELOW_OTHERS: u8 = 35;
@@ -249,10 +249,10 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, News<T>) {
+    fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, JobMessage<T>) {
         let begin = Instant::now();
         loop {
-            if let Some(found) = jobs.next_news() {
+            if let Some(found) = jobs.next_message() {
                 return found;
             }
             assert!(begin.elapsed() < Duration::from_secs(60), "no news");
@@ -263,26 +263,26 @@ mod tests {
     #[test]
     fn what_is_found_arrives_in_order_and_then_the_end() {
         let mut jobs = Jobs::new(Arc::new(|| ()));
-        jobs.start(Kind::Load, "two", |_, out| {
+        jobs.start(JobKind::Load, "two", |_, out| {
             out.send(1);
             out.send(2);
             Ok(())
         });
         for expected in [1, 2] {
-            assert!(matches!(wait(&mut jobs).1, News::Found(n) if n == expected));
+            assert!(matches!(wait(&mut jobs).1, JobMessage::Output(n) if n == expected));
         }
-        assert!(matches!(wait(&mut jobs).1, News::Ended(None)));
+        assert!(matches!(wait(&mut jobs).1, JobMessage::Ended(None)));
         assert!(jobs.running().is_empty());
     }
 
     #[test]
     fn a_panic_is_a_failure_and_not_the_end_of_the_window() {
         let mut jobs = Jobs::<()>::new(Arc::new(|| ()));
-        jobs.start(Kind::Solve, "fault", |_, _| panic!("on purpose"));
-        let (job, News::Ended(Some(why))) = wait(&mut jobs) else {
+        jobs.start(JobKind::Solve, "fault", |_, _| panic!("on purpose"));
+        let (job, JobMessage::Ended(Some(why))) = wait(&mut jobs) else {
             unreachable!("it cannot end well")
         };
-        assert_eq!(job.kind, Kind::Solve);
+        assert_eq!(job.kind, JobKind::Solve);
         assert!(why.contains("on purpose"), "{why}");
     }
 
@@ -290,7 +290,7 @@ mod tests {
     fn a_cancelled_job_is_stopped_and_not_heard() {
         let mut jobs = Jobs::new(Arc::new(|| ()));
         let (tell, told) = channel();
-        let id = jobs.start(Kind::Solve, "endless", move |progress, out| {
+        let id = jobs.start(JobKind::Solve, "endless", move |progress, out| {
             while progress.advance(1).is_ok() {
                 std::thread::yield_now();
             }
@@ -300,7 +300,7 @@ mod tests {
         jobs.cancel(id);
         told.recv_timeout(Duration::from_secs(60)).unwrap();
         std::thread::sleep(Duration::from_millis(20));
-        assert!(jobs.next_news().is_none());
+        assert!(jobs.next_message().is_none());
     }
 
     #[cfg(target_os = "linux")]
@@ -317,7 +317,7 @@ mod tests {
                 .unwrap()
         };
         let own = niceness();
-        let theirs = on_own_threads(1, niceness);
+        let theirs = in_thread_pool(1, niceness);
         assert!(theirs > own || own >= 5, "{theirs} {own}");
         assert_eq!(niceness(), own);
     }

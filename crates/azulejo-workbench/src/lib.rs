@@ -6,10 +6,10 @@
 pub mod app;
 pub mod command;
 pub mod document;
+pub mod first_pass;
 pub mod gpu;
 pub mod history;
 pub mod jobs;
-pub mod light;
 pub mod preferences;
 pub mod recovery;
 pub mod script;

@@ -1,9 +1,9 @@
 //! `azulejo-workbench`: the window.
 
-use azulejo_workbench::app::{App, Places};
+use azulejo_workbench::app::{App, UserDirs};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::preferences::Preferences;
-use azulejo_workbench::script::{self, Player, Step};
+use azulejo_workbench::script::{self, ScriptPlayer, ScriptStep};
 use azulejo_workbench::ui::{Rescued, Viewport, Workbench};
 use clap::Parser;
 use std::cell::RefCell;
@@ -31,29 +31,29 @@ struct Arguments {
 }
 
 /// How often a window is opened again that could not stay.
-const MOST_FALLS: u32 = 3;
+const MAX_REOPENS: u32 = 3;
 
 /// What is worked on, and a script, until a window has them.
-type Slot = RefCell<Option<(App, Option<Player>)>>;
+type AppSlot = RefCell<Option<(App, Option<ScriptPlayer>)>>;
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
-            complain(&why);
+            print_error(&why);
             ExitCode::FAILURE
         }
     }
 }
 
 #[allow(clippy::print_stderr)]
-fn complain(why: &str) {
+fn print_error(why: &str) {
     eprintln!("azulejo-workbench: {why}");
 }
 
 fn run(arguments: &Arguments) -> Result<(), String> {
     let player = player(arguments)?;
-    let outcome = player.as_ref().map(Player::outcome);
+    let outcome = player.as_ref().map(ScriptPlayer::outcome);
     let app = app(arguments);
     windows(app, player, window)?;
     match outcome {
@@ -66,7 +66,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
 }
 
 /// The script, and what the command line adds to it.
-fn player(arguments: &Arguments) -> Result<Option<Player>, String> {
+fn player(arguments: &Arguments) -> Result<Option<ScriptPlayer>, String> {
     let mut steps = Vec::new();
     let mut name = String::from("the command line");
     if let Some(path) = &arguments.script {
@@ -76,39 +76,40 @@ fn player(arguments: &Arguments) -> Result<Option<Player>, String> {
     } else if arguments.screenshot.is_none() {
         return Ok(None);
     }
-    let quits = matches!(steps.last(), Some((_, Step::Quit)));
+    let quits = matches!(steps.last(), Some((_, ScriptStep::Quit)));
     if quits {
         steps.pop();
     }
     let last = steps.last().map_or(0, |(line, _)| *line);
     if let Some(path) = &arguments.screenshot {
-        steps.push((last, Step::Wait(None)));
-        steps.push((last, Step::Wait(Some(0.3))));
-        steps.push((last, Step::Screenshot(path.clone())));
+        steps.push((last, ScriptStep::Wait(None)));
+        steps.push((last, ScriptStep::Wait(Some(0.3))));
+        steps.push((last, ScriptStep::Screenshot(path.clone())));
     }
     if quits || arguments.screenshot.is_some() {
-        steps.push((last, Step::Quit));
+        steps.push((last, ScriptStep::Quit));
     }
-    Ok(Some(Player::new(steps, &name)))
+    Ok(Some(ScriptPlayer::new(steps, &name)))
 }
 
 fn app(arguments: &Arguments) -> App {
-    let places = match arguments.no_preferences {
-        true => Places::default(),
-        false => Places::of_system(),
+    let dirs = if arguments.no_preferences {
+        UserDirs::default()
+    } else {
+        UserDirs::of_system()
     };
-    let mut places = places;
-    let (preferences, trouble) = match &places.preferences {
+    let mut dirs = dirs;
+    let (preferences, window_error) = match &dirs.preferences {
         Some(path) => Preferences::load(path),
         None => (Preferences::default(), None),
     };
-    if trouble.is_some() {
+    if window_error.is_some() {
         // A slip in a file that a person wrote is theirs to mend, and no reason to write over it.
-        places.preferences = None;
+        dirs.preferences = None;
     }
-    let mut app = App::new(preferences, places, Arc::new(|| ()));
-    if let Some(why) = trouble {
-        app.tell(azulejo_workbench::app::Level::Warning, why);
+    let mut app = App::new(preferences, dirs, Arc::new(|| ()));
+    if let Some(why) = window_error {
+        app.report(azulejo_workbench::app::Severity::Warning, why);
     }
     if !arguments.files.is_empty() {
         app.execute(Command::Open(arguments.files.clone()));
@@ -123,20 +124,20 @@ fn app(arguments: &Arguments) -> App {
 /// nobody to ask: then what was worked on is written for the next start.
 fn windows(
     app: App,
-    player: Option<Player>,
-    mut open: impl FnMut(&Slot, Sender<Box<Rescued>>) -> Result<(), String>,
+    player: Option<ScriptPlayer>,
+    mut open: impl FnMut(&AppSlot, Sender<Box<Rescued>>) -> Result<(), String>,
 ) -> Result<(), String> {
     let mut work = (app, player);
-    for _ in 0..=MOST_FALLS {
+    for _ in 0..=MAX_REOPENS {
         // Outside of all that may fall.
-        let slot = Slot::new(Some(work));
+        let slot = AppSlot::new(Some(work));
         let (rescue, rescued) = channel::<Box<Rescued>>();
         let opened = catch_unwind(AssertUnwindSafe(|| open(&slot, rescue)));
         let fell = opened.is_err();
         let result = opened.unwrap_or_else(|_| Err("the window fell before it was open".into()));
         if let Some((app, _)) = slot.into_inner() {
             let why = result.err().unwrap_or_else(|| "no window".into());
-            return Err(unopened(app, why));
+            return Err(open_failure(app, why));
         }
         match rescued.try_recv() {
             Err(_) => return result,
@@ -144,22 +145,24 @@ fn windows(
             Ok(left) => work = (left.app, left.player),
         }
         let text = "the graphics card was lost, and the window was opened again";
-        work.0.tell(azulejo_workbench::app::Level::Warning, text);
+        work.0
+            .report(azulejo_workbench::app::Severity::Warning, text);
     }
     Err(keep(work.0))
 }
 
 /// What to say of a window that was never there; what was to be in it is kept.
-fn unopened(app: App, why: String) -> String {
-    match app.is_changed() {
-        true => format!("{why}\n{}", keep(app)),
-        false => why,
+fn open_failure(app: App, why: String) -> String {
+    if app.is_changed() {
+        format!("{why}\n{}", keep(app))
+    } else {
+        why
     }
 }
 
 /// Writes what was worked on for the next start; says so.
 fn keep(mut app: App) -> String {
-    let kept = app.keep_for_next_start();
+    let kept = app.save_recovery_now();
     // Ending in good order would take the copy away.
     std::mem::forget(app);
     match kept {
@@ -172,7 +175,7 @@ fn keep(mut app: App) -> String {
     }
 }
 
-fn window(slot: &Slot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
+fn window(slot: &AppSlot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id("azulejo")
@@ -196,11 +199,11 @@ fn window(slot: &Slot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
         }
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
-    eframe::run_native("azulejo", options, Box::new(open)).map_err(|e| trouble(&e))
+    eframe::run_native("azulejo", options, Box::new(open)).map_err(|e| window_error(&e))
 }
 
 /// Why there is no window, and what to do.
-fn trouble(error: &eframe::Error) -> String {
+fn window_error(error: &eframe::Error) -> String {
     let advice = match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {
             "A window needs a display: run it on a desktop, or in a virtual one (xvfb-run), with \
@@ -222,24 +225,24 @@ fn trouble(error: &eframe::Error) -> String {
 mod tests {
     use super::*;
     use azulejo_workbench::command::Command;
-    use azulejo_workbench::document::NewKind;
+    use azulejo_workbench::document::NewShapeKind;
 
     /// Plays what becomes of the windows with a changed document; what was said, and how many
     /// copies are there then.
     fn check(
         name: &str,
-        open: impl FnMut(&Slot, Sender<Box<Rescued>>) -> Result<(), String>,
+        open: impl FnMut(&AppSlot, Sender<Box<Rescued>>) -> Result<(), String>,
         said: &str,
         copies: usize,
     ) {
         let folder = format!("azulejo-windows-{name}-{}", std::process::id());
         let folder = std::env::temp_dir().join(folder);
-        let places = Places {
+        let dirs = UserDirs {
             preferences: None,
             recovery: Some(folder.clone()),
         };
-        let mut app = App::new(Preferences::default(), places, Arc::new(|| ()));
-        app.execute(Command::AddShape(NewKind::Cuboid));
+        let mut app = App::new(Preferences::default(), dirs, Arc::new(|| ()));
+        app.execute(Command::AddShape(NewShapeKind::Cuboid));
         let result = windows(app, None, open).unwrap_err();
         assert!(result.contains(said), "{result}");
         let kept = std::fs::read_dir(&folder).into_iter().flatten().flatten();
@@ -253,7 +256,7 @@ mod tests {
         check("none", |_, _| Err("no display".into()), "no display", 1);
         check("panic", |_, _| panic!("on purpose"), "is kept in", 1);
         let mut windows = 0;
-        let lost_once = |slot: &Slot, rescue: Sender<Box<Rescued>>| {
+        let lost_once = |slot: &AppSlot, rescue: Sender<Box<Rescued>>| {
             windows += 1;
             if windows == 2 {
                 return Err("no card".into());
@@ -264,7 +267,7 @@ mod tests {
             Ok(())
         };
         check("lost", lost_once, "no card", 1);
-        let falls = |slot: &Slot, rescue: Sender<Box<Rescued>>| {
+        let falls = |slot: &AppSlot, rescue: Sender<Box<Rescued>>| {
             let (app, _) = slot.take().ok_or("empty")?;
             Workbench::new(app).rescue_to(rescue);
             panic!("on purpose")

@@ -62,9 +62,9 @@ impl Default for Preferences {
 }
 
 /// The most rays of a final gather.
-pub const MOST_GATHER: u32 = 1024;
+pub const MAX_GATHER: u32 = 1024;
 /// More recent files than this are forgotten.
-const MOST_RECENT: usize = 12;
+const MAX_RECENT: usize = 12;
 
 impl Preferences {
     /// Reads them; what cannot be read is default, with the reason why.
@@ -102,13 +102,14 @@ impl Preferences {
 
     /// Numbers from a file that a person may have written.
     fn limited(mut self) -> Preferences {
-        self.scale = match self.scale.is_finite() {
-            true => self.scale.clamp(0.5, 3.0),
-            false => 1.0,
+        self.scale = if self.scale.is_finite() {
+            self.scale.clamp(0.5, 3.0)
+        } else {
+            1.0
         };
         self.picture_samples = self.picture_samples.clamp(1, 1 << 16);
-        self.picture_gather = self.picture_gather.min(MOST_GATHER);
-        self.recent.truncate(MOST_RECENT);
+        self.picture_gather = self.picture_gather.min(MAX_GATHER);
+        self.recent.truncate(MAX_RECENT);
         self
     }
 
@@ -116,7 +117,7 @@ impl Preferences {
     pub fn note_recent(&mut self, path: &Path) {
         self.recent.retain(|p| p != path);
         self.recent.insert(0, path.to_owned());
-        self.recent.truncate(MOST_RECENT);
+        self.recent.truncate(MAX_RECENT);
     }
 }
 
@@ -153,7 +154,7 @@ mod tests {
         .unwrap();
         let (found, _) = Preferences::load(&path);
         assert_eq!((found.scale, found.picture_samples), (3.0, 1));
-        assert_eq!(found.picture_gather, MOST_GATHER);
+        assert_eq!(found.picture_gather, MAX_GATHER);
         std::fs::remove_dir_all(folder).unwrap();
     }
 
@@ -163,7 +164,7 @@ mod tests {
         for k in 0..20 {
             p.note_recent(Path::new(&format!("/{}", k % 15)));
         }
-        assert_eq!(p.recent.len(), MOST_RECENT);
+        assert_eq!(p.recent.len(), MAX_RECENT);
         assert_eq!(p.recent[0], Path::new("/4"));
     }
 }

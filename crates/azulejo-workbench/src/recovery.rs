@@ -24,16 +24,16 @@ pub struct Recoverable {
 
 /// The note beside a copy.
 #[derive(Debug, Default, Serialize, Deserialize)]
-struct Note {
+struct RecoveryNote {
     original: Option<PathBuf>,
     /// The same in the system's own units, where it is no text.
     original_units: Option<Vec<u16>>,
 }
 
-impl Note {
-    fn of(original: Option<&Path>) -> Note {
+impl RecoveryNote {
+    fn of(original: Option<&Path>) -> RecoveryNote {
         let text = original.filter(|p| p.to_str().is_some());
-        Note {
+        RecoveryNote {
             original: text.map(Path::to_owned),
             original_units: original.filter(|_| text.is_none()).map(units),
         }
@@ -75,7 +75,7 @@ fn path_of(units: &[u16]) -> Option<PathBuf> {
 pub struct Recovery {
     folder: Option<PathBuf>,
     /// This session's name; made with its first copy.
-    session: Option<Session>,
+    session: Option<RecoverySession>,
     found: Vec<Recoverable>,
     /// The copy that was opened, as long as it is the only one.
     adopted: Option<PathBuf>,
@@ -86,7 +86,7 @@ pub struct Recovery {
 }
 
 #[derive(Debug)]
-struct Session {
+struct RecoverySession {
     copy: PathBuf,
     note: PathBuf,
     /// Locked as long as the session lives.
@@ -98,20 +98,20 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 impl Recovery {
     /// Writes nothing and finds nothing.
-    pub fn nowhere() -> Recovery {
+    pub fn disabled() -> Recovery {
         Recovery::default()
     }
 
     /// Copies go into `folder`; finds what sessions left there.
     pub fn new(folder: PathBuf) -> Recovery {
-        let mut recovery = Recovery::nowhere();
-        recovery.found = left_behind(&folder);
+        let mut recovery = Recovery::disabled();
+        recovery.found = orphaned_copies(&folder);
         recovery.folder = Some(folder);
         recovery
     }
 
     /// What sessions left behind.
-    pub fn found(&self) -> &[Recoverable] {
+    pub fn recoverable(&self) -> &[Recoverable] {
         &self.found
     }
 
@@ -121,7 +121,7 @@ impl Recovery {
         if waits || self.copied == Some(revision) {
             return None;
         }
-        let place = self.place(original);
+        let place = self.copy_path(original);
         if place.is_none() {
             self.failed();
         }
@@ -129,12 +129,12 @@ impl Recovery {
     }
 
     /// Whether the next copy of a document is still to be written, now or later.
-    pub fn awaits(&self, revision: u64) -> bool {
+    pub fn is_pending(&self, revision: u64) -> bool {
         self.folder.is_some() && self.copied != Some(revision)
     }
 
     /// How long nothing is tried, after a copy that failed.
-    pub fn rests(&self) -> Duration {
+    pub fn retry_delay(&self) -> Duration {
         let rest = self
             .not_before
             .map(|t| t.saturating_duration_since(Instant::now()));
@@ -142,9 +142,9 @@ impl Recovery {
     }
 
     /// Where copies of this session go; `None` where nothing is kept.
-    pub fn place(&mut self, original: Option<&Path>) -> Option<PathBuf> {
+    pub fn copy_path(&mut self, original: Option<&Path>) -> Option<PathBuf> {
         if self.session.is_none() {
-            self.session = self.folder.as_deref().and_then(Session::begin);
+            self.session = self.folder.as_deref().and_then(RecoverySession::begin);
         }
         let session = self.session.as_ref()?;
         session.write_note(original);
@@ -184,7 +184,7 @@ impl Recovery {
     }
 
     /// Takes a copy off the list, and off the disk.
-    pub fn forget(&mut self, copy: &Path) {
+    pub fn delete(&mut self, copy: &Path) {
         self.found.retain(|f| {
             let goes = f.copy == copy;
             if goes {
@@ -204,8 +204,8 @@ impl Drop for Recovery {
     }
 }
 
-impl Session {
-    fn begin(folder: &Path) -> Option<Session> {
+impl RecoverySession {
+    fn begin(folder: &Path) -> Option<RecoverySession> {
         std::fs::create_dir_all(folder).ok()?;
         let now = SystemTime::now().duration_since(UNIX_EPOCH).ok()?;
         let name = format!("{}-{}", std::process::id(), now.as_nanos());
@@ -213,7 +213,7 @@ impl Session {
         let mut options = OpenOptions::new();
         let lock = options.write(true).create_new(true).open(&note).ok()?;
         lock.try_lock().ok()?;
-        Some(Session {
+        Some(RecoverySession {
             copy: folder.join(format!("{name}.grf")),
             note,
             _lock: lock,
@@ -221,7 +221,7 @@ impl Session {
     }
 
     fn write_note(&self, original: Option<&Path>) {
-        let note = Note::of(original);
+        let note = RecoveryNote::of(original);
         // Without a note the copy is still found; only its name is lost.
         if let Ok(text) = toml::to_string(&note) {
             let file = OpenOptions::new()
@@ -257,7 +257,7 @@ fn pictures(copy: &Path) -> Vec<PathBuf> {
 
 /// Copies in `folder` that belong to no session that lives, the newest first. Notes without a
 /// copy are removed.
-fn left_behind(folder: &Path) -> Vec<Recoverable> {
+fn orphaned_copies(folder: &Path) -> Vec<Recoverable> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
     };
@@ -277,7 +277,7 @@ fn orphan(note: &Path) -> Option<Recoverable> {
         return None;
     };
     let text = std::fs::read_to_string(note).unwrap_or_default();
-    let said: Note = toml::from_str(&text).unwrap_or_default();
+    let said: RecoveryNote = toml::from_str(&text).unwrap_or_default();
     let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
     Some(Recoverable {
         copy,
@@ -303,16 +303,16 @@ mod tests {
             alive.due(2, Some(Path::new("/a/room.3ds"))),
             Some(copy.clone())
         );
-        assert_eq!(Recovery::new(folder.clone()).found(), []);
+        assert_eq!(Recovery::new(folder.clone()).recoverable(), []);
 
         // It dies: its lock goes, its files stay.
         alive.session = None;
         let mut next = Recovery::new(folder.clone());
-        let found = next.found().to_vec();
+        let found = next.recoverable().to_vec();
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].original.as_deref(), Some(Path::new("/a/room.3ds")));
-        next.forget(&copy);
-        assert!(next.found().is_empty() && !copy.exists());
+        next.delete(&copy);
+        assert!(next.recoverable().is_empty() && !copy.exists());
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -19,5 +19,5 @@
 mod parse;
 mod play;
 
-pub use parse::{Step, parse};
-pub use play::Player;
+pub use parse::{ScriptStep, parse};
+pub use play::ScriptPlayer;

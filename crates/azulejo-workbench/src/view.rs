@@ -187,7 +187,7 @@ pub const COLORS: [(&str, [u8; 3]); 16] = [
 
 /// A side from which to look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum ViewDirection {
     /// From the front.
     Front,
     /// From behind.
@@ -204,22 +204,22 @@ pub enum Side {
     Corner,
 }
 
-impl Side {
+impl ViewDirection {
     /// All of them.
-    pub const ALL: [Side; 7] = [
-        Side::Front,
-        Side::Back,
-        Side::Left,
-        Side::Right,
-        Side::Top,
-        Side::Bottom,
-        Side::Corner,
+    pub const ALL: [ViewDirection; 7] = [
+        ViewDirection::Front,
+        ViewDirection::Back,
+        ViewDirection::Left,
+        ViewDirection::Right,
+        ViewDirection::Top,
+        ViewDirection::Bottom,
+        ViewDirection::Corner,
     ];
 }
 
 /// The look at the model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct View {
+pub struct ModelView {
     /// From where.
     pub camera: Camera,
     /// What of surfaces.
@@ -231,33 +231,34 @@ pub struct View {
     /// What is behind.
     pub backdrop: Backdrop,
     /// Whether lights and cameras are drawn.
-    pub signs: bool,
+    pub shows_markers: bool,
     /// Whether the axes' grid is drawn.
-    pub grid: bool,
+    pub shows_grid: bool,
     /// Whether the scene's fog is drawn.
-    pub fog: bool,
+    pub shows_fog: bool,
 }
 
-impl Default for View {
-    fn default() -> View {
-        View {
+impl Default for ModelView {
+    fn default() -> ModelView {
+        ModelView {
             camera: whole(Aabb::EMPTY, Up::Y),
             shading: Shading::default(),
             exposure: None,
             false_color: FalseColor::default(),
             backdrop: Backdrop::default(),
-            signs: true,
-            grid: false,
-            fog: true,
+            shows_markers: true,
+            shows_grid: false,
+            shows_fog: true,
         }
     }
 }
 
 /// A camera that sees all of `bounds`; of a unit cube where there is nothing.
 pub fn whole(bounds: Aabb, up: Up) -> Camera {
-    let bounds = match bounds.is_empty() {
-        true => Aabb::around([DVec3::splat(-0.5), DVec3::splat(0.5)]),
-        false => bounds,
+    let bounds = if bounds.is_empty() {
+        Aabb::around([DVec3::splat(-0.5), DVec3::splat(0.5)])
+    } else {
+        bounds
     };
     Camera::framing(bounds, 1.0, up.axis())
 }
@@ -265,7 +266,7 @@ pub fn whole(bounds: Aabb, up: Up) -> Camera {
 /// How near the pole an orbit comes, radians.
 const POLE: f64 = 0.01;
 
-impl View {
+impl ModelView {
     /// Turns around the target: `right` and `up` radians.
     pub fn orbit(&mut self, right: f64, up: f64, axis: DVec3) {
         let camera = &mut self.camera;
@@ -330,7 +331,7 @@ impl View {
     }
 
     /// Looks at `bounds` from a side.
-    pub fn look_from(&mut self, side: Side, bounds: Aabb, up: Up) {
+    pub fn view_from(&mut self, side: ViewDirection, bounds: Aabb, up: Up) {
         let (u, back) = match up {
             Up::Y => (DVec3::Y, DVec3::Z),
             Up::Z => (DVec3::Z, DVec3::NEG_Y),
@@ -338,13 +339,13 @@ impl View {
         // From exactly above, the way to the front is up in the picture.
         let tilt = 1e-4 * back;
         let from = match side {
-            Side::Front => back,
-            Side::Back => -back,
-            Side::Left => DVec3::NEG_X,
-            Side::Right => DVec3::X,
-            Side::Top => u + tilt,
-            Side::Bottom => -u + tilt,
-            Side::Corner => 0.5 * DVec3::X + 0.35 * u + back,
+            ViewDirection::Front => back,
+            ViewDirection::Back => -back,
+            ViewDirection::Left => DVec3::NEG_X,
+            ViewDirection::Right => DVec3::X,
+            ViewDirection::Top => u + tilt,
+            ViewDirection::Bottom => -u + tilt,
+            ViewDirection::Corner => 0.5 * DVec3::X + 0.35 * u + back,
         };
         self.camera.up = u;
         self.camera.eye = self.camera.target + from.normalize();
@@ -356,9 +357,10 @@ impl View {
 pub fn linear(color: [u8; 3]) -> Rgb {
     let channel = |c: u8| {
         let c = f64::from(c) / 255.0;
-        match c <= 0.040_45 {
-            true => c / 12.92,
-            false => ((c + 0.055) / 1.055).powf(2.4),
+        if c <= 0.040_45 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
         }
     };
     Rgb::new(channel(color[0]), channel(color[1]), channel(color[2]))
@@ -388,8 +390,8 @@ pub fn sees_most(camera: &Camera, bounds: Aabb) -> bool {
 mod tests {
     use super::*;
 
-    fn view() -> View {
-        let mut view = View::default();
+    fn view() -> ModelView {
+        let mut view = ModelView::default();
         view.camera.eye = DVec3::new(0.0, 0.0, 5.0);
         view.camera.target = DVec3::ZERO;
         view
@@ -451,16 +453,16 @@ mod tests {
     fn standard_views_look_at_the_middle() {
         let bounds = Aabb::around([DVec3::splat(1.0), DVec3::splat(3.0)]);
         for up in [Up::Y, Up::Z] {
-            for side in Side::ALL {
+            for side in ViewDirection::ALL {
                 let mut v = view();
-                v.look_from(side, bounds, up);
+                v.view_from(side, bounds, up);
                 is_near(v.camera.target, DVec3::splat(2.0));
                 let (right, ..) = v.camera.axes();
                 assert!(right.is_finite(), "{side:?} {up:?}");
             }
         }
         let mut v = view();
-        v.look_from(Side::Top, bounds, Up::Z);
+        v.view_from(ViewDirection::Top, bounds, Up::Z);
         assert!(v.camera.eye.z > 3.0);
     }
 }

@@ -12,11 +12,11 @@ mod brdf;
 mod dialogs;
 mod inspector;
 mod light;
-mod looks;
 mod menu;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod view_tab;
 mod viewport;
 
 /// A language of the window.
@@ -33,10 +33,10 @@ pub enum Language {
 }
 
 /// One text: English, Spanish, Portuguese.
-type Entry = [&'static str; 3];
+type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Entry]; 9] = [
+const TABLES: [&[Translation]; 9] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -44,7 +44,7 @@ const TABLES: [&[Entry]; 9] = [
     inspector::TABLE,
     brdf::TABLE,
     light::TABLE,
-    looks::TABLE,
+    view_tab::TABLE,
     dialogs::TABLE,
 ];
 
@@ -74,8 +74,8 @@ impl Language {
     }
 
     /// `english` in this language; itself where there is no translation.
-    pub fn say(self, english: &str) -> &str {
-        static INDEX: OnceLock<HashMap<&str, &Entry>> = OnceLock::new();
+    pub fn tr(self, english: &str) -> &str {
+        static INDEX: OnceLock<HashMap<&str, &Translation>> = OnceLock::new();
         let index = INDEX.get_or_init(|| {
             let entries = TABLES.iter().flat_map(|table| table.iter());
             entries.map(|entry| (entry[0], entry)).collect()

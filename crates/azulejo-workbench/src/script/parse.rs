@@ -1,18 +1,18 @@
 //! Lines to steps.
 
-use crate::ui::Tab;
-use crate::view::{Shading, Side};
+use crate::ui::PanelTab;
+use crate::view::{Shading, ViewDirection};
 use glam::DVec3;
 use std::path::PathBuf;
 
 /// One step of a script.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Step {
+pub enum ScriptStep {
     /// `size W H`: the window, points.
     Size(f32, f32),
     /// `open FILE`, `add FILE`: one file each.
     Open(PathBuf),
-    /// See [`Step::Open`].
+    /// See [`ScriptStep::Open`].
     Add(PathBuf),
     /// `action NAME`: an entry of a menu by its English name.
     Action(String),
@@ -23,9 +23,9 @@ pub enum Step {
     Rename(String),
     /// `move X Y Z`, `scale F`, `turn X Y Z` in degrees: what is selected.
     Move(DVec3),
-    /// See [`Step::Move`].
+    /// See [`ScriptStep::Move`].
     Scale(f64),
-    /// See [`Step::Move`].
+    /// See [`ScriptStep::Move`].
     Turn(DVec3),
     /// `material new NAME`: a material, given to what is selected.
     MaterialNew(String),
@@ -38,23 +38,23 @@ pub enum Step {
     /// `shading NAME`, as `irradiance` or `false-color`.
     Shading(Shading),
     /// `view front`, `back`, `left`, `right`, `top`, `bottom`, `corner`, `all`.
-    View(Option<Side>),
+    View(Option<ViewDirection>),
     /// `camera EX EY EZ TX TY TZ`: from where, at what.
     Camera(DVec3, DVec3),
     /// `tab object`, `material`, `light`, `view`.
-    Tab(Tab),
+    PanelTab(PanelTab),
     /// `patches N`: how finely the light is solved.
     Patches(u32),
     /// `solve` or `solve 5%`: to an error.
     Solve(Option<f64>),
     /// `picture N`: by rays, until N paths per pixel.
-    Picture(u32),
+    Render(u32),
     /// `save FILE`, `export FILE`, `save-picture FILE`.
     Save(PathBuf),
-    /// See [`Step::Save`].
+    /// See [`ScriptStep::Save`].
     Export(PathBuf),
-    /// See [`Step::Save`].
-    SavePicture(PathBuf),
+    /// See [`ScriptStep::Save`].
+    SaveRender(PathBuf),
     /// `screenshot FILE`: the window, PNG.
     Screenshot(PathBuf),
     /// `wait SECONDS`, or `wait` until no job goes on but a picture.
@@ -67,7 +67,7 @@ pub enum Step {
 ///
 /// # Errors
 /// As above, for people.
-pub fn parse(text: &str, name: &str) -> Result<Vec<(usize, Step)>, String> {
+pub fn parse(text: &str, name: &str) -> Result<Vec<(usize, ScriptStep)>, String> {
     let mut steps = Vec::new();
     for (k, line) in text.lines().enumerate() {
         let line = line.trim();
@@ -80,7 +80,7 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<(usize, Step)>, String> {
     Ok(steps)
 }
 
-fn step(line: &str) -> Result<Step, String> {
+fn step(line: &str) -> Result<ScriptStep, String> {
     let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let rest = rest.trim();
     let path = || match rest {
@@ -93,40 +93,40 @@ fn step(line: &str) -> Result<Step, String> {
             if !(100.0..=16_384.0).contains(&w) || !(100.0..=16_384.0).contains(&h) {
                 return Err(format!("a window of {w} × {h}, expected 100 to 16384"));
             }
-            Step::Size(w as f32, h as f32)
+            ScriptStep::Size(w as f32, h as f32)
         }
-        "open" => Step::Open(path()?),
-        "add" => Step::Add(path()?),
-        "action" => Step::Action(action(rest)?),
-        "select" => Step::Select(rest.to_owned()),
-        "rename" => Step::Rename(rest.to_owned()),
-        "move" => Step::Move(vector(rest)?),
-        "scale" => Step::Scale(numbers::<1>(rest)?[0]),
-        "turn" => Step::Turn(vector(rest)?),
+        "open" => ScriptStep::Open(path()?),
+        "add" => ScriptStep::Add(path()?),
+        "action" => ScriptStep::Action(action(rest)?),
+        "select" => ScriptStep::Select(rest.to_owned()),
+        "rename" => ScriptStep::Rename(rest.to_owned()),
+        "move" => ScriptStep::Move(vector(rest)?),
+        "scale" => ScriptStep::Scale(numbers::<1>(rest)?[0]),
+        "turn" => ScriptStep::Turn(vector(rest)?),
         "material" => material(rest)?,
-        "shading" => Step::Shading(shading(rest)?),
-        "view" => Step::View(side(rest)?),
+        "shading" => ScriptStep::Shading(shading(rest)?),
+        "view" => ScriptStep::View(side(rest)?),
         "camera" => {
             let [a, b, c, d, e, f] = numbers(rest)?;
             let (eye, target) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
             if eye.distance(target).is_nan() || eye.distance(target) <= 0.0 {
                 return Err("a camera that looks at itself, expected another place".into());
             }
-            Step::Camera(eye, target)
+            ScriptStep::Camera(eye, target)
         }
-        "tab" => Step::Tab(tab(rest)?),
-        "patches" => Step::Patches(whole(rest, 10_000_000)?),
-        "solve" => Step::Solve(error(rest)?),
-        "picture" => Step::Picture(whole(rest, 65_536)?),
-        "save" => Step::Save(path()?),
-        "export" => Step::Export(path()?),
-        "save-picture" => Step::SavePicture(path()?),
-        "screenshot" => Step::Screenshot(path()?),
-        "wait" => Step::Wait(match rest {
+        "tab" => ScriptStep::PanelTab(tab(rest)?),
+        "patches" => ScriptStep::Patches(whole(rest, 10_000_000)?),
+        "solve" => ScriptStep::Solve(error(rest)?),
+        "picture" => ScriptStep::Render(whole(rest, 65_536)?),
+        "save" => ScriptStep::Save(path()?),
+        "export" => ScriptStep::Export(path()?),
+        "save-picture" => ScriptStep::SaveRender(path()?),
+        "screenshot" => ScriptStep::Screenshot(path()?),
+        "wait" => ScriptStep::Wait(match rest {
             "" => None,
             some => Some(numbers::<1>(some)?[0].clamp(0.0, 3_600.0)),
         }),
-        "quit" => Step::Quit,
+        "quit" => ScriptStep::Quit,
         other => {
             return Err(format!(
                 "unknown step \"{other}\", expected one of {}",
@@ -196,25 +196,24 @@ fn error(text: &str) -> Result<Option<f64>, String> {
 /// An action that exists.
 fn action(name: &str) -> Result<String, String> {
     let known = crate::ui::actions::ACTIONS.iter().map(|a| a.label);
-    match known.clone().any(|label| label == name) {
-        true => Ok(name.to_owned()),
-        false => {
-            let all: Vec<&str> = known.collect();
-            Err(format!(
-                "no action \"{name}\", expected one of {}",
-                all.join(", ")
-            ))
-        }
+    if known.clone().any(|label| label == name) {
+        Ok(name.to_owned())
+    } else {
+        let all: Vec<&str> = known.collect();
+        Err(format!(
+            "no action \"{name}\", expected one of {}",
+            all.join(", ")
+        ))
     }
 }
 
-fn material(text: &str) -> Result<Step, String> {
+fn material(text: &str) -> Result<ScriptStep, String> {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     match word {
-        "new" => Ok(Step::MaterialNew(rest.trim().to_owned())),
-        "brdf" => Ok(Step::MaterialBrdf(rest.trim().to_owned())),
-        "color" => Ok(Step::MaterialColor(vector(rest)?)),
-        "emit" => Ok(Step::MaterialEmit(vector(rest)?)),
+        "new" => Ok(ScriptStep::MaterialNew(rest.trim().to_owned())),
+        "brdf" => Ok(ScriptStep::MaterialBrdf(rest.trim().to_owned())),
+        "color" => Ok(ScriptStep::MaterialColor(vector(rest)?)),
+        "emit" => Ok(ScriptStep::MaterialEmit(vector(rest)?)),
         other => Err(format!(
             "material \"{other}\", expected new, brdf, color or emit"
         )),
@@ -229,15 +228,15 @@ fn shading(text: &str) -> Result<Shading, String> {
     })
 }
 
-fn side(text: &str) -> Result<Option<Side>, String> {
+fn side(text: &str) -> Result<Option<ViewDirection>, String> {
     Ok(Some(match text {
-        "front" => Side::Front,
-        "back" => Side::Back,
-        "left" => Side::Left,
-        "right" => Side::Right,
-        "top" => Side::Top,
-        "bottom" => Side::Bottom,
-        "corner" => Side::Corner,
+        "front" => ViewDirection::Front,
+        "back" => ViewDirection::Back,
+        "left" => ViewDirection::Left,
+        "right" => ViewDirection::Right,
+        "top" => ViewDirection::Top,
+        "bottom" => ViewDirection::Bottom,
+        "corner" => ViewDirection::Corner,
         "all" => return Ok(None),
         other => {
             return Err(format!(
@@ -247,8 +246,8 @@ fn side(text: &str) -> Result<Option<Side>, String> {
     }))
 }
 
-fn tab(text: &str) -> Result<Tab, String> {
-    let found = Tab::ALL
+fn tab(text: &str) -> Result<PanelTab, String> {
+    let found = PanelTab::ALL
         .into_iter()
         .find(|t| format!("{t:?}").to_ascii_lowercase() == text);
     found.ok_or_else(|| format!("no tab \"{text}\", expected object, material, light or view"))
@@ -264,15 +263,15 @@ mod tests {
                     material brdf ward_duer ks=0.3\nshading false-color\ntab light\nwait\nquit";
         let steps = parse(text, "s.txt").unwrap();
         let expected = [
-            Step::Open("a b.3ds".into()),
-            Step::Action("Area light".into()),
-            Step::Solve(Some(0.05)),
-            Step::Move(DVec3::new(1.0, -2.0, 0.5)),
-            Step::MaterialBrdf("ward_duer ks=0.3".into()),
-            Step::Shading(Shading::FalseColor),
-            Step::Tab(Tab::Light),
-            Step::Wait(None),
-            Step::Quit,
+            ScriptStep::Open("a b.3ds".into()),
+            ScriptStep::Action("Area light".into()),
+            ScriptStep::Solve(Some(0.05)),
+            ScriptStep::Move(DVec3::new(1.0, -2.0, 0.5)),
+            ScriptStep::MaterialBrdf("ward_duer ks=0.3".into()),
+            ScriptStep::Shading(Shading::FalseColor),
+            ScriptStep::PanelTab(PanelTab::Light),
+            ScriptStep::Wait(None),
+            ScriptStep::Quit,
         ];
         assert!(steps.iter().map(|(_, s)| s).eq(&expected), "{steps:?}");
         assert_eq!(steps[0].0, 3);

@@ -1,10 +1,10 @@
 //! Steps in a window, one after the other.
 
-use super::parse::Step;
-use crate::app::{App, Level};
+use super::parse::ScriptStep;
+use crate::app::{App, Severity};
 use crate::command::{Command, Selection};
-use crate::document::{Edit, Id};
-use crate::jobs::Kind;
+use crate::document::{Edit, ItemId};
+use crate::jobs::JobKind;
 use crate::ui::Workbench;
 use crate::ui::actions::ACTIONS;
 use crate::ui::brdf::with_description;
@@ -21,18 +21,18 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Plays a script in a window.
-pub struct Player {
-    steps: VecDeque<(usize, Step)>,
+pub struct ScriptPlayer {
+    steps: VecDeque<(usize, ScriptStep)>,
     name: String,
-    waits: Option<Wait>,
+    waits: Option<WaitCondition>,
     /// How many errors were told before the step.
-    told: u64,
+    errors_before: u64,
     line: usize,
     outcome: Arc<Mutex<Option<Result<(), String>>>>,
 }
 
 /// What a step waits for.
-enum Wait {
+enum WaitCondition {
     /// So many frames more at least, until no job goes on but for a picture that refines itself.
     Jobs(u32),
     /// So many frames more, in which the window settles.
@@ -52,15 +52,15 @@ const REST: Duration = Duration::from_millis(30);
 /// A screenshot that does not come.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-impl Player {
+impl ScriptPlayer {
     /// Plays `steps` of the script `name`, which stands in messages. Steps that are files are
     /// relative to where the program runs.
-    pub fn new(steps: Vec<(usize, Step)>, name: &str) -> Player {
-        Player {
+    pub fn new(steps: Vec<(usize, ScriptStep)>, name: &str) -> ScriptPlayer {
+        ScriptPlayer {
             steps: steps.into(),
             name: name.to_owned(),
-            waits: Some(Wait::Frames(SETTLE)),
-            told: 0,
+            waits: Some(WaitCondition::Frames(SETTLE)),
+            errors_before: 0,
             line: 0,
             outcome: Arc::default(),
         }
@@ -75,7 +75,7 @@ impl Player {
     /// drawing would take its processors.
     pub fn rest(&self) -> Duration {
         match self.waits {
-            None | Some(Wait::Frames(_)) => Duration::ZERO,
+            None | Some(WaitCondition::Frames(_)) => Duration::ZERO,
             Some(_) => REST,
         }
     }
@@ -100,10 +100,10 @@ impl Player {
             return self.end(Ok(()));
         };
         self.line = line;
-        self.told = window.app.errors;
-        if step == Step::Quit {
+        self.errors_before = window.app.errors;
+        if step == ScriptStep::Quit {
             window.app.execute(Command::Discard);
-            window.app.leave();
+            window.app.allow_close();
             return self.end(Ok(()));
         }
         match self.begin(step, window, context) {
@@ -129,14 +129,14 @@ impl Player {
         if app.asking.is_some() {
             return Some("a dialog came up, and a script has no answer".into());
         }
-        if app.errors == self.told {
+        if app.errors == self.errors_before {
             return None;
         }
         let errors = app
             .messages
             .iter()
             .rev()
-            .filter(|m| m.level == Level::Error);
+            .filter(|m| m.level == Severity::Error);
         let last = errors.map(|m| m.text.clone()).next();
         Some(last.unwrap_or_else(|| "something failed".into()))
     }
@@ -146,23 +146,23 @@ impl Player {
         Ok(match &mut self.waits {
             None => false,
             // A picture refines itself for long, and nothing waits for it.
-            Some(Wait::Jobs(frames)) => {
+            Some(WaitCondition::Jobs(frames)) => {
                 *frames = frames.saturating_sub(1);
-                *frames > 0 || app.jobs().iter().any(|j| j.kind != Kind::Picture)
+                *frames > 0 || app.jobs().iter().any(|j| j.kind != JobKind::Render)
             }
-            Some(Wait::Frames(left)) => {
+            Some(WaitCondition::Frames(left)) => {
                 *left = left.saturating_sub(1);
                 *left > 0
             }
-            Some(Wait::Until(moment)) => Instant::now() < *moment,
-            Some(Wait::Samples(wanted)) => {
-                let found = app.picture.as_ref().map_or(0, |p| p.samples);
-                if found < *wanted && !app.is_busy(Kind::Picture) {
+            Some(WaitCondition::Until(moment)) => Instant::now() < *moment,
+            Some(WaitCondition::Samples(wanted)) => {
+                let found = app.render.as_ref().map_or(0, |p| p.samples);
+                if found < *wanted && !app.is_busy(JobKind::Render) {
                     return Err(format!("{found} paths per pixel, expected {wanted}"));
                 }
                 found < *wanted
             }
-            Some(Wait::Screenshot(path, since, picture)) => match picture.try_recv() {
+            Some(WaitCondition::Screenshot(path, since, picture)) => match picture.try_recv() {
                 Ok(image) => {
                     write_png(path, &image)?;
                     false
@@ -177,46 +177,46 @@ impl Player {
 
     fn begin(
         &self,
-        step: Step,
+        step: ScriptStep,
         window: &mut Workbench,
         context: &egui::Context,
-    ) -> Result<Wait, String> {
-        let settle = Wait::Frames(SETTLE);
+    ) -> Result<WaitCondition, String> {
+        let settle = WaitCondition::Frames(SETTLE);
         match step {
-            Step::Size(w, h) => {
+            ScriptStep::Size(w, h) => {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(egui::vec2(w, h)));
             }
-            Step::Screenshot(path) => {
+            ScriptStep::Screenshot(path) => {
                 let (send, picture) = channel();
                 let callback = ScreenshotCallback::new(move |image| {
                     // The script may have ended meanwhile.
                     let _ = send.send(image);
                 });
                 context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
-                return Ok(Wait::Screenshot(path, Instant::now(), picture));
+                return Ok(WaitCondition::Screenshot(path, Instant::now(), picture));
             }
-            Step::Wait(None) => return Ok(Wait::Jobs(0)),
-            Step::Wait(Some(seconds)) => {
+            ScriptStep::Wait(None) => return Ok(WaitCondition::Jobs(0)),
+            ScriptStep::Wait(Some(seconds)) => {
                 let until = Instant::now() + Duration::from_secs_f64(seconds);
-                return Ok(Wait::Until(until));
+                return Ok(WaitCondition::Until(until));
             }
-            Step::Tab(tab) => window.tab = tab,
-            Step::Action(name) => {
+            ScriptStep::PanelTab(tab) => window.tab = tab,
+            ScriptStep::Action(name) => {
                 let action = ACTIONS.iter().find(|a| a.label == name);
-                let wish = action.and_then(|a| (a.wish)(&window.app));
-                let wish = wish.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
-                window.fulfil(wish);
+                let target = action.and_then(|a| (a.target)(&window.app));
+                let target = target.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
+                window.run_action(target);
                 // What it looks like is seen a few frames later, what it began when that is done.
-                return Ok(Wait::Jobs(SETTLE));
+                return Ok(WaitCondition::Jobs(SETTLE));
             }
-            Step::Picture(samples) => {
+            ScriptStep::Render(samples) => {
                 let (width, height) = window.viewport_size();
-                window.app.execute(Command::Picture {
+                window.app.execute(Command::Render {
                     width,
                     height,
                     paths: Some(samples),
                 });
-                return Ok(Wait::Samples(samples));
+                return Ok(WaitCondition::Samples(samples));
             }
             other => return run(&mut window.app, other),
         }
@@ -225,33 +225,33 @@ impl Player {
 }
 
 /// Steps that need no window.
-fn run(app: &mut App, step: Step) -> Result<Wait, String> {
-    let settle = Ok(Wait::Frames(SETTLE));
+fn run(app: &mut App, step: ScriptStep) -> Result<WaitCondition, String> {
+    let settle = Ok(WaitCondition::Frames(SETTLE));
     match step {
-        Step::Open(path) => {
+        ScriptStep::Open(path) => {
             app.execute(Command::Open(vec![path]));
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Add(path) => {
+        ScriptStep::Add(path) => {
             app.execute(Command::Add(vec![path]));
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Save(path) => {
+        ScriptStep::Save(path) => {
             app.execute(Command::SaveAs(path));
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Export(path) => {
+        ScriptStep::Export(path) => {
             app.execute(Command::Export(path));
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::SavePicture(path) => {
-            app.execute(Command::SavePicture(path));
-            return Ok(Wait::Jobs(0));
+        ScriptStep::SaveRender(path) => {
+            app.execute(Command::SaveRender(path));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Solve(error) => {
+        ScriptStep::Solve(error) => {
             if let Some(error) = error {
                 // Who names an error wants that, however long it takes.
-                let settings = crate::light::LightSettings {
+                let settings = crate::first_pass::LightSettings {
                     error,
                     time: None,
                     ..app.lighting.settings
@@ -259,56 +259,56 @@ fn run(app: &mut App, step: Step) -> Result<Wait, String> {
                 app.execute(Command::SetLight(settings));
             }
             app.execute(Command::Solve);
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Patches(patches) => {
-            let settings = crate::light::LightSettings {
+        ScriptStep::Patches(patches) => {
+            let settings = crate::first_pass::LightSettings {
                 patches,
                 ..app.lighting.settings
             };
             app.execute(Command::SetLight(settings));
         }
-        Step::Select(name) => select(app, &name)?,
-        Step::Shading(shading) => look(app, |view| view.shading = shading),
-        Step::View(side) => {
+        ScriptStep::Select(name) => select(app, &name)?,
+        ScriptStep::Shading(shading) => change_view(app, |view| view.shading = shading),
+        ScriptStep::View(side) => {
             let (bounds, up) = (app.document.bounds(None), app.document.units.up);
-            look(app, |view| match side {
-                Some(side) => view.look_from(side, bounds, up),
+            change_view(app, |view| match side {
+                Some(side) => view.view_from(side, bounds, up),
                 None => view.frame(bounds),
             });
         }
-        Step::Camera(eye, target) => look(app, |view| {
+        ScriptStep::Camera(eye, target) => change_view(app, |view| {
             view.camera = Camera {
                 eye,
                 target,
                 ..view.camera.clone()
             };
         }),
-        other => return change(app, other).map(|()| Wait::Frames(SETTLE)),
+        other => return change(app, other).map(|()| WaitCondition::Frames(SETTLE)),
     }
     settle
 }
 
 /// Steps that change the document.
-fn change(app: &mut App, step: Step) -> Result<(), String> {
+fn change(app: &mut App, step: ScriptStep) -> Result<(), String> {
     let ids = app.selection.ids.clone();
     let edit = match step {
-        Step::Rename(name) => match ids[..] {
+        ScriptStep::Rename(name) => match ids[..] {
             [id] => Edit::Rename(id, name),
             _ => return Err(format!("{} things are selected, expected one", ids.len())),
         },
-        Step::Move(by) => Edit::Transform(some(ids)?, DAffine3::from_translation(by)),
-        Step::Scale(factor) => {
+        ScriptStep::Move(by) => Edit::Transform(some(ids)?, DAffine3::from_translation(by)),
+        ScriptStep::Scale(factor) => {
             let map = DAffine3::from_scale(DVec3::splat(factor));
             Edit::Transform(some(ids)?, about(app, map))
         }
-        Step::Turn(degrees) => {
+        ScriptStep::Turn(degrees) => {
             let [x, y, z] = degrees.to_array().map(f64::to_radians);
             let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y);
             let turn = turn * DMat3::from_rotation_x(x);
             Edit::Transform(some(ids)?, about(app, DAffine3::from_mat3(turn)))
         }
-        Step::MaterialNew(name) => {
+        ScriptStep::MaterialNew(name) => {
             let white = Material::diffuse(name, Rgb::grey(0.7));
             app.execute(Command::Edit(Edit::AddMaterial(white), None));
             let new = (app.document.materials.len() - 1) as u32;
@@ -320,13 +320,13 @@ fn change(app: &mut App, step: Step) -> Result<(), String> {
             }));
             return Ok(());
         }
-        Step::MaterialBrdf(text) => {
+        ScriptStep::MaterialBrdf(text) => {
             let description: Description = text.parse().map_err(|e| format!("{e}"))?;
             return set_material(app, |material| {
                 with_description(material, description).map_err(|e| e.to_string())
             });
         }
-        Step::MaterialColor(c) => {
+        ScriptStep::MaterialColor(c) => {
             return set_material(app, |m| {
                 Ok(Material {
                     emission: m.emission,
@@ -335,7 +335,7 @@ fn change(app: &mut App, step: Step) -> Result<(), String> {
                 })
             });
         }
-        Step::MaterialEmit(c) => {
+        ScriptStep::MaterialEmit(c) => {
             return set_material(app, |m| {
                 Ok(Material {
                     emission: Rgb::new(c.x, c.y, c.z),
@@ -349,10 +349,11 @@ fn change(app: &mut App, step: Step) -> Result<(), String> {
     Ok(())
 }
 
-fn some(ids: Vec<Id>) -> Result<Vec<Id>, String> {
-    match ids.is_empty() {
-        true => Err("nothing is selected".into()),
-        false => Ok(ids),
+fn some(ids: Vec<ItemId>) -> Result<Vec<ItemId>, String> {
+    if ids.is_empty() {
+        Err("nothing is selected".into())
+    } else {
+        Ok(ids)
     }
 }
 
@@ -373,10 +374,10 @@ fn set_material(
     Ok(())
 }
 
-fn look(app: &mut App, change: impl FnOnce(&mut crate::view::View)) {
+fn change_view(app: &mut App, change: impl FnOnce(&mut crate::view::ModelView)) {
     let mut view = app.view.clone();
     change(&mut view);
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
 }
 
 fn select(app: &mut App, name: &str) -> Result<(), String> {
@@ -398,9 +399,9 @@ fn select(app: &mut App, name: &str) -> Result<(), String> {
 }
 
 /// Everything whose name, or the last part of it, is this.
-fn named(app: &App, name: &str) -> Vec<Id> {
+fn named(app: &App, name: &str) -> Vec<ItemId> {
     let document = &app.document;
-    let items = document.items.iter().map(|i| (i.id, &i.name));
+    let items = document.objects.iter().map(|i| (i.id, &i.name));
     let lights = document.lights.iter().map(|l| (l.id, &l.light.name));
     let cameras = document.cameras.iter().map(|c| (c.id, &c.camera.name));
     let all = items.chain(lights).chain(cameras);

@@ -11,13 +11,13 @@ use std::rc::Rc;
 /// Colours that differ less than this in every channel, linear and relative to the brightest if
 /// that is above 1, are the same to a picker: it converts to gamma and back in 32 bits, which some
 /// colours do not survive.
-const SAME: f64 = 1e-5;
+const TOLERANCE: f64 = 1e-5;
 
 /// A number that is dragged or typed, within `range`. A number beyond it stays until it is changed.
 pub fn number(value: &mut f64, range: RangeInclusive<f64>) -> DragValue<'_> {
     let range = range.start().min(*value)..=range.end().max(*value);
-    let read = Shown::default();
-    let show = Shown(Rc::clone(&read.0));
+    let read = ShownNumber::default();
+    let show = ShownNumber(Rc::clone(&read.0));
     DragValue::new(value)
         .range(range)
         .update_while_editing(false)
@@ -27,8 +27,8 @@ pub fn number(value: &mut f64, range: RangeInclusive<f64>) -> DragValue<'_> {
 
 /// The same with a slider.
 pub fn slider(value: &mut f64, range: RangeInclusive<f64>) -> Slider<'_> {
-    let read = Shown::default();
-    let show = Shown(Rc::clone(&read.0));
+    let read = ShownNumber::default();
+    let show = ShownNumber(Rc::clone(&read.0));
     Slider::new(value, range)
         .update_while_editing(false)
         .custom_formatter(move |x, decimals| show.text(x, decimals))
@@ -38,9 +38,9 @@ pub fn slider(value: &mut f64, range: RangeInclusive<f64>) -> Slider<'_> {
 /// A number and the text that it was shown as: that text means the number, with all the digits
 /// that there was no room for.
 #[derive(Default)]
-struct Shown(Rc<RefCell<(f64, String)>>);
+struct ShownNumber(Rc<RefCell<(f64, String)>>);
 
-impl Shown {
+impl ShownNumber {
     fn text(&self, x: f64, decimals: RangeInclusive<usize>) -> String {
         let text = format_with_decimals_in_range(x, decimals);
         self.0.replace((x, text.clone()));
@@ -62,7 +62,7 @@ fn parse(text: &str) -> Option<f64> {
 
 /// What a picker showed last, and the colour that was made of it.
 #[derive(Clone, Copy)]
-struct Picked {
+struct PickedColor {
     shown: [f32; 3],
     made: Rgb,
 }
@@ -77,7 +77,7 @@ pub fn picked(
 ) -> bool {
     let id = ui.auto_id_with("picked");
     // The picker knows the hue of a grey only by the very numbers that it left.
-    let last = ui.data(|d| d.get_temp::<Picked>(id));
+    let last = ui.data(|d| d.get_temp::<PickedColor>(id));
     let last = last.filter(|last| is_same(last.made, *color));
     let before = last.map_or_else(|| color.to_f32(), |last| last.shown);
     let mut now = before;
@@ -89,7 +89,7 @@ pub fn picked(
     let Some(made) = settle(linear) else {
         return false;
     };
-    ui.data_mut(|d| d.insert_temp(id, Picked { shown: now, made }));
+    ui.data_mut(|d| d.insert_temp(id, PickedColor { shown: now, made }));
     let is_new = !is_same(made, *color);
     if is_new {
         *color = made;
@@ -98,7 +98,7 @@ pub fn picked(
 }
 
 fn is_same(a: Rgb, b: Rgb) -> bool {
-    let most = SAME * a.max_channel().max(1.0);
+    let most = TOLERANCE * a.max_channel().max(1.0);
     (0..3).all(|channel| (a[channel] - b[channel]).abs() <= most)
 }
 
@@ -131,19 +131,19 @@ mod tests {
     use egui_kittest::kittest::Queryable;
 
     /// A number and a colour, and how often they were changed.
-    struct Sheet {
+    struct InputFixture {
         number: f64,
         color: Rgb,
         changes: usize,
     }
 
-    fn sheet(number: f64, color: Rgb) -> Harness<'static, Sheet> {
-        let state = Sheet {
+    fn sheet(number: f64, color: Rgb) -> Harness<'static, InputFixture> {
+        let state = InputFixture {
             number,
             color,
             changes: 0,
         };
-        let show = |ui: &mut Ui, sheet: &mut Sheet| {
+        let show = |ui: &mut Ui, sheet: &mut InputFixture| {
             let drag = self::number(&mut sheet.number, -1.0..=1.0).max_decimals(4);
             let changed = ui.add(drag).accessible_name("number").changed();
             let old = sheet.color;
@@ -158,7 +158,7 @@ mod tests {
         harness
     }
 
-    fn enter(harness: &mut Harness<Sheet>, text: Option<&str>) {
+    fn enter(harness: &mut Harness<InputFixture>, text: Option<&str>) {
         harness
             .get_by_role_and_label(Role::SpinButton, "number")
             .focus();
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!((harness.state().number, harness.state().changes), (4.0, 0));
     }
 
-    fn open(harness: &mut Harness<Sheet>) {
+    fn open(harness: &mut Harness<InputFixture>) {
         harness
             .get_by_role_and_label(Role::ColorWell, "colour")
             .click();

@@ -1,8 +1,8 @@
 //! Words of messages, whatever part of the window they come from.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["saved", "guardado", "guardado"],
     [
         "saved with its light",

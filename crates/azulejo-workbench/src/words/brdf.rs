@@ -1,8 +1,8 @@
 //! Words of the editor of reflection models.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["reciprocal", "recíproco", "recíproco"],
     ["not reciprocal", "no recíproco", "não recíproco"],
     [

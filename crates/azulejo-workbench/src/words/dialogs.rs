@@ -1,8 +1,8 @@
 //! Words of the windows over the window.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     [
         "Changes are not saved",
         "Hay cambios sin guardar",

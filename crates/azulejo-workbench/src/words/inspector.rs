@@ -1,8 +1,8 @@
 //! Words of the numbers of what is selected.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["Object", "Objeto", "Objeto"],
     [
         "Select an object, or a material in the tree.",

@@ -1,8 +1,8 @@
 //! Words of the solver's tab, and of probes.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["Emitted", "Emitida", "Emitida"],
     [
         "By surfaces that shine, and by lights as far as it reaches a surface.",

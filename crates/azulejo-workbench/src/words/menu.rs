@@ -1,8 +1,8 @@
 //! Words of the menus, of their entries, and of what undo takes back.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["File", "Archivo", "Ficheiro"],
     ["Edit", "Edición", "Editar"],
     ["Add", "Añadir", "Adicionar"],

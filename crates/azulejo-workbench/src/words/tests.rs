@@ -84,21 +84,21 @@ fn character(source: &str) -> Option<usize> {
     (inner.get(end..)?.starts_with('\'')).then_some(end + 2)
 }
 
-fn table() -> BTreeMap<&'static str, &'static Entry> {
+fn table() -> BTreeMap<&'static str, &'static Translation> {
     let entries = TABLES.iter().flat_map(|t| t.iter());
     entries.map(|e| (e[0], e)).collect()
 }
 
 #[test]
 fn sources_are_understood() {
-    let source = r#"say("a\"b"); // "no"
-        let c = '"'; let d: &'static str = desk.say(
+    let source = r#"tr("a\"b"); // "no"
+        let c = '"'; let d: &'static str = cx.tr(
             "two \
              lines"); '\''; "end""#;
     let found = literals(source);
     let texts: Vec<&str> = found.iter().map(|(_, t)| t.as_str()).collect();
     assert_eq!(texts, ["a\"b", "two lines", "end"]);
-    assert!(found[1].0.ends_with("say("));
+    assert!(found[1].0.ends_with("tr("));
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn every_text_of_the_window_is_in_a_table() {
     let mut said = 0;
     for (path, source) in sources() {
         for (code, text) in literals(&source) {
-            if code.ends_with("say(") {
+            if code.ends_with("tr(") {
                 said += 1;
                 if !table.contains_key(text.as_str()) {
                     missing.insert(format!("{}: {text}", path.display()));
@@ -152,7 +152,7 @@ fn nothing_in_the_tables_is_without_use() {
 
 #[test]
 fn a_text_has_one_translation() {
-    let mut known: BTreeMap<&str, &Entry> = BTreeMap::new();
+    let mut known: BTreeMap<&str, &Translation> = BTreeMap::new();
     for entry in TABLES.iter().flat_map(|t| t.iter()) {
         for text in entry {
             assert!(!text.trim().is_empty(), "{entry:?}");
@@ -196,7 +196,7 @@ fn entries_of_a_menu_differ_in_every_language() {
         for action in ACTIONS {
             let entry = (
                 action.menu.label(Language::English),
-                language.say(action.label),
+                language.tr(action.label),
             );
             assert!(seen.insert(entry), "{entry:?} in {language:?}");
         }
@@ -205,8 +205,8 @@ fn entries_of_a_menu_differ_in_every_language() {
 
 #[test]
 fn an_unknown_text_stays_as_it_is() {
-    assert_eq!(Language::Spanish.say("no such text"), "no such text");
-    assert_eq!(Language::Spanish.say("Undo"), "Deshacer");
-    assert_eq!(Language::Portuguese.say("Undo"), "Anular");
-    assert_eq!(Language::English.say("Undo"), "Undo");
+    assert_eq!(Language::Spanish.tr("no such text"), "no such text");
+    assert_eq!(Language::Spanish.tr("Undo"), "Deshacer");
+    assert_eq!(Language::Portuguese.tr("Undo"), "Anular");
+    assert_eq!(Language::English.tr("Undo"), "Undo");
 }

@@ -1,8 +1,8 @@
 //! Words of the tree of the scene.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     [
         "Only where nothing is made of it.",
         "Solo si no hay nada hecho de él.",

@@ -1,8 +1,8 @@
 //! Words of the viewport, and of the line under it.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["Viewport", "Ventana del modelo", "Janela do modelo"],
     [
         "Click a surface: its form factors become colours.",

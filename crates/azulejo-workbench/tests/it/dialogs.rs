@@ -1,7 +1,7 @@
 //! Windows over the window, and the list of messages.
 
 use crate::window::*;
-use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::app::{App, Severity};
 use azulejo_workbench::words::Language;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -70,7 +70,7 @@ fn azulejo_says_what_it_is() {
 #[test]
 fn solid_letters_are_added() {
     let mut window = window(opened("cornell.grf"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     click(&mut window, "Add");
     click_last(&mut window, "Text…");
     write(&mut window, "", "Hola");
@@ -78,14 +78,14 @@ fn solid_letters_are_added() {
     click_last(&mut window, "Add the letters");
     check_no_error(&window);
     let document = &window.state().app.document;
-    assert_eq!(document.items.len(), many + 1);
-    assert_eq!(document.items[many].name, "Hola");
+    assert_eq!(document.objects.len(), many + 1);
+    assert_eq!(document.objects[many].name, "Hola");
     assert!(!says(&window, "Solid letters"));
 }
 
 #[test]
 fn a_message_leads_to_what_it_is_about() {
-    let folder = Folder::new("messages");
+    let folder = TestFolder::new("messages");
     let path = folder.path("odd.obj");
     let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl nowhere\nf 1 2 3\ncurv2 1 2\n\
                 o far\nv 9 9 9\nv 10 9 9\nv 9 10 9\nf 4 5 6\n";
@@ -95,7 +95,7 @@ fn a_message_leads_to_what_it_is_about() {
     let mut window = window(app);
     wait(&mut window);
     let warnings = window.state().app.messages.iter();
-    let warnings = warnings.filter(|m| m.level == Level::Warning).count();
+    let warnings = warnings.filter(|m| m.level == Severity::Warning).count();
     assert!(warnings > 0);
     click(&mut window, &format!("⚠ {warnings}"));
     window
@@ -105,7 +105,7 @@ fn a_message_leads_to_what_it_is_about() {
         .click();
     window.run();
     let app = &window.state().app;
-    assert_eq!(app.selection.ids, [app.document.items[0].id]);
+    assert_eq!(app.selection.ids, [app.document.objects[0].id]);
     // It is in the middle of what is seen.
     let about = app.document.bounds(Some(&app.selection.ids)).centre();
     assert!((app.view.camera.target - about).length() < 1e-9);
@@ -139,7 +139,7 @@ fn an_idle_window_draws_nothing() {
 #[test]
 fn a_prism_is_added() {
     let mut window = window(opened("cornell.grf"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     click(&mut window, "Add");
     click_last(&mut window, "Prism…");
     set(&mut window, "Sides", 5.0);
@@ -148,7 +148,7 @@ fn a_prism_is_added() {
     click_last(&mut window, "Add the prism");
     check_no_error(&window);
     let app = &window.state().app;
-    assert_eq!(app.document.items[many].name, "prism");
+    assert_eq!(app.document.objects[many].name, "prism");
     let size = app.document.bounds(Some(&app.selection.ids)).size();
     assert!((size.x - 2.0).abs() < 1e-9, "{size}");
     assert!((size.y - 0.5).abs() < 1e-9, "{size}");
@@ -157,8 +157,8 @@ fn a_prism_is_added() {
 
 #[test]
 fn a_drawing_is_extruded_and_what_is_none_is_told() {
-    use azulejo_workbench::command::{Base, Command};
-    let folder = Folder::new("drawing");
+    use azulejo_workbench::command::{Command, PrismBase};
+    let folder = TestFolder::new("drawing");
     let (path, other) = (folder.path("logo.svg"), folder.path("no.svg"));
     let text = r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="2">
         <circle cx="1" cy="1" r="1"/><path d="M2 0h2v2h-2z"/></svg>"#;
@@ -166,13 +166,13 @@ fn a_drawing_is_extruded_and_what_is_none_is_told() {
     std::fs::write(&other, "none").unwrap();
     let mut app = App::quiet();
     let add = |path| Command::AddPrism {
-        base: Base::Drawing(path),
+        base: PrismBase::Drawing(path),
         size: 8.0,
         height: 1.0,
     };
     app.execute(add(path));
     assert!(app.messages.is_empty(), "{:?}", app.messages);
-    assert_eq!(app.document.items[0].name, "logo");
+    assert_eq!(app.document.objects[0].name, "logo");
     let size = app.document.bounds(None).size();
     assert!(
         (size - glam::DVec3::new(8.0, 1.0, 4.0)).length() < 1e-9,
@@ -180,7 +180,7 @@ fn a_drawing_is_extruded_and_what_is_none_is_told() {
     );
     app.execute(add(other));
     assert_eq!(app.errors, 1);
-    assert_eq!(app.document.items.len(), 1);
+    assert_eq!(app.document.objects.len(), 1);
 }
 
 #[test]

@@ -4,14 +4,14 @@ use crate::window::*;
 use azulejo::scene::{LightKind, Rgb, Shape};
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::{Command, Selection};
-use azulejo_workbench::document::{Edit, NewKind, NewLightKind};
+use azulejo_workbench::document::{Edit, NewLightKind, NewShapeKind};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use glam::DVec3;
 
 fn with_shape() -> Window {
     let mut app = App::quiet();
-    app.execute(Command::AddShape(NewKind::Cuboid));
+    app.execute(Command::AddShape(NewShapeKind::Cuboid));
     window(app)
 }
 
@@ -27,7 +27,7 @@ fn a_box_is_moved_turned_and_scaled_by_numbers() {
     set(&mut window, "Position x", 3.0);
     set(&mut window, "Rotation ° z", 90.0);
     set(&mut window, "Scale x", 2.0);
-    let placement = window.state().app.document.items[0].placement;
+    let placement = window.state().app.document.objects[0].placement;
     let moved = placement.transform_point3(DVec3::X);
     assert!(
         (moved - DVec3::new(3.0, 2.0, 0.0)).length() < 1e-9,
@@ -35,11 +35,11 @@ fn a_box_is_moved_turned_and_scaled_by_numbers() {
     );
     assert_eq!(window.state().app.undo_labels().0, Some("move"));
     set(&mut window, "Scale y", 0.0);
-    let after = window.state().app.document.items[0].placement;
+    let after = window.state().app.document.objects[0].placement;
     assert_eq!(after, placement, "what flattens is refused");
     click(&mut window, "Back to where it was made");
     assert_eq!(
-        window.state().app.document.items[0].placement,
+        window.state().app.document.objects[0].placement,
         glam::DAffine3::IDENTITY
     );
     for _ in 0..4 {
@@ -56,11 +56,11 @@ fn a_name_of_two_words_is_written() {
     window.run();
     window.event(egui::Event::Text("crate".into()));
     window.run();
-    assert_eq!(window.state().app.document.items[0].name, "my crate");
+    assert_eq!(window.state().app.document.objects[0].name, "my crate");
     press(&mut window, Modifiers::NONE, Key::Enter);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(
-        window.state().app.document.items[0].name,
+        window.state().app.document.objects[0].name,
         "box",
         "all letters are one step"
     );
@@ -70,7 +70,7 @@ fn a_name_of_two_words_is_written() {
 fn several_things_move_together() {
     let mut app = opened("shapes.grf");
     app.execute(Command::Select(Selection {
-        ids: app.document.items.iter().map(|i| i.id).collect(),
+        ids: app.document.objects.iter().map(|i| i.id).collect(),
         ..Selection::default()
     }));
     let before = app.document.bounds(None).centre();
@@ -227,7 +227,7 @@ fn what_is_typed_and_what_is_clicked_then_are_two_steps() {
     window.step();
     window.drop_at(button);
     window.run();
-    let place = |window: &Window| window.state().app.document.items[0].placement;
+    let place = |window: &Window| window.state().app.document.objects[0].placement;
     assert_eq!(place(&window), glam::DAffine3::IDENTITY);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(place(&window).translation.x, 3.0);
@@ -277,10 +277,10 @@ fn looking_at_numbers_and_colours_changes_nothing() {
 #[test]
 fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     let mut app = App::quiet();
-    app.execute(Command::AddShape(NewKind::Cone));
+    app.execute(Command::AddShape(NewShapeKind::Cone));
     let mut cone = window(app);
     type_slowly(&mut cone, "Radius at the top", "0.25");
-    let Shape::Primitive(p) = &*cone.state().app.document.items[0].shape else {
+    let Shape::Primitive(p) = &*cone.state().app.document.objects[0].shape else {
         panic!("a cone stays exact")
     };
     assert_eq!(p.kind, azulejo::scene::PrimitiveKind::Cone { top: 0.25 });
@@ -341,7 +341,11 @@ fn a_material_is_assigned() {
     window.run();
     click_last(&mut window, "moss");
     let document = &window.state().app.document;
-    let column = document.items.iter().find(|i| i.name == "column").unwrap();
+    let column = document
+        .objects
+        .iter()
+        .find(|i| i.name == "column")
+        .unwrap();
     let material = column.materials()[0] as usize;
     assert_eq!(document.materials[material].name, "moss");
     assert!(matches!(&*column.shape, Shape::Primitive(_)));

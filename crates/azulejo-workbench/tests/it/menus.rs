@@ -40,7 +40,7 @@ fn check_menus(app: impl Fn() -> App) {
     for action in ACTIONS {
         let mut window = window_with_files(app());
         open_menu(&mut window, action.menu);
-        let makes_sense = (action.wish)(&window.state().app).is_some();
+        let makes_sense = (action.target)(&window.state().app).is_some();
         let text = label(&window, action);
         let all = window.query_all_by_role_and_label(Role::Button, &text);
         let entry = all
@@ -76,9 +76,9 @@ fn every_key_does_what_its_entry_does() {
     assert_eq!(window.state().app.undo_labels().0, Some("add a shape"));
     press(&mut window, Modifiers::COMMAND, Key::D);
     assert_eq!(window.state().app.undo_labels().0, Some("duplicate"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     press(&mut window, Modifiers::NONE, Key::Delete);
-    assert_eq!(window.state().app.document.items.len(), many - 1);
+    assert_eq!(window.state().app.document.objects.len(), many - 1);
     for _ in 0..3 {
         press(&mut window, Modifiers::COMMAND, Key::Z);
     }
@@ -107,7 +107,7 @@ fn the_bar_of_tools_shows_what_surfaces_show() {
 
 #[test]
 fn recent_files_are_opened_again() {
-    let folder = Folder::new("recent");
+    let folder = TestFolder::new("recent");
     let model = folder.copy("shapes.grf");
     let mut app = App::quiet();
     app.preferences.note_recent(&model);
@@ -117,5 +117,5 @@ fn recent_files_are_opened_again() {
     click_last(&mut window, "shapes.grf");
     wait(&mut window);
     check_no_error(&window);
-    assert_eq!(window.state().app.document.branches[0].path, model);
+    assert_eq!(window.state().app.document.source_files[0].path, model);
 }

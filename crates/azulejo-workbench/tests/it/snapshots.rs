@@ -4,9 +4,9 @@ use crate::window::*;
 use azulejo_testing::Need;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
-use azulejo_workbench::gpu::Headless;
-use azulejo_workbench::light::{EngineName, LightSettings};
-use azulejo_workbench::ui::{Tab, Viewport, Workbench};
+use azulejo_workbench::first_pass::{EngineChoice, LightSettings};
+use azulejo_workbench::gpu::HeadlessDevice;
+use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};
 
@@ -20,7 +20,7 @@ fn tolerance() -> SnapshotOptions {
 
 /// A window with a card, or `None` where there is none.
 fn drawn(app: App) -> Option<Window> {
-    let card = Headless::open(wgpu::Backends::all()).map_err(|_| "no graphics driver");
+    let card = HeadlessDevice::open(wgpu::Backends::all()).map_err(|_| "no graphics driver");
     azulejo_testing::require(Need::Gpu, card)?;
     let mut window = Harness::builder()
         .with_size([800.0, 520.0])
@@ -38,7 +38,7 @@ fn drawn(app: App) -> Option<Window> {
 fn look(app: &mut App, shading: Shading) {
     let mut view = app.view.clone();
     view.shading = shading;
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn a_model_is_shown() {
 fn its_light_is_shown_in_false_colours_with_a_legend() {
     let mut app = opened("cornell.grf");
     app.execute(Command::SetLight(LightSettings {
-        engine: EngineName::Analytic,
+        engine: EngineChoice::Analytic,
         patches: 300,
         error: 0.1,
         ..LightSettings::default()
@@ -67,7 +67,7 @@ fn its_light_is_shown_in_false_colours_with_a_legend() {
     look(&mut app, Shading::FalseColor);
     app.view.false_color.range = Some((0.0, 4.0));
     if let Some(mut window) = drawn(app) {
-        window.state_mut().tab = Tab::View;
+        window.state_mut().tab = PanelTab::View;
         window.run();
         window.snapshot_options("false-colours", &tolerance());
     }

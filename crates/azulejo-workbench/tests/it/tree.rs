@@ -2,13 +2,13 @@
 
 use crate::window::*;
 use azulejo_workbench::command::{Command, Selection};
-use azulejo_workbench::document::Id;
+use azulejo_workbench::document::ItemId;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-fn id_of(window: &Window, name: &str) -> Id {
-    let mut items = window.state().app.document.items.iter();
+fn id_of(window: &Window, name: &str) -> ItemId {
+    let mut items = window.state().app.document.objects.iter();
     items.find(|i| i.name == name).unwrap().id
 }
 
@@ -70,7 +70,7 @@ fn a_thing_is_renamed_in_its_row() {
 fn things_and_groups_are_hidden_and_shown() {
     let mut window = window(opened("shapes.grf"));
     let hidden = |window: &Window| {
-        let items = window.state().app.document.items.iter();
+        let items = window.state().app.document.objects.iter();
         items.filter(|i| i.hidden).count()
     };
     click(&mut window, "Hide: ceiling");
@@ -169,7 +169,7 @@ fn a_material_of_the_tree_is_copied_and_deleted_by_keys_where_nothing_else_is_se
     press(&mut window, Modifiers::NONE, Key::Delete);
     press(&mut window, Modifiers::NONE, Key::Delete);
     assert_eq!(materials(&window), before);
-    assert_eq!(window.state().app.document.items.len(), 11);
+    assert_eq!(window.state().app.document.objects.len(), 11);
     check_no_error(&window);
 }
 

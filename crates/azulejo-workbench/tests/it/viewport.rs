@@ -1,7 +1,7 @@
 //! The model under mouse and keys.
 
 use crate::window::*;
-use azulejo_workbench::ui::actions::{Panel, Wish};
+use azulejo_workbench::ui::actions::{ActionTarget, WindowAction};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers};
 use glam::DVec3;
@@ -70,7 +70,9 @@ fn keys_turn_shift_and_bring_nearer() {
 fn keys_are_for_the_dialog_that_is_open() {
     let mut window = window(opened("cornell.grf"));
     let before = look(&window);
-    window.state_mut().fulfil(Wish::Show(Panel::Preferences));
+    window
+        .state_mut()
+        .run_action(ActionTarget::Window(WindowAction::Preferences));
     window.run();
     hold(&mut window, Modifiers::NONE, Key::W);
     assert_eq!(look(&window), before);
@@ -97,7 +99,9 @@ fn a_probe_that_waits_for_a_place_is_given_up_wherever_the_mouse_is() {
     let wait_for_place = |window: &mut Window| {
         window.hover_at(egui::pos2(5.0, 5.0));
         window.run();
-        window.state_mut().fulfil(Wish::Show(Panel::Pin));
+        window
+            .state_mut()
+            .run_action(ActionTarget::Window(WindowAction::AddProbe));
         window.run();
     };
     wait_for_place(&mut window);

@@ -1,6 +1,6 @@
 //! A window without a screen, and the hands and eyes of whoever sits before it.
 
-use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::app::{App, Severity};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::ui::Workbench;
 use egui::accesskit::Role;
@@ -151,21 +151,21 @@ pub fn check_no_error(window: &Window) {
     let messages = &window.state().app.messages;
     let errors: Vec<_> = messages
         .iter()
-        .filter(|m| m.level == Level::Error)
+        .filter(|m| m.level == Severity::Error)
         .collect();
     assert!(errors.is_empty(), "{errors:?}");
 }
 
 /// A folder that goes away with the test.
-pub struct Folder(PathBuf);
+pub struct TestFolder(PathBuf);
 
-impl Folder {
-    pub fn new(name: &str) -> Folder {
+impl TestFolder {
+    pub fn new(name: &str) -> TestFolder {
         let own = format!("azulejo-window-{name}-{}", std::process::id());
         let path = std::env::temp_dir().join(own);
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
+        TestFolder(path)
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -179,7 +179,7 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
+impl Drop for TestFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }

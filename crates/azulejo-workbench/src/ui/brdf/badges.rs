@@ -1,6 +1,6 @@
 //! What a model keeps of what nature does, measured: reciprocity and energy.
 
-use super::optics::Optics;
+use super::reflection::MaterialReflection;
 use super::theme::mark;
 use crate::words::Language;
 use azulejo::scene::Rgb;
@@ -12,21 +12,21 @@ use egui::{Color32, RichText, Ui};
 const PAIRS: u32 = 2_000;
 
 /// Larger relative differences are not rounding.
-const SAME: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 
 /// What quadrature may leave of an albedo of 1.
 const BRIGHT: f64 = 1.0 + 1e-3;
 
 /// What was measured.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Measures {
+pub(super) struct ModelChecks {
     /// The largest relative difference when light and eye are exchanged.
     pub exchanged: f64,
     /// Angles in degrees, each with the share that is reflected by the channel that reflects most.
     pub albedos: Vec<(f64, f64)>,
 }
 
-impl Measures {
+impl ModelChecks {
     /// The most that is reflected, with the angle in degrees.
     fn most(&self) -> (f64, f64) {
         let all = self.albedos.iter().map(|&(angle, albedo)| (albedo, angle));
@@ -39,9 +39,9 @@ impl Measures {
 
 /// Measures a surface.
 pub(super) fn measure(
-    optics: &Optics,
+    optics: &MaterialReflection,
     progress: &Progress,
-    show: &mut dyn FnMut(Measures),
+    show: &mut dyn FnMut(ModelChecks),
 ) -> Result<(), Cancelled> {
     let reflector = optics.reflector();
     let mut exchanged = 0f64;
@@ -59,37 +59,39 @@ pub(super) fn measure(
         }
         albedos.push((angle, sum.max_channel()));
     }
-    show(Measures { exchanged, albedos });
+    show(ModelChecks { exchanged, albedos });
     Ok(())
 }
 
 /// Shows both badges.
-pub(super) fn badges(ui: &mut Ui, language: Language, measures: &Measures) {
+pub(super) fn badges(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     reciprocity(ui, language, measures);
     energy(ui, language, measures);
 }
 
-fn reciprocity(ui: &mut Ui, language: Language, measures: &Measures) {
-    let holds = measures.exchanged <= SAME;
-    let words = match holds {
-        true => language.say("reciprocal"),
-        false => language.say("not reciprocal"),
+fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
+    let holds = measures.exchanged <= TOLERANCE;
+    let words = if holds {
+        language.tr("reciprocal")
+    } else {
+        language.tr("not reciprocal")
     };
     let about =
-        language.say("Light and eye exchanged, for many pairs of directions: f differs by at most");
+        language.tr("Light and eye exchanged, for many pairs of directions: f differs by at most");
     badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
 }
 
-fn energy(ui: &mut Ui, language: Language, measures: &Measures) {
+fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let (most, angle) = measures.most();
     let holds = most <= BRIGHT;
-    let words = match holds {
-        true => language.say("energy at most"),
-        false => language.say("creates energy:"),
+    let words = if holds {
+        language.tr("energy at most")
+    } else {
+        language.tr("creates energy:")
     };
-    let at = language.say("at");
+    let at = language.tr("at");
     let mut about = language
-        .say("Share of the light that is reflected, by its angle:")
+        .tr("Share of the light that is reflected, by its angle:")
         .to_owned();
     for (angle, albedo) in &measures.albedos {
         about += &format!("\n{angle}°  {albedo:.4}");
@@ -126,16 +128,18 @@ mod tests {
     use azulejo::scene::{Brdf, Material};
     use std::sync::Arc;
 
-    fn measured(text: &str) -> Measures {
+    fn measured(text: &str) -> ModelChecks {
         let brdf = Arc::new(Brdf::new(text.parse().unwrap()).unwrap());
         let material = Material {
             brdf: Some(brdf),
             ..Material::default()
         };
         let mut found = None;
-        measure(&Optics::of(&material), &Progress::new(), &mut |m| {
-            found = Some(m)
-        })
+        measure(
+            &MaterialReflection::of(&material),
+            &Progress::new(),
+            &mut |m| found = Some(m),
+        )
         .unwrap();
         found.unwrap()
     }
@@ -144,10 +148,12 @@ mod tests {
     fn measures_tell_models_apart() {
         let lewis = measured("lewis kd = 0.3 ks = 0.6 n = 20");
         assert!(
-            lewis.exchanged <= SAME && lewis.most().0 <= BRIGHT,
+            lewis.exchanged <= TOLERANCE && lewis.most().0 <= BRIGHT,
             "{lewis:?}"
         );
         assert!(measured("phong kd = 0.3 ks = 0.4 n = 10").exchanged > 0.1);
-        assert!(measured("lafortune ks = 0.5 cx = 0.9 cy = 0.8 cz = 0.7 n = 5").exchanged <= SAME);
+        assert!(
+            measured("lafortune ks = 0.5 cx = 0.9 cy = 0.8 cz = 0.7 n = 5").exchanged <= TOLERANCE
+        );
     }
 }

@@ -7,27 +7,27 @@ use azulejo::scene::brdf::{
 use azulejo::scene::{Brdf, Rgb};
 
 /// Models that are alike.
-pub(super) struct Group {
+pub(super) struct ModelGroup {
     pub title: fn(Language) -> &'static str,
     names: &'static [&'static str],
 }
 
 /// All groups; the last takes what is in no other.
-pub(super) const GROUPS: [Group; 6] = [
-    Group {
-        title: |l| l.say("Matt"),
+pub(super) const GROUPS: [ModelGroup; 6] = [
+    ModelGroup {
+        title: |l| l.tr("Matt"),
         names: &["diffuse", "oren_nayar", "eon", "burley_diffuse", "minnaert"],
     },
-    Group {
-        title: |l| l.say("Smooth"),
+    ModelGroup {
+        title: |l| l.tr("Smooth"),
         names: &["specular", "fresnel_conductor", "fresnel_dielectric"],
     },
-    Group {
-        title: |l| l.say("Cosine lobes"),
+    ModelGroup {
+        title: |l| l.tr("Cosine lobes"),
         names: &["phong", "lewis", "blinn", "ashikhmin_shirley", "lafortune"],
     },
-    Group {
-        title: |l| l.say("Microfacets"),
+    ModelGroup {
+        title: |l| l.tr("Microfacets"),
         names: &[
             "ggx_smith",
             "ggx_ms",
@@ -40,17 +40,17 @@ pub(super) const GROUPS: [Group; 6] = [
             "beard_maxwell",
         ],
     },
-    Group {
-        title: |l| l.say("Waves and cylinders"),
+    ModelGroup {
+        title: |l| l.tr("Waves and cylinders"),
         names: &["he_torrance", "he_torrance_mirror", "poulin_fournier"],
     },
-    Group {
-        title: |l| l.say("By impression"),
+    ModelGroup {
+        title: |l| l.tr("By impression"),
         names: &[],
     },
 ];
 
-impl Group {
+impl ModelGroup {
     /// Its models.
     pub fn models(&self) -> impl Iterator<Item = &'static Info> {
         let is_last = self.names.is_empty();
@@ -130,7 +130,7 @@ pub(super) fn fallback(model: &Model, info: &ParameterInfo) -> Value {
 
 /// A term of Fresnel's, as a model is told of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Term {
+pub(super) enum FresnelChoice {
     /// All light is reflected.
     None,
     /// By the name of a metal.
@@ -143,24 +143,24 @@ pub(super) enum Term {
     Constant,
 }
 
-impl Term {
-    pub const ALL: [Term; 5] = [
-        Term::None,
-        Term::Metal,
-        Term::Index,
-        Term::Schlick,
-        Term::Constant,
+impl FresnelChoice {
+    pub const ALL: [FresnelChoice; 5] = [
+        FresnelChoice::None,
+        FresnelChoice::Metal,
+        FresnelChoice::Index,
+        FresnelChoice::Schlick,
+        FresnelChoice::Constant,
     ];
 
     /// The one that a model has.
-    pub fn of(model: &Model) -> Term {
+    pub fn of(model: &Model) -> FresnelChoice {
         let has = |names: &[&str]| names.iter().any(|n| given(model, n).is_some());
         match () {
-            () if has(&["metal"]) => Term::Metal,
-            () if has(&["eta", "k"]) => Term::Index,
-            () if has(&["f0", "tint"]) => Term::Schlick,
-            () if has(&["F"]) => Term::Constant,
-            () => Term::None,
+            () if has(&["metal"]) => FresnelChoice::Metal,
+            () if has(&["eta", "k"]) => FresnelChoice::Index,
+            () if has(&["f0", "tint"]) => FresnelChoice::Schlick,
+            () if has(&["F"]) => FresnelChoice::Constant,
+            () => FresnelChoice::None,
         }
     }
 
@@ -168,11 +168,11 @@ impl Term {
     pub fn choose(self, model: &mut Model) {
         FRESNEL.iter().for_each(|info| set(model, info, None));
         let (name, value) = match self {
-            Term::None => return,
-            Term::Metal => ("metal", Value::Word("gold".to_owned())),
-            Term::Index => ("eta", Value::Number(1.5)),
-            Term::Schlick => ("f0", Value::Number(0.04)),
-            Term::Constant => ("F", Value::Number(1.0)),
+            FresnelChoice::None => return,
+            FresnelChoice::Metal => ("metal", Value::Word("gold".to_owned())),
+            FresnelChoice::Index => ("eta", Value::Number(1.5)),
+            FresnelChoice::Schlick => ("f0", Value::Number(0.04)),
+            FresnelChoice::Constant => ("F", Value::Number(1.0)),
         };
         if let Some(info) = fresnel(name) {
             set(model, info, Some(value));
@@ -257,10 +257,10 @@ mod tests {
     #[test]
     fn terms_replace_each_other() {
         let mut model = example(find("ggx_smith").unwrap(), 0).unwrap();
-        assert_eq!(Term::of(&model), Term::Metal);
-        for term in Term::ALL {
+        assert_eq!(FresnelChoice::of(&model), FresnelChoice::Metal);
+        for term in FresnelChoice::ALL {
             term.choose(&mut model);
-            assert_eq!(Term::of(&model), term);
+            assert_eq!(FresnelChoice::of(&model), term);
             assert!(Brdf::new(Description::Model(model.clone())).is_ok());
         }
         let gltf = example(find("gltf_mr").unwrap(), 1).unwrap();

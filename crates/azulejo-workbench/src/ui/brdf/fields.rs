@@ -7,7 +7,7 @@ use egui::{SliderClamping, Ui, vec2};
 
 /// Numbers that a field takes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span<'a> {
+pub(super) struct NumberRange<'a> {
     /// The least that is possible.
     pub least: f64,
     /// The most.
@@ -20,17 +20,17 @@ pub(super) struct Span<'a> {
 }
 
 /// Shares of light.
-pub(super) const SHARE: Span = Span {
+pub(super) const SHARE: NumberRange = NumberRange {
     least: 0.0,
     most: 1.0,
     unit: "",
     is_strict: true,
 };
 
-impl Span<'_> {
+impl NumberRange<'_> {
     /// The same up to another number.
     pub fn up_to(self, most: f64) -> Self {
-        Span { most, ..self }
+        NumberRange { most, ..self }
     }
 
     fn range(&self) -> std::ops::RangeInclusive<f64> {
@@ -40,9 +40,10 @@ impl Span<'_> {
     /// Whether steps grow with the number: over the whole range most numbers would be out of
     /// reach else.
     fn is_logarithmic(&self) -> bool {
-        match self.least > 0.0 {
-            true => self.most > 20.0 * self.least,
-            false => self.least == 0.0 && self.most > 90.0,
+        if self.least > 0.0 {
+            self.most > 20.0 * self.least
+        } else {
+            self.least == 0.0 && self.most > 90.0
         }
     }
 
@@ -56,10 +57,11 @@ impl Span<'_> {
 }
 
 /// A slider with a number behind it, called `name`.
-pub(super) fn number(ui: &mut Ui, name: &str, span: Span, value: &mut f64) {
-    let clamping = match span.is_strict {
-        true => SliderClamping::Always,
-        false => SliderClamping::Never,
+pub(super) fn number(ui: &mut Ui, name: &str, span: NumberRange, value: &mut f64) {
+    let clamping = if span.is_strict {
+        SliderClamping::Always
+    } else {
+        SliderClamping::Never
     };
     let slider = inputs::slider(value, span.range())
         .logarithmic(span.is_logarithmic())
@@ -71,12 +73,12 @@ pub(super) fn number(ui: &mut Ui, name: &str, span: Span, value: &mut f64) {
 }
 
 /// A row of a number.
-pub(super) fn number_row(ui: &mut Ui, name: &str, about: &str, span: Span, value: &mut f64) {
+pub(super) fn number_row(ui: &mut Ui, name: &str, about: &str, span: NumberRange, value: &mut f64) {
     row(ui, name, about, |ui, name| number(ui, name, span, value));
 }
 
 /// A button with the colour, and three numbers.
-pub(super) fn color(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
+pub(super) fn color(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     if span.least >= 0.0 && span.most <= 1.0 {
         swatch(ui, name, color);
     }
@@ -94,12 +96,13 @@ fn rounded(x: f64) -> f64 {
 }
 
 /// Three numbers.
-fn channels(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
+fn channels(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
         let value = &mut color[channel];
-        let range = match span.is_strict {
-            true => span.range(),
-            false => f64::NEG_INFINITY..=f64::INFINITY,
+        let range = if span.is_strict {
+            span.range()
+        } else {
+            f64::NEG_INFINITY..=f64::INFINITY
         };
         let drag = inputs::number(value, range)
             .speed(0.002 * (span.most - span.least).min(1.0))
@@ -115,6 +118,6 @@ fn channels(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
 }
 
 /// A row of a colour.
-pub(super) fn color_row(ui: &mut Ui, name: &str, about: &str, span: Span, value: &mut Rgb) {
+pub(super) fn color_row(ui: &mut Ui, name: &str, about: &str, span: NumberRange, value: &mut Rgb) {
     row(ui, name, about, |ui, name| color(ui, name, span, value));
 }

@@ -5,21 +5,21 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// The most lamps that are kept; the others become ambient light.
-const MOST: usize = 6;
+const MAX_LAMPS: usize = 6;
 
 /// What shines on the preview sphere: a scene's lights as they are seen from one place, or a
 /// studio. The axis y points up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreviewLight {
     /// Lamps, far away.
-    pub lamps: Vec<Lamp>,
+    pub lamps: Vec<PreviewLamp>,
     /// Radiance from everywhere else, W/(sr·m²).
     pub ambient: Rgb,
 }
 
 /// A lamp far away.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lamp {
+pub struct PreviewLamp {
     /// Unit vector to it.
     pub toward: DVec3,
     /// Irradiance on a surface that faces it, W/m².
@@ -32,7 +32,7 @@ impl PreviewLight {
     /// A large lamp from the left and a dim sky.
     pub fn studio() -> PreviewLight {
         PreviewLight {
-            lamps: vec![Lamp {
+            lamps: vec![PreviewLamp {
                 toward: DVec3::new(-0.5, 0.75, 0.6).normalize(),
                 irradiance: Rgb::grey(PI),
                 half_angle: 0.2,
@@ -80,7 +80,7 @@ impl PreviewLight {
                 (toward, light.kind.intensity_toward(-toward) / square)
             }
         };
-        self.lamps.push(Lamp {
+        self.lamps.push(PreviewLamp {
             toward,
             irradiance,
             half_angle: 0.0,
@@ -89,10 +89,10 @@ impl PreviewLight {
 
     /// The brightest lamps; the light of the others comes from everywhere.
     fn reduced(mut self) -> PreviewLight {
-        let brightness = |l: &Lamp| l.irradiance.luminance();
+        let brightness = |l: &PreviewLamp| l.irradiance.luminance();
         self.lamps
             .sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
-        let rest = self.lamps.split_off(self.lamps.len().min(MOST));
+        let rest = self.lamps.split_off(self.lamps.len().min(MAX_LAMPS));
         self.ambient += rest.iter().map(|l| l.irradiance).sum::<Rgb>() / (4.0 * PI);
         self
     }
@@ -116,7 +116,7 @@ fn y_up(v: DVec3) -> DVec3 {
 
 /// Light of an object from one place: area over square of the distance, summed over its parts.
 #[derive(Default)]
-struct Sum {
+struct LampSum {
     irradiance: Rgb,
     /// Directions, weighted with solid angles.
     toward: DVec3,
@@ -124,7 +124,7 @@ struct Sum {
     angle: f64,
 }
 
-impl Sum {
+impl LampSum {
     /// Adds an area that is seen under `angle`, sr.
     fn add(&mut self, toward: DVec3, angle: f64, radiance: Rgb) {
         self.irradiance += radiance * angle;
@@ -132,10 +132,10 @@ impl Sum {
         self.angle += angle;
     }
 
-    fn lamp(self) -> Option<Lamp> {
+    fn lamp(self) -> Option<PreviewLamp> {
         let toward = self.toward.try_normalize()?;
         let cos = 1.0 - self.angle.min(TAU) / TAU;
-        Some(Lamp {
+        Some(PreviewLamp {
             toward,
             irradiance: self.irradiance,
             half_angle: cos.acos(),
@@ -143,9 +143,9 @@ impl Sum {
     }
 }
 
-fn emitter(scene: &Scene, object: &Object, at: DVec3) -> Option<Lamp> {
+fn emitter(scene: &Scene, object: &Object, at: DVec3) -> Option<PreviewLamp> {
     let material = |id: u32| scene.materials.get(id as usize).filter(|m| m.is_emitter());
-    let mut sum = Sum::default();
+    let mut sum = LampSum::default();
     match &object.shape {
         Shape::Mesh(mesh) => {
             for (face, &id) in mesh.face_materials.iter().enumerate() {
@@ -174,7 +174,7 @@ fn emitter(scene: &Scene, object: &Object, at: DVec3) -> Option<Lamp> {
 }
 
 /// A flat part, `away` from the place, with its area as the length of its normal.
-fn flat(sum: &mut Sum, away: DVec3, area: DVec3, material: &Material) {
+fn flat(sum: &mut LampSum, away: DVec3, area: DVec3, material: &Material) {
     let square = away.length_squared().max(area.length() / TAU);
     let toward = away.normalize_or(DVec3::Y);
     let facing = -toward.dot(area);
@@ -188,7 +188,7 @@ fn flat(sum: &mut Sum, away: DVec3, area: DVec3, material: &Material) {
 }
 
 /// A body about as wide as its box.
-fn round(sum: &mut Sum, object: &Object, at: DVec3, material: &Material) {
+fn round(sum: &mut LampSum, object: &Object, at: DVec3, material: &Material) {
     let bounds = object.bounds();
     let radius = bounds.diagonal() / 12f64.sqrt();
     let away = bounds.centre() - at;
@@ -225,7 +225,7 @@ mod tests {
             ..Scene::default()
         };
         let found = PreviewLight::of_scene(&scene, DVec3::ZERO);
-        let lamp = Lamp {
+        let lamp = PreviewLamp {
             toward: DVec3::Y,
             irradiance: Rgb::grey(2.0),
             half_angle: 0.0,
@@ -300,7 +300,7 @@ mod tests {
         );
         assert_eq!(
             (found.lamps.len(), found.lamps[0].irradiance.r),
-            (MOST, 8.0)
+            (MAX_LAMPS, 8.0)
         );
         assert!((found.ambient.r - 3.0 / (4.0 * PI)).abs() < 1e-12);
     }

@@ -2,7 +2,7 @@
 //!
 //! It has no maths of its own: it evaluates [`azulejo::scene::brdf`] and draws what comes out.
 //! What takes longer than a frame is found in threads of the editor's own; meanwhile the last
-//! result stays. An [`Editor`] holds no part of the document: it is shown a material and answers
+//! result stays. An [`BrdfEditor`] holds no part of the document: it is shown a material and answers
 //! with another, or asks for a file.
 //!
 //! ```no_run
@@ -26,25 +26,25 @@
 //! };
 //! ```
 
+mod background;
 mod badges;
-mod body;
 mod catalog;
 mod compare;
 mod curve;
 mod draft;
 mod fields;
 mod file;
-mod latest;
 mod light;
+mod lobe_solid;
+mod lobes;
 mod model;
-mod optics;
 mod parameter;
 mod plots;
 mod polar;
-mod shapes;
-mod side;
+mod reflection;
 mod sphere;
 mod surface;
+mod surface_plots;
 mod theme;
 mod view;
 
@@ -52,22 +52,22 @@ mod view;
 mod tests;
 
 pub use file::{ModelFile, apply_file, with_description};
-pub use light::{Lamp, PreviewLight};
+pub use light::{PreviewLamp, PreviewLight};
 
 use crate::words::Language;
 use azulejo::scene::brdf::{Description, Value};
 use azulejo::scene::{Material, Rgb};
-use compare::Compared;
-use draft::Draft;
+use compare::ComparedMaterial;
+use draft::ModelDraft;
 use egui::{TextEdit, Ui};
-use side::{Side, Workers};
 use std::sync::Arc;
-use surface::Kind;
-use view::View;
+use surface::SurfaceKind;
+use surface_plots::{BackgroundWorkers, SurfacePlots};
+use view::LobeView;
 
 /// What the editor is shown.
 #[derive(Clone, Copy)]
-pub struct Shown<'a> {
+pub struct EditorInput<'a> {
     /// Which material it is. What is half typed is forgotten where another comes.
     pub key: u64,
     /// The material as the document has it.
@@ -82,7 +82,7 @@ pub struct Shown<'a> {
 
 /// What a person did.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Answer {
+pub enum EditorResponse {
     /// The material changed.
     Change {
         /// What it is now; possible in every scene.
@@ -98,32 +98,32 @@ pub enum Answer {
 }
 
 /// The editor: what a person has chosen to see, and what was found in the background.
-pub struct Editor {
+pub struct BrdfEditor {
     key: Option<u64>,
     /// The kind that was chosen last: a black surface may be any.
-    kind: Kind,
+    kind: SurfaceKind,
     /// The name while it is typed.
     name: Option<String>,
     /// The colour of what emits nothing at the moment.
     emitted: Rgb,
-    draft: Option<Draft>,
+    draft: Option<ModelDraft>,
     /// A description that was left for another kind of surface, to come back to.
     left: Option<Description>,
     /// Whether an unfinished change was answered.
     is_open: bool,
     /// Why the model cannot be saved.
     trouble: Option<String>,
-    compared: Option<Compared>,
-    view: View,
-    sides: [Side; 2],
-    workers: Workers,
+    compared: Option<ComparedMaterial>,
+    view: LobeView,
+    sides: [SurfacePlots; 2],
+    workers: BackgroundWorkers,
 }
 
-impl Default for Editor {
-    fn default() -> Editor {
-        Editor {
+impl Default for BrdfEditor {
+    fn default() -> BrdfEditor {
+        BrdfEditor {
             key: None,
-            kind: Kind::Matt,
+            kind: SurfaceKind::Matt,
             name: None,
             emitted: Rgb::WHITE,
             draft: None,
@@ -131,25 +131,30 @@ impl Default for Editor {
             is_open: false,
             trouble: None,
             compared: None,
-            view: View::default(),
+            view: LobeView::default(),
             sides: Default::default(),
-            workers: Workers::default(),
+            workers: BackgroundWorkers::default(),
         }
     }
 }
 
-impl Editor {
+impl BrdfEditor {
     /// Shows a material; answers with what a person did, mostly nothing.
     ///
     /// Expects the document to have taken the change of the frame before: where it has not, the
     /// document wins.
-    pub fn ui(&mut self, ui: &mut Ui, language: Language, shown: &Shown) -> Vec<Answer> {
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        shown: &EditorInput,
+    ) -> Vec<EditorResponse> {
         self.follow(shown);
         let mut material = Material::clone(shown.material);
         self.head(ui, language, &mut material);
         let asked = self.files(ui, language, shown);
         match self.kind {
-            Kind::Model => self.model(ui, language, &mut material),
+            SurfaceKind::Model => self.model(ui, language, &mut material),
             kind => surface::fields(ui, language, kind, &mut material),
         }
         surface::emission(
@@ -168,29 +173,29 @@ impl Editor {
     /// Whether something that is shown is still being computed.
     pub fn is_busy(&self) -> bool {
         let count = 1 + usize::from(self.compared.is_some());
-        let draft = self.draft.as_ref().is_some_and(Draft::is_busy);
-        draft || self.sides[..count].iter().any(Side::is_busy)
+        let draft = self.draft.as_ref().is_some_and(ModelDraft::is_busy);
+        draft || self.sides[..count].iter().any(SurfacePlots::is_busy)
     }
 
     /// Takes notice of another material, or of one that others changed.
-    fn follow(&mut self, shown: &Shown) {
+    fn follow(&mut self, shown: &EditorInput) {
         if self.key != Some(shown.key) {
-            *self = Editor {
+            *self = BrdfEditor {
                 key: Some(shown.key),
                 compared: self.compared.take(),
                 view: self.view.clone(),
                 sides: std::mem::take(&mut self.sides),
                 workers: std::mem::take(&mut self.workers),
-                ..Editor::default()
+                ..BrdfEditor::default()
             };
         }
         if !self.kind.suits(shown.material) {
-            self.kind = Kind::of(shown.material);
+            self.kind = SurfaceKind::of(shown.material);
         }
         match &shown.material.brdf {
             None => self.draft = None,
             Some(brdf) if self.draft.as_ref().is_some_and(|d| d.is_of(brdf)) => {}
-            Some(brdf) => self.draft = Some(Draft::new(brdf.clone())),
+            Some(brdf) => self.draft = Some(ModelDraft::new(brdf.clone())),
         }
     }
 
@@ -204,26 +209,31 @@ impl Editor {
     }
 
     /// Files of reflection models.
-    fn files(&mut self, ui: &mut Ui, language: Language, shown: &Shown) -> Option<Answer> {
+    fn files(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        shown: &EditorInput,
+    ) -> Option<EditorResponse> {
         let brdf = shown.material.brdf.as_deref();
-        let [load, save] = theme::row(ui, language.say("Model file"), "", |ui, _| {
-            let load = ui.button(language.say("Load…"));
-            let save = egui::Button::new(language.say("Save…"));
+        let [load, save] = theme::row(ui, language.tr("Model file"), "", |ui, _| {
+            let load = ui.button(language.tr("Load…"));
+            let save = egui::Button::new(language.tr("Save…"));
             [load, ui.add_enabled(brdf.is_some(), save)].map(|button| button.clicked())
         });
         if let Some(brdf) = brdf.filter(|_| save) {
             let saved = file::saved(brdf.description());
             self.trouble = saved.as_ref().err().cloned();
-            return saved.ok().map(Answer::Save);
+            return saved.ok().map(EditorResponse::Save);
         }
         if let Some(trouble) = &self.trouble {
             theme::problem(ui, trouble);
         }
-        load.then_some(Answer::Load)
+        load.then_some(EditorResponse::Load)
     }
 
     fn name_field(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
-        theme::row(ui, language.say("Name"), "", |ui, label| {
+        theme::row(ui, language.tr("Name"), "", |ui, label| {
             let mut name = self.name.take().unwrap_or_else(|| material.name.clone());
             let field = TextEdit::singleline(&mut name).desired_width(ui.available_width());
             let response = ui.add(field).accessible_name(label);
@@ -235,12 +245,12 @@ impl Editor {
         });
     }
 
-    fn become_kind(&mut self, kind: Kind, material: &mut Material) {
+    fn become_kind(&mut self, kind: SurfaceKind, material: &mut Material) {
         if let Some(draft) = self.draft.take() {
             self.left = Some(draft.description);
         }
         kind.give(material);
-        if kind == Kind::Model {
+        if kind == SurfaceKind::Model {
             let matt = Value::from(material.diffuse);
             let matt = || Description::model("diffuse", [("kd", matt)]);
             let description = self.left.take().unwrap_or_else(matt);
@@ -248,7 +258,7 @@ impl Editor {
                 *material = model;
             }
         }
-        self.kind = Kind::of(material);
+        self.kind = SurfaceKind::of(material);
     }
 
     fn model(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
@@ -257,17 +267,22 @@ impl Editor {
             if let Some(brdf) = draft.made(ui.ctx()) {
                 *material = file::with_brdf(material, brdf);
             }
-            draft.say(ui, language);
+            draft.show_status(ui, language);
         }
     }
 
     /// The answer, if the material is another than before.
-    fn changed(&mut self, ui: &Ui, shown: &Shown, material: Material) -> Option<Answer> {
-        let is_busy = self.draft.as_ref().is_some_and(Draft::is_busy);
+    fn changed(
+        &mut self,
+        ui: &Ui,
+        shown: &EditorInput,
+        material: Material,
+    ) -> Option<EditorResponse> {
+        let is_busy = self.draft.as_ref().is_some_and(ModelDraft::is_busy);
         let is_finished = !is_busy && !ui.input(|i| i.pointer.any_down());
         if !draft::is_same_material(&material, shown.material) {
             self.is_open = !is_finished;
-            return Some(Answer::Change {
+            return Some(EditorResponse::Change {
                 material,
                 is_finished,
             });
@@ -276,13 +291,13 @@ impl Editor {
             return None;
         }
         self.is_open = false;
-        Some(Answer::Change {
+        Some(EditorResponse::Change {
             material,
             is_finished,
         })
     }
 
-    fn pictures(&mut self, ui: &mut Ui, language: Language, shown: &Shown) {
+    fn pictures(&mut self, ui: &mut Ui, language: Language, shown: &EditorInput) {
         compare::choose(ui, language, &mut self.compared, shown.others);
         let other = compare::current(&mut self.compared, shown.others);
         let first = shown.material;

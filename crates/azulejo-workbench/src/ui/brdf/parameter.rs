@@ -1,7 +1,7 @@
 //! The parameters of one model.
 
-use super::catalog::{self, Term, as_color, fallback, set};
-use super::fields::{Span, color, number};
+use super::catalog::{self, FresnelChoice, as_color, fallback, set};
+use super::fields::{NumberRange, color, number};
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::brdf::{Info, Kind, METALS, Model, ParameterInfo, Value, find, find_metal};
@@ -22,8 +22,8 @@ pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {
 
 /// What a parameter does, in which range.
 fn about(language: Language, info: &ParameterInfo) -> String {
-    let words = language.say(info.about);
-    let (from, to, unit) = (info.least, info.most, language.say(info.unit));
+    let words = language.tr(info.about);
+    let (from, to, unit) = (info.least, info.most, language.tr(info.unit));
     match info.kind {
         Kind::Word => words.to_owned(),
         _ => format!("{words}\n{from} … {to} {unit}"),
@@ -36,11 +36,11 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
         let is_optional = !info.is_needed && info.default.is_none();
         let mut is_given = given.is_some();
         if is_optional {
-            let words = language.say("Given; otherwise the model has its own value.");
+            let words = language.tr("Given; otherwise the model has its own value.");
             let check = ui.checkbox(&mut is_given, "").on_hover_text(words);
             check.accessible_name(format!("{name} ?"));
             if !is_given {
-                ui.weak(language.say("as the model has it"));
+                ui.weak(language.tr("as the model has it"));
                 return set(model, info, None);
             }
         }
@@ -56,10 +56,10 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
 
 /// The fields of a value.
 fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, value: &mut Value) {
-    let span = Span {
+    let span = NumberRange {
         least: info.least,
         most: info.most,
-        unit: language.say(info.unit),
+        unit: language.tr(info.unit),
         is_strict: false,
     };
     match (info.kind, &mut *value) {
@@ -73,16 +73,17 @@ fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, valu
 }
 
 /// One number for all channels, or three.
-fn shade(ui: &mut Ui, language: Language, name: &str, span: Span, value: &mut Value) {
+fn shade(ui: &mut Ui, language: Language, name: &str, span: NumberRange, value: &mut Value) {
     let mut is_color = matches!(value, Value::Color(_));
-    let words = language.say("One number for each of red, green and blue.");
+    let words = language.tr("One number for each of red, green and blue.");
     let toggle = ui.toggle_value(&mut is_color, "RGB").on_hover_text(words);
     let toggle = toggle.accessible_name(format!("{name} RGB"));
     let shown = as_color(value);
     if toggle.changed() {
-        *value = match is_color {
-            true => Value::Color(shown),
-            false => Value::Number(shown.mean()),
+        *value = if is_color {
+            Value::Color(shown)
+        } else {
+            Value::Number(shown.mean())
         };
         return;
     }
@@ -115,16 +116,16 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
 
 /// The Fresnel term.
 fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
-    let term = Term::of(model);
-    let about = language.say("How much the smooth boundary of a facet mirrors, by the angle.");
+    let term = FresnelChoice::of(model);
+    let about = language.tr("How much the smooth boundary of a facet mirrors, by the angle.");
     let mut chosen = term;
-    row(ui, language.say("Fresnel"), about, |ui, name| {
+    row(ui, language.tr("Fresnel"), about, |ui, name| {
         let words = |t| term_words(language, t);
         let combo = ComboBox::from_id_salt(("fresnel", info.name))
             .selected_text(words(term))
             .width(210.0);
         let shown = combo.show_ui(ui, |ui| {
-            for t in Term::ALL {
+            for t in FresnelChoice::ALL {
                 ui.selectable_value(&mut chosen, t, words(t));
             }
         });
@@ -134,21 +135,24 @@ fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
         return chosen.choose(model);
     }
     let names: &[&str] = match term {
-        Term::None => &[],
-        Term::Metal => &["metal"],
-        Term::Index => &["eta", "k"],
-        Term::Schlick => &["f0", "tint"],
-        Term::Constant => &["F"],
+        FresnelChoice::None => &[],
+        FresnelChoice::Metal => &["metal"],
+        FresnelChoice::Index => &["eta", "k"],
+        FresnelChoice::Schlick => &["f0", "tint"],
+        FresnelChoice::Constant => &["F"],
     };
     for info in names.iter().filter_map(|name| catalog::fresnel(name)) {
         // What stands for a term is needed, the others may be left out.
         let is_first = names.first() == Some(&info.name);
-        ui.push_id(info.name, |ui| match is_first {
-            true => needed(ui, language, model, info),
-            false => one(ui, language, model, info),
+        ui.push_id(info.name, |ui| {
+            if is_first {
+                needed(ui, language, model, info)
+            } else {
+                one(ui, language, model, info)
+            }
         });
     }
-    if term == Term::Index {
+    if term == FresnelChoice::Index {
         copied(ui, language, model);
     }
 }
@@ -170,7 +174,7 @@ fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Par
 /// The numbers of a metal of the table, to begin with.
 fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     row(ui, "", "", |ui, _| {
-        ui.menu_button(language.say("Numbers of a metal"), |ui| {
+        ui.menu_button(language.tr("Numbers of a metal"), |ui| {
             for metal in METALS {
                 let entry = ui.button(metal.name).on_hover_text(metal.source);
                 if entry.clicked() {
@@ -186,12 +190,12 @@ fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     });
 }
 
-fn term_words(language: Language, term: Term) -> &'static str {
+fn term_words(language: Language, term: FresnelChoice) -> &'static str {
     match term {
-        Term::None => language.say("all light is reflected"),
-        Term::Metal => language.say("a metal by name"),
-        Term::Index => language.say("indices of refraction"),
-        Term::Schlick => language.say("Schlick, from normal incidence"),
-        Term::Constant => language.say("the same at all angles"),
+        FresnelChoice::None => language.tr("all light is reflected"),
+        FresnelChoice::Metal => language.tr("a metal by name"),
+        FresnelChoice::Index => language.tr("indices of refraction"),
+        FresnelChoice::Schlick => language.tr("Schlick, from normal incidence"),
+        FresnelChoice::Constant => language.tr("the same at all angles"),
     }
 }

@@ -1,8 +1,8 @@
 //! Lobes in the plane of incidence.
 
-use super::shapes::Slice;
+use super::lobes::LobeSlice;
 use super::theme::{brightness, grid, lines, short};
-use super::view::{Quantity, Scale, View};
+use super::view::{LobeQuantity, LobeView, RadialScale};
 use crate::words::Language;
 use egui::{Align2, Color32, Ui};
 use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text};
@@ -11,19 +11,19 @@ use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, Plo
 const SEEN: f64 = 5e-4;
 
 /// Draws the lobes of one model, or of two: the second is dashed.
-pub(super) fn draw(ui: &mut Ui, language: Language, view: &View, models: &[&[Slice]]) {
+pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&[LobeSlice]]) {
     let values = models
         .iter()
         .flat_map(|slices| slices.iter().flat_map(|s| drawn(view, s)));
     let top = values.map(|v| v.1).fold(0.0, f64::max);
-    let dial = Dial {
+    let dial = PolarAxes {
         view,
         top: if top > 0.0 { top } else { 1.0 },
         grid: grid(ui),
         ink: ui.visuals().weak_text_color(),
         colors: lines(ui),
     };
-    let (name, unit) = (quantity(view), language.say("1/sr"));
+    let (name, unit) = (quantity(view), language.tr("1/sr"));
     let height = (0.56 * ui.available_width()).clamp(120.0, 230.0);
     let plot = Plot::new("polar")
         .height(height)
@@ -51,10 +51,10 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &View, models: &[&[Sli
             }
         }
     });
-    let words = language.say("Lobes in the plane of incidence");
+    let words = language.tr("Lobes in the plane of incidence");
     let scale = match view.scale {
-        Scale::Linear => language.say("linear"),
-        Scale::Logarithmic => language.say("logarithmic"),
+        RadialScale::Linear => language.tr("linear"),
+        RadialScale::Logarithmic => language.tr("logarithmic"),
     };
     let words = format!("{words}: {name}, {unit}, {scale}");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, &words);
@@ -62,15 +62,15 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &View, models: &[&[Sli
 }
 
 /// What the radius is.
-pub(super) fn quantity(view: &View) -> &'static str {
+pub(super) fn quantity(view: &LobeView) -> &'static str {
     match view.quantity {
-        Quantity::WithCosine => "f·cos θ",
-        Quantity::Alone => "f",
+        LobeQuantity::WithCosine => "f·cos θ",
+        LobeQuantity::Alone => "f",
     }
 }
 
 /// Angles with the values that are drawn there.
-fn drawn(view: &View, slice: &Slice) -> impl Iterator<Item = (f64, f64)> {
+fn drawn(view: &LobeView, slice: &LobeSlice) -> impl Iterator<Item = (f64, f64)> {
     let value = |&(angle, f): &(f64, _)| {
         let cos = angle.to_radians().cos();
         (angle, view.value(brightness(f), cos))
@@ -79,8 +79,8 @@ fn drawn(view: &View, slice: &Slice) -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// The half circle, and what its radius means.
-struct Dial<'a> {
-    view: &'a View,
+struct PolarAxes<'a> {
+    view: &'a LobeView,
     /// The value at the radius.
     top: f64,
     grid: Color32,
@@ -94,7 +94,7 @@ fn at(degrees: f64, share: f64) -> [f64; 2] {
     [share * sin, share * cos]
 }
 
-impl Dial<'_> {
+impl PolarAxes<'_> {
     fn line(&self, plot: &mut PlotUi, points: Vec<[f64; 2]>, color: Color32) {
         let line = Line::new("", PlotPoints::from(points))
             .color(color)
@@ -105,15 +105,15 @@ impl Dial<'_> {
     fn text(
         &self,
         plot: &mut PlotUi,
-        place: [f64; 2],
+        position: [f64; 2],
         words: &str,
         color: Color32,
         anchor: Align2,
     ) {
         let text = egui::RichText::new(words).size(10.0);
-        let place = PlotPoint::new(place[0], place[1]);
+        let position = PlotPoint::new(position[0], position[1]);
         plot.text(
-            Text::new("", place, text)
+            Text::new("", position, text)
                 .color(color)
                 .anchor(anchor)
                 .allow_hover(false),
@@ -145,17 +145,18 @@ impl Dial<'_> {
     }
 
     /// One lobe, with where its light comes from.
-    fn slice(&self, plot: &mut PlotUi, slice: &Slice, k: usize, is_dashed: bool) {
+    fn slice(&self, plot: &mut PlotUi, slice: &LobeSlice, k: usize, is_dashed: bool) {
         let color = self.colors[k % self.colors.len()];
-        let style = match is_dashed {
-            true => LineStyle::dashed_dense(),
-            false => LineStyle::Solid,
+        let style = if is_dashed {
+            LineStyle::dashed_dense()
+        } else {
+            LineStyle::Solid
         };
-        let place = |(angle, value)| at(angle, self.view.share(value, self.top));
+        let position = |(angle, value)| at(angle, self.view.share(value, self.top));
         let ends = std::iter::once([0.0; 2]);
         let points = ends
             .clone()
-            .chain(drawn(self.view, slice).map(place))
+            .chain(drawn(self.view, slice).map(position))
             .chain(ends);
         let width = if k == 0 { 2.4 } else { 1.2 };
         let name = format!("{}°", short(slice.incidence));
@@ -185,8 +186,8 @@ impl Dial<'_> {
             if mirrored > SEEN {
                 let words = format!("{:.1} %", 100.0 * mirrored);
                 // Beside the ray, where the angle of the light is not.
-                let place = at(slice.incidence.max(3.0), 1.03);
-                self.text(plot, place, &words, color, Align2::LEFT_CENTER);
+                let position = at(slice.incidence.max(3.0), 1.03);
+                self.text(plot, position, &words, color, Align2::LEFT_CENTER);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Colours and rows that all parts of the editor share.
 
-pub(super) use crate::ui::paint::lines;
+pub(super) use crate::ui::colors::lines;
 use azulejo::scene::Rgb;
 use egui::{Align, Color32, Layout, RichText, Sense, Stroke, Ui, vec2};
 
@@ -31,9 +31,10 @@ pub(super) fn short(value: f64) -> String {
         x => {
             let digits = (2 - x.log10().floor() as i32).clamp(0, 5) as usize;
             let text = format!("{value:.digits$}");
-            match text.contains('.') {
-                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-                false => text,
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_owned()
+            } else {
+                text
             }
         }
     }
@@ -67,15 +68,16 @@ pub(super) fn mark(ui: &mut Ui, is_good: bool, color: Color32) {
     let (place, _) = ui.allocate_exact_size(vec2(13.0, 13.0), Sense::hover());
     let at = |x: f32, y: f32| place.lerp_inside(vec2(x, y));
     let stroke = Stroke::new(1.8, color);
-    let (line, others) = match is_good {
-        true => (vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], vec![]),
-        false => (
+    let (line, others) = if is_good {
+        (vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], vec![])
+    } else {
+        (
             vec![at(0.5, 0.0), at(1.0, 0.95), at(0.0, 0.95), at(0.5, 0.0)],
             vec![
                 [at(0.5, 0.35), at(0.5, 0.62)],
                 [at(0.5, 0.72), at(0.5, 0.82)],
             ],
-        ),
+        )
     };
     ui.painter().line(line, stroke);
     for ends in others {

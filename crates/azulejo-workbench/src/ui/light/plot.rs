@@ -1,9 +1,9 @@
 //! How the light settles, as curves.
 
-use super::super::desk::Desk;
-use super::super::paint::lines;
+use super::super::colors::lines;
+use super::super::panel_context::PanelContext;
 use super::percent;
-use super::series::Curves;
+use super::series::ConvergenceCurves;
 use crate::ui::viewport::number;
 use azulejo::trace::Measure;
 use egui::{Color32, Grid, Ui, WidgetInfo};
@@ -13,22 +13,22 @@ use egui_plot::{
 use std::time::Instant;
 
 /// Draws the last measures as numbers, and all of them as curves.
-pub fn show(ui: &mut Ui, desk: &Desk) {
-    let lighting = &desk.app.lighting;
+pub fn show(ui: &mut Ui, cx: &PanelContext) {
+    let lighting = &cx.app.lighting;
     let began = lighting.began.unwrap_or_else(Instant::now);
-    let curves = Curves::new(&lighting.measures, began);
-    numbers(ui, desk);
+    let curves = ConvergenceCurves::new(&lighting.measures, began);
+    numbers(ui, cx);
     if !curves.residuals.is_empty() {
-        residuals(ui, desk, &curves);
+        residuals(ui, cx, &curves);
     }
     if !curves.errors.is_empty() || !curves.patch_errors.is_empty() {
-        errors(ui, desk, &curves);
+        errors(ui, cx, &curves);
     }
 }
 
 /// The last measures, for whom a curve says too little.
-fn numbers(ui: &mut Ui, desk: &Desk) {
-    let lighting = &desk.app.lighting;
+fn numbers(ui: &mut Ui, cx: &PanelContext) {
+    let lighting = &cx.app.lighting;
     let measures = || lighting.measures.iter().rev().map(|m| m.measure);
     let residual = measures().find_map(|m| match m {
         Measure::Residual {
@@ -42,21 +42,21 @@ fn numbers(ui: &mut Ui, desk: &Desk) {
     });
     Grid::new("last measures").num_columns(2).show(ui, |ui| {
         if let Some((iteration, value)) = residual {
-            let after = desk.say("after so many bounces:");
+            let after = cx.tr("after so many bounces:");
             let value = format!("{} {after} {iteration}", number(value));
-            super::row(ui, desk.say("Residual"), "", value);
+            super::row(ui, cx.tr("Residual"), "", value);
         }
         if let Some(error) = error {
             let aim = percent(lighting.settings.error);
-            let value = format!("{}, {} {aim}", percent(error), desk.say("aimed at"));
-            super::row(ui, desk.say("Estimated error"), "", value);
+            let value = format!("{}, {} {aim}", percent(error), cx.tr("aimed at"));
+            super::row(ui, cx.tr("Estimated error"), "", value);
         }
     });
 }
 
-fn residuals(ui: &mut Ui, desk: &Desk, curves: &Curves) {
+fn residuals(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
     let colors = lines(ui);
-    let (replicate, bounces) = (desk.say("replicate"), desk.say("bounces"));
+    let (replicate, bounces) = (cx.tr("replicate"), cx.tr("bounces"));
     let ys = curves.residuals.iter().flat_map(|c| &c.points);
     let plot = framed("residuals", Corner::RightTop, ys.map(|p| p[1]))
         .x_axis_label(bounces)
@@ -79,19 +79,19 @@ fn residuals(ui: &mut Ui, desk: &Desk, curves: &Curves) {
             );
         }
     });
-    let words = desk.say("Residual against bounces");
+    let words = cx.tr("Residual against bounces");
     shown
         .response
         .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
 }
 
-fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
+fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
     let [blue, orange, ..] = lines(ui);
     let ink = ui.visuals().strong_text_color();
-    let aim = desk.app.lighting.settings.error.max(1e-9).log10();
+    let aim = cx.app.lighting.settings.error.max(1e-9).log10();
     let ys = curves.errors.iter().chain(&curves.patch_errors);
     let plot = framed("errors", Corner::RightBottom, ys.map(|p| p[1]).chain([aim]))
-        .x_axis_label(desk.say("seconds"))
+        .x_axis_label(cx.tr("seconds"))
         .x_grid_spacer(decades)
         .x_axis_formatter(|mark, _| plain(mark.value))
         .y_axis_formatter(|mark, _| format!("{} %", plain(mark.value + 2.0)))
@@ -103,8 +103,8 @@ fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
                 number(10f64.powf(x))
             ))
         });
-    let (of_light, of_patches) = (desk.say("irradiance"), desk.say("patches"));
-    let aimed = desk.say("aimed at");
+    let (of_light, of_patches) = (cx.tr("irradiance"), cx.tr("patches"));
+    let aimed = cx.tr("aimed at");
     let shown = plot.show(ui, |plot| {
         let line = HLine::new(aimed, aim)
             .color(ink.gamma_multiply(0.7))
@@ -124,7 +124,7 @@ fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
             }
         }
     });
-    let words = desk.say("Estimated error against seconds");
+    let words = cx.tr("Estimated error against seconds");
     shown
         .response
         .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
@@ -157,9 +157,10 @@ fn framed<'a>(name: &str, legend: Corner, ys: impl Iterator<Item = f64>) -> Plot
 }
 
 fn faded(color: Color32, is_superseded: bool) -> Color32 {
-    match is_superseded {
-        true => color.gamma_multiply(0.45),
-        false => color,
+    if is_superseded {
+        color.gamma_multiply(0.45)
+    } else {
+        color
     }
 }
 

@@ -4,13 +4,13 @@ use azulejo::trace::{Measure, Measured};
 use std::time::Instant;
 
 /// Points of a curve that are drawn at most: more than a panel has pixels help nobody.
-const MOST_POINTS: usize = 400;
+const MAX_POINTS: usize = 400;
 /// Curves that are drawn at most; the last ones tell.
-const MOST_CURVES: usize = 16;
+const MAX_CURVES: usize = 16;
 
 /// How the light of one replicate came into balance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Residual {
+pub struct ResidualCurve {
     /// Which of the independent replicates, from 0.
     pub replicate: u32,
     /// Bounces, and log₁₀ of the residual.
@@ -21,20 +21,20 @@ pub struct Residual {
 
 /// All curves.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curves {
+pub struct ConvergenceCurves {
     /// Residuals; one curve for each time that a replicate was solved.
-    pub residuals: Vec<Residual>,
+    pub residuals: Vec<ResidualCurve>,
     /// log₁₀ of seconds since the solver began, log₁₀ of the estimated error of irradiance.
     pub errors: Vec<[f64; 2]>,
     /// The same of the patches' radiosity.
     pub patch_errors: Vec<[f64; 2]>,
 }
 
-impl Curves {
+impl ConvergenceCurves {
     /// Sorts measures into curves, each no longer than can be seen. What has no logarithm is
     /// left out.
-    pub fn new(measures: &[Measured], began: Instant) -> Curves {
-        let mut curves = Curves::default();
+    pub fn new(measures: &[Measured], began: Instant) -> ConvergenceCurves {
+        let mut curves = ConvergenceCurves::default();
         let mut bounces = Vec::new();
         for measured in measures {
             let after = measured.at.saturating_duration_since(began).as_secs_f64();
@@ -50,7 +50,7 @@ impl Curves {
                 _ => {}
             }
         }
-        bounces.drain(..bounces.len().saturating_sub(MOST_CURVES));
+        bounces.drain(..bounces.len().saturating_sub(MAX_CURVES));
         curves.residuals = bounces;
         for curve in &mut curves.residuals {
             thin(&mut curve.points);
@@ -61,7 +61,7 @@ impl Curves {
     }
 }
 
-fn residual(curves: &mut Vec<Residual>, replicate: u32, iteration: u32, value: f64) {
+fn residual(curves: &mut Vec<ResidualCurve>, replicate: u32, iteration: u32, value: f64) {
     let x = f64::from(iteration);
     let latest = curves.iter_mut().rev().find(|c| c.replicate == replicate);
     match latest {
@@ -78,7 +78,7 @@ fn residual(curves: &mut Vec<Residual>, replicate: u32, iteration: u32, value: f
             if let Some(curve) = latest {
                 curve.is_superseded = true;
             }
-            curves.push(Residual {
+            curves.push(ResidualCurve {
                 replicate,
                 points,
                 is_superseded: false,
@@ -96,7 +96,7 @@ fn push(points: &mut Vec<[f64; 2]>, x: f64, value: f64) {
 
 /// Keeps each so many, and always the last.
 fn thin(points: &mut Vec<[f64; 2]>) {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    let step = points.len().div_ceil(MAX_POINTS).max(1);
     let last = points.len().saturating_sub(1);
     let mut index = 0;
     points.retain(|_| {
@@ -111,14 +111,14 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    fn curves(measures: &[Measure]) -> Curves {
+    fn curves(measures: &[Measure]) -> ConvergenceCurves {
         let began = Instant::now();
         let at = |(k, &measure): (usize, &Measure)| Measured {
             at: began + Duration::from_secs(1 + k as u64),
             measure,
         };
         let measured: Vec<Measured> = measures.iter().enumerate().map(at).collect();
-        Curves::new(&measured, began)
+        ConvergenceCurves::new(&measured, began)
     }
 
     fn bounce(replicate: u32, iteration: u32, value: f64) -> Measure {
@@ -152,7 +152,7 @@ mod tests {
                 Measure::Error(value),
                 Measure::PatchError(value),
             ]);
-            assert_eq!(found, Curves::default(), "{value}");
+            assert_eq!(found, ConvergenceCurves::default(), "{value}");
         }
     }
 
@@ -162,7 +162,7 @@ mod tests {
             .map(|k| Measure::Error(1.0 / f64::from(k)))
             .collect();
         let found = curves(&measures).errors;
-        assert!(found.len() <= MOST_POINTS + 1, "{}", found.len());
+        assert!(found.len() <= MAX_POINTS + 1, "{}", found.len());
         assert_eq!(found.first(), Some(&[0.0, 0.0]));
         assert_eq!(found.last().map(|p| p[1]), Some(1e-5f64.log10()));
     }
@@ -171,7 +171,7 @@ mod tests {
     fn of_many_curves_the_last_are_kept() {
         let many: Vec<Measure> = (0..1_000).map(|_| bounce(0, 1, 1.0)).collect();
         let found = curves(&many).residuals;
-        assert_eq!(found.len(), MOST_CURVES);
+        assert_eq!(found.len(), MAX_CURVES);
         assert!(!found.last().unwrap().is_superseded);
     }
 }

@@ -1,9 +1,9 @@
 use super::*;
 use crate::app::App;
-use crate::command::{Command, PatchAt};
-use crate::document::{Document, Solution};
-use crate::jobs::Kind;
-use crate::light::{EngineName, LightSettings, SeenFromPatch};
+use crate::command::{Command, SurfacePick};
+use crate::document::{SceneDocument, Solution};
+use crate::first_pass::{EngineChoice, LightSettings, PatchFormFactors};
+use crate::jobs::JobKind;
 use crate::words::Language;
 use azulejo::factors::EngineUsed;
 use azulejo::radiosity::{EnergyBalance, Method, Report};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The tab alone, and what it asked for.
-struct Bench {
+struct LightTabFixture {
     app: App,
     asked: Vec<Command>,
     pins: bool,
@@ -26,30 +26,30 @@ struct Bench {
 
 fn cornell() -> App {
     let mut app = App::quiet();
-    app.document = Document::of_scene(cornell_box(CornellVariant::Diffuse), None);
+    app.document = SceneDocument::of_scene(cornell_box(CornellVariant::Diffuse), None);
     app
 }
 
-fn bench(app: App) -> Harness<'static, Bench> {
-    let bench = Bench {
+fn bench(app: App) -> Harness<'static, LightTabFixture> {
+    let bench = LightTabFixture {
         app,
         asked: Vec::new(),
         pins: false,
     };
-    let draw = |ui: &mut Ui, bench: &mut Bench| {
+    let draw = |ui: &mut Ui, bench: &mut LightTabFixture| {
         bench.app.poll();
-        let mut desk = Desk {
+        let mut cx = PanelContext {
             is_covered: false,
             app: &bench.app,
             language: bench.app.preferences.language,
             gesture: None,
-            wishes: Vec::new(),
+            commands: Vec::new(),
         };
-        bench.pins |= show(ui, &mut desk);
-        let wishes = desk.wishes;
-        for wish in wishes {
-            bench.asked.push(wish.clone());
-            bench.app.execute(wish);
+        bench.pins |= show(ui, &mut cx);
+        let commands = cx.commands;
+        for target in commands {
+            bench.asked.push(target.clone());
+            bench.app.execute(target);
         }
     };
     Harness::builder()
@@ -128,7 +128,7 @@ fn measured(app: &mut App, values: [f64; 3]) {
     }
 }
 
-fn type_into(harness: &mut Harness<Bench>, field: &str, text: &str) {
+fn type_into(harness: &mut Harness<LightTabFixture>, field: &str, text: &str) {
     harness
         .get_by_role_and_label(Role::SpinButton, field)
         .focus();
@@ -141,7 +141,7 @@ fn type_into(harness: &mut Harness<Bench>, field: &str, text: &str) {
     harness.run_ok();
 }
 
-fn click(harness: &mut Harness<Bench>, role: Role, name: &str) {
+fn click(harness: &mut Harness<LightTabFixture>, role: Role, name: &str) {
     harness.get_by_role_and_label(role, name).click();
     harness.run_steps(3);
 }
@@ -157,7 +157,7 @@ fn settings_are_typed() {
     click(&mut harness, Role::ComboBox, "Engine");
     click(&mut harness, Role::Button, "rays");
     let expected = LightSettings {
-        engine: EngineName::Rays,
+        engine: EngineChoice::Rays,
         patches: 321,
         error: 0.125,
         time: Some(7.5),
@@ -201,7 +201,7 @@ fn the_solver_is_started_held_and_stopped() {
         Command::StopSolving,
     ];
     assert_eq!(*asked, expected);
-    assert!(!harness.state().app.is_busy(Kind::Solve));
+    assert!(!harness.state().app.is_busy(JobKind::Solve));
 }
 
 #[test]
@@ -278,11 +278,11 @@ fn old_light_says_so() {
 #[test]
 fn probes_are_pinned_measured_and_removed() {
     let mut app = cornell();
-    let item = app.document.items[0].id;
+    let item = app.document.objects[0].id;
     for _ in 0..2 {
-        app.execute(Command::Pin(PatchAt {
+        app.execute(Command::AddProbe(SurfacePick {
             item,
-            position: app.document.items[0].bounds().centre(),
+            position: app.document.objects[0].bounds().centre(),
             normal: DVec3::Y,
         }));
     }
@@ -297,7 +297,7 @@ fn probes_are_pinned_measured_and_removed() {
     click(&mut harness, Role::Button, "Measure exactly");
     assert_eq!(
         harness.state().asked,
-        [Command::Unpin(1), Command::MeasureProbes]
+        [Command::RemoveProbe(1), Command::MeasureProbes]
     );
     click(&mut harness, Role::Button, "Remove probe 2");
     harness.get_by_label_contains("None yet");
@@ -306,8 +306,8 @@ fn probes_are_pinned_measured_and_removed() {
 #[test]
 fn form_factors_are_listed_by_object() {
     let mut app = cornell();
-    let ids: Vec<_> = app.document.items.iter().map(|i| i.id).collect();
-    app.lighting.seen = Some(SeenFromPatch {
+    let ids: Vec<_> = app.document.objects.iter().map(|i| i.id).collect();
+    app.lighting.seen = Some(PatchFormFactors {
         number: 1,
         item: ids[0],
         patches: Arc::new(Mesh::default()),

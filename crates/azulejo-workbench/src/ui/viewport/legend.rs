@@ -1,10 +1,10 @@
 //! The colours of a scale, with their numbers.
 
-use crate::gpu::Scale;
+use crate::gpu::ColorScale;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2};
 
 /// Paints a bar of colours with numbers beside it, in the lower left corner of `rect`.
-pub fn paint(painter: &Painter, rect: Rect, scale: &Scale, unit: &str) {
+pub fn paint(painter: &Painter, rect: Rect, scale: &ColorScale, unit: &str) {
     let height = (0.5 * rect.height()).clamp(80.0, 240.0);
     let bar = Rect::from_min_size(
         Pos2::new(rect.min.x + 12.0, rect.max.y - height - 14.0),

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::ui::focus::keep_arrows;
-use crate::view::View;
+use crate::view::ModelView;
 use egui::{Key, Modifiers, PointerButton, Response, Ui};
 use glam::DVec3;
 
@@ -20,10 +20,10 @@ const NEARER: f64 = 0.4;
 
 /// The view after this frame's mouse and keys; whether it must be drawn again at once because a
 /// key is held.
-pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (View, bool) {
+pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (ModelView, bool) {
     let mut view = app.view.clone();
     let up = app.document.units.up.axis();
-    let held = Held::now(ui, response);
+    let held = HeldKeys::now(ui, response);
     drag(ui, response, &mut view, up, held.flies());
     wheel(ui, response, &mut view);
     let is_held = held.any();
@@ -34,7 +34,7 @@ pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (View, bool) {
     (view, is_held)
 }
 
-fn drag(ui: &Ui, response: &Response, view: &mut View, up: DVec3, flies: bool) {
+fn drag(ui: &Ui, response: &Response, view: &mut ModelView, up: DVec3, flies: bool) {
     let by = response.drag_delta();
     if by == egui::Vec2::ZERO {
         return;
@@ -57,7 +57,7 @@ fn drag(ui: &Ui, response: &Response, view: &mut View, up: DVec3, flies: bool) {
     }
 }
 
-fn wheel(ui: &Ui, response: &Response, view: &mut View) {
+fn wheel(ui: &Ui, response: &Response, view: &mut ModelView) {
     if !response.hovered() {
         return;
     }
@@ -72,7 +72,7 @@ fn wheel(ui: &Ui, response: &Response, view: &mut View) {
 
 /// Keys that are held, and for how long since the last frame.
 #[derive(Default)]
-struct Held {
+struct HeldKeys {
     /// Right, up and forward: -1, 0 or 1.
     step: DVec3,
     /// Arrows to the right and up.
@@ -83,27 +83,28 @@ struct Held {
     seconds: f64,
 }
 
-impl Held {
+impl HeldKeys {
     /// None while another part of the window has the keys.
-    fn now(ui: &Ui, response: &Response) -> Held {
+    fn now(ui: &Ui, response: &Response) -> HeldKeys {
         if response.has_focus() {
             keep_arrows(response);
         } else if ui.memory(|m| m.focused()).is_some() {
-            return Held::default();
+            return HeldKeys::default();
         }
         ui.input(|i| {
             let held = |key| f64::from(u8::from(i.key_down(key)));
-            let letters = match i.modifiers.any() {
-                true => DVec3::ZERO,
-                false => DVec3::new(
+            let letters = if i.modifiers.any() {
+                DVec3::ZERO
+            } else {
+                DVec3::new(
                     held(Key::D) - held(Key::A),
                     held(Key::R) - held(Key::F),
                     held(Key::W) - held(Key::S),
-                ),
+                )
             };
             let plus = held(Key::Plus).max(held(Key::Equals));
             let signs = plus - held(Key::Minus);
-            Held {
+            HeldKeys {
                 step: letters,
                 arrows: (
                     held(Key::ArrowRight) - held(Key::ArrowLeft),
@@ -126,7 +127,7 @@ impl Held {
     }
 
     /// Moves the view; `reach` is the size of the model.
-    fn carry(&self, view: &mut View, reach: f64, up: DVec3) {
+    fn carry(&self, view: &mut ModelView, reach: f64, up: DVec3) {
         let dt = self.seconds;
         if self.arrows != (0.0, 0.0) {
             let (x, y) = (self.arrows.0 * dt, self.arrows.1 * dt);

@@ -1,0 +1,239 @@
+//! Work in the background of which only the newest matters.
+
+use azulejo::trace::{Cancelled, Progress};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
+
+/// Work that is no longer wanted may end within this time, so that a drag shows something; what
+/// takes longer is stopped.
+const PATIENCE: Duration = Duration::from_millis(250);
+
+/// One thread beside the window, apart from those of the solver: what a person waits for is not
+/// held up by what takes minutes.
+pub(super) struct BackgroundWorker {
+    /// `None` where the system gives no more threads; the common ones are used then.
+    pool: Option<ThreadPool>,
+}
+
+impl BackgroundWorker {
+    pub fn new(name: &'static str) -> BackgroundWorker {
+        let builder = ThreadPoolBuilder::new().num_threads(1);
+        let pool = builder.thread_name(move |_| name.to_owned()).build();
+        BackgroundWorker { pool: pool.ok() }
+    }
+
+    fn spawn(&self, job: impl FnOnce() + Send + 'static) {
+        match &self.pool {
+            Some(pool) => pool.spawn(job),
+            None => rayon::spawn(job),
+        }
+    }
+}
+
+/// The newest result of work that is asked for by a key.
+pub(super) struct LatestResult<K, T> {
+    running: Option<RunningTask<K, T>>,
+    found: Option<(K, T)>,
+}
+
+struct RunningTask<K, T> {
+    key: K,
+    progress: Arc<Progress>,
+    results: Receiver<T>,
+    since: Instant,
+    has_shown: bool,
+}
+
+impl<K, T> Default for LatestResult<K, T> {
+    fn default() -> LatestResult<K, T> {
+        LatestResult {
+            running: None,
+            found: None,
+        }
+    }
+}
+
+/// What is done in the background: it hands over results, better and better ones, until it is
+/// done or cancelled.
+pub(super) type BackgroundTask<K, T> =
+    fn(&K, &Progress, &mut dyn FnMut(T)) -> Result<(), Cancelled>;
+
+impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T> {
+    /// Sees to it that the result for `key` is there or on its way, and takes what has come.
+    pub fn ask(
+        &mut self,
+        key: &K,
+        job: BackgroundTask<K, T>,
+        worker: &BackgroundWorker,
+        ctx: &egui::Context,
+    ) {
+        self.collect();
+        if let Some(running) = &self.running {
+            if running.key == *key {
+                return;
+            }
+            if running.has_shown || running.since.elapsed() > PATIENCE {
+                running.progress.cancel();
+                self.running = None;
+            } else {
+                // Nobody repaints while this is waited for; its end does.
+                ctx.request_repaint_after(PATIENCE);
+                return;
+            }
+        }
+        if !self.found.as_ref().is_some_and(|(found, _)| found == key) {
+            self.running = Some(start(key.clone(), job, worker, ctx.clone()));
+        }
+    }
+
+    /// Takes what has come.
+    fn collect(&mut self) {
+        let Some(running) = &mut self.running else {
+            return;
+        };
+        loop {
+            match running.results.try_recv() {
+                Ok(result) => {
+                    running.has_shown = true;
+                    self.found = Some((running.key.clone(), result));
+                }
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => break,
+            }
+        }
+        self.running = None;
+    }
+
+    /// Waits for a first result, as long as nobody notices.
+    pub fn wait(&mut self, longest: Duration) {
+        let Some(running) = self.running.as_mut().filter(|r| !r.has_shown) else {
+            return;
+        };
+        if let Ok(result) = running.results.recv_timeout(longest) {
+            running.has_shown = true;
+            self.found = Some((running.key.clone(), result));
+        }
+        self.collect();
+    }
+
+    /// The newest result, with the key that it belongs to.
+    pub fn found(&self) -> Option<&(K, T)> {
+        self.found.as_ref()
+    }
+
+    /// The result for `key`, if it has come.
+    pub fn of(&self, key: &K) -> Option<&T> {
+        let found = self.found.as_ref();
+        found.and_then(|(k, result)| (k == key).then_some(result))
+    }
+
+    /// Whether more is to come.
+    pub fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+}
+
+impl<K, T> Drop for LatestResult<K, T> {
+    fn drop(&mut self) {
+        if let Some(running) = &self.running {
+            running.progress.cancel();
+        }
+    }
+}
+
+fn start<K, T>(
+    key: K,
+    job: BackgroundTask<K, T>,
+    worker: &BackgroundWorker,
+    ctx: egui::Context,
+) -> RunningTask<K, T>
+where
+    K: Clone + Send + 'static,
+    T: Send + 'static,
+{
+    let (sender, results) = channel();
+    let progress = Arc::new(Progress::new());
+    let (own_key, own_progress) = (key.clone(), progress.clone());
+    worker.spawn(move || {
+        let mut show = |result| {
+            // Nobody may be listening any more.
+            let _ = sender.send(result);
+            ctx.request_repaint();
+        };
+        if own_progress.advance(0).is_ok() {
+            // Cancelled work has nothing to say.
+            let _ = job(&own_key, &own_progress, &mut show);
+        }
+        drop(sender);
+        ctx.request_repaint();
+    });
+    RunningTask {
+        key,
+        progress,
+        results,
+        since: Instant::now(),
+        has_shown: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wait(
+        latest: &mut LatestResult<u32, u32>,
+        key: u32,
+        job: BackgroundTask<u32, u32>,
+        worker: &BackgroundWorker,
+    ) {
+        let ctx = egui::Context::default();
+        for _ in 0..2000 {
+            latest.ask(&key, job, worker, &ctx);
+            if !latest.is_running() && latest.of(&key).is_some() {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        panic!("no result for {key}");
+    }
+
+    fn doubled(key: &u32, _: &Progress, show: &mut dyn FnMut(u32)) -> Result<(), Cancelled> {
+        show(2 * key);
+        Ok(())
+    }
+
+    /// Shows one result and goes on until it is cancelled, but for key 0.
+    fn endless(key: &u32, progress: &Progress, show: &mut dyn FnMut(u32)) -> Result<(), Cancelled> {
+        show(*key);
+        if *key == 0 {
+            return Ok(());
+        }
+        loop {
+            progress.advance(1)?;
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn the_result_is_that_of_the_last_key() {
+        let (mut latest, worker) = (LatestResult::default(), BackgroundWorker::new("test"));
+        wait(&mut latest, 3, doubled, &worker);
+        assert_eq!(latest.found(), Some(&(3, 6)));
+        wait(&mut latest, 4, doubled, &worker);
+        assert_eq!((latest.of(&3), latest.of(&4)), (None, Some(&8)));
+    }
+
+    #[test]
+    fn work_that_nobody_wants_is_stopped() {
+        let (mut latest, worker) = (LatestResult::default(), BackgroundWorker::new("test"));
+        let ctx = egui::Context::default();
+        while latest.found().is_none() {
+            latest.ask(&7, endless, &worker, &ctx);
+        }
+        assert!(latest.is_running());
+        // The only thread is free for this one alone if the first has stopped.
+        wait(&mut latest, 0, endless, &worker);
+    }
+}

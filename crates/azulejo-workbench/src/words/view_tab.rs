@@ -1,0 +1,67 @@
+//! Words of how the model is looked at.
+
+use super::Translation;
+
+pub const TABLE: &[Translation] = &[
+    [
+        "Exposure by itself",
+        "Exposición automática",
+        "Exposição automática",
+    ],
+    ["Exposure", "Exposición", "Exposição"],
+    ["Colour map", "Mapa de colores", "Mapa de cores"],
+    ["Range by itself", "Rango automático", "Gama automática"],
+    ["from", "de", "de"],
+    ["to", "a", "a"],
+    ["Logarithmic", "Logarítmico", "Logarítmico"],
+    [
+        "Bands between isolines",
+        "Bandas entre isolíneas",
+        "Bandas entre isolinhas",
+    ],
+    ["Background", "Fondo", "Fundo"],
+    ["the scene's own", "el de la escena", "o da cena"],
+    ["any colour", "cualquier color", "qualquer cor"],
+    ["Picture…", "Imagen…", "Imagem…"],
+    ["scaled", "ajustada", "ajustada"],
+    ["centred", "centrada", "centrada"],
+    ["tiled", "en mosaico", "em mosaico"],
+    [
+        "saved with the scene",
+        "guardado con la escena",
+        "guardado com a cena",
+    ],
+    [
+        "Fog in the scene",
+        "Niebla en la escena",
+        "Nevoeiro na cena",
+    ],
+    [
+        "Nothing is seen beyond",
+        "No se ve nada más allá de",
+        "Não se vê nada para lá de",
+    ],
+    [
+        "Exponential, as in real fog",
+        "Exponencial, como la niebla real",
+        "Exponencial, como o nevoeiro real",
+    ],
+    ["Show it here", "Mostrarla aquí", "Mostrá-lo aqui"],
+    // The 16 colours.
+    ["Black", "Negro", "Preto"],
+    ["Maroon", "Granate", "Grená"],
+    ["Green", "Verde", "Verde"],
+    ["Olive", "Oliva", "Azeitona"],
+    ["Navy", "Azul marino", "Azul-marinho"],
+    ["Purple", "Púrpura", "Púrpura"],
+    ["Teal", "Verde azulado", "Verde-azulado"],
+    ["Silver", "Plata", "Prata"],
+    ["Grey", "Gris", "Cinzento"],
+    ["Red", "Rojo", "Vermelho"],
+    ["Lime", "Lima", "Lima"],
+    ["Yellow", "Amarillo", "Amarelo"],
+    ["Blue", "Azul", "Azul"],
+    ["Fuchsia", "Fucsia", "Fúcsia"],
+    ["Aqua", "Aguamarina", "Água-marinha"],
+    ["White", "Blanco", "Branco"],
+];
