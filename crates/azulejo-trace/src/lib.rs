@@ -31,6 +31,7 @@ pub mod embree;
 mod exact;
 pub mod follow;
 mod gather;
+pub mod interaction;
 pub mod item_buffer;
 mod kernel;
 mod kernels;
