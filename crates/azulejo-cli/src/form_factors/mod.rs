@@ -50,14 +50,14 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let output = Output::check(&args.output)?;
     let format = matrix_format(args, &output)?;
     session.claim_stdout(output.is_stdout())?;
-    let prepared = args.engine.prepare()?;
+    let engine = args.engine.prepare()?;
     let room = view3d::read(args, session)?;
     let scene = match &room {
         Some(room) => Cow::Borrowed(room.scene()),
         None => Cow::Owned(read_models(args, session)?),
     };
-    let tracer = prepared.tracer(&scene)?;
-    let mut options = options(args, &prepared);
+    let tracer = engine.tracer(&scene)?;
+    let mut options = options(args, &engine);
     if let Some(room) = &room {
         options = room.options(options, args.rays);
     }
@@ -95,7 +95,7 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     if let Some(journal) = journal {
         journal.remove();
     }
-    prepared.describe(&factors.engine_used, &mut report);
+    engine.describe(&factors.engine_used, &mut report);
     summary::describe(&matrix, &mut report);
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
