@@ -29,7 +29,7 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 const PLANES: usize = 8;
 
 /// Nodes that wait while others are drawn: more than any tree is deep.
-const STACK: usize = crate::build::DEEPEST + 1;
+const STACK: usize = crate::kernel::DEEPEST + 1;
 
 /// Columns and rows of a face that are drawn; rows count from below the horizon on side faces too.
 #[derive(Clone, Debug, PartialEq, Eq)]

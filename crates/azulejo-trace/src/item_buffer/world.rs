@@ -1,7 +1,7 @@
 //! The world made ready for drawing: packets of facets under a tree of boxes.
 
 use super::{NO_MIRROR, World};
-use crate::build::{BinaryNode, Reference, binary_tree};
+use crate::kernel::{BinaryNode, Reference, binary_tree};
 use azulejo_scene::Rgb;
 use glam::DVec3;
 use std::collections::HashMap;

@@ -3,6 +3,7 @@
 mod arrows;
 mod bad_input;
 mod brdf;
+mod circles;
 mod commands;
 mod engines;
 mod exact;
