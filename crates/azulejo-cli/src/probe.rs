@@ -185,11 +185,12 @@ fn hit_row(scene: &Scene, tracer: &Tracer, hit: &KernelHit) -> [f64; HIT] {
         Shape::Mesh(mesh) => mesh.faces.starts[item.face as usize] - 2 * item.face + item.triangle,
         Shape::Primitive(_) | Shape::Exact(_) => item.face,
     };
+    let [u, v] = hit.uv();
     [
         f64::from(hit.t),
         f64::from(item.object),
         f64::from(triangle),
-        f64::from(hit.u),
-        f64::from(hit.v),
+        f64::from(u),
+        f64::from(v),
     ]
 }

@@ -9,7 +9,8 @@ impl Patches {
     /// The patch that a hit of the scene's own tracer lies on.
     pub fn locate_hit(&self, surfaces: &Surfaces, hit: &KernelHit) -> u32 {
         let item = surfaces.item(hit.item);
-        self.locate(item.object, item.face, item.triangle, hit.u, hit.v)
+        let [u, v] = hit.uv();
+        self.locate(item.object, item.face, item.triangle, u, v)
     }
 }
 

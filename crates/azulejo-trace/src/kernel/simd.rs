@@ -1,23 +1,22 @@
 //! The kernel in vector instructions, chosen at run time.
 //!
-//! The only module with `unsafe`: loads from arrays of known length, and calls of functions that
-//! need instructions whose presence has been asked for.
+//! `unsafe` is needed for loads from arrays of known length, and for calls of functions that need
+//! instructions whose presence has been checked.
 #![allow(
     unsafe_code,
     reason = "vector instructions double the speed of the kernel"
 )]
 
-use crate::bvh::{Node, WIDTH};
-use crate::exact::{Crossing, Line2, Outline};
-use crate::kernel::{self, Instructions, Others, Surroundings};
-use crate::portable::Portable;
-use crate::prepared::PreparedRay;
-use crate::ray::{KernelHit, KernelRay};
-use crate::triangle::{Packet, PacketHits};
+use super::bvh::{Node, WIDTH};
+use super::portable::Portable;
+use super::prepared_ray::PreparedRay;
+use super::ray::{KernelHit, KernelRay};
+use super::traversal::{Instructions, KernelScene, OtherShapes, trace};
+use super::triangle::{Packet, PacketHits};
 
 /// An instruction set for the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Level {
+pub(crate) enum InstructionSet {
     /// Plain Rust, whatever the compiler makes of it.
     Portable,
     /// AVX2, and FMA for boxes.
@@ -25,130 +24,127 @@ pub(crate) enum Level {
     Avx2,
 }
 
-impl Level {
-    /// The best one of this machine.
-    pub(crate) fn detect() -> Level {
+impl InstructionSet {
+    /// The best one that this machine has.
+    pub(crate) fn detect() -> InstructionSet {
         #[cfg(target_arch = "x86_64")]
         if Avx2::detect().is_some() {
-            return Level::Avx2;
+            return InstructionSet::Avx2;
         }
-        Level::Portable
+        InstructionSet::Portable
     }
 
-    /// For people.
+    /// Its name, for reports.
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Level::Portable => "portable",
+            InstructionSet::Portable => "portable",
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => "AVX2",
+            InstructionSet::Avx2 => "AVX2",
         }
     }
 
-    /// Nearest meeting of each ray.
-    pub(crate) fn closest<O: Others + ?Sized>(
+    /// The nearest hit of each ray.
+    pub(crate) fn closest<O: OtherShapes + ?Sized>(
         self,
-        around: &Surroundings<O>,
+        scene: &KernelScene<O>,
         rays: &[KernelRay],
         hits: &mut [KernelHit],
     ) {
         #[cfg(target_arch = "x86_64")]
-        if self == Level::Avx2
+        if self == InstructionSet::Avx2
             && let Some(isa) = Avx2::detect()
         {
             // SAFETY: the value of `isa` is the proof that AVX2 and FMA are there.
-            return unsafe { closest_avx2(isa, around, rays, hits) };
+            return unsafe { closest_avx2(isa, scene, rays, hits) };
         }
-        closest(Portable, around, rays, hits);
+        closest(Portable, scene, rays, hits);
     }
 
-    /// Whether each ray meets anything.
-    pub(crate) fn any<O: Others + ?Sized>(
+    /// Whether each ray hits anything.
+    pub(crate) fn any<O: OtherShapes + ?Sized>(
         self,
-        around: &Surroundings<O>,
+        scene: &KernelScene<O>,
         rays: &[KernelRay],
         blocked: &mut [bool],
     ) {
         #[cfg(target_arch = "x86_64")]
-        if self == Level::Avx2
+        if self == InstructionSet::Avx2
             && let Some(isa) = Avx2::detect()
         {
             // SAFETY: the value of `isa` is the proof that AVX2 and FMA are there.
-            return unsafe { any_avx2(isa, around, rays, blocked) };
+            return unsafe { any_avx2(isa, scene, rays, blocked) };
         }
-        any(Portable, around, rays, blocked);
+        any(Portable, scene, rays, blocked);
     }
 }
 
 #[inline(always)]
-fn closest<I: Instructions, O: Others + ?Sized>(
+fn closest<I: Instructions, O: OtherShapes + ?Sized>(
     isa: I,
-    around: &Surroundings<O>,
+    scene: &KernelScene<O>,
     rays: &[KernelRay],
     hits: &mut [KernelHit],
 ) {
-    kernel::trace::<I, O, false>(isa, around, rays, |place, hit| hits[place] = *hit);
+    trace::<I, O, false>(isa, scene, rays, |index, hit| hits[index] = *hit);
 }
 
 #[inline(always)]
-fn any<I: Instructions, O: Others + ?Sized>(
+fn any<I: Instructions, O: OtherShapes + ?Sized>(
     isa: I,
-    around: &Surroundings<O>,
+    scene: &KernelScene<O>,
     rays: &[KernelRay],
     blocked: &mut [bool],
 ) {
-    kernel::trace::<I, O, true>(isa, around, rays, |place, hit| {
-        blocked[place] = hit.is_hit()
-    });
+    trace::<I, O, true>(isa, scene, rays, |index, hit| blocked[index] = hit.is_hit());
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn closest_avx2<O: Others + ?Sized>(
+fn closest_avx2<O: OtherShapes + ?Sized>(
     isa: Avx2,
-    around: &Surroundings<O>,
+    scene: &KernelScene<O>,
     rays: &[KernelRay],
     hits: &mut [KernelHit],
 ) {
-    closest(isa, around, rays, hits);
+    closest(isa, scene, rays, hits);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn any_avx2<O: Others + ?Sized>(
+fn any_avx2<O: OtherShapes + ?Sized>(
     isa: Avx2,
-    around: &Surroundings<O>,
+    scene: &KernelScene<O>,
     rays: &[KernelRay],
     blocked: &mut [bool],
 ) {
-    any(isa, around, rays, blocked);
+    any(isa, scene, rays, blocked);
 }
 
-/// [`Outline::cross`], the same to the last bit, with the four runs of a node side by side where
-/// the machine has AVX2.
+/// Work that gains from being compiled for several instruction sets.
+pub(crate) trait Vectorised {
+    type Output;
+
+    /// Does the work. Implementations are `#[inline(always)]`, and so is what takes the time in
+    /// them: only what is inlined is compiled for the instructions of the caller.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs `work` in AVX2 where the machine has it. Without fused multiplications, so that results
+/// are the same to the bit everywhere.
 #[inline(always)]
-pub(crate) fn cross(
-    outline: &Outline,
-    line: &Line2,
-    range: [f64; 2],
-    visit: impl FnMut(Crossing) -> Option<f64>,
-) -> i32 {
+pub(crate) fn vectorised<W: Vectorised>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if Avx2::detect().is_some() {
         // SAFETY: `detect` has just found AVX2 and all bit instructions that the function enables.
-        return unsafe { cross_avx2(outline, line, range, visit) };
+        return unsafe { run_avx2(work) };
     }
-    outline.cross_here(line, range, visit)
+    work.run()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn cross_avx2(
-    outline: &Outline,
-    line: &Line2,
-    range: [f64; 2],
-    visit: impl FnMut(Crossing) -> Option<f64>,
-) -> i32 {
-    outline.cross_here(line, range, visit)
+fn run_avx2<W: Vectorised>(work: W) -> W::Output {
+    work.run()
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -156,8 +152,8 @@ pub(crate) use avx2::Avx2;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
+    use super::super::triangle::{PACKET, THIN, intersect_exactly};
     use super::{Instructions, Node, Packet, PacketHits, PreparedRay, WIDTH};
-    use crate::triangle::{PACKET, THIN, meet_exactly};
     use std::arch::x86_64::*;
 
     /// Proof that AVX2, FMA and the bit instructions are there: nothing else makes one.
@@ -198,7 +194,7 @@ mod avx2 {
     /// Sheared coordinates of three corners.
     type Corners = [[f32; PACKET]; 3];
 
-    /// Decides the lanes of a mask in double precision; which of them are met within the range.
+    /// Decides the lanes of a mask in double precision; which of them are hit within the range.
     #[cold]
     #[inline(never)]
     fn recheck(
@@ -212,7 +208,7 @@ mod avx2 {
         let mut met = 0;
         for k in (0..PACKET).filter(|k| mask >> k & 1 == 1) {
             let corner = |c: Corners| c.map(|c| c[k]);
-            if let Some(hit) = meet_exactly(ray, packet.triangle(k), corner(x), corner(y)) {
+            if let Some(hit) = intersect_exactly(ray, packet.triangle(k), corner(x), corner(y)) {
                 hits.set(k, hit);
                 met |= u32::from(hit.0 >= ray.t_min && hit.0 <= t_max) << k;
             }

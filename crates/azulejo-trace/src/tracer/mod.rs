@@ -1,22 +1,25 @@
-//! The tracer: a scene made ready for rays.
+//! The tracer: a scene prepared for rays.
 
-use crate::assemble::{LocalFrame, assemble, double, single};
-use crate::bvh::Bvh;
-use crate::kernel::{Surroundings, is_better};
-use crate::kernels::{Foreign, Kernel};
-use crate::placed::Placed;
-use crate::ray::{Hit, Item, KernelHit, KernelRay};
-use crate::simd::Level;
-use crate::triangle;
+mod assemble;
+mod placed;
+
+use crate::exact::point_on_triangle;
+use crate::frame::{LocalFrame, double, single};
+use crate::hit::{Hit, Item};
+use crate::kernel::{
+    Bvh, ForeignKernel, InstructionSet, Kernel, KernelHit, KernelRay, KernelScene,
+};
+use assemble::assemble;
 use azulejo_scene::Scene;
 use azulejo_scene::math::{Aabb, Ray};
 use glam::{DAffine3, DVec3};
+use placed::Placed;
 use std::sync::Arc;
 
 /// How far [`Tracer::leaving`] moves, in units of the local coordinates' rounding.
 const LEAVING_ULPS: f64 = 16.0;
 
-/// Rays that ask our own kernel at a time what is nearer than another kernel's triangles.
+/// Rays that are traced at a time through our own kernel after another kernel's triangles.
 const PIECE: usize = 64;
 
 /// A ray that hits nothing.
@@ -27,7 +30,7 @@ const NO_RAY: KernelRay = KernelRay {
     t_max: 0.0,
 };
 
-/// A scene made ready for rays: which surface does a ray meet first, and is it blocked?
+/// A scene prepared for rays: which surface does a ray hit first, and is it blocked?
 ///
 /// Immutable, a copy of all it needs, `Send` and `Sync`. It relies on the promises of
 /// [`Scene::validate`]; triangles with a coordinate that is not finite are left out, so are those
@@ -35,14 +38,14 @@ const NO_RAY: KernelRay = KernelRay {
 ///
 /// The kernel works in `f32`, relative to the scene's centre and size, so far-away and huge models
 /// keep their digits; [`resolve`](Tracer::resolve) computes the point again in `f64`. All
-/// surfaces are met from both sides. The tests of boxes and triangles are watertight: no ray
+/// surfaces are hit from both sides. The tests of boxes and triangles are watertight: no ray
 /// slips through between two triangles that share an edge.
 #[derive(Clone, Debug)]
 pub struct Tracer {
     pub(crate) bvh: Bvh,
-    /// Who traces the triangles, if they are not in `bvh`.
-    pub(crate) foreign: Option<Foreign>,
-    pub(crate) level: Level,
+    /// The kernel with the triangles, if they are not in `bvh`.
+    pub(crate) foreign: Option<ForeignKernel>,
+    pub(crate) instructions: InstructionSet,
     pub(crate) frame: LocalFrame,
     pub(crate) bounds: Aabb,
     /// The largest of half the scene's size and its instances' reaches, in world units.
@@ -86,8 +89,8 @@ impl Tracer {
         Tracer::with_instances(scene, Vec::new())
     }
 
-    /// Prepares a scene for another kernel. Where that cannot take it, for lack of memory, our own
-    /// does; [`kernel`](Tracer::kernel) tells.
+    /// Prepares a scene for another kernel. Where that runs out of memory, our own is
+    /// used; [`kernel`](Tracer::kernel) returns which.
     ///
     /// # Panics
     /// As [`new`](Tracer::new).
@@ -104,27 +107,29 @@ impl Tracer {
         assemble(scene, instances, &Kernel::Own)
     }
 
-    /// Who traces triangles here.
+    /// The kernel that traces triangles here.
     pub fn kernel(&self) -> Kernel {
-        self.foreign.as_ref().map_or(Kernel::Own, Foreign::kernel)
+        self.foreign
+            .as_ref()
+            .map_or(Kernel::Own, ForeignKernel::kernel)
     }
 
-    /// Its name, for people: `own kernel, AVX2` or `Embree 3.13.5`.
+    /// Its name, for reports: `own kernel, AVX2` or `Embree 3.13.5`.
     pub fn kernel_name(&self) -> String {
         match &self.foreign {
-            None => format!("own kernel, {}", self.level.name()),
+            None => format!("own kernel, {}", self.instructions.name()),
             Some(foreign) => foreign.name(),
         }
     }
 
-    /// The first surface that the ray meets.
+    /// The first surface that the ray hits.
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {
         let mut hit = KernelHit::NOTHING;
         self.closest_into(&[self.kernel_ray(ray)], std::slice::from_mut(&mut hit));
         hit.is_hit().then(|| self.resolve(ray, &hit))
     }
 
-    /// Whether the ray meets any surface.
+    /// Whether the ray hits any surface.
     pub fn occluded(&self, ray: &Ray) -> bool {
         let mut blocked = false;
         self.any_into(&[self.kernel_ray(ray)], std::slice::from_mut(&mut blocked));
@@ -151,7 +156,7 @@ impl Tracer {
         }
     }
 
-    /// First meeting of each ray; `hits` is cleared and gets one entry per ray.
+    /// The first hit of each ray; `hits` is cleared and gets one entry per ray.
     ///
     /// Runs on the calling thread; callers split their rays.
     pub fn closest(&self, rays: &[KernelRay], hits: &mut Vec<KernelHit>) {
@@ -160,7 +165,7 @@ impl Tracer {
         self.closest_into(rays, hits);
     }
 
-    /// Whether each ray meets anything; `blocked` is cleared and gets one entry per ray.
+    /// Whether each ray hits anything; `blocked` is cleared and gets one entry per ray.
     ///
     /// Runs on the calling thread; callers split their rays.
     pub fn any(&self, rays: &[KernelRay], blocked: &mut Vec<bool>) {
@@ -228,7 +233,7 @@ impl Tracer {
             Some(triangle) => {
                 let mesh = self.mesh_of(hit.item);
                 let corners = triangle.vertices.map(|v| mesh.positions[v as usize]);
-                triangle::meet(corners, ray, f64::from(hit.t))
+                point_on_triangle(corners, ray, f64::from(hit.t))
             }
             None => self.other_of(hit.item).resolve(&self.frame, ray, hit),
         };
@@ -248,7 +253,7 @@ impl Tracer {
     }
 
     /// Where a ray may start that leaves the surface at `position` to the side of the unit vector
-    /// `normal`: no ray from there toward that side meets the surface it leaves.
+    /// `normal`: no ray from there toward that side hits the surface it leaves.
     ///
     /// It moves by 16 · 2⁻²³ times the largest of: the position's distance from the scene's
     /// centre (along an axis), half the scene's largest extent, and that of each instance. In a
@@ -261,7 +266,7 @@ impl Tracer {
 
     pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
         let Some(foreign) = &self.foreign else {
-            return self.level.closest(&self.surroundings(), rays, hits);
+            return self.instructions.closest(&self.kernel_scene(), rays, hits);
         };
         foreign.closest(rays, hits);
         if self.others.is_empty() {
@@ -280,9 +285,10 @@ impl Tracer {
             }
             let mut found = [KernelHit::NOTHING; PIECE];
             let (nearer, found) = (&nearer[..rays.len()], &mut found[..rays.len()]);
-            self.level.closest(&self.surroundings(), nearer, found);
+            self.instructions
+                .closest(&self.kernel_scene(), nearer, found);
             for (hit, other) in hits.iter_mut().zip(&*found) {
-                if other.is_hit() && is_better(other.t, other.item, hit) {
+                if other.is_hit() && hit.is_after(other.t, other.item) {
                     *hit = *other;
                 }
             }
@@ -291,7 +297,7 @@ impl Tracer {
 
     pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
         let Some(foreign) = &self.foreign else {
-            return self.level.any(&self.surroundings(), rays, blocked);
+            return self.instructions.any(&self.kernel_scene(), rays, blocked);
         };
         foreign.any(rays, blocked);
         if self.others.is_empty() {
@@ -300,13 +306,13 @@ impl Tracer {
         for (rays, blocked) in rays.chunks(PIECE).zip(blocked.chunks_mut(PIECE)) {
             let mut found = [false; PIECE];
             let found = &mut found[..rays.len()];
-            self.level.any(&self.surroundings(), rays, found);
+            self.instructions.any(&self.kernel_scene(), rays, found);
             blocked.iter_mut().zip(&*found).for_each(|(b, f)| *b |= f);
         }
     }
 
-    pub(crate) fn surroundings(&self) -> Surroundings<'_, [Placed]> {
-        Surroundings {
+    pub(crate) fn kernel_scene(&self) -> KernelScene<'_, [Placed]> {
+        KernelScene {
             bvh: &self.bvh,
             others: &self.others,
         }

@@ -1,17 +1,17 @@
-//! The tree that rays walk: nodes of eight boxes over packets of triangles.
+//! The tree that rays traverse: nodes of eight boxes over packets of triangles.
 
-use crate::build::{BinaryNode, Bounds, Reference};
-use crate::triangle::{PACKET, Packet};
+use super::build::{BinaryNode, Bounds, Reference};
+use super::triangle::{PACKET, Packet};
 
 /// Children of one node.
 pub(crate) const WIDTH: usize = 8;
 
-/// Eight children: their boxes side by side, and where to go on.
+/// Eight children: their boxes side by side, and their indices.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     /// `[2 * axis + side][child]`, side 0 is the lower one. A child that is not there has an
-    /// empty box, which no ray meets.
+    /// empty box, which no ray hits.
     pub planes: [[f32; WIDTH]; 6],
     /// [`Child`] in its packed form.
     pub children: [u32; WIDTH],
@@ -76,7 +76,7 @@ pub(crate) struct Bvh {
     /// The root is the first; none for an empty scene.
     pub nodes: Vec<Node>,
     pub packets: Vec<Packet>,
-    /// For each place that a leaf of other shapes speaks of, which shape stands there.
+    /// The shapes of leaves of other shapes, by the positions that the leaves name.
     pub others: Vec<u32>,
 }
 

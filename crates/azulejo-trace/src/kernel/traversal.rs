@@ -1,4 +1,4 @@
-//! Walks the tree: the same code for every instruction set.
+//! Traverses the tree: the same code for every instruction set.
 //!
 //! Boxes are tested with a margin for all rounding of the ray and of the test itself (in the
 //! spirit of Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013, but paid once per ray), triangles
@@ -6,39 +6,39 @@
 //! functions are rounded one by one, never fused, so two triangles that share an edge always
 //! agree on its sign, and every instruction set finds the same hits.
 //!
-//! A tree of some megabytes is not in the caches, and a ray spends most of its time waiting for
-//! nodes. So a batch keeps several rays under way by turns ([`LANES`]), each asking for its next
-//! node and then letting the others work.
+//! A tree of some megabytes does not fit the caches, and a ray spends most of its time waiting
+//! for nodes. So a batch keeps several rays in flight ([`LANES`]): each prefetches its next node
+//! and then lets the others work.
 
-use crate::build::DEEPEST;
-use crate::bvh::{Bvh, Child, Node, WIDTH};
-use crate::prepared::PreparedRay;
-use crate::ray::{KernelHit, KernelRay};
-use crate::triangle::{PACKET, Packet, PacketHits};
+use super::build::DEEPEST;
+use super::bvh::{Bvh, Child, Node, WIDTH};
+use super::prepared_ray::PreparedRay;
+use super::ray::{KernelHit, KernelRay};
+use super::triangle::{PACKET, Packet, PacketHits};
 use glam::Vec3;
 
 /// Room for all siblings along the longest path, and for a whole node above them.
 const STACK: usize = (WIDTH - 1) * DEEPEST + 2 * WIDTH;
 
-/// Rays that one thread has under way. While one waits for its next node to come from memory the
-/// others go on: in trees larger than the caches this nearly doubles the rate.
+/// Rays that one thread has in flight. While one waits for its next node to come from memory the
+/// others continue: in trees larger than the caches this nearly doubles the rate.
 const LANES: usize = 8;
 
-/// Fewer rays than this are not worth setting up all lanes.
+/// Fewer rays than this do not justify setting up all lanes.
 const FEW_RAYS: usize = 4 * LANES;
 
 /// The few operations that differ between instruction sets.
 ///
 /// An implementing type is the proof that its instructions are there.
 pub(crate) trait Instructions: Copy {
-    /// Which boxes the ray meets before `t_max`, as a mask; `near` gets where it enters them.
+    /// The boxes that the ray hits before `t_max`, as a mask; `near` receives where it enters them.
     fn boxes(self, ray: &PreparedRay, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32;
 
-    /// Puts the children of a mask on the stack, one after the other; all eight entries may be
+    /// Pushes the children of a mask, one after the other; all eight entries may be
     /// overwritten.
     fn put(self, mask: u32, children: &[u32; WIDTH], stack: &mut [u64; WIDTH]);
 
-    /// Which triangles the ray meets at `t <= t_max`, as a mask, and where.
+    /// The triangles that the ray hits at `t <= t_max`, as a mask, and where.
     fn triangles(
         self,
         ray: &PreparedRay,
@@ -47,19 +47,19 @@ pub(crate) trait Instructions: Copy {
         hits: &mut PacketHits,
     ) -> u32;
 
-    /// Asks for a value that will soon be read.
+    /// Prefetches a value that will soon be read.
     fn prefetch<T>(self, value: &T);
 }
 
-/// A child that waits: the distance of its box (as bits, which order like the numbers they are
+/// A child on the stack: the distance of its box (as bits, which order like the numbers they are
 /// of, none being negative) above the packed child.
 #[inline(always)]
 fn entry(near: f32, child: u32) -> u64 {
     (u64::from(near.to_bits()) << 32) | u64::from(child)
 }
 
-/// Puts the children of a mask, which is not 0, on the stack, farthest first, but for the nearest:
-/// returns that, and how many were put.
+/// Pushes the children of a mask, which is not 0, farthest first, except for the nearest: returns
+/// that one, and how many were pushed.
 #[inline(always)]
 pub(crate) fn put_sorted(
     mut mask: u32,
@@ -79,56 +79,50 @@ pub(crate) fn put_sorted(
         (next, more) = take();
         (nearest, next) = (nearest.min(next), nearest.max(next));
         // Insertion from the top: few entries, mostly in order.
-        let mut place = count;
-        while place > 0 && stack[place - 1] < next {
-            stack[place] = stack[place - 1];
-            place -= 1;
+        let mut slot = count;
+        while slot > 0 && stack[slot - 1] < next {
+            stack[slot] = stack[slot - 1];
+            slot -= 1;
         }
-        stack[place] = next;
+        stack[slot] = next;
         count += 1;
     }
     (nearest as u32, count)
 }
 
-/// What is in leaves besides triangles.
-pub(crate) trait Others {
-    /// Improves `hit` if `shape` is met nearer.
+/// The shapes in leaves that are not triangles.
+pub(crate) trait OtherShapes {
+    /// Replaces `hit` if the ray hits `shape` nearer.
     fn closest(&self, shape: u32, ray: &KernelRay, hit: &mut KernelHit);
 
-    /// Whether `shape` is met at `t <= t_max`.
+    /// Whether the ray hits `shape` at `t <= t_max`.
     fn any(&self, shape: u32, ray: &KernelRay, t_max: f32) -> bool;
 }
 
-/// Whether a meeting at `t` with `item` comes before what is already known.
-#[inline(always)]
-pub(crate) fn is_better(t: f32, item: u32, hit: &KernelHit) -> bool {
-    t < hit.t || (t == hit.t && item < hit.item)
-}
-
-/// What rays meet: the tree and what its leaves speak of.
-pub(crate) struct Surroundings<'a, O: ?Sized> {
+/// What rays are traced against: the tree, and the shapes that its leaves refer to.
+pub(crate) struct KernelScene<'a, O: ?Sized> {
     pub bvh: &'a Bvh,
     pub others: &'a O,
 }
 
-/// Calls `done` with the place of each ray and its nearest meeting, in any order; with `ANY`,
-/// with any meeting at all.
+/// Calls `done` with the index of each ray and its nearest hit, in any order; with `ANY`, with any
+/// hit at all.
 #[inline(always)]
-pub(crate) fn trace<I: Instructions, O: Others + ?Sized, const ANY: bool>(
+pub(crate) fn trace<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool>(
     isa: I,
-    around: &Surroundings<O>,
+    scene: &KernelScene<O>,
     rays: &[KernelRay],
     done: impl FnMut(usize, &KernelHit),
 ) {
     if rays.len() < FEW_RAYS || are_coherent(rays) {
-        trace_lanes::<I, O, ANY, 1>(isa, around, rays, done);
+        trace_lanes::<I, O, ANY, 1>(isa, scene, rays, done);
     } else {
-        trace_lanes::<I, O, ANY, LANES>(isa, around, rays, done);
+        trace_lanes::<I, O, ANY, LANES>(isa, scene, rays, done);
     }
 }
 
-/// Whether neighbours among the rays mostly start at one point: then they take the same way, and
-/// what one needs the one before has brought to the cache.
+/// Whether neighbours among the rays mostly start at one point: then they visit the same nodes,
+/// which the previous ray has left in the cache.
 fn are_coherent(rays: &[KernelRay]) -> bool {
     const SAMPLES: usize = 16;
     let stride = rays.len() / SAMPLES;
@@ -141,34 +135,34 @@ fn are_coherent(rays: &[KernelRay]) -> bool {
 }
 
 #[inline(always)]
-fn trace_lanes<I: Instructions, O: Others + ?Sized, const ANY: bool, const N: usize>(
+fn trace_lanes<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool, const N: usize>(
     isa: I,
-    around: &Surroundings<O>,
+    scene: &KernelScene<O>,
     rays: &[KernelRay],
     mut done: impl FnMut(usize, &KernelHit),
 ) {
-    let mut walks = [const { Walk::NONE }; N];
+    let mut states = [const { TraversalState::NONE }; N];
     let mut lanes: [usize; N] = std::array::from_fn(|lane| lane);
     let mut next = 0;
     let mut active = 0;
-    while active < N && walks[lanes[active]].start(around.bvh, rays, &mut next, &mut done) {
+    while active < N && states[lanes[active]].start(scene.bvh, rays, &mut next, &mut done) {
         active += 1;
     }
     while active > 0 {
         let mut k = 0;
         while k < active {
-            let walk = &mut walks[lanes[k]];
-            if walk.step::<I, O, ANY, N>(isa, around, &rays[walk.place]) {
+            let state = &mut states[lanes[k]];
+            if state.step::<I, O, ANY, N>(isa, scene, &rays[state.index]) {
                 k += 1;
                 continue;
             }
-            let hit = if walk.hit.is_hit() {
-                walk.hit
+            let hit = if state.hit.is_hit() {
+                state.hit
             } else {
                 KernelHit::NOTHING
             };
-            done(walk.place, &hit);
-            if walk.start(around.bvh, rays, &mut next, &mut done) {
+            done(state.index, &hit);
+            if state.start(scene.bvh, rays, &mut next, &mut done) {
                 k += 1;
             } else {
                 active -= 1;
@@ -178,31 +172,31 @@ fn trace_lanes<I: Instructions, O: Others + ?Sized, const ANY: bool, const N: us
     }
 }
 
-/// A ray on its way through the tree.
-struct Walk {
+/// How far one ray has come through the tree.
+struct TraversalState {
     ray: PreparedRay,
     /// Best so far; `t` bounds what still counts.
     hit: KernelHit,
-    /// Where it goes next, a packed [`Child`].
+    /// The next node or leaf, a packed [`Child`].
     current: u32,
-    /// Place of the ray among all.
-    place: usize,
+    /// Index of the ray in the batch.
+    index: usize,
     waiting: usize,
-    /// Children that wait, as [`entry`] packs them.
+    /// Children still to visit, as [`entry`] packs them.
     stack: [u64; STACK],
 }
 
-impl Walk {
-    const NONE: Walk = Walk {
+impl TraversalState {
+    const NONE: TraversalState = TraversalState {
         ray: PreparedRay::NONE,
         hit: KernelHit::NOTHING,
         current: 0,
-        place: 0,
+        index: 0,
         waiting: 0,
         stack: [0; STACK],
     };
 
-    /// Begins with the next ray that can hit something, and is done with those that cannot.
+    /// Starts the next ray that can hit something, and reports those before it as misses.
     #[inline(always)]
     fn start(
         &mut self,
@@ -212,31 +206,28 @@ impl Walk {
         done: &mut impl FnMut(usize, &KernelHit),
     ) -> bool {
         while let Some(ray) = rays.get(*next) {
-            let place = *next;
+            let index = *next;
             *next += 1;
             if let (Some(prepared), false) = (PreparedRay::new(ray), bvh.nodes.is_empty()) {
                 self.ray = prepared;
-                self.hit = KernelHit {
-                    t: ray.t_max.next_down(),
-                    ..KernelHit::NOTHING
-                };
-                (self.current, self.place, self.waiting) = (0, place, 0);
+                self.hit = KernelHit::before(ray.t_max.next_down());
+                (self.current, self.index, self.waiting) = (0, index, 0);
                 return true;
             }
-            done(place, &KernelHit::NOTHING);
+            done(index, &KernelHit::NOTHING);
         }
         false
     }
 
-    /// Looks at one child; whether there is more to look at.
+    /// Visits one child; whether there are more to visit.
     #[inline(always)]
-    fn step<I: Instructions, O: Others + ?Sized, const ANY: bool, const N: usize>(
+    fn step<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool, const N: usize>(
         &mut self,
         isa: I,
-        around: &Surroundings<O>,
+        scene: &KernelScene<O>,
         ray: &KernelRay,
     ) -> bool {
-        let bvh = around.bvh;
+        let bvh = scene.bvh;
         loop {
             if self.current & Child::LEAF == 0 {
                 let node = &bvh.nodes[self.current as usize];
@@ -249,43 +240,43 @@ impl Walk {
                     self.prefetch_waiting(isa, bvh);
                     return true;
                 }
-            } else if self.meet::<I, O, ANY>(isa, around, ray) && ANY {
+            } else if self.intersect_leaf::<I, O, ANY>(isa, scene, ray) && ANY {
                 return false;
             }
             if !self.pop::<ANY>() {
                 return false;
             }
-            // What comes from the stack was asked for when it was pushed, or a while ago.
+            // What comes from the stack was prefetched when it was pushed, or a while ago.
             if N > 1 {
                 self.prefetch_waiting(isa, bvh);
             }
         }
     }
 
-    /// Tests what is in the current leaf; whether anything was met.
+    /// Tests what is in the current leaf; whether anything was hit.
     #[inline(always)]
-    fn meet<I: Instructions, O: Others + ?Sized, const ANY: bool>(
+    fn intersect_leaf<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool>(
         &mut self,
         isa: I,
-        around: &Surroundings<O>,
+        scene: &KernelScene<O>,
         ray: &KernelRay,
     ) -> bool {
         let range = Child::range(self.current);
         if self.current & Child::OTHER == 0 {
-            return self.meet_triangles::<I, ANY>(isa, &around.bvh.packets[range]);
+            return self.intersect_triangles::<I, ANY>(isa, &scene.bvh.packets[range]);
         }
-        for &shape in &around.bvh.others[range] {
+        for &shape in &scene.bvh.others[range] {
             if !ANY {
-                around.others.closest(shape, ray, &mut self.hit);
-            } else if around.others.any(shape, ray, self.hit.t) {
+                scene.others.closest(shape, ray, &mut self.hit);
+            } else if scene.others.any(shape, ray, self.hit.t) {
                 self.hit.item = 0;
             }
         }
         self.hit.is_hit()
     }
 
-    /// Puts the children whose boxes the ray meets on the stack but for one, which it returns: the
-    /// nearest, unless `ANY`.
+    /// Pushes the children whose boxes the ray hits, except for one, which it returns: the nearest,
+    /// unless `ANY`.
     #[inline(always)]
     fn visit<I: Instructions, const ANY: bool, const N: usize>(
         &mut self,
@@ -313,7 +304,7 @@ impl Walk {
             self.waiting += mask.count_ones() as usize;
             return Some(next);
         }
-        // Branches, so that a processor that predicts them goes ahead of its memory.
+        // Branches, so that a processor that predicts them runs ahead of its memory.
         let mut count = 0;
         loop {
             let child = node.children[mask.trailing_zeros() as usize % WIDTH];
@@ -327,9 +318,9 @@ impl Walk {
         }
     }
 
-    /// Tests triangles; whether anything was met, for `ANY`.
+    /// Tests triangles; whether anything was hit, for `ANY`.
     #[inline(always)]
-    fn meet_triangles<I: Instructions, const ANY: bool>(
+    fn intersect_triangles<I: Instructions, const ANY: bool>(
         &mut self,
         isa: I,
         packets: &[Packet],
@@ -347,20 +338,17 @@ impl Walk {
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize % PACKET;
                 mask &= mask - 1;
-                if is_better(found.t[lane], packet.items[lane], &self.hit) {
-                    self.hit = KernelHit {
-                        t: found.t[lane],
-                        item: packet.items[lane],
-                        u: found.u[lane],
-                        v: found.v[lane],
-                    };
+                let (t, item) = (found.t[lane], packet.items[lane]);
+                if self.hit.is_after(t, item) {
+                    let uv = [found.u[lane], found.v[lane]];
+                    self.hit = KernelHit::on_surface(t, item, uv);
                 }
             }
         }
         false
     }
 
-    /// Goes on with the next child that may hold something nearer.
+    /// Pops the next child that may hold something nearer.
     #[inline(always)]
     fn pop<const ANY: bool>(&mut self) -> bool {
         while self.waiting > 0 {
@@ -374,7 +362,7 @@ impl Walk {
         false
     }
 
-    /// Asks for a child.
+    /// Prefetches a child.
     #[inline(always)]
     fn prefetch<I: Instructions>(&self, isa: I, bvh: &Bvh, child: u32) {
         if child & Child::LEAF == 0 {
@@ -386,7 +374,7 @@ impl Walk {
         }
     }
 
-    /// Asks for the child on top of the stack.
+    /// Prefetches the child on top of the stack.
     #[inline(always)]
     fn prefetch_waiting<I: Instructions>(&self, isa: I, bvh: &Bvh) {
         self.prefetch(isa, bvh, self.stack[self.waiting.saturating_sub(1)] as u32);

@@ -1,6 +1,6 @@
-//! What the kernel computes once per ray.
+//! What the kernel computes once per ray, before it traverses the tree.
 
-use crate::ray::KernelRay;
+use super::ray::KernelRay;
 
 /// Directions shorter than this along their longest axis hit nothing.
 const SHORTEST_DIRECTION: f32 = 1e-25;
@@ -10,7 +10,7 @@ const SHORTEST_DIRECTION: f32 = 1e-25;
 /// the rounding of its origin.
 const SMALLEST_COMPONENT: f32 = 1e-10;
 
-/// What one ray needs again and again.
+/// A ray with the values that each test of a box or triangle needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRay {
     pub origin: [f32; 3],
@@ -21,7 +21,7 @@ pub(crate) struct PreparedRay {
     pub near_offset: [f32; 3],
     /// `origin · inverse`, less the margin: for the planes where it leaves.
     pub far_offset: [f32; 3],
-    /// Row of [`Node::planes`](crate::bvh::Node::planes) where the ray enters, per axis.
+    /// Row of [`Node::planes`](super::bvh::Node::planes) where the ray enters, per axis.
     pub near_row: [usize; 3],
     /// The axis of the longest component last.
     pub axes: [usize; 3],
@@ -40,7 +40,7 @@ pub(crate) fn can_hit(ray: &KernelRay) -> bool {
 }
 
 impl PreparedRay {
-    /// A place for a ray.
+    /// A ray yet to be prepared.
     pub(crate) const NONE: PreparedRay = PreparedRay {
         origin: [0.0; 3],
         direction: [0.0; 3],
@@ -91,7 +91,7 @@ impl PreparedRay {
         })
     }
 
-    /// Row of [`Node::planes`](crate::bvh::Node::planes) where the ray leaves.
+    /// Row of [`Node::planes`](super::bvh::Node::planes) where the ray leaves.
     #[inline(always)]
     pub(crate) fn far_row(&self, axis: usize) -> usize {
         self.near_row[axis] ^ 1

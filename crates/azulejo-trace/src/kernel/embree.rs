@@ -1,14 +1,13 @@
-//! Embree 3 or 4 in the place of our own kernel for triangles: loaded at run time, if the machine
-//! has it.
+//! Embree 3 or 4 instead of our own kernel for triangles: loaded at run time, if it is installed.
 //!
 //! Wald et al., *Embree: A Kernel Framework for Efficient CPU Ray Tracing*, SIGGRAPH 2014. The
 //! same rays give the same hits as our kernel's but for rounding, so each checks the other.
 //! Nothing of Embree is needed to build this: its few functions are found by name.
 #![allow(unsafe_code, reason = "Embree is a C library")]
 
-use crate::bvh::KernelTriangle;
-use crate::prepared::can_hit;
-use crate::ray::{KernelHit, KernelRay};
+use super::bvh::KernelTriangle;
+use super::prepared_ray::can_hit;
+use super::ray::{KernelHit, KernelRay};
 use libloading::Library;
 use std::ffi::{OsString, c_char, c_int, c_uint, c_void};
 use std::mem::ManuallyDrop;
@@ -54,7 +53,7 @@ const NAMES: [&str; 4] = if cfg!(windows) {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum EmbreeError {
-    /// No library of these names could be loaded; what the system said of the last one.
+    /// No library of these names could be loaded; what the system reported for the last one.
     Missing {
         /// The names, in the order tried.
         tried: Vec<PathBuf>,
@@ -72,7 +71,7 @@ pub enum EmbreeError {
     Version {
         /// The library.
         path: PathBuf,
-        /// What it says that it is, as 31305 for 3.13.5.
+        /// The version that it reports, as 31305 for 3.13.5.
         version: isize,
     },
     /// Embree refused with this code of its enum `RTCError`.
@@ -242,7 +241,7 @@ impl Embree {
             function,
         })?;
         // With several threads Embree's trees are not the same every time, and neither are its
-        // answers where a ray meets two triangles at once.
+        // answers where a ray hits two triangles at once.
         // SAFETY: the configuration is a C string; the device is checked before it is used.
         let device = unsafe { (functions.new_device)(c"threads=1".as_ptr()) };
         if device.is_null() {
@@ -295,8 +294,8 @@ unsafe impl Send for EmbreeScene {}
 unsafe impl Sync for EmbreeScene {}
 
 impl EmbreeScene {
-    /// Builds a tree of medium quality over `count` triangles; `triangle` tells the corners of each
-    /// and the number that its hits shall have. `is_robust` asks for watertight edges.
+    /// Builds a tree of medium quality over `count` triangles; `triangle` returns the corners of
+    /// each and the number that its hits shall have. `is_robust` requests watertight edges.
     ///
     /// # Errors
     /// [`EmbreeError::Refused`] if there is not enough memory.
@@ -313,7 +312,7 @@ impl EmbreeScene {
         let corners = u32::try_from(3 * count).map_err(|_| EmbreeError::Refused {
             code: OUT_OF_MEMORY,
         })?;
-        // SAFETY: all pointers come from Embree, which refuses null; buffers are as long as asked
+        // SAFETY: all pointers come from Embree, which refuses null; buffers are as long as requested
         // for, and all of them is written before they are committed.
         let scene = unsafe {
             let scene = (functions.new_scene)(device);
@@ -341,7 +340,7 @@ impl EmbreeScene {
             embree: embree.clone(),
             items: (0..count).map(|k| triangle(k).1).collect(),
         };
-        // SAFETY: the device lives as long as `embree`. Whatever failed first is told here.
+        // SAFETY: the device lives as long as `embree`. It reports whatever failed first.
         match unsafe { (functions.error)(device) } {
             0 => Ok(built),
             code => Err(EmbreeError::Refused { code }),
@@ -357,35 +356,32 @@ impl EmbreeScene {
         EmbreeScene::new(embree, triangles.len(), triangle, true)
     }
 
-    /// Whose scene it is.
+    /// The library that holds it.
     pub fn embree(&self) -> &Embree {
         &self.embree
     }
 
-    /// First meeting of each ray; `hits` is as long as `rays`.
+    /// The first hit of each ray; `hits` is as long as `rays`.
     pub fn closest(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
-        let query = Asker::new(self, self.embree.0.functions.intersect);
+        let query = EmbreeQuery::new(self, self.embree.0.functions.intersect);
         for (ray, hit) in rays.iter().zip(hits) {
-            *hit = query.ask(ray).map_or(KernelHit::NOTHING, |found| {
+            *hit = query.trace(ray).map_or(KernelHit::NOTHING, |found| {
                 match self.items.get(found.primitive as usize) {
-                    Some(&item) if found.geometry != NOTHING => KernelHit {
-                        t: found.t_far,
-                        item,
-                        u: found.uv[0],
-                        v: found.uv[1],
-                    },
+                    Some(&item) if found.geometry != NOTHING => {
+                        KernelHit::on_surface(found.t_far, item, found.uv)
+                    }
                     _ => KernelHit::NOTHING,
                 }
             });
         }
     }
 
-    /// Whether each ray meets anything; `blocked` is as long as `rays`.
+    /// Whether each ray hits anything; `blocked` is as long as `rays`.
     pub fn any(&self, rays: &[KernelRay], blocked: &mut [bool]) {
-        let query = Asker::new(self, self.embree.0.functions.occluded);
+        let query = EmbreeQuery::new(self, self.embree.0.functions.occluded);
         for (ray, blocked) in rays.iter().zip(blocked) {
             // A ray that is blocked ends before it begins.
-            *blocked = query.ask(ray).is_some_and(|found| found.t_far < 0.0);
+            *blocked = query.trace(ray).is_some_and(|found| found.t_far < 0.0);
         }
     }
 }
@@ -428,16 +424,16 @@ struct Context {
     rest: [c_uint; 17],
 }
 
-/// Asks one kind of question of a scene.
-struct Asker {
+/// Traces rays by one of Embree's two functions.
+struct EmbreeQuery {
     scene: Pointer,
     query: Query,
     takes_context: bool,
 }
 
-impl Asker {
-    fn new(scene: &EmbreeScene, query: Query) -> Asker {
-        Asker {
+impl EmbreeQuery {
+    fn new(scene: &EmbreeScene, query: Query) -> EmbreeQuery {
+        EmbreeQuery {
             scene: scene.scene,
             query,
             takes_context: scene.embree.0.version / 10_000 == 3,
@@ -446,7 +442,7 @@ impl Asker {
 
     /// `None` for a ray that cannot hit anything, which Embree must not see.
     #[inline]
-    fn ask(&self, ray: &KernelRay) -> Option<RayHit> {
+    fn trace(&self, ray: &KernelRay) -> Option<RayHit> {
         if !can_hit(ray) {
             return None;
         }

@@ -1,8 +1,9 @@
 //! Exact primitives: where a line is inside of one.
 
-use crate::exact::{Meeting, ResolvedLeaf, facing};
+use super::leaf::{LeafHit, LeafPoint, facing};
+use super::line::Line3;
 use azulejo_scene::{Primitive, PrimitiveKind, SurfacePoint};
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 /// A primitive prepared for rays.
 #[derive(Clone, Debug)]
@@ -12,20 +13,13 @@ pub(crate) struct ExactPrimitive {
     object_from_local: DAffine3,
 }
 
-/// Where a ray meets a primitive.
+/// Where a ray hits a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PrimitiveHit {
     pub t: f64,
     pub part: usize,
     pub u: f64,
     pub v: f64,
-}
-
-/// A line in the primitive's own coordinates, where it is a unit primitive.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Line {
-    pub origin: DVec3,
-    pub direction: DVec3,
 }
 
 impl ExactPrimitive {
@@ -42,26 +36,28 @@ impl ExactPrimitive {
         })
     }
 
-    /// The line in object space, from kernel coordinates; `t` stays what it is.
-    pub(crate) fn local_line(&self, origin: DVec3, direction: DVec3) -> Line {
-        Line::new(&self.object_from_local, origin, direction)
+    /// A line of the kernel's coordinates in object space; `t` stays what it is.
+    #[inline(always)]
+    pub(crate) fn object_line(&self, local: &Line3) -> Line3 {
+        local.mapped(&self.object_from_local)
     }
 
-    /// The line in object space, from the world; `t` stays what it is.
-    pub(crate) fn world_line(&self, origin: DVec3, direction: DVec3) -> Line {
-        Line::new(&self.object_from_world, origin, direction)
+    /// A line of the world in object space; `t` stays what it is.
+    #[inline(always)]
+    pub(crate) fn object_line_from_world(&self, world: &Line3) -> Line3 {
+        world.mapped(&self.object_from_world)
     }
 
-    /// First meeting with `t_min <= t <= t_max`.
-    pub(crate) fn first(&self, line: &Line, t_min: f64, t_max: f64) -> Option<PrimitiveHit> {
+    /// The first hit with `t_min <= t <= t_max`.
+    pub(crate) fn first(&self, line: &Line3, t_min: f64, t_max: f64) -> Option<PrimitiveHit> {
         let (enter, leave) = self.crossings(line)?;
         let within = |t: f64| t_min <= t && t <= t_max;
         let t = [enter, leave].into_iter().find(|&t| within(t))?;
         Some(self.hit_at(line, t))
     }
 
-    /// The meeting nearest to `t_guess`, wherever on the line it is.
-    pub(crate) fn nearest_to(&self, line: &Line, t_guess: f64) -> Option<PrimitiveHit> {
+    /// The hit nearest to `t_guess`, wherever on the line it is.
+    pub(crate) fn nearest_to(&self, line: &Line3, t_guess: f64) -> Option<PrimitiveHit> {
         let (enter, leave) = self.crossings(line)?;
         let t = if (enter - t_guess).abs() <= (leave - t_guess).abs() {
             enter
@@ -71,13 +67,13 @@ impl ExactPrimitive {
         t.is_finite().then(|| self.hit_at(line, t))
     }
 
-    /// All meetings on the line: in and out by turns with a closed shape.
-    pub(crate) fn meetings(&self, line: &Line) -> [Option<Meeting>; 2] {
-        let own = line.mapped(&self.object_from_local);
+    /// All hits on the line: in and out by turns with a closed shape.
+    pub(crate) fn hits(&self, line: &Line3) -> [Option<LeafHit>; 2] {
+        let own = self.object_line(line);
         let Some((enter, leave)) = self.crossings(&own) else {
             return [None; 2];
         };
-        let meeting = |t: f64, enters: bool| Meeting {
+        let hit = |t: f64, enters: bool| LeafHit {
             t,
             part: 0,
             parameter: 0.0,
@@ -86,47 +82,41 @@ impl ExactPrimitive {
         match self.shape.kind {
             PrimitiveKind::Square => {
                 let enters = own.direction.z < 0.0;
-                [Some(meeting(enter, enters)), None]
+                [Some(hit(enter, enters)), None]
             }
             // Of an open side one crossing may be missing: then both are the same.
             PrimitiveKind::Tube { .. } if enter == leave => {
                 let normal = self.at(&own, enter).normal;
-                [Some(meeting(enter, normal.dot(line.direction) < 0.0)), None]
+                [Some(hit(enter, normal.dot(line.direction) < 0.0)), None]
             }
-            _ => [Some(meeting(enter, true)), Some(meeting(leave, false))],
+            _ => [Some(hit(enter, true)), Some(hit(leave, false))],
         }
     }
 
-    /// The surface point of a meeting.
-    pub(crate) fn resolve_meeting(&self, line: &Line, meeting: &Meeting) -> ResolvedLeaf {
-        let own = line.mapped(&self.object_from_local);
-        let (enter, leave) = self.crossings(&own).unwrap_or((meeting.t, meeting.t));
-        let nearest = match (enter - meeting.t).abs() <= (leave - meeting.t).abs() {
-            true => enter,
-            false => leave,
-        };
-        let t = if nearest.is_finite() {
-            nearest
-        } else {
-            meeting.t
-        };
+    /// The surface point of a hit.
+    pub(crate) fn resolve(&self, line: &Line3, hit: &LeafHit) -> LeafPoint {
+        let own = self.object_line(line);
+        let (enter, leave) = self.crossings(&own).unwrap_or((hit.t, hit.t));
+        let is_first = (enter - hit.t).abs() <= (leave - hit.t).abs();
+        let nearest = if is_first { enter } else { leave };
+        let t = if nearest.is_finite() { nearest } else { hit.t };
         let point = self.at(&own, t);
-        let hit = self.hit_at(&own, t);
-        ResolvedLeaf {
+        let at = self.hit_at(&own, t);
+        LeafPoint {
             t,
-            u: hit.u,
-            v: hit.v,
+            u: at.u,
+            v: at.v,
             position: point.position,
-            normal: facing(point.normal, line.direction, meeting.enters),
+            normal: facing(point.normal, line.direction, hit.enters),
         }
     }
 
-    fn at(&self, own: &Line, t: f64) -> SurfacePoint {
+    fn at(&self, own: &Line3, t: f64) -> SurfacePoint {
         let hit = self.hit_at(own, t);
         self.shape.point(hit.part, hit.u, hit.v)
     }
 
-    fn hit_at(&self, line: &Line, t: f64) -> PrimitiveHit {
+    fn hit_at(&self, line: &Line3, t: f64) -> PrimitiveHit {
         let (part, u, v) = self.shape.kind.locate(line.origin + t * line.direction);
         PrimitiveHit { t, part, u, v }
     }
@@ -136,7 +126,7 @@ impl ExactPrimitive {
     /// All closed primitives are convex, so the part of the line inside is one interval, the
     /// intersection of the intervals of the surfaces that bound them: no ray slips through
     /// where two parts meet.
-    fn crossings(&self, line: &Line) -> Option<(f64, f64)> {
+    fn crossings(&self, line: &Line3) -> Option<(f64, f64)> {
         let (o, d) = (line.origin, line.direction);
         let (enter, leave) = match self.shape.kind {
             PrimitiveKind::Sphere => quadric(d.dot(d), o.dot(d), sphere_constant(line), None)?,
@@ -147,22 +137,6 @@ impl ExactPrimitive {
             PrimitiveKind::Square => sheet(line)?,
         };
         (enter <= leave).then_some((enter, leave))
-    }
-}
-
-impl Line {
-    /// The line under a map; `t` stays what it is.
-    #[inline(always)]
-    pub(crate) fn mapped(&self, map: &DAffine3) -> Line {
-        Line::new(map, self.origin, self.direction)
-    }
-
-    #[inline(always)]
-    fn new(map: &DAffine3, origin: DVec3, direction: DVec3) -> Line {
-        Line {
-            origin: map.transform_point3(origin),
-            direction: map.transform_vector3(direction),
-        }
     }
 }
 
@@ -191,7 +165,7 @@ fn slab(o: f64, d: f64, inside: Interval) -> Option<Interval> {
 }
 
 /// The crossing with the unit square in z = 0, as an interval of one point.
-fn sheet(line: &Line) -> Option<Interval> {
+fn sheet(line: &Line3) -> Option<Interval> {
     let (o, d) = (line.origin, line.direction);
     let t = -o.z / d.z;
     let p = o + t * d;
@@ -200,7 +174,7 @@ fn sheet(line: &Line) -> Option<Interval> {
 }
 
 /// The cone with radius 1 at z = 0 and `top` at z = 1, between those two planes.
-fn tapered(line: &Line, top: f64) -> Option<Interval> {
+fn tapered(line: &Line3, top: f64) -> Option<Interval> {
     let (o, d) = (line.origin, line.direction);
     let slope = top - 1.0;
     let (radius, growth) = (1.0 + slope * o.z, slope * d.z);
@@ -212,7 +186,7 @@ fn tapered(line: &Line, top: f64) -> Option<Interval> {
 
 /// The side of such a cone alone: where the line crosses it, as an interval whose ends are the
 /// crossings; one crossing is an interval of one point.
-fn tube(line: &Line, top: f64) -> Option<Interval> {
+fn tube(line: &Line3, top: f64) -> Option<Interval> {
     let (enter, leave) = tapered(line, top)?;
     // An end that the planes did not cut off is on the side.
     let planes = slab(line.origin.z, line.direction.z, EVERYWHERE)?;
@@ -225,7 +199,7 @@ fn tube(line: &Line, top: f64) -> Option<Interval> {
 }
 
 /// |o|² − 1, from the factors that do not cancel when the origin is on the sphere.
-fn sphere_constant(line: &Line) -> f64 {
+fn sphere_constant(line: &Line3) -> f64 {
     let r = line.origin.length();
     (r - 1.0) * (r + 1.0)
 }

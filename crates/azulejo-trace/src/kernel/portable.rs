@@ -1,9 +1,9 @@
 //! The kernel's operations on plain arrays.
 
-use crate::bvh::{Node, WIDTH};
-use crate::kernel::Instructions;
-use crate::prepared::PreparedRay;
-use crate::triangle::{PACKET, Packet, PacketHits, is_thin, meet_exactly};
+use super::bvh::{Node, WIDTH};
+use super::prepared_ray::PreparedRay;
+use super::traversal::Instructions;
+use super::triangle::{PACKET, Packet, PacketHits, intersect_exactly, is_thin};
 
 /// Plain arrays, for processors without AVX2.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +76,7 @@ impl Instructions for Portable {
             let on_edge = a == 0.0 || b == 0.0 || c == 0.0;
             let met = if on_edge || is_thin(widths, whole, ray.reach) {
                 let lane = |c: [[f32; PACKET]; 3]| c.map(|c| c[k]);
-                meet_exactly(ray, packet.triangle(k), lane(x), lane(y))
+                intersect_exactly(ray, packet.triangle(k), lane(x), lane(y))
             } else {
                 let sum = a * (sz * z[0][k]) + b * (sz * z[1][k]) + c * (sz * z[2][k]);
                 Some((sum / whole, b / whole, c / whole))

@@ -1,13 +1,12 @@
 //! What a tracer holds besides triangles: exact shapes, and other tracers.
 
-use crate::assemble::{LocalFrame, double, single};
-use crate::exact::PlacedExact;
-use crate::kernel::{Others, is_better};
-use crate::primitive::ExactPrimitive;
-use crate::ray::{KernelHit, KernelRay};
-use crate::tracer::Tracer;
+use super::Tracer;
+use crate::exact::{ExactPrimitive, Line3, PlacedExact};
+use crate::frame::{LocalFrame, double, single};
+use crate::hit::ResolvedPoint;
+use crate::kernel::{KernelHit, KernelRay, OtherShapes};
 use azulejo_scene::math::{Ray, normal_matrix};
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use std::sync::Arc;
 
 /// A shape that stands in leaves of its own.
@@ -39,18 +38,6 @@ pub(crate) struct PlacedTracer {
     pub inner_from_local: DAffine3,
 }
 
-/// A surface point in the world, in double precision.
-pub(crate) struct ResolvedPoint {
-    pub t: f64,
-    pub u: f64,
-    pub v: f64,
-    /// The part of an exact shape's leaf, the triangle of a face; 0 for a primitive.
-    pub part: u32,
-    pub position: DVec3,
-    /// Unit normal of the front.
-    pub normal: DVec3,
-}
-
 impl Placed {
     pub(crate) fn first_item(&self) -> u32 {
         match self {
@@ -72,35 +59,36 @@ impl Placed {
 
 impl PlacedPrimitive {
     fn closest(&self, ray: &KernelRay, hit: &mut KernelHit) {
-        let line = (self.shape).local_line(double(ray.origin), double(ray.direction));
+        let line = self.shape.object_line(&Line3::of(ray));
         let t_min = f64::from(ray.t_min.max(0.0));
         let Some(p) = self.shape.first(&line, t_min, f64::from(hit.t)) else {
             return;
         };
         let (t, item) = (p.t as f32, self.first_item + p.part as u32);
-        if is_better(t, item, hit) {
-            *hit = KernelHit {
-                t,
-                item,
-                u: p.u as f32,
-                v: p.v as f32,
-            };
+        if hit.is_after(t, item) {
+            *hit = KernelHit::on_surface(t, item, [p.u as f32, p.v as f32]);
         }
     }
 
     fn any(&self, ray: &KernelRay, t_max: f32) -> bool {
-        let line = (self.shape).local_line(double(ray.origin), double(ray.direction));
+        let line = self.shape.object_line(&Line3::of(ray));
         let t_min = f64::from(ray.t_min.max(0.0));
         self.shape.first(&line, t_min, f64::from(t_max)).is_some()
     }
 
     fn resolve(&self, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
         let part = (hit.item - self.first_item) as usize;
-        let line = self.shape.world_line(ray.origin, ray.direction);
+        let line = self.shape.object_line_from_world(&Line3 {
+            origin: ray.origin,
+            direction: ray.direction,
+        });
         let (t, u, v) = match self.shape.nearest_to(&line, f64::from(hit.t)) {
-            // By rounding another part may be met; then the kernel's own answer stands.
+            // By rounding another part may be hit; then the kernel's own answer stands.
             Some(p) if p.part == part => (p.t, p.u, p.v),
-            _ => (f64::from(hit.t), f64::from(hit.u), f64::from(hit.v)),
+            _ => {
+                let [u, v] = hit.uv().map(f64::from);
+                (f64::from(hit.t), u, v)
+            }
         };
         let point = self.shape.shape.point(part, u, v);
         ResolvedPoint {
@@ -124,7 +112,7 @@ impl PlacedTracer {
             return;
         }
         found.item += self.first_item;
-        if is_better(found.t, found.item, hit) {
+        if hit.is_after(found.t, found.item) {
             *hit = found;
         }
     }
@@ -154,10 +142,8 @@ impl PlacedTracer {
             direction: self.instance_from_world.transform_vector3(ray.direction),
             ..*ray
         };
-        let inner_hit = KernelHit {
-            item: hit.item - self.first_item,
-            ..*hit
-        };
+        let mut inner_hit = *hit;
+        inner_hit.item -= self.first_item;
         let inner = self.tracer.resolve(&inner_ray, &inner_hit);
         let normal = normal_matrix(self.world_from_instance.matrix3) * inner.normal;
         ResolvedPoint {
@@ -171,7 +157,7 @@ impl PlacedTracer {
     }
 }
 
-impl Others for [Placed] {
+impl OtherShapes for [Placed] {
     fn closest(&self, shape: u32, ray: &KernelRay, hit: &mut KernelHit) {
         match &self[shape as usize] {
             Placed::Primitive(p) => p.closest(ray, hit),

@@ -1,14 +1,14 @@
-//! Who traces triangles: our own kernel, or another.
+//! The choice of the kernel that traces triangles: our own, or another.
 
-use crate::bvh::KernelTriangle;
+use super::bvh::KernelTriangle;
 #[cfg(feature = "embree")]
-use crate::embree::{Embree, EmbreeScene};
-use crate::ray::{KernelHit, KernelRay};
+use super::embree::{Embree, EmbreeScene};
+use super::ray::{KernelHit, KernelRay};
 #[cfg(feature = "embree")]
 use std::sync::Arc;
 
-/// Who traces the triangles of meshes. All other shapes, and trees that hold instances, are
-/// traced by our own kernel.
+/// The kernel that traces the triangles of meshes. All other shapes, and trees that hold
+/// instances, are traced by our own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Kernel {
     /// Our own.
@@ -19,9 +19,9 @@ pub enum Kernel {
     Embree(Embree),
 }
 
-/// Triangles that another kernel than ours traces. Without features there is no such thing.
+/// Triangles that another kernel than our own traces. Without features there is no such kernel.
 #[derive(Clone, Debug)]
-pub(crate) enum Foreign {
+pub(crate) enum ForeignKernel {
     #[cfg(feature = "embree")]
     Embree(Arc<EmbreeScene>),
 }
@@ -33,15 +33,15 @@ pub(crate) enum Foreign {
         reason = "without features there is no value to call these on"
     )
 )]
-impl Foreign {
-    /// `None` if it is our own kernel's task, or the other could not take it: out of memory.
-    pub(crate) fn new(kernel: &Kernel, triangles: &[KernelTriangle]) -> Option<Foreign> {
+impl ForeignKernel {
+    /// `None` if it is our own kernel's task, or if the other one ran out of memory.
+    pub(crate) fn new(kernel: &Kernel, triangles: &[KernelTriangle]) -> Option<ForeignKernel> {
         match kernel {
             Kernel::Own => None,
             #[cfg(feature = "embree")]
             Kernel::Embree(embree) => {
                 let scene = EmbreeScene::of(embree, triangles).ok()?;
-                Some(Foreign::Embree(Arc::new(scene)))
+                Some(ForeignKernel::Embree(Arc::new(scene)))
             }
         }
     }
@@ -49,28 +49,28 @@ impl Foreign {
     pub(crate) fn kernel(&self) -> Kernel {
         match *self {
             #[cfg(feature = "embree")]
-            Foreign::Embree(ref scene) => Kernel::Embree(scene.embree().clone()),
+            ForeignKernel::Embree(ref scene) => Kernel::Embree(scene.embree().clone()),
         }
     }
 
     pub(crate) fn name(&self) -> String {
         match *self {
             #[cfg(feature = "embree")]
-            Foreign::Embree(ref scene) => format!("Embree {}", scene.embree().version()),
+            ForeignKernel::Embree(ref scene) => format!("Embree {}", scene.embree().version()),
         }
     }
 
     pub(crate) fn closest(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
         match *self {
             #[cfg(feature = "embree")]
-            Foreign::Embree(ref scene) => scene.closest(rays, hits),
+            ForeignKernel::Embree(ref scene) => scene.closest(rays, hits),
         }
     }
 
     pub(crate) fn any(&self, rays: &[KernelRay], blocked: &mut [bool]) {
         match *self {
             #[cfg(feature = "embree")]
-            Foreign::Embree(ref scene) => scene.any(rays, blocked),
+            ForeignKernel::Embree(ref scene) => scene.any(rays, blocked),
         }
     }
 }

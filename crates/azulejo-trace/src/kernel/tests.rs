@@ -1,23 +1,24 @@
 //! The tree against brute force, on every instruction set of this machine.
 
-use crate::bvh::{Bvh, Node, WIDTH};
-use crate::kernel::{Instructions, Others, is_better};
-use crate::portable::Portable;
-use crate::prepared::PreparedRay;
-use crate::simd::Level;
-use crate::triangle::{PACKET, PacketHits};
-use crate::{KernelHit, KernelRay, Tracer};
+use super::bvh::{Bvh, Node, WIDTH};
+use super::portable::Portable;
+use super::prepared_ray::PreparedRay;
+use super::simd::InstructionSet;
+use super::traversal::{Instructions, OtherShapes};
+use super::triangle::{PACKET, PacketHits};
+use super::{KernelHit, KernelRay};
+use crate::Tracer;
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape, synthetic};
 use glam::DVec3;
 use proptest::prelude::*;
 
-fn levels() -> Vec<Level> {
-    let mut levels = vec![Level::Portable];
-    if Level::detect() != Level::Portable {
-        levels.push(Level::detect());
+fn instruction_sets() -> Vec<InstructionSet> {
+    let mut sets = vec![InstructionSet::Portable];
+    if InstructionSet::detect() != InstructionSet::Portable {
+        sets.push(InstructionSet::detect());
     }
-    levels
+    sets
 }
 
 fn mesh_scene(triangles: &[[DVec3; 3]]) -> Scene {
@@ -35,10 +36,7 @@ fn mesh_scene(triangles: &[[DVec3; 3]]) -> Scene {
 
 /// Every triangle of every packet, one after the other.
 fn brute_force(bvh: &Bvh, ray: &KernelRay) -> KernelHit {
-    let mut hit = KernelHit {
-        t: ray.t_max.next_down(),
-        ..KernelHit::NOTHING
-    };
+    let mut hit = KernelHit::before(ray.t_max.next_down());
     let Some(prepared) = PreparedRay::new(ray) else {
         return KernelHit::NOTHING;
     };
@@ -46,13 +44,9 @@ fn brute_force(bvh: &Bvh, ray: &KernelRay) -> KernelHit {
     for packet in &bvh.packets {
         let mask = Portable.triangles(&prepared, packet, hit.t, &mut found);
         for lane in (0..PACKET).filter(|lane| mask >> lane & 1 == 1) {
-            if is_better(found.t[lane], packet.items[lane], &hit) {
-                hit = KernelHit {
-                    t: found.t[lane],
-                    item: packet.items[lane],
-                    u: found.u[lane],
-                    v: found.v[lane],
-                };
+            if hit.is_after(found.t[lane], packet.items[lane]) {
+                let uv = [found.u[lane], found.v[lane]];
+                hit = KernelHit::on_surface(found.t[lane], packet.items[lane], uv);
             }
         }
     }
@@ -67,18 +61,18 @@ fn brute_force(bvh: &Bvh, ray: &KernelRay) -> KernelHit {
 /// rays come one by one or as a batch.
 fn check_against_brute_force(tracer: &Tracer, rays: &[KernelRay]) {
     let expected: Vec<KernelHit> = rays.iter().map(|r| brute_force(&tracer.bvh, r)).collect();
-    let around = tracer.surroundings();
-    for level in levels() {
+    let scene = tracer.kernel_scene();
+    for set in instruction_sets() {
         let mut hits = vec![KernelHit::NOTHING; rays.len()];
-        level.closest(&around, rays, &mut hits);
+        set.closest(&scene, rays, &mut hits);
         let mut blocked = vec![false; rays.len()];
-        level.any(&around, rays, &mut blocked);
+        set.any(&scene, rays, &mut blocked);
         for (k, ray) in rays.iter().enumerate() {
-            assert_eq!(hits[k], expected[k], "{level:?} {ray:?}");
-            assert_eq!(blocked[k], expected[k].is_hit(), "{level:?} {ray:?}");
+            assert_eq!(hits[k], expected[k], "{set:?} {ray:?}");
+            assert_eq!(blocked[k], expected[k].is_hit(), "{set:?} {ray:?}");
             let mut alone = [KernelHit::NOTHING];
-            level.closest(&around, &rays[k..=k], &mut alone);
-            assert_eq!(alone[0], expected[k], "{level:?} alone {ray:?}");
+            set.closest(&scene, &rays[k..=k], &mut alone);
+            assert_eq!(alone[0], expected[k], "{set:?} alone {ray:?}");
         }
     }
 }
@@ -101,26 +95,26 @@ impl Random {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Kind {
-    Soup,
+enum Soup {
+    Even,
     Slivers,
     Coplanar,
     Duplicates,
     Sizes,
 }
 
-fn triangles(kind: Kind, count: usize, random: &mut Random) -> Vec<[DVec3; 3]> {
+fn triangles(soup: Soup, count: usize, random: &mut Random) -> Vec<[DVec3; 3]> {
     let triangle = |k: usize| {
         let (a, b, c) = (random.point(), random.point(), random.point());
-        match kind {
-            Kind::Soup => [a, a + 0.2 * b, a + 0.2 * c],
-            Kind::Slivers => [a, a + b, a + b + 1e-5 * c],
-            Kind::Coplanar => [a, a + 0.3 * b, a + 0.3 * c].map(|p| p.with_z(0.0)),
-            Kind::Duplicates => {
+        match soup {
+            Soup::Even => [a, a + 0.2 * b, a + 0.2 * c],
+            Soup::Slivers => [a, a + b, a + b + 1e-5 * c],
+            Soup::Coplanar => [a, a + 0.3 * b, a + 0.3 * c].map(|p| p.with_z(0.0)),
+            Soup::Duplicates => {
                 let cell = DVec3::new((k % 4) as f64, (k / 4 % 4) as f64, 0.0);
                 [cell, cell + DVec3::X, cell + DVec3::Y + 0.5 * DVec3::Z]
             }
-            Kind::Sizes => {
+            Soup::Sizes => {
                 let size = (-6.0 * random.next().abs()).exp2().powi(4);
                 [a, a + size * b, a + size * c]
             }
@@ -162,11 +156,11 @@ proptest! {
         seed in any::<u64>(),
         count in 1usize..600,
         kind in prop_oneof![
-            Just(Kind::Soup),
-            Just(Kind::Slivers),
-            Just(Kind::Coplanar),
-            Just(Kind::Duplicates),
-            Just(Kind::Sizes),
+            Just(Soup::Even),
+            Just(Soup::Slivers),
+            Just(Soup::Coplanar),
+            Just(Soup::Duplicates),
+            Just(Soup::Sizes),
         ],
     ) {
         let mut random = Random(seed);
@@ -224,7 +218,7 @@ fn axis_parallel_rays_are_not_led_astray() {
         check([0.3, 1.0, 0.3], [zero, -2.0, zero], true);
         check([1.0, 0.0, 0.3], [-1.0, zero, zero], false);
     }
-    // The picture's middle column and row run along the axis when the width is odd.
+    // The image's middle column and row run along the axis when the width is odd.
     let scene = synthetic::displaced_sphere(3000);
     let tracer = Tracer::new(&scene);
     let size = 41;
@@ -293,7 +287,7 @@ mod embree {
         azulejo_testing::require(Need::Embree, Embree::load(None)).map(Kernel::Embree)
     }
 
-    /// The same hits to rounding. Two triangles that are met at the same distance are both right;
+    /// The same hits to rounding. Two triangles that are hit at the same distance are both right;
     /// so is either answer where a ray passes within rounding of an edge, of which few may be.
     fn check_alike(scene: &Scene, kernel: &Kernel, rays: impl Fn(&Tracer) -> Vec<KernelRay>) {
         let (ours, theirs) = (Tracer::new(scene), Tracer::with_kernel(scene, kernel));
@@ -329,7 +323,7 @@ mod embree {
     #[test]
     fn it_hits_what_we_hit() {
         let Some(kernel) = loaded() else { return };
-        for (seed, kind) in [(1, Kind::Soup), (2, Kind::Soup), (3, Kind::Coplanar)] {
+        for (seed, kind) in [(1, Soup::Even), (2, Soup::Even), (3, Soup::Coplanar)] {
             let mut random = Random(seed);
             let soup = triangles(kind, 2000, &mut random);
             let mut scene = mesh_scene(&soup);

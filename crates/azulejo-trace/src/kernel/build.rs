@@ -4,7 +4,7 @@
 //! the boxes go into bins along each axis, and the cheapest plane between two bins divides them.
 //! Leaves are charged by the packet, not by the triangle.
 
-use crate::triangle::PACKET;
+use super::triangle::PACKET;
 use glam::{DVec3, Vec3A, Vec4, Vec4Swizzles};
 use std::ops::Range;
 
@@ -122,8 +122,8 @@ impl BinaryNode {
         self.right == 0
     }
 
-    /// Whether a line may meet the box, widened by `margin` and by what an `f32` may be off.
-    pub(crate) fn is_met(&self, origin: DVec3, inverse: DVec3, margin: f64) -> bool {
+    /// Whether a line may cross the box, widened by `margin` and by what an `f32` may be off.
+    pub(crate) fn may_be_crossed(&self, origin: DVec3, inverse: DVec3, margin: f64) -> bool {
         let corner = |v: Vec4| v.xyz().as_dvec3() - origin;
         let low = corner(self.bounds.min) - margin;
         let high = corner(self.bounds.max) + margin;
@@ -270,7 +270,7 @@ impl Builder {
         Some(at(count / 2, references))
     }
 
-    /// Other shapes take far longer to meet than a box: each is a leaf of its own.
+    /// Other shapes take far longer to intersect than a box: each is a leaf of its own.
     fn divide_others(
         &self,
         references: &mut [Reference],

@@ -1,8 +1,8 @@
 //! The world made ready for drawing: packets of facets under a tree of boxes.
 
-use super::{NO_MIRROR, World};
-use crate::build::{BinaryNode, Reference, binary_tree};
-use azulejo_scene::Rgb;
+use super::view::{LocalMirror, PatchOptics, Plane, UnitCube};
+use super::{Facet, World};
+use crate::kernel::{BinaryNode, Reference, binary_tree};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -18,43 +18,6 @@ const THINNEST: f64 = 1e-9;
 const SAME_PLANE: f64 = 1.0 / (1u64 << 27) as f64;
 /// Boxes are taken this much larger than they are, for rounding on the way to the screen.
 const BOX_SLACK: f32 = 4e-6;
-
-/// Where world coordinates go: into −1..=1 about the centre.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Local {
-    pub centre: DVec3,
-    /// Half the world's largest extent, scene units.
-    pub reach: f64,
-}
-
-impl Local {
-    fn new(low: DVec3, high: DVec3) -> Local {
-        let reach = 0.5 * (high - low).max_element();
-        Local {
-            centre: 0.5 * (low + high),
-            reach: if reach > 0.0 && reach.is_finite() {
-                reach
-            } else {
-                1.0
-            },
-        }
-    }
-
-    pub fn point(&self, p: DVec3) -> DVec3 {
-        (p - self.centre) / self.reach
-    }
-
-    pub fn world_point(&self, p: DVec3) -> DVec3 {
-        p * self.reach + self.centre
-    }
-}
-
-/// The points p with `normal` · p = `offset`; unit normal.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Plane {
-    pub normal: DVec3,
-    pub offset: f64,
-}
 
 /// Facets side by side.
 pub(super) struct Packet {
@@ -83,32 +46,16 @@ pub(super) struct Node {
     pub packets: [u32; 2],
 }
 
-/// A mirror with its plane in local coordinates.
-pub(super) struct LocalMirror {
-    pub plane: Plane,
-    pub reflectance: Rgb,
-}
-
-/// What becomes of light at a patch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Matt,
-    /// A part of this mirror.
-    Mirror(u32),
-    Bent,
-}
-
 /// A world made ready. Immutable.
 pub(super) struct LocalWorld {
-    pub local: Local,
+    pub local: UnitCube,
     pub nodes: Vec<Node>,
     pub packets: Vec<Packet>,
     pub planes: Vec<Plane>,
     pub mirrors: Vec<LocalMirror>,
     pub up: DVec3,
     pub patches: u32,
-    mirror_of: Vec<u32>,
-    is_bent: Vec<bool>,
+    optics: Vec<PatchOptics>,
 }
 
 impl LocalWorld {
@@ -116,14 +63,12 @@ impl LocalWorld {
     /// are not.
     pub fn new(world: &World) -> LocalWorld {
         let is_sound = |corners: &[DVec3; 3]| corners.iter().all(|c| c.is_finite());
-        let sound = || world.triangles.iter().filter(|t| is_sound(&t.corners));
-        let corners = || sound().flat_map(|t| t.corners);
-        let low = corners().fold(DVec3::INFINITY, DVec3::min);
-        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let local = Local::new(low, high);
+        let is_drawn = |t: &&Facet| t.patch < world.patches && is_sound(&t.corners);
+        let drawn = || world.triangles.iter().filter(is_drawn);
+        let local = UnitCube::around(drawn().flat_map(|t| t.corners));
         let mut planes = Planes::default();
         let mut facets = Vec::new();
-        for t in sound().filter(|t| t.patch < world.patches) {
+        for t in drawn() {
             let corners = t.corners.map(|c| local.point(c));
             if let Some((plane, is_upright)) = planes.of(corners) {
                 let facet = PlaneFacet {
@@ -135,13 +80,7 @@ impl LocalWorld {
             }
         }
         let (nodes, packets) = tree(&facets);
-        let mirrors = world.mirrors.iter().map(|m| LocalMirror {
-            plane: Plane {
-                normal: m.normal,
-                offset: m.normal.dot(local.point(m.point)),
-            },
-            reflectance: m.reflectance,
-        });
+        let mirrors = world.mirrors.iter().map(|m| LocalMirror::new(m, &local));
         LocalWorld {
             local,
             nodes,
@@ -150,19 +89,12 @@ impl LocalWorld {
             mirrors: mirrors.collect(),
             up: world.up,
             patches: world.patches,
-            mirror_of: world.mirror_of.clone(),
-            is_bent: world.is_bent.clone(),
+            optics: (0..world.patches).map(|p| world.optics(p)).collect(),
         }
     }
 
-    pub fn kind(&self, patch: u32) -> Kind {
-        if self.is_bent.get(patch as usize) == Some(&true) {
-            return Kind::Bent;
-        }
-        match self.mirror_of.get(patch as usize) {
-            Some(&m) if m != NO_MIRROR && (m as usize) < self.mirrors.len() => Kind::Mirror(m),
-            _ => Kind::Matt,
-        }
+    pub fn optics(&self, patch: u32) -> PatchOptics {
+        self.optics[patch as usize]
     }
 }
 

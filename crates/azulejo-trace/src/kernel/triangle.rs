@@ -1,14 +1,11 @@
-//! Triangles: packets of four for the kernel, and one in double precision for what it found.
+//! Triangles in packets of four, and what settles the cases that single precision cannot.
 
-use crate::placed::ResolvedPoint;
-use crate::prepared::PreparedRay;
-use azulejo_scene::math::Ray;
-use glam::DVec3;
+use super::prepared_ray::PreparedRay;
 
 /// Triangles in one packet.
 pub(crate) const PACKET: usize = 4;
 
-/// Four triangles side by side. Lanes that are not in use hold NaN, which no ray meets.
+/// Four triangles side by side. Lanes that are not in use hold NaN, which no ray hits.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Packet {
@@ -29,7 +26,7 @@ impl Packet {
         [0, 3, 6].map(|first| [0, 1, 2].map(|axis| self.corners[first + axis][lane]))
     }
 
-    /// Puts a triangle into a lane.
+    /// Stores a triangle in a lane.
     pub(crate) fn set(&mut self, lane: usize, corners: &[[f32; 3]; 3], item: u32) {
         for (k, coordinate) in corners.iter().flatten().enumerate() {
             self.corners[k][lane] = *coordinate;
@@ -38,7 +35,7 @@ impl Packet {
     }
 }
 
-/// Where a packet's lanes were met: valid in the lanes of the mask that comes with it.
+/// Where a packet's lanes were hit: valid in the lanes of the mask that comes with it.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(crate) struct PacketHits {
@@ -48,21 +45,21 @@ pub(crate) struct PacketHits {
 }
 
 impl PacketHits {
-    /// Puts a meeting into a lane.
+    /// Stores a hit in a lane.
     pub(crate) fn set(&mut self, lane: usize, (t, u, v): (f32, f32, f32)) {
         (self.t[lane], self.u[lane], self.v[lane]) = (t, u, v);
     }
 }
 
-/// What single precision could not settle about one triangle: whether it is met, and `t`, `u`, `v`.
+/// Decides what single precision could not: whether a triangle is hit, and at which `t`, `u`, `v`.
 ///
 /// Called if an edge function is zero, which may be rounding, or if the triangle is so thin, as
 /// the ray sees it, that `t` would be worth little ([`is_thin`]). `x`, `y` are the sheared
 /// corners: they decide, because neighbours share them to the last bit, and their products are
-/// exact in `f64`. A ray exactly on an edge meets both triangles there.
+/// exact in `f64`. A ray exactly on an edge hits both triangles there.
 #[cold]
 #[inline(never)]
-pub(crate) fn meet_exactly(
+pub(crate) fn intersect_exactly(
     ray: &PreparedRay,
     corners: [[f32; 3]; 3],
     x: [f32; 3],
@@ -119,7 +116,7 @@ fn weights(x: [f64; 3], y: [f64; 3]) -> [f64; 3] {
     [edge(2, 1), edge(0, 2), edge(1, 0)]
 }
 
-/// Whether rounding moves the point where a ray meets a triangle by more than the rounding of the
+/// Whether rounding moves the point where a ray hits a triangle by more than the rounding of the
 /// ray's own origin: `widths` are the largest sheared coordinates, `whole` is the sum of the edge
 /// functions, `reach` the size of the coordinates at hand.
 #[inline(always)]
@@ -130,60 +127,3 @@ pub(crate) fn is_thin(widths: [f32; 3], whole: f32, reach: f32) -> bool {
 /// The bound of [`is_thin`]: with it an error of `t` stays below half the step of
 /// [`Tracer::leaving`](crate::Tracer::leaving).
 pub(crate) const THIN: f32 = 4.0;
-
-/// The point where `ray` meets the triangle, or the triangle's nearest to it: the kernel works
-/// with rounded corners and may report a ray that passes by at its rounding's distance.
-///
-/// `t_guess` is the kernel's answer; it is kept for a ray in the plane of the triangle.
-pub(crate) fn meet(corners: [DVec3; 3], ray: &Ray, t_guess: f64) -> ResolvedPoint {
-    let [a, b, c] = corners;
-    let (ab, ac) = (b - a, c - a);
-    let area = ab.cross(ac);
-    let (height, slope) = (area.dot(a - ray.origin), area.dot(ray.direction));
-    let t = height / slope;
-    let t = if t.is_finite() { t } else { t_guess };
-    let (u, v) = barycentric(ab, ac, area, ray.at(t) - a);
-    let position = a + u * ab + v * ac;
-    ResolvedPoint {
-        t,
-        u,
-        v,
-        part: 0,
-        position,
-        normal: area.normalize_or_zero(),
-    }
-}
-
-/// Weights of the second and third corner for the point `p` from the first, clamped to the
-/// triangle.
-fn barycentric(ab: DVec3, ac: DVec3, area: DVec3, p: DVec3) -> (f64, f64) {
-    let scale = area.length_squared();
-    let u = (p.cross(ac).dot(area) / scale).clamp(0.0, 1.0);
-    let v = (ab.cross(p).dot(area) / scale).clamp(0.0, 1.0);
-    if !(u.is_finite() && v.is_finite()) {
-        return (0.0, 0.0);
-    }
-    let over = (u + v).max(1.0);
-    (u / over, v / over)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn point_is_on_the_triangle_and_near_the_ray() {
-        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
-        let check = |to: DVec3, u: f64, v: f64| {
-            let from = DVec3::new(0.3, -0.2, 2.0);
-            let p = meet(corners, &Ray::new(from, to - from), 1.0);
-            assert!((p.t - 1.0).abs() < 1e-15, "{to}");
-            assert!((p.u - u).abs() < 1e-15 && (p.v - v).abs() < 1e-15, "{to}");
-            assert_eq!(p.normal, DVec3::Z);
-        };
-        check(DVec3::new(0.25, 0.5, 0.0), 0.25, 0.5);
-        check(DVec3::X, 1.0, 0.0);
-        check(DVec3::new(-1e-9, 0.5, 0.0), 0.0, 0.5);
-        check(DVec3::new(0.5, 0.5 + 2e-16, 0.0), 0.5, 0.5);
-    }
-}

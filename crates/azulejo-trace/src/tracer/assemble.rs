@@ -1,79 +1,15 @@
 //! From a scene to a tracer: gathers triangles and shapes, places them, builds the tree.
 
-use crate::build::{Reference, binary_tree};
-use crate::bvh::{Bvh, KernelTriangle};
-use crate::exact::{Outlines, Preparation};
-use crate::kernels::{Foreign, Kernel};
-use crate::placed::{Placed, PlacedPrimitive, PlacedTracer};
-use crate::primitive::ExactPrimitive;
-use crate::simd::Level;
-use crate::tracer::{Instance, MeshPositions, Tracer, TriangleItem};
+use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
+use super::{Instance, MeshPositions, Tracer, TriangleItem};
+use crate::exact::{ExactPrimitive, Outlines, Preparation};
+use crate::frame::{LocalFrame, double, single};
+use crate::kernel::{
+    Bvh, ForeignKernel, InstructionSet, Kernel, KernelTriangle, Reference, binary_tree,
+};
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{Mesh, Scene, Shape, Solid};
-use glam::{DAffine3, DMat3, DVec3};
-
-/// World to kernel coordinates: `(p − centre) · scale`, which lie in −1..=1.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LocalFrame {
-    centre: DVec3,
-    /// A power of two, so that scaling rounds nothing.
-    scale: f64,
-}
-
-impl LocalFrame {
-    fn around(bounds: &Aabb) -> LocalFrame {
-        let half = 0.5 * bounds.size().max_element();
-        // A single point, or a size that no power of two brings to 1, is left as it is.
-        let scale = (-half.log2().ceil()).exp2();
-        LocalFrame {
-            centre: bounds.centre(),
-            scale: if scale.is_normal() { scale } else { 1.0 },
-        }
-    }
-
-    pub(crate) fn point(&self, p: DVec3) -> DVec3 {
-        (p - self.centre) * self.scale
-    }
-
-    pub(crate) fn vector(&self, v: DVec3) -> DVec3 {
-        v * self.scale
-    }
-
-    pub(crate) fn world_point(&self, p: DVec3) -> DVec3 {
-        p / self.scale + self.centre
-    }
-
-    pub(crate) fn world_vector(&self, v: DVec3) -> DVec3 {
-        v / self.scale
-    }
-
-    /// Largest coordinate of a point relative to the centre, in world units.
-    pub(crate) fn distance(&self, p: DVec3) -> f64 {
-        (p - self.centre).abs().max_element()
-    }
-
-    fn world_from_local(&self) -> DAffine3 {
-        DAffine3 {
-            matrix3: DMat3::from_diagonal(DVec3::splat(1.0 / self.scale)),
-            translation: self.centre,
-        }
-    }
-
-    pub(crate) fn local_from_world(&self) -> DAffine3 {
-        DAffine3 {
-            matrix3: DMat3::from_diagonal(DVec3::splat(self.scale)),
-            translation: -self.centre * self.scale,
-        }
-    }
-}
-
-pub(crate) fn single(v: DVec3) -> [f32; 3] {
-    v.as_vec3().to_array()
-}
-
-pub(crate) fn double(v: [f32; 3]) -> DVec3 {
-    DVec3::from_array(v.map(f64::from))
-}
+use glam::{DAffine3, DVec3};
 
 /// Builds a tracer.
 ///
@@ -158,7 +94,7 @@ fn instance_bounds(instance: &Instance) -> Aabb {
     }))
 }
 
-/// What a tracer is made of, while it is gathered.
+/// The parts of a tracer, while they are collected.
 struct Parts {
     frame: LocalFrame,
     meshes: Vec<MeshPositions>,
@@ -317,7 +253,7 @@ impl Parts {
     }
 
     fn finish(mut self, bounds: Aabb, kernel: &Kernel) -> Tracer {
-        let foreign = Foreign::new(kernel, &self.kernel_triangles);
+        let foreign = ForeignKernel::new(kernel, &self.kernel_triangles);
         if foreign.is_some() {
             self.kernel_triangles.clear();
         }
@@ -328,7 +264,7 @@ impl Parts {
         Tracer {
             bvh,
             foreign,
-            level: Level::detect(),
+            instructions: InstructionSet::detect(),
             frame: self.frame,
             bounds,
             reach: self.reach.max(0.5 * bounds.size().max_element()),
@@ -340,7 +276,7 @@ impl Parts {
     }
 }
 
-/// Whether the kernel can meet a triangle: finite, and its three corners not on one line.
+/// Whether the kernel can hit a triangle: finite, and its three corners not on one line.
 fn has_area(corners: &[[f32; 3]; 3]) -> bool {
     let [a, b, c] = corners.map(double);
     let area = (b - a).cross(c - a);
