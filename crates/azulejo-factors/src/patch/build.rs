@@ -454,7 +454,7 @@ fn area(patches: &Patches, i: usize) -> f64 {
     }
 }
 
-/// Gauss–Legendre rule of 4 × 4 points; the density of a cell is a smooth function.
+/// Area by the Gauss–Legendre rule of 4 × 4 points; the area density of a cell is smooth.
 fn curved_area(patches: &Patches, i: usize) -> f64 {
     const NODES: [(f64, f64); 4] = [
         (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
