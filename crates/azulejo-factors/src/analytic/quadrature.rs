@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 /// Pairs of a point in 0..1 and its weight; the weights sum to 1.
 pub(crate) type Rule = [(f64, f64)];
 
-/// Most points [`gauss`] offers.
+/// Most points that [`gauss`] offers.
 pub(super) const MOST_POINTS: usize = 24;
 
 /// The Gauss–Legendre rule with `points` in 1..=[`MOST_POINTS`] points.
