@@ -1,9 +1,9 @@
 //! Exact form factors between polygons.
 //!
-//! [`form_factor`] integrates round both contours and is good to about 1e-13;
-//! [`form_factor_fast`] takes the cheapest formula that is good enough; [`visible_form_factor`]
-//! knows what stands between, and [`mirrored_form_factor`] follows planar mirrors. All cut either polygon at the plane of the other, take concave
-//! polygons, and take polygons that touch or cross.
+//! [`form_factor`] integrates along both contours and is good to about 1e-13; [`form_factor_fast`]
+//! picks the cheapest formula that is accurate enough; [`visible_form_factor`] accounts for
+//! occluders, and [`mirrored_form_factor`] follows planar mirrors. All clip either polygon at the
+//! plane of the other, accept concave polygons, and accept polygons that touch or cross.
 //!
 //! A polygon is a slice of corners in one plane, counter-clockwise seen from its front, which is
 //! the side that emits and receives. It must not cross itself.
@@ -30,18 +30,18 @@ use std::f64::consts::PI;
 
 /// Quadrature error of the exact formula.
 const EXACT: f64 = 1e-16;
-/// Distance over radius beyond which the area integrals replace the contours, which there lose
-/// one digit per factor of ten to cancellation.
+/// Distance over radius beyond which area integrals replace the contours, which lose one digit per
+/// factor of ten to cancellation there.
 const REMOTE: f64 = 100.0;
 
-/// Point to point where the radii squared over the distance squared stay below this times the
-/// accuracy.
+/// Point to point is used while the squared radii over the squared distance stay below this times
+/// the accuracy.
 const FAST_FAR: f64 = 0.5;
-/// Share of the accuracy left to the choice of points by the ratio of radius to distance.
+/// Share of the accuracy allotted to choosing the number of points from radius over distance.
 const FAST_SAFETY: f64 = 0.5;
 /// Most points per direction; with more, the contours are cheaper.
 const FAST_MOST_POINTS: f64 = 4.0;
-/// Share of the accuracy left to each edge pair of the contours.
+/// Share of the accuracy allotted to each pair of edges of the contours.
 const FAST_EXACT: f64 = 0.1;
 
 /// A number with an estimate of its error.
@@ -49,7 +49,7 @@ const FAST_EXACT: f64 = 0.1;
 pub struct Approximate {
     /// The number.
     pub value: f64,
-    /// How far it may be off.
+    /// Estimate of its absolute error.
     pub error: f64,
 }
 
@@ -83,12 +83,12 @@ pub fn exchange_area(p1: &[DVec3], p2: &[DVec3]) -> f64 {
     if area.is_finite() { area } else { 0.0 }
 }
 
-/// Form factor F₁₂ by the cheapest formula of about the relative `accuracy` asked for.
+/// Form factor F₁₂ by the cheapest formula of about the requested relative `accuracy`.
 ///
 /// Point to point far away, Lambert's formula from 4 to 16 points at middle distances, the double
 /// contour close by. Sums over many pairs keep well within `accuracy`, and so do about 99 of 100
-/// pairs; the rest, which see each other at grazing angles and so count for little, may be wrong
-/// by some ten times as much. Zero in the cases where [`form_factor`] is.
+/// pairs. The rest see each other at grazing angles and contribute little; their error may be some
+/// ten times as large. Zero in the cases where [`form_factor`] is.
 ///
 /// Measured between the 600 patches of a cube, 10 by 10 on a face:
 ///
@@ -106,7 +106,7 @@ pub fn form_factor_fast(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> f64 {
         .unwrap_or_else(|| Pair::new(p1, p2).map_or(0.0, |pair| pair.share(pair.fast(accuracy))))
 }
 
-/// Exchange area A₁F₁₂ as [`form_factor_fast`] finds it.
+/// Exchange area A₁F₁₂ as [`form_factor_fast`] computes it.
 pub(crate) fn exchange_area_fast(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> f64 {
     let Some(pair) = Pair::new(p1, p2) else {
         return 0.0;
@@ -119,8 +119,8 @@ pub(crate) fn exchange_area_fast(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> f
     }
 }
 
-/// The form factor as if either polygon were its centre, where that is good enough: both wholly
-/// and clearly in front of each other, and far apart.
+/// The form factor with both polygons replaced by their centroids, where that is accurate enough:
+/// both clearly in front of each other, and far apart.
 fn point_to_point(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> Option<f64> {
     let (a1, a2) = (area_vector(p1), area_vector(p2));
     let (c1, c2) = (centroid(p1, a1)?, centroid(p2, a2)?);
@@ -131,25 +131,25 @@ fn point_to_point(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> Option<f64> {
         let least = 1e-6 * (squared * normal.length_squared()).sqrt();
         to.iter().all(|&c| (c - from).dot(normal) > least)
     };
-    // Written so that NaN, and what overflows, goes the careful way.
+    // Written so that NaN and overflow take the careful branch.
     let is_far = radii < FAST_FAR * accuracy * squared && rises(p2, c1, a1) && rises(p1, c2, a2);
     let f = -r.dot(a1) * r.dot(a2) / (PI * squared * squared * a1.length());
     (is_far && f.is_normal()).then_some(f)
 }
 
-/// Two polygons as far as they see each other, moved and scaled to coordinates within 1.
+/// Two polygons clipped to what they see of each other, moved and scaled to coordinates within 1.
 struct Pair {
     p1: Side,
     p2: Side,
     plane1: Plane,
     plane2: Plane,
-    /// Error of the coordinates.
+    /// Rounding error of the coordinates.
     rounding: f64,
-    /// The caller's place of the origin here.
+    /// The origin of these coordinates in the caller's.
     origin: DVec3,
     /// Area of the first polygon before it was cut, in square units of `scale`.
     whole_area: f64,
-    /// The caller's length of one unit here.
+    /// The length of one unit in the caller's coordinates.
     scale: f64,
 }
 
@@ -181,7 +181,7 @@ impl Pair {
         if !finite(&p1) || !finite(&p2) {
             return None;
         }
-        // The coordinates came rounded, before they were moved to the origin.
+        // The coordinates were rounded before they were moved to the origin.
         let rounding = 8.0 * f64::EPSILON * (1.0 + origin.abs().max_element() / scale);
         let (plane1, plane2) = (Plane::new(&p1, rounding)?, Plane::new(&p2, rounding)?);
         Some(Pair {
@@ -196,9 +196,9 @@ impl Pair {
         })
     }
 
-    /// The share of polygon 1's power that an exchange area makes.
+    /// The share of polygon 1's power that an exchange area stands for.
     fn share(&self, exchange: f64) -> f64 {
-        // Rounding may leave its range; NaN would fail the comparison.
+        // Rounding may leave 0..=1; NaN would fail the comparison.
         if exchange > 0.0 {
             (exchange / self.whole_area).min(1.0)
         } else {
@@ -240,7 +240,7 @@ impl Pair {
     /// Lambert's formula from `points` squared Gauss points per quadrilateral of one polygon.
     fn points_by_area(from: &Side, to: &Side, points: usize) -> f64 {
         let mut vector = DVec3::ZERO;
-        // Cut as they are, all of one polygon lies above every horizon of the other.
+        // Clipped as they are, all of one polygon lies above every horizon of the other.
         from.for_each_node(points, |x, weight| {
             vector += weight * polygon_vector(x, &to.polygon)
         });
@@ -280,7 +280,7 @@ impl Side {
         })
     }
 
-    /// Hands points and weights, which sum to the area, to `visit`.
+    /// Passes points and weights, which sum to the area, to `visit`.
     ///
     /// One point is the centroid. More lie in the quadrilaterals of a fan, each the bilinear image
     /// of the square; where the polygon is concave, the weights of folded parts are negative and
@@ -343,7 +343,7 @@ struct Plane {
     point: DVec3,
     normal: DVec3,
     area: f64,
-    /// Height above the plane that rounding makes of nothing.
+    /// Height above the plane that is within rounding.
     rounding: f64,
 }
 
@@ -362,7 +362,7 @@ impl Plane {
         })
     }
 
-    /// The part of `polygon` in front, `None` if that is nothing or not beyond rounding.
+    /// The part of `polygon` in front; `None` if that is empty or within rounding.
     fn cut(&self, polygon: ArrayPolygon) -> Option<ArrayPolygon> {
         let heights = polygon.iter().map(|&c| (c - self.point).dot(self.normal));
         let (lowest, highest) = heights.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), h| {

@@ -1,4 +1,4 @@
-//! Who computes form factors: the engines, and what is said about which of them ran.
+//! The engines that compute form factors, and the report of which one ran.
 
 pub use crate::analytic_engine::estimator::AnalyticEstimator;
 use crate::hemicube::{HemicubeEstimator, MirrorHandling};
@@ -10,18 +10,18 @@ use azulejo_trace::{Cancelled, Gatherer, Progress};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// A way to compute form factors. All estimate the same quantity; each says its error.
+/// A method of computing form factors. All estimate the same quantity, with its error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// Formulas or rays, whichever the patches and the asked error suggest; [`EngineUsed::notes`] says
-    /// which, and why.
+    /// Formulas or rays, depending on the patches and the requested error; [`EngineUsed::notes`]
+    /// gives the choice and its reason.
     #[default]
     Auto,
     /// Rays from all over each patch, through mirrors and glass (Malley's method, Sobol points).
     Rays,
     /// Item buffers on hemicubes; flat mirrors are windows to reflected worlds.
     Hemicube(Hemicube),
-    /// Item buffers for what is seen straight, rays from the pixels of whatever is specular.
+    /// Item buffers for what is seen directly, rays from the pixels of specular surfaces.
     Hybrid(Hemicube),
     /// Closed forms for pairs of polygons, with exact shadows; rays for what has no formula.
     Analytic,
@@ -37,14 +37,14 @@ impl Engine {
     }
 }
 
-/// How hemicubes are drawn.
+/// How hemicubes are rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hemicube {
     /// Pixels along the side of the top face, even.
     pub resolution: u32,
-    /// Points of each patch from which one is drawn, rounded up to a multiple of four.
+    /// Hemicubes per patch, rounded up to a multiple of four.
     pub points: u32,
-    /// Who draws.
+    /// The renderer.
     pub device: HemicubeBackend,
 }
 
@@ -59,18 +59,18 @@ impl Default for Hemicube {
     }
 }
 
-/// Who draws item buffers.
+/// The renderer of item buffers.
 #[derive(Clone, Debug, Default)]
 pub enum HemicubeBackend {
-    /// The processor, in software.
+    /// The processor, by software rasterisation.
     #[default]
     Processor,
-    /// Another device; the processor takes over if it fails, and the report says so.
+    /// Another device. The processor takes over if it fails, and the report mentions it.
     Device(Arc<dyn Device>),
 }
 
 impl PartialEq for HemicubeBackend {
-    /// Devices are equal if they are one.
+    /// Devices are equal if they are the same object.
     fn eq(&self, other: &HemicubeBackend) -> bool {
         match (self, other) {
             (HemicubeBackend::Processor, HemicubeBackend::Processor) => true,
@@ -80,14 +80,15 @@ impl PartialEq for HemicubeBackend {
     }
 }
 
-/// Which engine really ran, and why.
+/// Which engine ran, and why.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EngineUsed {
-    /// The engine's name as it is typed: `rays`, `hemicube`, `hybrid` or `analytic`.
+    /// The engine's name on the command line: `rays`, `hemicube`, `hybrid` or `analytic`.
     pub name: String,
     /// The kernel or device that did the work.
     pub device: String,
-    /// Why this one, and what was not done as asked; sentences without full stops.
+    /// Why this engine was chosen, and deviations from what was requested; sentences without full
+    /// stops.
     pub notes: Vec<String>,
 }
 
@@ -110,7 +111,7 @@ pub enum Estimator<'a> {
 }
 
 impl<'a> Estimator<'a> {
-    /// The estimator of an engine, with `rays` per row where it is rays that it takes.
+    /// The estimator of an engine; engines that trace rays take `rays` per row.
     pub fn new(
         engine: &Engine,
         gatherer: &'a Gatherer<'a>,
@@ -131,15 +132,15 @@ impl<'a> Estimator<'a> {
                 let new = AnalyticEstimator::new;
                 Estimator::Analytic(Box::new(new(gatherer, patches, rays, seed, columns)))
             }
-            // Who has rows to choose for has chosen before; rays bear every scene.
+            // Automatic choices are made before this; rays handle every scene.
             Engine::Auto | Engine::Rays => {
                 Estimator::Rays(RayEstimator::new(gatherer, patches, rays, seed, columns))
             }
         }
     }
 
-    /// Which engine runs and who does the work; after the last row also what went otherwise than
-    /// asked, such as a device that was lost.
+    /// The engine and its device; after the last row also deviations from what was requested, such
+    /// as a lost device.
     pub fn engine_used(&self) -> EngineUsed {
         match self {
             Estimator::Rays(estimator) => EngineUsed {
@@ -161,13 +162,13 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// Whether rows are drawn from a handful of points, which all their entries share.
+    /// Whether all entries of a row share a handful of viewpoints.
     pub(crate) fn is_drawn(&self) -> bool {
         matches!(self, Estimator::Hemicube(_))
     }
 
-    /// The rows of some sides, in their order; each depends on its side alone. Advances
-    /// `progress` by one for each.
+    /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by one
+    /// for each.
     ///
     /// # Errors
     /// [`Cancelled`].

@@ -1,14 +1,14 @@
-//! Form factors by item buffers: hemicubes drawn from many points of each patch.
+//! Form factors by item buffers: hemicubes rendered from many points of each patch.
 //!
-//! One hemicube tells what a point sees (Cohen and Greenberg, *The hemi-cube*, SIGGRAPH 1985).
-//! Drawn from the barycentre alone it would leave an error that no resolution removes, so that
-//! here hemicubes stand at Sobol points all over the patch, each turned about the normal by an
-//! angle of its own; four scramblings of the points give four estimates, whose spread is the
-//! standard error. Flat mirrors are windows to reflected worlds, which the device draws too
-//! ([`Engine::Hemicube`](crate::Engine)), or the light goes on from their pixels by rays
-//! ([`Engine::Hybrid`](crate::Engine)), as it does from curved mirrors and glass in any case.
+//! A hemicube samples what a point sees (Cohen and Greenberg, *The hemi-cube*, SIGGRAPH 1985). From
+//! the barycentre alone it would leave an error that no resolution removes, so hemicubes stand at
+//! Sobol points all over the patch, each rotated about the normal by a random angle; four
+//! scramblings of the points give four estimates, whose spread gives the standard error. Flat
+//! mirrors are windows to reflected worlds, which the device renders too
+//! ([`Engine::Hemicube`](crate::Engine)), or light is traced on from their pixels by rays
+//! ([`Engine::Hybrid`](crate::Engine)), as it always is from curved mirrors and glass.
 //!
-//! Curved patches are drawn as facets (`patch::facets`), and their hemicubes stand on these.
+//! Curved patches are rendered as facets (`patch::facets`), and their hemicubes stand on these.
 
 mod backend;
 mod world;
@@ -30,30 +30,30 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Most mirrors in a chain of reflected worlds: as many as rays follow.
+/// Longest chain of reflected worlds: as many mirrors as rays follow.
 const MOST_MIRRORS: u32 = azulejo_trace::follow::DEPTH_CUT as u32;
 
-/// What becomes of light at flat mirrors.
+/// How flat mirrors are treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MirrorHandling {
-    /// Their worlds are drawn.
+    /// Their reflected worlds are rendered.
     Windows,
-    /// Rays go on from their pixels.
+    /// Rays continue from their pixels.
     Rays,
 }
 
-/// Computes rows by drawing. Immutable but for who draws; shared by all threads.
+/// Computes rows by item buffers. Immutable except for the device; shared by all threads.
 pub struct HemicubeEstimator<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
     facets: PatchFacets<'a>,
-    /// Follows light from pixels of specular patches.
+    /// Traces light from pixels of specular patches.
     rays: RayEstimator<'a>,
     buffers: BackendBuffers,
     mirrors: MirrorHandling,
-    /// For each patch whether its pixels are listed, for rays to go on.
+    /// For each patch whether its pixels are listed, for rays to continue from.
     is_listed: Vec<bool>,
-    /// A flat mirror, to say what light by way of one was reflected by; all are alike in that.
+    /// Some flat mirror, which stands for all of them in [`Via::Mirror`].
     mirror_item: Option<u32>,
     pixels: u32,
     table: SobolTable,
@@ -61,17 +61,18 @@ pub struct HemicubeEstimator<'a> {
     columns: Columns,
 }
 
-/// The patches of a scene as item buffers draw them: flat ones as they are, curved ones as facets.
+/// The patches of a scene as geometry for item buffers: flat ones as they are, curved ones as
+/// facets.
 pub fn world_of(scene: &Scene, patches: &Patches) -> World {
     world::world(scene, patches, &PatchFacets::new(patches))
 }
 
-/// Where a hemicube stands.
+/// The position of a hemicube.
 struct HemicubePoint {
     view: View,
-    /// Where rays in its place begin: on the exact surface, which a curved patch's facets are not.
+    /// Where its rays start: on the exact surface of a curved patch instead of its facet.
     start: DVec3,
-    /// What multiplies its shares.
+    /// Weight of its shares.
     weight: f64,
 }
 
@@ -80,16 +81,16 @@ struct RowPart {
     side: Side,
     replicate: usize,
     points: Vec<HemicubePoint>,
-    /// The part as far as it is known: of its replicate only.
+    /// The row so far, with this replicate only.
     row: Row,
-    /// Where its shares are being added up, from the first hemicubes to the last.
+    /// Accumulates shares over all its hemicubes.
     work: Option<RowWorkspace>,
 }
 
 impl<'a> HemicubeEstimator<'a> {
-    /// An estimator that draws as `options` say, points rounded up to a multiple of
-    /// [`REPLICATES`]. A device that cannot be had, or cannot hold the world, is replaced by the
-    /// processor, which [`ran`](HemicubeEstimator::ran) tells.
+    /// An estimator with the given `options`, points rounded up to a multiple of [`REPLICATES`]. A
+    /// device that is not available, or cannot hold the scene, is replaced by the processor;
+    /// [`engine_used`](HemicubeEstimator::engine_used) reports it.
     pub fn new(
         options: &Hemicube,
         mirrors: MirrorHandling,
@@ -136,7 +137,7 @@ impl<'a> HemicubeEstimator<'a> {
         self.pixels
     }
 
-    /// Who drew, and what went otherwise than asked so far.
+    /// The device, and deviations from what was requested so far.
     pub fn engine_used(&self) -> EngineUsed {
         let engine = match self.mirrors {
             MirrorHandling::Windows => "hemicube",
@@ -161,8 +162,8 @@ impl<'a> HemicubeEstimator<'a> {
         }
     }
 
-    /// The rows of some sides, in their order; each depends on its side alone. Advances
-    /// `progress` by one for each.
+    /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by one
+    /// for each.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -191,7 +192,7 @@ impl<'a> HemicubeEstimator<'a> {
         Ok(rows)
     }
 
-    /// Some replicates of rows, drawn together.
+    /// Some replicates of rows, rendered together.
     fn parts(&self, wanted: &[(Side, usize)]) -> Vec<Row> {
         let part = |&(side, replicate): &(Side, usize)| RowPart {
             side,
@@ -221,10 +222,10 @@ impl<'a> HemicubeEstimator<'a> {
         parts.into_iter().map(|part| part.row).collect()
     }
 
-    /// Where the hemicubes of a part stand, and how much each counts.
+    /// The positions and weights of the hemicubes of a part.
     ///
-    /// On curved patches, whose points have weights, these are divided by their sum, so that a
-    /// row's shares make 1 as they do on flat ones; the bias falls as one over the points.
+    /// On curved patches the weights of points are divided by their sum, so that a row's shares sum
+    /// to 1 as they do on flat ones; the bias falls as one over the number of points.
     fn points(&self, side: Side, replicate: usize) -> Vec<HemicubePoint> {
         let (patch, is_front) = ((side / 2) as usize, side.is_multiple_of(2));
         let tracer = self.gatherer.surfaces().tracer;
@@ -258,7 +259,7 @@ impl<'a> HemicubeEstimator<'a> {
         let share = 1.0 / REPLICATES as f64;
         for found in &seen.shares {
             if self.is_listed[(found.side / 2) as usize] {
-                continue; // rays find it again, and go on from there
+                continue; // rays find it again and continue from there
             }
             let arriving = found.weight * weight;
             let material = self.material(found.side);
@@ -279,7 +280,7 @@ impl<'a> HemicubeEstimator<'a> {
         }
         row.cut += seen.cut * (weight * share);
         for (number, pixels) in seen.specular.chunks(BATCH).enumerate() {
-            // Paths begin with about 1, since they end when too little of it is left.
+            // Paths start with a weight of about 1, because they end when too little of it is left.
             let heaviest = pixels.iter().map(|p| p.weight.max_channel());
             let heaviest = heaviest.fold(f64::MIN_POSITIVE, f64::max);
             let paths = pixels.iter().map(|p| self.path(p, start, heaviest));
@@ -292,7 +293,7 @@ impl<'a> HemicubeEstimator<'a> {
         part.work = Some(work);
     }
 
-    /// Takes the sums of a part that all hemicubes have been added to.
+    /// Takes the sums of a part after all its hemicubes.
     fn finish(&self, part: &mut RowPart) {
         if let Some(mut work) = part.work.take() {
             part.row.entries[part.replicate] = work.sums.take();
@@ -300,8 +301,8 @@ impl<'a> HemicubeEstimator<'a> {
         }
     }
 
-    /// The light of a pixel in units of `unit`, on the leg that ends at a specular patch: a ray
-    /// finds the exact place where the pixel's centre meets it. The first leg begins at `start`.
+    /// The path of a pixel, in units of `unit`, on the leg that ends at a specular patch: a ray
+    /// finds the exact point where the pixel's centre hits it. The first leg begins at `start`.
     fn path(&self, pixel: &SpecularPixel, start: DVec3, unit: f64) -> Path {
         let origin = if pixel.order == 0 {
             start
@@ -319,7 +320,7 @@ impl<'a> HemicubeEstimator<'a> {
         }
     }
 
-    /// How light came over so many mirrors that were drawn.
+    /// The path class after so many rendered mirrors.
     fn via(&self, order: Order) -> Via {
         match (order, self.mirror_item) {
             (0, _) => Via::Direct,
@@ -333,8 +334,8 @@ impl<'a> HemicubeEstimator<'a> {
         &scene.materials[self.patches.material((side / 2) as usize) as usize]
     }
 
-    /// Exitance of a side beyond what the direct light counts, as
-    /// [`Gatherer::stray_exitance`] tells of hits.
+    /// Exitance of a side that direct lighting does not count, as [`Gatherer::stray_exitance`]
+    /// computes it for hits.
     fn stray(&self, side: Side, order: Order) -> Rgb {
         let material = self.material(side);
         if !material.is_emitter() {
@@ -366,7 +367,7 @@ impl Hemicube {
     }
 }
 
-/// Two parts of one row, of different replicates.
+/// Merges two parts of one row, of different replicates.
 fn merged(mut a: Row, b: Row) -> Row {
     for (replicate, entries) in b.entries.into_iter().enumerate() {
         if !entries.is_empty() {

@@ -1,8 +1,9 @@
-//! Polygons in the place of exact shapes, for the first pass only.
+//! Proxy geometry: polygons in the place of exact shapes, for computing light.
 //!
-//! Patches are pieces of polygons. Prisms and what set operations leave are therefore divided as
-//! polygons whose chords stay near the exact surface, in proportion to the patches: finer ones
-//! would only make more patches. Pictures trace the exact shapes and read the light here.
+//! Patches are pieces of polygons. Prisms and the results of set operations are therefore divided
+//! as polygons whose chords stay close to the exact surface, in proportion to the patch size: finer
+//! polygons would only make more patches. The second pass renders the exact shapes and reads the
+//! light from the proxy.
 
 use crate::patch::PatchSize;
 use azulejo_scene::{Exact, Mesh, Object, Scene, Shape, TriangleTree};
@@ -10,14 +11,14 @@ use azulejo_trace::Tracer;
 use glam::DVec3;
 use std::borrow::Cow;
 
-/// How far chords may leave an exact shape, as a share of the patch size: as for primitives.
-/// Solids much smaller than a patch keep their form all the same ([`Exact::tessellate`]).
+/// Largest distance of chords from an exact shape, as a share of the patch size: as for primitives.
+/// Solids much smaller than a patch still keep their form ([`Exact::tessellate`]).
 pub const CHORD_ERROR: f64 = 0.02;
 
-/// Chord error of the polygons by which areas are estimated, as a share of a shape's size.
+/// Chord error of the polygons from which areas are estimated, as a share of a shape's size.
 const ROUGH: f64 = 0.01;
 
-/// The scene in which patches of a size are made: polygons in the place of exact shapes, the
+/// The scene that is divided into patches of a size: polygons in the place of exact shapes, or the
 /// scene itself if it has none.
 pub fn faceted(scene: &Scene, size: PatchSize) -> Cow<'_, Scene> {
     let is_exact = |o: &Object| matches!(o.shape, Shape::Exact(_));
@@ -28,7 +29,7 @@ pub fn faceted(scene: &Scene, size: PatchSize) -> Cow<'_, Scene> {
     scene.faceted_by(|_| chord_error)
 }
 
-/// The edge of patches; infinity where faces stay whole.
+/// The edge length of patches; infinite where faces stay whole.
 fn edge(scene: &Scene, size: PatchSize) -> f64 {
     let length = match size {
         PatchSize::Edge(edge) => edge,
@@ -58,7 +59,7 @@ pub struct PointNormal {
     pub normal: DVec3,
 }
 
-/// A scene of polygons and primitives, and its tracer: the caller's own where that is possible.
+/// A scene of polygons and primitives with its tracer; both the caller's own where possible.
 pub struct ProxyScene<'a> {
     /// The scene as the caller has it.
     pub given: &'a Scene,
@@ -83,7 +84,7 @@ impl<'a> ProxyScene<'a> {
         }
     }
 
-    /// Points on exact surfaces that lie behind the polygons there, moved onto them: from inside
+    /// Moves points on exact surfaces that lie behind the proxy polygons onto these: from inside
     /// they would see nothing.
     pub fn on_polygons(&self, points: &[PointNormal]) -> Vec<PointNormal> {
         let objects = self.given.objects.iter().zip(&self.scene.objects);
@@ -101,7 +102,7 @@ impl<'a> ProxyScene<'a> {
 /// The polygons of one exact shape.
 struct ProxyMesh {
     tree: TriangleTree,
-    /// Farther behind the polygons than this a point is inside of the shape, and stays there.
+    /// Points farther behind the polygons than this are inside the shape, and stay there.
     reach: f64,
 }
 

@@ -1,10 +1,10 @@
-//! Form factors by rays, row after row: the share of a patch's diffuse light that each patch
-//! receives, directly or after any chain of mirrors and panes.
+//! Form factors by rays, row by row: the share of a patch's diffuse light that each patch receives,
+//! directly or after any chain of mirrors and panes.
 //!
-//! A row is area-averaged: its rays start all over the patch, in the first two dimensions of a
-//! scrambled Sobol sequence, and leave with the cosine's density in the other two (Malley's
-//! method), so that a row's entry is the weight of the rays that arrive. Four independent
-//! scramblings give four estimates of every row; their spread is its standard error.
+//! A row is an area average: its rays start all over the patch, by the first two dimensions of a
+//! scrambled Sobol sequence, and leave with cosine density by the other two (Malley's method), so
+//! that an entry is the weight of the rays that arrive. Four independent scramblings give four
+//! estimates of every row; their spread gives its standard error.
 
 use crate::patch::Patches;
 use crate::row::{Columns, Row, RowAccumulator, Side, order, side};
@@ -17,10 +17,10 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Mutex;
 
-/// Rays followed at a time: enough to keep the tracer busy, few enough to stay in the cache.
+/// Rays traced at a time: enough to keep the tracer busy, few enough to stay in the cache.
 pub const BATCH: usize = 1024;
 
-/// Where the rays of rows start and where they go.
+/// Samples the rays of rows.
 pub struct RowSampler<'a> {
     tracer: &'a Tracer,
     patches: &'a Patches,
@@ -44,8 +44,8 @@ impl<'a> RowSampler<'a> {
         }
     }
 
-    /// Rays over a side and its hemisphere, a stretch of a replicate's sequence; each carries the
-    /// `share`.
+    /// Rays over a side and its hemisphere, for a range of a replicate's sequence; each carries the
+    /// weight `share`.
     pub fn fill(
         &self,
         side: Side,
@@ -85,7 +85,7 @@ impl<'a> RowSampler<'a> {
     }
 }
 
-/// Finds the patch of a hit: at once where all of what was hit is one patch.
+/// Finds the patch of a hit, immediately where the whole item is one patch.
 pub struct HitPatches<'a> {
     surfaces: &'a Surfaces<'a>,
     patches: &'a Patches,
@@ -96,7 +96,7 @@ pub struct HitPatches<'a> {
 const SEVERAL: u32 = u32::MAX;
 
 impl<'a> HitPatches<'a> {
-    /// The patches of every item that the tracer may hit.
+    /// A table of the items of the tracer.
     pub fn new(surfaces: &'a Surfaces<'a>, patches: &'a Patches) -> HitPatches<'a> {
         let only = |k: u32| {
             let item = surfaces.item(k);
@@ -121,7 +121,7 @@ impl<'a> HitPatches<'a> {
     }
 }
 
-/// Computes rows. Immutable; shared by all threads.
+/// Computes rows by rays. Immutable; shared by all threads.
 pub struct RayEstimator<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
@@ -130,17 +130,17 @@ pub struct RayEstimator<'a> {
     per_replicate: usize,
     seed: u32,
     columns: Columns,
-    /// Working memory that no thread uses at the moment.
+    /// Working memory not in use by any thread.
     spare: Mutex<Vec<RowWorkspace>>,
 }
 
-/// What it takes to compute a row.
+/// Working memory for a row.
 pub(crate) struct RowWorkspace {
-    /// Rays that are about to be followed.
+    /// Rays to be traced next.
     pub paths: Vec<Path>,
     scratch: Scratch,
     glints: Glints,
-    /// What they have met.
+    /// Sums of what they hit.
     pub sums: RowAccumulator,
 }
 
@@ -176,13 +176,13 @@ impl<'a> RayEstimator<'a> {
         (self.per_replicate * REPLICATES) as u32
     }
 
-    /// Who traces.
+    /// The name of the ray tracing kernel.
     pub fn kernel_name(&self) -> String {
         self.gatherer.surfaces().tracer.kernel_name()
     }
 
-    /// The row of one side of a patch. Depends on nothing but the arguments of
-    /// [`new`](RayEstimator::new) and `side`.
+    /// The row of one side of a patch. Depends only on the arguments of [`new`](RayEstimator::new)
+    /// and on `side`.
     pub fn row(&self, side: Side) -> Row {
         let mut row = Row {
             rays: self.rays(),
@@ -204,7 +204,7 @@ impl<'a> RayEstimator<'a> {
         row
     }
 
-    /// Memory to work with, empty.
+    /// Empty working memory.
     pub(crate) fn work(&self) -> RowWorkspace {
         let spare = self.spare.lock().ok().and_then(|mut spare| spare.pop());
         spare.unwrap_or_else(|| RowWorkspace {
@@ -215,15 +215,15 @@ impl<'a> RayEstimator<'a> {
         })
     }
 
-    /// Keeps memory, emptied, for the next that asks.
+    /// Returns working memory, emptied, for reuse.
     pub(crate) fn give_back(&self, work: RowWorkspace) {
         if let Ok(mut spare) = self.spare.lock() {
             spare.push(work);
         }
     }
 
-    /// Follows the paths of `work` to their ends, and adds what they meet to its tally and to
-    /// what `row` says of a replicate, all times `scale`. `chances` keys the choices at glass.
+    /// Traces the paths of `work` to their ends, and adds what they hit to its sums and to the
+    /// replicate of `row`, all times `scale`. `chances` seeds the random choices at glass.
     pub(crate) fn follow(
         &self,
         work: &mut RowWorkspace,

@@ -4,21 +4,21 @@ use azulejo_scene::Rgb;
 use azulejo_trace::REPLICATES;
 use azulejo_trace::follow::Via;
 
-/// One side of a patch: twice the patch for the front, one more for the back.
+/// One side of a patch p: 2p for the front, 2p + 1 for the back.
 pub type Side = u32;
 
-/// The side of `patch` that is seen from its front, or from its back.
+/// The front or the back of `patch`.
 pub fn side(patch: u32, front: bool) -> Side {
     2 * patch + u32::from(!front)
 }
 
-/// Number of ways that entries tell apart.
+/// Number of orders that entries distinguish.
 pub const ORDERS: usize = 3;
 
-/// How light came: 0 straight, 1 by one mirror, 2 by more of them or through glass.
+/// Path class of light: 0 direct, 1 by one mirror, 2 by more mirrors or through glass.
 pub type Order = u8;
 
-/// The order of what came this way.
+/// The order of a path.
 pub fn order(via: Via) -> Order {
     match via {
         Via::Direct => 0,
@@ -27,12 +27,12 @@ pub fn order(via: Via) -> Order {
     }
 }
 
-/// An extended form factor to one side, of light that came one way.
+/// An extended form factor to one side, for one order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Where the light arrives.
+    /// The side where the light arrives.
     pub side: Side,
-    /// How it came.
+    /// The path class.
     pub order: Order,
     /// Form factor, per channel.
     pub weight: Rgb,
@@ -41,28 +41,28 @@ pub struct Entry {
 /// Entries of one replicate of a row, sorted by side and order, each pair once.
 pub type Entries = Vec<Entry>;
 
-/// What an estimator found of one side of a patch.
+/// The row of one side of a patch, as an estimator computed it.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
     /// Per replicate, the extended form factor to each side that was reached.
     pub entries: [Entries; REPLICATES],
-    /// Per replicate, irradiance from emission and surroundings that was met on the way and that
-    /// [`direct light`](crate::direct) does not count, W/m².
+    /// Per replicate, irradiance from emission and surroundings found along the paths that direct
+    /// lighting does not count, W/m².
     pub stray: [Rgb; REPLICATES],
     /// The part of `stray` that came from the surroundings.
     pub external: Rgb,
-    /// Share of the weight that surfaces absorbed.
+    /// Share absorbed by surfaces.
     pub absorbed: Rgb,
     /// Per replicate, the share that left the scene, upwards and downwards.
     pub escaped: [[Rgb; 2]; REPLICATES],
-    /// Share that was cut off because it was too weak, or reflected too often.
+    /// Share of paths that were cut off as too weak or too long.
     pub cut: Rgb,
-    /// Rays traced, or pixels drawn, from the patch, without those that mirrors added.
+    /// Rays traced, or pixels rendered, from the patch, without those added by mirrors.
     pub rays: u32,
 }
 
 impl Row {
-    /// Share that left the scene, either way.
+    /// Share that left the scene in either direction, mean of the replicates.
     pub fn all_escaped(&self) -> Rgb {
         let ways = self.escaped.iter().flatten();
         ways.fold(Rgb::BLACK, |sum, &way| sum + way) * (1.0 / REPLICATES as f64)
@@ -72,18 +72,18 @@ impl Row {
 /// Which sides of patches a row keeps as columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Columns {
-    /// All that is reached, mirrors too: whole rows, whose shares add up.
+    /// All that are reached, mirrors included: complete rows, whose shares add up.
     All,
     /// Only sides that reflect diffusely: what a solver needs.
     Diffuse,
 }
 
-/// Adds up what rays or pixels find on sides, in `f64`, in the order found.
+/// Accumulates what rays or pixels find on sides, in `f64`, in the order of arrival.
 ///
-/// A table by side and order says where each sum is, so that only the sums are sorted and not all
-/// that was found. Kept between rows to save allocations: 24 bytes a patch.
+/// A table by side and order points to each sum, so that only the sums are sorted. Kept between
+/// rows to save allocations: 24 bytes per patch.
 pub struct RowAccumulator {
-    /// For each side and order its place among `entries`, or [`NOWHERE`].
+    /// For each side and order the index into `entries`, or [`NOWHERE`].
     places: Vec<u32>,
     entries: Vec<Entry>,
 }
@@ -91,7 +91,7 @@ pub struct RowAccumulator {
 const NOWHERE: u32 = u32::MAX;
 
 impl RowAccumulator {
-    /// An empty tally over so many sides.
+    /// An empty accumulator over so many sides.
     pub fn new(sides: usize) -> RowAccumulator {
         RowAccumulator {
             places: vec![NOWHERE; sides * ORDERS],
@@ -99,7 +99,7 @@ impl RowAccumulator {
         }
     }
 
-    /// Adds `weight` to what arrived at `side` this way.
+    /// Adds `weight` to what arrived at `side` by `order`.
     pub fn add(&mut self, side: Side, order: Order, weight: Rgb) {
         let place = &mut self.places[key(side, order)];
         match self.entries.get_mut(*place as usize) {
@@ -115,13 +115,13 @@ impl RowAccumulator {
         }
     }
 
-    /// The sums, sorted by side and order; the tally is empty afterwards.
+    /// The sums, sorted by side and order; empties the accumulator.
     pub fn take(&mut self) -> Entries {
         for sum in &self.entries {
             self.places[key(sum.side, sum.order)] = NOWHERE;
         }
         self.entries.sort_unstable_by_key(|e| key(e.side, e.order));
-        // A copy of the right size: rows are kept by the thousand.
+        // A copy of the exact size: thousands of rows are kept.
         let sums = self.entries.clone();
         self.entries.clear();
         sums

@@ -1,4 +1,4 @@
-//! How much of a pair of patches is visible, by shadow rays between them.
+//! The visible fraction of a pair of patches, by shadow rays.
 
 use crate::patch::Patches;
 use azulejo_scene::math::Ray;
@@ -10,26 +10,26 @@ use std::f64::consts::PI;
 /// Shadow rays per pair and replicate.
 const RAYS: u32 = 16;
 
-/// As many where the first ones show that the pair is partly visible.
+/// Further shadow rays where the first ones find the pair partially visible.
 const MORE_RAYS: u32 = 64;
 
-/// One pair of patches, for the question how much of it is visible.
+/// A pair of patches whose visibility is estimated.
 pub(crate) struct View<'a> {
     pub patches: &'a Patches,
     pub surfaces: &'a Surfaces<'a>,
     pub pair: [usize; 2],
-    /// Normals of the sides that are meant.
+    /// Normals of the sides that see each other.
     pub normals: [DVec3; 2],
-    /// What the random numbers depend on.
+    /// Seeds of the random numbers.
     pub key: [u32; 3],
 }
 
-/// The share of an exchange area that nothing blocks.
+/// The visible share of an exchange area.
 pub(crate) struct Visible {
     pub share: f64,
     /// Its standard error.
     pub error: f64,
-    /// Whether some rays passed and some did not.
+    /// Whether some rays were blocked and some were not.
     is_partial: bool,
 }
 
@@ -52,8 +52,8 @@ impl View<'_> {
         }
     }
 
-    /// The visible share by `rays` shadow rays per replicate, between points stratified over
-    /// both facets and weighted with the kernel (ratio estimator).
+    /// The visible share by `rays` shadow rays per replicate, between points stratified over both
+    /// facets and weighted with the kernel (ratio estimator).
     fn looked(&self, rays: u32) -> Visible {
         let (mut shadow, mut kernels, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
         for r in 0..REPLICATES as u32 {
@@ -101,10 +101,11 @@ impl Kernels {
 }
 
 impl Visible {
-    /// The error is the larger of two. One is the spread of the replicates. The other is what so
-    /// few rays can't know, even if all passed or none: the deviation of the posterior of a share
-    /// of which K independent looks are known, uniform before (Laplace's rule of succession),
-    /// which for K of K is about 1/K. K counts kernels by weight, (Σk)²/Σk².
+    /// The error is the larger of two. One comes from the spread of the replicates. The other is
+    /// what so few rays cannot resolve, even if all passed or none did: the standard deviation of
+    /// the posterior of a share after K independent observations with a uniform prior (Laplace's
+    /// rule of succession), about 1/K if all K agree. K is the effective number of kernels,
+    /// (Σk)²/Σk².
     fn new(replicates: &[Kernels; REPLICATES]) -> Visible {
         let total = |f: fn(&Kernels) -> f64| replicates.iter().map(f).sum::<f64>();
         let (sum, squares, visible) =
@@ -135,5 +136,5 @@ impl Visible {
     }
 }
 
-/// Student's t with three degrees of freedom over the normal law's at 95.4%.
+/// Student's t with three degrees of freedom over the normal quantile at 95.4%.
 const STUDENT: f64 = 3.307 / 2.0;

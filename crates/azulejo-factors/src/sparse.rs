@@ -1,4 +1,4 @@
-//! Sparse matrices of form factors.
+//! Sparse matrices of form factors, for solvers.
 
 use crate::row::Entry;
 use azulejo_scene::Rgb;
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// A matrix in compressed rows with one or three `f32` weights per entry.
 ///
-/// Rows are appended in any order and found again by the side they belong to; columns are sides.
+/// Rows are appended in any order; columns are sides.
 #[derive(Clone, Debug)]
 pub struct SparseMatrix {
     /// 1 where every weight is grey, else 3.
@@ -31,7 +31,7 @@ impl SparseMatrix {
         }
     }
 
-    /// Appends a row; `entries` sorted by side. Ways to the same side are added up.
+    /// Appends a row; `entries` sorted by side. Orders to the same side are added up.
     pub fn push_row(&mut self, entries: &[Entry]) {
         for ways in entries.chunk_by(|a, b| a.side == b.side) {
             self.columns.push(ways[0].side);
@@ -65,7 +65,7 @@ impl SparseMatrix {
         })
     }
 
-    /// Row `row` times the vector `x` over columns, in `f64`, in the order of the columns.
+    /// The product of row `row` with the vector `x` over columns, in `f64`, in column order.
     pub fn row_times(&self, row: usize, x: &[Rgb]) -> Rgb {
         let range = self.starts[row] as usize..self.starts[row + 1] as usize;
         let mut sum = Rgb::BLACK;

@@ -1,13 +1,13 @@
-//! The solved light of the patches, as gathers read it.
+//! The solved light of patches as a light source of gathers.
 
 use azulejo_factors::Patches;
 use azulejo_factors::row::side;
 use azulejo_scene::Rgb;
 use azulejo_trace::{Arrival, DiffuseLight, Glow, REPLICATES, Surfaces};
 
-/// From nearer than this share of its diameter a patch is too coarse to be looked at. Half of it
-/// leaves no bias that shows beside 1% of noise (measured on Cornell boxes), and spares most of
-/// the work of a whole one.
+/// Distance, as a share of its diameter, below which a patch is too coarse to be read. Half of it
+/// leaves no visible bias beside 1% of noise (measured on Cornell boxes), and saves most of the
+/// work of a whole diameter.
 const COARSE: f64 = 0.5;
 
 /// Reflected radiosity of every side of every patch, in independent replicates.
@@ -16,12 +16,12 @@ pub struct PatchLight<'a> {
     patches: &'a Patches,
     reflectance: &'a [Rgb],
     reflected: Vec<[[f32; 3]; REPLICATES]>,
-    /// Distance from which each diffuse patch may be looked at, zero for the others.
+    /// Distance from which each diffuse patch may be read, zero for the others.
     grain: Vec<f32>,
 }
 
 impl<'a> PatchLight<'a> {
-    /// From one solution per replicate, each R per side in W/m².
+    /// From one solution R per replicate and side, in W/m².
     pub fn new(
         surfaces: &'a Surfaces<'a>,
         patches: &'a Patches,
@@ -47,7 +47,7 @@ impl<'a> PatchLight<'a> {
         }
     }
 
-    /// The same read from any distance: gathering anew from near hits would add bounces, and is
+    /// The same, read from any distance: final gathers from near hits would add bounces, which is
     /// wrong where their number is limited.
     pub fn without_grain(self) -> PatchLight<'a> {
         PatchLight {

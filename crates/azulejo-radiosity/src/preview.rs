@@ -1,4 +1,4 @@
-//! Light that is seen while it settles.
+//! Previews of light while it is being solved.
 
 use crate::gather::Gathering;
 use crate::system::RadiositySolution;
@@ -8,31 +8,31 @@ use azulejo_factors::ProxyScene;
 use azulejo_scene::Irradiance;
 use std::time::{Duration, Instant};
 
-/// Time between two previews, at least.
+/// Least time between two previews.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// The light of a scene before it is as good as was asked.
+/// Provisional light of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preview {
     /// What [`Scene::set_irradiance`](azulejo_scene::Scene::set_irradiance) takes.
     pub irradiance: Irradiance,
-    /// How far it has come.
+    /// The stage of the solution.
     pub stage: PreviewStage,
     /// Estimated relative RMS error, of the patches' radiosity or of the irradiance.
     pub error: f64,
 }
 
-/// Where the light of a [`Preview`] comes from.
+/// What the light of a [`Preview`] is computed from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreviewStage {
-    /// It is known on patches, and interpolated to the vertices: shadows are as coarse as the
-    /// patches, and there are no standard errors.
+    /// Radiosity of patches, interpolated to the vertices: shadows are as coarse as the patches,
+    /// and there are no standard errors.
     Patches,
-    /// It is gathered at the vertices, not yet with all rays.
+    /// Irradiance gathered at the vertices, not yet with all rays.
     Vertices,
 }
 
-/// Shows previews to whoever watches, if somebody does.
+/// Passes previews to a callback, if there is one.
 pub(crate) struct PreviewReporter<'w, 'a> {
     watch: Option<&'w mut dyn FnMut(Preview)>,
     proxy: &'a ProxyScene<'a>,
@@ -41,7 +41,7 @@ pub(crate) struct PreviewReporter<'w, 'a> {
 }
 
 impl<'w, 'a> PreviewReporter<'w, 'a> {
-    /// Nobody watches where `watch` is `None`: then nothing is made for them.
+    /// Without a callback no previews are computed.
     pub fn new(
         watch: Option<&'w mut dyn FnMut(Preview)>,
         proxy: &'a ProxyScene<'a>,
@@ -55,7 +55,7 @@ impl<'w, 'a> PreviewReporter<'w, 'a> {
         }
     }
 
-    /// Shows the light of patches.
+    /// Reports the light of patches.
     pub fn show_patches(&mut self, patches: &Patches, found: &RadiositySolution) {
         let (given, scene, keep_mesh) = (self.proxy.given, &self.proxy.scene, self.keep_mesh);
         self.show(|| Preview {
@@ -69,7 +69,7 @@ impl<'w, 'a> PreviewReporter<'w, 'a> {
         });
     }
 
-    /// Shows what was gathered at the vertices so far.
+    /// Reports what has been gathered at the vertices so far.
     pub fn show_vertices(&mut self, targets: &Targets, patches: &Patches, found: &Gathering) {
         let scene = &self.proxy.scene;
         self.show(|| Preview {

@@ -1,18 +1,18 @@
-//! More rays for the rows that matter, until the error of the radiosity is as small as asked.
+//! Adaptive refinement: more rays for the rows that dominate the error.
 //!
-//! Rows of many rays would fill the memory, and what is wanted of them is a sum: the irradiance
-//! X R. So the rows that are kept stay coarse, and what further rays meet is summed up as they
-//! arrive, in the light R₀ that the coarse system gives: G ≈ X R₀. The system solved at last,
+//! Rows of many rays would fill the memory, and only a sum of them is needed: the irradiance X R.
+//! So the stored rows stay coarse, and what further rays hit is accumulated directly, in the light
+//! R₀ that the coarse system gives: G ≈ X R₀. The final system,
 //!
 //! R = ρ (H₀ + G + X_c (R − R₀)),
 //!
-//! needs the coarse rows X_c for a small difference alone: R₀ is a control variate (in the words
-//! of numerical analysis this is a defect correction). What is left of the coarse rows' noise is
-//! a product of two small errors.
+//! needs the coarse rows X_c only for a small difference: R₀ is a control variate (in numerical
+//! analysis, this is a defect correction). The remaining noise of the coarse rows is a product of
+//! two small errors.
 //!
-//! Rays, and positions at which direct light is computed, go where they lower the error of B most
-//! for their cost, in doublings. With area A, reflectance ρ, variance σ² of the irradiance and its
-//! decline as count^−rate that is in proportion to (A ρ² σ² / cost)^(1/(1 + rate)), by Lagrange.
+//! Rays, and positions of direct light, go where they reduce the error of B most for their cost, in
+//! doublings. With area A, reflectance ρ, variance σ² of the irradiance and its decline as
+//! count^−rate, that is in proportion to (A ρ² σ² / cost)^(1/(1 + rate)), by Lagrange.
 
 use crate::direct::{DIRECT_POSITIONS, direct_at};
 use crate::system::{RadiositySolution, System};
@@ -26,44 +26,44 @@ use azulejo_trace::{Cancelled, Gathered, Gatherer, Glints, Measure, Progress, RE
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Variance falls about as count^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
+/// Decline of the variance, about count^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
 const RATE: f64 = 1.2;
 
-/// No round makes a count more than this many times what it was: four replicates tell a row's
-/// variance badly, and the next round knows more.
+/// Largest growth of a count per round: four replicates estimate a row's variance badly, and the
+/// next round knows more.
 const GROWTH: f64 = 4.0;
 
-/// Most rounds; counts have long reached their limits by then.
+/// Most rounds; counts reach their limits long before.
 const MOST_ROUNDS: u32 = 24;
 
-/// To either side of a patch so many neighbours in the numbering share their variances with it.
+/// Neighbours in the numbering, to either side, with which a patch shares its variance.
 const NEIGHBOURS: usize = 4;
 
 /// Most positions of direct light per patch and replicate.
 const MOST_POSITIONS: u32 = 1024;
 
-/// What refinement aims at.
+/// The goal of refinement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RefinementGoal {
-    /// Relative RMS error of the radiosity, as [`RadiositySolution::error`] says it.
+    /// Relative RMS error of the radiosity, see [`RadiositySolution::error`].
     pub error: f64,
     /// Most rays per row.
     pub rays: u32,
 }
 
-/// What refinement did.
+/// The work of a refinement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RefinementWork {
-    /// Rays beyond those of the coarse rows.
+    /// Rays in addition to those of the coarse rows.
     pub rays: u64,
     /// Rows that got more rays, or more positions of direct light.
     pub rows: usize,
 }
 
-/// Refines `system`, of whose rows each took `rays`; `coarse` is its solution. Afterwards the
-/// system's solution is the refined one.
+/// Refines `system`, whose rows took `rays` each; `coarse` is its solution. Solving the system
+/// afterwards gives the refined solution.
 ///
-/// Ends in good order when the progress is out of time. The result does not depend on threads.
+/// Ends early when the progress is out of time. The result does not depend on threads.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -127,18 +127,18 @@ fn rgb(v: &[f32; 3]) -> Rgb {
     Rgb::from(v.map(f64::from))
 }
 
-/// The parts of a row's irradiance: what its rays meet, and the direct light.
+/// The parts of a row's irradiance: indirect light from its rays, and direct light.
 const RAYS: usize = 0;
 const LAMPS: usize = 1;
 
-/// Irradiance of one row, as it is known so far.
+/// The current estimate of the irradiance of one row.
 struct RefinedRow {
     side: Side,
     parts: [RowPart; 2],
     is_refined: bool,
 }
 
-/// One part of it per replicate, and how many samples of each replicate made it.
+/// One part of it per replicate, and the number of samples of each.
 #[derive(Clone, Copy)]
 struct RowPart {
     values: [Rgb; REPLICATES],
@@ -146,7 +146,7 @@ struct RowPart {
 }
 
 impl RowPart {
-    /// Adds what `count` further samples of each replicate found.
+    /// Adds `count` further samples of each replicate.
     fn add(&mut self, values: &[Rgb; REPLICATES], count: u32) {
         let total = self.count + count;
         let share = f64::from(count) / f64::from(total);
@@ -166,7 +166,7 @@ struct RefinementTask {
     to: u32,
 }
 
-/// What stays the same over all rounds.
+/// The constants of all rounds.
 struct Refiner<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
@@ -179,7 +179,7 @@ struct Refiner<'a> {
 }
 
 impl Refiner<'_> {
-    /// What the coarse rows know.
+    /// The estimates of the coarse rows.
     fn begin(&self, system: &System, reference: &[Rgb], rays: u32) -> Vec<RefinedRow> {
         let row = |i: usize| {
             let u = &system.unknowns[i];
@@ -206,7 +206,7 @@ impl Refiner<'_> {
             .collect()
     }
 
-    /// Does the tasks that there is time for; returns the number of rays.
+    /// Carries out tasks while there is time; returns the number of rays.
     fn round(&self, rows: &mut [RefinedRow], tasks: &[RefinementTask]) -> Result<u64, Cancelled> {
         let steps = |t: &RefinementTask| u64::from(t.to - t.from);
         self.progress
@@ -237,7 +237,7 @@ impl Refiner<'_> {
         Ok(rays)
     }
 
-    /// Irradiance by a stretch of each replicate's rays, in the light R₀.
+    /// Irradiance from a range of each replicate's rays, in the light R₀.
     fn rays(&self, task: &RefinementTask, work: &mut RayScratch) -> [Rgb; REPLICATES] {
         let RayScratch {
             paths,
@@ -274,7 +274,7 @@ impl Refiner<'_> {
         sums
     }
 
-    /// Direct light from a stretch of each replicate's positions.
+    /// Direct light from a range of each replicate's positions.
     fn lamps(&self, task: &RefinementTask) -> [Rgb; REPLICATES] {
         let stretch = task.from..task.to;
         let light = direct_at(self.gatherer, self.patches, self.seed, task.side, stretch);
@@ -290,9 +290,9 @@ struct RayScratch {
     glints: Glints,
 }
 
-/// For every row and part, what it adds to the square of the relative error, times count^rate.
+/// The contribution of every row and part to the squared relative error, times count^rate.
 ///
-/// Four replicates tell a variance badly, so that neighbours on a surface share theirs.
+/// Four replicates estimate a variance badly, so neighbours on a surface share theirs.
 fn strengths(rows: &[RefinedRow], system: &System, patches: &Patches) -> Vec<[f64; 2]> {
     let shares = relative_shares(rows, system);
     let mut order: Vec<usize> = (0..rows.len()).collect();
@@ -316,7 +316,7 @@ fn strengths(rows: &[RefinedRow], system: &System, patches: &Patches) -> Vec<[f6
     shared
 }
 
-/// What each row and part adds to the square of the relative error, as its own replicates say,
+/// The contribution of each row and part to the squared relative error, from its own replicates,
 /// times count^rate.
 fn relative_shares(rows: &[RefinedRow], system: &System) -> Vec<[f64; 2]> {
     let unknowns = &system.unknowns[..rows.len()];
@@ -336,7 +336,7 @@ fn relative_shares(rows: &[RefinedRow], system: &System) -> Vec<[f64; 2]> {
     shares.into_iter().map(relative).collect()
 }
 
-/// The square of the relative error that the strengths predict.
+/// The squared relative error that the strengths predict.
 fn reached(rows: &[RefinedRow], strengths: &[[f64; 2]]) -> f64 {
     let of = |(row, s): (&RefinedRow, &[f64; 2])| {
         (0..2)
@@ -346,8 +346,8 @@ fn reached(rows: &[RefinedRow], strengths: &[[f64; 2]]) -> f64 {
     rows.iter().zip(strengths).map(of).sum()
 }
 
-/// Counts that bring the error to the goal at least cost, as far as one round should go: powers
-/// of two times what there is.
+/// Counts that reach the goal at least cost, as far as one round should go: the present counts
+/// times powers of two.
 fn allot(
     rows: &[RefinedRow],
     strengths: &[[f64; 2]],
@@ -367,7 +367,7 @@ fn allot(
             let count = row.parts[p].count;
             let wanted = (scale * (s[p] / costs[p]).powf(power)).min(GROWTH * f64::from(count));
             let mut next = count;
-            // Nearest in the logarithm.
+            // Nearest on a logarithmic scale.
             while f64::from(next) * std::f64::consts::SQRT_2 < wanted && 2 * next <= most[p] {
                 next *= 2;
             }
@@ -377,7 +377,7 @@ fn allot(
     rows.iter().zip(strengths).map(total).collect()
 }
 
-/// What is to be done to reach the totals; the longest first, so that threads end together.
+/// The tasks that reach the totals; the longest first, so that threads finish together.
 fn tasks(rows: &[RefinedRow], totals: &[[u32; 2]]) -> Vec<RefinementTask> {
     let mut tasks = Vec::new();
     for (k, (row, total)) in rows.iter().zip(totals).enumerate() {

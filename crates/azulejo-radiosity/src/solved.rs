@@ -1,4 +1,4 @@
-//! The light on patches, before it is gathered anywhere.
+//! The light on patches, before it is gathered.
 
 use crate::gather::Gathering;
 use crate::light::PatchLight;
@@ -22,13 +22,14 @@ use std::f64::consts::PI;
 pub struct PatchRadiosity {
     /// The patches.
     pub patches: Patches,
-    /// Radiosity of every [side](azulejo_factors::row::side) of a patch, emission and reflected light, W/m².
+    /// Radiosity of every [side](azulejo_factors::row::side) of a patch, emission included, W/m².
     pub sides: Vec<Estimate>,
-    /// How it was found.
+    /// Statistics and error of the solution.
     pub report: Report,
 }
 
-/// Radiosity of the patches of a scene: what [`solve`](crate::solve()) gathers to the vertices.
+/// Radiosity of the patches of a scene: the light that [`solve`](crate::solve()) gathers to the
+/// vertices.
 ///
 /// # Errors
 /// As [`solve`](crate::solve()).
@@ -53,7 +54,7 @@ pub fn radiosity(
     })
 }
 
-/// Patches and the light on them, before it is gathered anywhere.
+/// Patches with the light on them, before it is gathered.
 pub(crate) struct SolvedPatches<'a> {
     pub gatherer: Gatherer<'a>,
     pub patches: Patches,
@@ -64,7 +65,7 @@ pub(crate) struct SolvedPatches<'a> {
     engine_used: EngineUsed,
 }
 
-/// Is shown a solution that is going to be refined.
+/// Called with a solution that is about to be refined.
 pub(crate) type CoarseCallback<'a> = &'a mut dyn FnMut(&Patches, &RadiositySolution);
 
 impl<'a> SolvedPatches<'a> {
@@ -180,7 +181,7 @@ impl<'a> SolvedPatches<'a> {
     }
 }
 
-/// What a solution is made from.
+/// The inputs of a solution.
 struct SolverInputs<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
@@ -190,7 +191,7 @@ struct SolverInputs<'a> {
 }
 
 impl SolverInputs<'_> {
-    /// What is said where there is no matrix; `expected` is what it would take.
+    /// The report where there is no matrix; `expected` is the size it would have.
     fn shot(&self, pass: &FirstPass, expected: u64) -> EngineUsed {
         let gibibytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         let why = format!(
@@ -233,7 +234,7 @@ impl SolverInputs<'_> {
         let mut system = System::trace(gatherer, patches, reflectance, &estimator, seed, progress)?;
         let engine_used = estimator.engine_used().because(why);
         let coarse = system.solve_all(pass.bounces, progress)?;
-        // Hemicubes have as many pixels as were asked for: rays beside them would be noise.
+        // Hemicubes have the requested number of pixels: rays beside them would only add noise.
         let is_drawn = matches!(estimator, Estimator::Hemicube(_));
         let Some(goal) = pass.goal().filter(|_| !is_drawn) else {
             return Ok((coarse, RefinementWork::default(), engine_used));

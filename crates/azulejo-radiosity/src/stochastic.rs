@@ -1,9 +1,9 @@
 //! Stochastic Jacobi: radiosity without a matrix, for scenes whose rows would not fit.
 //!
-//! Each iteration shoots the power that arrived in the one before, by rays in proportion to it;
-//! their number falls with the power, so that all iterations together cost little more than the
-//! first. Neumann, *Monte Carlo radiosity*, Computing 55, 1995; Bekaert, *Hierarchical and
-//! stochastic algorithms for radiosity*, 1999, section 6.
+//! Each iteration shoots the power that arrived in the one before, by a number of rays in
+//! proportion to it, so that all iterations together cost little more than the first. Neumann,
+//! *Monte Carlo radiosity*, Computing 55, 1995; Bekaert, *Hierarchical and stochastic algorithms
+//! for radiosity*, 1999, section 6.
 
 use crate::system::{Convergence, EnergyBalance, RadiositySolution};
 use azulejo_factors::Patches;
@@ -16,32 +16,32 @@ use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Glints, Progress, REPLICAT
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Iteration ends when less than this share of the first iteration's power is left to shoot.
+/// Iteration ends when less than this share of the first iteration's power is left.
 const REST: f64 = 1e-4;
 
-/// Iteration ends, unconverged, when this many times the first iteration's power was shot: where
-/// nothing is absorbed there would be no end.
+/// Iteration ends, unconverged, after this many times the first iteration's power: where nothing is
+/// absorbed it would not end.
 const MOST_SHOTS: f64 = 100.0;
 
-/// Rays traced between two merges of what they found: bounds the memory for it.
+/// Rays traced between two merges of their results: limits the memory.
 const BLOCK: usize = 1 << 18;
 
-/// Rays in one batch of a thread.
+/// Rays per batch of a thread.
 const BATCH: usize = 4096;
 
-/// Rays per replicate that look for the surroundings' light from each side of a patch.
+/// Rays per replicate and side that sample the surroundings.
 const AMBIENT_RAYS: u32 = 16;
 
-/// What is being shot, which decides what counts where it arrives.
+/// What is being shot, which determines what counts at the receiver.
 #[derive(Clone, Copy, PartialEq)]
 enum ShotKind {
-    /// Emission: counts only where formulas have not counted it.
+    /// Emission: counts only where formulas do not count it.
     Emission,
     /// Diffusely reflected light: counts everywhere.
     Reflected,
 }
 
-/// What one batch of rays found.
+/// The result of a batch of rays.
 #[derive(Default)]
 struct BatchResult {
     /// Power that reached diffuse sides, W.
@@ -162,7 +162,7 @@ impl Shooter<'_> {
             .sum()
     }
 
-    /// H₀ of every diffuse side, one estimate per replicate, and its foreign part.
+    /// H₀ of every diffuse side, one estimate per replicate, and the part that no patch emitted.
     fn direct(&self, progress: &Progress) -> Result<Vec<([Rgb; REPLICATES], Rgb)>, Cancelled> {
         let sides = 2 * self.patches.len();
         progress.begin("direct light", sides as u64);
@@ -202,8 +202,8 @@ impl Shooter<'_> {
         }
     }
 
-    /// Irradiance from the surroundings and by way of glossy surfaces from lights without area,
-    /// per replicate: what no patch shoots. Black without any.
+    /// Irradiance per replicate that no patch shoots: from the surroundings, and by way of glossy
+    /// surfaces from lights without area.
     fn ambient(&self, s: Side, scratch: &mut Scratch) -> [Rgb; REPLICATES] {
         let mut sums = [Rgb::BLACK; REPLICATES];
         let radiance = self.gatherer.ambient();
@@ -299,8 +299,8 @@ impl Shooter<'_> {
             .collect())
     }
 
-    /// Sides with their number of rays and the power each of these carries: evenly spaced over
-    /// the sides' power, so that every side gets its share to within one ray.
+    /// Sides with their number of rays and the power of each ray: stratified over the sides' power,
+    /// so that every side gets its share to within one ray.
     fn share_out(&self, radiosity: &[Rgb], count: u64, offset: f64) -> Vec<(Side, u32, Rgb)> {
         let power = |s: usize| radiosity[s] * self.patches.area(s / 2);
         let total: f64 = (0..radiosity.len()).map(|s| power(s).max_channel()).sum();
@@ -360,7 +360,7 @@ impl Shooter<'_> {
                             );
                         if !material.diffuse.is_black() {
                             let patch = self.patches.locate_hit(surfaces, &hit);
-                            // What colours and textures keep.
+                            // What vertex colours and textures absorb.
                             let kept = material.diffuse - self.reflectance[patch as usize];
                             a.balance.absorbed += weight * kept;
                             if !counted {
@@ -379,7 +379,7 @@ fn facing(s: Side) -> f64 {
     if s.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// Divides work into runs of about `rays` rays, whole sides each.
+/// Splits work into runs of about `rays` rays, whole sides each.
 fn split(work: &[(Side, u32, Rgb)], rays: usize) -> impl Iterator<Item = &[(Side, u32, Rgb)]> {
     let mut rest = work;
     std::iter::from_fn(move || {

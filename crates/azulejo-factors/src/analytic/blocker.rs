@@ -1,46 +1,46 @@
-//! A convex polygon that stands in the way, or does not.
+//! A convex polygon that may occlude the view between two others.
 
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::ArrayPolygon;
 use glam::DVec3;
 
-/// What a convex polygon does to the view between two other things.
+/// The effect of a convex polygon on the lines of sight between two point sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effect {
-    /// No line of sight passes it.
+    /// It blocks no line of sight.
     None,
-    /// All of them pass it.
+    /// It blocks all lines of sight.
     Hides,
-    /// Some may; the bits are those of the edges that part those that do from those that do not,
-    /// the highest that of the plane itself, where it does not part the two ends.
+    /// It may block some. The bits are those of the edges that separate blocked lines from free
+    /// ones; the highest is the plane itself, where it does not separate the two ends.
     Partial(u64),
 }
 
-/// The plane of a blocker, among the bits of its edges.
+/// The bit of the blocker's plane among those of its edges.
 pub(crate) const PLANE: u64 = 1 << 63;
 
-/// The bit of edge `k`; those of very many share one.
+/// The bit of edge `k`; edges from the 63rd on share one.
 pub(crate) fn edge_bit(k: usize) -> u64 {
     1 << k.min(62)
 }
 
-/// A convex polygon with its plane and edges at hand.
+/// A convex polygon with its plane and its edges' planes precomputed.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocker {
-    /// Corners, in either sense of turning.
+    /// Corners, clockwise or counter-clockwise.
     pub polygon: ArrayPolygon,
     /// Unit normal and offset: points p of the plane have `normal · p = offset`.
     pub normal: DVec3,
     pub offset: f64,
-    /// Unit normals in the plane that point inwards, and offsets, of the edges.
+    /// Inward unit normals, in the polygon's plane, and offsets of the edges.
     edges: Vec<(DVec3, f64)>,
-    /// Whether only lines count that meet its front: enough, if it is part of a closed surface
-    /// and lines begin outside.
+    /// Whether only lines that hit its front count: enough if it is part of a closed surface and
+    /// lines start outside.
     pub is_one_sided: bool,
 }
 
 impl Blocker {
-    /// `None` without area, or where coordinates are not finite.
+    /// `None` for polygons without area or with coordinates that are not finite.
     pub fn new(polygon: ArrayPolygon) -> Option<Blocker> {
         let area = area_vector(&polygon);
         let normal = area / area.length();
@@ -67,7 +67,7 @@ impl Blocker {
         })
     }
 
-    /// Unit normals in the plane that point inwards, and offsets, of the edges.
+    /// Inward unit normals, in the polygon's plane, and offsets of the edges.
     pub fn edges(&self) -> &[(DVec3, f64)] {
         &self.edges
     }
@@ -77,11 +77,10 @@ impl Blocker {
         self.normal.dot(p) - self.offset
     }
 
-    /// What this does to the lines from the convex hull of some points to that of others.
+    /// The effect on the lines from the convex hull of some points to that of others.
     ///
-    /// Where a plane parts the two, the lines between them meet it in the convex hull of those
-    /// places where the lines between corners do. `graze` is the depth that does not count, or
-    /// is not missed.
+    /// Where a plane separates the two, the lines between them cross it in the convex hull of the
+    /// points where lines between corners cross it. `graze` is the depth that does not count.
     pub fn effect(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
         let range = |points: &[DVec3]| {
             points
@@ -106,13 +105,13 @@ impl Blocker {
     }
 
     fn effect_on_crossings(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
-        // Edges with a crossing inside, and with one outside.
+        // Edges with a crossing inside, and edges with one outside.
         let (mut inside, mut outside) = (0_u64, 0_u64);
         for &p in a {
             let height = self.height(p);
             for &q in b {
                 let fall = height - self.height(q);
-                // Both in the plane: lines close by cross it anywhere between.
+                // Both in the plane: lines close by cross it anywhere between them.
                 let [first, second] = if fall.abs() <= 4.0 * graze {
                     [p, q]
                 } else {

@@ -1,10 +1,10 @@
 //! Adaptive integration over flat cells.
 //!
-//! Each cell is the bilinear image of the unit square. A tensor rule of Kronrod's points gives its
-//! integral, and dropping to Gauss's points in one direction or the other says how much is owed
-//! to each; the worst cell is halved across the worse direction, until all errors together are
-//! small enough (as in Genz and Malik 1980). So integrands that are singular along an edge cost
-//! cells in one direction only.
+//! Each cell is the bilinear image of the unit square. A tensor product of Kronrod rules gives its
+//! integral; replacing Kronrod by Gauss in one direction gives the error of that direction. The
+//! worst cell is halved across its worse direction until the sum of errors is small enough (as in
+//! Genz and Malik 1980). Integrands that are singular along an edge therefore cost cells in one
+//! direction only.
 
 use super::Approximate;
 use azulejo_trace::lambert::ArrayPolygon;
@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Kronrod's points on 0..1 with their weights and those of the Gauss rule among them.
+/// Kronrod nodes on 0..1 with their weights and the weights of the embedded Gauss rule.
 type Rule = [(f64, f64, f64)];
 
 /// Gauss 3 and Kronrod 7 points.
@@ -47,7 +47,7 @@ const FINE: [(f64, f64, f64); 15] = mirrored([
     (0.0, 0.209_482_141_084_727_8, 0.417_959_183_673_469_4),
 ]);
 
-/// All points of a symmetric rule on −1..1, moved to 0..1, from the half of it.
+/// All nodes of a symmetric rule on −1..1, moved to 0..1, from half of them.
 const fn mirrored<const HALF: usize, const ALL: usize>(
     half: [(f64, f64, f64); HALF],
 ) -> [(f64, f64, f64); ALL] {
@@ -62,13 +62,14 @@ const fn mirrored<const HALF: usize, const ALL: usize>(
     all
 }
 
-/// Accuracy, relative to the integral of the absolute values, from which the finer rule pays.
+/// Accuracy, relative to the integral of the absolute values, from which the finer rule pays off.
 const FINE_FROM: f64 = 1e-7;
 
-/// Integral of `f` over polygons in one plane with unit `normal`; those that turn clockwise count
-/// negative, and concave ones may: their fans then count folded parts twice with either sign.
+/// Integral of `f` over polygons in one plane with unit `normal`. Clockwise polygons count
+/// negative; concave ones are allowed: their fans then count folded parts twice with opposite
+/// signs.
 ///
-/// Ends when the estimated error is below `tolerance` or after `most` values of `f`.
+/// Ends when the estimated error is below `tolerance` or after `most` evaluations of `f`.
 pub(super) fn integrate(
     polygons: &[ArrayPolygon],
     normal: DVec3,
@@ -113,7 +114,7 @@ pub(super) fn integrate(
             break;
         }
     }
-    // The heap's own order is a function of its history alone.
+    // The heap's internal order is a function of its history alone.
     let total = |of: fn(&Cell) -> f64| cells.iter().map(of).sum::<f64>();
     Approximate {
         value: total(|c| c.value),
@@ -133,7 +134,7 @@ struct Cell {
     corners: [DVec3; 4],
     value: f64,
     error: f64,
-    /// Whether the error is rather in the direction from the first corner to the second.
+    /// Whether the error is larger in the direction from the first corner to the second.
     splits_first: bool,
 }
 
@@ -182,7 +183,7 @@ impl Cell {
     }
 }
 
-/// The error of Kronrod's rule from its difference to Gauss's, by experience (QUADPACK, Piessens
+/// The error of Kronrod's rule estimated from its difference to Gauss's, as QUADPACK does (Piessens
 /// et al. 1983); never below rounding.
 fn believed(difference: f64, size: f64) -> f64 {
     if size == 0.0 {

@@ -1,22 +1,22 @@
 //! The double contour integral of the logarithm of distance.
 //!
-//! By Stokes' theorem, twice, the exchange area of two polygons that see each other whole is
-//! A₁F₁₂ = 1/(2π) Σ (dₐ·d_b) ∫∫ ln|r| ds dt over all pairs of edges, one of either polygon (E. M.
-//! Sparrow 1963). The inner integral is elementary, and so is the outer one where the edges are
-//! parallel (Schroeder and Hanrahan 1993 integrate every case, by dilogarithms). Elsewhere the
-//! outer integral is numerical, with the points chosen beforehand: the integrand is analytic but
-//! for three places in the complex plane, which are known, and on the ellipse through the nearest
-//! with semi-axes summing to ρ the error of n Gauss points is about ρ^-2n.
+//! By applying Stokes' theorem twice, the exchange area of two unoccluded polygons is A₁F₁₂ =
+//! 1/(2π) Σ (dₐ·d_b) ∫∫ ln|r| ds dt over all pairs of edges, one of either polygon (E. M. Sparrow
+//! 1963). The inner integral is elementary, and so is the outer one where the edges are parallel
+//! (Schroeder and Hanrahan 1993 integrate every case, by dilogarithms). Elsewhere the outer
+//! integral is numerical, with the number of points chosen beforehand: the integrand is analytic
+//! except at three known points of the complex plane, and if the nearest lies on the ellipse with
+//! semi-axes summing to ρ, the error of n Gauss points is about ρ^-2n.
 
 use super::quadrature::{MOST_POINTS, Rule, gauss, tanh_sinh};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Cosine of two edges below which they count as perpendicular and drop out.
+/// Cosine between two edges below which they count as perpendicular and contribute nothing.
 const PERPENDICULAR: f64 = 1e-15;
-/// Sine of two edges below which they count as parallel.
+/// Sine between two edges below which they count as parallel.
 const PARALLEL: f64 = 1e-14;
-/// Most points per edge for the plain product rule; with more, closed forms are cheaper.
+/// Most points per edge for the plain product rule; beyond, closed forms are cheaper.
 const MOST_FAR_POINTS: usize = 8;
 /// Most points for an outer integral over a whole edge, before it is split.
 const MOST_WHOLE_POINTS: usize = 16;
@@ -88,7 +88,7 @@ fn log_distance(a: &Edge, b: &Edge, tolerance: f64) -> f64 {
 }
 
 /// Gauss points that bring the error below `tolerance` if the nearest singularity lies on the
-/// ellipse round the interval whose long semi-axis is `ellipse` times half the interval.
+/// ellipse around the interval whose long semi-axis is `ellipse` times half the interval.
 ///
 /// More than [`MOST_POINTS`] if no rule does.
 fn gauss_points(ellipse: f64, tolerance: f64) -> usize {
@@ -185,7 +185,7 @@ fn v_log(v: f64, r: DVec3) -> f64 {
     if squared > 0.0 { v * squared.ln() } else { 0.0 }
 }
 
-/// A complex place on the line of an edge: along it, and off the real axis.
+/// A complex point on the line of an edge: along it, and off the real axis.
 struct Singularity {
     position: f64,
     height: f64,
@@ -201,8 +201,8 @@ impl Singularity {
     }
 }
 
-/// Where the inner integral over `b` is singular as a function of the place on `a`: level with
-/// the ends of b, and where the two lines meet if one may leave the reals.
+/// Where the inner integral over `b` is singular as a function of the point on `a`: level with the
+/// ends of b, and where the two lines would intersect in the complex plane.
 fn singularities(a: &Edge, b: &Edge) -> [Singularity; 3] {
     let level = |p: DVec3| Singularity {
         position: (p - a.from).dot(a.direction),

@@ -1,25 +1,25 @@
-//! Where on a plane the view of a target past other polygons changes its kind.
+//! Visual events: where on a plane the view of a polygon past others changes its structure.
 //!
-//! As a point moves over a plane, what it sees of a polygon past others is a smooth function of
-//! its place, but where a corner of one outline passes an edge of another, and where the point
-//! passes through the plane of one of them. The places are the projections of edges through
-//! corners: segments, half-lines and lines. (A third kind, of three edges of three polygons
-//! through one point of view, is a piece of a quadric; there the view is continuous together with
-//! its first derivatives, and it is left to the adaptive rule.)
+//! As a point moves over a plane, what it sees of a polygon past others is a smooth function of its
+//! position, except where a corner of one outline passes an edge of another (vertex–edge events),
+//! and where the point crosses the plane of one of them. On the plane these are the projections of
+//! edges through corners: segments, half-lines and lines. (Events of three edges of three polygons
+//! lie on quadrics; there the view and its first derivatives are continuous, and they are left to
+//! the adaptive rule.)
 
 use super::shadow::Obstructions;
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, clip};
 use glam::DVec3;
 
-/// More discontinuities than this are not looked for: adaptive rules without them are quicker then.
+/// With more discontinuities than this none are cut at: plain adaptive rules are quicker then.
 const MOST_DISCONTINUITIES: usize = 600;
-/// Most cells.
+/// Most cells per polygon.
 const MOST_CELLS: usize = 1_000;
-/// Shortest piece of a discontinuity in a cell that is worth a cut; coordinates are about 1.
+/// Shortest piece of a discontinuity inside a cell that is worth a cut; coordinates are about 1.
 const SHORTEST: f64 = 1e-9;
 
-/// A piece of a straight line; `from` and `to` in units of length along it, perhaps infinite.
+/// A discontinuity line; `from` and `to` in units of length along it, possibly infinite.
 #[derive(Clone, Copy, Debug)]
 struct Discontinuity {
     origin: DVec3,
@@ -28,13 +28,13 @@ struct Discontinuity {
     to: f64,
 }
 
-/// A plane with the polygons above it.
+/// The plane of the receiving polygon, with the others above it.
 struct ReceiverPlane {
     point: DVec3,
     normal: DVec3,
 }
 
-/// Convex `polygon`, with unit `normal`, cut where the view of `target` has discontinuities.
+/// Convex `polygon`, with unit `normal`, cut along the discontinuities of the view of `target`.
 pub(super) fn cells(
     polygon: &[DVec3],
     normal: DVec3,
@@ -104,7 +104,7 @@ impl ReceiverPlane {
         };
         let through = |far: DVec3, near: DVec3| {
             let (high, low) = (self.height(far), self.height(near));
-            // Where the line through both meets the plane, as (point times weight, weight).
+            // The line through both intersects the plane at (point times weight, weight).
             (
                 (near - self.point) * high - (far - self.point) * low,
                 high - low,
@@ -130,7 +130,7 @@ impl ReceiverPlane {
         if u.max(v) <= least {
             return None;
         }
-        // The end with the larger weight is the better known.
+        // The end with the larger weight is the more accurate.
         let ((p, u), (q, v)) = if u >= v {
             ((p, u), (q, v))
         } else {
@@ -152,7 +152,7 @@ impl ReceiverPlane {
         })
     }
 
-    /// Where the plane of a polygon meets this one, and is crossed by points of it.
+    /// The line in which the plane of a polygon intersects this one.
     fn crossing(&self, polygon: &[DVec3]) -> Option<Discontinuity> {
         let normal = area_vector(polygon).normalize_or_zero();
         let direction = normal.cross(self.normal);

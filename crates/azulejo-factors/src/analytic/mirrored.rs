@@ -1,8 +1,8 @@
-//! Exact form factors by way of planar mirrors, by images.
+//! Exact form factors by way of planar mirrors: the method of images.
 //!
 //! A chain of mirrors is unfolded: what comes after a mirror is reflected in its plane, so that
-//! light goes straight on through the mirrors as through windows. What stands in the way stands
-//! in the way of each leg: its image on a leg counts as far as the leg's two mirrors go.
+//! light passes straight through mirrors as through windows. Occluders have an image on each leg,
+//! clipped at the two mirrors of the leg.
 
 use super::blocker::{Blocker, Effect};
 use super::shadow::Obstructions;
@@ -11,22 +11,22 @@ use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, clip, convex_hull};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Height above a mirror, relative to the size of things, that counts as lying in it.
+/// Height above a mirror, relative to the size of the scene, that counts as lying in it.
 const IN_PLANE: f64 = 1e-12;
 
-/// More windows than this are not tried in all orders.
+/// Orders of more windows than this are not all tried.
 const MOST_ORDERED: usize = 4;
 
-/// Images that agree to this, relative to where they are, are one.
+/// Relative difference below which two images are the same.
 const SAME: f64 = 1e-9;
 
 /// Form factor F₁₂ by way of perfect convex `mirrors`, in their order from `p1` to `p2`, past
 /// opaque convex `occluders`, with an estimate of its error.
 ///
-/// Mirrors reflect on both sides, with all their area; what is not reflected is the caller's to
-/// multiply with. Mirrors in the way of light that does not meet them in this order block only
-/// if they are among the occluders too, and may be. No mirrors: [`visible_form_factor`].
-/// Accuracy, polygons and degenerate cases are as there.
+/// Mirrors reflect on both sides over their whole area; the caller multiplies with the reflectance.
+/// Mirrors block light that passes them out of order only if they are among the occluders too, and
+/// may be. Without mirrors the result is that of [`visible_form_factor`]; accuracy, polygons and
+/// degenerate cases are as there.
 ///
 /// ```
 /// use azulejo_factors::analytic::mirrored_form_factor;
@@ -70,18 +70,19 @@ pub fn mirrored_form_factor<M: AsRef<[DVec3]>, O: AsRef<[DVec3]>>(
 
 /// A chain of mirrors, unfolded.
 ///
-/// Chains with one image that only differ in the order of mirrors at right angles to each other
-/// can be one, [`joined`](Chain::joined): what order a line meets its windows in does not matter.
+/// Chains with the same image that differ only in the order of mirrors at right angles to each
+/// other can be [`joined`](Chain::joined): the order in which a line crosses the windows does not
+/// matter then.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Chain {
-    /// The mirrors, each as it is seen through those before it, but for those that are passed
-    /// [anyway](Chain::without_passed).
+    /// The mirrors, each as seen through those before it, without those whose windows need no test
+    /// ([`without_passed`](Chain::without_passed)).
     mirrors: Vec<ChainMirror>,
     /// Number of mirrors.
     pub length: usize,
-    /// The world after the last mirror, seen through all of them.
+    /// The transform of the world after the last mirror, as seen through all of them.
     pub image: DAffine3,
-    /// Images of what stands in the way, of all legs but the last, with their numbers.
+    /// Images of the occluders on all legs but the last, with their indices.
     obstructions: Vec<(ArrayPolygon, usize)>,
 }
 
@@ -92,7 +93,7 @@ struct ChainMirror {
     plane: MirrorPlane,
 }
 
-/// A plane, and which side of it light comes from.
+/// A plane, and the side that light comes from.
 #[derive(Clone, Copy, Debug)]
 struct MirrorPlane {
     point: DVec3,
@@ -100,7 +101,7 @@ struct MirrorPlane {
 }
 
 impl MirrorPlane {
-    /// The part of a polygon in front, `None` if that is nothing or not beyond rounding.
+    /// The part of a polygon in front; `None` if that is empty or within rounding.
     fn front(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
         let heights = || polygon.iter().map(|&c| (c - self.point).dot(self.normal));
         let size = polygon
@@ -120,7 +121,7 @@ impl MirrorPlane {
         (p - self.point).dot(self.normal) > 0.0
     }
 
-    /// Whether two planes are one, seen from the same side.
+    /// Whether two planes are the same, facing the same way.
     fn is(&self, other: &MirrorPlane) -> bool {
         let way = other.point - self.point;
         self.normal.distance(other.normal) <= SAME
@@ -137,8 +138,8 @@ impl MirrorPlane {
 }
 
 impl Chain {
-    /// This chain with one more mirror at its end, which reflects on the side that `side` times
-    /// its normal points to; `None` if no light can go this way.
+    /// This chain with one more mirror at its end, which reflects on the side that `side` times its
+    /// normal points to; `None` if no light can take this path.
     pub fn extended(&self, mirror: &[DVec3], side: f64, occluders: &[&[DVec3]]) -> Option<Chain> {
         let normal = side * area_vector(mirror).normalize_or_zero();
         if normal == DVec3::ZERO || !normal.is_finite() {
@@ -149,7 +150,7 @@ impl Chain {
             normal: self.image.transform_vector3(normal),
         };
         let window = self.placed(mirror)?;
-        // What is passed before the new mirror is passed in front of it.
+        // Occluders before the new mirror are clipped to its front.
         let before = self.mirrors.iter().map(|stage| {
             Some(ChainMirror {
                 window: plane.front(&stage.window)?,
@@ -174,12 +175,12 @@ impl Chain {
         self.mirrors.iter().map(|stage| &stage.window)
     }
 
-    /// Image of a polygon on the last leg, as far as it lies beyond the mirrors.
+    /// Image of a polygon on the last leg, clipped to what lies beyond the mirrors.
     pub fn placed(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
         self.beyond(self.image_of(polygon))
     }
 
-    /// The same, but only as far as it lies beyond the last mirror: less is cut off.
+    /// The same, clipped at the last mirror only.
     pub fn placed_roughly(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
         let image = self.image_of(polygon);
         match self.mirrors.last() {
@@ -211,8 +212,8 @@ impl Chain {
         planes.try_fold(whole, |rest, plane| plane.front(&rest))
     }
 
-    /// The same without windows that all lines pass that go from any of some points through the
-    /// last, but with those in planes that all of some other chains have windows in.
+    /// The same without windows that all lines from any of `corners` through the last window pass
+    /// anyway, but keeping those in planes in which all of `others` have windows.
     pub fn without_passed(&self, from: &[DVec3], graze: f64, others: &[&Chain]) -> Chain {
         let mut chain = self.clone();
         let Some(last) = chain.mirrors.pop() else {
@@ -236,17 +237,17 @@ impl Chain {
         Some(&stage.window)
     }
 
-    /// Whether the world looks the same after as many mirrors, but for what is seen of it.
+    /// Whether two chains have the same image, regardless of their windows.
     pub fn has_image_of(&self, other: &Chain) -> bool {
         let corners = self.windows().flat_map(|w| w.iter());
         let reach = corners.map(|c| c.length()).fold(1.0, f64::max);
         self.length == other.length && self.image.abs_diff_eq(other.image, SAME * reach)
     }
 
-    /// One chain for several with one image that meet mirrors in other orders, as those in a
-    /// corner of a room: its windows are theirs, joined in each plane.
+    /// One chain for several with the same image whose mirrors come in different orders, as in a
+    /// corner of a room: the windows in each plane are joined.
     ///
-    /// `None` if a line through the joined windows, in whatever order, might be of none of the
+    /// `None` if a line through the joined windows, in whatever order, might belong to none of the
     /// chains.
     pub fn joined(chains: &[Chain]) -> Option<Chain> {
         let mut joined = chains.first()?.clone();
@@ -288,7 +289,7 @@ impl Chain {
         }
     }
 
-    /// Images of what stands in the way of any leg, with the numbers of the originals.
+    /// Images of the occluders on all legs, with the indices of the originals.
     pub fn blockers(&self, occluders: &[&[DVec3]]) -> Vec<(ArrayPolygon, usize)> {
         let last = occluders
             .iter()
@@ -318,7 +319,7 @@ impl Chain {
     }
 }
 
-/// Whether all lines that meet some planes in this order, and there the windows `all`, meet the
+/// Whether all lines that cross some planes in this order, inside the windows `all`, cross the
 /// windows of one of several chains.
 fn is_covered(
     all: &[ArrayPolygon],
@@ -326,7 +327,8 @@ fn is_covered(
     planes: &[MirrorPlane],
     order: &[usize],
 ) -> bool {
-    // The part of a window that such lines meet: behind planes met before, in front of others.
+    // The part of a window that such lines cross: behind the planes before it, in front of the
+    // others.
     let area = |window: &ArrayPolygon, at: usize| {
         let others = order.iter().enumerate().filter(|(place, _)| *place != at);
         let mut parts = others.map(|(place, &k)| (place < at, planes[k]));
@@ -351,7 +353,7 @@ fn is_covered(
     whole.contains(&0.0) || chains.iter().any(is_whole)
 }
 
-/// All orders of the numbers below `count`.
+/// All permutations of the numbers below `count`.
 fn orders(count: usize) -> Vec<Vec<usize>> {
     let Some(last) = count.checked_sub(1) else {
         return vec![Vec::new()];
@@ -366,7 +368,7 @@ fn orders(count: usize) -> Vec<Vec<usize>> {
     orders(last).into_iter().flat_map(with_last).collect()
 }
 
-/// Whether two polygons have the same corners, in the same order from some corner on.
+/// Whether two polygons have the same corners in the same cyclic order.
 fn is_one(a: &[DVec3], b: &[DVec3]) -> bool {
     let is_same = |p: DVec3, q: DVec3| p.distance(q) <= SAME * (1.0 + p.length());
     let is_turned = |turn: usize| (0..a.len()).all(|k| is_same(a[k], b[(k + turn) % b.len()]));

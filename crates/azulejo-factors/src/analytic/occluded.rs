@@ -1,8 +1,8 @@
-//! Exact form factors of pairs that others stand between.
+//! Exact form factors of pairs with occluders in between.
 //!
-//! What is seen of the larger polygon from a point of the smaller one is known exactly
-//! ([`shadow`](super::shadow)). That is integrated over cells of the smaller polygon in which the
-//! view is smooth ([`discontinuities`](super::discontinuities)), adaptively ([`cells`](super::cells)).
+//! The visible part of the larger polygon from a point of the smaller one is known exactly
+//! ([`shadow`](super::shadow)). It is integrated adaptively ([`cells`](super::cells)) over cells of
+//! the smaller polygon in which the view is smooth ([`discontinuities`](super::discontinuities)).
 
 use super::blocker::{Blocker, Effect};
 use super::shadow::{Obstructions, ViewScratch};
@@ -11,20 +11,20 @@ use super::{cells, discontinuities};
 use azulejo_trace::lambert::ArrayPolygon;
 use glam::DVec3;
 
-/// Relative error of the formula for pairs that see each other whole.
+/// Relative error of the formula for unoccluded pairs.
 const WHOLE_ERROR: f64 = 1e-13;
-/// Most values of the integrand, times the number of polygons between.
+/// Most evaluations of the integrand, times the number of polygons in between.
 const MOST_VALUES: usize = 1_000_000;
 
 /// Form factor F₁₂ from polygon `p1` to polygon `p2` past opaque convex `occluders`, with an
 /// estimate of its error.
 ///
-/// Occluders block from both sides; they may overlap, touch or cross the polygons, and those
-/// that stand elsewhere cost little. Polygons and degenerate cases are as for
+/// Occluders block from both sides. They may overlap, touch or cross the polygons; those that stand
+/// elsewhere cost little. Polygons and degenerate cases are as for
 /// [`form_factor`](super::form_factor); an occluder without area blocks nothing.
 ///
-/// Ends when the estimated error is below `accuracy` (absolute; 1e-10 is reached with one
-/// occluder in a few milliseconds), or after about a million views.
+/// Ends when the estimated error is below `accuracy` (absolute; 1e-10 takes a few milliseconds with
+/// one occluder), or after about a million views.
 ///
 /// ```
 /// use azulejo_factors::analytic::visible_form_factor;
@@ -95,7 +95,7 @@ impl Pair {
             .collect()
     }
 
-    /// The share of polygon 1's power that arrives past what is between, in this pair's
+    /// The share of polygon 1's power that arrives past the obstructions, which are in this pair's
     /// coordinates.
     pub(super) fn share_past(&self, between: Obstructions, accuracy: f64) -> Approximate {
         let exchange = match self.simplified(between) {
@@ -110,7 +110,7 @@ impl Pair {
         }
     }
 
-    /// Drops what changes nothing; `None` if nothing is seen at all.
+    /// Removes obstructions without effect; `None` if nothing is visible at all.
     fn simplified(&self, between: Obstructions) -> Option<Obstructions> {
         let (a, b) = (&self.p1.polygon[..], &self.p2.polygon[..]);
         let graze = 64.0 * self.rounding;
@@ -138,7 +138,7 @@ impl Pair {
         Some(kept)
     }
 
-    /// Exchange area past others, to about `tolerance`.
+    /// Exchange area past the obstructions, to about `tolerance`.
     fn past(&self, between: &Obstructions, tolerance: f64) -> Approximate {
         let whole = if between.windows.is_empty() {
             self.exact(EXACT)
@@ -171,7 +171,7 @@ impl Pair {
 }
 
 impl Side {
-    /// The polygon if it is convex, else the triangles of its fan, some perhaps clockwise.
+    /// The polygon if it is convex, else the triangles of its fan, some possibly clockwise.
     fn pieces(&self) -> Vec<ArrayPolygon> {
         let p = &self.polygon[..];
         let turn = |k: usize| {

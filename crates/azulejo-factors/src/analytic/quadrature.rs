@@ -1,16 +1,17 @@
-//! Points and weights on 0..1: Gauss and Legendre for smooth integrands, tanh-sinh for integrands
-//! that lose their smoothness at an end.
+//! Quadrature rules on 0..1: Gauss–Legendre for smooth integrands, tanh-sinh for integrands that
+//! lose their smoothness at an end.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use azulejo_scene::quadrature::gauss_legendre;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
 /// Pairs of a point in 0..1 and its weight; the weights sum to 1.
 pub(crate) type Rule = [(f64, f64)];
 
-/// Most points [`gauss`] offers.
+/// Most points that [`gauss`] offers.
 pub(super) const MOST_POINTS: usize = 24;
 
-/// The rule of Gauss and Legendre with `points` in 1..=[`MOST_POINTS`] points.
+/// The Gauss–Legendre rule with `points` in 1..=[`MOST_POINTS`] points.
 pub(crate) fn gauss(points: usize) -> &'static Rule {
     static RULES: LazyLock<Vec<Vec<(f64, f64)>>> =
         LazyLock::new(|| (1..=MOST_POINTS).map(gauss_rule).collect());
@@ -32,32 +33,9 @@ pub(super) fn tanh_sinh(tolerance: f64) -> &'static Rule {
 }
 
 fn gauss_rule(points: usize) -> Vec<(f64, f64)> {
-    let n = points as f64;
-    (0..points)
-        .map(|k| {
-            let mut x = (PI * (k as f64 + 0.75) / (n + 0.5)).cos();
-            // Newton's step squares the error; this start needs four, two more are free.
-            for _ in 0..6 {
-                let (value, slope) = legendre(points, x);
-                x -= value / slope;
-            }
-            let slope = legendre(points, x).1;
-            (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope))
-        })
+    let rule = gauss_legendre(points).into_iter();
+    rule.map(|(x, weight)| (0.5 * (1.0 + x), 0.5 * weight))
         .collect()
-}
-
-/// Legendre polynomial of the given degree and its derivative at `x` inside -1..1.
-fn legendre(degree: usize, x: f64) -> (f64, f64) {
-    let (mut before, mut value) = (1.0, x);
-    for k in 2..=degree {
-        let k = k as f64;
-        (before, value) = (
-            value,
-            ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k,
-        );
-    }
-    (value, degree as f64 * (before - x * value) / (1.0 - x * x))
 }
 
 fn tanh_sinh_rule(step: f64) -> Vec<(f64, f64)> {

@@ -1,8 +1,8 @@
-//! What convex polygons hide of another, and what windows show of it, as seen from a point.
+//! What convex polygons hide of another, and what windows show of it, from a viewpoint.
 //!
 //! A convex polygon covers a cone of directions, the intersection of the half-spaces through its
-//! edges. The target is cut at those planes into what is inside and what is outside; what is left
-//! outside meets the next polygon, so that shadows that overlap count once.
+//! edges. The target is clipped at those planes into covered and uncovered pieces; only the
+//! uncovered ones are tested against the next polygon, so that overlapping shadows count once.
 
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, polygon_vector};
@@ -11,7 +11,7 @@ use glam::DVec3;
 /// Sine of the angle above a polygon's plane below which a point sees it edge-on.
 const EDGE_ON: f64 = 1e-13;
 
-/// What stands between a point and a target: convex polygons, counter-clockwise or not.
+/// The convex polygons between a viewpoint and a target, in either winding.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Obstructions {
     /// The target is seen only through all of these.
@@ -21,14 +21,14 @@ pub(crate) struct Obstructions {
 }
 
 impl Obstructions {
-    /// Whether nothing changes the view.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.windows.is_empty() && self.blockers.is_empty()
     }
 
-    /// Irradiance vector at `eye` of the part of the target that is seen through all windows and
-    /// past all blockers; without windows it is that minus the whole target's vector, which is
-    /// smoother: what is hidden ends where the target touches the eye's surface.
+    /// Irradiance vector at `eye` of the part of the target visible through all windows and past
+    /// all blockers. Without windows the whole target's vector is subtracted, which makes a
+    /// smoother integrand: what is hidden vanishes where the target touches the surface of `eye`.
     pub fn change(&self, eye: DVec3, target: &[DVec3], memory: &mut ViewScratch) -> DVec3 {
         let ViewScratch {
             here, next, planes, ..
@@ -72,7 +72,7 @@ impl Obstructions {
     }
 }
 
-/// Working memory of [`Obstructions::change`], to be used again and again.
+/// Reusable working memory of [`Obstructions::change`].
 #[derive(Default)]
 pub(crate) struct ViewScratch {
     here: VisiblePieces,
@@ -81,7 +81,7 @@ pub(crate) struct ViewScratch {
     rest: [Vec<DVec3>; 2],
 }
 
-/// Polygons, one after the other, as seen from an eye at the origin.
+/// Polygons, one after the other, relative to a viewpoint at the origin.
 #[derive(Default)]
 struct VisiblePieces {
     corners: Vec<DVec3>,
@@ -109,7 +109,7 @@ impl VisiblePieces {
         self.end();
     }
 
-    /// Appends what is inside of all planes.
+    /// Appends what is inside all planes.
     fn push_clipped(&mut self, piece: &[DVec3], planes: &[DVec3]) {
         let (mut rest, mut cut) = (piece.to_vec(), Vec::new());
         for &plane in planes {
@@ -143,7 +143,7 @@ impl VisiblePieces {
     }
 }
 
-/// The vector of the part of `piece` inside of all planes; the parts outside go to `outside`, cut
+/// The vector of the part of `piece` inside all planes. The parts outside go to `outside`, cut
 /// apart so that none counts twice.
 fn hidden(
     piece: &[DVec3],
@@ -174,8 +174,8 @@ fn hidden(
     polygon_vector(DVec3::ZERO, rest)
 }
 
-/// Inward normals of the planes through an eye and the edges of a convex polygon; false for one
-/// that the eye sees edge-on, or that has no area: it covers nothing.
+/// Inward normals of the planes through a viewpoint and the edges of a convex polygon; false if the
+/// polygon is edge-on or has no area, and so covers nothing.
 fn cone(eye: DVec3, polygon: &[DVec3], planes: &mut Vec<DVec3>) -> bool {
     let Some(&first) = polygon.first() else {
         return false;
@@ -189,7 +189,7 @@ fn cone(eye: DVec3, polygon: &[DVec3], planes: &mut Vec<DVec3>) -> bool {
     }
     planes.clear();
     let next = polygon.iter().cycle().skip(1);
-    // The edges of a polygon that shows its front turn counter-clockwise round the line of sight.
+    // The edges of a front-facing polygon turn counter-clockwise around the line of sight.
     let sign = height.signum();
     planes.extend(
         polygon
@@ -246,7 +246,7 @@ mod tests {
         assert!((change + hidden).abs() < 1e-15, "{change} and {hidden}");
     }
 
-    /// What a polygon at half the height hides is its shadow, twice as large.
+    /// A polygon at half the height casts a shadow twice as large.
     #[test]
     fn shadows_are_subtracted_once() {
         let seen = |shadow: &ArrayPolygon| point_to_polygon(dvec3(0.5, 0.5, 0.), DVec3::Z, shadow);
@@ -266,7 +266,7 @@ mod tests {
         check(&[square(0., 0.5, 0., 1.)], 0.0);
     }
 
-    /// Against points of the target, each hidden or not.
+    /// Compared with points of the target, each hidden or not.
     #[test]
     fn hides_what_lines_of_sight_meet() {
         let between = Obstructions {

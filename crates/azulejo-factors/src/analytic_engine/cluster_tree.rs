@@ -1,29 +1,28 @@
-//! Clusters of facets: close to each other, and facing the same way.
+//! Clusters of facets that are close to each other and face the same way.
 
 use glam::DVec3;
 use std::ops::Range;
 
-/// Most facets of a leaf.
+/// Most facets per leaf.
 const LEAF: usize = 4;
 
-/// How much a turn of the normal counts: opposite ones are as far apart as this share of the
-/// size of everything.
+/// Weight of normals against positions: opposite normals count as far apart as this share of the
+/// size of the scene.
 const TURN: f64 = 0.5;
 
-/// A binary tree over facets in an order of its own; positions in that order are what its nodes
-/// speak of.
+/// A binary tree over facets. It reorders them; nodes refer to positions in that order.
 #[derive(Debug, Default)]
 pub(super) struct ClusterTree {
     /// The facet at each position.
     pub order: Vec<u32>,
-    /// Parents before children; the first is the root.
+    /// Parents before children; the root comes first.
     pub nodes: Vec<ClusterNode>,
 }
 
 #[derive(Clone, Debug)]
 pub(super) struct ClusterNode {
     pub range: Range<u32>,
-    /// The second child; the first is the next node. 0 in a leaf.
+    /// The second child; the first child is the next node. 0 in a leaf.
     pub second: u32,
 }
 
@@ -73,7 +72,7 @@ impl ClusterTree {
             .unwrap_or(0);
         let (low, width) = extent(axis);
         let value = |i: u32| (keys[i as usize][axis], i);
-        // Normals come in few directions: between them, not through the middle of one.
+        // Normals come in few directions: split between them, not through the middle of one.
         let middle = if axis < 3 {
             let half = items.len() / 2;
             items.select_nth_unstable_by(half, |&a, &b| {

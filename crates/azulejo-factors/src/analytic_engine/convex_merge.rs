@@ -1,25 +1,25 @@
-//! Flat polygons that share edges in one plane, joined into larger convex ones.
+//! Coplanar polygons that share edges, joined into larger convex ones.
 //!
-//! A table top in a thousand patches casts one shadow. Polygons grow over whole common edges as
-//! long as they stay convex: rows of a grid first, then rows of rows. What does not fit stays as
-//! it is, so the result covers the same points and is never larger.
+//! A table top of a thousand patches casts one shadow. Polygons grow across whole common edges as
+//! long as they stay convex: rows of a grid first, then rows of rows. The rest stays as it is, so
+//! the result covers the same points, with no more polygons than before.
 
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
-/// Coordinates that agree to this, relative to the size of everything, are one.
+/// Relative to the size of the scene, coordinates closer than this are the same.
 const SAME: f64 = 1e-9;
 
-/// A polygon joined of others.
+/// A polygon joined from others.
 pub(super) struct ConvexPolygon {
     pub polygon: Vec<DVec3>,
-    /// The closed surface that it is part of, as long as it is of one.
+    /// The closed surface that it is part of, if all of it belongs to one.
     pub surface: Option<u32>,
 }
 
-/// Convex polygons that cover what `polygons`, convex too, cover; and the closed surface that
-/// each of the given ones is part of, if it is.
+/// Convex polygons that together cover the same points as the convex `polygons`, and for each of
+/// `polygons` the closed surface that it is part of, if any.
 pub(super) fn merged(polygons: &[Vec<DVec3>], size: f64) -> (Vec<ConvexPolygon>, Vec<Option<u32>>) {
     let mut mesh = Mesh::new(polygons, size);
     let surfaces = closed_surfaces(&mesh.loops);
@@ -39,8 +39,8 @@ pub(super) fn merged(polygons: &[Vec<DVec3>], size: f64) -> (Vec<ConvexPolygon>,
     (joined, surfaces)
 }
 
-/// For each polygon the number of the surface it is part of, if that is closed: if all its edges
-/// are shared by two polygons that turn the same way.
+/// For each polygon the number of its surface, if that is closed: if all its edges are shared by
+/// two polygons with the same orientation.
 fn closed_surfaces(loops: &[Vec<u32>]) -> Vec<Option<u32>> {
     let mut owner: HashMap<(u32, u32), u32> = HashMap::new();
     let mut parents: Vec<u32> = (0..loops.len() as u32).collect();
@@ -51,7 +51,8 @@ fn closed_surfaces(loops: &[Vec<u32>]) -> Vec<Option<u32>> {
     };
     for (k, is_open) in is_open.iter_mut().enumerate() {
         for edge in edges(k) {
-            // An edge that two run along the same way parts no inside from an outside.
+            // An edge that two polygons run along in the same direction does not separate inside
+            // from outside.
             let other = owner.insert(edge, k as u32);
             *is_open |= other.is_some_and(|other| other != k as u32);
         }
@@ -80,7 +81,7 @@ fn closed_surfaces(loops: &[Vec<u32>]) -> Vec<Option<u32>> {
         .collect()
 }
 
-/// The representative of a set, in a forest whose paths it halves.
+/// The representative of a set, in a union-find forest with path halving.
 fn root(parents: &mut [u32], mut k: u32) -> u32 {
     while parents[k as usize] != k {
         parents[k as usize] = parents[parents[k as usize] as usize];
@@ -91,10 +92,10 @@ fn root(parents: &mut [u32], mut k: u32) -> u32 {
 
 struct Mesh {
     vertices: Vec<DVec3>,
-    /// Corners of each polygon; empty once it is part of another.
+    /// Corners of each polygon; empty once it has been joined to another.
     loops: Vec<Vec<u32>>,
     normals: Vec<DVec3>,
-    /// Polygons that had the directed edge at some time; the last one wins.
+    /// The last polygon that had each directed edge.
     edges: HashMap<(u32, u32), u32>,
     alive: usize,
     rounding: f64,
@@ -134,7 +135,7 @@ impl Mesh {
         }
     }
 
-    /// Joins polygon `k` with neighbours until none fits.
+    /// Joins polygon `k` with neighbours as long as possible.
     fn grow(&mut self, k: usize) {
         let mut i = 0;
         while i < self.loops[k].len() {
@@ -146,7 +147,7 @@ impl Mesh {
         }
     }
 
-    /// Joins polygon `k` with the one across its edge `i`, if the two are convex together.
+    /// Joins polygon `k` with the one across its edge `i`, if their union is convex.
     fn join(&mut self, k: usize, i: usize) -> bool {
         let ring = &self.loops[k];
         let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
@@ -161,7 +162,7 @@ impl Mesh {
         if other == k || mate[(j + 1) % mate.len()] != a || !self.is_coplanar(k, other) {
             return false;
         }
-        // All of this polygon from b round to a, then the other's from behind a to before b.
+        // All of this polygon from b around to a, then the other's corners between a and b.
         let own = (0..ring.len()).map(|s| ring[(i + 1 + s) % ring.len()]);
         let rest = (2..mate.len()).map(|s| mate[(j + s) % mate.len()]);
         let joined: Vec<u32> = own.chain(rest).collect();
@@ -182,7 +183,7 @@ impl Mesh {
         normal.dot(self.normals[other]) > 0.0 && self.loops[other].iter().all(is_in_plane)
     }
 
-    /// The ring without corners on straight edges; `None` if it turns the wrong way anywhere.
+    /// The ring without corners on straight edges; `None` if it is not convex.
     fn convex(&self, ring: &[u32], normal: DVec3) -> Option<Vec<u32>> {
         let mut kept = Vec::with_capacity(ring.len());
         for (i, &v) in ring.iter().enumerate() {
@@ -193,7 +194,7 @@ impl Mesh {
             ]
             .map(|v| self.vertices[v as usize]);
             let turn = (b - a).cross(c - b).dot(normal);
-            // How far b is off the line from a to c.
+            // Distance of b from the line from a to c.
             let least = self.rounding * (c - a).length();
             if turn < -least || (b - a).dot(c - b) < 0.0 && turn.abs() <= least {
                 return None;
@@ -237,7 +238,7 @@ mod tests {
         let square = grid(1, |_, _| true).remove(0);
         let halves = [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| square[k]).to_vec());
         check(&halves, 1);
-        // Back to back they are apart.
+        // Back to back they are separate.
         let back: Vec<DVec3> = square.iter().rev().copied().collect();
         check(&[square, back], 2);
     }
@@ -252,7 +253,7 @@ mod tests {
         let (_, surfaces) = merged(&all, 6.0);
         let closed = [0; 4].map(Some).into_iter().chain([None; 3]);
         assert_eq!(surfaces, closed.collect::<Vec<_>>());
-        // Back to back, two sheets share their edges but enclose nothing that others meet.
+        // Back to back, two sheets share their edges but enclose nothing.
         let sheet = faces[0].clone();
         let back = sheet.iter().rev().copied().collect();
         assert_eq!(merged(&[sheet, back], 6.0).1, [Some(0); 2]);

@@ -10,9 +10,9 @@ use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Gatherer, Progress};
 use rayon::prelude::*;
 
-/// Computes rows by formulas; rays find what those do not know: curved patches, mirrors without
-/// images, what leaves the scene, and light that is met on the way. Immutable; shared by all
-/// threads.
+/// Computes rows by formulas. Rays supply what has no formula: curved patches, mirrors without
+/// images, what leaves the scene, and emission that direct light does not count. Immutable; shared
+/// by all threads.
 pub struct AnalyticEstimator<'a> {
     exchanger: Exchanger<'a>,
     rays: RayEstimator<'a>,
@@ -22,7 +22,7 @@ pub struct AnalyticEstimator<'a> {
 }
 
 impl<'a> AnalyticEstimator<'a> {
-    /// An estimator that spends `rays` per row beside the formulas.
+    /// An estimator that traces `rays` per row for what has no formula.
     pub fn new(
         gatherer: &'a Gatherer<'a>,
         patches: &'a Patches,
@@ -50,7 +50,7 @@ impl<'a> AnalyticEstimator<'a> {
         self.rays.rays()
     }
 
-    /// Which engine runs.
+    /// The engine and the kernel in use.
     pub fn engine_used(&self) -> EngineUsed {
         let mut notes = Vec::new();
         if !self.exchanger.is_complete() {

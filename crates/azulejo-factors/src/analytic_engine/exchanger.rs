@@ -1,4 +1,4 @@
-//! Rows of exchange areas, dealt out to threads.
+//! Rows of exchange areas, distributed over threads.
 
 use super::images::{FlatMirror, ImageLimits, MirrorImage, MirrorImages};
 use super::occluders::SceneOccluders;
@@ -20,20 +20,20 @@ use rayon::prelude::*;
 /// Rows computed together.
 const GROUP: usize = 16;
 
-/// Groups that a journal keeps together.
+/// Groups per journal block.
 const BLOCK: usize = 64;
 
-/// Rows of up to so many sides are exact, if nothing else is asked for.
+/// Up to this many sides, rows are exact by default.
 const FEW: usize = 32;
 
-/// What [`Exchanger`] should do.
+/// Options of an [`Exchanger`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExchangerOptions {
-    /// Error of the sums of rows, as an RMS over them; `None` chooses by the number of rows.
+    /// RMS error of the sums of rows; `None` chooses by the number of rows.
     pub accuracy: Option<f64>,
-    /// Whether a mean over the channels will not do, so that coloured mirrors are left to rays.
+    /// Whether each channel is needed, so that coloured mirrors are left to rays.
     pub is_per_channel: bool,
-    /// Another seed gives other noise to what is left to shadow rays.
+    /// Seed of the shadow rays.
     pub seed: u32,
 }
 
@@ -48,19 +48,19 @@ pub(crate) struct Exchanger<'a> {
     worlds: Vec<MirrorImage>,
     truncated: f64,
     accuracy: PairAccuracy,
-    /// Orders of which nothing is left to rays.
+    /// Orders that are known completely by formulas.
     pub known: [bool; ORDERS],
     seed: u32,
 }
 
-/// The place of sides that have no facet: curved ones.
+/// The position of sides without a facet: curved ones.
 const NOWHERE: u32 = u32::MAX;
 
 /// Entries of one row, by order.
 pub(crate) type Orders = [Vec<Exchange>; ORDERS];
 
 impl<'a> Exchanger<'a> {
-    /// Between these sides of patches; their places in the list are rows and columns.
+    /// Between these sides of patches; their indices in the list are rows and columns.
     pub fn new(
         patches: &'a Patches,
         surfaces: &'a Surfaces<'a>,
@@ -90,13 +90,13 @@ impl<'a> Exchanger<'a> {
         }
     }
 
-    /// The most of any row's light that goes by chains of mirrors without images, if there are
-    /// images at all.
+    /// The largest share of any row's light that takes chains of mirrors without images; `None` if
+    /// there are no images at all.
     pub fn truncated(&self) -> Option<f64> {
         (self.worlds.len() > 1).then_some(self.truncated)
     }
 
-    /// Whether nothing is left to rays.
+    /// Whether formulas know everything.
     pub fn is_complete(&self) -> bool {
         self.known == [true; ORDERS] && self.positions.iter().all(|&p| p != NOWHERE)
     }
@@ -106,8 +106,8 @@ impl<'a> Exchanger<'a> {
         self.positions[row] != NOWHERE
     }
 
-    /// The upper triangle of each order, by rows, but for those that the journal has. Rows that
-    /// there is no time for are not in `done`.
+    /// The upper triangle of each order, by rows, except blocks that the journal holds. Rows that
+    /// time ran out for are not marked in `is_done`.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -129,7 +129,7 @@ impl<'a> Exchanger<'a> {
         })?;
         let n = self.sides.len();
         let mut orders = [(); ORDERS].map(|()| vec![Box::<[Exchange]>::default(); n]);
-        // Nothing is asked of rows without a facet.
+        // Rows without a facet count as done.
         let mut is_done: Vec<bool> = self.positions.iter().map(|&p| p == NOWHERE).collect();
         let mut tally = PairCounts::default();
         for group in done {
@@ -148,14 +148,14 @@ impl<'a> Exchanger<'a> {
         })
     }
 
-    /// Whole rows, in the order asked for; nothing in those without a facet.
+    /// Whole rows, in the requested order; empty for those without a facet.
     pub fn rows(&self, rows: &[usize]) -> Vec<Orders> {
         let mut positions: Vec<u32> = rows
             .iter()
             .map(|&row| self.positions[row])
             .filter(|&p| p != NOWHERE)
             .collect();
-        // Close together, so that clusters are cleared for many.
+        // Neighbours together, so that clusters are tested for many rows at once.
         positions.sort_unstable();
         let groups = positions.par_chunks(GROUP);
         let found: Vec<_> = groups.flat_map_iter(|g| self.group(g, false).0).collect();
@@ -212,7 +212,7 @@ impl<'a> Exchanger<'a> {
             .collect()
     }
 
-    /// A pair that is too hard for formulas.
+    /// A pair that is too complex for formulas.
     fn by_shadow_rays(&self, row: usize, column: usize) -> (f64, f64) {
         let (a, b) = (&self.facets.list[row], &self.facets.list[column]);
         let view = View {
@@ -228,14 +228,14 @@ impl<'a> Exchanger<'a> {
     }
 }
 
-/// What [`Exchanger::all`] found.
+/// The result of [`Exchanger::all`].
 pub(crate) struct AllPairs {
     pub orders: [ExchangeAreas; ORDERS],
     pub is_done: Vec<bool>,
     pub tally: PairCounts,
 }
 
-/// Upper rows that were computed together; none if there was no time.
+/// Upper rows that were computed together; empty if time ran out.
 #[derive(Default)]
 struct RowGroup {
     rows: Vec<(u32, Orders)>,
@@ -283,7 +283,7 @@ fn facet(patches: &Patches, side: Side, row: u32) -> Option<Facet> {
     Some(Facet::new(row, &polygon, normal))
 }
 
-/// What pairs have to be good for so that the sums of rows are.
+/// The accuracy of pairs that gives the sums of rows the requested one.
 fn accuracy(wanted: Option<f64>, rows: usize) -> PairAccuracy {
     let wanted = wanted.unwrap_or(if rows <= FEW { 1e-11 } else { 5e-5 });
     if wanted < EXACT {
@@ -295,17 +295,17 @@ fn accuracy(wanted: Option<f64>, rows: usize) -> PairAccuracy {
     }
     PairAccuracy {
         whole: 0.4 * wanted,
-        // Measured on rooms of 500 to 20,000 facets: hard pairs are a few of each row, whose errors
-        // are as good as independent; there are more of them the finer a room is divided.
+        // Measured on rooms of 500 to 20,000 facets: partially occluded pairs are a few of each
+        // row, with nearly independent errors; finer divisions have more of them.
         partial: wanted * (12.0 / (rows as f64).sqrt()).min(0.25),
         is_exact: false,
     }
 }
 
-/// Below this only exact formulas will do.
+/// Below this accuracy only exact formulas will do.
 const EXACT: f64 = 1e-6;
 
-/// The chains of mirrors that are worth images, and the orders of which those are all.
+/// The chains of mirrors whose images pay off, and the orders that they cover completely.
 fn worlds(
     patches: &Patches,
     surfaces: &Surfaces,
@@ -334,13 +334,13 @@ fn worlds(
     let mirrors: &[FlatMirror] = if pays { &mirrors } else { &[] };
     let depth = ImageLimits {
         least: 1e-10,
-        // Each costs up to as much as the scene itself: between divided surfaces rays are quicker.
+        // Each costs up to as much as the scene itself: between divided surfaces rays are faster.
         chains: if is_few { 8_192 } else { 0 },
         most_truncated: 1e-5,
     };
     let corners: Vec<DVec3> = facets.iter().flat_map(|f| f.polygon()).copied().collect();
     let reach = |window: &[DVec3]| {
-        // Windows are seen from either side.
+        // Windows are visible from either side.
         let back: Vec<DVec3> = window.iter().rev().copied().collect();
         let share = |f: &Facet| {
             let of = |polygon: &[DVec3]| form_factor_fast(f.polygon(), polygon, 1e-2);
@@ -354,11 +354,11 @@ fn worlds(
     (worlds, known)
 }
 
-/// Images of mirrors that cost up to this, relative to the straight pairs, are better than rays.
+/// Images of mirrors that cost up to this, relative to the direct pairs, are better than rays.
 const MOST_COST: f64 = 6.0;
 
-/// What pairs by one mirror cost at most, over all mirrors, relative to the straight pairs: the
-/// share of pairs that are before the mirror's plane, on either side.
+/// Upper bound of the cost of pairs by one mirror, over all mirrors, relative to the direct pairs:
+/// the share of pairs on the same side of the mirror's plane.
 fn cost_of_images(mirrors: &[FlatMirror], facets: &[Facet]) -> f64 {
     let cost = |mirror: &FlatMirror| {
         let normal = area_vector(&mirror.polygon).normalize_or_zero();

@@ -1,15 +1,15 @@
-//! Exchange areas of pairs that see each other whole, by Gauss's rule on both facets.
+//! Exchange areas of unoccluded pairs, by Gauss's rule on both facets.
 //!
-//! With the same points for all pairs the sum over pairs of points is a plain loop over columns,
-//! which the compiler turns into vector instructions. For facets of radii r₁ and r₂ at the
-//! distance d, m² points on either have a relative error of about c (r₁ + r₂)^2m / d^2m.
+//! With the same number of points for all pairs, the sum over pairs of points is a plain loop over
+//! columns, which the compiler vectorises. For facets of radii r₁ and r₂ at distance d, m² points
+//! on each have a relative error of about c (r₁ + r₂)^2m / d^2m.
 
 use super::gauss_square;
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Relative error over (r₁ + r₂)⁴/d⁴ of four points on either facet: measured, see the tests.
+/// Relative error over (r₁ + r₂)⁴/d⁴ of four points on either facet, measured in the tests.
 pub(super) const FOUR: f64 = 0.06;
 /// Relative error over (r₁ + r₂)⁶/d⁶ of nine points on either facet.
 pub(super) const NINE: f64 = 0.02;
@@ -27,7 +27,7 @@ pub(super) struct GaussPoints<const N: usize> {
     offsets: Vec<f64>,
 }
 
-/// One facet's points and plane.
+/// The points and the plane of one facet.
 pub(super) struct FacetPoints<const N: usize> {
     points: [(DVec3, f64); N],
     normal: DVec3,
@@ -75,18 +75,18 @@ impl<const N: usize> GaussPoints<N> {
         }
     }
 
-    /// Exchange areas of one facet with a range of others, into `into`. All must be wholly in
-    /// front of each other.
+    /// Exchange areas of one facet with a range of others, into `into`. All must be fully in front
+    /// of each other.
     pub fn exchange(&self, own: &FacetPoints<N>, others: Range<usize>, into: &mut [f64]) {
         let n = others.len();
-        // Slices of one length, so that the loop needs no bounds checks.
+        // Slices of equal length, so that the loop needs no bounds checks.
         let [x, y, z, w] = [&self.x, &self.y, &self.z, &self.w]
             .map(|v| v.each_ref().map(|v| &v[others.clone()][..n]));
         let [nx, ny, nz] = self.normals.each_ref().map(|v| &v[others.clone()][..n]);
         let (offsets, into) = (&self.offsets[others.clone()][..n], &mut into[..n]);
         for k in 0..n {
             let mut sum = 0.0;
-            // Heights of the own points above the other's plane, with their weights.
+            // Heights of the row's points above the column's plane, times their weights.
             let heights: [f64; N] = std::array::from_fn(|q| {
                 let (p, weight) = own.points[q];
                 (p.x * nx[k] + p.y * ny[k] + p.z * nz[k] - offsets[k]) * weight

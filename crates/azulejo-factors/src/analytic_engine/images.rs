@@ -1,4 +1,4 @@
-//! The world as it is seen straight, and as it is seen by planar mirrors.
+//! The scene seen directly and through chains of planar mirrors: the method of images.
 
 use super::occluders::SceneOccluders;
 use super::{Facet, FacetTree};
@@ -9,52 +9,53 @@ use azulejo_trace::lambert::ArrayPolygon;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Depth that does not count, relative to the size of everything.
+/// Depth that does not count, relative to the size of the scene.
 const GRAZE: f64 = 1e-10;
 
-/// Rows as columns see them, straight or by a chain of mirrors: their images, behind windows.
+/// Rows as columns see them, directly or through a chain of mirrors: their images, behind windows.
 pub(super) struct MirrorImage {
-    /// Convex polygons between: first windows, then blockers.
+    /// Convex polygons in between: first windows, then blockers.
     pub obstructions: Vec<Blocker>,
     pub windows: usize,
-    /// Boxes of which no more is known than that something in them blocks.
+    /// Bounding boxes of curved occluders.
     pub curved: Vec<Aabb>,
-    /// Share of the light that comes through, mean of the channels.
+    /// Reflectance of the chain, mean of the channels.
     pub weight: f64,
-    /// 0 straight, 1 by one mirror, 2 by more.
+    /// 0 direct, 1 by one mirror, 2 by more.
     pub order: usize,
     /// Depth that does not count.
     pub graze: f64,
-    /// From the columns on.
+    /// The mirrors, from the columns on.
     chain: Chain,
 }
 
-/// A flat mirror, as large as its patches in one plane together.
+/// A flat mirror: the coplanar patches of one material together.
 pub(super) struct FlatMirror {
     pub polygon: Vec<DVec3>,
     pub reflectance: Rgb,
 }
 
-/// Windows and images of blockers, of all chains together, that are worth their memory.
+/// Most windows and images of blockers of all chains together.
 const MOST_OBSTRUCTIONS: usize = 1 << 18;
 
 /// Which chains of mirrors are followed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ImageLimits {
-    /// Chains through which no row has more of its light go than this are not.
+    /// Chains that carry at most this share of any row's light are dropped.
     pub least: f64,
     /// Most chains of more than one mirror.
     pub chains: usize,
-    /// If more of any row's light goes on after so many, none of them is.
+    /// If chains that were not followed may carry more than this share of any row's light, no chain
+    /// of several mirrors is kept.
     pub most_truncated: f64,
 }
 
-/// The worlds that are worth looking at.
+/// The images that are computed with.
 pub(super) struct MirrorImages {
     pub list: Vec<MirrorImage>,
-    /// Whether all chains of more than one mirror are there, but for what is too weak.
+    /// Whether all chains of more than one mirror are included, apart from negligible ones.
     pub is_complete: bool,
-    /// The most that goes by those of any row's light.
+    /// Upper bound of the share of any row's light that dropped chains carry.
     pub truncated: f64,
 }
 
@@ -89,7 +90,7 @@ impl MirrorImage {
         }
     }
 
-    /// Images of facets, as far as columns may see them.
+    /// Images of facets, clipped to what columns may see.
     pub fn rows<'a>(&self, facets: impl Iterator<Item = &'a Facet>) -> FacetTree {
         let image = |facet: &Facet| {
             if self.order == 0 {
@@ -102,7 +103,7 @@ impl MirrorImage {
         FacetTree::without_tree(facets.map(image).collect())
     }
 
-    /// The parts of a row and a column between which light may go through all windows.
+    /// The parts of a row and a column between which light may pass all windows.
     pub fn lit_parts(&self, row: &Facet, column: &Facet) -> Option<[ArrayPolygon; 2]> {
         let row = row.polygon().iter().copied().collect();
         let before = self.chain.before(column.polygon())?;
@@ -110,15 +111,15 @@ impl MirrorImage {
     }
 }
 
-/// A chain on its way to longer ones.
+/// A chain that may be extended.
 struct GrowingChain {
     chain: Chain,
     reflectance: Rgb,
 }
 
 impl MirrorImages {
-    /// Straight, by each mirror, and by chains of them, the shortest first. `reach` is the most
-    /// that any side has of its light go through a window; all light comes from between `corners`.
+    /// Directly, by each mirror, and by chains of them, the shortest first. `reach` bounds the
+    /// share of any side's light that passes a window; all light starts among `corners`.
     pub fn new(
         solids: &SceneOccluders,
         mirrors: &[FlatMirror],
@@ -204,8 +205,8 @@ fn longer(
     ends.iter().flat_map(on).collect()
 }
 
-/// The same chains, joined where they only differ in the order of mirrors; `lean` leaves out
-/// windows that need no looking at, but for those that other chains all have.
+/// The same chains, joined where they differ only in the order of mirrors. `lean` drops windows
+/// that need no test, except those that all of the other chains have.
 fn joined(
     chains: Vec<GrowingChain>,
     lean: impl Fn(&Chain, &[&Chain]) -> Chain,

@@ -1,11 +1,12 @@
 //! The analytic engine: exchange areas of all pairs of flat facets.
 //!
-//! Facets are clustered ([`tree`]), so that one test clears, or hides, thousands of pairs: two
-//! clusters and what reaches into the shaft between them ([`traversal`], [`shaft`]). Facets that cast
-//! shadows are joined to large convex ones ([`merge`], [`obstructions`]). Pairs that see each other
-//! whole take Gauss's rule ([`kernel`]) or, when close, a contour; the rest is cut up where the
-//! view has kinks ([`partial`]). A chain of planar mirrors makes another world of images behind
-//! windows ([`world`]), walked in the same way. [`exchanger`] deals out the rows.
+//! Facets are clustered ([`cluster_tree`]), so that one test of two clusters and the shaft between
+//! them accepts or rejects thousands of pairs ([`traversal`], [`shaft`]). Facets that cast shadows
+//! are merged into large convex ones ([`convex_merge`], [`occluders`]). Unoccluded pairs take
+//! Gauss's rule ([`gauss_points`]) or, when close, a contour integral; partially occluded ones are
+//! cut along the discontinuities of the view ([`partial`]). Chains of planar mirrors are traversed
+//! in the same way, as images behind windows ([`images`]). [`exchanger`] distributes the rows over
+//! threads.
 
 mod cluster_tree;
 mod convex_merge;
@@ -25,7 +26,7 @@ use cluster_tree::{ClusterNode, ClusterTree};
 use gauss_points::GaussPoints;
 use glam::DVec3;
 
-/// Most corners of a facet: a quadrilateral cut twice, by a mirror and by another facet.
+/// Most corners of a facet: a quadrilateral clipped twice, by a mirror and by another facet.
 const MOST_CORNERS: usize = 6;
 
 /// A flat, convex, one-sided piece of surface.
@@ -35,7 +36,7 @@ pub(crate) struct Facet {
     count: usize,
     /// Its row and column.
     pub id: u32,
-    /// Unit normal of the side that it is, and where its plane is.
+    /// Unit normal of its visible side, and the offset of its plane.
     normal: DVec3,
     offset: f64,
     centre: DVec3,
@@ -45,7 +46,7 @@ pub(crate) struct Facet {
 }
 
 impl Facet {
-    /// A facet, counter-clockwise about `normal`; a cut one has the normal of the whole.
+    /// A facet, counter-clockwise about `normal`; a clipped one keeps the normal of the whole.
     fn new(id: u32, corners: &[DVec3], normal: DVec3) -> Facet {
         let count = corners.len().min(MOST_CORNERS);
         let mut kept = [DVec3::ZERO; MOST_CORNERS];
@@ -93,7 +94,7 @@ impl Facet {
     }
 }
 
-/// Facets in the order of a tree over them, with all that pairs ask for.
+/// Facets in the order of a tree over them, with precomputed clusters and Gauss points.
 #[derive(Debug)]
 pub(crate) struct FacetTree {
     tree: ClusterTree,
@@ -114,7 +115,7 @@ impl FacetTree {
         FacetTree::with_tree(tree, list)
     }
 
-    /// A few facets, in no tree.
+    /// A few facets without a tree.
     fn without_tree(list: Vec<Facet>) -> FacetTree {
         FacetTree::with_tree(ClusterTree::default(), list)
     }
@@ -138,11 +139,11 @@ impl FacetTree {
     }
 }
 
-/// What is common to some facets.
+/// Bounds of a group of facets.
 #[derive(Clone, Debug)]
 struct Cluster {
     bounds: Aabb,
-    /// Middle of the normals, and the angle that they turn from it.
+    /// Mean of the normals, and the largest angle of a normal to it.
     axis: DVec3,
     spread: f64,
     /// Offsets of their planes along the axis, if all are parallel.
@@ -150,21 +151,21 @@ struct Cluster {
     most_radius: f64,
     first_id: u32,
     last_id: u32,
-    /// Whether Gauss's points are right for all: none was cut.
+    /// Whether precomputed Gauss points are valid: no facet was clipped to more than four corners.
     is_plain: bool,
 }
 
-/// How facets of one cluster stand to places in another.
+/// How the facets of one cluster are oriented towards the points of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Facing {
-    /// All facets have their backs to all places.
+    /// All facets face away from all points.
     Away,
-    /// All facets face all places.
+    /// All facets face all points.
     Towards,
     Mixed,
 }
 
-/// Angle between normals that count as one.
+/// Angle below which normals count as equal.
 const PARALLEL: f64 = 1e-9;
 
 impl Cluster {
@@ -174,7 +175,7 @@ impl Cluster {
             .map(|f| f.normal)
             .sum::<DVec3>()
             .normalize_or_zero();
-        // The chord tells small angles better than the cosine.
+        // The chord is more accurate than the cosine for small angles.
         let angle = |n: DVec3| 2.0 * (0.5 * n.distance(axis)).min(1.0).asin();
         let spread = present().map(|f| angle(f.normal)).fold(0.0, f64::max);
         let offsets = present().map(|f| f.offset);
@@ -226,12 +227,13 @@ impl Cluster {
     }
 }
 
-/// `N` Gauss points, a square number, of a triangle or quadrilateral; no weight for others.
+/// `N` Gauss points, a square number, of a triangle or quadrilateral; zero weights for other
+/// polygons.
 fn gauss_square<const N: usize>(polygon: &[DVec3], normal: DVec3) -> [(DVec3, f64); N] {
     let &[a, b, c, d] = match polygon {
         [a, b, c] => &[*a, *b, *c, *c],
         [a, b, c, d] => &[*a, *b, *c, *d],
-        // Far off in no direction: neither counts nor divides by zero.
+        // Some finite point: it neither counts nor divides by zero.
         _ => return [(polygon.first().copied().unwrap_or_default(), 0.0); N],
     };
     let rule = gauss(N.isqrt());

@@ -1,4 +1,4 @@
-//! What may stand between: convex blockers, and boxes of which no more is known.
+//! What may occlude: convex blockers, and bounding boxes of curved objects.
 
 use super::convex_merge::{ConvexPolygon, merged};
 use super::images::FlatMirror;
@@ -12,19 +12,19 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// All that blocks in a scene.
+/// All occluders of a scene.
 pub(super) struct SceneOccluders {
-    /// Flat, joined where patches are parts of one convex polygon, without the walls that all
-    /// else lies on one side of.
+    /// Flat ones, merged where patches are parts of one convex polygon, without walls that have the
+    /// whole scene on one side.
     pub flat: Vec<Blocker>,
-    /// Boxes of curved patches' objects.
+    /// Bounding boxes of objects with curved patches.
     pub curved: Vec<Aabb>,
-    /// Size of everything.
+    /// Size of the scene.
     pub size: f64,
 }
 
 impl SceneOccluders {
-    /// Of a scene as it is seen from some sides of patches.
+    /// The occluders as seen from some sides of patches.
     pub fn new(patches: &Patches, surfaces: &Surfaces, sides: &[Side]) -> SceneOccluders {
         let flat: Vec<usize> = (0..patches.len())
             .filter(|&i| patches.polygon(i).is_some())
@@ -64,7 +64,7 @@ impl SceneOccluders {
 }
 
 impl SceneOccluders {
-    /// Mirrors, as large as patches of one material are together.
+    /// Mirrors: coplanar patches of one material, merged.
     pub fn mirrors(&self, patches: &Patches, surfaces: &Surfaces, of: &[usize]) -> Vec<FlatMirror> {
         let mut materials: Vec<u32> = of.iter().map(|&i| patches.material(i)).collect();
         materials.sort_unstable();
@@ -86,10 +86,10 @@ impl SceneOccluders {
     }
 }
 
-/// Rays from each side that look for the insides of closed surfaces.
+/// Rays per side that test for insides of closed surfaces.
 const PROBE_RAYS: u32 = 8;
 
-/// The closed surfaces of which some side sees the inside: things stand in them, or cross them.
+/// The closed surfaces whose inside some side sees, because objects stand in them or cross them.
 fn seen_from_inside(
     patches: &Patches,
     surfaces: &Surfaces,
@@ -115,7 +115,7 @@ fn seen_from_inside(
             .filter(|(ray, hit)| hit.is_hit() && !surfaces.is_front(ray, hit));
         let found =
             backs.filter_map(|(_, hit)| surface[patches.locate_hit(surfaces, &hit) as usize]);
-        // One or two may have slipped through a crack between triangles.
+        // One or two rays may have slipped through a crack between triangles.
         let mut found: Vec<u32> = found.collect();
         found.sort_unstable();
         let many = found
@@ -126,7 +126,7 @@ fn seen_from_inside(
     sides.par_iter().flat_map_iter(seen).collect()
 }
 
-/// The corners of everything, those that lie furthest out first.
+/// The corners of the scene, the outermost first.
 struct ExtremePoints {
     corners: Vec<DVec3>,
 }
@@ -156,7 +156,7 @@ impl ExtremePoints {
         ExtremePoints { corners }
     }
 
-    /// Whether everything lies on one side: then nothing can be seen past it.
+    /// Whether the whole scene lies on one side, so that the polygon occludes nothing.
     fn is_wall(&self, blocker: &Blocker, size: f64) -> bool {
         let (mut is_above, mut is_below) = (false, false);
         self.corners.iter().all(|&c| {
@@ -168,7 +168,7 @@ impl ExtremePoints {
     }
 }
 
-/// Along the axes and diagonals.
+/// The axes and diagonals.
 fn directions() -> impl Iterator<Item = DVec3> {
     let step = |k: i32| f64::from(k % 3 - 1);
     (0..27)

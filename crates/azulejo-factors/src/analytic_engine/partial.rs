@@ -1,10 +1,10 @@
-//! Pairs that others stand between.
+//! Partially occluded pairs.
 //!
-//! From a point of one facet it is known exactly what is seen of the other: it is clipped at the
-//! planes through the point and those edges of blockers that part what is seen from what is not.
-//! The facet of the points is cut where corners and edges pass each other, so that the view is
-//! smooth in each cell, and a few Gauss points per cell are enough; where blockers or the other
-//! facet are too close for that, it is quartered first, and what stands between is asked again.
+//! What a point of one facet sees of the other is known exactly: the other is clipped at the planes
+//! through the point and the edges that separate visible from hidden. The first facet is cut along
+//! discontinuities, where corners and edges pass each other, so that the view is smooth in each
+//! cell and a few Gauss points per cell are enough. Where blockers or the other facet are too close
+//! for that, the facet is quartered first and the obstructions are tested again.
 
 use super::{Facet, MOST_CORNERS};
 use crate::analytic::{Approximate, Blocker, Effect, PLANE, edge_bit, exchange_area_fast, gauss};
@@ -12,17 +12,17 @@ use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::polygon_vector;
 use glam::DVec3;
 
-/// Quarterings of one pair at most.
+/// Most levels of quartering of a pair.
 const MOST_DEPTH: u32 = 5;
-/// Cells of one facet at most, so long as they are counted.
+/// Most cells of one facet.
 const MOST_CELLS: usize = 32;
-/// Relative error of Gauss points, m² per cell for m from 1, over the (radius/distance)^2m: measured.
+/// Relative error of Gauss points, m² per cell for m from 1, over (radius/distance)^2m: measured.
 const SHARES: [f64; 3] = [1.5, 0.1, 0.1];
 
-/// The same of taking a piece for its centroid.
+/// The same for replacing a piece by its centroid.
 const FAR: f64 = 0.1;
 
-/// A blocker, or window, and which of its edges matter.
+/// A blocker or window, with the edges that matter.
 #[derive(Clone, Copy)]
 struct Obstruction<'a> {
     blocker: &'a Blocker,
@@ -30,7 +30,7 @@ struct Obstruction<'a> {
     is_window: bool,
 }
 
-/// Working memory, to be used again and again.
+/// Reusable working memory.
 #[derive(Default)]
 pub(super) struct PartialVisibility {
     cells: Vec<Corners>,
@@ -40,7 +40,7 @@ pub(super) struct PartialVisibility {
     rest: [Corners; 2],
 }
 
-/// Most corners of a piece: a quadrilateral cut eight times.
+/// Most corners of a piece: a quadrilateral clipped eight times.
 const MOST_PIECE: usize = 12;
 
 /// A convex polygon without allocation.
@@ -57,7 +57,7 @@ impl Corners {
     }
 
     fn push(&mut self, p: DVec3) {
-        // One more would take half a dozen blockers whose shadows share a corner.
+        // More would take half a dozen blockers whose shadows share a corner.
         if self.count < MOST_PIECE {
             self.points[self.count] = p;
             self.count += 1;
@@ -79,7 +79,7 @@ impl Corners {
         (heights, low, high)
     }
 
-    /// The part where `sign` times the height is positive, into another.
+    /// Clips to where `sign` times the height is positive.
     fn clip(&self, heights: &[f64; MOST_PIECE], sign: f64, into: &mut Corners) {
         into.count = 0;
         let Some(last) = self.count.checked_sub(1) else {
@@ -111,7 +111,7 @@ impl Default for Corners {
     }
 }
 
-/// How good a pair is to be.
+/// The accuracy of a pair.
 #[derive(Clone, Copy)]
 pub(super) struct PairGoal {
     /// Absolute error of the exchange area.
@@ -121,20 +121,19 @@ pub(super) struct PairGoal {
     pub graze: f64,
 }
 
-/// A pair on its way to smaller ones.
+/// A pair, or a part of one after quartering.
 #[derive(Clone, Copy)]
 struct PairPart<'a> {
     a: &'a Facet,
     b: &'a Facet,
     depth: u32,
-    /// Whether what is seen is wanted, rather than less what is hidden.
+    /// Whether the visible part is computed, rather than minus the hidden part.
     wants_seen: bool,
 }
 
 impl PartialVisibility {
-    /// Exchange area of a pair that some screens may stand between. Of each it is known which of
-    /// its edges matter to the whole pair, and whether it is a window; `is_whole` tells that both
-    /// facets are wholly in front of each other.
+    /// Exchange area of a pair with obstructions, each with the edges that matter to the whole pair
+    /// and whether it is a window. With `is_whole` both facets are fully in front of each other.
     pub fn exchange<'a>(
         &mut self,
         [a, b]: [&Facet; 2],
@@ -176,7 +175,8 @@ impl PartialVisibility {
         }
     }
 
-    /// As [`culled`](PartialVisibility::culled), after asking which screens and edges matter to the pair.
+    /// As [`culled`](PartialVisibility::culled), after testing which obstructions and edges matter
+    /// to the pair.
     fn part(&mut self, pair: PairPart, obstructions: &[Obstruction], goal: PairGoal) -> f64 {
         let PairPart { a, b, .. } = pair;
         let mut kept: Vec<Obstruction> = Vec::with_capacity(obstructions.len());
@@ -209,7 +209,7 @@ impl PartialVisibility {
         self.culled(pair, &kept, goal)
     }
 
-    /// What is seen of a pair past some screens, all of which matter, or less what is hidden.
+    /// The visible part of a pair behind obstructions that all matter, or minus the hidden part.
     fn culled(&mut self, pair: PairPart, kept: &[Obstruction], goal: PairGoal) -> f64 {
         let PairPart { a, b, .. } = pair;
         let (ratio_a, ratio_b) = (ratio(a, b, kept), ratio(b, a, kept));
@@ -217,7 +217,7 @@ impl PartialVisibility {
         let fits = |points: usize| {
             SHARES[points - 1] * ratio_a.min(ratio_b).powi(2 * points as i32) * size < goal.error
         };
-        // From far, all of a piece is seen as its centroid is.
+        // From afar, a piece is as visible as its centroid.
         let is_far = |ratio: f64| FAR * ratio * ratio * size < goal.error;
         let points = (1..3).find(|&m| fits(m)).unwrap_or(3);
         if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
@@ -279,8 +279,8 @@ impl PartialVisibility {
         parts.sum()
     }
 
-    /// What is seen, or less what is hidden, summed over points of one facet; `way` is −1 from the
-    /// second to the first of the pair.
+    /// The visible part, or minus the hidden part, summed over points of one facet; `way` is −1
+    /// from the second facet of the pair to the first.
     fn integrate(
         &mut self,
         [from, to]: [&Facet; 2],
@@ -313,7 +313,7 @@ impl PartialVisibility {
         sum
     }
 
-    /// Cuts a facet where the view of another has kinks.
+    /// Cuts a facet along the discontinuities of the view of another.
     fn cut_cells(&mut self, from: &Facet, to: &Facet, obstructions: &[Obstruction], graze: f64) {
         self.cells.clear();
         let mut whole = Corners::default();
@@ -352,8 +352,7 @@ impl PartialVisibility {
         }
     }
 
-    /// The form factor density of what is seen from a point through windows, or less what is
-    /// hidden.
+    /// Form factor density of what a point sees through windows, or minus the hidden part.
     fn view(
         &mut self,
         eye: DVec3,
@@ -398,8 +397,8 @@ impl PartialVisibility {
         sum
     }
 
-    /// The planes, relative to the eye, inside of which a screen covers the target; false if it
-    /// covers nothing.
+    /// The planes, relative to the viewpoint, inside which an obstruction covers the target; false
+    /// if it covers nothing.
     fn cone(&mut self, eye: DVec3, obstruction: &Obstruction, to: &Facet, way: f64) -> bool {
         let p = &obstruction.blocker.polygon;
         let height = obstruction.blocker.height(eye);
@@ -409,7 +408,7 @@ impl PartialVisibility {
             return false;
         }
         if obstruction.edges & PLANE != 0 {
-            // What is covered lies beyond the plane.
+            // The covered part lies beyond the plane.
             let is_beyond = |&q: &DVec3| sign * obstruction.blocker.height(q) < 0.0;
             if !to.polygon().iter().any(is_beyond) {
                 return false;
@@ -425,8 +424,8 @@ impl PartialVisibility {
     }
 }
 
-/// The part of `piece` inside of all planes, if there is any; the parts outside go to `outside`,
-/// cut apart so that none counts twice.
+/// The part of `piece` inside all planes, if any; the parts outside go to `outside`, cut apart so
+/// that none counts twice.
 fn inside<'a>(
     piece: &'a Corners,
     planes: &[(DVec3, f64)],
@@ -435,13 +434,13 @@ fn inside<'a>(
 ) -> Option<&'a Corners> {
     let before = outside.as_ref().map_or(0, |o| o.len());
     let [first, second] = scratch;
-    // Which of the two has what is left; at first, none.
+    // Which of the two buffers holds the remainder; none at first.
     let mut rest = 0;
     for &(normal, offset) in planes {
         let now = [piece, &*first, &*second][rest];
         let (heights, low, high) = now.heights(normal, offset);
         if high <= 0.0 {
-            // All of it is outside: in one piece rather than in several.
+            // All of it is outside: kept in one piece rather than in several.
             if let Some(outside) = outside {
                 outside.truncate(before);
                 outside.push(*piece);
@@ -477,7 +476,7 @@ fn inside<'a>(
     (now.count > 2).then_some(now)
 }
 
-/// Form factor density from the origin, on the first of a pair, to a piece of the second.
+/// Form factor density from the origin, on the first facet of a pair, to a piece of the second.
 fn measure(piece: &Corners, [from, to]: [&Facet; 2], is_far: bool) -> f64 {
     if !is_far {
         return polygon_vector(DVec3::ZERO, piece.all()).dot(from.normal);
@@ -490,7 +489,7 @@ fn measure(piece: &Corners, [from, to]: [&Facet; 2], is_far: bool) -> f64 {
         area += twice;
         moment += twice * (u + v);
     }
-    // Less than nothing is a sliver's rounding.
+    // Negative values are rounding on slivers.
     if area <= 0.0 {
         return 0.0;
     }
@@ -500,7 +499,7 @@ fn measure(piece: &Corners, [from, to]: [&Facet; 2], is_far: bool) -> f64 {
     0.5 * area * cosines / (std::f64::consts::PI * squared * squared)
 }
 
-/// Exchange area of a pair that nothing stands between.
+/// Exchange area of an unoccluded pair.
 fn whole(a: &Facet, b: &Facet, goal: PairGoal) -> f64 {
     exchange_area_fast(a.polygon(), b.polygon(), goal.whole)
 }
@@ -513,7 +512,7 @@ fn rough(a: &Facet, b: &Facet) -> f64 {
     (first * second / (std::f64::consts::PI * squared)).min(first.min(second))
 }
 
-/// Size of `from` over the distance of what is seen from there: how far from smooth a view is.
+/// Size of `from` over the distance of what it sees: how far the view is from smooth.
 fn ratio(from: &Facet, to: &Facet, obstructions: &[Obstruction]) -> f64 {
     let mut nearest = to.centre.distance(from.centre) - to.radius;
     for obstruction in obstructions {
@@ -531,7 +530,7 @@ fn distance(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     p.distance(a.lerp(b, along.clamp(0.0, 1.0)))
 }
 
-/// A facet in four, by the middles of its sides.
+/// The quarters of a facet, by the midpoints of its sides.
 fn quarters(facet: &Facet) -> Vec<Facet> {
     let p = facet.polygon();
     let piece = |corners: &[DVec3]| Facet::new(facet.id, corners, facet.normal);

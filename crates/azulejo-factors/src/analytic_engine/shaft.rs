@@ -1,4 +1,4 @@
-//! Shafts between boxes: what may stand between two clusters?
+//! Shaft culling between two clusters.
 //!
 //! The convex hull of two boxes is bounded by the sides of the box around both and by planes
 //! through an edge of either, each parallel to an axis (Haines and Wallace, *Shaft Culling for
@@ -69,7 +69,7 @@ impl ClusterShaft {
             if upper[0] { 1.0 } else { -1.0 },
             if upper[1] { 1.0 } else { -1.0 },
         );
-        // Outwards in both axes, either way round.
+        // Outward in both axes, in either order.
         let sign = if dv * su > 0.0 && -du * sv > 0.0 {
             1.0
         } else if dv * su < 0.0 && -du * sv < 0.0 {
@@ -86,8 +86,8 @@ impl ClusterShaft {
         self.count += 1;
     }
 
-    /// What a convex polygon does to the lines from the first box to the second; partial where that is not
-    /// known at once.
+    /// The effect of a convex polygon on the lines from the first box to the second; partial where
+    /// a quick test does not decide.
     pub fn effect(&self, blocker: &Blocker) -> Effect {
         let [a, b] = self
             .ends
@@ -107,8 +107,8 @@ impl ClusterShaft {
         } else {
             return Effect::Partial(u64::MAX);
         };
-        // Where the line from p above to q below meets the plane, it is inside of an edge if
-        // inward(p) · depth(q) + inward(q) · height(p) is positive.
+        // The line from p above to q below crosses the plane inside an edge if inward(p) · depth(q)
+        // + inward(q) · height(p) is positive.
         let (height, depth) = (
             up.map(|h| h.max(0.0)),
             [-down[1], -down[0]].map(|h| h.max(0.0)),
@@ -150,7 +150,7 @@ impl ClusterShaft {
                 .any(|(n, d)| polygon.iter().all(|p| p.dot(*n) >= *d))
     }
 
-    /// Whether any of a box may be inside.
+    /// Whether a box may reach inside.
     pub fn meets(&self, other: &Aabb) -> bool {
         let apart = |axis: usize| {
             other.max[axis] <= self.bounds.min[axis] + self.graze

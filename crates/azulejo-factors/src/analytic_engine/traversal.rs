@@ -1,4 +1,4 @@
-//! All pairs of some rows with all columns, clusters first.
+//! Hierarchical traversal of all pairs of some rows with all columns.
 
 use super::gauss_points::{FOUR, NINE};
 use super::images::MirrorImage;
@@ -10,18 +10,18 @@ use azulejo_scene::math::Aabb;
 use glam::DVec3;
 use std::ops::Range;
 
-/// How exact pairs have to be.
+/// The accuracy of pairs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairAccuracy {
-    /// Relative error of pairs that see each other whole.
+    /// Relative error of unoccluded pairs.
     pub whole: f64,
-    /// Absolute error of the form factors of the others.
+    /// Absolute error of the form factors of partially occluded pairs.
     pub partial: f64,
     /// Whether all pairs take the exact formulas, so that these errors may be small.
     pub is_exact: bool,
 }
 
-/// Exchange areas found, with their errors, by row of the group and position of the column.
+/// Exchange areas with their errors, by row of the group and position of the column.
 pub(super) struct ExchangeBlock {
     values: Vec<f64>,
     errors: Vec<f32>,
@@ -50,42 +50,42 @@ impl ExchangeBlock {
     }
 }
 
-/// Rows in halves of halves.
+/// A node of a binary tree over the rows of the group.
 struct RowNode {
     range: Range<usize>,
     cluster: Cluster,
-    /// The second half; 0 where there are none. The first half is the next node.
+    /// The second half; 0 in a leaf. The first half is the next node.
     second: usize,
 }
 
-/// Rows that are not halved.
+/// Most rows per leaf.
 const FEW_ROWS: usize = 2;
 
-/// More screens before a pair than this are left to shadow rays.
+/// Pairs with more obstructions than this are left to shadow rays.
 const MOST_OBSTRUCTIONS: usize = 24;
 
-/// Pairs that were too hard for formulas.
+/// Row and column of a pair that is too complex for formulas.
 pub(super) type UnresolvedPair = (usize, usize);
 
-/// How many pairs were found how.
+/// Number of pairs by the method that resolved them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PairCounts {
-    /// That see each other whole, in clusters that do.
+    /// Unoccluded, in unoccluded clusters.
     pub bulk: u64,
-    /// That see each other whole, by Gauss's rule.
+    /// Unoccluded, by Gauss's rule.
     pub single: u64,
-    /// The same, by contours.
+    /// Unoccluded, by contours.
     pub close: u64,
-    /// That others stand between.
+    /// Partially occluded.
     pub partial: u64,
-    /// That see nothing of each other because others stand between.
+    /// Fully occluded.
     pub hidden: u64,
     /// Left to shadow rays.
     pub hard: u64,
 }
 
 impl PairCounts {
-    /// From what [`counts`](PairCounts::counts) gave.
+    /// The inverse of [`counts`](PairCounts::counts).
     pub fn of([bulk, single, close, partial, hidden, hard]: [u64; 6]) -> PairCounts {
         PairCounts {
             bulk,
@@ -97,7 +97,7 @@ impl PairCounts {
         }
     }
 
-    /// All counts, in one order.
+    /// All counts, in a fixed order.
     pub fn counts(&self) -> [u64; 6] {
         [
             self.bulk,
@@ -119,7 +119,7 @@ impl PairCounts {
     }
 }
 
-/// Working state of a walk.
+/// State of the traversal.
 pub(super) struct PairTraversal<'a> {
     world: &'a MirrorImage,
     accuracy: PairAccuracy,
@@ -127,17 +127,17 @@ pub(super) struct PairTraversal<'a> {
     columns: &'a FacetTree,
     nodes: Vec<RowNode>,
     obstructions: Vec<u32>,
-    /// Which edges matter of the screens between the pair at hand.
+    /// The edges that matter of the obstructions of the current pair.
     edges: Vec<u64>,
     partial: PartialVisibility,
     sums: Vec<f64>,
     pub tally: PairCounts,
-    /// Row and column of pairs left to shadow rays.
+    /// Pairs left to shadow rays.
     pub hard: Vec<UnresolvedPair>,
 }
 
 impl<'a> PairTraversal<'a> {
-    /// A walk over all pairs of `rows`, as the world shows them, and `columns`.
+    /// A traversal of all pairs of `rows`, the images of facets in `image`, and `columns`.
     pub fn new(
         world: &'a MirrorImage,
         rows: &'a FacetTree,
@@ -177,7 +177,7 @@ impl<'a> PairTraversal<'a> {
         }
     }
 
-    /// All pairs of the rows with columns of numbers from `first` on, or from the row's own on.
+    /// All pairs of the rows with columns; with `upper` only those from the diagonal on.
     pub fn run(&mut self, upper: bool, found: &mut ExchangeBlock) {
         let count = self.world.obstructions.len() + self.world.curved.len();
         self.obstructions.extend(0..count as u32);
@@ -249,7 +249,7 @@ impl<'a> PairTraversal<'a> {
         self.obstructions.truncate(top);
     }
 
-    /// Pushes those screens that matter in a shaft; false if nothing is seen through it.
+    /// Pushes the obstructions that matter in a shaft; false if it is fully blocked.
     fn cull(&mut self, shaft: &ClusterShaft, obstructions: Range<usize>) -> bool {
         for k in obstructions {
             let index = self.obstructions[k] as usize;
@@ -270,7 +270,7 @@ impl<'a> PairTraversal<'a> {
         true
     }
 
-    /// Pairs of clusters that see each other whole, if Gauss's rule is good enough for all.
+    /// Pairs of unoccluded clusters, if Gauss's rule is accurate enough for all.
     fn clear(
         &mut self,
         rows: &Range<usize>,
@@ -392,7 +392,7 @@ impl<'a> PairTraversal<'a> {
         self.obstructions.truncate(top);
     }
 
-    /// As [`cull`](PairTraversal::cull), for one pair; notes which edges matter.
+    /// As [`cull`](PairTraversal::cull), for one pair; records which edges matter.
     fn cull_for_pair(&mut self, a: &Facet, b: &Facet, obstructions: Range<usize>) -> bool {
         self.edges.clear();
         for k in obstructions {
@@ -415,7 +415,7 @@ impl<'a> PairTraversal<'a> {
         true
     }
 
-    /// A pair that nothing stands between.
+    /// An unoccluded pair.
     fn whole(&mut self, row: usize, column: usize, is_whole: bool) -> (f64, f64) {
         let (rows, columns) = (self.rows, self.columns);
         let (a, b) = (&rows.list[row], &columns.list[column]);
@@ -447,8 +447,7 @@ impl<'a> PairTraversal<'a> {
     }
 }
 
-/// Whether both facets are wholly in front of each other; `None` if no point sees one of the
-/// other's.
+/// Whether both facets are fully in front of each other; `None` if they face away.
 fn facing(a: &Facet, b: &Facet, graze: f64) -> Option<bool> {
     let range = |of: &Facet, points: &[DVec3]| {
         points

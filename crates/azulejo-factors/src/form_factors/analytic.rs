@@ -1,4 +1,4 @@
-//! The matrix by formulas, with rays for what there is no formula for.
+//! The matrix by the analytic engine, with rays for what has no formula.
 
 use super::exchange::{Exchange, ExchangeAreas};
 use super::forecast::Costs;
@@ -12,13 +12,13 @@ use crate::row::{Columns, Order, Side};
 use azulejo_trace::Progress;
 use azulejo_trace::sampling::hash;
 
-/// Rays per row where they only have to say where light goes that meets no column.
+/// Rays per row where they only sample where the light goes that reaches no column.
 const REMAINDER_RAYS: u32 = 256;
 
 impl PreparedPlan<'_> {
-    /// All rows by formulas. What has none is left to rays: curved patches; mirrors and glass, as
-    /// far as there are no images of them; rows that there was no time for; and in open scenes
-    /// the direction in which light leaves, but not how much of it.
+    /// All rows by formulas. Rays take the rest: curved patches; mirrors and glass without images;
+    /// rows that time ran out for; and in open scenes the directions, but not the amount, of light
+    /// that leaves.
     pub(super) fn by_formulas(
         &self,
         journal: &dyn Journal,
@@ -87,7 +87,7 @@ impl PreparedPlan<'_> {
         )
     }
 
-    /// What the matrix will take if formulas put all pairs that see each other into it.
+    /// The memory for the matrix if formulas find all visible pairs.
     pub(super) fn forecast_of_formulas(
         &self,
         progress: &Progress,
@@ -106,7 +106,7 @@ impl PreparedPlan<'_> {
     }
 }
 
-/// Exchange areas of formulas and of rays together.
+/// The sum of the exchange areas by formulas and by rays.
 fn joined(all: AllPairs, by_rays: FormFactors, separate: bool) -> FormFactors {
     let [straight, mirrored, more] = all.orders;
     let sum = |a: ExchangeAreas, b: ExchangeAreas| match (a.pairs(), b.pairs()) {
@@ -133,9 +133,9 @@ fn joined(all: AllPairs, by_rays: FormFactors, separate: bool) -> FormFactors {
     }
 }
 
-/// Gives what rows lack to where rays saw it go; rows that lack no more than their errors lack
-/// nothing. Where rays lost nothing, it is what chains of mirrors longer than the images were
-/// would have reflected.
+/// Assigns the deficit of rows to where rays saw it go; deficits within a row's errors count as
+/// zero. Where rays lost nothing, the deficit is what longer chains of mirrors than those with
+/// images would have carried.
 fn settle_remainders(factors: &mut FormFactors, truncated: Option<f64>) {
     let ended = factors.ended();
     let errors = factors.per_area(factors.exchange.sums(|_, e| [f64::from(e.error); 2]));
@@ -147,9 +147,9 @@ fn settle_remainders(factors: &mut FormFactors, truncated: Option<f64>) {
     }
 }
 
-/// Counts light by chains of mirrors without images among the errors, as if it ended where the
-/// rest of its row did. How much that is rows themselves say, where no light leaves the scene;
-/// elsewhere it is at most `truncated`.
+/// Adds light by chains of mirrors without images to the errors, as if it ended where the rest of
+/// its row did. Its amount is the row's own cut where no light leaves the scene; elsewhere at most
+/// `truncated`.
 fn widen_by_truncation(factors: &mut FormFactors, truncated: f64) {
     let rows = factors.rest.iter().zip(factors.ended());
     let share = |(rest, ended): (&RowRemainder, f64)| {
@@ -187,7 +187,7 @@ fn settled_remainder(
         };
     }
     let share = missing / went;
-    // What goes but one way is as well known as the sum of the row.
+    // A single way out is as well known as the sum of the row.
     let of = |part: f64, noise: f64| {
         let doubt = if part == went { 0.0 } else { noise * share };
         (part * share, doubt.hypot(error * part / went))
@@ -205,7 +205,7 @@ fn settled_remainder(
     }
 }
 
-/// How the pairs were found.
+/// How the pairs were resolved.
 fn notes(all: &AllPairs, is_complete: bool, rays: u32) -> Vec<String> {
     let t = &all.tally;
     let mut notes = vec![format!(

@@ -1,12 +1,12 @@
-//! A tree of boxes: which of many may touch a region?
+//! A tree of boxes, to find items that may touch a region.
 
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 
-/// Items of a leaf.
+/// Items per leaf.
 const LEAF: usize = 4;
 
-/// Boxes of items 0, 1, …, halved again and again by their centres.
+/// Boxes of items 0, 1, …, halved recursively by their centres.
 pub(super) struct BoxTree {
     items: Vec<u32>,
     nodes: Vec<Node>,
@@ -14,7 +14,7 @@ pub(super) struct BoxTree {
 
 struct Node {
     bounds: Aabb,
-    /// Where its items start, and how many there are.
+    /// The first of its items, and their number.
     first: u32,
     count: u32,
     /// Index of the second child (the first is the next node); 0 in a leaf.
@@ -61,7 +61,7 @@ impl BoxTree {
         self.split(boxes, start + middle, end);
     }
 
-    /// Whether `found` says yes to any item in boxes that `enters` does not refuse; items in an
+    /// Whether `found` returns true for any item in boxes that `enters` accepts; items come in an
     /// order that depends on the boxes alone.
     pub fn any(&self, enters: impl Fn(&Aabb) -> bool, mut found: impl FnMut(u32) -> bool) -> bool {
         let mut stack = vec![0_u32];

@@ -1,32 +1,33 @@
-//! Rows whose light is all there.
+//! Enforcing closure: rows changed within their errors so that no light is missing.
 
 use super::exchange::Exchange;
 use super::matrix::{Adjustment, FormFactors, RowRemainder};
 use super::smoothing::{LEAST, Smoothing, SmoothingChange};
 use azulejo_trace::{Cancelled, Progress};
 
-/// What the sum of a row may still lack at the end.
+/// Tolerated deficit of a row's sum.
 const TOLERANCE: f64 = 1e-9;
 
-/// Share of a row's light that a closed scene may lose: what rays lose in cracks.
+/// Share of a row's light that a closed scene may lose: rays through cracks.
 const LOSS: f64 = 1e-6;
 
 impl FormFactors {
-    /// Whether all rows that see anything keep their light. Rows that see nothing are the outside
-    /// of a closed room.
+    /// Whether no row that sees anything loses light. Rows that see nothing are the outside of a
+    /// closed room.
     pub(super) fn keeps_its_light(&self) -> bool {
         let lengths = self.exchange.row_lengths();
         let seeing: Vec<usize> = (0..self.len()).filter(|&i| lengths[i] > 0).collect();
         !seeing.is_empty() && seeing.iter().all(|&i| self.rest[i].escaped() <= LOSS)
     }
 
-    /// Changes exchange areas, and the shares of sky and ground, by their standard errors as
-    /// little as possible so that Σ_j X_ij `ends`_j and the shares of `rest` sum to 1 in every
-    /// row. What leaked through the cracks of a closed scene is taken back before. Says in
-    /// [`closed`](FormFactors::closed) how much was moved; standard errors stay as they were.
+    /// Enforces closure: makes Σ_j X_ij `ends`_j and the shares of `rest` sum to 1 in every row by
+    /// the smallest change of exchange areas and of the shares of sky and ground, weighted by their
+    /// standard errors. Light that leaked through cracks of a closed scene is put back first.
+    /// [`closed`](FormFactors::closed) records how much was moved; standard errors stay as they
+    /// were.
     ///
     /// Rows without an entry or share that could change stay as they are, and no entry falls below
-    /// a tenth of itself: what a row lacks then is in [`Adjustment::deficit`].
+    /// a tenth of its value: [`Adjustment::deficit`] is what a row lacks then.
     ///
     /// # Errors
     /// [`Cancelled`]; the matrix is as before then.
@@ -63,7 +64,7 @@ impl FormFactors {
         Ok(())
     }
 
-    /// What each row lacks of 1; 0 for those that see nothing.
+    /// The deficit of each row, 1 less its sum; 0 for rows that see nothing.
     fn lacking(&self) -> Vec<f64> {
         let rows = self.ended().into_iter().zip(&self.rest);
         rows.map(|(ended, rest)| {
@@ -76,7 +77,7 @@ impl FormFactors {
         .collect()
     }
 
-    /// Σ_j |ΔX_ij| of every row, before a change.
+    /// Σ_j |ΔX_ij| of every row, for a change that is about to be made.
     pub(super) fn moved(&self, ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync) -> Vec<f64> {
         let moved = |i: usize, e: &Exchange| {
             let ratio = ratio(i, e).unwrap_or(0.0);
@@ -85,7 +86,7 @@ impl FormFactors {
         self.per_area(self.exchange.sums(moved))
     }
 
-    /// What moved in all, from what moved in each row and what each lacks now.
+    /// Statistics of a change, from what moved in each row and the remaining deficits.
     pub(super) fn moved_in_all(&self, moved: &[f64], lacking: &[f64]) -> Adjustment {
         let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let changed: f64 = moved.iter().zip(&self.areas).map(|(m, a)| m * a).sum();
@@ -103,7 +104,7 @@ fn variance(e: &Exchange) -> f64 {
     f64::from(e.error).powi(2)
 }
 
-/// The same where so little leaves that it can only have leaked.
+/// The same without escaped light so small that it must have leaked.
 fn without_leaks(rest: &RowRemainder) -> RowRemainder {
     if rest.escaped() > LOSS {
         return *rest;
@@ -117,7 +118,7 @@ fn without_leaks(rest: &RowRemainder) -> RowRemainder {
     }
 }
 
-/// Sky and ground as the change leaves them.
+/// Sky and ground after the change.
 fn changed_rest(
     rest: &RowRemainder,
     change: &SmoothingChange,

@@ -1,11 +1,11 @@
-//! How much the errors of entries that belong together have in common.
+//! Correlation of the errors of entries from shared viewpoints.
 //!
-//! A hemicube shows all of a wall's pieces from one point: where that sees more of the wall, it
-//! sees more of every piece. Errors of such entries must not be added up as if they were
-//! independent, or the sum is believed too much. How far they go together is learned from the
-//! replicates: the variance of the sum over a face or object, over the sum of the variances of
-//! its pieces, is the design effect of survey statistics (Kish, *Survey Sampling*, 1965, chapter
-//! 5), by which the variances of the pieces are multiplied before they are added up.
+//! A hemicube shows all pieces of a wall from one point: if that sees more of the wall, it sees
+//! more of every piece. Adding the errors of such entries as if they were independent would
+//! underestimate the error of the sum. Their correlation is estimated from the replicates: the
+//! variance of the sum over a face or object divided by the sum of the variances of its pieces is
+//! the design effect of survey statistics (Kish, *Survey Sampling*, 1965, chapter 5). The variances
+//! of the pieces are multiplied by it before they are added up.
 
 use super::journal::{RecordReader, write_list};
 use super::rows::Column;
@@ -16,12 +16,12 @@ use azulejo_trace::REPLICATES;
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// What one row's entries to the pieces of a face or object have in common.
+/// Correlation of one row's entries to the pieces of a face or object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ErrorGroup {
     /// One of its columns.
     column: u32,
-    /// Whether these are all columns of an object, not of one of its faces.
+    /// Whether these are the columns of a whole object, not of one of its faces.
     is_object: bool,
     /// Variance of the sum.
     variance_of_sum: f64,
@@ -29,7 +29,7 @@ pub(super) struct ErrorGroup {
     sum_of_variances: f64,
 }
 
-/// The groups of more than one column among some entries of a row.
+/// The groups of more than one column among the entries of a row.
 pub(super) fn groups(columns: &[Column], sides: &Sides) -> Vec<ErrorGroup> {
     let face = |&(column, _): &Column| face_of(sides, column);
     let mut groups = Vec::new();
@@ -73,7 +73,7 @@ pub(super) fn write(groups: &[ErrorGroup], bytes: &mut Vec<u8>) {
     });
 }
 
-/// Reads back what [`write`] wrote.
+/// The inverse of [`write`].
 pub(super) fn read(bytes: &mut RecordReader) -> Option<Vec<ErrorGroup>> {
     bytes.list(|b| {
         Some(ErrorGroup {
@@ -85,24 +85,23 @@ pub(super) fn read(bytes: &mut RecordReader) -> Option<Vec<ErrorGroup>> {
     })
 }
 
-/// By how much the errors of entries between the pieces of two faces, or of two objects, are to
-/// be widened where they are added up.
+/// Design effects of sums of entries between two faces, or between two objects.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DesignEffect {
     faces: EffectSums<FaceId>,
     objects: EffectSums<u32>,
 }
 
-/// Variances together and alone, by pair, the smaller first.
+/// Variance of the sum and sum of the variances by pair, the smaller key first.
 type EffectSums<T> = HashMap<(T, T), [f64; 2]>;
 
 impl DesignEffect {
-    /// Whether errors are as good as independent.
+    /// Whether errors are independent.
     pub(super) fn is_empty(&self) -> bool {
         self.faces.is_empty() && self.objects.is_empty()
     }
 
-    /// Adds what row `i` tells.
+    /// Adds the groups of row `i`.
     pub(super) fn add(&mut self, sides: &Sides, i: usize, groups: &[ErrorGroup]) {
         let own = face_of(sides, i as u32);
         let weight = sides.area(i).powi(2);
@@ -118,7 +117,7 @@ impl DesignEffect {
         }
     }
 
-    /// What multiplies the variance of an entry between two faces in a sum, 1 or more.
+    /// The factor, at least 1, for the variance of an entry between two faces in a sum.
     pub(super) fn effect(&self, a: FaceId, b: FaceId) -> f64 {
         let faces = effect(self.faces.get(&ordered(a, b)));
         let objects = effect(self.objects.get(&ordered(a.object, b.object)));
@@ -166,7 +165,7 @@ mod tests {
         check(&[&[(0, up), (1, up)]], 2.0);
         check(&[&[(0, up), (1, across)]], 1.0);
         check(&[&[(0, up), (1, up)], &[(2, up), (3, across)]], 1.5);
-        // Against each other: added up as independent they are rather too large.
+        // Anticorrelated: added up as independent, the error is overestimated.
         check(&[&[(0, up), (1, up.map(|x| -x))]], 1.0);
         check(&[], 1.0);
     }

@@ -1,4 +1,4 @@
-//! What thermal engineers ask of a matrix: masks, rows scaled to their sums, grey interchange.
+//! Operations of thermal engineering: masks, rows scaled to given sums, grey interchange.
 
 mod cholesky;
 
@@ -9,14 +9,14 @@ use cholesky::{Cholesky, dot};
 use rayon::prelude::*;
 use std::fmt;
 
-/// How the rows of a matrix came to their sums.
+/// How well the scaling of rows converged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scaled {
     /// Sweeps over all rows.
     pub sweeps: usize,
-    /// The largest error of a row's sum in the last sweep.
+    /// Largest error of a row's sum in the last sweep.
     pub error: f64,
-    /// What was moved.
+    /// How much was moved.
     pub moved: Adjustment,
 }
 
@@ -25,8 +25,8 @@ pub struct Scaled {
 pub enum InterchangeError {
     /// The caller cancelled.
     Cancelled,
-    /// Light would grow from reflection to reflection: the rows up to this one sum to more than
-    /// one over their reflectances.
+    /// Light would grow from reflection to reflection: the rows up to this one sum to more than one
+    /// over their reflectances.
     Grows {
         /// The row, from 0.
         row: usize,
@@ -59,13 +59,12 @@ impl From<Cancelled> for InterchangeError {
 const TOLERANCE: f64 = 1e-7;
 
 impl FormFactors {
-    /// Lays row `mask`, a surface of this area that has seen nothing so far, on a part of row
-    /// `base` that is not in its area yet: the two see each other, and the base grows by it.
-    ///
-    /// `area` is above 0.
+    /// Makes row `mask`, a surface of this area that has seen nothing so far, cover a part of row
+    /// `base` that is not in its area yet: the two see each other, and the base grows by `area`,
+    /// which is positive.
     ///
     /// # Panics
-    /// Without such rows.
+    /// If there are no such rows.
     pub fn cover(&mut self, mask: usize, base: usize, area: f64) {
         let whole = self.areas[base] + area;
         self.rest[base] = scaled_rest(&self.rest[base], self.areas[base] / whole);
@@ -75,19 +74,19 @@ impl FormFactors {
         self.find_row_errors();
     }
 
-    /// Scales rows and columns until row i sums to `targets[i]`, as View3D does: sweeps from the
-    /// first row to the last, each row and its column by what the row's sum asks for, until no sum
-    /// of a sweep is farther off than 1e-7, or after `most` sweeps. Reciprocity holds, standard
-    /// errors stay. Rows that see nothing stay.
+    /// Scales rows and columns until row i sums to `targets[i]`, as View3D does: sweeps over all
+    /// rows scale each row and its column, until no sum of a sweep is off by more than 1e-7, or
+    /// after `most` sweeps. Reciprocity is kept, and so are standard errors. Rows that see nothing
+    /// stay.
     ///
-    /// Takes 12 bytes for each entry of the whole matrix. Sums count every entry alike, so it
-    /// is for scenes without mirrors; orders are not kept apart any more.
+    /// Takes 12 bytes per entry of the whole matrix. Meant for scenes without mirrors, because sums
+    /// count all entries alike; the separate orders are dropped.
     ///
     /// # Errors
     /// [`Cancelled`]; the matrix is as before then.
     ///
     /// # Panics
-    /// If there are not as many targets as rows.
+    /// If the number of targets is not that of the rows.
     pub fn scale_rows(
         &mut self,
         targets: &[f64],
@@ -123,17 +122,18 @@ impl FormFactors {
     /// reflections, with emissivities 0 < ε < 1. In an enclosure row i sums to ε_i.
     ///
     /// With S = A F and ρ = 1 − ε: K = diag(A/ρ) − S is positive definite, and A_i 𝓕_ij = v_i
-    /// (K⁻¹)_ij v_j with v = Aε/ρ, less v_i ε_i on the diagonal. Standard errors are those of first
-    /// order, at most √2 too large: the two halves of a pair err alike. What a row
-    /// emits less than a black one, 1 − ε, counts as [`lost`](RowRemainder::lost), so that nothing is missing.
+    /// (K⁻¹)_ij v_j with v = Aε/ρ, less v_i ε_i on the diagonal. Standard errors are of first
+    /// order, and up to √2 too large because the two halves of a pair have the same error. What a
+    /// row emits less than a black one, 1 − ε, counts as [`lost`](RowRemainder::lost), so that sums
+    /// are complete.
     ///
-    /// Takes 24 bytes for each entry of a full matrix, and time as the cube of its rows.
+    /// Takes 24 bytes per entry of a full matrix, and time cubic in the number of rows.
     ///
     /// # Errors
     /// [`InterchangeError`].
     ///
     /// # Panics
-    /// If there are not as many emissivities as rows.
+    /// If the number of emissivities is not that of the rows.
     pub fn interchange(
         &self,
         emissivities: &[f64],
@@ -149,7 +149,8 @@ impl FormFactors {
         let system = system.map_err(|row| InterchangeError::Grows { row })?;
         let own = |i: usize| self.areas[i] * emissivities[i] / (1.0 - emissivities[i]);
         let own: Vec<f64> = (0..n).map(own).collect();
-        // Row i of diag(v) K⁻¹: how much of what each surface sends out at first row i absorbs.
+        // Row i of diag(v) K⁻¹: how much of what each surface emits and reflects at first row i
+        // absorbs.
         let absorbed: Result<Vec<Vec<f64>>, Cancelled> = (0..n)
             .into_par_iter()
             .map(|i| {
@@ -212,7 +213,7 @@ impl FormFactors {
         system
     }
 
-    /// Where the light that row i emits goes beside the columns, after all reflections.
+    /// The shares of row i's emission that reach no column, after all reflections.
     fn grey_rest(&self, i: usize, absorbed: &[f64], emissivities: &[f64]) -> RowRemainder {
         let sent = |k: usize| absorbed[k] * self.areas[k] / self.areas[i];
         let sum = |of: fn(&RowRemainder) -> f64| -> f64 {
@@ -266,7 +267,7 @@ impl FormFactors {
     }
 }
 
-/// The rest of a row of which this share is left.
+/// The remainder of a row scaled to `share`.
 fn scaled_rest(rest: &RowRemainder, share: f64) -> RowRemainder {
     RowRemainder {
         sky: rest.sky * share,
@@ -279,7 +280,7 @@ fn scaled_rest(rest: &RowRemainder, share: f64) -> RowRemainder {
     }
 }
 
-/// The whole matrix by rows, because sweeps need them one after the other.
+/// The whole matrix by rows, which sweeps need one after the other.
 struct WholeRows {
     starts: Vec<usize>,
     columns: Vec<u32>,
@@ -316,7 +317,7 @@ impl WholeRows {
         rows
     }
 
-    /// Brings each row to its target in turn; the largest error that one had before.
+    /// Scales each row to its target in turn; returns the largest error before.
     fn sweep(&self, factors: &mut [f64], areas: &[f64], targets: &[f64]) -> f64 {
         let mut worst: f64 = 0.0;
         for i in 0..factors.len() {
@@ -339,7 +340,7 @@ impl WholeRows {
     }
 }
 
-/// The f for which f (others + own f) is `target`: what a row sees of itself has it twice.
+/// The factor f with f (others + own f) = `target`: an entry of a row with itself is scaled twice.
 fn factor_for(target: f64, others: f64, own: f64) -> f64 {
     // Written so that it holds for `own` = 0.
     2.0 * target / (others + (others * others + 4.0 * own * target).sqrt())
@@ -389,7 +390,7 @@ mod tests {
         assert!(scaled.sweeps < 100 && scaled.error <= 1e-7, "{scaled:?}");
         assert!(scaled.moved.total > 0.0 && scaled.moved.deficit <= 1e-6);
         assert!(factors.row_sums().iter().all(|s| (s - 1.0).abs() < 1e-6));
-        // Where nothing is to be done nothing is.
+        // Nothing to do, nothing done.
         let scaled = duct().scale_rows(&[1.0; 3], 100, &Progress::new()).unwrap();
         assert_eq!((scaled.sweeps, scaled.moved.total), (1, 0.0));
     }
@@ -406,7 +407,7 @@ mod tests {
 
     #[test]
     fn a_mask_sees_what_it_covers() {
-        // A floor whose middle is covered: 0.75 of it are left.
+        // A floor whose middle is covered: 0.75 of it remain.
         let mut factors = matrix(
             &[0.75, 1.0, 0.0],
             &[&[0.0, 0.15, 0.0], &[0.15, 0.0, 0.0], &[0.0; 3]],
@@ -429,7 +430,7 @@ mod tests {
         let sums = grey.row_sums();
         assert!((sums[0] - 0.8).abs() < 1e-12 && (sums[1] - 0.4).abs() < 1e-12);
         assert!(grey.get(0, 1).1 > 0.0);
-        // Of an open pair nothing is missing either.
+        // An open pair is complete too.
         let mut open = matrix(&[2.0, 2.0], &[&[0.0, 1.0], &[1.0, 0.0]]);
         open.rest.iter_mut().for_each(|r| r.sky = 0.5);
         let grey = open.interchange(&[0.8, 0.4], &Progress::new()).unwrap();

@@ -1,4 +1,4 @@
-//! Exchange areas S_ij = A_i X_ij, each pair kept once.
+//! Exchange areas S_ij = A_i X_ij, stored once per pair.
 
 use rayon::prelude::*;
 use std::ops::Range;
@@ -14,22 +14,22 @@ pub struct Exchange {
     pub error: f32,
 }
 
-/// Sums over rows are added up in this many parts, whatever the number of threads.
+/// Sums over rows are computed in this many parts, whatever the number of threads.
 const PARTS: usize = 16;
 
 /// A sparse symmetric matrix of exchange areas: the upper triangle, row by row.
 ///
-/// 16 bytes per pair, so that 20,000 patches that nearly all see each other fit in 3.2 GB, and
-/// reciprocity holds to the last bit because there is nothing to disagree.
+/// 16 bytes per pair, so that 20,000 patches that nearly all see each other fit in 3.2 GB.
+/// Reciprocity holds to the last bit, because both directions are one number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExchangeAreas {
-    /// Per row the entries from the diagonal on, columns ascending. A row has an allocation of
-    /// its own, so that nothing is moved when the matrix grows.
+    /// Per row the entries from the diagonal on, columns ascending. Each row has its own
+    /// allocation, so that nothing is moved when the matrix grows.
     rows: Vec<Box<[Exchange]>>,
 }
 
 impl ExchangeAreas {
-    /// No rows yet.
+    /// A matrix without rows.
     pub fn new() -> ExchangeAreas {
         ExchangeAreas::default()
     }
@@ -64,7 +64,7 @@ impl ExchangeAreas {
         self.rows.is_empty()
     }
 
-    /// Number of pairs kept, those of a row with itself included.
+    /// Number of stored pairs, including those of a row with itself.
     pub fn pairs(&self) -> usize {
         self.rows.iter().map(|r| r.len()).sum()
     }
@@ -82,7 +82,7 @@ impl ExchangeAreas {
     /// The part of row `i` from the diagonal on.
     ///
     /// # Panics
-    /// Without such a row.
+    /// If there is no such row.
     pub fn upper(&self, i: usize) -> &[Exchange] {
         &self.rows[i]
     }
@@ -90,7 +90,7 @@ impl ExchangeAreas {
     /// S_ij; zero if the pair is absent.
     ///
     /// # Panics
-    /// Without a row of the smaller number.
+    /// If there is no row with the smaller index.
     pub fn get(&self, i: usize, j: usize) -> Exchange {
         let (low, high) = (i.min(j), i.max(j) as u32);
         let row = &self.rows[low];
@@ -101,8 +101,8 @@ impl ExchangeAreas {
         }
     }
 
-    /// The whole rows of a range, columns ascending. Looks once at every row before the range's
-    /// end: ask for many rows at a time.
+    /// The whole rows of a range, columns ascending. Visits every row before the range's end once:
+    /// request many rows at a time.
     ///
     /// # Panics
     /// If the range goes beyond the last row.
@@ -129,7 +129,7 @@ impl ExchangeAreas {
         rows
     }
 
-    /// Adds to S_ij, i ≤ j, which need not be there yet and whose error stays.
+    /// Adds to S_ij, i ≤ j, creating the pair if it is absent; its error stays.
     pub(super) fn add(&mut self, i: usize, j: usize, value: f64) {
         let mut row = std::mem::take(&mut self.rows[i]).into_vec();
         let column = j as u32;
@@ -147,7 +147,7 @@ impl ExchangeAreas {
         self.rows[i] = row.into();
     }
 
-    /// How many entries each whole row has.
+    /// Number of entries of each whole row.
     pub fn row_lengths(&self) -> Vec<usize> {
         let mut lengths = vec![0; self.len()];
         for (i, upper) in self.rows.iter().enumerate() {
@@ -163,8 +163,8 @@ impl ExchangeAreas {
         self.sums(|_, e| [e.value; 2])
     }
 
-    /// Sums over the whole rows: `f(i, S_ij)` says what a pair adds to row i and to row j. A pair
-    /// of a row with itself adds the first alone.
+    /// Sums over whole rows: `f(i, S_ij)` returns what a pair adds to row i and to row j. A pair of
+    /// a row with itself adds the first alone.
     pub fn sums(&self, f: impl Fn(usize, &Exchange) -> [f64; 2] + Sync) -> Vec<f64> {
         let part_sums = |part: &Range<usize>| {
             let mut sums = vec![0.0; self.len()];
@@ -185,7 +185,7 @@ impl ExchangeAreas {
         (0..self.len()).into_par_iter().map(total).collect()
     }
 
-    /// Changes each pair, or drops it: `keep(i, S_ij)` says whether it stays. In place.
+    /// Changes each pair in place; drops it if `keep(i, S_ij)` returns false.
     pub fn retain(&mut self, keep: impl Fn(usize, &mut Exchange) -> bool + Sync) {
         self.rows.par_iter_mut().enumerate().for_each(|(i, row)| {
             let mut entries = std::mem::take(row).into_vec();
@@ -194,8 +194,8 @@ impl ExchangeAreas {
         });
     }
 
-    /// The sum of matrices of as many rows each, pair by pair in their order; errors as of
-    /// independent estimates.
+    /// The sum of matrices with the same number of rows; errors are added as of independent
+    /// estimates.
     pub fn sum_of(parts: &[ExchangeAreas]) -> ExchangeAreas {
         let row = |i: usize| {
             let rows = parts.iter().map(|p| p.upper(i));
@@ -207,7 +207,7 @@ impl ExchangeAreas {
         }
     }
 
-    /// Ranges of rows of about equal numbers of pairs, which depend on the matrix alone.
+    /// Ranges of rows with about equal numbers of pairs, which depend on the matrix alone.
     fn parts(&self) -> Vec<Range<usize>> {
         let share = self.pairs() / PARTS + 1;
         let (mut parts, mut start, mut pairs) = (Vec::new(), 0, 0);
@@ -237,7 +237,8 @@ fn added(a: &[Exchange], b: &[Exchange]) -> Vec<Exchange> {
     sum
 }
 
-/// Visits the union of two lists sorted by key, in order, with what either has for the key.
+/// Visits the union of two lists sorted by key, in order, with the items of either list for the
+/// key.
 pub(super) fn union<A, B>(
     a: &[A],
     b: &[B],
@@ -259,7 +260,7 @@ pub(super) fn union<A, B>(
 }
 
 impl FromIterator<Vec<Exchange>> for ExchangeAreas {
-    /// The matrix of these upper rows.
+    /// The matrix with these upper rows.
     fn from_iter<T: IntoIterator<Item = Vec<Exchange>>>(rows: T) -> ExchangeAreas {
         let mut areas = ExchangeAreas::new();
         rows.into_iter().for_each(|row| areas.push_row(row));

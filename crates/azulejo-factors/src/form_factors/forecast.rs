@@ -1,4 +1,4 @@
-//! How much memory a matrix will take, found out before it is begun.
+//! Forecast of the memory that a matrix takes.
 
 use super::sides::Sides;
 use crate::engine::Estimator;
@@ -7,53 +7,53 @@ use azulejo_scene::math::Ray;
 use azulejo_trace::sampling::{seeds, sobol};
 use azulejo_trace::{Cancelled, KernelRay, Progress, Tracer};
 
-/// Rows that are computed to see how many entries they have.
+/// Rows sampled to count their entries.
 const ROWS: usize = 24;
 
-/// Pairs of patches that are asked whether they see each other.
+/// Pairs of patches sampled for visibility.
 const PAIRS: u32 = 4_096;
 
-/// So few rows have memory enough for all pairs: nobody asks.
+/// Up to this many rows all pairs are assumed to be visible: they fit anyway.
 const FEW: usize = 512;
 
-/// Bytes of a patch and of what belongs to its row, about.
+/// Bytes per patch and row, about.
 pub(super) const PATCH_BYTES: f64 = 700.0;
 
-/// Bytes of a pair in the matrix.
+/// Bytes per pair of the matrix.
 const PAIR_BYTES: f64 = 16.0;
 
-/// Bytes of an entry of a row before it is merged with those of other rows.
+/// Bytes per entry of a row before merging.
 const ENTRY_BYTES: f64 = 12.0;
 
-/// What a matrix will take. Its figures are rather too high than too low.
+/// The size of a matrix before it is computed; an upper estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forecast {
     /// Rows of the matrix.
     pub rows: usize,
-    /// Pairs that will be kept.
+    /// Pairs that will be stored.
     pub pairs: u64,
-    /// Bytes at the worst moment.
+    /// Bytes at the peak.
     pub bytes: u64,
 }
 
-/// What is known of an engine that estimates rows.
+/// Cost model of an engine.
 pub(super) struct Costs<'a> {
     pub sides: &'a Sides<'a>,
     pub tracer: &'a Tracer,
-    /// Finds a few rows by rays, whoever finds the rest.
+    /// Samples a few rows by rays, whatever the engine.
     pub sampler: &'a Estimator<'a>,
-    /// Rays or pixels of the rows that will be found.
+    /// Rays or pixels per row of the engine.
     pub rays: u32,
-    /// Whether each row is kept until all are there, and finds no more than its rays do; else
-    /// pairs go straight into the matrix, and all that are visible do.
+    /// Whether rows are stored until all are complete and find no more than their rays do; else all
+    /// visible pairs go straight into the matrix.
     pub by_rows: bool,
-    /// Matrices that are kept.
+    /// Number of matrices that are stored.
     pub matrices: usize,
     pub seed: u32,
 }
 
 impl Costs<'_> {
-    /// Looks at a few rows and pairs to see how many patches see each other.
+    /// Samples a few rows and pairs to estimate how many patches see each other.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -80,7 +80,7 @@ impl Costs<'_> {
             0.0
         };
         let matrix = pairs * PAIR_BYTES * self.matrices as f64;
-        // Rows go while the matrix comes, but allocators seldom give back what they left.
+        // Rows are freed while the matrix grows, but allocators seldom return the memory.
         let bytes = n * PATCH_BYTES + entries * ENTRY_BYTES + matrix;
         Ok(Forecast {
             rows: self.sides.len(),
@@ -89,8 +89,8 @@ impl Costs<'_> {
         })
     }
 
-    /// Number of patches that a row sees, on average: what rows find, corrected for what so few
-    /// rays miss, or what pairs of points show, whichever is more.
+    /// Average number of patches that a row sees: the larger of what sampled rows find, corrected
+    /// for what so few rays miss, and what sampled pairs of points show.
     fn seen(&self, progress: &Progress) -> Result<f64, Cancelled> {
         progress.begin("forecast", ROWS as u64);
         let step = self.sides.len().div_ceil(ROWS);
@@ -105,7 +105,7 @@ impl Costs<'_> {
         Ok(by_rows.max(self.visible_share() * self.sides.len() as f64))
     }
 
-    /// Share of all pairs that see each other between two random points.
+    /// Share of all pairs of random points that see each other.
     fn visible_share(&self) -> f64 {
         let scrambling = seeds(&[self.seed, 0xf0]);
         let n = self.sides.len() as f64;
@@ -121,7 +121,7 @@ impl Costs<'_> {
         free as f64 / f64::from(PAIRS)
     }
 
-    /// A ray between points of two rows that face each other.
+    /// A ray between points of two rows, if these face each other.
     fn between(&self, i: usize, j: usize, u: f64, v: f64) -> Option<KernelRay> {
         let at = |row: usize| {
             let point = self.sides.patches.sample(self.sides.patch(row), u, v);
@@ -139,7 +139,7 @@ impl Costs<'_> {
     }
 }
 
-/// Different sides that a row found.
+/// Number of distinct sides in a row.
 fn columns(row: &Row) -> usize {
     let entries = row.entries.iter().flatten();
     let mut sides: Vec<Side> = entries.map(|e| e.side).collect();
@@ -148,8 +148,8 @@ fn columns(row: &Row) -> usize {
     sides.len()
 }
 
-/// How many equal targets there are, if `rays` rays found so many of them: the solution V of
-/// V (1 − e^(−rays/V)) = found, by bisection.
+/// The number of equal targets of which `rays` rays found `found`: the solution V of V (1 −
+/// e^(−rays/V)) = found, by bisection.
 fn behind(found: f64, rays: f64) -> f64 {
     let (mut low, mut high) = (found, 1e12f64.max(found));
     for _ in 0..100 {

@@ -1,4 +1,4 @@
-//! Rows that belong together become one.
+//! The matrix between groups of rows.
 
 use super::design_effect::DesignEffect;
 use super::exchange::{Exchange, ExchangeAreas, union};
@@ -9,13 +9,13 @@ use rayon::prelude::*;
 impl FormFactors {
     /// The matrix between groups of rows: row i belongs to group `groups[i]`, a number below
     /// `count`, or to none. X_ab = Σ_i∈a Σ_j∈b A_i X_ij / Σ_i∈a A_i, so that reciprocity holds as
-    /// between patches. What belongs to no group is no row, and what it receives counts as
+    /// between patches. Rows without a group are dropped, and what they receive counts as
     /// [`hidden`](RowRemainder::hidden).
     ///
-    /// Standard errors are added up as of independent estimates, but for what drawn entries have
-    /// in [common](FormFactors::design_effect). Entries of one row of rays err against each other, so
-    /// these are rather too large. `ends` is a mean over the area, which is right where a group has
-    /// one material. Groups without rows have no area and see nothing.
+    /// Standard errors are added as of independent estimates, times the [design
+    /// effect](FormFactors::design_effect) of hemicubes. Entries of one row of rays are
+    /// anticorrelated, so these errors are overestimated. `ends` is an average by area, which is
+    /// exact where a group has one material. Groups without rows have no area and see nothing.
     ///
     /// # Panics
     /// If `groups` has another length than the matrix, or numbers from `count` on.
@@ -50,7 +50,7 @@ impl FormFactors {
 /// The face of a group without rows.
 const NO_FACE: FaceId = FaceId { object: 0, face: 0 };
 
-/// Which rows belong together.
+/// The group of each row, and the rows of each group.
 struct Grouping<'a> {
     factors: &'a FormFactors,
     groups: &'a [Option<u32>],
@@ -58,11 +58,11 @@ struct Grouping<'a> {
     members: Vec<Vec<usize>>,
 }
 
-/// A row of sums over groups, kept to save allocations.
+/// A row of sums over groups, reused to save allocations.
 struct GroupSums {
     /// S and variance by group.
     sums: Vec<[f64; 2]>,
-    /// Groups that are not zero.
+    /// Groups with a sum.
     touched: Vec<u32>,
 }
 
@@ -85,7 +85,7 @@ impl<'a> Grouping<'a> {
         self.members.iter().map(|m| of(m)).collect()
     }
 
-    /// Mean over rows, weighted by area; 0 without any.
+    /// Mean over rows, weighted by area; 0 without rows.
     fn mean(&self, members: &[usize], of: impl Fn(usize) -> f64) -> f64 {
         let area = |i: usize| self.factors.areas[i];
         let whole: f64 = members.iter().map(|&i| area(i)).sum();
@@ -128,8 +128,8 @@ impl<'a> Grouping<'a> {
 
     /// Exchange areas between groups.
     ///
-    /// Each pair of patches is added where its first patch belongs; half of what belongs between
-    /// two groups is therefore found with either.
+    /// Each pair of patches is added in the group of its first patch; the pairs between two groups
+    /// are therefore split over both.
     fn exchange(&self, areas: &ExchangeAreas) -> ExchangeAreas {
         let count = self.members.len();
         let new = || GroupSums {
@@ -173,7 +173,7 @@ impl<'a> Grouping<'a> {
                 let Some(other) = self.groups[j] else {
                     continue;
                 };
-                // Within a group the light of such a pair goes both ways.
+                // Within a group the light of such a pair counts in both directions.
                 let ways = if other == group && i != j { 2.0 } else { 1.0 };
                 let error = ways * f64::from(e.error) * self.widening(i, j);
                 sums.add(other, ways * e.value, error);
@@ -181,7 +181,7 @@ impl<'a> Grouping<'a> {
         }
     }
 
-    /// What multiplies the error of an entry in a sum.
+    /// The factor for the error of an entry in a sum.
     fn widening(&self, i: usize, j: usize) -> f64 {
         let FormFactors {
             design_effect,
@@ -203,7 +203,7 @@ fn key<T>(&(column, _): &(u32, T)) -> u32 {
 impl GroupSums {
     fn add(&mut self, group: u32, value: f64, error: f64) {
         let [sum, variance] = &mut self.sums[group as usize];
-        // An entry without value and error is none.
+        // An entry without value and error does not count.
         if *sum == 0.0 && *variance == 0.0 {
             self.touched.push(group);
         }
@@ -211,7 +211,7 @@ impl GroupSums {
         *variance += error * error;
     }
 
-    /// The sums by group, ascending; zeros are left.
+    /// The sums by group, ascending; resets them to zero.
     fn take(&mut self) -> Vec<(u32, [f64; 2])> {
         self.touched.sort_unstable();
         self.touched.dedup();

@@ -1,11 +1,11 @@
-//! Work that survives an interruption: finished blocks of rows are kept and need not be computed
-//! again.
+//! Checkpoints: finished blocks of rows are stored and need not be computed again after an
+//! interruption.
 
 use super::Exchange;
 use azulejo_trace::{Cancelled, Progress};
 use std::ops::Range;
 
-/// Which part of the work a block belongs to.
+/// The computation that a block belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum JournalStage {
     /// Rows by rays or item buffers.
@@ -14,25 +14,25 @@ pub enum JournalStage {
     Pairs,
 }
 
-/// Where finished blocks are kept.
+/// Storage of finished blocks.
 ///
-/// A block depends on scene, options and its number alone, so a result that was put together
-/// from kept blocks is the same to the bit. Whoever keeps them must see to it that only the same
-/// scene and options get them back, and undamaged.
+/// A block depends only on the scene, the options and its number, so a result assembled from stored
+/// blocks is the same to the bit. The implementer has to make sure that blocks are returned
+/// undamaged, and only for the same scene and options.
 pub trait Journal: Sync {
-    /// The bytes that were kept of a block, if any were.
+    /// The bytes stored for a block, if any.
     fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>>;
 
-    /// Keeps a block. A journal that can't is no reason to stop: it says so to its owner.
+    /// Stores a block. Failure is not an error here; the journal reports it to its owner.
     fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]);
 
-    /// Whether anything is kept at all.
+    /// Whether anything is stored at all.
     fn is_kept(&self) -> bool {
         true
     }
 }
 
-/// Keeps nothing.
+/// Stores nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoJournal;
 
@@ -48,25 +48,25 @@ impl Journal for NoJournal {
     }
 }
 
-/// What a journal keeps of a row.
+/// A row that a journal can store.
 pub(crate) trait Record: Sized {
     /// Appends the row's bytes.
     fn write(&self, bytes: &mut Vec<u8>);
 
-    /// Reads a row back; `None` if the bytes are not one.
+    /// The inverse of `write`; `None` if the bytes are invalid.
     fn read(bytes: &mut RecordReader) -> Option<Self>;
 
-    /// Whether it was computed to its end; else its block is not kept.
+    /// Whether it is complete; blocks with incomplete rows are not stored.
     fn is_whole(&self) -> bool {
         true
     }
 }
 
-/// Computes the rows 0..`rows` in blocks of `size`, in order; what the journal has is not
-/// computed again. `compute` advances `progress` by one for each row.
+/// Computes the rows 0..`rows` in blocks of `size`, in order, except blocks that the journal holds.
+/// `compute` advances `progress` by one per row.
 ///
 /// # Errors
-/// [`Cancelled`]; what was computed before is in the journal then.
+/// [`Cancelled`]; finished blocks are in the journal then.
 pub(crate) fn resumed<R: Record>(
     journal: &dyn Journal,
     stage: JournalStage,
@@ -100,7 +100,7 @@ fn decoded<R: Record>(bytes: &[u8], rows: usize) -> Option<Vec<R>> {
     if reader.bytes.is_empty() { found } else { None }
 }
 
-/// Takes numbers from the front of bytes.
+/// Reads numbers from the front of a byte slice.
 pub(crate) struct RecordReader<'a> {
     bytes: &'a [u8],
 }
@@ -128,8 +128,8 @@ impl RecordReader<'_> {
         self.array().map(f64::from_le_bytes)
     }
 
-    /// A list as [`write_list`] wrote it. A count that the bytes can't hold ends the reading
-    /// before anything is reserved.
+    /// A list written by [`write_list`]; `None`, before anything is allocated, for a count that the
+    /// bytes cannot hold.
     pub fn list<T>(&mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         let count = self.u32()? as usize;
         if count > self.bytes.len() {
@@ -139,7 +139,7 @@ impl RecordReader<'_> {
     }
 }
 
-/// Appends a count and what `write` makes of each item.
+/// Appends a count and then each item by `write`.
 pub(crate) fn write_list<T>(items: &[T], bytes: &mut Vec<u8>, write: impl Fn(&T, &mut Vec<u8>)) {
     bytes.extend((items.len() as u32).to_le_bytes());
     items.iter().for_each(|item| write(item, bytes));
@@ -171,7 +171,7 @@ pub(crate) mod tests {
     use std::collections::HashMap;
     use std::sync::Mutex;
 
-    /// Keeps blocks in memory.
+    /// Stores blocks in memory.
     #[derive(Default)]
     pub struct Memory(pub Mutex<HashMap<(JournalStage, usize), Vec<u8>>>);
 
@@ -195,7 +195,7 @@ pub(crate) mod tests {
         (i..7).map(exchange).collect()
     }
 
-    /// All rows, and how many were computed for that.
+    /// All rows, and how many of them had to be computed.
     fn run(journal: &Memory) -> (Vec<Vec<Exchange>>, usize) {
         let (progress, mut computed) = (Progress::new(), 0);
         let compute = |range: Range<usize>| {

@@ -1,4 +1,4 @@
-//! The matrix, and what else is known of its rows.
+//! The matrix of form factors, with what is known of its rows.
 
 use super::{DesignEffect, Exchange, ExchangeAreas};
 use crate::engine::EngineUsed;
@@ -11,26 +11,25 @@ use std::ops::Range;
 /// diffusely that arrives at column j, directly or after any chain of mirrors and glass, with
 /// its whole weight (additive model, Sillion and Puech 1989).
 ///
-/// Rows and columns are the same list. Without `two_sided` it is the fronts of the patches, in
-/// the order of [`Patches`](crate::Patches): light that meets a back ends there, unless it is
-/// covered by a front (two patches in one place, back to back). With it, front and back of
-/// patch p are entries 2p and 2p + 1. Where mirrors are coloured X is the mean of the three
-/// channels.
+/// Rows and columns are the same list: without `two_sided` the fronts of the patches, in the order
+/// of [`Patches`](crate::Patches). Light that hits a back ends there, unless a front covers it (two
+/// coinciding patches, back to back). With `two_sided`, front and back of patch p are entries 2p
+/// and 2p + 1. Where mirrors are coloured, X is the mean of the three channels.
 ///
-/// Reciprocity is exact: one number S_ij is kept per pair, and X_ij is S_ij / A_i, rounded. It
-/// holds for mirrors and for glass between equal media, so X is not defined where a patch lies
-/// inside glass. Pairs are stored sparsely; one that is absent is an estimate of 0. X is not
-/// negative, and at most 1 for patches that no mirror shows twice.
+/// Reciprocity is exact: one number S_ij is stored per pair, and X_ij is S_ij / A_i, rounded. It
+/// holds for mirrors and for glass between equal media, so X is not defined for patches inside
+/// glass. Storage is sparse; an absent pair is an estimate of 0. X is not negative, and at most 1
+/// for patches that no mirror shows twice.
 ///
-/// Nothing of a row's light is missing: Σ_j X_ij `ends`_j and the shares of `rest` sum to 1, but
-/// for noise, which closure takes away.
+/// Rows are complete: Σ_j X_ij `ends`_j and the shares of `rest` sum to 1, apart from noise, which
+/// closure removes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FormFactors {
-    /// S_ij = A_i X_ij of every pair, with its standard error: two to either side hold the truth
-    /// 95 times in 100.
+    /// S_ij = A_i X_ij of every pair, with its standard error: the truth lies within two of them 95
+    /// times in 100.
     pub exchange: ExchangeAreas,
-    /// S of light that came straight, by one mirror, and by more mirrors or through glass, if
-    /// that was asked for; else empty. Their sum, in this order, is `exchange` to the bit.
+    /// S of direct light, of light by one mirror, and of light by more mirrors or through glass, if
+    /// requested; else empty. Their sum, in this order, is `exchange` to the bit.
     pub orders: Vec<ExchangeAreas>,
     /// Area of each row, in square scene units.
     pub areas: Vec<f64>,
@@ -40,29 +39,29 @@ pub struct FormFactors {
     pub materials: Vec<MaterialId>,
     /// Whether each row is the back of its patch.
     pub is_back: Vec<bool>,
-    /// Where the light of each row goes that meets no column.
+    /// Shares of each row's light that reach no column.
     pub rest: Vec<RowRemainder>,
     /// Share of the light arriving at each column that ends there: 1 − ρ_s, 0 for glass.
     pub ends: Vec<f64>,
-    /// Error to be expected of each row, Σ_j E|error of X_ij|: for normal errors √(2/π) times the
-    /// sum of the standard errors. In rooms with known entries 1.2 to 1.3 times the true one.
+    /// Expected error of each row, Σ_j E|error of X_ij|: √(2/π) times the sum of the standard
+    /// errors, for normal errors. In rooms with known entries 1.2 to 1.3 times the true one.
     pub row_errors: Vec<f64>,
-    /// What the errors of entries between two faces or objects have in common: of what is drawn
-    /// from a handful of points they are all too large where these see more of it.
+    /// Correlation of the errors of entries between two faces or objects, where rows are rendered
+    /// from a handful of viewpoints.
     pub design_effect: DesignEffect,
-    /// Whether no row that sees anything loses light to the outside, but for 1e-6 of it.
+    /// Whether no row that sees anything loses more than 1e-6 of its light to the outside.
     pub is_closed: bool,
-    /// What closure moved, if there was one.
+    /// What closure changed, if it was enforced.
     pub closed: Option<Adjustment>,
-    /// What truncation dropped and moved, if there was one.
+    /// What truncation changed, if there was one.
     pub truncated: Option<Truncation>,
-    /// Rays traced from patches, without those that mirrors and visibility tests added.
+    /// Rays traced from patches, without those added by mirrors and visibility tests.
     pub rays: u64,
-    /// Which engine ran.
+    /// The engine that ran.
     pub engine_used: EngineUsed,
 }
 
-/// Where the light of a row goes that meets no column: shares of 1.
+/// Shares of a row's light that reach no column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RowRemainder {
     /// Leaves the scene upwards: the view factor of the sky.
@@ -73,11 +72,11 @@ pub struct RowRemainder {
     pub ground: f64,
     /// Standard error of `ground`.
     pub ground_error: f64,
-    /// Ends on sides which have no column: backs, without `two_sided`.
+    /// Ends on sides without a column: backs, without `two_sided`.
     pub hidden: f64,
-    /// Was not followed to its end between mirrors: what was too weak.
+    /// Cut off between mirrors as too weak.
     pub cut: f64,
-    /// Is absorbed where there is no column: in coloured glass.
+    /// Absorbed where there is no column: by coloured glass.
     pub lost: f64,
 }
 
@@ -87,39 +86,39 @@ impl RowRemainder {
         self.sky + self.ground
     }
 
-    /// All of it.
+    /// The sum of all shares.
     pub fn sum(&self) -> f64 {
         self.escaped() + self.hidden + self.cut + self.lost
     }
 }
 
-/// How much of the light was moved between the entries of a matrix to make its rows add up.
+/// How much of the light was moved between entries to correct row sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Adjustment {
     /// Σ|ΔS_ij| / ΣS_ij over the whole matrix.
     pub total: f64,
-    /// Mean over the rows of Σ_j |ΔX_ij|, what moved to or from sky and ground included.
+    /// Mean over the rows of Σ_j |ΔX_ij|, including changes of sky and ground.
     pub mean: f64,
-    /// The same of the row with the most.
+    /// The largest Σ_j |ΔX_ij| of a row.
     pub most: f64,
-    /// What the sum of the worst row still lacks.
+    /// The remaining deficit of the worst row.
     pub deficit: f64,
 }
 
-/// What truncation did.
+/// Statistics of a truncation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truncation {
     /// Entries of the whole matrix before.
     pub before: usize,
-    /// Entries of the whole matrix now.
+    /// Entries of the whole matrix after.
     pub after: usize,
-    /// Share of the matrix' sum that the dropped entries had.
+    /// Share of the matrix's sum in the dropped entries.
     pub dropped: f64,
-    /// How the kept entries changed for it.
+    /// How the remaining entries changed.
     pub moved: Adjustment,
 }
 
-/// Entries that are looked at together where whole rows are wanted: 64 MiB of them.
+/// Entries per block of whole rows: 64 MiB.
 const BLOCK: usize = 1 << 22;
 
 impl FormFactors {
@@ -133,11 +132,11 @@ impl FormFactors {
         self.areas.is_empty()
     }
 
-    /// Column, X and standard error of each entry of row `i`, columns ascending. Searches all
-    /// rows above: [`rows`](FormFactors::rows) finds many at once.
+    /// Column, X and standard error of each entry of row `i`, columns ascending. Searches all rows
+    /// above: [`rows`](FormFactors::rows) is faster for many rows.
     ///
     /// # Panics
-    /// Without such a row.
+    /// If there is no such row.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (u32, f64, f32)> {
         self.rows(i..i + 1).into_iter().flatten()
     }
@@ -153,7 +152,7 @@ impl FormFactors {
     /// The same of one of the [`orders`](FormFactors::orders).
     ///
     /// # Panics
-    /// If the orders were not kept apart, or the range goes beyond the last row.
+    /// If the orders were not kept separately, or the range goes beyond the last row.
     pub fn rows_of_order(&self, order: usize, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
         self.factors(&self.orders[order], range)
     }
@@ -170,8 +169,8 @@ impl FormFactors {
         range.zip(rows).map(factors).collect()
     }
 
-    /// Ranges of rows, in order, each of a few million entries: as much as
-    /// [`rows`](FormFactors::rows) should be asked for at a time.
+    /// Ranges of rows, in order, each of a few million entries: a good amount to request from
+    /// [`rows`](FormFactors::rows) at a time.
     pub fn blocks(&self) -> Vec<Range<usize>> {
         let (mut blocks, mut start, mut entries) = (Vec::new(), 0, 0);
         for (i, length) in self.exchange.row_lengths().iter().enumerate() {
@@ -187,20 +186,20 @@ impl FormFactors {
     /// X_ij and its standard error; zeros if the pair is absent.
     ///
     /// # Panics
-    /// Without a row of the smaller number.
+    /// If there is no row with the smaller index.
     pub fn get(&self, i: usize, j: u32) -> (f64, f32) {
         self.factor(i, self.exchange.get(i, j as usize))
     }
 
-    /// Σ_j X_ij of every row. Without mirrors it is 1 less what goes elsewhere, but for noise,
-    /// which closure takes away. With mirrors that is Σ_j X_ij `ends`_j
-    /// ([`ended`](FormFactors::ended)), so that the plain sum exceeds 1.
+    /// Σ_j X_ij of every row. Without mirrors it is 1 less the shares of `rest`, apart from noise.
+    /// With mirrors the plain sum exceeds 1, and [`ended`](FormFactors::ended) is the sum that
+    /// closes.
     pub fn row_sums(&self) -> Vec<f64> {
         self.per_area(self.exchange.row_sums())
     }
 
-    /// Σ_j X_ij `ends`_j of every row: the share of its light that ends on columns. With
-    /// [`RowRemainder::sum`] it makes 1.
+    /// Σ_j X_ij `ends`_j of every row: the share of its light that ends on columns. Together with
+    /// [`RowRemainder::sum`] it is 1.
     pub fn ended(&self) -> Vec<f64> {
         let ends = &self.ends;
         let weigh = |i: usize, e: &Exchange| [e.value * ends[e.column as usize], e.value * ends[i]];
@@ -214,8 +213,8 @@ impl FormFactors {
         sums
     }
 
-    /// Multiplies S of each pair by `ratio`, drops it where that is `None`, and does the same to
-    /// the orders. With `widen`, what changed is added to the errors.
+    /// Multiplies S of each pair by `ratio`, or drops it where that is `None`, in the orders too.
+    /// With `widen` the change is added to the errors.
     pub(super) fn scale(
         &mut self,
         widen: bool,
@@ -245,7 +244,7 @@ impl FormFactors {
         self.exchange = ExchangeAreas::sum_of(&self.orders);
     }
 
-    /// Works out what depends on the entries' errors alone.
+    /// Computes `row_errors`, which depend on the entries' errors alone.
     pub(super) fn find_row_errors(&mut self) {
         let expected = |e: &Exchange| FRAC_2_PI.sqrt() * f64::from(e.error);
         self.row_errors = self.per_area(self.exchange.sums(|_, e| [expected(e); 2]));

@@ -1,4 +1,4 @@
-//! One exchange area per pair from what the rays of both sides and the formula say.
+//! One exchange area per pair, from the rays of both sides and the formula.
 
 use super::exchange::{Exchange, ExchangeAreas, union};
 use super::matrix::FormFactors;
@@ -9,8 +9,8 @@ use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows are merged in this many blocks, so that looking up where a block starts in each row
-/// costs little, and as few as that fit in memory beside the rest.
+/// Number of blocks in which rows are merged: finding the start of a block in each row has to stay
+/// cheap, and a block has to fit in memory besides the rest.
 const BLOCKS: usize = 128;
 
 /// Merges all pairs.
@@ -45,7 +45,7 @@ pub(super) fn merge(
             let orders = orders.iter_mut().zip(row);
             orders.for_each(|(areas, row)| areas.push_row(row.iter().map(Exchange::from)));
         }
-        // Nobody asks for these rows again, and the matrix needs the memory.
+        // These rows are not needed again, and the matrix needs the memory.
         for rows in wave {
             traced.rows[rows.clone()].fill_with(RayRow::default);
         }
@@ -118,11 +118,11 @@ impl Merger<'_> {
         merged
     }
 
-    /// Exchange area and variance of a pair from the form factor and variance that either side
+    /// Exchange area and variance of a pair from the form factors and variances that its two sides
     /// found. Symmetric in every bit.
     ///
-    /// With equal rays for each row the variance of A_i X_ij is in proportion to A_i: weighted
-    /// by its inverse, S = A_i A_j (X_ij + X_ji) / (A_i + A_j).
+    /// With equal rays per row the variance of A_i X_ij is proportional to A_i: weighted by its
+    /// inverse, S = A_i A_j (X_ij + X_ji) / (A_i + A_j).
     fn pair(
         &self,
         i: usize,
@@ -134,7 +134,7 @@ impl Merger<'_> {
         let noise = self.traced.noise;
         let value = factor * (x_ij + x_ji);
         let spread = factor * factor * (v_ij + v_ji);
-        // The two estimates of a patch's view of itself are one.
+        // The two estimates of a patch's view of itself are the same one.
         let (twins, spreads) = if i == j {
             (2.0, [v_ij, 0.0])
         } else {
@@ -154,7 +154,7 @@ fn upper<E>(i: usize, row: &[E], column: impl Fn(&E) -> u32) -> &[E] {
     &row[row.partition_point(|e| (column(e) as usize) < i)..]
 }
 
-/// The entries that all rows have in the columns `block` on or below the diagonal, by column.
+/// The entries of all rows in the columns `block` on or below the diagonal, by column.
 fn transposed(
     rows: &[RayRow],
     part: impl Fn(&RayRow) -> &RayEntries,
@@ -177,7 +177,7 @@ fn transposed(
     columns
 }
 
-/// For each column that the formula knows, its estimate or the rays', whichever is better known.
+/// For each column with a formula, the estimate with the smaller error of formula and rays.
 pub(super) fn better(exact: &[PairEstimate], rays: &[PairEstimate]) -> Vec<PairEstimate> {
     let mut chosen = Vec::with_capacity(exact.len());
     union(
@@ -196,7 +196,7 @@ pub(super) fn better(exact: &[PairEstimate], rays: &[PairEstimate]) -> Vec<PairE
     chosen
 }
 
-/// Sums of two rows of independent estimates, without the zeros.
+/// The sum of two rows of independent estimates, without zeros.
 pub(super) fn sum(a: &[PairEstimate], b: &[PairEstimate]) -> Vec<PairEstimate> {
     let mut row = Vec::with_capacity(a.len() + b.len());
     union(

@@ -1,5 +1,5 @@
-//! Pairs whose direct form factor is better had by formula than by rays: close ones, for rays
-//! see their steep kernel badly, and those with a lamp, whose noise no averaging heals.
+//! Pairs whose direct form factor a formula finds better than rays: close ones, whose steep kernel
+//! rays sample badly, and those with emitters, whose noise does not average out.
 
 use super::boxes::{BoxTree, distance};
 use super::shaft::{Occluders, Shaft};
@@ -23,18 +23,18 @@ pub(super) struct PairEstimate {
 /// The exact estimates of one row, by column.
 pub(super) type PairEstimates = Vec<PairEstimate>;
 
-/// Pairs per row that formulas may be spent on, on average over the rows: in a furnished room as
-/// long as 1,400 rays per row. Scenes of up to 64 rows are done by formula altogether.
+/// Formulas per row, on average: in a furnished room they take as long as 1,400 rays per row.
+/// Scenes of up to 64 rows are done by formula altogether.
 const PAIRS_PER_ROW: usize = 32;
 
-/// What counts as close: distance of the centres over the larger diameter. The largest that
-/// [`PAIRS_PER_ROW`] allows is taken.
+/// Reaches of close pairs: distance of the centres over the larger diameter. The largest that
+/// [`PAIRS_PER_ROW`] allows is used.
 const REACHES: [f64; 5] = [f64::INFINITY, 4.0, 2.0, 1.0, 0.5];
 
-/// Relative error of a form factor where the way is free: what [`Shaft`] may overlook.
+/// Relative error of an unoccluded form factor: what [`Shaft`] may miss.
 const FREE_ERROR: f64 = 1e-7;
 
-/// Exact estimates of the chosen pairs, in both rows of each.
+/// Exact estimates of the selected pairs, in both rows of each.
 pub(super) fn exact(
     sides: &Sides,
     surfaces: &Surfaces,
@@ -69,7 +69,7 @@ pub(super) fn exact(
     Ok(exact)
 }
 
-/// Exact estimates of all pairs of one row, for which there are formulas.
+/// Exact estimates of all pairs of one row that have a formula.
 pub(super) fn exact_row(
     sides: &Sides,
     surfaces: &Surfaces,
@@ -85,7 +85,7 @@ pub(super) fn exact_row(
     progress.begin("formulas", others.len() as u64);
     let estimate = |&j: &usize| {
         progress.advance(1)?;
-        // A pair has one estimate, whichever of its rows asks.
+        // A pair has one estimate, from whichever row it is requested.
         let (first, second) = (row.min(j) as u32, row.max(j) as u32);
         let (value, error) = rows.estimate(first, second, surfaces, &occluders, seed);
         Ok(PairEstimate {
@@ -97,7 +97,7 @@ pub(super) fn exact_row(
     others.par_iter().map(estimate).collect()
 }
 
-/// A flat row, with its corners counter-clockwise from the side that it is.
+/// A flat row, with its corners counter-clockwise as seen from its side.
 struct FlatRow {
     polygon: Vec<DVec3>,
     normal: DVec3,
@@ -131,7 +131,7 @@ impl<'a> PairSelector<'a> {
         }
     }
 
-    /// Pairs i < j of rows that face each other and are close or have a lamp, in order.
+    /// Pairs i < j of rows that face each other and are close or include an emitter, in order.
     fn pairs(&self) -> Vec<(u32, u32)> {
         let most = PAIRS_PER_ROW * self.sides.len();
         let mut pairs = REACHES

@@ -1,4 +1,4 @@
-//! One row of the matrix, without the others: what a picked patch sees.
+//! One row of the matrix by itself: what a single patch sees.
 
 use super::merge::{better, sum};
 use super::near::{self, PairEstimate};
@@ -17,7 +17,7 @@ use azulejo_trace::{Cancelled, Progress, Tracer};
 pub struct Factor {
     /// X_ij, as [`FormFactors`](super::FormFactors) defines it.
     pub value: f64,
-    /// Its standard error: two to either side hold the truth 95 times in 100.
+    /// Its standard error: the truth lies within two of them 95 times in 100.
     pub error: f64,
 }
 
@@ -25,24 +25,22 @@ pub struct Factor {
 pub struct FactorsFrom {
     /// The patches of the scene.
     pub patches: Patches,
-    /// The form factor to each column: to each patch, or to each side of one if they are
-    /// `two_sided`.
+    /// The form factor to each column: to each patch, or to each side of one with `two_sided`.
     pub factors: Vec<Factor>,
 }
 
 /// Form factors from one patch to all, in the time of one row: `patch` is a row of the matrix that
-/// [`form_factors`](super::form_factors()) would find with the same options.
+/// [`form_factors`](super::form_factors()) computes with the same options.
 ///
-/// Of this row alone there is no use of reciprocity, nothing is closed, and the entries' errors are
-/// somewhat larger than in the matrix. Formulas count the direct part of all flat pairs, if the
-/// options or the engine have them; rays or hemicubes, as many as the options say, all the rest.
-/// To ask for several rows, make one [`Plan`].
+/// A single row makes no use of reciprocity or closure, so its errors are somewhat larger than in
+/// the matrix. Formulas supply the direct part of all flat pairs, if the options or the engine use
+/// them; rays or hemicubes supply the rest. For several rows, use one [`PreparedPlan`].
 ///
 /// # Errors
 /// [`FactorsError::NoSurface`], [`FactorsError::TooLarge`], [`FactorsError::Cancelled`].
 ///
 /// # Panics
-/// Without such a row.
+/// If there is no such row.
 ///
 /// ```
 /// use azulejo_factors::{FormFactorOptions, PatchSize, form_factors_from};
@@ -91,7 +89,7 @@ impl PreparedPlan<'_> {
     /// [`Cancelled`].
     ///
     /// # Panics
-    /// Without such a row.
+    /// If there is no such row.
     pub fn row(&self, row: usize, progress: &Progress) -> Result<Vec<Factor>, Cancelled> {
         let options = self.plan.options;
         let sides = &self.sides;
@@ -121,7 +119,7 @@ impl PreparedPlan<'_> {
         let by_rays = |entries: &[RayEntry]| -> Vec<PairEstimate> {
             entries
                 .iter()
-                .map(|e| tracing.posterior_variance(e, area))
+                .map(|e| tracing.pair_estimate(e, area))
                 .collect()
         };
         let mut factors = vec![Factor::default(); sides.len()];
@@ -140,8 +138,8 @@ impl PreparedPlan<'_> {
 }
 
 impl RowTracing<'_> {
-    /// What one row's rays alone say of a pair, as an exchange area.
-    fn posterior_variance(&self, entry: &RayEntry, area: f64) -> PairEstimate {
+    /// The estimate of a pair by one row's rays alone, as an exchange area.
+    fn pair_estimate(&self, entry: &RayEntry, area: f64) -> PairEstimate {
         let (value, spread) = (f64::from(entry.mean), f64::from(entry.variance));
         let missing = (1.0 - value).max(0.0);
         let noise = self.noise();

@@ -1,4 +1,4 @@
-//! What the rays of every row find.
+//! Rows by rays or item buffers, sorted by what has a formula.
 
 use super::design_effect::{self, DesignEffect, ErrorGroup};
 use super::journal::{Journal, JournalStage, Record, RecordReader, resumed, write_list};
@@ -14,7 +14,7 @@ use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A form factor as one row's rays see it.
+/// A form factor as estimated by one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RayEntry {
     pub column: u32,
@@ -27,32 +27,32 @@ pub(super) struct RayEntry {
 /// Entries by column, ascending.
 pub(super) type RayEntries = Vec<RayEntry>;
 
-/// What the rays of one row found.
+/// The estimates of one row.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct RayRow {
-    /// Light that came straight to columns for which there is an exact estimate too.
+    /// Direct light to columns for which there is an exact estimate too.
     pub near: RayEntries,
-    /// All other: altogether, or one list for each order.
+    /// All the rest: together, or one list per order.
     pub far: Vec<RayEntries>,
-    /// What met no column.
+    /// Shares that reach no column.
     pub rest: RowRemainder,
-    /// What the errors of its entries have in common, if they were drawn.
+    /// Correlated errors of its entries, if they share viewpoints.
     pub error_groups: Vec<ErrorGroup>,
 }
 
 /// The rows of all sides.
 pub(super) struct TracedRows {
     pub rows: Vec<RayRow>,
-    /// Number of lists in which each row keeps what came from afar.
+    /// Number of `far` lists per row.
     pub orders: usize,
     /// Rays per row.
     pub rays: u32,
-    /// How entries vary.
+    /// The noise of entries.
     pub noise: NoiseModel,
 }
 
 impl TracedRows {
-    /// What the errors of the entries of all rows have in common.
+    /// The design effect of sums over the entries of all rows.
     pub fn design_effect(&self, sides: &Sides) -> DesignEffect {
         let mut design_effect = DesignEffect::default();
         for (i, row) in self.rows.iter().enumerate() {
@@ -62,31 +62,30 @@ impl TracedRows {
     }
 }
 
-/// Fewest and most rows of a block: what is kept in the journal at a time. A card wants many in
-/// flight.
+/// Fewest and most rows of a block, the unit of the journal. A graphics card wants many in flight.
 const BLOCK: [usize; 2] = [64, 256];
 
-/// Rays of a block, as far as that leaves so many rows.
+/// Rays per block, within these limits.
 const BLOCK_RAYS: usize = 1 << 23;
 
-/// Degrees of freedom of the spread of four replicates.
+/// Degrees of freedom of the variance of four replicates.
 pub(super) const SPREAD_FREEDOM: f64 = 3.0;
 
-/// How rows are found.
+/// How rows are estimated.
 pub(super) struct RowTracing<'a> {
     pub sides: &'a Sides<'a>,
     pub gatherer: &'a Gatherer<'a>,
-    /// The columns of each row for which there is a formula too.
+    /// For each row the columns that also have a formula.
     pub exact: &'a [PairEstimates],
     pub estimator: &'a Estimator<'a>,
-    /// Whether orders are kept apart.
+    /// Whether orders are kept separately.
     pub separate: bool,
-    /// Row, column and order of what is known otherwise, and not kept.
+    /// Row, column and order of what is known by formula, and not kept.
     pub is_known: &'a (dyn Fn(usize, u32, Order) -> bool + Sync),
 }
 
 impl RowTracing<'_> {
-    /// Traces all rows, but for those that the journal has.
+    /// All rows, except blocks that the journal holds.
     pub fn trace(
         &self,
         journal: &dyn Journal,
@@ -94,7 +93,7 @@ impl RowTracing<'_> {
     ) -> Result<TracedRows, Cancelled> {
         let (n, rays) = (self.sides.len(), self.estimator.rays());
         progress.begin("form factors", n as u64);
-        // Blocks must not depend on the machine that goes on with them.
+        // Blocks must not depend on the machine, which may be another after an interruption.
         let size = (BLOCK_RAYS / rays.max(1) as usize).clamp(BLOCK[0], BLOCK[1]);
         let rows = resumed(journal, JournalStage::Rows, (n, size), progress, |rows| {
             self.block(rows, progress)
@@ -128,7 +127,7 @@ impl RowTracing<'_> {
         if self.separate { ORDERS } else { 1 }
     }
 
-    /// Sorts what was found of row `i` by what there is a formula for.
+    /// Sorts the estimates of row `i` by whether there is a formula for them.
     fn ray_row(&self, i: usize, found: &Row) -> RayRow {
         let materials = &self.gatherer.surfaces().scene.materials;
         let exact = &self.exact[i];
@@ -162,7 +161,7 @@ impl RowTracing<'_> {
         let far: Vec<Vec<Column>> = far.into_iter().map(columns).collect();
         let all = far.iter().chain([&near]);
         let error_groups = all.flat_map(|columns| design_effect::groups(columns, self.sides));
-        // Rays come each from a point of its own: their errors have nothing in common.
+        // Rays start at independent points: their errors are not correlated.
         let error_groups = error_groups.filter(|_| self.estimator.is_drawn());
         RayRow {
             error_groups: error_groups.collect(),
@@ -173,8 +172,8 @@ impl RowTracing<'_> {
     }
 }
 
-/// Where the light of a row goes that meets no column. What its colours take of light in glass is
-/// what is missing from the rest.
+/// Shares of a row that reach no column. What the colour of glass absorbs is what the other shares
+/// lack.
 fn rest(found: &Row, noise: NoiseModel, hidden: f64, ended: f64) -> RowRemainder {
     let [(sky, sky_error), (ground, ground_error)] = [0, 1].map(|way| {
         let (share, spread) = mean_and_variance(found.escaped.map(|e| e[way].mean()));
@@ -195,11 +194,11 @@ fn rest(found: &Row, noise: NoiseModel, hidden: f64, ended: f64) -> RowRemainder
     }
 }
 
-/// Less of a row than this is missing only because numbers are rounded.
+/// Below this, a share is missing only by rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Share of the light on a surface that does not go on. Glass keeps nothing but what its colour
-/// takes, which counts as nobody's. What glossy surfaces send on is taken at its mean.
+/// Share of the light on a surface that ends there. Glass absorbs only by its colour, which is
+/// counted as lost; glossy reflection is taken at its mean albedo.
 pub(super) fn ending(material: &Material) -> Rgb {
     if material.dielectric.is_some() {
         return Rgb::BLACK;
@@ -208,10 +207,10 @@ pub(super) fn ending(material: &Material) -> Rgb {
     Rgb::WHITE - material.mirror - glossy.unwrap_or(Rgb::BLACK)
 }
 
-/// A column, and what each replicate found of it.
+/// A column, with the estimate of each replicate.
 pub(super) type Column = (u32, [f64; REPLICATES]);
 
-/// What was found in replicates, by column.
+/// The estimates of replicates, by column.
 fn columns(mut found: Vec<(u32, usize, f64)>) -> Vec<Column> {
     found.sort_by_key(|&(column, ..)| column);
     let column = |group: &[(u32, usize, f64)]| {

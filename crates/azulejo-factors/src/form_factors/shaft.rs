@@ -1,4 +1,4 @@
-//! Whether nothing can stand between two polygons.
+//! Whether nothing can occlude a pair of polygons.
 
 use super::boxes::BoxTree;
 use crate::patch::{Patches, Polygon};
@@ -6,12 +6,12 @@ use azulejo_scene::Scene;
 use azulejo_scene::math::{Aabb, area_vector};
 use glam::DVec3;
 
-/// Depth, relative to the size of the shaft, to which anything may reach into it unseen:
-/// neighbours that share an edge do, by rounding.
+/// Depth, relative to the size of the shaft, that does not count: neighbours with a common edge
+/// reach in this far by rounding.
 const GRAZE: f64 = 1e-8;
 
-/// The convex hull of two polygons, as half-spaces (Haines and Wallace, *Shaft Culling for
-/// Efficient Ray-Traced Radiosity*, 1991), without what is behind either polygon.
+/// The convex hull of two polygons as half-spaces (Haines and Wallace, *Shaft Culling for Efficient
+/// Ray-Traced Radiosity*, 1991), without what is behind either polygon.
 pub(super) struct Shaft {
     /// Outward normals and offsets: inside is where n·x < d for all.
     planes: Vec<(DVec3, f64)>,
@@ -43,8 +43,8 @@ impl Shaft {
         Shaft { planes }
     }
 
-    /// Whether all of some corners are outside one plane. A box or polygon that reaches around an
-    /// edge of the shaft may be taken for inside.
+    /// Whether all corners are outside one plane. A box or polygon that reaches around an edge of
+    /// the shaft may be taken for inside.
     fn misses(&self, corners: &[DVec3]) -> bool {
         self.planes
             .iter()
@@ -59,12 +59,12 @@ impl Shaft {
     }
 }
 
-/// The plane through an edge from `p` and the corner `q`, if all of the hull is on one side.
+/// The plane through an edge from `p` and the corner `q`, if the whole hull is on one side.
 fn supporting(edge: DVec3, p: DVec3, q: DVec3, hull: &[DVec3], graze: f64) -> Option<(DVec3, f64)> {
     let across = edge.cross(q - p);
     let n = across.normalize_or_zero();
     let heights = || hull.iter().map(|c| (*c - p).dot(n));
-    // A touching corner makes no plane.
+    // A touching corner defines no plane.
     if across.length() <= graze * edge.length() {
         return None;
     }
@@ -77,10 +77,10 @@ fn supporting(edge: DVec3, p: DVec3, q: DVec3, hull: &[DVec3], graze: f64) -> Op
     }
 }
 
-/// Everything that can block.
+/// All occluders.
 pub(super) struct Occluders {
     tree: BoxTree,
-    /// Corners of flat patches; of the rest the box is all that is known.
+    /// Corners of flat patches; of the others only the box is known.
     polygons: Vec<Option<Polygon>>,
     boxes: Vec<Aabb>,
 }
@@ -100,7 +100,7 @@ impl Occluders {
         }
     }
 
-    /// Whether nothing reaches into the shaft. What cannot be told quickly is a no.
+    /// Whether nothing reaches into the shaft. Undecided cases count as no.
     pub fn is_free(&self, shaft: &Shaft) -> bool {
         let blocks = |i: u32| match &self.polygons[i as usize] {
             Some(polygon) => !shaft.misses(polygon),
@@ -125,7 +125,7 @@ mod tests {
         [d, c, b, a]
     }
 
-    /// The unit squares z = 0 and z = 1 that face each other, and something else.
+    /// The unit squares z = 0 and z = 1 facing each other, and an obstacle.
     fn check(other: &[DVec3], is_missed: bool) {
         let shaft = Shaft::new(&square(0., 0., 0., 1.), &facing(square(0., 0., 1., 1.)));
         assert_eq!(shaft.misses(other), is_missed, "{other:?}");
@@ -151,7 +151,7 @@ mod tests {
         );
     }
 
-    /// Nothing that blocks a line between two polygons is missed.
+    /// No occluder of a line between two polygons is missed.
     #[test]
     fn no_blocker_is_missed() {
         let mut blocked = 0;

@@ -6,18 +6,18 @@ use crate::row::{Side, side};
 use azulejo_scene::math::Aabb;
 use rayon::prelude::*;
 
-/// How well two patches must cover each other to count as one wall, relative to their size.
+/// Relative difference of corners up to which two patches back to back count as one wall.
 const COVERS: f64 = 1e-5;
 
 /// No patch covers the back of this one.
 const NO_TWIN: u32 = u32::MAX;
 
-/// The rows, which are the columns too.
+/// The rows, which are also the columns.
 pub(super) struct Sides<'a> {
     pub patches: &'a Patches,
     two_sided: bool,
-    /// For each patch the one that lies at the same place with its front the other way round:
-    /// rays can't tell which of them they meet.
+    /// For each patch the one that coincides with it and faces the other way: rays cannot tell
+    /// which of them they hit.
     twins: Vec<u32>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> Sides<'a> {
         self.two_sided && row % 2 == 1
     }
 
-    /// The number that the ray estimator knows this row by.
+    /// The side that the estimators know this row by.
     pub fn side(&self, row: usize) -> Side {
         side(self.patch(row) as u32, !self.is_back(row))
     }
@@ -56,7 +56,7 @@ impl<'a> Sides<'a> {
         self.patches.area(self.patch(row))
     }
 
-    /// The column of light that meets a patch, if it has one.
+    /// The column of light that hits a patch, if it has one.
     pub fn column(&self, patch: u32, front: bool) -> Option<u32> {
         match (self.two_sided, front) {
             (true, _) => Some(side(patch, front)),
@@ -88,7 +88,7 @@ fn twins(patches: &Patches) -> Vec<u32> {
     (0..patches.len()).into_par_iter().map(twin).collect()
 }
 
-/// Whether patch `j` has the corners of patch `i`, in the other sense of turning.
+/// Whether patch `j` has the corners of patch `i` in reverse order.
 fn covers(patches: &Patches, i: usize, j: usize, reach: f64) -> bool {
     let (Some(a), Some(b)) = (patches.polygon(i), patches.polygon(j)) else {
         return false;

@@ -1,38 +1,38 @@
-//! The least change of a symmetric matrix that gives its rows what they lack.
+//! Least-squares smoothing: the smallest change of a symmetric matrix that corrects its row sums.
 
 use super::exchange::{Exchange, ExchangeAreas};
 use azulejo_trace::{Cancelled, Progress};
 
-/// Most steps; rooms take 10 to 40.
+/// Most iterations; rooms take 10 to 40.
 const STEPS: u32 = 200;
 
-/// No entry falls below this share of itself.
+/// No entry falls below this share of its value.
 pub(super) const LEAST: f64 = 0.1;
 
-/// Which rows lack what, and how ready each pair is to change.
+/// A smoothing problem: the deficits of rows and the variances of entries.
 ///
-/// Of all symmetric ΔS with Σ_j ΔS_ij k_j = what row i lacks, the one that is smallest by the
-/// variances V has the form ΔS_ij = V_ij (λ_i k_j + λ_j k_i), with one λ per row. Entries by rays,
-/// whose variance is about in proportion to S, are scaled as by a diagonal matrix from both
-/// sides; those that formulas know stay as they are. (Larsen and Howell, *Least-squares smoothing
-/// of direct-exchange areas in zonal analysis*, J. Heat Transfer 108, 1986.)
+/// Of all symmetric ΔS with Σ_j ΔS_ij k_j = the deficit of row i, the smallest in the norm weighted
+/// by the variances V has the form ΔS_ij = V_ij (λ_i k_j + λ_j k_i), with one Lagrange multiplier λ
+/// per row. Entries by rays, whose variance is about proportional to S, are scaled as by a diagonal
+/// matrix from both sides; exact entries stay as they are. (Larsen and Howell, *Least-squares
+/// smoothing of direct-exchange areas in zonal analysis*, J. Heat Transfer 108, 1986.)
 pub(super) struct Smoothing<'a, V> {
     pub exchange: &'a ExchangeAreas,
     /// V of the pair of row i.
     pub variance: V,
     /// k: the weight of each column in the sums of rows.
     pub weights: &'a [f64],
-    /// Variance of what each row has beside its pairs, which may change too.
+    /// Variance of what each row has besides its pairs, which may change too.
     pub free: Vec<f64>,
-    /// What each row lacks.
+    /// The deficit of each row's sum.
     pub deficits: Vec<f64>,
-    /// What each row may still lack in the end.
+    /// The deficit tolerated in each row.
     pub tolerated: Vec<f64>,
 }
 
 impl<V: Fn(usize, &Exchange) -> f64 + Sync> Smoothing<'_, V> {
-    /// The change. Where there is none that gives all rows what they lack, as between halves that
-    /// see but each other, it is a last attempt.
+    /// The solution, or the last iterate where no change can correct all rows, as between two
+    /// halves that see only each other.
     ///
     /// Conjugate gradients, preconditioned with the diagonal.
     ///
@@ -77,7 +77,7 @@ impl<V: Fn(usize, &Exchange) -> f64 + Sync> Smoothing<'_, V> {
         })
     }
 
-    /// The matrix of the equations for λ, times `x`.
+    /// The matrix of the equations for λ times `x`.
     fn times(&self, x: &[f64]) -> Vec<f64> {
         let mut product = self.exchange.sums(|i, e| {
             let change = (self.variance)(i, e) * slope(x, self.weights, i, e);
@@ -91,7 +91,7 @@ impl<V: Fn(usize, &Exchange) -> f64 + Sync> Smoothing<'_, V> {
         product
     }
 
-    /// Inverse of the matrix's diagonal; 0 for rows that have nothing to change.
+    /// Inverse of the matrix's diagonal; 0 for rows without anything to change.
     fn inverse(&self) -> Vec<f64> {
         let diagonal = self.exchange.sums(|i, e| {
             let variance = (self.variance)(i, e);
@@ -112,16 +112,16 @@ impl<V: Fn(usize, &Exchange) -> f64 + Sync> Smoothing<'_, V> {
     }
 }
 
-/// A change of a matrix and of what its rows have beside it.
+/// A change of a matrix and of what its rows have besides.
 pub(super) struct SmoothingChange {
-    /// λ of every row; 0 for those that have nothing to change.
+    /// λ of every row; 0 for rows without anything to change.
     multipliers: Vec<f64>,
     /// k of every row.
     weights: Vec<f64>,
 }
 
 impl SmoothingChange {
-    /// By how much S of a pair of row `i` with this variance is to be multiplied. Positive.
+    /// The positive factor for S of a pair of row `i` with this variance.
     pub fn ratio(&self, variance: f64, i: usize, e: &Exchange) -> f64 {
         let change = variance * slope(&self.multipliers, &self.weights, i, e);
         if change == 0.0 {
@@ -130,7 +130,7 @@ impl SmoothingChange {
         (1.0 + change / e.value).max(LEAST)
     }
 
-    /// What is to be added to something of row `i` beside its pairs, with this variance.
+    /// What to add to a value of row `i` besides its pairs, with this variance.
     pub fn beside(&self, variance: f64, i: usize) -> f64 {
         variance * self.multipliers[i]
     }
@@ -142,7 +142,7 @@ fn slope(multipliers: &[f64], weights: &[f64], i: usize, e: &Exchange) -> f64 {
     multipliers[i] * weights[j] + multipliers[j] * weights[i]
 }
 
-/// Sets to 0 what belongs to rows that stay as they are.
+/// Zeroes the values of rows that stay as they are.
 fn mask(values: &mut [f64], inverse: &[f64]) {
     let fixed = values.iter_mut().zip(inverse).filter(|(_, m)| **m == 0.0);
     fixed.for_each(|(v, _)| *v = 0.0);

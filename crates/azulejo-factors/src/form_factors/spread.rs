@@ -1,8 +1,8 @@
-//! How well a handful of replicates is known.
+//! Variances estimated from a handful of replicates.
 
 use azulejo_trace::REPLICATES;
 
-/// Degrees of freedom that the model of the noise counts for beside those of the replicates.
+/// Degrees of freedom of the prior model of the noise, besides those of the replicates.
 const MODEL_FREEDOM: f64 = 4.0;
 
 /// Mean of the replicates, and the variance of that mean from their spread.
@@ -13,24 +13,23 @@ pub(super) fn mean_and_variance(values: [f64; REPLICATES]) -> (f64, f64) {
     (mean, spread / (n * (n - 1.0)))
 }
 
-/// How estimates of an engine vary.
+/// The noise of an engine's estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum NoiseModel {
-    /// As counts of hits do, each of this share of a row.
+    /// That of counts of hits, each of this share of a row.
     Hits {
         /// 1 over the rays of a row.
         one_ray: f64,
     },
-    /// By a law that is not known: only the spread of the replicates tells. A hemicube has a
-    /// million pixels, but they share a handful of eyes, and it is these that make the error.
+    /// Unknown: only the spread of the replicates counts. A hemicube has a million pixels, but they
+    /// share a handful of viewpoints, which cause the error.
     Unknown,
 }
 
 impl NoiseModel {
-    /// The variance of an estimate to be believed, from the spread of its replicates, which has
-    /// `freedom` degrees of freedom, and from what is known of such estimates anyhow; `unit` is
-    /// what a whole row would make. `missing` is the share of the row that did not hit: 1 for
-    /// small targets.
+    /// The variance to be used for an estimate: from the variance of its replicates, `spread`, with
+    /// `freedom` degrees of freedom, and from the prior model; `unit` is the value of a whole row.
+    /// `missing` is the share of the row that did not hit: 1 for small targets.
     pub fn posterior_variance(
         self,
         value: f64,
@@ -45,8 +44,8 @@ impl NoiseModel {
         }
     }
 
-    /// Degrees of freedom of the sum of two spreads of four replicates each. If one of them
-    /// makes the whole, there are no more than its three (Welch 1947).
+    /// Degrees of freedom of the sum of two variances of four replicates each. If one of them
+    /// dominates, there are only its three (Welch 1947).
     pub fn freedom(self, [a, b]: [f64; 2]) -> f64 {
         let replicates = (REPLICATES - 1) as f64;
         match self {
@@ -56,11 +55,10 @@ impl NoiseModel {
     }
 }
 
-/// A handful of hits spreads as they do by chance: in eight replicates one hit each have no
-/// spread at all. So the spread is joined, by degrees of freedom, by a model: hits vary as a
-/// binomial count, less as strata get to be smaller than the patch. Their number is M then, and
-/// by the measured decline of the error, rays^−0.63, the variance of a count M falls from M to
-/// about M^¾. `one_ray` is the value that a single hit makes.
+/// A handful of hits has a poor variance: with one hit in each of eight replicates it is zero. So
+/// it is combined, weighted by degrees of freedom, with a model: hits vary as a binomial count,
+/// less once strata are smaller than the patch. By the measured decline of the error, rays^−0.63,
+/// the variance of a count M falls from M to about M^¾. `one_ray` is the value of a single hit.
 fn joined(value: f64, spread: f64, freedom: f64, one_ray: f64, missing: f64) -> f64 {
     let hits = value / one_ray;
     let model = value * one_ray * missing * (hits / 8.0).max(1.0).powf(-0.25);
@@ -68,7 +66,7 @@ fn joined(value: f64, spread: f64, freedom: f64, one_ray: f64, missing: f64) -> 
     student(freedom + MODEL_FREEDOM).powi(2) * joined
 }
 
-/// Student's t over the normal law's at 95.4%: 1.142 with ten degrees of freedom, 1.216 with
+/// Student's t over the normal quantile at 95.4%: 1.142 with ten degrees of freedom, 1.216 with
 /// seven, 1.65 with three. Fisher's expansion in 1/ν (Abramowitz and Stegun, 26.7.5).
 fn student(freedom: f64) -> f64 {
     let (z, v) = (2.0f64, freedom);

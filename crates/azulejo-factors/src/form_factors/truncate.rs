@@ -1,22 +1,22 @@
-//! A sparser matrix with the same sums.
+//! Truncation: a sparser matrix with the same row sums.
 
 use super::exchange::Exchange;
 use super::matrix::{FormFactors, Truncation};
 use super::smoothing::{LEAST, Smoothing};
 use azulejo_trace::{Cancelled, Progress};
 
-/// What the sum of a row may lack in the end, relative to 1: rounding.
+/// Tolerated deficit of a row sum, relative to 1: rounding.
 const TOLERANCE: f64 = 1e-13;
 
-/// Attempts to find rows that can do without their small entries.
+/// Attempts to find the rows that cannot do without their small entries.
 const ATTEMPTS: usize = 30;
 
 impl FormFactors {
-    /// Drops pairs of which neither side gives the other as much as `share` of its light, and
-    /// moves their weight onto the pairs that stay, so that every row's Σ_j X_ij `ends`_j
-    /// (without mirrors the row's sum) is the same as before to rounding, and reciprocity holds
-    /// as ever. What moves is added to the standard errors. Rows whose small entries are all that
-    /// they have, or whose weight has nowhere to go, keep them.
+    /// Drops pairs whose form factor is below `share` in both directions, and moves their weight
+    /// onto the pairs that stay, so that every row's Σ_j X_ij `ends`_j (without mirrors the row's
+    /// sum) is unchanged to rounding and reciprocity still holds. What moves is added to the
+    /// standard errors. Rows that have only small entries, or whose weight has nowhere to go, keep
+    /// them.
     ///
     /// # Errors
     /// [`Cancelled`]; the matrix is as before then.
@@ -27,7 +27,7 @@ impl FormFactors {
         let large = self
             .exchange
             .sums(|i, e| [f64::from(u8::from(!small(i, e))); 2]);
-        // Rows that keep all they have.
+        // Rows that keep all their entries.
         let mut whole: Vec<bool> = large.iter().map(|&n| n == 0.0).collect();
         for _ in 0..ATTEMPTS {
             let drops =
@@ -58,8 +58,8 @@ impl FormFactors {
         Ok(())
     }
 
-    /// Rows which a change would leave with another sum, or with entries at the least value that
-    /// they may have.
+    /// Rows whose sum a change would alter, or whose entries it would reduce to the least allowed
+    /// value.
     fn failing(&self, ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync) -> Vec<bool> {
         let ratio_of = |i: usize, e: &Exchange| ratio(i, e).unwrap_or(0.0);
         let off = self.weighted(|i, e| e.value * (ratio_of(i, e) - 1.0));
@@ -81,7 +81,7 @@ impl FormFactors {
         })
     }
 
-    /// Carries out what was decided, and says it.
+    /// Applies the change and records it.
     fn drop_by(&mut self, ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync) {
         let before = self.exchange.entries();
         let dropped = |i: usize, e: &Exchange| if ratio(i, e).is_none() { e.value } else { 0.0 };

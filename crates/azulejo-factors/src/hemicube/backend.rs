@@ -1,4 +1,4 @@
-//! A device at work, and the processor in its place when it fails.
+//! The backend that renders item buffers; the processor takes over when a device fails.
 
 use crate::engine::HemicubeBackend;
 use azulejo_trace::item_buffer::{
@@ -6,7 +6,7 @@ use azulejo_trace::item_buffer::{
 };
 use std::sync::{Mutex, PoisonError, RwLock};
 
-/// A world on whatever draws it.
+/// A scene loaded into a backend.
 pub(super) struct BackendBuffers {
     settings: Settings,
     active: RwLock<ActiveBackend>,
@@ -14,7 +14,7 @@ pub(super) struct BackendBuffers {
 }
 
 enum ActiveBackend {
-    /// A device, and the world for the processor, should it have to take over.
+    /// A device, and the scene for the processor in case it has to take over.
     Device {
         name: String,
         buffers: Box<dyn ItemBuffers>,
@@ -24,7 +24,7 @@ enum ActiveBackend {
 }
 
 impl BackendBuffers {
-    /// Brings the world to the device, or to the processor if that fails.
+    /// Loads the scene into the device, or into the processor if that fails.
     pub fn new(world: World, settings: Settings, by: &HemicubeBackend) -> BackendBuffers {
         let mut notes = Vec::new();
         let active = match by {
@@ -48,7 +48,7 @@ impl BackendBuffers {
         }
     }
 
-    /// Who draws now.
+    /// The name of the backend in use.
     pub fn device(&self) -> String {
         match &*self.active.read().unwrap_or_else(PoisonError::into_inner) {
             ActiveBackend::Device { name, .. } => name.clone(),
@@ -56,13 +56,13 @@ impl BackendBuffers {
         }
     }
 
-    /// What went otherwise than asked so far.
+    /// Deviations from what was requested so far.
     pub fn notes(&self) -> Vec<String> {
         let notes = self.notes.lock().unwrap_or_else(PoisonError::into_inner);
         notes.clone()
     }
 
-    /// How many views a call should bring.
+    /// How many views a call should contain.
     pub fn batch(&self) -> usize {
         let active = self.active.read().unwrap_or_else(PoisonError::into_inner);
         match &*active {
@@ -87,12 +87,12 @@ impl BackendBuffers {
         self.replace(&error);
         match &*self.active.read().unwrap_or_else(PoisonError::into_inner) {
             ActiveBackend::Processor(buffers) => buffers.see(views),
-            // Nobody puts a device back.
+            // A device is never put back.
             ActiveBackend::Device { .. } => Vec::new(),
         }
     }
 
-    /// Puts the processor in the device's place, unless another thread already did.
+    /// Replaces the device by the processor, unless another thread already did.
     fn replace(&self, error: &DrawError) {
         let mut active = self.active.write().unwrap_or_else(PoisonError::into_inner);
         if let ActiveBackend::Device { name, world, .. } = &*active {

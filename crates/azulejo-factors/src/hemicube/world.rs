@@ -1,4 +1,4 @@
-//! The patches of a scene as a world of item buffers.
+//! The patches of a scene as geometry for item buffers.
 
 use crate::patch::{PatchFacets, Patches};
 use azulejo_scene::math::Aabb;
@@ -7,11 +7,11 @@ use azulejo_trace::item_buffer::{Facet, Mirror, NO_MIRROR, World};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Mirrors whose planes are closer than this, in normal and in offset by the scene's size, are
-/// one: its pieces are drawn together.
+/// Mirrors are coplanar if their planes differ by less than this, in normal and in offset relative
+/// to the scene's size; they are rendered together.
 const SAME_PLANE: f64 = 1e-8;
 
-/// What item buffers are to draw: flat patches as they are, curved ones as their facets.
+/// The geometry to render: flat patches as they are, curved ones as their facets.
 pub(super) fn world(scene: &Scene, patches: &Patches, facets: &PatchFacets) -> World {
     let mut world = World {
         patches: patches.len() as u32,
@@ -38,13 +38,13 @@ pub(super) fn world(scene: &Scene, patches: &Patches, facets: &PatchFacets) -> W
     world
 }
 
-/// What a patch shows, beside itself.
+/// How a patch reflects, besides diffusely.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SpecularKind {
     Nothing,
     /// A reflected world.
     Window,
-    /// What no item buffer can draw.
+    /// Curved, refracting or glossy: nothing that an item buffer can render.
     Bent,
 }
 
@@ -58,7 +58,7 @@ impl SpecularKind {
     }
 }
 
-/// Planes of mirrors, each once for each reflectance.
+/// Planes of mirrors, one for each reflectance.
 struct Mirrors {
     bounds: Aabb,
     mirrors: Vec<Mirror>,
@@ -75,7 +75,7 @@ impl Mirrors {
         }
     }
 
-    /// The mirror that a flat patch is a part of.
+    /// The mirror that a flat patch belongs to.
     fn number(&mut self, patches: &Patches, i: usize, material: &Material) -> u32 {
         let (point, normal) = (patches.centre(i), one_way(patches.normal(i)));
         let away = (point - self.bounds.centre()) / self.bounds.diagonal();
@@ -96,7 +96,7 @@ impl Mirrors {
     }
 }
 
-/// The normal or its opposite, the same for both: mirrors mirror on both sides.
+/// The normal or its opposite, the same for both, because mirrors reflect on both sides.
 fn one_way(normal: DVec3) -> DVec3 {
     let first = normal.to_array().into_iter().find(|x| x.abs() > 1e-4);
     if first < Some(0.0) { -normal } else { normal }

@@ -1,4 +1,4 @@
-//! Puts it together: vertices, patches, and what lies around what.
+//! Builds vertices, patches and their adjacency from a division.
 
 use super::cells::{Cells, CornerOrigin, NO_CORNER};
 use super::contacts::Contacts;
@@ -12,16 +12,16 @@ use azulejo_scene::{Primitive, PrimitiveKind, Shape, SurfaceGrid};
 use glam::DVec3;
 use std::collections::HashSet;
 
-/// How far gather positions move toward the centre of what adjoins them.
+/// How far gather positions move towards the centre of the adjoining patches.
 const PULL: f64 = 1e-3;
-/// Patches that turn less than this (cosine) around a vertex are one plane there.
+/// Patches that turn less than this (cosine) around a vertex are coplanar there.
 const COPLANAR_COSINE: f64 = 1.0 - 1e-9;
-/// A piece of a side lies on a contact if its middle is as near as this share of the edge.
+/// A piece of a side lies on a contact if its middle is within this share of the edge.
 const NEAR: f64 = 1e-5;
-/// Marks what has no display vertex yet.
+/// Marks a point without a display vertex.
 const UNSEEN: u32 = u32::MAX;
 
-/// Makes the patches of a division.
+/// Builds the patches of a division.
 pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) -> Patches {
     let mut builder = Builder::new(outline, contacts, &division);
     builder.add_objects();
@@ -94,7 +94,7 @@ struct Builder<'a> {
     region_patches: Vec<u32>,
     object_vertices: Vec<u32>,
     object_patches: Vec<u32>,
-    /// Display vertex of each group of corners, at the group's first slot.
+    /// Display vertex of each corner group, at the group's first slot.
     corner_vertex: Vec<u32>,
     /// First of the display vertices along each seam, at the seam's first slot.
     seam_vertex: Vec<u32>,
@@ -102,7 +102,7 @@ struct Builder<'a> {
     normals: Vec<DVec3>,
     /// Edges of the object's patches along contacts, as ascending pairs of vertices.
     contact_edges: HashSet<[u32; 2]>,
-    /// What became of the vertices on contacts.
+    /// The vertices on contacts after they were split.
     parted: Vec<Parted>,
 }
 
@@ -166,7 +166,7 @@ impl<'a> Builder<'a> {
         self.region_patches.push(self.corners.len() as u32);
     }
 
-    /// Notes which edges of a region's patches lie on contacts. `local` are the vertices at its
+    /// Records which edges of a region's patches lie on contacts. `local` are the vertices at its
     /// local points.
     fn note_contacts(&mut self, r: u32, cells: &Cells, local: &[u32]) {
         let region = &self.outline.regions[r as usize];
@@ -215,7 +215,7 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Gives the vertices of the object that was added last a copy on each side of contacts.
+    /// Splits the vertices on contacts of the object that was added last.
     fn part_vertices_at_contacts(&mut self) {
         if self.contact_edges.is_empty() {
             return;
@@ -237,7 +237,7 @@ impl<'a> Builder<'a> {
         self.vertices.len() as u32 - 1
     }
 
-    /// The display vertices of a flat region's local points, new ones where it is the first.
+    /// The display vertices of a flat region's local points, created where it is the first.
     fn flat_vertices(&mut self, region: &Region, cells: &Cells) -> Vec<u32> {
         let outline = self.outline;
         let slots = outline.slots_of(region);
@@ -322,7 +322,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Which borders of a part's parameters are creases, from which gather positions keep away.
+/// Which borders of a part's parameters are creases, from which gather positions stay away.
 struct Inset {
     u: bool,
     v_low: bool,
@@ -367,7 +367,7 @@ fn corner_angle(outline: &Outline, region: &Region, slot: u32) -> f64 {
         slots[(k + n - 1) % n].position - slots[k].position,
     );
     let (sine, cosine) = (next.cross(before).dot(region.normal), next.dot(before));
-    // Beyond π at the inner corner of a concave outline.
+    // Beyond π at the reflex corner of a concave outline.
     sine.atan2(cosine).rem_euclid(std::f64::consts::TAU)
 }
 
@@ -411,7 +411,7 @@ fn given_vertices(
     let shown = |s: u32, shown: &mut Vec<(u32, GivenVertex)>| {
         let (vertex, weight) = (outline.slots[s as usize].vertex, angles[s as usize]);
         let display = corner_vertex[s as usize];
-        // Parted vertices ascend, object by object.
+        // Split vertices ascend, object by object.
         let first = parted.partition_point(|p| p.from < display);
         let parts = parted[first..].iter().take_while(|p| p.from == display);
         let before = shown.len();
@@ -454,7 +454,7 @@ fn area(patches: &Patches, i: usize) -> f64 {
     }
 }
 
-/// Gauss–Legendre rule of 4 × 4 points; the density of a cell is a smooth function.
+/// Area by the Gauss–Legendre rule of 4 × 4 points; the area density of a cell is smooth.
 fn curved_area(patches: &Patches, i: usize) -> f64 {
     const NODES: [(f64, f64); 4] = [
         (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
@@ -473,7 +473,7 @@ fn curved_area(patches: &Patches, i: usize) -> f64 {
     sum / (f64::from(nu) * f64::from(nv))
 }
 
-/// Moves the gather positions of meshes off their borders.
+/// Moves the gather positions of meshes away from their borders.
 fn pull_inward(patches: &mut Patches) {
     for v in 0..patches.vertices.len() {
         let object = patches.vertices[v].object as usize;
@@ -485,8 +485,8 @@ fn pull_inward(patches: &mut Patches) {
     }
 }
 
-/// The centre of what adjoins a vertex, weighted by corner angle, if that is flat; or else the
-/// centre of the patch with the widest corner there.
+/// The centre of the adjoining patches, weighted by corner angle, if they are coplanar; otherwise
+/// the centre of the patch with the widest corner there.
 fn inner_target(patches: &Patches, v: usize) -> DVec3 {
     let position = patches.vertices[v].position;
     let around = patches.patches_at(v);

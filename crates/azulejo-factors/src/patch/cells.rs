@@ -1,4 +1,4 @@
-//! How one region is divided: the points it has and the cells between them.
+//! The division of one region: its points and the cells between them.
 
 use super::irregular::Irregular;
 
@@ -13,7 +13,7 @@ pub(super) enum Cells {
     Quad { nu: u32, nv: u32 },
     /// `k²` congruent triangles.
     Triangle { k: u32 },
-    /// Squares and triangles of any shape.
+    /// Squares and triangles without a regular pattern.
     Irregular(Box<Irregular>),
     /// A grid over the parameters of a primitive's part.
     Part { nu: u32, nv: u32 },
@@ -39,8 +39,8 @@ impl Cells {
         }
     }
 
-    /// The local corners of every patch in order, counter-clockwise from the front (parts of
-    /// primitives: as `u`, `v` go).
+    /// The local corners of every patch in order, counter-clockwise from the front (for parts of
+    /// primitives: in the direction of `u`, `v`).
     pub fn for_each(&self, mut f: impl FnMut([u32; 4])) {
         match *self {
             Cells::None => {}
@@ -70,7 +70,7 @@ impl Cells {
         }
     }
 
-    /// Calls `f` for every local point in order with its place. Not for parts of primitives.
+    /// Calls `f` with the origin of every local point in order. Not for parts of primitives.
     pub fn for_each_point(&self, mut f: impl FnMut(CornerOrigin)) {
         let side = |side, step| CornerOrigin::Side { side, step };
         match *self {

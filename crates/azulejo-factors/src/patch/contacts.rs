@@ -1,10 +1,10 @@
-//! Where faces touch or cross: the lines along which the light on a face jumps.
+//! Contact lines: where faces touch or cross, and irradiance is discontinuous.
 //!
-//! Where a box stands on a floor, irradiance falls from its value outside to nothing inside.
-//! A patch across that line carries the mean: light leaks under the box, and a shadow leaks out.
-//! Such D⁰ discontinuities are the worst for a radiosity mesh, so it is cut along them (Heckbert,
+//! Where a box stands on a floor, irradiance drops from its outside value to zero. A patch across
+//! that line averages both: light leaks under the box, and its shadow leaks out. Such D⁰
+//! discontinuities are the worst for a radiosity mesh, so it is cut along them (Heckbert,
 //! "Discontinuity meshing for radiosity", 1992; Lischinski, Tampieri and Greenberg, same title,
-//! 1992). Only contacts are searched for, not the borders of shadows.
+//! 1992). Only contacts are detected, not the borders of shadows.
 
 use super::Lists;
 use super::outline::{Form, Outline, Region};
@@ -14,24 +14,24 @@ use azulejo_scene::{Primitive, Shape};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// How near faces have to come to touch, as a share of both diameters, and of the coordinates.
+/// Tolerance of contacts, as a share of both diameters and of the coordinates.
 const TOUCH: f64 = 1e-6;
 const TOUCH_COORDINATES: f64 = 1e-12;
-/// A line on a face's border matters only if the other face stands up from it: the cosine of the
-/// angle between the planes is at most this.
+/// A line on a face's border matters only if the other face rises from it: the cosine of the angle
+/// between the planes is at most this.
 const STANDING_COSINE: f64 = 0.866_025_403_784_438_6;
-/// A face keeps this many lines, the longest.
+/// Most lines per face, the longest first.
 const LINES_PER_FACE: usize = 4096;
-/// Triangles that stand for exact shapes; shapes beyond that make no lines.
+/// Most triangles of exact shapes; further shapes make no lines.
 const EXACT_TRIANGLES: usize = 1 << 18;
-/// How far they may leave the exact surface, as a share of the shape's diameter.
+/// Chord error of these triangles, as a share of the shape's diameter.
 const EXACT_ERROR: f64 = 0.002;
 
-/// A straight piece of a contact, on the face that it belongs to.
+/// A straight piece of a contact, on the face that it divides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Contact {
     pub ends: [DVec3; 2],
-    /// Whether it runs through the face, or along its border.
+    /// Whether it runs through the face rather than along its border.
     pub inside: bool,
 }
 
@@ -86,7 +86,7 @@ impl Contacts {
         self.of(region).iter().any(|c| c.inside)
     }
 
-    /// Total length of the lines through a region, and the diameter of their box.
+    /// Total length of the lines through a region, and the diameter of their bounding box.
     pub fn extent(&self, region: usize) -> (f64, f64) {
         let inside = || self.of(region).iter().filter(|c| c.inside);
         let all = Bounds::around(inside().flat_map(|c| c.ends));
@@ -102,9 +102,9 @@ struct ContactFacets<'a> {
     regions: Vec<u32>,
     /// The others.
     exact: Vec<[DVec3; 3]>,
-    /// The first edges of each region; the last one again where there are three.
+    /// The first edges of each region; the last one repeated where there are three.
     edges: Vec<[u32; 4]>,
-    /// Grown by the tolerance.
+    /// Enlarged by the tolerance.
     boxes: Vec<Bounds>,
 }
 
@@ -283,7 +283,7 @@ impl Plane {
         (p - self.point).dot(self.normal)
     }
 
-    /// Where a triangle meets the plane, if that is a line.
+    /// The intersection of a triangle with the plane, if that is a line.
     fn cut(&self, t: [DVec3; 3], tolerance: f64) -> Option<[DVec3; 2]> {
         let d = t.map(|p| self.distance(p));
         let d = d.map(|d| if d.abs() <= tolerance { 0.0 } else { d });
@@ -294,7 +294,7 @@ impl Plane {
             let point = if d[k] == 0.0 {
                 p
             } else if d[k] * d[next] < 0.0 {
-                // From the same end for both triangles at the side, which then agree.
+                // From the same end for both triangles at an edge, so that they agree.
                 let (p, q, a, b) = if p.to_array() < q.to_array() {
                     (p, q, d[k], d[next])
                 } else {
@@ -336,7 +336,7 @@ impl Reach {
         reach
     }
 
-    /// Whether the facet may meet the plane in more than a point.
+    /// Whether the facet may intersect the plane in more than a point.
     fn meets(&self) -> bool {
         self.within > 1 || self.front > 0 && self.back > 0
     }
@@ -373,7 +373,7 @@ impl Face {
         DVec2::new(d.dot(self.axes[0]), d.dot(self.axes[1]))
     }
 
-    /// Calls `f` with each piece of a line in the plane that lies in the face (true) or along
+    /// Calls `f` with each piece of a line in the plane that lies inside the face (true) or along
     /// its border (false).
     fn clip(&self, line: [DVec3; 2], mut f: impl FnMut([DVec3; 2], bool)) {
         let [p, q] = line.map(|p| self.flat(p));
@@ -391,7 +391,7 @@ impl Face {
             1.0 => line[1],
             _ => line[0] + t * (line[1] - line[0]),
         };
-        // Pieces of the same kind that follow each other are one.
+        // Consecutive pieces of the same kind are one.
         let mut run: Option<([f64; 2], bool)> = None;
         for w in stops.windows(2) {
             if (w[1] - w[0]) * length <= least && w[1] < 1.0 {
@@ -442,7 +442,7 @@ impl Face {
     }
 }
 
-/// Whether a polygon holds a point, by the even-odd rule.
+/// Whether a polygon contains a point, by the even-odd rule.
 pub(super) fn is_inside(corners: &[DVec2], p: DVec2) -> bool {
     let n = corners.len();
     let crossed = (0..n)
@@ -458,7 +458,7 @@ pub(super) fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     p.distance(a + share_along(p, a, b) * (b - a))
 }
 
-/// Where on the way from `a` to `b` the point nearest to `p` lies, 0..=1.
+/// The parameter of the point nearest to `p` on the segment from `a` to `b`, 0..=1.
 pub(super) fn share_along(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let d = b - a;
     ((p - a).dot(d) / d.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)

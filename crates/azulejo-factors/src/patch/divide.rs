@@ -1,4 +1,4 @@
-//! How finely: pieces per edge, then cells per region.
+//! How finely to divide: pieces per edge, then cells per region.
 
 use super::PatchSize;
 use super::cells::Cells;
@@ -10,21 +10,21 @@ use super::outline::{Form, Outline, Region};
 use azulejo_scene::{Primitive, Shape, SurfaceGrid};
 use rayon::prelude::*;
 
-/// No division makes more patches than this (about 150 bytes each); a smaller size is raised
-/// until it fits. Faces are never joined, so a scene of more faces has more patches.
+/// Most patches of any division (about 150 bytes each); a smaller size is raised until it fits.
+/// Faces are never joined, so a scene with more faces has more patches.
 pub(super) const MAX_PATCHES: usize = 1 << 24;
-/// An edge may be divided this much finer than its length asks, to match its neighbours.
+/// An edge may be divided this much finer than its length requires, to match its neighbours.
 const HARMONY: f64 = 1.25;
-/// Rounds of matching; each carries a count one face further.
+/// Rounds of matching; each propagates a count by one face.
 const HARMONY_ROUNDS: usize = 8;
-/// How far the chords of an exact shape's cells may leave it, as a share of the patch size.
+/// Chord error of an exact shape's cells, as a share of the patch size.
 const CHORD_ERROR: f64 = 0.02;
 
-/// Patches beyond the faces themselves, for each square asked for, that contacts may cut: where
-/// hundreds of parts go through each other, they would cut ever more.
+/// Limit of the patches that contacts add, per requested square: hundreds of parts that intersect
+/// each other would add ever more.
 const MOST_CUTS: usize = 3;
 
-/// A chosen size and what it makes of every region.
+/// A patch size and the division that it leads to.
 pub(super) struct Division {
     /// Pieces of each edge.
     pub marks: Marks,
@@ -57,7 +57,7 @@ impl Division {
         }
     }
 
-    /// The division whose count comes nearest: the estimate is corrected by what it led to.
+    /// The division whose count is nearest: the estimate is corrected by the actual result.
     fn of_count(plan: DivisionPlan, count: usize) -> Division {
         let target = count as f64;
         let mut asked = target;
@@ -99,7 +99,7 @@ impl Division {
     }
 }
 
-/// What is known before a size is chosen.
+/// The scene before a size is chosen.
 #[derive(Clone, Copy)]
 struct DivisionPlan<'a> {
     outline: &'a Outline<'a>,
@@ -123,7 +123,7 @@ impl DivisionPlan<'_> {
             return f64::INFINITY;
         }
         let mut low = high;
-        // Counts grow at least like 1/size, so 2^-64 of the scene is far beyond every cap.
+        // Counts grow at least like 1/size, so 2^-64 of the scene is far beyond every limit.
         for _ in 0..64 {
             low *= 0.5;
             if !fits(low) {
@@ -160,7 +160,7 @@ impl DivisionPlan<'_> {
                         })
                         .collect();
                     if has_lines {
-                        // Either side of a line is like a border.
+                        // Either side of a line acts like a border.
                         sides.push((2.0 * length, (2.0 * length / size).ceil() as u32));
                     }
                     expected_patches(region.area, &sides, size)
@@ -183,7 +183,7 @@ impl DivisionPlan<'_> {
     }
 }
 
-/// The count in floating point: an impossible size overflows integers.
+/// In floating point, because an impossible size would overflow integers.
 fn cells_count(cells: &Cells) -> f64 {
     match *cells {
         Cells::Quad { nu, nv } | Cells::Part { nu, nv } => f64::from(nu) * f64::from(nv),
@@ -192,7 +192,7 @@ fn cells_count(cells: &Cells) -> f64 {
     }
 }
 
-/// Pieces of each edge: as many as its length asks, or up to a quarter more where that lets a
+/// Pieces of each edge: as many as its length requires, or up to a quarter more where that lets a
 /// region keep a regular pattern. Edges that are short enough stay whole.
 fn edge_pieces(outline: &Outline, size: f64) -> Vec<u32> {
     let asked: Vec<(u32, u32)> = outline
@@ -229,7 +229,7 @@ fn edge_pieces(outline: &Outline, size: f64) -> Vec<u32> {
     pieces
 }
 
-/// Raises all edges of a set to its greatest count, if all may go there.
+/// Raises all edges of a set to its largest count, if all of them allow it.
 fn match_edges(pieces: &mut [u32], asked: &[(u32, u32)], set: &[usize]) -> bool {
     let most = set.iter().map(|&e| pieces[e]).max().unwrap_or(1);
     let equal = set.iter().all(|&e| pieces[e] == most);

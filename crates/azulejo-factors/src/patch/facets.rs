@@ -1,19 +1,18 @@
-//! Flat triangles in the place of patches, for devices that draw nothing else.
+//! Flat triangles that approximate curved patches, for item buffers.
 
 use super::{PatchPoint, Patches};
 use glam::DVec3;
 
-/// The normal of a curved surface turns by at most this along a facet, radians: its chords are
-/// shorter than their arcs by 1 / 5000.
+/// Largest turn of a curved surface's normal along a facet, radians: chords are then shorter than
+/// their arcs by 1 / 5000.
 const MOST_TURN: f64 = 0.07;
 
-/// Pieces of a curved patch in either direction.
+/// Most pieces of a curved patch in either direction.
 const MOST_STEPS: u32 = 16;
 
 impl Patches {
-    /// Triangles that show all patches, each with the number of its patch, counter-clockwise from
-    /// its front; curved ones turn by no more than 4° along an edge. Some may have no area, at a
-    /// pole.
+    /// Triangles of all patches, each with the number of its patch, counter-clockwise from its
+    /// front; curved ones turn by at most 4° along an edge. Some may have no area, at a pole.
     pub fn triangles(&self) -> Vec<(u32, [DVec3; 3])> {
         let facets = PatchFacets::new(self);
         let of = |i: usize| facets.of(i).into_iter().map(move |t| (i as u32, t));
@@ -21,8 +20,8 @@ impl Patches {
     }
 }
 
-/// How finely the curved patches of each object are cut. All of an object are cut alike, so that
-/// neighbours share their corners.
+/// How finely the curved patches of each object are divided. All of an object are divided alike, so
+/// that neighbours share their corners.
 pub(crate) struct PatchFacets<'a> {
     patches: &'a Patches,
     /// Pieces of a patch in either direction; 0 for objects whose patches are flat.
@@ -44,8 +43,8 @@ impl<'a> PatchFacets<'a> {
         }
     }
 
-    /// The triangles of a patch, counter-clockwise from its front. Some of a curved patch may
-    /// have no area, at a pole.
+    /// The triangles of a patch, counter-clockwise from its front. Some of a curved patch may have
+    /// no area, at a pole.
     pub fn of(&self, i: usize) -> Vec<[DVec3; 3]> {
         if let Some(polygon) = self.patches.polygon(i) {
             let triangle = |k: usize| [polygon[0], polygon[k], polygon[k + 1]];
@@ -57,8 +56,8 @@ impl<'a> PatchFacets<'a> {
     }
 
     /// The point of the triangles of patch `i` for `(u1, u2)` in the unit square: as
-    /// [`Patches::sample`], but where the triangles are. There nothing that they hide is seen, nor
-    /// do they hide the world from their own patch.
+    /// [`Patches::sample`], but on the triangles, so that they do not occlude the view of their own
+    /// patch.
     pub fn sample(&self, i: usize, u1: f64, u2: f64) -> PatchPoint {
         if self.patches.polygon(i).is_some() {
             return self.patches.sample(i, u1, u2);
@@ -110,7 +109,7 @@ impl<'a> PatchFacets<'a> {
             .patches
             .curved_point(i, middle(column), middle(row))
             .normal;
-        // Some parts' parameters turn the other way round.
+        // The parameters of some parts are clockwise.
         if (c - a).cross(d - b).dot(normal) < 0.0 {
             [[a, c, b], [a, d, c]]
         } else {

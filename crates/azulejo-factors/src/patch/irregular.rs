@@ -1,10 +1,10 @@
-//! Regions that no regular pattern fits: squares inside, triangles between them and the border.
+//! Regions without a regular pattern: squares inside, triangles between them and the border.
 //!
-//! The points on the sides are given, since the neighbours have them too. A square lattice fills
-//! the inside; a constrained Delaunay triangulation joins its outline to the border, and Chew's
-//! refinement ("Guaranteed-quality mesh generation for curved surfaces", SoCG 1993; here
-//! `spade`'s, with border and lattice kept) adds points where angles are still small, as beside
-//! short sides. Lines through the region, where other faces touch it, become edges of patches.
+//! The points on the sides are given, because the neighbours share them. A square lattice fills the
+//! inside; a constrained Delaunay triangulation joins its outline to the border, and Chew's
+//! refinement ("Guaranteed-quality mesh generation for curved surfaces", SoCG 1993; here `spade`'s,
+//! with border and lattice kept) adds points where angles are still small, as beside short sides.
+//! Lines through the region, where other faces touch it, become edges of patches.
 
 use super::cells::NO_CORNER;
 use super::contacts::{Contact, is_inside};
@@ -15,7 +15,7 @@ use super::ring::{Pieces, Ring, signed_area};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// How far from the border, as a share of the size, a line stops that may not cut it.
+/// How far from the border, as a share of the size, a line stops if it may not divide it.
 const STOP: f64 = 0.1;
 
 /// An irregular division of one region.
@@ -45,9 +45,9 @@ impl Irregular {
     /// Divides a region whose sides are divided by `marks` into patches of about `size` (scene
     /// units; infinity for as large as the border allows), none of them across one of `lines`.
     ///
-    /// A region that is no longer than √2 `size`, has whole sides and no lines becomes its own
-    /// triangles. Where the triangulation fails (a border that touches itself within rounding)
-    /// each of the region's triangles is divided about its centre: thin, but without cracks.
+    /// A region no longer than √2 `size`, with undivided sides and without lines, becomes its own
+    /// triangles. Where the triangulation fails (a border that touches itself within rounding) each
+    /// of the region's triangles is divided about its centre: thin, but without cracks.
     pub fn new(
         outline: &Outline,
         region: &Region,
@@ -90,8 +90,8 @@ impl Irregular {
         self.sides.iter().map(|&k| k as usize).sum()
     }
 
-    /// Appends the triangles that have an area, neighbours near each other in the numbering:
-    /// whoever looks up many finds them in the cache.
+    /// Appends the triangles that have an area. Neighbours are close in the numbering, which makes
+    /// lookups cache-friendly.
     fn add_triangles(&mut self, mut triangles: Vec<[u32; 3]>) {
         let at = |k: u32| self.points[k as usize];
         triangles.retain(|t| signed_area(t.map(at)) > 0.0);
@@ -127,7 +127,7 @@ impl Irregular {
         weights
     }
 
-    /// Barycentric weights in the triangle that holds `p`, or, by rounding, nearly does.
+    /// Barycentric weights in the triangle that contains `p`, to within rounding.
     fn weights_at(&self, p: DVec2, own: &[[u32; 3]]) -> [(u32, f64); 3] {
         let mut best = ([0; 3], [1.0, 0.0, 0.0], f64::NEG_INFINITY);
         for &t in own {
@@ -146,8 +146,8 @@ impl Irregular {
     }
 }
 
-/// About how many patches [`Irregular::new`] makes, from the region's area and the lengths and
-/// piece counts of its sides: squares inside, triangles in a ring as wide as one and a bit.
+/// Estimated number of patches of [`Irregular::new`], from the region's area and the lengths and
+/// piece counts of its sides: squares inside, triangles in a ring somewhat wider than one.
 pub(super) fn expected_patches(area: f64, sides: &[(f64, u32)], size: f64) -> f64 {
     let border: f64 = sides.iter().map(|s| f64::from(s.1)).sum();
     if size == f64::INFINITY {
@@ -222,8 +222,8 @@ pub(super) fn bounds(points: &[DVec2]) -> (DVec2, DVec2) {
         })
 }
 
-/// Point `i` of the side from `a` to `b`, with the same bits for the two sides of an edge: where a
-/// cut joins a hole to the outline they must meet.
+/// Point `i` of the side from `a` to `b`, bit-identical for both sides of an edge: where a cut
+/// joins a hole to the outline they must coincide.
 fn side_point(a: DVec2, b: DVec2, slot: &Slot, marks: &Marks, i: u32) -> DVec2 {
     let (from, to) = if slot.forward { (a, b) } else { (b, a) };
     if i == 0 {
@@ -234,10 +234,10 @@ fn side_point(a: DVec2, b: DVec2, slot: &Slot, marks: &Marks, i: u32) -> DVec2 {
 }
 
 /// The points of lines that are not on the border, and the pieces as pairs of local points: those
-/// of the border, then these.
+/// of the border first, then these.
 ///
-/// A line that ends between two points of the border, where no face but this one has lines and
-/// the border may not be cut, goes to a point near by, or stops short of the border.
+/// A line that ends between two points of the border, where no other face has lines and the border
+/// may not be divided, goes to a nearby point, or stops short of the border.
 fn line_edges(lines: &Lines, border: &Border, size: f64) -> Pieces {
     let mut points = lines.points.clone();
     let mut stops: HashMap<(u32, u64), u32> = HashMap::new();

@@ -1,8 +1,8 @@
-//! Delaunay refinement that keeps lines.
+//! Delaunay refinement that preserves constraint lines.
 //!
-//! `spade` tells inside from outside by counting the constraints on the way, so it can't refine a
-//! region with lines through it. This does: circumcentres of bad triangles are inserted, as Chew
-//! does, unless that would come too near to a constraint, and long edges are halved.
+//! `spade` distinguishes inside from outside by counting constraints, so it cannot refine a region
+//! with lines through it. This does: circumcentres of bad triangles are inserted, as in Chew's
+//! algorithm, unless they would come too close to a constraint, and long edges are halved.
 
 use super::ring::{Delaunay, Face, middles_of_long_edges};
 use spade::handles::FixedVertexHandle;
@@ -13,7 +13,7 @@ use std::collections::HashSet;
 const ROUNDS: usize = 10;
 /// A triangle is bad from this ratio of circumradius to shortest edge: angles below 22°.
 const WORST_RATIO: f64 = 1.335;
-/// Triangles have at most this share of the square on the size, as in regions without lines.
+/// Largest area of triangles, as a share of the squared size, as in regions without lines.
 const MOST_AREA: f64 = 0.42;
 /// Triangles below this share are not improved.
 const LEAST_AREA: f64 = 1e-4;
@@ -21,8 +21,8 @@ const LEAST_AREA: f64 = 1e-4;
 /// A pair of vertices in ascending order.
 pub(super) type Pair = [usize; 2];
 
-/// Adds points until angles and sizes are good, and returns the faces outside the region, which
-/// the edges of `walls` bound. Other constraints are lines inside.
+/// Adds points until angles and sizes are good, and returns the faces outside the region, which is
+/// bounded by `walls`. Other constraints are lines inside.
 pub(super) fn refine(mesh: &mut Delaunay, walls: &HashSet<Pair>, size: f64) -> HashSet<Face> {
     let most = 3 * mesh.num_vertices() + 32;
     for _ in 0..ROUNDS {
@@ -30,7 +30,7 @@ pub(super) fn refine(mesh: &mut Delaunay, walls: &HashSet<Pair>, size: f64) -> H
         let before = mesh.num_vertices();
         for (centre, from, radius) in centres_of_bad(mesh, &outside, size) {
             if mesh.num_vertices() < most && is_free(mesh, centre, from, radius) {
-                // A point that cannot be inserted leaves its triangle bad.
+                // If a point cannot be inserted its triangle stays bad.
                 let _ = mesh.insert(centre);
             }
         }
@@ -47,7 +47,7 @@ pub(super) fn refine(mesh: &mut Delaunay, walls: &HashSet<Pair>, size: f64) -> H
     outside(mesh, walls)
 }
 
-/// The faces that an even number of walls separates from infinity.
+/// The faces separated from infinity by an even number of walls.
 fn outside(mesh: &Delaunay, walls: &HashSet<Pair>) -> HashSet<Face> {
     let mut seen = vec![false; mesh.num_all_faces()];
     let mut outside = HashSet::new();
@@ -98,8 +98,8 @@ fn centres_of_bad(
     bad
 }
 
-/// Whether a circumcentre may be inserted: its circle is still empty, no constraint lies between
-/// it and its triangle, and it lies in no circle over a constraint nearby.
+/// Whether a circumcentre may be inserted: its circle is still empty, no constraint lies between it
+/// and its triangle, and it lies in no diametral circle of a constraint nearby.
 fn is_free(mesh: &Delaunay, centre: Point2<f64>, from: Point2<f64>, radius: f64) -> bool {
     let PositionInTriangulation::OnFace(face) = mesh.locate(centre) else {
         return false;

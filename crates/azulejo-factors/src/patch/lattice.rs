@@ -1,16 +1,16 @@
-//! The squares inside a flat region.
+//! The square lattice inside a flat region.
 
 use super::divide::MAX_PATCHES;
 use super::irregular::bounds;
 use glam::DVec2;
 
-/// How near squares come to the border, as a share of the spacing.
+/// Distance of squares from the border, as a share of the spacing.
 const CLEARANCE: f64 = 0.6;
-/// Where the first row starts above the longest side: triangles of this height on sides of one
-/// spacing are equilateral.
+/// Height of the first row above the longest side: triangles of this height over one spacing are
+/// equilateral.
 const FIRST_ROW: f64 = 0.866;
 
-/// Squares of one size that keep away from the border of a polygon.
+/// Squares of one size at a distance from the border of a polygon.
 pub(super) struct Lattice {
     pub spacing: f64,
     pub origin: DVec2,
@@ -22,7 +22,7 @@ pub(super) struct Lattice {
     corners: Vec<[u32; 4]>,
 }
 
-/// Where squares end.
+/// The outline of the lattice.
 pub(super) struct Rim {
     /// Points on it, among the lattice's.
     pub points: Vec<u32>,
@@ -31,8 +31,8 @@ pub(super) struct Rim {
 }
 
 impl Lattice {
-    /// The lattice of squares with sides `size` in a polygon, away from `lines` through it;
-    /// without squares if none fits.
+    /// The lattice of squares with sides `size` in a polygon, at a distance from the `lines`
+    /// through it; without squares if none fits.
     pub fn new(corners: &[DVec2], lines: &[[DVec2; 2]], size: f64) -> Lattice {
         let (low, high) = bounds(corners);
         let steps = (high - low) / size;
@@ -87,7 +87,7 @@ impl Lattice {
         }
     }
 
-    /// Numbers the corners of the squares: of two neighbouring rows each point once.
+    /// Numbers the corners of the squares: each point once for two neighbouring rows.
     fn number(&mut self) {
         let mut keys: Vec<[u32; 2]> = self
             .cells
@@ -115,7 +115,7 @@ impl Lattice {
         self.points = keys.iter().map(place).collect();
     }
 
-    /// The edges that belong to one square only, and their ends.
+    /// The edges that belong to only one square, and their ends.
     pub fn outline(&self) -> Rim {
         let mut sides: Vec<[u32; 2]> = self
             .corners
@@ -138,10 +138,10 @@ impl Lattice {
     }
 }
 
-/// No lattice is laid over a box of more squares than this.
+/// Most squares in the bounding box of a lattice.
 const LIMIT: f64 = 4.0 * MAX_PATCHES as f64;
 
-/// The pieces of the line at height `y` that are inside the polygon, by the even-odd rule.
+/// The pieces of the line at height `y` inside the polygon, by the even-odd rule.
 fn inside(corners: &[DVec2], y: f64) -> Vec<[f64; 2]> {
     let n = corners.len();
     let mut crossings: Vec<f64> = (0..n)
@@ -154,7 +154,7 @@ fn inside(corners: &[DVec2], y: f64) -> Vec<[f64; 2]> {
 }
 
 /// Where on the row from `y` to `y + size` squares may not start, because a side or line comes too
-/// near: one open interval for each.
+/// close: one open interval for each.
 fn taken(obstacles: &[[DVec2; 2]], y: f64, size: f64) -> Vec<[f64; 2]> {
     let clearance = CLEARANCE * size;
     let (low, high) = (y - clearance, y + size + clearance);

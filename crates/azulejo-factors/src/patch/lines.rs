@@ -1,23 +1,23 @@
-//! The contacts of one region as lines that its patches keep to, at one patch size.
+//! The contact lines of one region at one patch size.
 //!
-//! Contacts come as loose segments, in any number. Here their ends become nodes, segments are
-//! split where they cross, and what the patch size can't show is left out: details below a
-//! hundredth of it, loops smaller than a twentieth.
+//! Contacts come as loose segments, in any number. Here their ends become nodes, segments are split
+//! where they cross, and detail below the patch size is dropped: details below a hundredth of it,
+//! loops smaller than a twentieth.
 
 use super::contacts::{distance_to_segment, share_along};
 use super::irregular::bounds;
 use glam::DVec2;
 use std::collections::{BTreeSet, HashMap};
 
-/// Points nearer than this share of the size are one.
+/// Points closer than this share of the size are merged.
 const SNAP: f64 = 0.02;
-/// Chains of segments are simplified until they leave the given ones by this share of the size.
+/// Tolerance of chain simplification, as a share of the size.
 const DETAIL: f64 = 0.01;
-/// Connected lines whose box is smaller than this share of the size are left out.
+/// Connected lines whose bounding box is smaller than this share of the size are dropped.
 const SMALL: f64 = 0.05;
-/// Rounds of splitting; nearly always the first one finds all and the second one nothing.
+/// Rounds of splitting; nearly always the first one finds everything and the second nothing.
 const SPLIT_ROUNDS: usize = 4;
-/// No more crossings are looked for beyond this many nodes.
+/// Beyond this many nodes no more crossings are searched for.
 const MOST_NODES: usize = 1 << 14;
 
 /// A point of a line.
@@ -35,14 +35,14 @@ pub(super) struct Lines {
     pub edges: Vec<[LinePoint; 2]>,
 }
 
-/// Whether lines whose box has this diameter are worth a division at a patch size.
+/// Whether lines with a bounding box of this diameter are worth a division at a patch size.
 pub(super) fn is_worth(diameter: f64, size: f64) -> bool {
     diameter >= SMALL * size
 }
 
 impl Lines {
-    /// The lines of a polygon; `None` if all of them are too small for the size or too near to
-    /// the border.
+    /// The lines of a polygon; `None` if all of them are too small for the size or too close to the
+    /// border.
     pub fn new(corners: &[DVec2], segments: &[[DVec2; 2]], size: f64) -> Option<Lines> {
         let (low, high) = bounds(&segments.concat());
         if size.is_nan() || size <= 0.0 || !is_worth(low.distance(high), size) {
@@ -68,7 +68,7 @@ impl Lines {
     }
 }
 
-/// Nodes at least `snap` from each other, and where on the border they are.
+/// Nodes at least `snap` apart, and where on the border they are.
 struct Graph<'a> {
     corners: &'a [DVec2],
     snap: f64,
@@ -130,7 +130,7 @@ impl<'a> Graph<'a> {
             .map(|near| near.1)
     }
 
-    /// The node at `p`: one that is there, or a new one, on the border if that is near.
+    /// The node at `p`: an existing or a new one, on the border if that is near.
     fn node(&mut self, p: DVec2) -> u32 {
         if let Some(node) = self.node_near(p) {
             return node;
@@ -147,7 +147,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// The segments between nodes, split where they meet, each once, without those along the
+    /// The segments between nodes, split where they cross, each once, without those along the
     /// border.
     fn edges(&mut self, segments: &[[DVec2; 2]]) -> BTreeSet<[u32; 2]> {
         let spans = segments.iter().map(|s| s.map(|p| self.node(p)));
@@ -162,8 +162,8 @@ impl<'a> Graph<'a> {
         edges
     }
 
-    /// One round of splitting. A node may lie a little off the span that it splits, which may then
-    /// meet others.
+    /// One round of splitting. A node may lie slightly off the span that it splits, which may then
+    /// cross others.
     fn split(&mut self, edges: &BTreeSet<[u32; 2]>) -> BTreeSet<[u32; 2]> {
         let mut spans: Vec<[u32; 2]> = edges.iter().copied().collect();
         let x = |n: u32| self.nodes[n as usize].x;
@@ -185,7 +185,7 @@ impl<'a> Graph<'a> {
         split
     }
 
-    /// Makes nodes where spans, sorted by their left ends, cross.
+    /// Creates nodes where spans, sorted by their left ends, cross.
     fn add_crossings(&mut self, spans: &[[u32; 2]]) {
         let ends = |nodes: &[DVec2], s: [u32; 2]| s.map(|n| nodes[n as usize]);
         for (i, &one) in spans.iter().enumerate() {
@@ -204,7 +204,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// The nodes on a span in order, its ends included.
+    /// The nodes on a span in order, including its ends.
     fn nodes_along(&self, [a, b]: [u32; 2], by_x: &[u32]) -> Vec<u32> {
         let (p, q) = (self.nodes[a as usize], self.nodes[b as usize]);
         let reach = self.snap;
@@ -230,8 +230,8 @@ impl<'a> Graph<'a> {
             && self.side_near(middle, self.snap).is_some()
     }
 
-    /// The edges as chains between nodes where lines end, meet or branch, and as closed loops
-    /// that start at an extreme point.
+    /// The edges as chains between nodes where lines end, meet or branch, and as closed loops that
+    /// start at an extreme point.
     fn chains(&self, edges: &BTreeSet<[u32; 2]>) -> Vec<Vec<u32>> {
         let mut beside: Vec<Vec<u32>> = vec![Vec::new(); self.nodes.len()];
         for &[a, b] in edges {
@@ -260,7 +260,7 @@ impl<'a> Graph<'a> {
             .flat_map(|n| beside[n as usize].iter().map(move |&m| (n, m)))
             .map(|(n, m)| walk(n, m))
             .collect();
-        // What is left are loops without joints.
+        // The remaining edges are loops without joints.
         for n in nodes.filter(|&n| !joint(n)) {
             let mut ring = walk(n, beside[n as usize][0]);
             if ring.len() > 3 {

@@ -1,4 +1,4 @@
-//! From a ray's hit to a patch.
+//! From a hit to its patch.
 
 use super::Patches;
 use super::cells::{Cells, NO_CORNER};
@@ -16,7 +16,7 @@ enum Finder {
     Quad { nu: u32, nv: u32, a: f32, b: f32 },
     /// Congruent triangles.
     Triangle { k: u32 },
-    /// Bins of a plane.
+    /// Bins over a plane.
     Bins(u32),
     /// Cells of `u`, `v`.
     Part { nu: u32, nv: u32 },
@@ -25,7 +25,7 @@ enum Finder {
 /// Everything that [`Patches::locate`] reads.
 #[derive(Default)]
 pub(super) struct Locator {
-    /// First patch and finder of each region, and where its triangles' corners stand.
+    /// First patch and finder of each region, and where the corners of its triangles are stored.
     regions: Vec<(u32, u32, Finder)>,
     /// Plane coordinates of the corners of each tracer triangle: the first corner, and from it
     /// to the other two.
@@ -51,7 +51,7 @@ impl Locator {
         locator
     }
 
-    /// Coordinates of a region's corners in the plane that its finder expects.
+    /// Coordinates of a region's corners in the plane that its finder uses.
     fn plane(
         &mut self,
         outline: &Outline,
@@ -107,17 +107,17 @@ pub(super) fn is_flat(kind: PrimitiveKind) -> bool {
 
 impl Patches {
     /// The patch that a hit lies on.
-    ///
-    /// `triangle` counts the face's triangles as `Mesh::triangulate` returns them; `u`, `v` are
-    /// the weights of that triangle's corners 1 and 2. For an exact primitive `face` is the part
-    /// and `u`, `v` its parameters. Total: near a border rounding may choose the neighbour, a
-    /// face without patches gives some patch near it in the numbering (0 in an empty scene).
+    /// `triangle` counts the face's triangles as `Mesh::triangulate` returns them; `u`, `v` are the
+    /// weights of that triangle's corners 1 and 2. For an exact primitive `face` is the part and
+    /// `u`, `v` its parameters. Every input gives a patch: near a border rounding may choose the
+    /// neighbour, and a face without patches gives some patch near it in the numbering (0 in an
+    /// empty scene).
     pub fn locate(&self, object: u32, face: u32, triangle: u32, u: f32, v: f32) -> u32 {
         let patch = self.find(object, face, triangle, u, v).unwrap_or(0);
         patch.min((self.corners.len() as u32).saturating_sub(1))
     }
 
-    /// The patch of a triangle or part all of which is one patch.
+    /// The patch of a triangle or part that is a single patch.
     pub fn only_patch(&self, object: u32, face: u32, triangle: u32) -> Option<u32> {
         let face = (*self.face_base.get(object as usize)?).checked_add(face)? as usize;
         let (start, end) = (
@@ -189,7 +189,7 @@ fn inverse_bilinear(x: f32, y: f32, a: f32, b: f32) -> (f32, f32) {
     (s, y / (1.0 + b * s))
 }
 
-/// Which of the `k²` triangles holds the point with weights `x`, `y` of corners 1 and 2.
+/// Which of the `k²` triangles contains the point with weights `x`, `y` of corners 1 and 2.
 fn triangle_cell(x: f32, y: f32, k: u32) -> u32 {
     let scale = k as f32;
     let (x, y) = ((x * scale).max(0.0), (y * scale).max(0.0));
@@ -200,26 +200,26 @@ fn triangle_cell(x: f32, y: f32, k: u32) -> u32 {
     j * (2 * k - j) + 2 * i + u32::from(upper)
 }
 
-/// Patches of an irregular region in the bins of a uniform grid, whose lines are among those of
-/// the lattice, so that most bins lie in one square.
+/// Patches of an irregular region in the bins of a uniform grid aligned with the lattice, so that
+/// most bins lie in one square.
 struct Bins {
     low: [f32; 2],
     per_unit: f32,
     count: [u32; 2],
     starts: Vec<u32>,
-    /// Patches that meet each bin; at least one per bin.
+    /// Patches that overlap each bin; at least one per bin.
     items: Vec<u32>,
-    /// So many patches are squares, the others triangles.
+    /// The first so many patches are squares, the others triangles.
     squares: u32,
     /// For each patch the affine functions that are the weights of the corners next to the first.
     weights: Vec<[f32; 6]>,
 }
 
-/// More bins leave fewer triangles to try in each, but take more memory.
+/// Limit of bins per patch: more leave fewer candidates in each, but take more memory.
 const BINS_PER_PATCH: f64 = 4.0;
 /// Bins along one direction.
 const MOST_BINS: f64 = 4096.0;
-/// A hit this little outside a patch is taken without looking at the others.
+/// A hit this far outside a patch is accepted without testing the others.
 const NEAR_ENOUGH: f32 = -1e-6;
 
 impl Bins {
@@ -227,7 +227,8 @@ impl Bins {
         let (low, high) = bounds(&mesh.points);
         let size = high - low;
         let wanted = BINS_PER_PATCH * mesh.cells.len() as f64;
-        // A needle's box is nearly flat, so its area alone would ask for far too many bins.
+        // A needle's bounding box is nearly flat, so its area alone would require far too many
+        // bins.
         let least = (size.x * size.y / wanted)
             .sqrt()
             .max(size.max_element() / wanted.clamp(1.0, MOST_BINS));
@@ -269,7 +270,8 @@ impl Bins {
                 .map(|&k| (mesh.points[k as usize] - low) / step)
                 .collect();
             let (least, most) = bounds(&p);
-            // A square's border on a bin's border by rounding does not count as meeting it.
+            // A square that touches a bin's border only by rounding does not count as overlapping
+            // it.
             let range = |a: f64, b: f64, n: u32| {
                 ((a + 1e-6) as u32).min(n - 1)..=((b - 1e-6) as u32).min(n - 1)
             };
@@ -353,13 +355,14 @@ fn nearest_filled(lists: &super::Lists<u32>, [nx, ny]: [u32; 2]) -> Vec<u32> {
     nearest.iter().map(|&b| b.min(bins - 1)).collect()
 }
 
-/// Whether a convex polygon in bin coordinates can meet the unit square at `(x, y)`; a little generous.
+/// Whether a convex polygon in bin coordinates may overlap the unit square at `(x, y)`;
+/// conservative.
 fn meets_bin(p: &[DVec2], x: u32, y: u32) -> bool {
     let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
     (0..p.len()).all(|k| {
         let (a, b) = (p[k], p[(k + 1) % p.len()]);
         let side = b - a;
-        // The square reaches this far across the side.
+        // Half the extent of the square across the side.
         let reach = 0.501 * (side.x.abs() + side.y.abs());
         side.perp_dot(middle - a) >= -reach
     })

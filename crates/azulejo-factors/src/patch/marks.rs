@@ -1,18 +1,18 @@
-//! Where edges are divided: evenly, but also where contacts end on them.
+//! The division points of edges: evenly spaced, but also at the ends of contacts.
 
 use super::contacts::Contacts;
 use super::lines::Lines;
 use super::outline::{Edge, Outline, Slot};
 use std::collections::HashMap;
 
-/// Cuts nearer than this share of the patch size to each other are one.
+/// Cuts closer than this share of the patch size are merged.
 const SNAP: f64 = 0.02;
 
 /// The division of every edge.
 pub(super) struct Marks {
     /// Pieces of each edge.
     pub pieces: Vec<u32>,
-    /// For edges that are not divided evenly the inner points, as ascending shares.
+    /// For edges that are not divided evenly, the inner points as ascending shares.
     cut: HashMap<u32, Vec<f64>>,
 }
 
@@ -41,7 +41,7 @@ impl Marks {
         self.share(slot.edge, if slot.forward { step } else { count - step })
     }
 
-    /// Which point of a side is nearest to `share` of it; the side's count for its end.
+    /// The point of a side nearest to `share` of it; the side's count stands for its end.
     pub fn nearest(&self, slot: &Slot, share: f64) -> u32 {
         let along = if slot.forward { share } else { 1.0 - share };
         let off = |step: &u32| (self.share_on(slot, *step) - along).abs();
@@ -55,7 +55,7 @@ impl Marks {
     }
 
     /// Cuts the edges on which lines end, where every face at the edge has contacts: faces without
-    /// are divided as if there were none anywhere.
+    /// contacts are divided as if there were none.
     pub fn cut_at_ends(
         &mut self,
         outline: &Outline,

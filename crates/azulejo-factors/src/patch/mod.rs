@@ -1,24 +1,24 @@
-//! Patches: the faces of a scene divided until they are small enough to carry one radiosity.
+//! Patches: the faces of a scene divided into pieces that each have one radiosity.
 //!
-//! Every edge that faces share, also faces of different objects, is divided at the same points,
-//! bit for bit, so there are no T-junctions. Flat quadrilaterals become grids, triangles become
-//! congruent triangles; what has no regular pattern (unequal opposite sides, more corners,
-//! concave outlines) is triangulated. So is a face that others touch or cross inside: no patch
-//! lies across such a contact line, and each side has display vertices of its own. Exact primitives become cells of their parameters and are
-//! sampled on the exact surface.
+//! Every edge that faces share, also faces of different objects, is divided at the same points, bit
+//! for bit, so there are no T-junctions. Flat quadrilaterals become grids, triangles become
+//! congruent triangles; other faces (unequal opposite sides, more corners, concave outlines) are
+//! triangulated. So are faces that others touch or cross inside: no patch lies across such a
+//! contact line, and each of its sides has display vertices of its own. Exact primitives become
+//! cells of their parameters and are sampled on the exact surface.
 //!
-//! | module | what it answers |
+//! | module | purpose |
 //! |---|---|
-//! | `outline` | which faces are flat, which edges are shared, where a surface is smooth |
+//! | `outline` | flat regions, shared edges, smooth surfaces |
 //! | `contacts`, `pairs` | where faces touch or cross each other inside |
-//! | `lines` | which lines that makes at a patch size |
-//! | `divide`, `marks` | how many pieces each edge gets, and where |
-//! | `cells`, `irregular`, `lattice`, `ring`, `keep` | what the division of one region looks like |
+//! | `lines` | contact lines at a patch size |
+//! | `divide`, `marks` | number and positions of the pieces of each edge |
+//! | `cells`, `irregular`, `lattice`, `ring`, `keep` | the division of a region |
 //! | `part` | display vertices on both sides of a contact |
 //! | `build` | patches, their corners and the display vertices |
-//! | `locate` | which patch a ray hit |
-//! | `sample` | a point of a patch for two random numbers |
-//! | `facets` | the flat triangles that stand for a patch where nothing curved can be drawn |
+//! | `locate` | from a hit to its patch |
+//! | `sample` | random points of a patch |
+//! | `facets` | flat triangles that approximate curved patches for item buffers |
 //! | `refined` | the divided mesh |
 
 mod build;

@@ -1,25 +1,25 @@
-//! The scene's faces before they are divided: flat regions, the edges they share, and where two
-//! of them are one smooth surface.
+//! The faces of the scene before division: flat regions, shared edges, and which regions form one
+//! smooth surface.
 
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{MaterialId, Mesh, Primitive, Scene, Shape};
 use glam::DVec3;
 use std::ops::Range;
 
-/// How far a face's corners may leave its plane, as a share of its diameter, to count as flat.
+/// Tolerance of flat faces: distance of corners from the plane, as a share of the diameter.
 const FLATNESS: f64 = 1e-5;
-/// Faces of a mesh that says nothing about smoothness are one surface below this angle of 30°.
+/// Below this angle of 30°, faces of a mesh without smoothing information form one surface.
 const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
-/// Faces that turn less than 0.1° are one plane.
+/// Faces that turn by less than 0.1° are coplanar.
 const COPLANAR_COSINE: f64 = 0.999_998_5;
-/// At an edge of many faces each is compared with this many before it: two is a manifold, more
-/// is an accident, and comparing all with all would be quadratic.
+/// At an edge of many faces each is compared with this many before it: two is a manifold, more is
+/// an accident, and comparing all with all would be quadratic.
 const FACES_COMPARED: usize = 8;
 
-/// What a region is, which decides how it can be divided.
+/// The form of a region, which determines how it can be divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
-    /// Without area, or with corners that are not finite: it gets no patch.
+    /// Without area, or with corners that are not finite: no patches.
     Empty,
     /// Three corners.
     Triangle,
@@ -64,7 +64,7 @@ pub(super) struct Slot {
     pub seam: u32,
 }
 
-/// A straight line between two positions, in a direction that only the positions decide.
+/// A straight line between two positions, in a direction that depends on the positions alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
     pub from: DVec3,
@@ -76,7 +76,7 @@ impl Edge {
         self.from.distance(self.to)
     }
 
-    /// The point `share` of the way along; the same bits for every face at the edge.
+    /// The point `share` of the way along; bit-identical for every face at the edge.
     pub fn point(&self, share: f64) -> DVec3 {
         self.from + (self.to - self.from) * share
     }
@@ -111,7 +111,7 @@ impl<'s> Outline<'s> {
             match &o.shape {
                 Shape::Mesh(mesh) => outline.add_mesh(object as u32, mesh),
                 Shape::Primitive(primitive) => outline.add_primitive(object as u32, primitive),
-                // Divided as the polygons that stand for it: see `Scene::faceted`.
+                // Divided as its proxy polygons: see `Scene::faceted`.
                 Shape::Exact(_) => {}
             }
             let faces = outline.face_regions.len() - 1;
@@ -129,7 +129,7 @@ impl<'s> Outline<'s> {
         &self.triangles[region.triangles.start as usize..region.triangles.end as usize]
     }
 
-    /// The mesh of a region that is not a primitive's part.
+    /// The mesh of a region, unless it is a primitive's part.
     pub fn mesh(&self, region: &Region) -> Option<&'s Mesh> {
         match &self.scene.objects[region.object as usize].shape {
             Shape::Mesh(mesh) => Some(mesh),
@@ -222,7 +222,7 @@ impl<'s> Outline<'s> {
         });
     }
 
-    /// Finds the sides that are the same line, and joins those that are one smooth surface.
+    /// Finds sides on the same line, and joins those that are one smooth surface.
     fn share_edges(&mut self) {
         let places = self.places();
         let mut sides: Vec<(u32, u32, u32)> = Vec::with_capacity(self.slots.len());
@@ -382,7 +382,7 @@ fn next_slot(region: &Region, slot: u32) -> u32 {
     }
 }
 
-/// Disjoint sets over 0..n, whose names are their smallest members.
+/// Disjoint sets over 0..n, named by their smallest members.
 struct Groups(Vec<u32>);
 
 impl Groups {
@@ -411,7 +411,7 @@ fn longest_distance(points: &[DVec3]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A triangle, unless its area is no more than the rounding of its corners.
+/// A triangle, unless its area is within the rounding of its corners.
 fn triangle_form(points: &[DVec3; 3]) -> Form {
     let area = area_vector(points).length();
     let reach = longest_distance(points);
@@ -422,7 +422,7 @@ fn triangle_form(points: &[DVec3; 3]) -> Form {
     }
 }
 
-/// What a face is as a whole; `None` if only its triangles are flat, or it crosses itself.
+/// The form of a whole face; `None` if only its triangles are flat, or it crosses itself.
 fn flat_form(points: &[DVec3], triangles: &[[u32; 3]]) -> Option<Form> {
     if let &[a, b, c] = points {
         return Some(triangle_form(&[a, b, c]));

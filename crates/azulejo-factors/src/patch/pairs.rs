@@ -1,14 +1,14 @@
-//! Which of many boxes overlap.
+//! Overlapping pairs among many boxes.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Boxes that are tried against each other without looking at a tree.
+/// Boxes per block, which are compared without a tree.
 const BLOCK: usize = 8;
-/// No more than about this many pairs of overlapping boxes are visited, so that a scene in which
-/// everything overlaps everything ends; 270 million take a few seconds.
+/// Limit of visited pairs of overlapping boxes, so that a scene in which everything overlaps ends;
+/// 270 million take a few seconds.
 const MOST_PAIRS: usize = 1 << 28;
-/// No more than about this many findings are kept.
+/// Limit of stored results.
 const MOST_FOUND: usize = 1 << 21;
 
 /// An axis-aligned box.
@@ -16,7 +16,7 @@ const MOST_FOUND: usize = 1 << 21;
 pub(super) struct Bounds {
     pub low: DVec3,
     pub high: DVec3,
-    /// How much it was grown on every side.
+    /// By how much it was enlarged on every side.
     pub margin: f64,
 }
 
@@ -27,7 +27,7 @@ impl Bounds {
         margin: 0.0,
     };
 
-    /// The longest extent of what two boxes have in common; negative if they are apart.
+    /// The longest extent of the intersection of two boxes; negative if they are apart.
     pub fn common(&self, other: &Bounds) -> f64 {
         (self.high.min(other.high) - self.low.max(other.low)).max_element()
     }
@@ -57,13 +57,13 @@ impl Bounds {
     }
 
     fn overlaps(&self, other: &Bounds) -> bool {
-        // One by one: most boxes are told apart by the first axis or two.
+        // Axis by axis: most boxes are separated by the first or second.
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 }
 
-/// Visits the pairs of boxes that overlap, each once, and returns what `visit` appended, in an
-/// order that no thread decides. Beyond the limits above some pairs are left out.
+/// Visits each pair of overlapping boxes once, and returns what `visit` appended, in an order
+/// independent of threads. Beyond the limits above some pairs are left out.
 pub(super) fn for_each_pair<T: Send>(
     boxes: &[Bounds],
     visit: impl Fn([u32; 2], [&Bounds; 2], &mut Vec<T>) + Sync,
@@ -101,8 +101,8 @@ pub(super) fn for_each_pair<T: Send>(
         .collect()
 }
 
-/// Small boxes before large ones, neighbours near each other: a large box among small ones would
-/// make its whole block large, and a small box meets few.
+/// Small boxes before large ones, neighbours together: a large box among small ones would make its
+/// whole block large.
 fn order(boxes: &[Bounds]) -> Vec<u32> {
     let all = boxes.iter().fold(Bounds::EMPTY, |b, c| b.union(*c));
     let scale = 1023.0 / (all.high - all.low).max(DVec3::splat(f64::MIN_POSITIVE));
@@ -153,7 +153,7 @@ impl PairTree {
         &self.nodes[self.leaves + block]
     }
 
-    /// Visits `block` and the later blocks that overlap it until `visit` says no.
+    /// Visits `block` and the later blocks that overlap it until `visit` returns false.
     fn visit_from(&self, block: usize, mut visit: impl FnMut(usize) -> bool) {
         let own = self.block(block);
         // Node and the blocks below it.

@@ -1,14 +1,14 @@
 //! Display vertices on both sides of a contact.
 //!
-//! Around a vertex, patches belong together if one gets from one to the other over edges that are
-//! no contacts. Each such group has a display vertex of its own, so the end of a line in the
-//! middle of a face stays one vertex.
+//! Around a vertex, patches belong together if they are connected by edges that are not contacts.
+//! Each such group has a display vertex of its own, so the end of a line in the middle of a face
+//! stays one vertex.
 
 use super::DisplayVertex;
 use super::cells::NO_CORNER;
 use std::collections::{BTreeMap, HashSet};
 
-/// One of the display vertices that a vertex was parted into.
+/// A display vertex that was split off.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parted {
     pub from: u32,
@@ -17,7 +17,7 @@ pub(super) struct Parted {
     pub share: f64,
 }
 
-/// Parts the vertices along `contacts`, pairs of vertices in ascending order, between the patches
+/// Splits the vertices along `contacts`, pairs of vertices in ascending order, between the patches
 /// with these `corners`. New vertices are appended.
 pub(super) fn part(
     contacts: &HashSet<[u32; 2]>,

@@ -1,11 +1,11 @@
-//! The divided mesh, with everything that the given one carries.
+//! The divided mesh, with all attributes of the given one.
 
 use super::{Cells, Patches};
 use azulejo_scene::{Attribute, Mesh, Rgb, Scene, Shape, SurfaceGrid};
 use glam::{DVec2, DVec3};
 use std::ops::{Add, Mul};
 
-/// What carries an object's irradiance after the division.
+/// The geometry that carries an object's irradiance after division.
 #[allow(
     clippy::large_enum_variant,
     reason = "there is one per object, so its size does not matter"
@@ -20,10 +20,10 @@ pub enum RefinedShape {
 }
 
 impl Patches {
-    /// Object `object` of the scene that was divided, as patches.
+    /// Object `object` of the divided scene, as patches.
     ///
-    /// Texture coordinates and colours are interpolated, materials and smoothing groups are
-    /// kept. Normals are there if the mesh has normals or smoothing groups. An object that does
+    /// Texture coordinates and colours are interpolated; materials and smoothing groups are kept.
+    /// The mesh has normals if the given one has normals or smoothing groups. An object that does
     /// not exist gives an empty mesh.
     pub fn refined(&self, object: u32, scene: &Scene) -> RefinedShape {
         match scene.objects.get(object as usize).map(|o| &o.shape) {
@@ -106,7 +106,7 @@ impl Patches {
         }
     }
 
-    /// Interpolates what belongs to vertices. Regions agree on the vertices they share.
+    /// Interpolates vertex attributes. Regions agree on the vertices they share.
     fn per_vertex<T>(
         &self,
         object: u32,

@@ -1,4 +1,4 @@
-//! Mean reflectance of patches, and the patch that a hit lies on.
+//! Mean reflectance of patches, and the patch of a hit.
 
 use super::{Patches, RefinedShape};
 use azulejo_scene::{Material, Mesh, Rgb, Scene};
@@ -58,7 +58,7 @@ fn pattern(scene: &Scene, mesh: &Mesh, face: usize, material: &Material) -> Rgb 
         .iter()
         .filter_map(|&t| scene.textures[t as usize].image.as_ref())
     {
-        // Corners drawn half way to the centre sample the face and not its neighbours.
+        // Corners moved half way to the centre sample the face and not its neighbours.
         let sample = |p: DVec2| Rgb::from(image.sample(p.x, p.y).map(f64::from));
         let sum: Rgb = at.iter().map(|&p| sample(0.5 * (p + centre))).sum::<Rgb>() + sample(centre);
         mean *= sum / (at.len() + 1) as f64;

@@ -1,4 +1,4 @@
-//! Triangles between the border of a region, lines through it and the squares inside.
+//! Triangles between the border of a region, the lines through it and the squares inside.
 
 use super::irregular::bounds;
 use super::keep;
@@ -21,14 +21,14 @@ pub(super) type Face = FixedFaceHandle<InnerTag>;
 type Flat = (Vec<DVec2>, Vec<[u32; 3]>);
 
 /// Lines through a region: their points that are not on the border, and their pieces as pairs of
-/// local points, those of the border first, then these.
+/// local points, with those of the border counted first.
 #[derive(Default)]
 pub(super) struct Pieces {
     pub points: Vec<DVec2>,
     pub edges: Vec<[u32; 2]>,
 }
 
-/// What a region is divided between.
+/// The constraints of a region's division.
 pub(super) struct Ring<'a> {
     pub corners: &'a [DVec2],
     pub border: &'a [DVec2],
@@ -49,8 +49,8 @@ pub(super) struct Divided {
 }
 
 impl Ring<'_> {
-    /// Divides a region with so many pieces on its `sides`, into its `own` triangles if they will
-    /// do.
+    /// Divides a region with so many pieces on its `sides`; into its `own` triangles if they are
+    /// good enough.
     pub fn divided(&self, sides: &[u32], own: &[[u32; 3]]) -> Divided {
         let whole =
             self.border.len() == sides.len() && diameter(self.corners) <= 2f64.sqrt() * self.size;
@@ -100,15 +100,15 @@ impl Ring<'_> {
     }
 }
 
-/// What is triangulated.
+/// The input of the triangulation.
 struct Net {
     /// Points of border, lines and lattice.
     points: Vec<DVec2>,
     lattice: Lattice,
     /// First of the lattice's points.
     base: u32,
-    /// The points that are vertices of the triangulation: distinct ones of the border, those of
-    /// lines, those on the lattice's outline.
+    /// The vertices of the triangulation: distinct points of the border, those of lines, those on
+    /// the lattice's outline.
     known: Vec<u32>,
     /// Pieces of the border and of the lattice's outline, as ascending pairs of vertices.
     walls: Vec<keep::Pair>,
@@ -148,7 +148,7 @@ impl Net {
         }
     }
 
-    /// The constrained Delaunay triangulation; `None` if it lacks a wall. A line that meets a
+    /// The constrained Delaunay triangulation; `None` if it lacks a wall. A line that touches a
     /// wall or another line by rounding may be lost.
     fn load(&self) -> Option<Delaunay> {
         let point = |k: &u32| self.points[*k as usize];
@@ -201,7 +201,7 @@ fn refine(mesh: &mut Delaunay, size: f64) -> HashSet<Face> {
             return outside;
         }
         for p in middles {
-            // A point that cannot be inserted leaves its edge long, which is all it was for.
+            // If a point cannot be inserted its edge stays long, which does no harm.
             let _ = mesh.insert(p);
         }
     }
@@ -246,7 +246,7 @@ fn refinement(size: f64, vertices: usize) -> RefinementParameters<f64> {
         .exclude_outer_faces(true)
         .keep_constraint_edges()
         .with_angle_limit(AngleLimit::from_deg(ANGLE_DEGREES))
-        // Below this a triangle's circumcentre is rounding, and the angle is the border's fault.
+        // Below this a triangle's circumcentre is rounding, and the angle is due to the border.
         .with_min_required_area(1e-4 * size * size)
         .with_max_additional_vertices(2 * vertices + 32);
     if fits {
@@ -256,8 +256,8 @@ fn refinement(size: f64, vertices: usize) -> RefinementParameters<f64> {
     }
 }
 
-/// For each point the first of those equal to it, numbered among the distinct ones; and which
-/// points those are. A border may visit a point twice (a hole joined to the outline by a cut).
+/// For each point the first of those equal to it, numbered among the distinct ones; and the
+/// distinct points. A border may visit a point twice (a hole joined to the outline by a cut).
 fn distinct(points: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
     let key = |&i: &u32| points[i as usize].to_array().map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
@@ -281,8 +281,8 @@ fn distinct(points: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
 
 /// The pieces of the border as pairs of distinct points.
 ///
-/// A piece that the border runs along twice is a cut, which joins a hole to the outline: both
-/// its sides are inside, so it bounds nothing.
+/// A piece that the border runs along twice is a cut, which joins a hole to the outline: both its
+/// sides are inside, so it bounds nothing.
 fn constraints(ring: &[u32]) -> Vec<[usize; 2]> {
     let n = ring.len();
     let mut pairs: Vec<[usize; 2]> = (0..n)
@@ -305,8 +305,8 @@ fn polygon_area(corners: &[DVec2]) -> f64 {
         .sum()
 }
 
-/// Drops points inside that nothing uses: those of refinement beyond the border, and those of
-/// lines that stop there.
+/// Drops unused points inside: those of refinement beyond the border, and those of lines that stop
+/// there.
 fn without_strays(mut divided: Divided, border: usize) -> Divided {
     let mut used: Vec<bool> = (0..divided.points.len()).map(|i| i < border).collect();
     let lattice = divided.base as usize;

@@ -5,18 +5,18 @@ use super::cells::Cells;
 use azulejo_scene::SurfacePoint;
 use glam::DVec3;
 
-/// A point of a patch, drawn by area.
+/// A point sampled uniformly by area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchPoint {
-    /// Where.
+    /// Position on the patch.
     pub position: DVec3,
     /// Unit normal of the surface's front there.
     pub normal: DVec3,
-    /// What a mean over samples must weigh this one with; 1 on flat patches, mean 1 on all.
+    /// Weight of this point in a mean over samples; 1 on flat patches, with mean 1 on all.
     pub weight: f64,
 }
 
-/// Draws points of one patch: what they share is looked up once.
+/// Samples points of one patch, with everything shared looked up once.
 #[derive(Clone, Copy)]
 pub struct Sampler<'a> {
     patches: &'a Patches,
@@ -37,7 +37,7 @@ enum SampledForm {
 }
 
 impl Sampler<'_> {
-    /// The point for `(u1, u2)` in the unit square, as [`Patches::sample`] says.
+    /// The point for `(u1, u2)` in the unit square: see [`Patches::sample`].
     pub fn sample(&self, u1: f64, u2: f64) -> PatchPoint {
         let position = match &self.form {
             SampledForm::Curved => return self.patches.sample_curved(self.patch, u1, u2),
@@ -62,15 +62,15 @@ impl Sampler<'_> {
 impl Patches {
     /// The point of patch `i` for `(u1, u2)` in the unit square.
     ///
-    /// Uniform points of the square give points uniform by area (times `weight` on curved
-    /// patches), and neighbours stay neighbours, so stratified points stay stratified.
-    /// Triangles: Heitz, *A Low-Distortion Map Between Triangle and Square*, 2019.
-    /// Quadrilaterals: the inverse of the bilinear density.
+    /// Uniform points of the square give points uniform by area (times `weight` on curved patches),
+    /// and neighbours stay neighbours, so stratification is preserved. Triangles: Heitz, *A
+    /// Low-Distortion Map Between Triangle and Square*, 2019. Quadrilaterals: the inverse of the
+    /// bilinear density.
     pub fn sample(&self, i: usize, u1: f64, u2: f64) -> PatchPoint {
         self.sampler(i).sample(u1, u2)
     }
 
-    /// Draws points of patch `i`.
+    /// A sampler of patch `i`.
     pub fn sampler(&self, i: usize) -> Sampler<'_> {
         let normal = self.region(i).normal;
         let form = if normal == DVec3::ZERO {
@@ -163,7 +163,7 @@ fn quad_densities(p: &[DVec3], normal: DVec3) -> [f64; 4] {
     }))
 }
 
-/// Keeps densities off zero (poles, flat corners), where their inverse has no value.
+/// Keeps densities away from zero (poles, flat corners), where their inverse is undefined.
 fn lifted(densities: [f64; 4]) -> [f64; 4] {
     let most = densities.iter().fold(f64::MIN_POSITIVE, |a, &b| a.max(b));
     densities.map(|d| d.max(1e-3 * most))

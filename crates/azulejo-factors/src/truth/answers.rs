@@ -1,4 +1,4 @@
-//! From the form factors of a scene to the answer of a question, with its standard error.
+//! From the form factors of a scene to the answer of its question, with a standard error.
 
 use super::{Case, EnclosureSurface, PatchGroup, Question};
 use crate::error::FactorsError;
@@ -12,18 +12,18 @@ use std::f64::consts::TAU;
 pub struct Answer {
     /// The number.
     pub value: f64,
-    /// Its standard error, from those of the form factors; 0 for what the engine takes for exact.
+    /// Its standard error, from those of the form factors; 0 if the engine considers it exact.
     pub error: f64,
 }
 
 impl Answer {
-    /// How far the answer is off.
+    /// Absolute error of the answer.
     pub fn off(&self, case: &Case) -> f64 {
         (self.value - case.truth.value).abs()
     }
 
-    /// How far the answer is off in its own standard errors, after what the truth itself leaves
-    /// open; infinity where an answer without error is wrong.
+    /// Error of the answer in its own standard errors, beyond the uncertainty of the truth;
+    /// infinite if an answer without error is wrong.
     pub fn standard_errors(&self, case: &Case) -> f64 {
         let off = (self.off(case) - case.truth.error).max(0.0);
         if off == 0.0 { 0.0 } else { off / self.error }
@@ -31,13 +31,13 @@ impl Answer {
 }
 
 impl Case {
-    /// Whether backs of patches are part of the question.
+    /// Whether the question involves backs of patches.
     pub fn is_two_sided(&self) -> bool {
         self.question.groups().iter().any(|g| g.back)
     }
 
-    /// Has the form factors computed as `options` say, but for the division and the sides, which
-    /// the case decides, and answers from them. `tracer` is one of the case's scene.
+    /// Computes the form factors with `options`, except for division and sides, which the case
+    /// decides, and answers from them. `tracer` is one of the case's scene.
     ///
     /// # Errors
     /// As [`form_factors`].
@@ -56,7 +56,7 @@ impl Case {
         Ok((self.answer(&factors), factors))
     }
 
-    /// The answer that form factors of the case's scene give.
+    /// The answer from form factors of the case's scene.
     ///
     /// # Panics
     /// If they are of another scene or division.
@@ -83,7 +83,7 @@ impl Case {
 }
 
 impl Question {
-    /// The groups that it names; for a factor from a group to itself only one.
+    /// The groups of the question; for a factor from a group to itself only one.
     fn groups(&self) -> Vec<PatchGroup> {
         match self {
             Question::Factor { from, to } if from == to => vec![from.clone()],
@@ -158,8 +158,8 @@ impl GroupExchange {
         }
     }
 
-    /// B = M + ρ X B over the groups. Its error is what errors of S, independent from pair to pair,
-    /// make of it to first order: dB = (1 − ρX)⁻¹ ρ dX B.
+    /// B = M + ρ X B over the groups. Its error is the first-order effect of errors of S,
+    /// independent from pair to pair: dB = (1 − ρX)⁻¹ ρ dX B.
     fn radiosity(&self, groups: &[EnclosureSurface], of: usize) -> Answer {
         let n = groups.len();
         let system = |transposed: bool| -> Vec<Vec<f64>> {
@@ -172,7 +172,7 @@ impl GroupExchange {
                 .collect()
         };
         let b = solve(system(false), groups.iter().map(|g| g.exitance).collect());
-        // One row of the inverse: how much each group's light matters to the one asked for.
+        // One row of the inverse: how much each group's light contributes to the group in question.
         let importance = solve(system(true), (0..n).map(|i| f64::from(i == of)).collect());
         let gain =
             |g: usize, h: usize| importance[g] * groups[g].reflectance * b[h] / self.areas[g];
@@ -190,8 +190,8 @@ impl GroupExchange {
     }
 }
 
-/// Exchange area between two lists of rows, and its variance. Within one list every pair stands
-/// there twice, but was estimated once.
+/// Exchange area between two lists of rows, and its variance. Within one list every pair occurs
+/// twice, but was estimated once.
 fn sum(from: &[usize], to: &[usize], same: bool, factors: &FormFactors) -> (f64, f64) {
     let (mut value, mut variance) = (0.0, 0.0);
     for &i in from {
@@ -205,7 +205,7 @@ fn sum(from: &[usize], to: &[usize], same: bool, factors: &FormFactors) -> (f64,
     (value, variance)
 }
 
-/// Solves a small system by Gauss's elimination with pivots.
+/// Solves a small system by Gaussian elimination with pivoting.
 pub(super) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for k in 0..n {

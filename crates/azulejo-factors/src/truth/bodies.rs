@@ -42,8 +42,8 @@ fn disks() -> Vec<Case> {
     ]
 }
 
-/// A sheet in the place of a disk: a regular polygon of the same area. What it covers differs by the
-/// fourth power of its angle, because its outline lies as much outside as inside.
+/// A polygonal disk: a regular polygon of the same area. What it covers differs by the fourth power
+/// of its angle, because its outline lies as much outside as inside.
 fn round(radius: f64, height: f64) -> Vec<DVec3> {
     const CORNERS: u32 = 128;
     let step = std::f64::consts::TAU / f64::from(CORNERS);
@@ -55,7 +55,7 @@ fn round(radius: f64, height: f64) -> Vec<DVec3> {
     (0..CORNERS).map(corner).collect()
 }
 
-/// How much the polygon in the place of a disk changes, relative.
+/// Relative change by the polygon in the place of a disk.
 const ROUND: f64 = 1e-7;
 
 fn cylinders() -> Vec<Case> {
@@ -189,7 +189,7 @@ fn elements() -> Vec<Case> {
     ]
 }
 
-/// Cells between mirrors that lose nothing.
+/// Cells between perfect mirrors.
 fn infinite() -> Vec<Case> {
     let mut coaxial = SceneBuilder::default();
     coaxial.tube(DVec3::ZERO, 1.0, 1.0);
@@ -197,7 +197,7 @@ fn infinite() -> Vec<Case> {
     coaxial.ends(&[(-3., -3.), (3., -3.), (3., 3.), (-3., 3.)]);
     let mut beside = SceneBuilder::default();
     let [left, right] = [-2.0, 2.0].map(|x| beside.tube(x * DVec3::X, 1.0, 1.0));
-    // Nothing that goes from one to the other leaves this rectangle.
+    // No light between the two leaves this rectangle.
     beside.ends(&[(-3., -1.), (3., -1.), (3., 1.), (-3., 1.)]);
     let mut row = SceneBuilder::default();
     let tube = row.tube(0.5 * DVec3::Y, 0.25, 1.0);

@@ -7,14 +7,14 @@ use azulejo_scene::{Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene
 use glam::{DAffine3, DQuat, DVec3, dvec3};
 use std::f64::consts::PI;
 
-/// A surface that reflects and emits nothing; questions about form factors ask no more.
+/// A surface that emits nothing, for questions about form factors.
 pub const GREY: GreySurface = GreySurface {
     diffuse: 0.5,
     mirror: 0.0,
     exitance: 0.0,
 };
 
-/// A perfect mirror that loses nothing: two of them make what stands between them infinite.
+/// A perfect mirror: two of them make what is between them infinite.
 pub const PERFECT_MIRROR: GreySurface = GreySurface {
     diffuse: 0.0,
     mirror: 1.0,
@@ -56,7 +56,7 @@ impl GreySurface {
     }
 }
 
-/// A scene that grows object by object.
+/// Builds a scene object by object.
 #[derive(Default)]
 pub struct SceneBuilder {
     pub scene: Scene,
@@ -106,14 +106,14 @@ impl SceneBuilder {
         self.add(shape, GREY.material())
     }
 
-    /// A closed cylinder about the z direction: parts are wall, bottom, top.
+    /// A closed cylinder about the z direction, with the parts wall, bottom, top.
     pub fn cylinder(&mut self, foot: DVec3, radius: f64, height: f64) -> PatchGroup {
         let shape = turned(PrimitiveKind::Cylinder, foot, radius, height);
         self.add(shape, GREY.material())
     }
 
-    /// An exact disk that looks up or down: an end of a short cylinder behind it, which nothing
-    /// before the disk sees.
+    /// An exact disk facing up or down: an end of a short cylinder, the rest of which is invisible
+    /// from the front of the disk.
     pub fn disk(&mut self, centre: DVec3, radius: f64, up: bool) -> PatchGroup {
         let height = 0.1 * radius;
         let foot = if up {
@@ -125,8 +125,8 @@ impl SceneBuilder {
             .face(if up { 2 } else { 1 })
     }
 
-    /// Mirrors across the ends of a cell between z = 0 and z = 1, over the corners of its section:
-    /// what stands between them is infinite.
+    /// Mirrors at the ends z = 0 and z = 1 of a cell with the corners of its section: they make
+    /// what is between them infinite.
     pub fn ends(&mut self, section: &[(f64, f64)]) {
         let at = |z: f64| move |&(x, y): &(f64, f64)| dvec3(x, y, z);
         let low: Vec<DVec3> = section.iter().map(at(0.0)).collect();
@@ -135,7 +135,7 @@ impl SceneBuilder {
         self.polygon(&high, PERFECT_MIRROR);
     }
 
-    /// A wall of such a cell, which looks to the left of the way from `from` to `to`.
+    /// A wall of such a cell, facing left of the direction from `from` to `to`.
     pub fn wall(&mut self, from: (f64, f64), to: (f64, f64), surface: GreySurface) -> PatchGroup {
         let at = |(x, y): (f64, f64), z: f64| dvec3(x, y, z);
         self.polygon(
@@ -144,7 +144,7 @@ impl SceneBuilder {
         )
     }
 
-    /// The scene with the question for a form factor.
+    /// The scene with the question of a form factor.
     pub fn asks(self, from: PatchGroup, to: PatchGroup) -> CaseBuilder {
         self.about(Question::Factor { from, to })
     }
@@ -164,14 +164,14 @@ fn turned(kind: PrimitiveKind, foot: DVec3, radius: f64, height: f64) -> impl Fn
     move |material| Shape::Primitive(Primitive::new(kind, map, material))
 }
 
-/// A scene and what is asked of it.
+/// A scene with its question.
 pub struct CaseBuilder {
     scene: Scene,
     question: Question,
 }
 
 impl CaseBuilder {
-    /// The case that answers.
+    /// The case with its known answer.
     pub fn case(
         self,
         id: &'static str,
@@ -198,7 +198,7 @@ pub fn plane(z: f64, corners: &[(f64, f64)]) -> Vec<DVec3> {
     corners.iter().map(|&(x, y)| dvec3(x, y, z)).collect()
 }
 
-/// The rectangle x × y in the plane z, looking up or down.
+/// The rectangle x × y in the plane z, facing up or down.
 pub fn rectangle(x: [f64; 2], y: [f64; 2], z: f64, up: bool) -> Vec<DVec3> {
     let mut corners = plane(z, &[(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]);
     if !up {
@@ -207,7 +207,7 @@ pub fn rectangle(x: [f64; 2], y: [f64; 2], z: f64, up: bool) -> Vec<DVec3> {
     corners
 }
 
-/// The rectangle y × z in the plane x, looking along +x.
+/// The rectangle y × z in the plane x, facing +x.
 pub fn upright(x: f64, y: [f64; 2], z: [f64; 2]) -> Vec<DVec3> {
     [(y[0], z[0]), (y[1], z[0]), (y[1], z[1]), (y[0], z[1])]
         .map(|(y, z)| dvec3(x, y, z))
@@ -219,7 +219,7 @@ pub fn square(z: f64, up: bool) -> Vec<DVec3> {
     rectangle([0.0, 1.0], [0.0, 1.0], z, up)
 }
 
-/// The faces z = 0, z = 1, x = 0, x = 1, y = 0, y = 1 of the unit cube, looking inward, added as
+/// The faces z = 0, z = 1, x = 0, x = 1, y = 0, y = 1 of the unit cube, facing inward, added as
 /// objects in this order.
 pub fn cube(builder: &mut SceneBuilder, surfaces: [GreySurface; 6]) -> [PatchGroup; 6] {
     let turned = |mut polygon: Vec<DVec3>| {

@@ -1,7 +1,7 @@
 //! Closed formulas and quadratures of form factors, independent of the engines that they judge.
 //!
 //! Numbers such as C-11 are those of Howell, *A Catalog of Radiation Heat Transfer Configuration
-//! Factors*, 3rd ed. Where a formula is a double sum over corners, parts that touch are allowed.
+//! Factors*, 3rd ed. Where a formula is a double sum over corners, polygons may touch.
 
 use super::quadrature::gauss;
 use glam::DVec3;
@@ -69,8 +69,8 @@ pub fn opposed(a: f64, b: f64, c: f64) -> f64 {
     2.0 / (PI * x * y) * (log + arcs - x * x.atan() - y * y.atan())
 }
 
-/// C-14: from the rectangle of depth w to the one of height h that stands square on their common
-/// edge of length l.
+/// C-14: from the rectangle of depth w to the perpendicular one of height h on their common edge of
+/// length l.
 pub fn on_common_edge(l: f64, w: f64, h: f64) -> f64 {
     let (w, h) = (w / l, h / l);
     let (w2, h2) = (w * w, h * h);
@@ -82,8 +82,8 @@ pub fn on_common_edge(l: f64, w: f64, h: f64) -> f64 {
 
 /// C-16: unit squares with a common edge at `angle`, by the double contour integral.
 ///
-/// Edges along the common one give a closed integral for each distance; the other two pairs a
-/// closed one where they meet in a corner, and a smooth double integral a unit apart.
+/// Edges along the common one give a closed integral for each distance; of the other two pairs,
+/// those that meet in a corner give a closed one, those a unit apart a smooth double integral.
 pub fn wedge(angle: f64) -> f64 {
     let cos = angle.cos();
     // ∫∫ ln r ds dt over parallel unit edges at distance d.
@@ -113,8 +113,8 @@ pub fn wedge(angle: f64) -> f64 {
     (parallel + 2.0 * cos * (apart - meeting)) / TAU
 }
 
-/// From polygon to polygon that do not touch and see all of each other: the double contour
-/// integral, Gauss points on both edges.
+/// Between polygons that do not touch and see each other completely: the double contour integral,
+/// with Gauss points on both edges.
 pub fn double_contour(from: &[DVec3], to: &[DVec3]) -> f64 {
     let edges = |p: &[DVec3]| -> Vec<(DVec3, DVec3)> {
         (0..p.len())
@@ -132,7 +132,7 @@ pub fn double_contour(from: &[DVec3], to: &[DVec3]) -> f64 {
     sum / (PI * double_area.length())
 }
 
-/// From an element to a polygon before it: Lambert's sum over the edges.
+/// From an element to a polygon in front of it: Lambert's sum over the edges.
 pub fn element(point: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
     let corner = |k: usize| polygon[k % polygon.len()] - point;
     let edge = |k: usize| {
@@ -153,8 +153,8 @@ pub fn element_parallel(a: f64, b: f64, c: f64) -> f64 {
     (part(x, y) + part(y, x)) / TAU
 }
 
-/// B-4: from an element to a rectangle square to it at distance c, whose lower edge of length b
-/// begins abreast of the element, level with it; a is its height.
+/// B-4: from an element to a perpendicular rectangle at distance c, whose lower edge of length b
+/// starts level with the element; a is its height.
 pub fn element_perpendicular(a: f64, b: f64, c: f64) -> f64 {
     let (x, y) = (a / b, c / b);
     let root = x.hypot(y);
@@ -192,7 +192,7 @@ pub fn outer_to_itself(r1: f64, r2: f64, h: f64) -> f64 {
 }
 
 /// B-43: from an element to a unit sphere whose centre is h > 1 away, at an angle of cosine c to
-/// the element's normal; the part below the horizon is not seen.
+/// the element's normal; the part below the horizon is invisible.
 pub fn element_to_unit_sphere(h: f64, c: f64) -> f64 {
     if c * h >= 1.0 {
         return c / (h * h);
@@ -206,7 +206,7 @@ pub fn element_to_unit_sphere(h: f64, c: f64) -> f64 {
 }
 
 /// From a unit sphere to another, centres `distance` > 2 apart: the element's formula over all
-/// polar angles, in parts between the angles at which the horizon begins and ends to matter.
+/// polar angles, split at the angles where the horizon begins and ends to matter.
 pub fn unit_spheres(distance: f64) -> f64 {
     let at = |cos: f64| {
         let h = (1.0 + distance * (distance - 2.0 * cos)).sqrt();
@@ -240,12 +240,13 @@ pub fn parallel_cylinders(r: f64, s: f64) -> f64 {
     ((x * x - 1.0).sqrt() + (1.0 / x).asin() - x) / PI
 }
 
-/// Crossed strings: from a plane to a row of cylinders whose diameter is d of their spacing.
+/// Crossed strings: from a plane to a row of cylinders whose diameter is d times their spacing.
 pub fn plane_to_tubes(d: f64) -> f64 {
     1.0 - (1.0 - d * d).sqrt() + d * (1.0 / (d * d) - 1.0).sqrt().atan()
 }
 
-/// Share of diffuse light that a body of refractive index n mirrors, from outside (Duntley 1942).
+/// Share of diffuse light that a body of refractive index n reflects specularly, from outside
+/// (Duntley 1942).
 pub fn diffuse_fresnel(n: f64) -> f64 {
     let (n2, n4) = (n * n, n * n * n * n);
     let (plus, minus) = (n2 + 1.0, n4 - 1.0);
@@ -255,7 +256,7 @@ pub fn diffuse_fresnel(n: f64) -> f64 {
         + 8.0 * n4 * (n4 + 1.0) / (plus * minus * minus) * n.ln()
 }
 
-/// Share of diffuse light that passes a clear pane of index n, with all reflections inside: the
+/// Share of diffuse light that passes a clear pane of index n, with all internal reflections: the
 /// mean of (1 − R)/(1 + R) over both polarisations.
 pub fn diffuse_pane(n: f64) -> f64 {
     let passed = |amplitude: f64| {

@@ -1,17 +1,17 @@
-//! Truths: scenes with a question whose answer is known, to judge any engine by.
+//! Test cases: scenes with a question whose answer is known, to judge every engine by.
 //!
-//! [`cases`] has 68 of them: pairs of polygons from Howell's catalogue, elements, curved bodies,
+//! [`cases`] returns 68: pairs of polygons from Howell's catalogue, elements, curved bodies,
 //! infinite strips and prisms (cells between perfect mirrors), occluders, plane and curved mirrors,
-//! dielectrics, and whole systems of radiosity. Each is a scene, a [`Question`] about its form
-//! factors, and a [`Truth`]: a closed formula wherever there is one, else a constant with its
-//! digits and its origin. [`Case::ask`] has an engine answer; [`Case::answer`] reads the answer out
-//! of form factors that are there already, with the standard error that theirs make.
+//! dielectrics, and whole radiosity systems. Each has a scene, a [`Question`] about its form
+//! factors, and a [`Truth`]: a closed formula where there is one, else a constant with its digits
+//! and origin. [`Case::ask`] computes the form factors by an engine; [`Case::answer`] derives the
+//! answer from given form factors, with the standard error that follows from theirs.
 //!
-//! | module | what it holds |
+//! | module | content |
 //! |---|---|
 //! | `formulas`, `quadrature` | the closed forms, independent of the engines |
 //! | `polygons`, `bodies`, `specular`, `systems` | the cases |
-//! | `builders` | how their scenes are built |
+//! | `builders` | construction of the scenes |
 //! | `answers` | from form factors to the answer and its standard error |
 
 mod answers;
@@ -27,35 +27,35 @@ use crate::patch::PatchSize;
 pub use answers::Answer;
 use azulejo_scene::Scene;
 
-/// A scene, a question about its form factors, and the answer.
+/// A scene and a question about its form factors, with the known answer.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Short name, unique.
     pub id: &'static str,
-    /// What it is, in words.
+    /// Description for reports.
     pub description: String,
-    /// Where the truth comes from: a number of Howell's catalogue, a rule, a theorem.
+    /// Source of the truth: a number of Howell's catalogue, a rule, a theorem.
     pub source: &'static str,
-    /// What an engine needs to be able to do.
+    /// The capability of an engine that it tests.
     pub kind: CaseKind,
-    /// The scene; faces stay as they are unless `size` divides them.
+    /// The scene; faces stay whole unless `size` divides them.
     pub scene: Scene,
-    /// How finely the scene has to be divided, for its areas to be those of the question.
+    /// How finely the scene has to be divided, so that its areas are those of the question.
     pub size: PatchSize,
-    /// What is asked.
+    /// The question.
     pub question: Question,
-    /// The answer.
+    /// The known answer.
     pub truth: Truth,
 }
 
-/// What makes a case difficult.
+/// The difficulty of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaseKind {
-    /// Polygons that nothing stands between.
+    /// Unoccluded polygons.
     Polygons,
-    /// Polygons before and behind others.
+    /// Polygons with occluders.
     Shadow,
-    /// Plane mirrors, also those that make a cell infinite.
+    /// Plane mirrors, including those that make a cell infinite.
     Mirrors,
     /// Curved bodies, as exact primitives.
     Curved,
@@ -63,7 +63,7 @@ pub enum CaseKind {
     Glass,
 }
 
-/// What is asked of a scene.
+/// A question about a scene.
 #[derive(Clone, Debug)]
 pub enum Question {
     /// The extended form factor from one group of patches to another.
@@ -75,16 +75,16 @@ pub enum Question {
     },
     /// The radiosity of a group, W/m², if each group has one radiosity all over.
     Radiosity {
-        /// All that emits or reflects diffusely.
+        /// All groups that emit or reflect diffusely.
         groups: Vec<EnclosureSurface>,
-        /// The group that is asked for, among `groups`.
+        /// The group in question, as an index into `groups`.
         of: usize,
     },
-    /// The power per area that leaves a group less what arrives, B − H, W/m².
+    /// The net flux of a group, B − H, W/m².
     Flux {
-        /// All that emits or reflects diffusely.
+        /// All groups that emit or reflect diffusely.
         groups: Vec<EnclosureSurface>,
-        /// The group that is asked for, among `groups`; its reflectance is not 0.
+        /// The group in question, as an index into `groups`; its reflectance is not 0.
         of: usize,
     },
 }
@@ -94,19 +94,18 @@ pub enum Question {
 pub struct PatchGroup {
     /// Index among the scene's objects.
     pub object: u32,
-    /// One face of the object, or all.
+    /// One face of the object; `None` for all.
     pub face: Option<u32>,
-    /// Whether it is the backs that are meant: hollow bodies.
+    /// Whether the backs of the patches are meant, as in hollow bodies.
     pub back: bool,
-    /// Only patches whose centre stands at an angle about the z axis from the first of these to
-    /// the second, in turns.
+    /// Only patches whose centre lies between these angles about the z axis, in turns.
     pub turns: Option<[f64; 2]>,
 }
 
-/// A group that emits or reflects.
+/// A group of an enclosure, with its emission and reflectance.
 #[derive(Clone, Debug)]
 pub struct EnclosureSurface {
-    /// Which patches.
+    /// The patches.
     pub group: PatchGroup,
     /// Emitted exitance, W/m².
     pub exitance: f64,
@@ -117,10 +116,9 @@ pub struct EnclosureSurface {
 /// A known answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
-    /// The number.
+    /// The value.
     pub value: f64,
-    /// How far it may be from the truth of the scene, absolute: rounding, digits, and what the scene
-    /// simplifies.
+    /// Absolute uncertainty: rounding, digits, and what the scene simplifies.
     pub error: f64,
     /// How it was obtained.
     pub provenance: Provenance,
@@ -133,11 +131,11 @@ pub enum Provenance {
     Formula,
     /// An integral of a closed formula, evaluated to rounding.
     Quadrature,
-    /// A number with so many significant digits, found elsewhere.
+    /// A number from elsewhere, with so many significant digits.
     Constant {
-        /// Digits.
+        /// Number of digits.
         digits: u32,
-        /// By what means.
+        /// Its source.
         origin: &'static str,
     },
 }
@@ -161,7 +159,7 @@ impl Truth {
         }
     }
 
-    /// A constant that is good for so many significant digits.
+    /// A constant with so many significant digits.
     fn constant(value: f64, digits: u32, origin: &'static str) -> Truth {
         let first = value.abs().log10().floor() as i32;
         Truth {
@@ -171,7 +169,7 @@ impl Truth {
         }
     }
 
-    /// With what the scene simplifies, relative.
+    /// The same with a relative error for what the scene simplifies.
     fn but_for(self, relative: f64) -> Truth {
         Truth {
             error: self.error + relative * self.value.abs(),

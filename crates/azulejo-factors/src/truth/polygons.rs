@@ -1,4 +1,4 @@
-//! Polygons and elements, with nothing between them or with occluders.
+//! Polygons and elements, unoccluded or with occluders.
 
 use super::builders::*;
 use super::formulas::*;
@@ -21,7 +21,7 @@ pub fn cases() -> Vec<Case> {
 
 const UNIT: [f64; 2] = [0.0, 1.0];
 
-/// A pair of polygons and nothing else.
+/// An unoccluded pair of polygons.
 fn pair(p1: &[DVec3], p2: &[DVec3]) -> CaseBuilder {
     behind(&[], p1, p2)
 }
@@ -53,7 +53,7 @@ fn opposed_rectangles() -> Vec<Case> {
         case("par_1_1_1", 1.0, 1.0, 1.0),
         case("par_2_1_0p5", 2.0, 1.0, 0.5),
         case("par_3_3_1", 3.0, 3.0, 1.0),
-        // The formula's terms cancel down to a hundredth of themselves and less.
+        // The formula's terms cancel to a hundredth of themselves and less.
         Case {
             truth: Truth::formula(opposed(1.0, 1.0, 10.0)).but_for(1e-11),
             ..case("par_1_1_10", 1.0, 1.0, 10.0)
@@ -109,7 +109,7 @@ fn wedges() -> Vec<Case> {
     ]
 }
 
-/// Corners of a regular polygon of side 1 and n corners about the z axis; the first is at `first`
+/// Corners of a regular polygon with n sides of length 1 about the z axis; the first is at `first`
 /// turns.
 fn regular(n: u32, centre: DVec3, first: f64) -> Vec<DVec3> {
     let radius = 0.5 / (PI / f64::from(n)).sin();
@@ -120,7 +120,7 @@ fn regular(n: u32, centre: DVec3, first: f64) -> Vec<DVec3> {
     (0..n).map(corner).collect()
 }
 
-/// The polygon raised, its front turned down.
+/// The polygon raised and turned to face down.
 fn opposite(polygon: &[DVec3], height: f64) -> Vec<DVec3> {
     polygon
         .iter()
@@ -136,7 +136,7 @@ fn apart() -> Vec<Case> {
     };
     let triangle = regular(3, DVec3::ZERO, 0.0);
     let hexagon = regular(6, DVec3::ZERO, 0.0);
-    // Two neighbouring faces of a regular tetrahedron, which look inward.
+    // Two neighbouring faces of a regular tetrahedron, facing inward.
     let apex = DVec3::new(0.0, 0.0, (2.0 / 3.0f64).sqrt());
     let slope = [triangle[0], apex, triangle[1]];
     let skew = [dvec3(0., 0., 0.), dvec3(2., 0., 0.), dvec3(0.3, 1.7, 0.4)];
@@ -150,7 +150,7 @@ fn apart() -> Vec<Case> {
         &[(0., 0.), (2., 0.), (2., 1.), (1., 1.), (1., 2.), (0., 2.)],
     );
     let two = [0.0, 2.0];
-    // Two rectangles make the L; each gives the share of its area.
+    // Two rectangles make the L; each contributes its share of the area.
     let l_parts =
         2.0 * parallel(two, UNIT, two, two, 1.0) + parallel(UNIT, [1.0, 2.0], two, two, 1.0);
     let (wide, deep) = ([-0.5, 1.5], [-1.0, 1.0]);
@@ -279,7 +279,7 @@ fn elements() -> Vec<Case> {
     ]
 }
 
-/// How much the small squares in the place of elements change, relative.
+/// Relative change by the small squares in the place of elements.
 pub const ELEMENT: f64 = 5e-8;
 
 fn occluded() -> Vec<Case> {

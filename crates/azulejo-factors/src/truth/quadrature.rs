@@ -1,4 +1,4 @@
-//! Gauss–Legendre quadrature.
+//! Gauss–Legendre quadrature, on purpose not the one that the engines use.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 /// Points of the rule: smooth integrands are exact to rounding with far fewer.
 const POINTS: usize = 48;
 
-/// ∫ f from `a` to `b`; exact to rounding for what is smooth on the interval.
+/// ∫ f from `a` to `b`; exact to rounding for smooth integrands.
 pub fn gauss(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
     RULE.iter()

@@ -104,7 +104,7 @@ fn one_mirror() -> Vec<Case> {
             0.9,
             Truth::formula(once + 0.9 * (twice - once)),
         ),
-        // All ways from one to the image of the other pass the mirror.
+        // All lines from one to the image of the other pass the mirror.
         apart.asks(left, right).case(
             "mir_corner",
             "image: Howell C-13",
@@ -173,7 +173,7 @@ fn prisms() -> Vec<Case> {
     ]
 }
 
-/// Floor, a sheet of glass above it and what else there is, infinite between four mirrors.
+/// Floor, a sheet of glass above it and further surfaces, infinite between four mirrors.
 fn under_glass(glass: Material, z: f64, up: bool, height: f64) -> (SceneBuilder, PatchGroup) {
     let mut builder = SceneBuilder::default();
     let floor = builder.polygon(&square(0.0, true), GREY);

@@ -1,4 +1,4 @@
-//! Whole systems: radiosities and fluxes in closed scenes.
+//! Whole systems: radiosities and fluxes in enclosures.
 
 use super::answers::solve;
 use super::builders::*;
@@ -29,7 +29,7 @@ fn enclosure_surface(group: PatchGroup, surface: GreySurface) -> EnclosureSurfac
     }
 }
 
-/// The unit cube whose surfaces are these, and the radiosity of one of its faces; pure mirrors
+/// The unit cube with these surfaces, and the question of the radiosity of one face; pure mirrors
 /// have none.
 fn cube_with(surfaces: [GreySurface; 6], of: usize) -> CaseBuilder {
     let mut builder = SceneBuilder::default();
@@ -165,8 +165,8 @@ fn cubes() -> Vec<Case> {
     ]
 }
 
-/// Radiosity of the ceiling of the unit cube whose floor emits 1, with exact factors; where the
-/// wall x = 0 is a mirror it has no radiosity of its own.
+/// Radiosity of the ceiling of the unit cube whose floor emits 1, with exact factors; if the wall x
+/// = 0 is a mirror it has no radiosity.
 fn ceiling_of_cube(rho: [f64; 6], mirror: f64) -> f64 {
     // The mirror has no radiosity.
     let lit = |k: usize| f64::from(!(k == 2 && mirror > 0.0));
@@ -202,8 +202,8 @@ fn cube_factor(i: usize, j: usize, mirror: f64) -> f64 {
     direct + mirror * image
 }
 
-/// A sphere in three parts that emit and reflect differently. Any part of a sphere gets the share
-/// of its area, so that sectors, which divide evenly, stand for caps.
+/// A sphere in three parts that emit and reflect differently. Any part of a sphere receives the
+/// share of its area, so sectors, which divide evenly, can replace caps.
 fn enclosure() -> Vec<Case> {
     let parts = [(0.1, 0.2, 1.0), (0.3, 0.5, 0.0), (0.6, 0.8, 0.0)];
     let mut builder = SceneBuilder::default();

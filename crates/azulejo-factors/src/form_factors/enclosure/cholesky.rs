@@ -10,11 +10,11 @@ pub(super) struct Cholesky {
 }
 
 impl Cholesky {
-    /// Factors a matrix given row by row; the number of the row at which it proves not to be
-    /// positive definite.
+    /// Factors a matrix given row by row. Fails with the number of the row at which the matrix
+    /// proves not to be positive definite.
     ///
-    /// Each column at once for all rows below, which are independent of each other, so that the
-    /// result does not depend on the number of threads.
+    /// Each column is computed for all rows below at once; these are independent, so the result
+    /// does not depend on the number of threads.
     pub fn new(
         mut lower: Vec<f64>,
         n: usize,
@@ -26,7 +26,7 @@ impl Cholesky {
             let (above, below) = lower.split_at_mut((j + 1) * n);
             let row = &mut above[j * n..];
             let pivot = row[j] - dot(&row[..j], &row[..j]);
-            // Written so that what is not a number fails.
+            // Written so that NaN fails.
             let is_positive = pivot > 0.0;
             if !is_positive {
                 return Ok(Err(j));
@@ -61,7 +61,7 @@ impl Cholesky {
     }
 }
 
-/// Sum of products, in eight sums that can be added up at once.
+/// Sum of products, in eight partial sums that vectorise.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
     let (b, b_rest) = b.as_chunks::<8>();
