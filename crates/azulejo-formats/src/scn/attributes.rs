@@ -389,7 +389,9 @@ impl ScnTranslator<'_> {
 }
 
 fn samples(stream: &mut super::values::TokenStream) -> ScnResult<u32> {
-    Ok(stream.within(1.0, 256.0, "number of samples of a light")?.round() as u32)
+    Ok(stream
+        .within(1.0, 256.0, "number of samples of a light")?
+        .round() as u32)
 }
 
 /// Textures in the order of SFF's numbers: name, how many numbers, whether a file.

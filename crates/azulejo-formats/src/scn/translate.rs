@@ -225,7 +225,8 @@ impl ScnTranslator<'_> {
                         Ok(())
                     }
                     _ => {
-                        let found = "csg next that does not follow the left side of a set operation";
+                        let found =
+                            "csg next that does not follow the left side of a set operation";
                         Err(self
                             .stream
                             .error(place, found, "csg union begin and solids before it"))

@@ -308,7 +308,11 @@ impl<'t> TokenStream<'t> {
         if result.abs().max_element() <= LARGEST {
             return Ok(result);
         }
-        Err(self.error(place, format!("{name} without a finite value"), "vectors for which it is defined"))
+        Err(self.error(
+            place,
+            format!("{name} without a finite value"),
+            "vectors for which it is defined",
+        ))
     }
 
     /// Reads a point that is a direction.

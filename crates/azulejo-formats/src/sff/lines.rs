@@ -121,7 +121,9 @@ impl<'a, 'w> SffLines<'a, 'w> {
         if value.abs() <= FARTHEST {
             return Ok(value);
         }
-        Err(self.words.error(start, "a number with a magnitude of at most 1e30"))
+        Err(self
+            .words
+            .error(start, "a number with a magnitude of at most 1e30"))
     }
 
     /// Whether the next field on this line is a number; it is not consumed.

@@ -44,7 +44,9 @@ fn ppm(bytes: &[u8]) -> Result<Image, String> {
     }
     let [width, height, most] = header;
     if most != 255 {
-        return Err(format!("its maximum value is {most}, only 255 is supported"));
+        return Err(format!(
+            "its maximum value is {most}, only 255 is supported"
+        ));
     }
     let pixels = bytes.get(words.offset() + 1..).unwrap_or_default();
     image(width, height, pixels).ok_or_else(|| "it ends before its last pixel".into())

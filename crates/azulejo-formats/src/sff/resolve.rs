@@ -137,7 +137,8 @@ impl SffResolver<'_, '_> {
         let gaze = view.target - view.eye;
         if !lights::spans(gaze, view.up) {
             let found = "an eye, a target and an up vector that do not span a plane";
-            let expected = "two different points, and an up vector that is not parallel to the view";
+            let expected =
+                "two different points, and an up vector that is not parallel to the view";
             return Err(self.sources.error(view.place, found, expected));
         }
         let [horizontal, vertical] = view.angles.map(f64::to_radians);
@@ -343,7 +344,9 @@ impl SffResolver<'_, '_> {
         };
         if left.is_empty() || right.is_empty() {
             let found = "a set operation with an empty side";
-            return Err(self.sources.error(node.place, found, "solids on both sides"));
+            return Err(self
+                .sources
+                .error(node.place, found, "solids on both sides"));
         }
         let csg = Csg {
             operation,
@@ -641,8 +644,7 @@ impl SffResolver<'_, '_> {
         for (surface, _) in self.surfaces.iter_mut().zip(worn).filter(|(_, worn)| !worn) {
             if surface.is_emitter || surface.is_unshadowed {
                 (surface.is_emitter, surface.is_unshadowed) = (false, false);
-                let said =
-                    "signs written by scn2sff for a surface that only textures use: ignored";
+                let said = "signs written by scn2sff for a surface that only textures use: ignored";
                 self.warnings.add_whole(self.sources.name(0), said);
             }
         }

@@ -81,10 +81,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         let lights = scene.lights.iter();
         let falling = lights.filter(|l| !matches!(l.kind, LightKind::Ambient { .. }));
         counts.extend([
-            (
-                falling.count(),
-                "lights with a different falloff",
-            ),
+            (falling.count(), "lights with a different falloff"),
             (
                 materials(Material::is_emitter),
                 "emitters, which do not illuminate anything in RTRACE",
