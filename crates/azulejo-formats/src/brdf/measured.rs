@@ -1,4 +1,4 @@
-//! Which of the measured forms a file has.
+//! Recognises the formats of measured data.
 
 use super::{LoadedBrdf, merl, rgl, tensors};
 use crate::{ReadError, Warning};
@@ -35,7 +35,7 @@ mod tests {
         let found = measured(&bytes, "a.binary").unwrap().unwrap();
         assert!(matches!(found.content, Content::Measured(_)));
 
-        // A table of other sizes than the database's is one, and a wrong one.
+        // A table whose size is not that of the database is recognised, and rejected.
         let bytes = merl::tests::file([6, 5, 8], "diffuse kd = 0.5");
         let error = measured(&bytes, "a.bsdf")
             .unwrap()
@@ -48,7 +48,7 @@ mod tests {
         assert!(measured(b"", "a.brdf").is_none());
     }
 
-    /// The database's own size, once: 33 MB.
+    /// Tests a table with the database's own size, once: 33 MB.
     #[test]
     fn a_whole_table_is_read() {
         let header: Vec<u8> = [90u32, 90, 180]

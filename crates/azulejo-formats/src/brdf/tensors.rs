@@ -3,28 +3,28 @@
 use crate::ReadError;
 use crate::reading::bytes::Bytes;
 
-/// What such a file begins with.
+/// The magic number of such a file.
 pub(super) const MAGIC: &[u8; 12] = b"tensor_file\0";
 
-/// The version that is read.
+/// The supported version.
 const VERSION: [u8; 2] = [1, 0];
 
-/// A field of the file: where its data lie is checked, what they are is not.
+/// A tensor of the file: the location of its data is checked, their values are not.
 pub(super) struct Tensor<'a> {
     pub shape: Vec<usize>,
     pub kind: ElementType,
     pub data: &'a [u8],
-    /// Where in the file its data begin.
+    /// Offset of its data in the file.
     pub offset: u64,
 }
 
-/// What a tensor's elements are.
+/// The type of a tensor's elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ElementType {
     Byte,
     Float,
     Double,
-    /// Anything else, by its size.
+    /// Any other type, by its size.
     Other(usize),
 }
 
@@ -117,7 +117,7 @@ fn field<'a>(
         shape.push(usize::try_from(size).unwrap_or(usize::MAX));
     }
     let data = data(bytes, offset, &shape, kind).ok_or_else(|| {
-        let found = format!("a tensor `{name}` of {shape:?} elements from byte {offset} on");
+        let found = format!("a tensor `{name}` with {shape:?} elements from byte {offset} on");
         wrong(found, "one that ends before the file")
     })?;
     let tensor = Tensor {

@@ -1,5 +1,5 @@
-//! The text form: `begin brdf`, one statement per line, `end brdf`; or a model on one line as it
-//! stands in a GRF file.
+//! The text format: `begin brdf`, one statement per line, `end brdf`; or a model on one line as in
+//! a GRF file.
 //!
 //! ```text
 //! begin brdf
@@ -11,7 +11,7 @@
 //! end brdf
 //! ```
 //!
-//! Words, numbers, lists and comments are GRF's. `docs/formats/brdf.md` has the grammar.
+//! Words, numbers, lists and comments are those of GRF. `docs/formats/brdf.md` has the grammar.
 
 use super::inline::{self, InlineError, InlineResult, MOST_PARTS, ModelMarks, WeightedModel};
 use super::{LoadedBrdf, measured};
@@ -23,17 +23,17 @@ use azulejo_scene::brdf::{Content, Description, Info, Model, Parameter, Value, f
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Blocks inside each other.
+/// Maximum depth of nested blocks.
 const DEEPEST: usize = 16;
 
-/// Words that begin a statement.
+/// The words that begin a statement.
 const STATEMENTS: &str =
     "version, model, diffuse, specular, param, fresnel, wavelengths, weight, begin or end";
 
 /// Reads a file.
 ///
 /// # Errors
-/// The first thing that is wrong, with its line; names with the known one that is most like them.
+/// The first error, with its line; for an unknown name, the most similar known one.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<LoadedBrdf, ReadError> {
     let text = text(bytes);
     let mut reader = BrdfTextReader {
@@ -70,14 +70,14 @@ struct BrdfTextReader<'a> {
     lexer: Lexer<'a>,
     name: &'a str,
     files: &'a dyn Files,
-    /// Models that were read.
+    /// Number of models read.
     layers: usize,
     warnings: Vec<Warning>,
-    /// The error of another file.
+    /// An error in a file that it refers to.
     failed: Option<ReadError>,
 }
 
-/// What a block says.
+/// The content of a block.
 #[derive(Default)]
 struct BrdfBlock {
     start: usize,
@@ -125,7 +125,7 @@ impl BrdfTextReader<'_> {
         });
     }
 
-    /// The outermost block, behind its `begin`.
+    /// Reads the outermost block, after its `begin`.
     fn whole(&mut self) -> InlineResult<(Description, Vec<WeightedModel>)> {
         let block = self.block(0)?;
         let weight = block.weight;
@@ -142,7 +142,7 @@ impl BrdfTextReader<'_> {
         Ok((Description::Combination(sum), parts))
     }
 
-    /// A block behind `begin`, up to its `end brdf`.
+    /// Reads a block after `begin`, up to its `end brdf`.
     fn block(&mut self, depth: usize) -> InlineResult<BrdfBlock> {
         let mut block = BrdfBlock {
             start: self.lexer.skip_blank(),
@@ -195,7 +195,7 @@ impl BrdfTextReader<'_> {
         Err(inline::unexpected(before, "a weight from 0 to 1"))
     }
 
-    /// `model name`, `model layered`, `model measured "file"`.
+    /// Reads `model name`, `model layered` or `model measured "file"`.
     fn model(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let before = self.lexer;
         let offset = self.lexer.skip_blank();
@@ -213,10 +213,10 @@ impl BrdfTextReader<'_> {
         Ok(())
     }
 
-    /// Measured data in another file; one that is missing reflects nothing.
+    /// Reads measured data from another file; if that is missing, the surface is black.
     fn measured(&mut self) -> InlineResult<Description> {
         let offset = self.lexer.skip_blank();
-        // Without quotes a name could hold one, which could not be written again.
+        // An unquoted name could contain a quote, and could not be written again.
         let path = (self.lexer.peek() == Some(b'"')).then(|| self.lexer.file_name());
         let Some(path) = path.flatten() else {
             let expected = "a file name, \"in double quotes\"";
@@ -225,10 +225,7 @@ impl BrdfTextReader<'_> {
         let file = beside(self.name, path);
         let content = match self.files.read(&file) {
             Err(problem) => {
-                self.warn(
-                    offset,
-                    format!("the brdf \"{path}\" is left out: {problem}"),
-                );
+                self.warn(offset, format!("brdf \"{path}\" skipped: {problem}"));
                 None
             }
             Ok(bytes) => match measured(&bytes, &file) {
@@ -255,13 +252,13 @@ impl BrdfTextReader<'_> {
         })
     }
 
-    /// A statement that is a parameter by another name.
+    /// Reads a statement that is a parameter with another name.
     fn parameter(&mut self, block: &mut BrdfBlock, name: &str, offset: usize) -> InlineResult<()> {
         let value = inline::value(&mut self.lexer)?;
         self.push(block, name, value, offset)
     }
 
-    /// `param name value`; a `=` between them is let through.
+    /// Reads `param name value`; a `=` in between is accepted.
     fn named(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let offset = self.lexer.skip_blank();
         let Some(name) = self.lexer.word() else {
@@ -271,8 +268,8 @@ impl BrdfTextReader<'_> {
         self.parameter(block, name, offset)
     }
 
-    /// `fresnel conductor eta v k v`, `dielectric eta n`, `schlick f0 v tint v`, `metal name`,
-    /// `constant F v`.
+    /// Reads `fresnel conductor eta v k v`, `dielectric eta n`, `schlick f0 v tint v`, `metal name`
+    /// or `constant F v`.
     fn fresnel(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let before = self.lexer;
         let offset = self.lexer.skip_blank();
@@ -314,7 +311,7 @@ impl BrdfTextReader<'_> {
         value: Value,
         offset: usize,
     ) -> InlineResult<()> {
-        // More than any model takes: one of them is wrong, and which is said at the end.
+        // No model has this many parameters: the error is reported at the end.
         if block.parameters.len() <= MOST_PARTS {
             let name = name.to_owned();
             block.parameters.push((Parameter { name, value }, offset));
@@ -322,14 +319,14 @@ impl BrdfTextReader<'_> {
         Ok(())
     }
 
-    /// A block inside of a layered one.
+    /// Reads a block inside a layered one.
     fn layer(&mut self, block: &mut BrdfBlock, depth: usize) -> InlineResult<()> {
         if !matches!(block.kind, BlockType::Layered) {
-            let expected = "`model layered` before a block inside of a block";
+            let expected = "`model layered` before a nested block";
             return Err(inline::unexpected(self.lexer, expected));
         }
         if depth + 1 >= DEEPEST {
-            let expected = format!("at most {DEEPEST} blocks inside each other");
+            let expected = format!("at most {DEEPEST} nested levels");
             return Err(inline::unexpected(self.lexer, expected));
         }
         let layer = self.block(depth + 1)?;
@@ -338,7 +335,7 @@ impl BrdfTextReader<'_> {
             return Err(InlineError {
                 offset: start,
                 found: "measured data as a layer".to_owned(),
-                expected: "models alone in layers, and measured data in a file of its own".into(),
+                expected: "models only in layers, and measured data in a separate file".into(),
             });
         }
         for mut part in self.parts(layer)? {
@@ -348,7 +345,7 @@ impl BrdfTextReader<'_> {
         Ok(())
     }
 
-    /// The models of a finished block, with weights inside of it.
+    /// The models of a complete block, with the weights inside it.
     fn parts(&mut self, block: BrdfBlock) -> InlineResult<Vec<WeightedModel>> {
         let (name, offset) = match block.kind {
             BlockType::Model(name, offset) => (name, offset),
@@ -358,7 +355,7 @@ impl BrdfTextReader<'_> {
                 return Err(InlineError {
                     offset: *offset,
                     found: format!("`{}` of layers", parameter.name),
-                    expected: "parameters inside of the blocks of the layers".to_owned(),
+                    expected: "parameters inside the blocks of the layers".to_owned(),
                 });
             }
             BlockType::None | BlockType::Measured(_) => {
@@ -392,7 +389,7 @@ impl BrdfTextReader<'_> {
                     "lambda" => "wavelengths",
                     _ => "Fresnel term",
                 };
-                self.warn(offset, format!("`{}` has no {what}: not used", info.name));
+                self.warn(offset, format!("`{}` has no {what}: ignored", info.name));
                 continue;
             }
             marks.parameters.push(offset);
@@ -406,16 +403,16 @@ impl BrdfTextReader<'_> {
     }
 }
 
-/// Whether a file may say this of any model, though this one does not use it.
+/// Whether a file may contain this for any model, although this one does not use it.
 fn is_beside(info: &'static Info, name: &str) -> bool {
     let general = ["lambda", "eta", "k", "f0", "tint", "metal", "F"];
     general.contains(&name) && !info.all_parameters().any(|p| p.is_called(name))
 }
 
-/// Writes a description: [`read`] gives it back, to the bit.
+/// Writes a description: [`read`] returns it bit by bit.
 ///
 /// # Errors
-/// Those of `out`; a file name with quotes or line ends, which the form cannot say.
+/// Those of `out`; a file name with quotes or line ends, which the format cannot represent.
 pub fn write(description: &Description, out: &mut dyn Write) -> io::Result<()> {
     match description {
         Description::Model(model) => block(out, model, None, ""),
@@ -427,7 +424,7 @@ pub fn write(description: &Description, out: &mut dyn Write) -> io::Result<()> {
             out.write_all(b"end brdf\n")
         }
         Description::File { path, .. } if path.contains(['"', '\n', '\r']) => {
-            let problem = format!("a file name that cannot stand in quotes: {path:?}");
+            let problem = format!("a file name that cannot be quoted: {path:?}");
             Err(io::Error::new(io::ErrorKind::InvalidInput, problem))
         }
         Description::File { path, .. } => writeln!(

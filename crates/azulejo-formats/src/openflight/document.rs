@@ -11,35 +11,35 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// A file of 4 GiB or more has offsets that its own fields cannot hold.
+/// A file of 4 GiB or more has offsets that its own fields cannot represent.
 const LARGEST: u64 = u32::MAX as u64;
 
-/// Most ancillary records of one node that are looked at: only four kinds are kept.
+/// Maximum number of ancillary records examined per node: only four types are used.
 const MOST_ANCILLARY: usize = 16;
 
-/// A record that is kept. What stands between it and `end` belongs to it: first its ancillary
+/// A record that is kept. Everything between it and `end` belongs to it: first its ancillary
 /// records, then its children, each followed by its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FltNode {
     pub opcode: u16,
-    /// Where the record starts in the file.
+    /// Offset of the record in the file.
     pub at: u32,
     /// The first node that does not belong to it.
     pub end: u32,
 }
 
-/// A file whose records have been found, but not understood.
+/// A file whose records have been located, but not interpreted.
 #[derive(Debug)]
 pub(super) struct FltDocument<'a> {
-    /// Its name for messages.
+    /// Its name in messages.
     pub file: Rc<str>,
     bytes: Cow<'a, [u8]>,
-    /// Records with their continuations, by where they start.
+    /// Records joined with their continuations, by offset.
     continued: HashMap<u32, Vec<u8>>,
     pub nodes: Vec<FltNode>,
-    /// Numbers of instance definitions, and their nodes.
+    /// The nodes of instance definitions, by number.
     pub definitions: HashMap<u16, u32>,
-    /// As the header has it, but in hundredths: 1420 for 14.2.
+    /// The revision in hundredths: 1420 for 14.2.
     pub revision: u32,
     /// Whether all colours are packed colours.
     pub packed_colors: bool,
@@ -49,7 +49,7 @@ pub(super) struct FltDocument<'a> {
 }
 
 impl<'a> FltDocument<'a> {
-    /// Finds the records of a file. `path` is its name as the root model knows it, empty for the
+    /// Locates the records of a file. `path` is its name relative to the root model, empty for the
     /// root model itself.
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl<'a> FltDocument<'a> {
         Ok(scan.finish())
     }
 
-    /// The fields of a record that starts at `at`, with its continuations.
+    /// The fields of the record at offset `at`, with its continuations.
     pub fn fields(&self, at: u32) -> RecordFields<'_> {
         if let Some(joined) = self.continued.get(&at) {
             return RecordFields(joined);
@@ -114,7 +114,7 @@ impl<'a> FltDocument<'a> {
         self.siblings(node + 1..self.nodes[node as usize].end)
     }
 
-    /// The nodes that belong to none.
+    /// The top-level nodes.
     pub fn top(&self) -> Siblings<'_> {
         self.siblings(0..self.nodes.len() as u32)
     }
@@ -135,7 +135,7 @@ impl<'a> FltDocument<'a> {
             .map(|(_, n)| self.fields(n.at))
     }
 
-    /// A node's name: its long ID if it has one, else its ID.
+    /// A node's name: its long ID if it has one, otherwise its ID.
     pub fn name(&self, node: u32) -> String {
         use opcode::*;
         if let Some(long) = self.ancillary(node, LONG_ID) {
@@ -148,7 +148,7 @@ impl<'a> FltDocument<'a> {
     }
 }
 
-/// Nodes next to each other in the tree, with their indices.
+/// Consecutive siblings in the tree, with their indices.
 #[derive(Clone, Debug)]
 pub(super) struct Siblings<'a> {
     nodes: &'a [FltNode],
@@ -182,7 +182,10 @@ fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<RecordFields<'b>, Rea
             if let Some(header) = bytes.get(..length.into()) {
                 return Ok(RecordFields(header));
             }
-            ("a header of", format!("{length} bytes, cut short"))
+            (
+                "{length} bytes, truncated",
+                format!("{length} bytes, truncated"),
+            )
         }
         (Some(opcode), Some(length)) => ("opcode", format!("{opcode} and length {length}")),
         _ => ("the end", "of the file".to_owned()),
@@ -195,7 +198,7 @@ fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<RecordFields<'b>, Rea
     ))
 }
 
-/// Old files say 14, later ones 1420.
+/// Old files store 14, later ones 1420.
 fn revision(header: RecordFields) -> u32 {
     match header.u32(12).unwrap_or_default() {
         small @ 0..100 => small * 100,
@@ -238,11 +241,11 @@ impl<'a> RecordScan<'a, '_> {
         if self.document.revision < 1400 {
             let revision = f64::from(self.document.revision) / 100.0;
             self.warn(format!(
-                "revision {revision}: before 14, colours and vertices had other forms, which are not read"
+                "revision {revision}: colours and vertices before revision 14 have other formats, which are not supported"
             ));
         }
         if self.document.metres_per_unit.is_none() {
-            self.warn("unit of length that is none of the known: taken as unknown".into());
+            self.warn("unknown unit of length: not used".into());
         }
     }
 
@@ -278,8 +281,7 @@ impl<'a> RecordScan<'a, '_> {
         true
     }
 
-    /// Joins the continuation records that follow to the record before them; returns where they
-    /// end.
+    /// Joins the continuation records that follow to the record before them; returns their end.
     fn continuations(&mut self, end: usize) -> usize {
         let mut next = end;
         while let Some(piece) = self.continuation(next) {
@@ -298,7 +300,7 @@ impl<'a> RecordScan<'a, '_> {
         next
     }
 
-    /// What a continuation record at `at` holds.
+    /// The content of a continuation record at `at`.
     fn continuation(&self, at: usize) -> Option<&[u8]> {
         let fields = RecordFields(self.document.bytes.get(at..)?);
         let length = usize::from(fields.u16(2)?);
@@ -323,7 +325,7 @@ impl<'a> RecordScan<'a, '_> {
         }
     }
 
-    /// Adds a node, which for now has nothing below it.
+    /// Adds a node, which has no descendants yet.
     fn add(&mut self, opcode: u16) -> u32 {
         let index = self.document.nodes.len() as u32;
         self.document.nodes.push(FltNode {
@@ -344,7 +346,7 @@ impl<'a> RecordScan<'a, '_> {
         }
     }
 
-    /// Everything since the latest node on this level belongs to it.
+    /// Assigns everything since the latest node on this level to it.
     fn close(&mut self) {
         if let Some(node) = self.current {
             self.document.nodes[node as usize].end = self.document.nodes.len() as u32;
@@ -355,7 +357,7 @@ impl<'a> RecordScan<'a, '_> {
         if let Some(node) = self.current.take() {
             self.open.push(node);
         } else {
-            // The pop that belongs to it must find something to end.
+            // The matching pop needs a node to end.
             let node = self.add(opcode::GROUP);
             self.warn("push without a node before it: taken as an unnamed group".into());
             self.open.push(node);
@@ -402,13 +404,13 @@ impl<'a> RecordScan<'a, '_> {
             }
             _ => {
                 if !self.document.vertices.add(at) {
-                    self.warn("vertex outside of the vertex palette: skipped".into());
+                    self.warn("vertex outside the vertex palette: skipped".into());
                 }
             }
         }
     }
 
-    /// Puts an entry into a palette.
+    /// Inserts an entry into a palette.
     fn insert<T: Clone>(
         &mut self,
         entry: Option<(i32, T)>,
@@ -425,7 +427,9 @@ impl<'a> RecordScan<'a, '_> {
     fn finish(mut self) -> FltDocument<'a> {
         if !self.open.is_empty() {
             let levels = self.open.len();
-            self.warn(format!("the file ends within {levels} levels: closed"));
+            self.warn(format!(
+                "the file ends inside {levels} nested levels: closed"
+            ));
         }
         while !self.open.is_empty() {
             self.pop();

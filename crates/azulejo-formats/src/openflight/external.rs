@@ -1,4 +1,4 @@
-//! Files that a file refers to.
+//! External references: files that a file refers to.
 
 use super::document::FltDocument;
 use super::opcode;
@@ -15,14 +15,14 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Most files inside each other.
+/// Maximum depth of nested files.
 const MOST_OPEN: usize = 16;
 
-/// The files that have been referred to, each read once.
+/// The external files, each read once.
 pub(super) struct ExternalFiles<'f> {
     files: &'f dyn Files,
     known: HashMap<String, Result<Rc<ExternalFile>, ExternalProblem>>,
-    /// Names of the files that are being drawn, the root model first, without capitals.
+    /// Names of the files being traversed, the root model first, in lower case.
     open: Vec<String>,
     bytes_left: u64,
 }
@@ -33,12 +33,12 @@ pub(super) struct ExternalFile {
     number: usize,
 }
 
-/// Why a file is left out.
+/// Why a file is skipped.
 #[derive(Clone, Debug)]
 enum ExternalProblem {
-    /// It is not where it was looked for.
+    /// It was not found at this path.
     Elsewhere(String),
-    /// Something else is wrong.
+    /// Any other error.
     Other(String),
 }
 
@@ -60,8 +60,7 @@ impl<'f> ExternalFiles<'f> {
         })?;
         let left = self.bytes_left.checked_sub(bytes.len() as u64);
         self.bytes_left = left.ok_or_else(|| {
-            let message =
-                "the files referred to have more bytes than allowed (ReadOptions::most_unpacked)";
+            let message = "the external files exceed the size limit (ReadOptions::most_unpacked)";
             ExternalProblem::Other(message.into())
         })?;
         Ok(bytes)
@@ -88,7 +87,7 @@ impl<'f> ExternalFiles<'f> {
     }
 }
 
-/// A path, and the name of the node that stands in `<>` behind it.
+/// Splits a reference into the path, and the node name in `<>` after it.
 fn split(reference: &str) -> (&str, Option<&str>) {
     match reference.split_once('<') {
         Some((path, node)) => (path.trim(), Some(node.trim_end_matches('>'))),
@@ -97,7 +96,7 @@ fn split(reference: &str) -> (&str, Option<&str>) {
 }
 
 impl FltWalker<'_> {
-    /// Draws the file that an external reference names.
+    /// Adds the content of an external reference.
     pub fn external(
         &mut self,
         source: FltSource,
@@ -110,12 +109,12 @@ impl FltWalker<'_> {
         let (path, external) = match self.find(source, name) {
             Ok(found) => found,
             Err(why) => {
-                let message = format!("\"{}\" is left out: {why}", shortened(name));
+                let message = format!("file \"{}\" skipped: {why}", shortened(name));
                 self.notes(source, node).add(message);
                 return Ok(());
             }
         };
-        // Before revision 14.2 each file had its own palettes.
+        // Before revision 14.2, each file had its own palettes.
         let flags = match source.document.revision {
             ..1420 => None,
             _ => record.u32(208),
@@ -147,15 +146,15 @@ impl FltWalker<'_> {
         done
     }
 
-    /// The file of that name: where the name says, or else without its folders, which may be
-    /// those of its author's machine.
+    /// The file with this name: looked up by its full path, otherwise without its folders, which
+    /// may be those of the author's machine.
     fn find(
         &mut self,
         source: FltSource,
         name: &str,
     ) -> Result<(String, Rc<ExternalFile>), String> {
         if self.externals.open.len() == MOST_OPEN {
-            return Err(format!("more than {MOST_OPEN} files inside each other"));
+            return Err(format!("files nested more than {MOST_OPEN} deep"));
         }
         let name = &one_spelling(name);
         let base = name.rsplit('/').next().unwrap_or(name);
@@ -182,7 +181,7 @@ impl FltWalker<'_> {
         Ok((path, external))
     }
 
-    /// Draws the first node of that name.
+    /// Adds the first node with this name.
     fn named(
         &mut self,
         source: FltSource,
@@ -190,7 +189,7 @@ impl FltWalker<'_> {
         place: &InheritedState,
     ) -> Result<(), ReadError> {
         let document = source.document;
-        // Each of them is asked for its name.
+        // The name of each node is compared.
         self.spend(document.nodes.len() as u64 + document.size() / BYTES_PER_ELEMENT)?;
         let is_it = |&index: &u32| {
             let opcode = document.nodes[index as usize].opcode;
@@ -200,14 +199,15 @@ impl FltWalker<'_> {
         if let Some(node) = (0..document.nodes.len() as u32).find(is_it) {
             return self.one(source, node, place);
         }
-        let message = format!("no node of the name \"{}\": left out", shortened(name));
+        let message = format!("no node named \"{}\": skipped", shortened(name));
         self.warnings
             .add(&document.file, message, || Position::Byte(0));
         Ok(())
     }
 }
 
-/// Length of an inner file's unit in units of the outer; 1 if one of them does not say.
+/// The ratio of the inner file's unit of length to that of the outer one; 1 if one of them is
+/// unknown.
 fn scale(inner: &FltDocument, outer: &FltDocument) -> f64 {
     match (inner.metres_per_unit, outer.metres_per_unit) {
         (Some(inner), Some(outer)) => inner / outer,

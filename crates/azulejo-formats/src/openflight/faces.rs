@@ -10,10 +10,10 @@ use super::warn::RecordWarnings;
 use crate::ReadError;
 use azulejo_scene::{MaterialId, Rgb};
 
-/// Vertex of a mesh that has not been added to the part yet.
+/// A vertex of a mesh that has not been added to the part yet.
 const NONE: u32 = u32::MAX;
 
-/// A face or mesh where it is drawn.
+/// A face or mesh in its traversal context.
 struct FltSurface<'d> {
     source: FltSource<'d>,
     node: u32,
@@ -24,7 +24,7 @@ struct FltSurface<'d> {
 }
 
 impl FltWalker<'_> {
-    /// Draws a face or a mesh, and the faces that lie on it.
+    /// Adds a face or a mesh, and its sub-faces.
     pub fn surface(
         &mut self,
         source: FltSource,
@@ -60,7 +60,7 @@ impl FltWalker<'_> {
         })
     }
 
-    /// The colour of a face and its material, and warnings about both.
+    /// The colour of a face and its material, with warnings about both.
     fn color_and_material(
         &mut self,
         source: FltSource,
@@ -71,12 +71,12 @@ impl FltWalker<'_> {
         let mut notes = RecordWarnings::new(&mut self.warnings, source.document, node);
         let color = style.color(source.palettes, &mut notes);
         if style.opacity(opacity, source.palettes) < 1.0 {
-            notes.add("see-through face: opaque");
+            notes.add("face with transparency: opaque");
         }
         if style.billboard {
-            notes.add("face that turns to the viewer: kept as it stands");
+            notes.add("billboard face: kept in its original orientation");
         }
-        // The colours of vertices take its place, and stand for it where a vertex has none.
+        // Vertex colours replace it; it is the default for vertices without one.
         let own = if style.is_gouraud() {
             Rgb::WHITE
         } else {
@@ -99,7 +99,7 @@ impl FltWalker<'_> {
                 }
                 opcode::MORPH_VERTEX_LIST => {
                     has_corners = true;
-                    let message = "morph vertex list: its state at 0 % is taken";
+                    let message = "morph vertex list: its state at 0 % is used";
                     self.notes(source, child).add(message);
                     self.polygon(face, child, 8, part)?;
                 }
@@ -113,7 +113,7 @@ impl FltWalker<'_> {
         Ok(())
     }
 
-    /// Draws what stands below a face or mesh, but is not its own.
+    /// Adds the nodes below a face or mesh that are not part of it.
     fn below_surface(
         &mut self,
         surface: &FltSurface,
@@ -123,7 +123,7 @@ impl FltWalker<'_> {
         let (source, place) = (surface.source, surface.place);
         match source.document.nodes[child as usize].opcode {
             opcode::FACE | opcode::MESH => {
-                let message = "sub-face, in the plane of the face below it: both are kept";
+                let message = "sub-face, coplanar with its parent face: both are kept";
                 self.notes(source, child).add(message);
                 self.surface(source, child, place, part)?;
                 part.enter(place, &mut self.stamps);
@@ -136,8 +136,8 @@ impl FltWalker<'_> {
         }
     }
 
-    /// Adds the polygon of a vertex list, whose entries take `size` bytes and begin with the
-    /// offset of a vertex.
+    /// Adds the polygon of a vertex list, whose entries take `size` bytes and begin with the offset
+    /// of a vertex.
     fn polygon(
         &mut self,
         face: &FltSurface,
@@ -147,14 +147,17 @@ impl FltWalker<'_> {
     ) -> Result<(), ReadError> {
         let record = face.source.document.node(list);
         let count = (record.0.len() - 4) / size;
-        // A corner each, and perhaps a vertex.
+        // One corner each, and possibly a new vertex.
         self.spend(2 * count as u64)?;
         let offsets = (0..count).filter_map(|k| record.u32(4 + size * k));
         let mut corners = Vec::with_capacity(count);
         corners.extend(offsets.filter_map(|offset| self.corner(face, offset, part)));
         let lost = count - corners.len();
         let mut notes = self.notes(face.source, list);
-        notes.add_many("corner that is no vertex of the palette: left out", lost);
+        notes.add_many(
+            "corner that does not refer to a vertex of the palette: skipped",
+            lost,
+        );
         if corners.len() < 3 {
             notes.add("face with fewer than three corners: skipped");
             return Ok(());
@@ -164,7 +167,7 @@ impl FltWalker<'_> {
         Ok(())
     }
 
-    /// The vertex of a part that stands for the vertex of the palette at an offset.
+    /// The vertex of a part for the vertex of the palette at an offset.
     fn corner(&mut self, face: &FltSurface, offset: u32, part: &mut FltPart) -> Option<u32> {
         let source = face.source;
         let index = source.document.vertices.find(offset)?;
@@ -192,13 +195,13 @@ impl FltWalker<'_> {
         let document = mesh.source.document;
         let record = document.ancillary(mesh.node, opcode::LOCAL_VERTEX_POOL);
         let Some(pool) = record.and_then(LocalPool::new) else {
-            let message = "mesh without positions of vertices: skipped";
+            let message = "mesh without vertex positions: skipped";
             self.notes(mesh.source, mesh.node).add(message);
             return Ok(());
         };
         if pool.count < pool.promised as usize {
             let (count, promised) = (pool.count, pool.promised);
-            let message = format!("mesh of {promised} vertices with only {count} of them");
+            let message = format!("mesh that declares {promised} vertices, but has {count}");
             self.notes(mesh.source, mesh.node).add(message);
         }
         self.spend(pool.count as u64 / 8)?;
@@ -213,7 +216,7 @@ impl FltWalker<'_> {
         Ok(())
     }
 
-    /// Adds the polygons of a mesh primitive. `local` holds the vertices that the part has.
+    /// Adds the polygons of a mesh primitive. `local` holds the vertices that the part already has.
     fn primitive(
         &mut self,
         mesh: &FltSurface,
@@ -224,7 +227,7 @@ impl FltWalker<'_> {
     ) -> Result<(), ReadError> {
         let primitive = MeshPrimitive::new(mesh.source.document.node(node));
         if primitive.indices.len() < primitive.promised as usize {
-            let message = "mesh primitive with fewer indices than it promises";
+            let message = "mesh primitive with fewer indices than declared";
             self.notes(mesh.source, node).add(message);
         }
         self.spend(4 * primitive.indices.len() as u64)?;
@@ -250,11 +253,11 @@ impl FltWalker<'_> {
         });
         let mut notes = self.notes(mesh.source, node);
         notes.add_many(
-            "polygon of a mesh with a vertex that it lacks: skipped",
+            "polygon of a mesh with a vertex index out of range: skipped",
             lost,
         );
         if !is_known {
-            notes.add("mesh primitive of unknown kind: skipped");
+            notes.add("mesh primitive of unknown type: skipped");
         }
         self.note_missing_uvs(mesh, part);
         Ok(())
@@ -262,13 +265,13 @@ impl FltWalker<'_> {
 
     fn note_missing_uvs(&mut self, surface: &FltSurface, part: &FltPart) {
         if surface.style.has_texture() && !part.has_uvs {
-            let message = "face with a picture, but without texture coordinates";
+            let message = "face with a texture, but without texture coordinates";
             self.notes(surface.source, surface.node).add(message);
         }
     }
 }
 
-/// The indices of a mesh primitive, and what they mean.
+/// The indices and the type of a mesh primitive.
 struct MeshPrimitive {
     kind: i16,
     indices: Vec<u32>,
@@ -295,12 +298,12 @@ impl MeshPrimitive {
         }
     }
 
-    /// Calls `add` for each polygon with the places of its corners among the indices; `false` if
-    /// the kind is none of the known.
+    /// Calls `add` for each polygon with the positions of its corners among the indices; `false` if
+    /// the type is unknown.
     fn polygons(&self, mut add: impl FnMut(&[usize])) -> bool {
         let n = self.indices.len();
         match self.kind {
-            // Every other triangle of a strip turns the other way around.
+            // Every second triangle of a strip has the opposite orientation.
             1 => (2..n).for_each(|k| match k % 2 {
                 0 => add(&[k - 2, k - 1, k]),
                 _ => add(&[k - 1, k - 2, k]),

@@ -1,4 +1,4 @@
-//! How faces look: their own fields, and the material that comes of them.
+//! Appearance of faces: their attributes, and the resulting materials.
 
 use super::document::FltDocument;
 use super::fields::RecordFields;
@@ -12,16 +12,16 @@ use crate::surface::textures::Textures;
 use azulejo_scene::{Material, MaterialId, Rgb};
 use std::collections::HashMap;
 
-/// What faces and meshes say about themselves, in the same order.
+/// Appearance attributes of faces and meshes, in record order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FaceAttributes {
-    /// 0 one-sided, 1 two-sided, more for what is no plain surface.
+    /// The draw type: 0 one-sided, 1 two-sided, more for what is not a plain surface.
     draw: u8,
     texture_white: bool,
     pub billboard: bool,
     texture: i32,
     material: i32,
-    /// 0 opaque to 65535 clear.
+    /// 0 opaque to 65535 transparent.
     transparency: u16,
     flags: u32,
     light_mode: u8,
@@ -34,12 +34,12 @@ impl FaceAttributes {
     const PACKED: u32 = 1 << 28;
     const HIDDEN: u32 = 1 << 26;
 
-    /// The style of a face, or of a mesh, whose fields stand four bytes further.
+    /// The attributes of a face, or of a mesh, whose fields are four bytes further on.
     pub fn new(record: RecordFields, is_mesh: bool, document: &FltDocument) -> FaceAttributes {
         let shift = if is_mesh { 4 } else { 0 };
         let index = |at: usize| record.i16(at + shift).map_or(-1, i32::from);
         let flags = record.u32(44 + shift).unwrap_or_default();
-        // Before revision 15.1, index and brightness stood where later the colour's name stands.
+        // Before revision 15.1, index and intensity were stored in place of the colour name index.
         let color = match document.revision {
             ..1510 => record.u16(20 + shift).map(u32::from),
             _ => record.u32(68 + shift),
@@ -60,12 +60,12 @@ impl FaceAttributes {
         }
     }
 
-    /// Whether the vertices' colours take the place of the face's.
+    /// Whether vertex colours replace the face colour.
     pub fn is_gouraud(&self) -> bool {
         matches!(self.light_mode, 1 | 3)
     }
 
-    /// Whether light changes what is seen, so that the material counts.
+    /// Whether the face is lit, so that its material applies.
     fn is_lit(&self) -> bool {
         matches!(self.light_mode, 2 | 3)
     }
@@ -74,18 +74,18 @@ impl FaceAttributes {
         self.texture >= 0
     }
 
-    /// Why faces of this style are no surfaces, if so.
+    /// Why faces with these attributes are skipped, if they are.
     pub fn skipped(&self) -> Option<&'static str> {
         match self.draw {
             _ if self.flags & FaceAttributes::HIDDEN != 0 => Some("hidden face: skipped"),
             2 | 3 => Some("face drawn as a wireframe: skipped"),
             8..=10 => Some("face drawn as light points: skipped"),
-            _ if self.transparency == u16::MAX => Some("wholly transparent face: skipped"),
+            _ if self.transparency == u16::MAX => Some("fully transparent face: skipped"),
             _ => None,
         }
     }
 
-    /// Share of light that a face lets not through, below objects of some opacity.
+    /// The opacity of a face, below objects with a given opacity.
     pub fn opacity(&self, above: f64, palettes: &Palettes) -> f64 {
         let lit = self.is_lit().then_some(self.material);
         let entry = lit.and_then(|index| palettes.materials.get(&index));
@@ -105,13 +105,13 @@ impl FaceAttributes {
             (None, Some(index)) => index,
         };
         palettes.color(index).unwrap_or_else(|| {
-            notes.add("face whose colour is beyond the palette: white");
+            notes.add("face with a colour index beyond the palette: white");
             Rgb::WHITE
         })
     }
 }
 
-/// The materials of the scene, with a memory of what faces have asked for.
+/// The materials of the scene, with a cache by face attributes.
 pub(super) struct FltMaterials<'f> {
     files: &'f dyn Files,
     pub materials: Materials,
@@ -120,7 +120,8 @@ pub(super) struct FltMaterials<'f> {
     known: HashMap<FltMaterialKey, MaterialId>,
 }
 
-/// All that the material of a face depends on; palettes stand for themselves by number.
+/// Everything on which the material of a face depends; palettes are represented by their set
+/// number.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct FltMaterialKey {
     palettes: u32,
@@ -141,7 +142,7 @@ impl<'f> FltMaterials<'f> {
         }
     }
 
-    /// The material of a face of colour `color`. `set` is the number of the palettes.
+    /// The material of a face with colour `color`. `set` is the number of the set of palettes.
     pub fn material(
         &mut self,
         style: &FaceAttributes,
@@ -175,12 +176,12 @@ impl<'f> FltMaterials<'f> {
         if let Some(index) = request.material.filter(|index| *index >= 0) {
             match palettes.materials.get(&index) {
                 Some(entry) => apply(entry, &mut material, notes),
-                None => notes.add("material that the palette lacks: white"),
+                None => notes.add("material index that is not in the palette: white"),
             }
         }
         material.emits_back = material.is_emitter() && request.two_sided;
         if !material.limit_reflectance() {
-            notes.add("material that reflects more than it gets, or less than nothing: clamped");
+            notes.add("material with a reflectance outside 0..1: clamped");
         }
         let entry = request
             .material
@@ -199,19 +200,19 @@ impl<'f> FltMaterials<'f> {
                     problem.into_iter().for_each(|p| notes.add(p));
                     material.textures.push(id);
                 }
-                None => notes.add("texture that the palette lacks: not shown"),
+                None => notes.add("texture index that is not in the palette: ignored"),
             }
         }
         self.materials.index(material)
     }
 }
 
-/// Multiplies a face's colour with an entry of the material palette.
+/// Multiplies a face's colour by an entry of the material palette.
 fn apply(entry: &PaletteMaterial, material: &mut Material, notes: &mut RecordWarnings) {
     material.name.clone_from(&entry.name);
     material.diffuse *= entry.diffuse;
     material.emission = entry.emissive.map(|e| e.max(0.0));
     if entry.emissive != material.emission {
-        notes.add("material that emits less than nothing: clamped to 0");
+        notes.add("material with negative emission: clamped to 0");
     }
 }

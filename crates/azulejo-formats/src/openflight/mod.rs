@@ -1,9 +1,9 @@
-//! OpenFlight (.flt), the format of flight simulators.
+//! OpenFlight (.flt), a format for flight simulators.
 //!
-//! What is read: revisions 14.2 to 16, the hierarchy with its transforms, instances, replication
-//! and external files, levels of detail, switches, faces and meshes with their colours, materials
-//! and pictures, and light sources. `docs/formats/openflight.md` says how every record is
-//! understood.
+//! Revisions 14.2 to 16 are read: the hierarchy with its transforms, instances, replication and
+//! external files, levels of detail, switches, faces and meshes with their colours, materials and
+//! textures, and light sources. `docs/formats/openflight.md` describes how every record is
+//! interpreted.
 
 mod document;
 mod external;
@@ -31,12 +31,12 @@ use std::borrow::Cow;
 use transform::InheritedState;
 use walk::{FltSource, FltWalker};
 
-/// Reads an OpenFlight file. `name` stands in messages; `files` gives the files and pictures that
-/// the model names, relative to the model's folder.
+/// Reads an OpenFlight file. `name` is used in messages; `files` provides the files and textures
+/// that the model refers to, relative to the model's folder.
 ///
-/// One object comes out for each node that has faces directly below it: an OpenFlight object, or
-/// whatever else holds faces. It holds the vertices that its faces use. What is skipped, damaged
-/// or missing is a warning.
+/// Each node with faces directly below it becomes one object: an OpenFlight object, or any other
+/// parent of faces. It contains the vertices that its faces use. Anything skipped, damaged or
+/// missing is reported as a warning.
 ///
 /// # Errors
 /// Bytes that do not begin with a header; a file of 4 GiB or more; more than 128 levels; more

@@ -1,38 +1,38 @@
-//! Which children of a node are drawn: levels of detail, switches, frames of an animation.
+//! Selection among the children of a node: levels of detail, switches, animation frames.
 
 use super::document::{FltDocument, FltNode, Siblings};
 use super::fields::RecordFields;
 use super::opcode;
 use crate::Lod;
 
-/// The choice among the children of one node.
+/// The selection among the children of one node.
 #[derive(Debug)]
 pub(super) struct ChildSelection<'d> {
     by_position: ByPosition<'d>,
     lod: LodRule,
 }
 
-/// A choice by the place of a child among its siblings.
+/// A selection by the position of a child among its siblings.
 #[derive(Debug)]
 enum ByPosition<'d> {
     All,
     First,
-    /// The bits of a switch's current mask, and where they begin.
+    /// The bits of a switch's current mask, and their offset.
     Mask(RecordFields<'d>, usize),
 }
 
 #[derive(Debug)]
 enum LodRule {
     All,
-    /// Those with this distance of switching out.
+    /// Levels with this switch-out distance.
     SwitchOut(f64),
-    /// Those that are seen from this distance, in the file's units.
+    /// Levels that are visible from this distance, in the file's units.
     Distance(f64),
 }
 
 impl<'d> ChildSelection<'d> {
-    /// The choice among `children` below `parent`, for a viewer who asks for `lod`. A unit of
-    /// the document is `scale` units of the root model.
+    /// The selection among `children` of `parent`, for the requested `lod`. A unit of the document
+    /// is `scale` units of the root model.
     pub fn new(
         document: &'d FltDocument,
         parent: Option<FltNode>,
@@ -46,7 +46,7 @@ impl<'d> ChildSelection<'d> {
         }
     }
 
-    /// Whether a child is left out, and why; `position` counts the children before it.
+    /// Why a child is not selected, if it is not; `position` is the number of children before it.
     pub fn leaves_out(
         &self,
         document: &FltDocument,
@@ -56,7 +56,7 @@ impl<'d> ChildSelection<'d> {
         let is_on = match self.by_position {
             ByPosition::All => true,
             ByPosition::First if position > 0 => {
-                return Some("frame of an animation behind the first: left out");
+                return Some("frame of an animation after the first: skipped");
             }
             ByPosition::First => true,
             ByPosition::Mask(record, start) => {
@@ -65,7 +65,7 @@ impl<'d> ChildSelection<'d> {
             }
         };
         if !is_on {
-            return Some("node that its switch has turned off: left out");
+            return Some("node that its switch disables: skipped");
         }
         let (switch_in, switch_out) = range(document, child)?;
         let is_seen = match self.lod {
@@ -77,7 +77,7 @@ impl<'d> ChildSelection<'d> {
                 always || nearest || (switch_out < d && d <= switch_in)
             }
         };
-        (!is_seen).then_some("level of detail that is not the one asked for: left out")
+        (!is_seen).then_some("level of detail that is not the requested one: skipped")
     }
 }
 
@@ -95,7 +95,7 @@ fn is_animated(group: RecordFields, revision: u32) -> bool {
     const FORWARD: u32 = 1 << 30;
     const SWING: u32 = 1 << 29;
     const BACKWARD: u32 = 1 << 25;
-    // Revision 15.8 brought the third, and took from the second what it meant on its own.
+    // Revision 15.8 added the third bit, and changed the meaning of the second one.
     let bits = match revision {
         ..1580 => FORWARD | SWING,
         _ => FORWARD | BACKWARD,
@@ -103,12 +103,12 @@ fn is_animated(group: RecordFields, revision: u32) -> bool {
     group.u32(16).is_some_and(|flags| flags & bits != 0)
 }
 
-/// Whether a switch says which of its children are on.
+/// Whether a switch has a mask that selects its children.
 pub(super) fn has_current_mask(switch: RecordFields) -> bool {
     mask(switch).is_some()
 }
 
-/// Where the current mask of a switch begins; `None` if the record has no such mask.
+/// The offset of the current mask of a switch; `None` if the record has no such mask.
 fn mask(switch: RecordFields) -> Option<usize> {
     let [current, count, words] = [16, 20, 24].map(|at| switch.u32(at));
     let (current, words) = (current?, words? as usize);
@@ -117,7 +117,7 @@ fn mask(switch: RecordFields) -> Option<usize> {
     is_there.then_some(start)
 }
 
-/// Distances at which a level of detail switches in and out; `None` for other nodes.
+/// Switch-in and switch-out distances of a level of detail; `None` for other nodes.
 fn range(document: &FltDocument, node: FltNode) -> Option<(f64, f64)> {
     let record = document.fields(node.at);
     let (switch_in, switch_out) = match node.opcode {
@@ -150,7 +150,7 @@ fn lod_rule(document: &FltDocument, children: Siblings, lod: Lod, scale: f64) ->
     }
 }
 
-/// Whether a node has anything below it that may be seen.
+/// Whether a node has any descendant that may be visible.
 fn has_surface(document: &FltDocument, node: u32) -> bool {
     use opcode::*;
     let end = document.nodes[node as usize].end;

@@ -1,4 +1,4 @@
-//! From the tree of records to the scene.
+//! Traverses the tree of records and builds the scene.
 
 use super::document::{FltDocument, FltNode, Siblings};
 use super::external::ExternalFiles;
@@ -15,28 +15,28 @@ use crate::{Files, Lod, ReadError, ReadOptions};
 use azulejo_scene::{Object, Scene, Shape};
 use glam::DAffine3;
 
-/// Most levels of nodes, instances and files inside each other.
+/// Maximum depth of nested nodes, instances and files.
 const MOST_LEVELS: u32 = 128;
 
-/// So many bytes of names count as one element of the budget.
+/// This many bytes of names count as one element of the budget.
 pub(super) const BYTES_PER_ELEMENT: u64 = 64;
 
-/// A file in the part that it plays where it is referred to.
+/// A file in the context of the reference to it.
 #[derive(Clone, Copy)]
 pub(super) struct FltSource<'d> {
     pub document: &'d FltDocument<'d>,
-    /// Tells documents apart.
+    /// Unique among documents.
     pub number: usize,
-    /// Its name as the root model knows it; empty for the root model.
+    /// Its name relative to the root model; empty for the root model.
     pub path: &'d str,
     pub palettes: &'d Palettes,
-    /// Tells sets of palettes apart.
+    /// Unique among sets of palettes.
     pub set: u32,
     /// Length of a unit in units of the root model.
     pub scale: f64,
 }
 
-/// The scene under construction, and where in the tree we are.
+/// The scene under construction, and the state of the traversal.
 pub(super) struct FltWalker<'f> {
     pub name: &'f str,
     pub options: &'f ReadOptions,
@@ -45,14 +45,14 @@ pub(super) struct FltWalker<'f> {
     pub materials: FltMaterials<'f>,
     pub scene: Scene,
     pub externals: ExternalFiles<'f>,
-    /// Names of the nodes above, and `/` between them.
+    /// Names of the nodes above, joined by `/`.
     pub path: String,
-    /// For each document, what became of the vertices of its palette.
+    /// For each document, the vertices made from those of its palette.
     pub slots: Vec<Vec<VertexSlot>>,
     pub stamps: u32,
     pub sets: u32,
     levels: u32,
-    /// Instances that are being drawn: numbers of document and definition.
+    /// Instances being traversed: numbers of document and definition.
     instances: Vec<(usize, u16)>,
 }
 
@@ -85,12 +85,12 @@ impl<'f> FltWalker<'f> {
         self.budget.spend(elements).map_err(|e| e.error(self.name))
     }
 
-    /// For warnings about a node.
+    /// A collector of warnings about a node.
     pub fn notes<'n>(&'n mut self, source: FltSource<'n>, node: u32) -> RecordWarnings<'n> {
         RecordWarnings::new(&mut self.warnings, source.document, node)
     }
 
-    /// Goes a level down, and comes back.
+    /// Runs a step one level deeper.
     pub fn deeper(
         &mut self,
         source: FltSource,
@@ -101,7 +101,7 @@ impl<'f> FltWalker<'f> {
             return Err(ReadError::at_byte(
                 &*source.document.file,
                 source.document.nodes[node as usize].at.into(),
-                format!("more than {MOST_LEVELS} levels of nodes inside each other"),
+                format!("nodes nested more than {MOST_LEVELS} deep"),
                 "fewer",
             ));
         }
@@ -111,12 +111,12 @@ impl<'f> FltWalker<'f> {
         done
     }
 
-    /// Draws what stands at the top of a file.
+    /// Adds the top-level nodes of a file.
     pub fn top(&mut self, source: FltSource, place: &InheritedState) -> Result<(), ReadError> {
         self.siblings(source, None, source.document.top(), place)
     }
 
-    /// Draws a node by itself.
+    /// Adds a single node.
     pub fn one(
         &mut self,
         source: FltSource,
@@ -133,7 +133,7 @@ impl<'f> FltWalker<'f> {
         }
     }
 
-    /// Draws what is below a node.
+    /// Adds the children of a node.
     fn children(
         &mut self,
         source: FltSource,
@@ -142,7 +142,7 @@ impl<'f> FltWalker<'f> {
     ) -> Result<(), ReadError> {
         let parent = source.document.nodes[node as usize];
         if self.options.lod == Lod::Coarsest {
-            // Whether a level is empty is found by looking through it.
+            // Whether a level of detail is empty is found by scanning it.
             self.spend(u64::from(parent.end - node))?;
         }
         self.siblings(source, Some(parent), source.document.below(node), place)
@@ -176,7 +176,7 @@ impl<'f> FltWalker<'f> {
         self.finish(part)
     }
 
-    /// Makes an object of the faces that have been found below one node.
+    /// Makes an object of the faces found below one node.
     fn finish(&mut self, part: FltPart) -> Result<(), ReadError> {
         if let Some(mesh) = part.finish() {
             let object = Object::new(self.full_name()?, Shape::Mesh(mesh));
@@ -185,13 +185,13 @@ impl<'f> FltWalker<'f> {
         Ok(())
     }
 
-    /// Names of all nodes above. A long name above many objects is copied to each.
+    /// The names of all nodes above. A long name above many objects is copied to each.
     pub fn full_name(&mut self) -> Result<String, ReadError> {
         self.spend(self.path.len() as u64 / BYTES_PER_ELEMENT)?;
         Ok(self.path.clone())
     }
 
-    /// Draws a node that is no face, and all below it.
+    /// Adds a node that is not a face, and its descendants.
     pub fn node(
         &mut self,
         source: FltSource,
@@ -221,8 +221,8 @@ impl<'f> FltWalker<'f> {
         self.path.push_str(name);
     }
 
-    /// Does something at each place where a node stands: where its matrix puts it, or once
-    /// without the matrix and then as often as it is replicated, with the matrix once, twice...
+    /// Runs a step for each copy of a node: once with its matrix, or, if the node is replicated,
+    /// without the matrix and then with its powers.
     pub fn each_copy(
         &mut self,
         source: FltSource,
@@ -236,12 +236,12 @@ impl<'f> FltWalker<'f> {
         let record = document.ancillary(node, opcode::MATRIX);
         let matrix = record.and_then(transform::matrix);
         if record.is_some() && matrix.is_none() {
-            let message = "matrix that is too short, or of what is no number: left out";
+            let message = "matrix that is too short or not finite: ignored";
             self.notes(source, node).add(message);
         }
         let Some(matrix) = matrix else {
             if copies > 0 {
-                let message = "replication without a matrix: left out, all copies would coincide";
+                let message = "replication without a matrix: ignored, all copies would coincide";
                 self.notes(source, node).add(message);
             }
             return draw(self, place);
@@ -258,7 +258,7 @@ impl<'f> FltWalker<'f> {
         Ok(())
     }
 
-    /// Draws what a node consists of, at its own place.
+    /// Adds the content of a node, after its transform.
     fn inside(
         &mut self,
         source: FltSource,
@@ -272,14 +272,14 @@ impl<'f> FltWalker<'f> {
             HEADER | GROUP | OLD_LOD | LOD | BSP | EXTENSION => {}
             SWITCH => {
                 if !has_current_mask(record) {
-                    let message = "switch without its current mask: all below it is drawn";
+                    let message = "switch without its current mask: all children are used";
                     self.notes(source, node).add(message);
                 }
             }
-            // Roads are made of faces, which are below; how they were made is of no use.
+            // The faces of roads are their descendants; the construction parameters are not needed.
             CLIP_REGION | 87 | 127 => {
                 let message = format!(
-                    "{} (opcode {opcode}): skipped, but for what is below it",
+                    "{} (opcode {opcode}): skipped, except for its children",
                     name(opcode)
                 );
                 self.notes(source, node).add(message);
@@ -295,7 +295,7 @@ impl<'f> FltWalker<'f> {
             }
             DOF => return self.degree_of_freedom(source, node, place),
             LIGHT_SOURCE => self.light(source, node, place)?,
-            // It is drawn only where it is referred to.
+            // Definitions are only added where they are referred to.
             INSTANCE_DEFINITION => return Ok(()),
             INSTANCE_REFERENCE => return self.instance(source, node, place),
             EXTERNAL_REFERENCE => return self.external(source, node, place),
@@ -315,8 +315,7 @@ impl<'f> FltWalker<'f> {
         place: &InheritedState,
     ) -> Result<(), ReadError> {
         let Some(map) = transform::degree_of_freedom(source.document.node(node)) else {
-            let message =
-                "degree of freedom that is too short, or of what is no number: stands still";
+            let message = "degree of freedom that is too short or not finite: ignored";
             self.notes(source, node).add(message);
             return self.children(source, node, place);
         };
@@ -331,13 +330,13 @@ impl<'f> FltWalker<'f> {
     ) -> Result<(), ReadError> {
         let number = source.document.node(node).u16(6).unwrap_or_default();
         let Some(&definition) = source.document.definitions.get(&number) else {
-            let message = format!("reference to instance {number}, which is not defined: left out");
+            let message = format!("reference to instance {number}, which is not defined: skipped");
             self.notes(source, node).add(message);
             return Ok(());
         };
         let key = (source.number, number);
         if self.instances.contains(&key) {
-            let message = format!("instance {number} inside itself: left out");
+            let message = format!("instance {number} inside itself: skipped");
             self.notes(source, node).add(message);
             return Ok(());
         }

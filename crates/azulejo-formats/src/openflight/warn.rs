@@ -1,4 +1,4 @@
-//! Warnings that know where they stand.
+//! Warnings with their positions.
 
 use super::document::FltDocument;
 use crate::Position;
@@ -12,7 +12,7 @@ pub(super) struct RecordWarnings<'a> {
 }
 
 impl<'a> RecordWarnings<'a> {
-    /// Warnings about a node.
+    /// A collector for warnings about a node.
     pub fn new(
         warnings: &'a mut Warnings,
         document: &'a FltDocument,
@@ -30,7 +30,7 @@ impl<'a> RecordWarnings<'a> {
         self.add_many(message, 1);
     }
 
-    /// Counts a warning `count` times, which may be 0.
+    /// Adds a warning with a count, which may be 0.
     #[cold]
     pub fn add_many(&mut self, message: impl Into<String>, count: usize) {
         let at = u64::from(self.at);

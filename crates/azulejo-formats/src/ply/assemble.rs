@@ -1,4 +1,4 @@
-//! From lists to a scene.
+//! Assembles the lists of a file into a scene.
 
 use super::PlyReader;
 use super::faces::{FaceMaterial, PlyFaceList};
@@ -16,7 +16,7 @@ use std::ops::Range;
 /// Reflectance of faces without a colour.
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
-/// The scene of a file, and all that was wrong with it.
+/// The scene of a file, and the warnings.
 pub(super) fn scene(
     reader: PlyReader<'_>,
     header: &PlyHeader,
@@ -37,7 +37,7 @@ pub(super) fn scene(
         let points = vertices.positions.len();
         let message = match points {
             0 => "no faces: the scene is empty".to_owned(),
-            _ => format!("no faces: {points} points have no surface, the scene is empty"),
+            _ => format!("no faces: {points} points without a surface, the scene is empty"),
         };
         builder.warnings.add_whole(builder.file, message);
         return (scene, builder.warnings);
@@ -74,7 +74,7 @@ impl PlyBuilder<'_> {
             .add_many(self.file, message.into(), count, || Position::Whole);
     }
 
-    /// Drops faces whose vertices do not exist or are nowhere.
+    /// Drops faces with vertices that do not exist or are not finite.
     fn check_faces(&mut self, list: &mut PlyFaceList, positions: &[DVec3]) {
         let is_there = |&c: &u32| positions.get(c as usize).is_some_and(|p| p.is_finite());
         let largest = list.faces.corners.iter().max();
@@ -99,7 +99,7 @@ impl PlyBuilder<'_> {
         self.count(message, lost);
     }
 
-    /// A material for each look of faces, or one for all.
+    /// One material for each distinct appearance of faces, or one for all.
     fn materials(
         &mut self,
         list: &PlyFaceList,
@@ -161,7 +161,7 @@ impl PlyBuilder<'_> {
         }
     }
 
-    /// Says that zeros among the normals are none: of a whole mesh, or of some vertices.
+    /// Reports zero normals: of a whole mesh, which then has none, or of single vertices.
     fn settle_normals(&mut self, mesh: &mut Mesh) {
         let Some(normals) = &mut mesh.normals else {
             return;
@@ -177,7 +177,7 @@ impl PlyBuilder<'_> {
             .iter_mut()
             .filter(zero)
             .for_each(|n| *n = DVec3::Z);
-        self.count("normal that is zero or not finite: taken as +z", missing);
+        self.count("zero or non-finite normal: taken as +z", missing);
     }
 
     fn uvs(&mut self, of_vertices: Vec<DVec2>, of_corners: Vec<DVec2>) -> Option<Attribute<DVec2>> {
@@ -193,12 +193,12 @@ impl PlyBuilder<'_> {
         (!values.is_empty()).then_some(Attribute { values, corners })
     }
 
-    /// Colours in 0..=1. Some programs write numbers up to 255 with a point.
+    /// Colours in 0..=1. Some programs write floating-point numbers up to 255.
     fn colors(&mut self, mut colors: Vec<Rgb>) -> Vec<Rgb> {
         let most = colors.iter().map(|c| c.max_channel()).fold(0.0, f64::max);
         if most > 1.0 && most <= 255.0 {
             self.count(
-                "vertex colours as fractions above 1: taken as 0..255",
+                "floating-point vertex colours above 1: scaled from 0..255",
                 colors.len(),
             );
             colors.iter_mut().for_each(|c| *c *= 1.0 / 255.0);
@@ -217,7 +217,7 @@ impl PlyBuilder<'_> {
         let sound = |c: &Rgb| c.is_finite() && c.to_array().iter().all(|x| *x >= 0.0);
         let odd = values.iter_mut().filter(|c| !sound(c));
         let odd = odd.map(|c| *c = Rgb::BLACK).count();
-        self.count("irradiance that is negative or not finite: taken as 0", odd);
+        self.count("negative or non-finite irradiance: taken as 0", odd);
         values
     }
 }
@@ -225,10 +225,10 @@ impl PlyBuilder<'_> {
 /// Normals of unit length, or zero.
 fn normals(mut normals: Vec<DVec3>) -> Option<Attribute<DVec3>> {
     for normal in &mut normals {
-        // What is as good as single precision stays as it is.
+        // Values accurate to single precision are kept.
         let is_unit = (normal.length_squared() - 1.0).abs() <= 1e-6;
         if !is_unit {
-            // Dividing first keeps the square of the length from overflow and underflow.
+            // Dividing first avoids overflow and underflow of the squared length.
             let scaled = *normal / normal.abs().max_element();
             *normal = scaled.try_normalize().unwrap_or(DVec3::ZERO);
         }
@@ -248,15 +248,15 @@ fn painted(face_material: &FaceMaterial, base: Rgb) -> Material {
     Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
 }
 
-/// One of azulejo's objects in the lists of the file.
+/// One object of azulejo within the lists of the file.
 struct ObjectPiece {
     object: u32,
     faces: Range<usize>,
     vertices: Range<usize>,
 }
 
-/// Object, faces and vertices of each of azulejo's objects, where a file says which vertices are
-/// of which. `None` if they do not follow one after the other.
+/// Object, faces and vertices of each object of azulejo, for a file that stores the object of each
+/// vertex. `None` if the objects are not contiguous.
 fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<ObjectPiece>> {
     if objects.is_empty() || !objects.is_sorted() {
         return None;
@@ -281,7 +281,7 @@ fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<ObjectPiece>> {
     Some(parts)
 }
 
-/// Some faces of a mesh with the vertices that they use, which are a range of it.
+/// A range of faces of a mesh with the range of vertices that they use.
 fn part(mesh: &Mesh, faces: Range<usize>, vertices: Range<usize>) -> Mesh {
     let starts = &mesh.faces.starts[faces.start..=faces.end];
     let corners = starts[0] as usize..starts[starts.len() - 1] as usize;
@@ -311,7 +311,8 @@ fn part(mesh: &Mesh, faces: Range<usize>, vertices: Range<usize>) -> Mesh {
     }
 }
 
-/// What some vertices and corners have of an attribute. Values of corners stand in their order.
+/// The part of an attribute for a range of vertices and corners. Values of corners keep their
+/// order.
 fn slice_of<T: Copy>(
     attribute: &Attribute<T>,
     vertices: &Range<usize>,

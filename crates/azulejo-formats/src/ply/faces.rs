@@ -8,30 +8,30 @@ use azulejo_scene::{Faces, Rgb};
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// Different colours and pictures of faces that are told apart; each becomes a material.
+/// Maximum number of distinct appearances of faces; each becomes a material.
 const MOST_FACE_MATERIALS: usize = 1 << 16;
 
-/// The polygons of a file, their indices not yet checked.
+/// The polygons of a file, before their indices are checked.
 #[derive(Debug, Default)]
 pub(super) struct PlyFaceList {
     pub faces: Faces,
     /// Texture coordinate of each corner, or empty.
     pub corner_uvs: Vec<DVec2>,
-    /// Look of each face, or empty.
+    /// Index into `materials` for each face, or empty.
     pub face_material_indices: Vec<u32>,
     pub materials: Vec<FaceMaterial>,
     known: HashMap<(Option<[u64; 3]>, u32), u32>,
 }
 
-/// What a face says about its surface.
+/// The appearance of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FaceMaterial {
     pub color: Option<Rgb>,
-    /// Which of the file's pictures.
+    /// Index of the texture.
     pub texture: u32,
 }
 
-/// What a property of faces means.
+/// The meaning of a face property.
 #[derive(Clone, Copy, PartialEq)]
 enum FaceProperty {
     Corners(ScalarType, ScalarType),
@@ -41,7 +41,7 @@ enum FaceProperty {
     Nothing,
 }
 
-/// What one row of faces said.
+/// The values in one row of faces.
 #[derive(Clone, Copy, Default)]
 struct FaceRow {
     color: [f64; 3],
@@ -49,8 +49,8 @@ struct FaceRow {
 }
 
 impl FaceProperty {
-    /// `red` is a colour of its own only where vertices have none: programs that write both
-    /// write the same twice. `diffuse_red` always says something about the material.
+    /// `red` is used only if vertices have no colours: programs that write both write the same
+    /// colours. `diffuse_red` always belongs to the material.
     fn of(property: &PlyProperty, vertices_have_colors: bool) -> FaceProperty {
         let channel = |names: [&str; 3]| names.iter().position(|n| *n == property.name);
         match (property.kind, property.name.as_str()) {
@@ -73,7 +73,7 @@ impl FaceProperty {
 }
 
 impl PlyReader<'_> {
-    /// Reads faces and says how many are missing.
+    /// Reads faces and returns how many are missing.
     pub fn read_faces<S: RowSource>(
         &mut self,
         element: &PlyElement,
@@ -105,8 +105,8 @@ impl PlyReader<'_> {
             Ok(())
         })?;
         let (too_few, odd_uvs) = (reading.too_few, reading.odd_uvs);
-        self.count("face of fewer than three corners: skipped", too_few);
-        let message = "face without a texture coordinate for each corner: (0, 0)";
+        self.count("face with fewer than three corners: skipped", too_few);
+        let message = "face without a texture coordinate for each corner: (0, 0) is used";
         self.count(message, odd_uvs);
         Ok(missing)
     }
@@ -131,7 +131,7 @@ impl PlyReader<'_> {
         meanings
     }
 
-    /// Reads triangle strips: rows of indices, of which −1 begins the next strip.
+    /// Reads triangle strips: rows of indices, in which −1 begins the next strip.
     pub fn read_strips<S: RowSource>(
         &mut self,
         element: &PlyElement,
@@ -159,8 +159,8 @@ impl PlyReader<'_> {
     }
 }
 
-/// Appends the triangles of a strip, of which every second is the other way around. Those with
-/// an index twice only turn the strip.
+/// Appends the triangles of a strip, every second one reversed. Degenerate triangles only change
+/// the orientation.
 fn push_strip(faces: &mut Faces, strip: &[u32]) {
     for (i, corners) in strip.windows(3).enumerate() {
         let &[a, b, c] = corners else { continue };
@@ -171,7 +171,7 @@ fn push_strip(faces: &mut Faces, strip: &[u32]) {
     }
 }
 
-/// Faces under way.
+/// Faces being read.
 struct FaceReading<'a> {
     list: &'a mut PlyFaceList,
     too_few: usize,
@@ -231,7 +231,7 @@ impl FaceReading<'_> {
         Ok(())
     }
 
-    /// Ends a face; `false` if it is none.
+    /// Completes a face; `false` if it is invalid.
     #[inline]
     fn finish(&mut self, start: (usize, usize), has_uvs: bool) -> bool {
         let end = self.list.faces.corners.len();
@@ -251,7 +251,7 @@ impl FaceReading<'_> {
 }
 
 impl PlyFaceList {
-    /// Gives the last face its look.
+    /// Assigns the last face its appearance.
     fn face_material(&mut self, row: FaceRow, has_color: bool) {
         let color = has_color.then(|| Rgb::from(row.color));
         let key = (color.map(|c| c.to_array().map(f64::to_bits)), row.texture);

@@ -1,4 +1,4 @@
-//! The header: which elements there are, and what their rows hold.
+//! The header: the elements, and their properties.
 
 use super::rows::{RowError, RowSource};
 use crate::reading::text::text;
@@ -7,7 +7,7 @@ use crate::reading::words::Words;
 use crate::{Position, ReadError};
 use azulejo_scene::{Units, Up};
 
-/// How the rows are written.
+/// The encoding of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlyEncoding {
     Text,
@@ -15,7 +15,7 @@ pub(super) enum PlyEncoding {
     BigEndian,
 }
 
-/// The kinds of number.
+/// The scalar types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ScalarType {
     I8,
@@ -28,38 +28,38 @@ pub(super) enum ScalarType {
     F64,
 }
 
-/// What a property is.
+/// The type of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PropertyType {
     Scalar(ScalarType),
     List { count: ScalarType, item: ScalarType },
 }
 
-/// A column of an element.
+/// A property, which is a column of an element.
 #[derive(Clone, Debug)]
 pub(super) struct PlyProperty {
     pub name: String,
     pub kind: PropertyType,
 }
 
-/// A table.
+/// An element, which is a table.
 #[derive(Clone, Debug)]
 pub(super) struct PlyElement {
     pub name: String,
     pub count: u64,
     pub properties: Vec<PlyProperty>,
-    /// Where the header declares it.
+    /// The line of its declaration.
     pub line: u32,
 }
 
-/// All that stands before the rows.
+/// The content of the header.
 #[derive(Debug)]
 pub(super) struct PlyHeader {
     pub encoding: PlyEncoding,
     pub elements: Vec<PlyElement>,
-    /// Pictures that `comment TextureFile` names.
+    /// Texture files named by `comment TextureFile`.
     pub textures: Vec<String>,
-    /// Names of objects that `obj_info azulejo object` gives, in order.
+    /// Names of objects from `obj_info azulejo object`, in order.
     pub objects: Vec<String>,
     pub units: Units,
     /// Offset of the first row.
@@ -81,7 +81,7 @@ impl ScalarType {
         })
     }
 
-    /// Bytes in a binary file.
+    /// Its size in bytes in a binary file.
     pub fn size(self) -> usize {
         match self {
             ScalarType::I8 | ScalarType::U8 => 1,
@@ -91,7 +91,7 @@ impl ScalarType {
         }
     }
 
-    /// What stands for 1 in colours of this kind.
+    /// The value that represents 1 in colours of this type.
     pub fn one(self) -> f64 {
         match self {
             ScalarType::F32 | ScalarType::F64 => 1.0,
@@ -102,7 +102,7 @@ impl ScalarType {
 }
 
 impl PlyProperty {
-    /// Passes over this property in a row.
+    /// Skips this property in a row.
     pub fn skip(&self, source: &mut impl RowSource) -> Result<(), RowError> {
         match self.kind {
             PropertyType::Scalar(kind) => source.number(kind).map(|_| ()),
@@ -115,13 +115,13 @@ impl PlyProperty {
 }
 
 impl PlyElement {
-    /// Room for the rows, but never more than so many bytes can hold.
+    /// The capacity for the rows, limited to what this many bytes can hold.
     pub fn room(&self, bytes: usize) -> usize {
         let size = |p: &PlyProperty| match p.kind {
             PropertyType::Scalar(kind) => kind.size(),
             PropertyType::List { count, .. } => count.size(),
         };
-        // The shortest number as text takes two bytes with its blank.
+        // The shortest number in a text takes two bytes, with its blank.
         let row: usize = self.properties.iter().map(|p| size(p).min(2)).sum();
         self.count.min((bytes / row.max(1)) as u64) as usize
     }
@@ -131,7 +131,7 @@ impl PlyHeader {
     /// Reads the header of a file.
     ///
     /// # Errors
-    /// A statement that is not as it should be, or no end.
+    /// A malformed statement, or a missing end.
     pub fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<PlyHeader, ReadError> {
         let start = if bytes.starts_with(b"\xef\xbb\xbf") {
             3
@@ -195,15 +195,15 @@ impl PlyHeaderParser<'_> {
         }
     }
 
-    /// Comments without the word are not rare.
+    /// Comments without the keyword are not rare.
     fn unknown(&mut self) {
-        let message = "line of the header that is no statement of PLY: skipped";
+        let message = "header line that is not a PLY statement: skipped";
         let line = Position::Line(self.line, 1);
         self.warnings.add(self.file, message.into(), || line);
         self.words.rest_of_line();
     }
 
-    /// The rows begin behind exactly one line end: their first byte may look like another.
+    /// The rows begin after exactly one line end: their first byte may have the value of another.
     fn end(mut self, start: usize) -> Result<PlyHeader, ReadError> {
         self.words.rest_of_line();
         self.header.end = self.words.offset();
@@ -241,7 +241,7 @@ impl PlyHeaderParser<'_> {
         }
     }
 
-    /// What azulejo writes beside the format: names of objects, and units.
+    /// azulejo's own extensions: names of objects, and units.
     fn info(&mut self) {
         let info = text(self.words.rest_of_line());
         let Some(info) = info.strip_prefix("azulejo ") else {
@@ -316,4 +316,4 @@ impl PlyHeaderParser<'_> {
     }
 }
 
-const KINDS: &str = "a kind of number (char, uchar, short, ushort, int, uint, float, double)";
+const KINDS: &str = "a scalar type (char, uchar, short, ushort, int, uint, float, double)";

@@ -1,8 +1,8 @@
-//! Stanford polygon files, `.ply`, as text or binary of either byte order; read and written.
+//! Stanford polygon files, `.ply`, as text or binary with either byte order; read and written.
 //!
-//! What is read: vertices with colours, normals, texture coordinates and azulejo's irradiance,
-//! polygons with colours and texture coordinates, triangle strips. `docs/formats/ply.md` says
-//! which properties.
+//! Supported are vertices with colours, normals, texture coordinates and azulejo's irradiance,
+//! polygons with colours and texture coordinates, and triangle strips. `docs/formats/ply.md` lists
+//! the properties.
 
 mod assemble;
 mod faces;
@@ -23,16 +23,16 @@ use header::{PlyElement, PlyEncoding, PlyHeader};
 use rows::{AsciiRows, BinaryRows, RowError, RowSource};
 use vertices::PlyVertices;
 
-/// "No such vertex": a negative index, or one that is no integer. No real index reaches it,
-/// because [`check_length`] bounds the file.
+/// An invalid vertex index: negative or not an integer. No valid index reaches it, because
+/// [`check_length`] limits the file size.
 const NONE: u32 = u32::MAX;
 
-/// Reads a model. `name` stands in messages; `files` gives the pictures that it names, relative
-/// to its own folder.
+/// Reads a model. `name` is used in messages; `files` provides the textures that it refers to,
+/// relative to its own folder.
 ///
 /// # Errors
-/// A malformed header, and text with a word that is no number. A file that ends before what its
-/// header promises gives what is there, with warnings that count the rest.
+/// A malformed header, and text with a word that is not a number. A truncated file yields what it
+/// contains, with warnings that count the rest.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -116,7 +116,7 @@ impl PlyReader<'_> {
         })
     }
 
-    /// Says that a property is not used.
+    /// Warns about a property that is not used.
     fn unused(&mut self, element: &PlyElement, property: &str) {
         let message = format!("property \"{property}\" of \"{}\": skipped", element.name);
         self.warnings
@@ -127,14 +127,14 @@ impl PlyReader<'_> {
 /// Reads the rows of an element and returns how many are missing from the file.
 ///
 /// # Errors
-/// A word that is no number.
+/// A word that is not a number.
 fn rows<S: RowSource>(
     element: &PlyElement,
     source: &mut S,
     mut row: impl FnMut(&mut S) -> Result<(), RowError>,
 ) -> Result<u64, ReadError> {
     if element.properties.is_empty() {
-        // Rows of nothing take no bytes, however many there are.
+        // Empty rows take no bytes, however many there are.
         return Ok(0);
     }
     for done in 0..element.count {

@@ -1,4 +1,4 @@
-//! Where rows come from: text, or bytes of either order.
+//! Sources of rows: text, or bytes of either byte order.
 
 use super::NONE;
 use super::header::ScalarType;
@@ -8,39 +8,39 @@ use crate::{Position, ReadError};
 
 /// Why a row could not be read.
 pub(super) enum RowError {
-    /// The file ends.
+    /// The end of the file.
     End,
-    /// Something that is no number.
+    /// A word that is not a number.
     Error(Box<ReadError>),
 }
 
-/// Gives the numbers of a file in their order.
+/// A source of the numbers in a file, in their order.
 pub(super) trait RowSource {
-    /// Goes to the start of the next row.
+    /// Advances to the start of the next row.
     fn begin_row(&mut self) -> Result<(), RowError>;
 
     /// The next number.
     fn number(&mut self, kind: ScalarType) -> Result<f64, RowError>;
 
-    /// The next number as an index; [`NONE`] if it is none.
+    /// The next number as an index; [`NONE`] if it is not a valid one.
     fn index(&mut self, kind: ScalarType) -> Result<u32, RowError>;
 
-    /// How many items a list has that follow. There are bytes enough for them.
+    /// The length of the list that follows. The remaining bytes suffice for it.
     fn count(&mut self, count: ScalarType, item: ScalarType) -> Result<usize, RowError>;
 
-    /// Passes what the row should not hold.
+    /// Skips surplus values in the row.
     fn end_row(&mut self);
 
-    /// Passes half a row at the end of the file.
+    /// Skips an incomplete row at the end of the file.
     fn give_up(&mut self);
 
-    /// How many bytes are left.
+    /// The number of remaining bytes.
     fn left(&self) -> usize;
 
-    /// Where the next byte is.
+    /// The position of the next byte.
     fn position(&self) -> Position;
 
-    /// Says what was odd.
+    /// Adds warnings about irregularities.
     fn finish(&mut self, file: &str, warnings: &mut Warnings);
 }
 
@@ -52,7 +52,7 @@ pub(super) struct AsciiRows<'a> {
     without_list: LineOddity,
 }
 
-/// Something that is wrong with lines: where first, and how often.
+/// An irregularity of lines: its first position, and its count.
 #[derive(Default)]
 struct LineOddity {
     first: usize,
@@ -79,7 +79,7 @@ impl<'a> AsciiRows<'a> {
         }
     }
 
-    /// What to make of a line that ends before its row, or of the end of the file.
+    /// The error for a line that ends before its row, or for the end of the file.
     #[cold]
     fn ends(&self) -> RowError {
         if self.words.at_end() {
@@ -87,7 +87,7 @@ impl<'a> AsciiRows<'a> {
         }
         let at = self.words.offset();
         let found = "the end of the line";
-        let expected = "as many numbers as the header promises";
+        let expected = "as many numbers as the header declares";
         RowError::Error(Box::new(self.words.error_saying(at, found, expected)))
     }
 }
@@ -131,7 +131,7 @@ impl RowSource for AsciiRows<'_> {
             return Ok(0);
         }
         let count = self.number(count)?;
-        // The line ends before an absurd count does.
+        // An invalid count is limited by the end of the line.
         Ok(if count > 0.0 { count as usize } else { 0 })
     }
 
@@ -164,18 +164,18 @@ impl RowSource for AsciiRows<'_> {
         };
         add(
             &self.longer,
-            "numbers behind the last property of a line: skipped",
+            "numbers after the last property of a line: skipped",
         );
         add(
             &self.without_list,
-            "line that ends before a list: taken as empty",
+            "line that ends before a list: the list is taken as empty",
         );
         self.words.skip_blanks();
         let behind = LineOddity {
             first: self.words.offset(),
             count: usize::from(!self.words.at_end()),
         };
-        add(&behind, "text behind the last element: skipped");
+        add(&behind, "text after the last element: skipped");
     }
 }
 
@@ -240,7 +240,7 @@ impl<const BIG: bool> RowSource for BinaryRows<'_, BIG> {
             ScalarType::U8 => u8::from_le_bytes(self.take()?).into(),
             _ => self.number(count)?.max(0.0) as usize,
         };
-        // Saturating: an absurd count is more than any file holds.
+        // Saturating: an absurd count exceeds any file.
         if count.saturating_mul(item.size()) > self.rest.len() {
             Err(RowError::End)
         } else {
@@ -265,7 +265,7 @@ impl<const BIG: bool> RowSource for BinaryRows<'_, BIG> {
 
     fn finish(&mut self, file: &str, warnings: &mut Warnings) {
         if !self.rest.is_empty() {
-            let message = format!("{} bytes behind the last element: skipped", self.rest.len());
+            let message = format!("{} bytes after the last element: skipped", self.rest.len());
             let position = self.position();
             warnings.add(file, message, || position);
         }

@@ -7,23 +7,23 @@ use crate::{Position, ReadError};
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 
-/// What is known of each vertex; lists of what the file does not give are empty.
+/// The attributes of the vertices; lists of absent ones are empty.
 #[derive(Debug, Default)]
 pub(super) struct PlyVertices {
-    /// May hold what is not finite.
+    /// May contain non-finite values.
     pub positions: Vec<DVec3>,
-    /// As they stand in the file.
+    /// As in the file.
     pub normals: Vec<DVec3>,
     pub uvs: Vec<DVec2>,
-    /// As numbers of their kind over what stands for 1.
+    /// Divided by the value that represents 1 in their type.
     pub colors: Vec<Rgb>,
     pub irradiance: Vec<Rgb>,
     pub irradiance_error: Vec<Rgb>,
-    /// Which of azulejo's objects a vertex is of.
+    /// The index of azulejo's object for each vertex.
     pub objects: Vec<u32>,
 }
 
-/// Properties by what they mean. The place of a name is the place of its value.
+/// Property names by meaning. The index of a name is the index of its value.
 const MEANINGS: [&[&str]; 18] = [
     &["x"],
     &["y"],
@@ -52,15 +52,15 @@ const IRRADIANCE: usize = 11;
 const ERROR: usize = 14;
 const OBJECT: usize = 17;
 
-/// Where values go that nobody wants.
+/// The index for values that are not used.
 const UNUSED: usize = MEANINGS.len();
 
-/// What to do with each property of a row, and what comes of it.
+/// The use of each property of a row, and the resulting values.
 #[derive(Default)]
 struct VertexPlan {
     steps: Vec<PropertyTarget>,
     has: [bool; UNUSED],
-    /// What stands for 1 in colours.
+    /// The values that represent 1 in colours.
     one: [f64; 3],
     normals: bool,
     uvs: bool,
@@ -110,12 +110,12 @@ impl VertexPlan {
         plan
     }
 
-    /// Whether all of a group of properties are there.
+    /// Whether all properties of a group are present.
     fn all(&self, first: usize, count: usize) -> bool {
         self.has[first..first + count].iter().all(|h| *h)
     }
 
-    /// Puts the numbers of a row at the places of their meanings.
+    /// Stores the numbers of a row by their meanings.
     #[inline]
     fn row<S: RowSource>(
         &self,
@@ -134,7 +134,7 @@ impl VertexPlan {
 }
 
 impl PlyReader<'_> {
-    /// Reads the vertices and says how many are missing.
+    /// Reads the vertices and returns how many are missing.
     pub fn read_vertices<S: RowSource>(
         &mut self,
         element: &PlyElement,
@@ -144,7 +144,7 @@ impl PlyReader<'_> {
         let plan = VertexPlan::new(self, element, objects_are_named);
         let mut vertices = PlyVertices::default();
         if !plan.all(0, 3) {
-            let found = "vertices that lack x, y or z";
+            let found = "vertices without x, y or z";
             return Err(ReadError {
                 position: Position::Line(element.line, 1),
                 ..ReadError::whole(self.file, found, "these three properties")

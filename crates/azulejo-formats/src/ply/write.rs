@@ -1,4 +1,4 @@
-//! Scenes to PLY, binary little-endian.
+//! Writes scenes as PLY, binary little-endian.
 
 use super::assemble::DEFAULT_REFLECTANCE;
 use crate::surface::tessellate::{self, lit_mesh_of};
@@ -8,16 +8,16 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::{self, BufWriter, Write};
 
-/// Writes a scene: all objects in one list of vertices and one of faces, with the irradiance if
-/// any object is solved.
+/// Writes a scene: all objects in one list of vertices and one of faces, with the irradiance if any
+/// object is solved.
 ///
-/// Positions, texture coordinates and colours are written so that they read back to the same
-/// value, normals and irradiance in single precision. Exact primitives become polygons. Vertices
-/// whose corners have several normals or texture coordinates are written once for each.
-/// [`losses`] says what else does not fit into the format.
+/// Positions, texture coordinates and colours read back to the same values, normals and irradiance
+/// are in single precision. Exact primitives become polygons. Vertices whose corners have several
+/// normals or texture coordinates are written once for each. [`losses`] describes what else the
+/// format cannot represent.
 ///
 /// # Errors
-/// What `out` says, and more than 2³² vertices.
+/// Those of `out`, and more than 2³² vertices.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     let parts: Vec<PlyPart<'_>> = scene
         .objects
@@ -26,7 +26,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
         .collect();
     let count: usize = parts.iter().map(|p| p.vertices.len()).sum();
     if u32::try_from(count).is_err() {
-        let message = "PLY counts at most 2^32 vertices";
+        let message = "PLY supports at most 2^32 vertices";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
     let layout = PlyLayout::new(scene, &parts);
@@ -43,7 +43,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     out.flush()
 }
 
-/// What [`write()`] would leave out of a scene, or change, in words: "2 cameras".
+/// Descriptions of what [`write()`] would omit from a scene, or change: "2 cameras".
 pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = || {
         scene.objects.iter().filter_map(|o| match &o.shape {
@@ -68,15 +68,15 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         ),
         (
             materials(|m| m.textures.len() > 1),
-            "materials of which only the first picture is kept",
+            "materials of which only the first texture is kept",
         ),
         (
             meshes_with(|m| m.smoothing.iter().any(|s| *s != 0)),
-            "meshes whose smoothing groups are left out",
+            "meshes whose smoothing groups are omitted",
         ),
         (
             meshes_with(|m| is_by_corner(&m.normals) || is_by_corner(&m.uvs)),
-            "meshes whose vertices are divided where normals or texture coordinates differ",
+            "meshes whose vertices are split where normals or texture coordinates differ",
         ),
     ];
     let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
@@ -87,7 +87,7 @@ fn is_by_corner<T>(attribute: &Option<Attribute<T>>) -> bool {
     attribute.as_ref().is_some_and(|a| a.corners.is_some())
 }
 
-/// An object, its vertices divided so that each has one normal and one texture coordinate.
+/// An object whose vertices are split so that each has one normal and one texture coordinate.
 struct PlyPart<'a> {
     mesh: Cow<'a, Mesh>,
     vertices: Vec<PlyVertex>,
@@ -95,7 +95,7 @@ struct PlyPart<'a> {
     corners: Vec<u32>,
 }
 
-/// A vertex and which of the values for corners it has.
+/// A vertex and the indices of its corner attributes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct PlyVertex {
     vertex: u32,
@@ -104,7 +104,7 @@ struct PlyVertex {
 }
 
 impl<'a> PlyPart<'a> {
-    /// Vertices stay in their order; those that only others have at their corners follow.
+    /// Vertices keep their order; copies for further corner values follow.
     fn new(mesh: Cow<'a, Mesh>) -> PlyPart<'a> {
         let plain = |vertex| PlyVertex {
             vertex,
@@ -142,7 +142,7 @@ impl<'a> PlyPart<'a> {
             })
         });
         let corners = own.collect();
-        // Vertices without faces have no corner to say which value is theirs.
+        // Vertices without faces have no corner that selects a value.
         for (vertex, taken) in std::iter::zip(&mut vertices, is_taken) {
             if !taken {
                 (vertex.normal, vertex.uv) = (0, 0);
@@ -166,13 +166,13 @@ impl<'a> PlyPart<'a> {
     }
 }
 
-/// Which of an attribute's values a corner has.
+/// The index of a corner's value in an attribute.
 fn index<T>(attribute: Option<&Attribute<T>>, corner: usize, vertex: u32) -> u32 {
     let corners = attribute.and_then(|a| a.corners.as_ref());
     corners.map_or(vertex, |index| index[corner])
 }
 
-/// How numbers of a kind are written.
+/// The scalar types that are written.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ScalarFormat {
     Byte,
@@ -198,7 +198,7 @@ impl ScalarFormat {
         }
     }
 
-    /// Bytes if they are exact for all, since that is what other programs expect.
+    /// Bytes if they are exact for all, as other programs expect.
     fn of_shares(values: impl Iterator<Item = f64> + Clone) -> ScalarFormat {
         let is_byte = |x: f64| (255.0 * x).round() / 255.0 == x && (0.0..=1.0).contains(&x);
         if values.clone().all(is_byte) {
@@ -212,7 +212,7 @@ impl ScalarFormat {
         for &value in values {
             match self {
                 ScalarFormat::Byte => out.write_all(&[(255.0 * value).round() as u8]),
-                // Irradiance beyond single precision is as bright as that can say.
+                // Irradiance beyond the range of single precision is clamped to it.
                 ScalarFormat::Float => {
                     out.write_all(&(value.min(f64::from(f32::MAX)) as f32).to_le_bytes())
                 }
@@ -223,7 +223,7 @@ impl ScalarFormat {
     }
 }
 
-/// Which properties are written, and how.
+/// The properties that are written, and their types.
 struct PlyLayout {
     positions: ScalarFormat,
     normals: Option<ScalarFormat>,
@@ -232,7 +232,7 @@ struct PlyLayout {
     irradiance: Option<ScalarFormat>,
     errors: Option<ScalarFormat>,
     has_objects: bool,
-    /// Bytes of the number of corners.
+    /// Whether the number of corners takes four bytes.
     wide_counts: bool,
     face_colors: Option<ScalarFormat>,
     has_textures: bool,
@@ -252,7 +252,7 @@ impl PlyLayout {
         let used = || used().map(|&m| &scene.materials[m as usize]);
         let has_uvs = has(|m| m.uvs.is_some());
         let has_textures = has_uvs && used().any(|m| !m.textures.is_empty());
-        // What a reader takes for granted needs not be written.
+        // Reader's defaults need not be written.
         let granted = if has_colors {
             Rgb::WHITE
         } else {
@@ -289,7 +289,7 @@ impl PlyLayout {
             out,
             "element face {faces}\nproperty list {count} uint vertex_indices"
         )?;
-        // Where vertices have colours, other programs would take these instead of them.
+        // If vertices have colours, other programs would use these properties instead.
         let prefix = if self.colors.is_some() {
             "diffuse_"
         } else {
@@ -303,7 +303,7 @@ impl PlyLayout {
         writeln!(out, "end_header")
     }
 
-    /// Units, names of objects and pictures.
+    /// Units, names of objects and textures.
     fn information(&self, scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
         let units = scene.units;
         if units.up == Up::Z {
@@ -344,7 +344,7 @@ impl PlyLayout {
 
     fn vertices(&self, object: u32, part: &PlyPart<'_>, out: &mut dyn Write) -> io::Result<()> {
         let mesh = &*part.mesh;
-        // Objects that lack what others have get what means nothing.
+        // Objects without an attribute that others have get a neutral value.
         let color =
             |list: &[Rgb], v: PlyVertex, none| *list.get(v.vertex as usize).unwrap_or(&none);
         let colored = |kind: Option<ScalarFormat>, color: Rgb, out: &mut dyn Write| match kind {
@@ -416,7 +416,7 @@ fn properties(
         .try_for_each(|name| writeln!(out, "property {} {}", kind.name(), name.as_ref()))
 }
 
-/// A name as one line can hold it.
+/// A name without line breaks.
 fn one_line(name: &str) -> String {
     let printable = |c: char| if c.is_control() { ' ' } else { c };
     name.chars().map(printable).collect()

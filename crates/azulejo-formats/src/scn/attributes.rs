@@ -1,4 +1,4 @@
-//! Surfaces, transforms, textures and lights.
+//! Object attributes: surfaces, transforms and textures; and lights.
 
 use super::ScnResult;
 use super::scope::TextureCommand;
@@ -8,10 +8,10 @@ use azulejo_scene::Rgb;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind, RtraceSource};
 use glam::{DMat3, DMat4, DVec3};
 
-/// Words that begin a transform, but for `none`.
+/// Words that begin a transform, except `none`.
 const TRANSFORMS: [&str; 4] = ["scale", "translate", "rotate", "general"];
 
-/// Distance of lights that shine in parallel.
+/// Distance of lights that represent directional ones.
 const FAR: f64 = 100_000.0;
 
 /// A surface of the first type.
@@ -44,7 +44,7 @@ fn plain(color: Rgb, source: RtraceSource) -> SurfaceRecord {
 }
 
 impl ScnTranslator<'_> {
-    /// A surface behind its keyword; returns its number.
+    /// Reads a surface after its keyword; returns its number.
     pub fn surface(&mut self) -> ScnResult<u32> {
         let is_emitter = self.stream.take(&["emitter"]);
         let is_unshadowed = self.stream.take(&["noshadow"]);
@@ -81,14 +81,14 @@ impl ScnTranslator<'_> {
         }
         if stream.take(&["plastic"]) {
             let (color, s) = (stream.color()?, stream.color()?);
-            let f = stream.within(0.0, 1.0, "the focus of a highlight")?;
+            let f = stream.within(0.0, 1.0, "focus of a highlight")?;
             let specular = s * 0.1;
             let numbers = [10.0 + 90.0 * f, 0.0];
             return Ok(phong(color, white - specular, specular, numbers, black));
         }
         if stream.take(&["metal", "metallic"]) {
             let (color, s) = (stream.color()?, stream.color()?);
-            let f = stream.within(0.0, 1.0, "the focus of a highlight")?;
+            let f = stream.within(0.0, 1.0, "focus of a highlight")?;
             let specular = Rgb::grey(0.9) + s * 0.1;
             let numbers = [10.0 + 90.0 * f, 1.0];
             return Ok(phong(color, white - specular, specular, numbers, black));
@@ -99,7 +99,7 @@ impl ScnTranslator<'_> {
             let n = if glass {
                 1.52
             } else {
-                stream.within(1.0, 300.0, "an index of refraction")?
+                stream.within(1.0, 300.0, "index of refraction")?
             };
             self.scopes.set_refraction(n);
             return Ok(phong(color, black, white - t, [100.0, 0.0], t));
@@ -109,7 +109,7 @@ impl ScnTranslator<'_> {
             return Ok(phong(color, Rgb::grey(0.9), tenth, [3.0, 0.0], tenth));
         }
         let (diffuse, specular) = (stream.color()?, stream.color()?);
-        let exponent = stream.within(0.0, 300.0, "the exponent of a highlight")?;
+        let exponent = stream.within(0.0, 300.0, "exponent of a highlight")?;
         let metal = stream.within(0.0, 1.0, "metal")?;
         let transparency = self.transparency()?;
         Ok(phong(
@@ -129,13 +129,13 @@ impl ScnTranslator<'_> {
         }
     }
 
-    /// The surface of objects that have none.
+    /// The surface of objects without one.
     pub fn default_surface(&mut self) -> ScnResult<u32> {
         let (color, dim) = (Rgb::grey(0.9), Rgb::grey(0.1));
         self.number_of(phong(color, color, dim, [4.0, 0.0], Rgb::BLACK))
     }
 
-    /// A transform behind its keyword, `None` for one that drops those before.
+    /// Reads a transform after its keyword, `None` for one that drops the previous ones.
     pub fn transform(&mut self) -> ScnResult<Option<DMat4>> {
         if self.stream.take(&["none", "reset"]) {
             return Ok(None);
@@ -149,7 +149,7 @@ impl ScnTranslator<'_> {
         }
     }
 
-    /// A transform without its keyword, if one follows.
+    /// Reads a transform without its keyword, if one follows.
     pub fn transform_if_any(&mut self) -> ScnResult<Option<DMat4>> {
         let stream = &mut self.stream;
         let place = stream.place();
@@ -199,11 +199,11 @@ impl ScnTranslator<'_> {
         if matrix.determinant() != 0.0 && matrix.inverse().is_finite() {
             return Ok(Some(matrix));
         }
-        let found = "a transform that cannot be undone";
-        Err(stream.error(place, found, "one whose determinant is not zero"))
+        let found = "a singular transform";
+        Err(stream.error(place, found, "a matrix whose determinant is not zero"))
     }
 
-    /// What stands behind `texture`; `None` drops the textures before.
+    /// Reads what follows `texture`; `None` drops the previous textures.
     pub fn texture(&mut self) -> ScnResult<Option<TextureCommand>> {
         let place = self.stream.place();
         if self.stream.take(&["none", "reset"]) {
@@ -229,13 +229,13 @@ impl ScnTranslator<'_> {
         match self.named_texture()? {
             Some(texture) => Ok(Some(texture)),
             None => {
-                let expected = "none, local, invariant, a transform or the name of a texture";
+                let expected = "none, local, invariant, a transform or a texture name";
                 Err(self.stream.unexpected(expected))
             }
         }
     }
 
-    /// A texture that begins with its name, if one follows.
+    /// Reads a texture that begins with its name, if one follows.
     pub fn named_texture(&mut self) -> ScnResult<Option<TextureCommand>> {
         let place = self.stream.place();
         let word = self.stream.peek_word().unwrap_or_default();
@@ -252,7 +252,7 @@ impl ScnTranslator<'_> {
                 values.extend(self.stream.color()?.to_array());
             }
             "wood" => values.extend([0.5, 0.5, 0.35]),
-            // Its omega is left out in SCN.
+            // SCN omits its omega.
             "fbm_bump" => {
                 let (offset, k) = (self.stream.real()?, self.stream.real()?);
                 values.extend([offset, k, 0.5, self.stream.real()?, self.stream.real()?]);
@@ -303,12 +303,12 @@ impl ScnTranslator<'_> {
         let refraction = self.scopes.innermost().refraction;
         let sets = self.scopes.innermost().sets_refraction;
         let surface = self.surface()?;
-        // Glass in a texture refracts nothing.
+        // Glass in a texture does not refract.
         self.scopes.restore_refraction(refraction, sets);
         Ok(f64::from(surface))
     }
 
-    /// A light behind its keyword.
+    /// Reads a light after its keyword.
     pub fn light(&mut self) -> ScnResult<RtraceLight> {
         let stream = &mut self.stream;
         let place = stream.place();
@@ -328,7 +328,7 @@ impl ScnTranslator<'_> {
                 if stream.color_follows() {
                     color = stream.color()?;
                 }
-                // Its distance is not to be seen.
+                // A negative colour means no attenuation with distance.
                 color *= -1.0;
                 RtraceLightKind::Point
             }
@@ -338,9 +338,9 @@ impl ScnTranslator<'_> {
                 color = stream.wide_color()?;
                 let (mut angle, mut factor) = (45.0, 1.0);
                 if stream.real_follows() {
-                    angle = stream.within(0.0, 180.0, "the angle of a spotlight")?;
+                    angle = stream.within(0.0, 180.0, "angle of a spotlight")?;
                     if stream.real_follows() {
-                        factor = stream.within(1.0, 300.0, "the factor of a spotlight")?;
+                        factor = stream.within(1.0, 300.0, "factor of a spotlight")?;
                     }
                 }
                 RtraceLightKind::Spot {
@@ -389,12 +389,14 @@ impl ScnTranslator<'_> {
 }
 
 fn samples(stream: &mut super::values::TokenStream) -> ScnResult<u32> {
-    Ok(stream.within(1.0, 256.0, "the samples of a light")?.round() as u32)
+    Ok(stream
+        .within(1.0, 256.0, "number of samples of a light")?
+        .round() as u32)
 }
 
 /// Textures in the order of SFF's numbers: name, how many numbers, whether a file.
 const TEXTURES: [(&str, usize, bool); 21] = [
-    // No name makes a texture that only moves the point: `texture scale` and the like do.
+    // A texture without a name only transforms the point, as `texture scale` does.
     (" ", 0, false),
     ("checkers", 0, false),
     ("blotch", 0, true),
@@ -418,7 +420,7 @@ const TEXTURES: [(&str, usize, bool); 21] = [
     ("bump3", 0, false),
 ];
 
-/// Words that begin an attribute of an object.
+/// Whether a word begins an attribute of an object.
 pub(super) fn is_attribute(word: &str) -> bool {
     let keywords = ["surface", "transform", "refraction", "ior", "texture"];
     keywords.contains(&word) || TEXTURES.iter().any(|t| t.0 == word)

@@ -1,9 +1,9 @@
-//! Names of colours.
+//! Colour names.
 
 use azulejo_scene::Rgb;
 use std::collections::HashMap;
 
-/// All names, found in no time.
+/// A hash table of all names.
 #[derive(Debug)]
 pub(super) struct ColorNames {
     known: HashMap<&'static str, u32>,
@@ -22,7 +22,7 @@ impl ColorNames {
         }
     }
 
-    /// The colour of a name, in either spelling: `sky_blue`, `SkyBlue`.
+    /// The colour with a name in either spelling: `sky_blue`, `SkyBlue`.
     pub fn get(&self, name: &str) -> Option<Rgb> {
         let known = self.known.get(name);
         let value = *known.or_else(|| self.known.get(&*snake(name)?))?;
@@ -31,7 +31,7 @@ impl ColorNames {
     }
 }
 
-/// `SkyBlue` as `sky_blue`; `None` for what is spelled in no such way.
+/// Converts `SkyBlue` to `sky_blue`; `None` for other spellings.
 fn snake(name: &str) -> Option<String> {
     if name.contains('_') || !name.starts_with(|c: char| c.is_ascii_uppercase()) {
         return None;
@@ -46,11 +46,12 @@ fn snake(name: &str) -> Option<String> {
     Some(snake)
 }
 
-/// Spellings with capitals that mean another colour than the same words without, or that have none.
+/// Capitalised names whose colour differs from that of the lower-case spelling, or that have no
+/// lower-case spelling.
 const CAMEL: &str = "Coral:ff7f00 Goldenrod:dbdb70 IndianRed1:ff6a6a Orchid:db70db \
     Plum:eaadea Tan:db9370 VioletRed:d02090 White:fcfcfc";
 
-/// Colours in sRGB bytes, which RTRACE takes for amounts of light as they are.
+/// Colours as sRGB bytes, which RTRACE uses as linear values without conversion.
 const SNAKE: &str = "\
     alice_blue:f0f8ff antique_white:faebd7 antique_white1:ffefdb antique_white2:eedfcc \
     antique_white3:cdc0b0 antique_white4:8b8378 aquamarine:70db93 aquamarine0:7fffd4 \

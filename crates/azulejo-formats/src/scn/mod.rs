@@ -1,7 +1,7 @@
-//! SCN, the language that scn2sff translated to SFF.
+//! SCN, the scene description language that scn2sff translates to SFF.
 //!
-//! A scene becomes the records of SFF and then a scene by the rules of [`sff`](crate::sff).
-//! `docs/formats/scn.md` says how every command is understood.
+//! A scene is translated to SFF records, and then converted by the rules of [`sff`](crate::sff).
+//! `docs/formats/scn.md` describes how every command is interpreted.
 
 mod attributes;
 mod colors;
@@ -21,15 +21,14 @@ use crate::sff::read_by;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use values::TokenStream;
 
-/// What the readers of parts of a file return.
+/// The result of reading a part of a file.
 type ScnResult<T> = Result<T, ReadError>;
 
-/// Reads a scene; `name` stands in messages, `files` gives what it includes, fonts, encodings, data,
-/// colour maps and pictures.
+/// Reads a scene; `name` is used in messages, `files` provides included files, fonts, encodings,
+/// data, colour maps and images.
 ///
 /// # Errors
-/// Commands that are not as the language has them, and whatever [`sff::read`](crate::sff::read)
-/// refuses.
+/// Invalid commands, and whatever [`sff::read`](crate::sff::read) rejects.
 pub fn read(
     bytes: &[u8],
     name: &str,

@@ -1,4 +1,4 @@
-//! Objects as records.
+//! Translates objects to records.
 
 use super::ScnResult;
 use super::solids::{self, ScnTorus};
@@ -6,7 +6,7 @@ use super::translate::ScnTranslator;
 use crate::sff::document::*;
 use glam::DVec3;
 
-/// Names of objects.
+/// The object names.
 const OBJECTS: [&str; 18] = [
     "sphere",
     "box",
@@ -33,7 +33,7 @@ pub(super) fn is_object(word: &str) -> bool {
     OBJECTS.contains(&word)
 }
 
-/// Words between an object's name and its data.
+/// The words between an object's name and its data.
 #[derive(Default)]
 struct ObjectModifiers {
     open: bool,
@@ -43,12 +43,12 @@ struct ObjectModifiers {
     general: bool,
 }
 
-/// What becomes of an object.
+/// The translation of an object.
 struct TranslatedObject {
     pieces: Vec<SffGeometry>,
-    /// Whether the pieces close a volume together.
+    /// Whether the pieces together close a volume.
     compound: bool,
-    /// Whether the surfaces stand at the corners.
+    /// Whether the surfaces are given per corner.
     general: bool,
 }
 
@@ -73,7 +73,7 @@ impl TranslatedObject {
 }
 
 impl ScnTranslator<'_> {
-    /// An object behind its name.
+    /// Reads an object after its name.
     pub fn object(&mut self, name: &str, place: SffPosition) -> ScnResult<()> {
         let mut modifiers = ObjectModifiers::default();
         self.modifiers(&mut modifiers);
@@ -140,12 +140,12 @@ impl ScnTranslator<'_> {
             .into(),
             "box" | "cube" => {
                 let centre = stream.point()?;
-                let x = stream.positive("half a size")?;
+                let x = stream.positive("half size")?;
                 let half = if name == "box" && stream.real_follows() {
                     DVec3::new(
                         x,
-                        stream.positive("half a size")?,
-                        stream.positive("half a size")?,
+                        stream.positive("half size")?,
+                        stream.positive("half size")?,
                     )
                 } else {
                     DVec3::splat(x)
@@ -187,7 +187,7 @@ impl ScnTranslator<'_> {
             "pyramid" => {
                 let height = stream.positive("a height")?;
                 let top = if modifiers.truncated {
-                    Some(stream.positive("the top's share")?)
+                    Some(stream.positive("relative size of the top")?)
                 } else {
                     None
                 };
@@ -262,7 +262,7 @@ impl ScnTranslator<'_> {
         if stream.real_follows() {
             (from, to) = (stream.real()?, stream.real()?);
             if stream.real_follows() {
-                let mut count = || stream.within(3.0, 4096.0, "the pieces of a torus");
+                let mut count = || stream.within(3.0, 4096.0, "number of pieces of a torus");
                 pieces = [count()?.round() as u32, count()?.round() as u32];
             }
         }
@@ -270,7 +270,7 @@ impl ScnTranslator<'_> {
             let found = format!("a torus from {from} to {to} degrees");
             return Err(stream.error(place, found, "two different angles"));
         }
-        // A triangle is three corners with normals.
+        // A triangle has three corners with normals.
         self.spend(6 * (pieces[0] + 1) as usize * pieces[1] as usize, place)?;
         let torus = ScnTorus {
             radius,
@@ -287,7 +287,7 @@ impl ScnTranslator<'_> {
         ))
     }
 
-    /// A triangle with normals, and with surfaces if it is `general`.
+    /// Reads a triangle with normals, and with surfaces if it is `general`.
     fn triangle(&mut self, general: bool) -> ScnResult<TranslatedObject> {
         let mut corners = [(DVec3::ZERO, DVec3::ZERO); 3];
         for corner in &mut corners {
@@ -314,7 +314,7 @@ impl ScnTranslator<'_> {
         })
     }
 
-    /// Patches, polygons or triangles of another file, shifted and scaled.
+    /// Reads patches, polygons or triangles from another file, translated and scaled.
     fn file(&mut self, name: &str, modifiers: &ObjectModifiers) -> ScnResult<TranslatedObject> {
         let stream = &mut self.stream;
         let (mut origin, mut scale) = (DVec3::ZERO, DVec3::ONE);
@@ -348,15 +348,15 @@ impl ScnTranslator<'_> {
         })
     }
 
-    /// A count and as many points.
+    /// Reads a count and as many points.
     fn points(&mut self, place: SffPosition) -> ScnResult<Vec<DVec3>> {
         let count = self.stream.real()?.round();
-        // Every point takes a token, at least.
+        // Every point takes at least one token.
         if !(3.0..=self.stream.left() as f64).contains(&count) {
             let found = format!("{count} points");
             return Err(self
                 .stream
-                .error(place, found, "3 or more, all of them behind the count"));
+                .error(place, found, "3 or more, all listed after the count"));
         }
         (0..count as usize).map(|_| self.stream.point()).collect()
     }
@@ -365,7 +365,7 @@ impl ScnTranslator<'_> {
         solids::normal(base).ok_or_else(|| {
             let found = "a base without area";
             self.stream
-                .error(place, found, "corners of a plane polygon")
+                .error(place, found, "corners of a planar polygon with an area")
         })
     }
 }

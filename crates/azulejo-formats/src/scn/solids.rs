@@ -1,4 +1,4 @@
-//! Shapes of SCN that SFF has no record for, made of those that it has.
+//! Shapes of SCN without an SFF record, composed of those that have one.
 
 use crate::sff::document::{
     PatchData, PlacedData, PolygonData, RecordData, SffCone, SffGeometry, TriangleData,
@@ -8,13 +8,13 @@ use azulejo_scene::math::area_vector;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Radius of what ends in a point, as a share of the other end's: SFF has no radius 0.
+/// Radius of an apex, relative to that of the other end: SFF does not allow radius 0.
 const POINT: f64 = 1e-6;
 
 /// Height of discs and rings, which are flat cones.
 const FLAT: f64 = 0.001;
 
-/// Data where it stands.
+/// Untransformed data.
 pub(super) fn here<T>(data: T) -> Box<PlacedData<T>> {
     Box::new(PlacedData {
         origin: DVec3::ZERO,
@@ -43,7 +43,7 @@ pub(super) fn ring(centre: DVec3, normal: DVec3, outer: f64, inner: f64) -> SffG
     })
 }
 
-/// A cone or cylinder and, unless it is open, discs over its ends. An end of radius 0 is a point.
+/// A cone or cylinder and, unless it is open, discs over its ends. An end of radius 0 is an apex.
 pub(super) fn cone(apex: (DVec3, f64), base: (DVec3, f64), open: bool) -> Vec<SffGeometry> {
     let ((apex, narrow), (base, wide)) = if apex.1 > base.1 {
         (base, apex)
@@ -74,8 +74,8 @@ pub(super) fn polygons(vertices: Vec<DVec3>, polygons: &[Vec<u32>]) -> SffGeomet
     SffGeometry::Polygons(here(PolygonData { faces, vertices }))
 }
 
-/// A base and a top of as many corners, the sides between them and, unless it is open, both; the
-/// top lies behind the base's front.
+/// A base and a top with equally many corners, the sides between them and, unless it is open, both;
+/// the top lies behind the base's front.
 fn between(base: &[DVec3], top: Vec<DVec3>, open: bool) -> SffGeometry {
     let n = base.len() as u32;
     let vertices = [base, &top].concat();
@@ -91,19 +91,19 @@ fn between(base: &[DVec3], top: Vec<DVec3>, open: bool) -> SffGeometry {
     polygons(vertices, &faces)
 }
 
-/// The unit normal of a polygon's front; `None` for one without area.
+/// The unit normal of a polygon's front; `None` if it has no area.
 pub(super) fn normal(polygon: &[DVec3]) -> Option<DVec3> {
     area_vector(polygon).try_normalize()
 }
 
-/// A prism behind its base.
+/// A prism that extends behind its base.
 pub(super) fn prism(base: &[DVec3], normal: DVec3, height: f64, open: bool) -> SffGeometry {
     let top = base.iter().map(|p| *p - height * normal);
     between(base, top.collect(), open)
 }
 
-/// A pyramid behind its base, with its apex over the mean of the corners, or cut off where its
-/// width is `top` of the base's.
+/// A pyramid that extends behind its base, with its apex over the mean of the corners, or truncated
+/// where its width is `top` times that of the base.
 pub(super) fn pyramid(
     base: &[DVec3],
     normal: DVec3,
@@ -138,7 +138,7 @@ pub(super) fn tetrahedron(p: [DVec3; 4]) -> SffGeometry {
     polygons(p.to_vec(), &faces)
 }
 
-/// One triangle over each corner of which a patch is named once.
+/// A patch over twelve points, listed once.
 pub(super) fn patch(points: [DVec3; 12]) -> SffGeometry {
     SffGeometry::Patches(here(PatchData {
         patches: vec![std::array::from_fn(|k| k as u32)],
@@ -146,24 +146,24 @@ pub(super) fn patch(points: [DVec3; 12]) -> SffGeometry {
     }))
 }
 
-/// A torus around the y axis, or a piece of it.
+/// A torus around the y axis, or a segment of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScnTorus {
-    /// From the axis to the middle of the tube.
+    /// Distance from the axis to the centre of the tube.
     pub radius: f64,
-    /// Of the tube.
+    /// Radius of the tube.
     pub tube: f64,
-    /// Where it begins and ends, degrees from +x toward +z.
+    /// The start angle, degrees from +x toward +z.
     pub from: f64,
     pub to: f64,
-    /// Pieces along the ring and around the tube.
+    /// Numbers of pieces along the ring and around the tube.
     pub pieces: [u32; 2],
-    /// Whether the ends of less than a full turn stay open.
+    /// Whether the ends of a segment stay open.
     pub open: bool,
 }
 
 impl ScnTorus {
-    /// Its triangles. The ends are closed by triangles too, which meet the tube's edges: the
+    /// Its triangles. The ends are closed by triangles, too, which match the tube's edges; the
     /// original's discs do not.
     pub fn triangles(&self) -> SffGeometry {
         let mut corners = Vec::new();
@@ -171,7 +171,7 @@ impl ScnTorus {
         let full = (self.to - self.from).abs() >= 360.0;
         for i in 0..along {
             for j in 0..around {
-                // A full turn ends where it begins, to the bit.
+                // A full turn ends exactly where it begins.
                 let next = if full { (i + 1) % along } else { i + 1 };
                 let [a, b, c, d] = [(i, j), (next, j), (next, j + 1), (i, j + 1)]
                     .map(|(i, j)| self.point(i, j % around));
@@ -218,7 +218,7 @@ impl ScnTorus {
 mod tests {
     use super::*;
 
-    /// Checks that polygons close a volume, and that their fronts are outside of it.
+    /// Checks that polygons close a volume with their fronts outside.
     fn check(geometry: &SffGeometry, volume: f64) {
         let (vertices, faces) = match geometry {
             SffGeometry::Polygons(placed) => match &placed.data {

@@ -1,4 +1,4 @@
-//! SCN's words, numbers and signs, with `#define` and `#include` carried out.
+//! SCN's words, numbers and signs, after processing `#define` and `#include`.
 
 use crate::reading::files::open_beside;
 use crate::reading::number;
@@ -9,18 +9,18 @@ use crate::sff::document::{SffPosition, SffSources};
 use crate::{Files, ReadError};
 use std::collections::HashMap;
 
-/// Files include no deeper, and definitions name each other no deeper.
+/// Maximum depth of includes and of definitions.
 const DEEPEST: usize = 32;
 
 /// A word, a number or a sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ScnToken {
     pub kind: ScnTokenKind,
-    /// Where it stands, or where the name stands that it is defined by.
+    /// Its position, or that of the defined name from which it comes.
     pub place: SffPosition,
 }
 
-/// What a token is.
+/// The type of a token.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ScnTokenKind {
     Number(f64),
@@ -28,7 +28,7 @@ pub(super) enum ScnTokenKind {
     Sign(u8),
 }
 
-/// Bytes of a source.
+/// A byte range of a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TokenSpan {
     file: u32,
@@ -37,7 +37,7 @@ pub(super) struct TokenSpan {
 }
 
 impl TokenSpan {
-    /// What stands there.
+    /// The text of the range.
     pub fn of<'s>(&self, sources: &'s SffSources) -> &'s str {
         let start = self.start as usize;
         let bytes = &sources.bytes(self.file)[start..start + self.length as usize];
@@ -48,7 +48,7 @@ impl TokenSpan {
 /// Reads a file's tokens, and those of the files that it includes.
 ///
 /// # Errors
-/// Characters that begin nothing, definitions and inclusions that cannot be carried out.
+/// Invalid characters, definitions and includes that cannot be processed.
 pub(super) fn read(
     sources: &mut SffSources,
     files: &dyn Files,
@@ -76,7 +76,7 @@ struct ScnTokenizer<'r, 's> {
     tokens: Vec<ScnToken>,
 }
 
-/// A line that is more than a remark.
+/// A directive, as opposed to a comment.
 enum Directive {
     Define {
         name: TokenSpan,
@@ -84,7 +84,7 @@ enum Directive {
     },
     Undefine(TokenSpan),
     Include(TokenSpan),
-    /// One that is not carried out.
+    /// An unsupported directive.
     Other,
 }
 
@@ -95,7 +95,7 @@ impl ScnTokenizer<'_, '_> {
         } else {
             0
         };
-        // Operators are signs inside of parentheses only.
+        // Operators are separate signs inside parentheses only.
         let mut parentheses = 0;
         loop {
             let bytes = self.sources.bytes(file);
@@ -129,7 +129,7 @@ impl ScnTokenizer<'_, '_> {
         }
     }
 
-    /// Adds a token, or what it is defined as.
+    /// Adds a token, or its definition.
     fn push(&mut self, token: ScnToken, place: SffPosition, depth: usize) -> Result<(), ReadError> {
         let name = self.sources.name(place.file);
         self.budget.spend(1).map_err(|e| e.error(name))?;
@@ -142,7 +142,7 @@ impl ScnTokenizer<'_, '_> {
             return Ok(());
         };
         if depth == DEEPEST {
-            let found = "a definition that leads back to itself, or through too many others";
+            let found = "a definition that is recursive or nested too deeply";
             let expected = format!("at most {DEEPEST} levels");
             return Err(self.sources.error(place, found, expected));
         }
@@ -186,7 +186,7 @@ impl ScnTokenizer<'_, '_> {
                 let found = format!("\"{}\"", shortened(&line));
                 Err(self
                     .sources
-                    .error(place, found, "a word, a number or a remark"))
+                    .error(place, found, "a word, a number or a comment"))
             }
         }
     }
@@ -211,7 +211,7 @@ impl ScnTokenizer<'_, '_> {
             }
             Directive::Include(name) => self.include(name, place, depth),
             Directive::Other => {
-                let said = "a directive other than #define, #undef and #include: passed over";
+                let said = "directive other than #define, #undef and #include: skipped";
                 let position = || self.sources.position(place);
                 let name = self.sources.name(place.file);
                 self.warnings.add(name, said.into(), position);
@@ -220,7 +220,7 @@ impl ScnTokenizer<'_, '_> {
         }
     }
 
-    /// What a name is defined as.
+    /// The definition of a name.
     fn body(
         &mut self,
         place: SffPosition,
@@ -230,7 +230,7 @@ impl ScnTokenizer<'_, '_> {
         let bytes = self.sources.bytes(place.file);
         if bytes.get(at) == Some(&b'(') {
             let found = "a definition with parameters";
-            let expected = "a name and what it stands for; let a C preprocessor do the rest";
+            let expected = "a name and its replacement: run a C preprocessor on the file first";
             return Err(self.sources.error(place, found, expected));
         }
         let mut body = Vec::new();
@@ -287,7 +287,7 @@ impl ScnTokenizer<'_, '_> {
     }
 }
 
-/// Names of files have dots, slashes and minus signs, which are operators inside of parentheses.
+/// File names contain dots, slashes and minus signs, which are operators inside parentheses.
 fn is_word(byte: u8, in_parentheses: bool) -> bool {
     let in_names = matches!(byte, b'.' | b'/' | b'\\' | b'-' | b'~' | b':');
     byte.is_ascii_alphanumeric() || byte == b'_' || in_names && !in_parentheses
@@ -298,7 +298,7 @@ fn line_length(bytes: &[u8]) -> usize {
     end.unwrap_or(bytes.len())
 }
 
-/// A directive's line, with those behind it that a backslash joins to it.
+/// The length of a directive's line, including continuation lines after a backslash.
 fn directive_length(bytes: &[u8]) -> usize {
     let mut length = line_length(bytes);
     while length > 0 && bytes[length - 1] == b'\\' && length < bytes.len() {
@@ -318,7 +318,7 @@ fn starts_line(bytes: &[u8], at: usize) -> bool {
     before.next().is_none_or(|b| matches!(b, b'\n' | b'\r'))
 }
 
-/// The directive of a line that begins with `#`; `None` for a remark.
+/// The directive of a line that begins with `#`; `None` for a comment.
 fn directive(bytes: &[u8], file: u32, start: usize, end: usize) -> Option<Directive> {
     let line = &bytes[start..end];
     let word_at = |from: usize| {
@@ -366,7 +366,7 @@ mod tests {
     use super::*;
     use crate::{Memory, ReadOptions};
 
-    /// The tokens with blanks between them, or the error.
+    /// The tokens separated by blanks, or the error.
     fn tokens(text: &str, files: &Memory) -> Result<String, String> {
         let mut sources = SffSources::default();
         sources.add("a.scn", text.as_bytes());
@@ -405,7 +405,7 @@ mod tests {
         check("a\n @b", "a.scn:2:2: found \"@b\"");
         check(
             "#define A A\nA",
-            "a.scn:2:1: found a definition that leads back",
+            "a.scn:2:1: found a definition that is recursive",
         );
         check(
             "#define A(x) x\nA",

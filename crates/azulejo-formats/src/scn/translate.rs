@@ -1,4 +1,4 @@
-//! Commands in their order, as records of SFF.
+//! Translates commands in their order to SFF records.
 
 use super::ScnResult;
 use super::attributes::is_attribute;
@@ -10,23 +10,23 @@ use azulejo_scene::Operation;
 use azulejo_scene::Rgb;
 use std::collections::HashMap;
 
-/// Groups nest no deeper, and so do set operations with them.
+/// Maximum depth of groups and set operations.
 const DEEPEST: usize = 256;
 
-/// A scene under translation.
+/// A translation in progress.
 pub(super) struct ScnTranslator<'t> {
     pub stream: TokenStream<'t>,
     pub document: SffDocument,
     pub scopes: ScnScopes,
     pub budget: &'t mut Budget,
     surfaces: HashMap<Vec<u64>, u32>,
-    /// What waits for its end, the outermost first.
+    /// Open blocks, the outermost first.
     open: Vec<OpenedBlock>,
-    /// View commands that were given.
+    /// The view commands found so far.
     given: Vec<&'static str>,
 }
 
-/// What has begun.
+/// An open block.
 struct OpenedBlock {
     kind: OpenedBlockKind,
     place: SffPosition,
@@ -73,7 +73,7 @@ impl ScnTranslator<'_> {
             self.scopes.texture(Some(texture));
             return Ok(());
         }
-        let expected = "a command of SCN";
+        let expected = "an SCN command";
         let Some(word) = self.stream.peek_word() else {
             return Err(self.stream.unexpected(expected));
         };
@@ -104,7 +104,7 @@ impl ScnTranslator<'_> {
         Ok(())
     }
 
-    /// A command about the view, of which each may be given once.
+    /// Reads a command about the view, each of which may be given once.
     fn view(&mut self, word: &str, place: SffPosition) -> ScnResult<bool> {
         let name = match word {
             "eye" | "from" => "eye",
@@ -117,7 +117,7 @@ impl ScnTranslator<'_> {
         };
         self.stream.word();
         if self.given.contains(&name) {
-            let said = format!("{name} is given more than once: the last one counts");
+            let said = format!("{name} is given more than once: the last one is used");
             self.stream.warn(place, said);
         }
         self.given.push(name);
@@ -127,10 +127,10 @@ impl ScnTranslator<'_> {
             "look" => view.target = stream.point()?,
             "up" => view.up = stream.vector()?,
             "angle" => {
-                let mut angle = || stream.within(0.5, 89.5, "an angle of the view");
+                let mut angle = || stream.within(0.5, 89.5, "angle of view");
                 let horizontal = angle()?;
                 let vertical = if stream.real_follows() {
-                    stream.within(0.5, 89.5, "an angle of the view")?
+                    stream.within(0.5, 89.5, "angle of view")?
                 } else {
                     horizontal
                 };
@@ -142,7 +142,7 @@ impl ScnTranslator<'_> {
         Ok(true)
     }
 
-    /// Something that holds for the objects that follow.
+    /// Reads an attribute of the objects that follow.
     fn attribute(&mut self) -> ScnResult<()> {
         match self.stream.word().unwrap_or_default() {
             "surface" => {
@@ -159,7 +159,7 @@ impl ScnTranslator<'_> {
             }
             // refraction or ior
             _ => {
-                let what = "an index of refraction";
+                let what = "index of refraction";
                 let refraction = self.stream.within(1.0, 300.0, what)?;
                 self.scopes.set_refraction(refraction);
             }
@@ -167,7 +167,7 @@ impl ScnTranslator<'_> {
         Ok(())
     }
 
-    /// Attributes of one object, which end with `data`, in a scope that is entered in any case.
+    /// Reads the attributes of one object, which end with `data`, and opens a scope in any case.
     pub fn local_attributes(&mut self) -> ScnResult<()> {
         self.scopes.enter(false);
         let mut any = false;
@@ -188,7 +188,7 @@ impl ScnTranslator<'_> {
 
     fn open(&mut self, kind: OpenedBlockKind, place: SffPosition) -> ScnResult<()> {
         if self.scopes.depth() >= DEEPEST || self.open.len() >= DEEPEST {
-            let found = format!("groups and operations more than {DEEPEST} deep");
+            let found = format!("groups and operations nested more than {DEEPEST} deep");
             return Err(self.stream.error(place, found, "fewer levels"));
         }
         self.open.push(OpenedBlock { kind, place });
@@ -206,7 +206,7 @@ impl ScnTranslator<'_> {
                 let found = "an end without its beginning";
                 Err(self
                     .stream
-                    .error(place, found, "what began last to end first"))
+                    .error(place, found, "the block that began last to end first"))
             }
         }
     }
@@ -225,10 +225,11 @@ impl ScnTranslator<'_> {
                         Ok(())
                     }
                     _ => {
-                        let found = "csg next outside of the left side of a set operation";
+                        let found =
+                            "csg next that does not follow the left side of a set operation";
                         Err(self
                             .stream
-                            .error(place, found, "csg union begin and solids before"))
+                            .error(place, found, "csg union begin and solids before it"))
                     }
                 };
             }
@@ -271,7 +272,7 @@ impl ScnTranslator<'_> {
         Ok(())
     }
 
-    /// Attributes up to `begin`, and those of them that override the members' own.
+    /// Reads attributes up to `begin`, and returns those that override the members' own.
     fn begin(&mut self) -> ScnResult<RecordAppearance> {
         self.local_attributes()?;
         if !self.stream.take(&["begin"]) {
@@ -288,7 +289,7 @@ impl ScnTranslator<'_> {
         })
     }
 
-    /// Whether the inside of a set operation, but of no list in it, is the place.
+    /// Whether the current position is inside a set operation, but not inside a list in it.
     pub fn is_in_operation(&self) -> bool {
         let kinds = self.open.iter().rev().map(|o| o.kind);
         let mut kinds = kinds.filter(|k| *k != OpenedBlockKind::Group);
@@ -318,7 +319,7 @@ impl ScnTranslator<'_> {
         Ok(())
     }
 
-    /// The look of an object here.
+    /// The current appearance.
     pub fn appearance(&mut self) -> ScnResult<RecordAppearance> {
         if self.scopes.innermost().surface == 0 {
             let surface = self.default_surface()?;
@@ -331,7 +332,7 @@ impl ScnTranslator<'_> {
         })
     }
 
-    /// The number of a surface, which equal ones share.
+    /// The number of a surface; equal surfaces share one.
     pub fn number_of(&mut self, surface: SurfaceRecord) -> ScnResult<u32> {
         let key = bits(&surface);
         if let Some(&known) = self.surfaces.get(&key) {
@@ -346,7 +347,7 @@ impl ScnTranslator<'_> {
 
 const COMMANDS: [&str; 7] = ["light", "group", "begin", "ungroup", "end", "csg", "list"];
 
-/// All numbers of a surface.
+/// The bits of all numbers of a surface.
 fn bits(surface: &SurfaceRecord) -> Vec<u64> {
     use azulejo_scene::rtrace::RtraceSource::*;
     let flags = [surface.is_emitter, surface.is_unshadowed].map(|f| f64::from(u8::from(f)));

@@ -1,4 +1,4 @@
-//! Numbers, points and colours, with their arithmetic.
+//! Numbers, points and colours, with arithmetic.
 
 use super::ScnResult;
 use super::colors::ColorNames;
@@ -10,13 +10,13 @@ use crate::sff::document::{SffPosition, SffSources};
 use azulejo_scene::Rgb;
 use glam::DVec3;
 
-/// Parentheses nest no deeper.
+/// Maximum depth of parentheses.
 const DEEPEST: usize = 64;
 
 /// Largest magnitude of a value.
 const LARGEST: f64 = 1e30;
 
-/// Tokens that are left to understand.
+/// The remaining tokens.
 pub(super) struct TokenStream<'t> {
     tokens: &'t [ScnToken],
     at: usize,
@@ -42,13 +42,13 @@ impl<'t> TokenStream<'t> {
         }
     }
 
-    /// Where the next token stands, or the last one at the end.
+    /// The position of the next token, or of the last one at the end.
     pub fn place(&self) -> SffPosition {
         let next = self.tokens.get(self.at).or(self.tokens.last());
         next.map_or(SffPosition::default(), |t| t.place)
     }
 
-    /// How many tokens are left.
+    /// Number of remaining tokens.
     pub fn left(&self) -> usize {
         self.tokens.len() - self.at
     }
@@ -57,7 +57,7 @@ impl<'t> TokenStream<'t> {
         self.tokens.get(self.at).map(|t| t.kind)
     }
 
-    /// The next token if it is a word; it is not passed.
+    /// The next token if it is a word; it is not consumed.
     pub fn peek_word(&self) -> Option<&'t str> {
         match self.kind() {
             Some(ScnTokenKind::Word(span)) => Some(span.of(self.sources)),
@@ -72,7 +72,7 @@ impl<'t> TokenStream<'t> {
         word
     }
 
-    /// Passes a word if it is one of these.
+    /// Consumes a word if it is one of these.
     pub fn take(&mut self, words: &[&str]) -> bool {
         let found = self.peek_word().is_some_and(|w| words.contains(&w));
         self.at += usize::from(found);
@@ -96,7 +96,7 @@ impl<'t> TokenStream<'t> {
         self.sources.error(self.place(), found, expected)
     }
 
-    /// An error about something at a place.
+    /// An error at a position.
     pub fn error(&self, place: SffPosition, found: impl Into<String>, expected: &str) -> ReadError {
         self.sources.error(place, found, expected)
     }
@@ -133,7 +133,7 @@ impl<'t> TokenStream<'t> {
         self.real_follows() || self.peek_word().is_some_and(named)
     }
 
-    /// A number: operators stand in parentheses only.
+    /// Reads a number; operators may occur in parentheses only.
     pub fn real(&mut self) -> ScnResult<f64> {
         let place = self.place();
         let value = self.nested(Self::signed)?;
@@ -143,7 +143,7 @@ impl<'t> TokenStream<'t> {
         Err(self.error(
             place,
             format!("the value {value}"),
-            "a number of at most 1e30",
+            "a number with a magnitude of at most 1e30",
         ))
     }
 
@@ -273,7 +273,7 @@ impl<'t> TokenStream<'t> {
         Ok((first, second))
     }
 
-    /// Three numbers, or a function that gives them.
+    /// Reads three numbers, or a function that returns a point.
     pub fn point(&mut self) -> ScnResult<DVec3> {
         let name = self.peek_word().unwrap_or_default();
         if !VECTORS.contains(&name) {
@@ -308,41 +308,45 @@ impl<'t> TokenStream<'t> {
         if result.abs().max_element() <= LARGEST {
             return Ok(result);
         }
-        Err(self.error(place, format!("{name} of no finite value"), "other vectors"))
+        Err(self.error(
+            place,
+            format!("{name} without a finite value"),
+            "vectors for which it is defined",
+        ))
     }
 
-    /// A point that is a direction.
+    /// Reads a point that is a direction.
     pub fn vector(&mut self) -> ScnResult<DVec3> {
         let place = self.place();
         let v = self.point()?;
         if v.normalize_or_zero() != DVec3::ZERO {
             return Ok(v);
         }
-        Err(self.error(place, "a vector of no length", "a direction"))
+        Err(self.error(place, "a vector of length 0", "a direction"))
     }
 
-    /// A number > 0.
+    /// Reads a positive number.
     pub fn positive(&mut self, what: &str) -> ScnResult<f64> {
         let place = self.place();
         let value = self.real()?;
         if value > 0.0 {
             return Ok(value);
         }
-        Err(self.error(place, format!("{what} of {value}"), "a number > 0"))
+        Err(self.error(place, format!("{what} {value}"), "a positive number"))
     }
 
-    /// A number brought into a range, with a warning.
+    /// Reads a number and clamps it to a range, with a warning.
     pub fn within(&mut self, low: f64, high: f64, what: &str) -> ScnResult<f64> {
         let place = self.place();
         let value = self.real()?;
         if (low..=high).contains(&value) {
             return Ok(value);
         }
-        self.warn(place, format!("{what} outside of {low}..{high}: limited"));
+        self.warn(place, format!("{what} outside {low}..{high}: clamped"));
         Ok(value.clamp(low, high))
     }
 
-    /// A colour of any amounts.
+    /// Reads a colour with any values.
     pub fn wide_color(&mut self) -> ScnResult<Rgb> {
         if self.take(&["mono"]) {
             return Ok(Rgb::grey(self.real()?));
@@ -352,35 +356,35 @@ impl<'t> TokenStream<'t> {
             return Ok(color);
         }
         if !self.real_follows() {
-            let expected = "a color: three numbers, mono and one, or a name";
+            let expected = "a colour: three numbers, mono and one number, or a name";
             return Err(self.unexpected(expected));
         }
         Ok(Rgb::new(self.real()?, self.real()?, self.real()?))
     }
 
-    /// A colour in 0..=1.
+    /// Reads a colour in 0..=1.
     pub fn color(&mut self) -> ScnResult<Rgb> {
         let place = self.place();
         let color = self.wide_color()?;
         let limited = color.map(|c| c.clamp(0.0, 1.0));
         if limited != color {
-            self.warn(place, "a color outside of 0..1: limited");
+            self.warn(place, "colour outside 0..1: clamped");
         }
         Ok(limited)
     }
 
-    /// The name of a file, which holds a dot.
+    /// Reads a file name, which contains a dot.
     pub fn file_name(&mut self) -> ScnResult<String> {
         match self.peek_word() {
             Some(name) if name.contains('.') => {
                 self.at += 1;
                 Ok(name.to_owned())
             }
-            _ => Err(self.unexpected("the name of a file, with a dot in it")),
+            _ => Err(self.unexpected("a file name that contains a dot")),
         }
     }
 
-    /// The name of a file, if one follows.
+    /// Reads a file name, if one follows.
     pub fn file_name_if_any(&mut self) -> String {
         let named = self.peek_word().is_some_and(|w| w.contains('.'));
         if named {
@@ -391,13 +395,13 @@ impl<'t> TokenStream<'t> {
     }
 }
 
-/// Functions that give a number, but for that of two vectors.
+/// Functions that return a number, except for the one with two vectors.
 const FUNCTIONS: [&str; 15] = [
     "int", "sin", "cos", "tan", "asin", "acos", "atan", "sqrt", "rtod", "dtor", "exp", "log",
     "abs", "max", "min",
 ];
 
-/// Functions that give a point.
+/// Functions that return a point.
 const VECTORS: [&str; 5] = [
     "addvector",
     "diffvector",

@@ -1,4 +1,4 @@
-//! Text blocks: commands that set a string in space.
+//! Text blocks: commands that place strings in space.
 
 use super::SffResult;
 use super::document::{TextCommand, TextCommandKind};
@@ -8,7 +8,7 @@ use crate::reading::text::quoted;
 use crate::reading::text::text;
 use glam::DVec3;
 
-/// The commands, each with how many numbers follow it.
+/// The commands, each with its number of numbers.
 const COMMANDS: [(&str, usize); 6] = [
     ("SPACING", 1),
     ("SCALE", 3),
@@ -47,7 +47,7 @@ pub(super) fn read(lines: &mut SffLines) -> SffResult<Vec<TextCommand>> {
 
 use super::document::SffPosition;
 
-/// The next word of the block and its place; `None` at the block's end, which is passed.
+/// The next word of the block and its position; `None` at the block's end, which is consumed.
 fn next_word<'a>(lines: &mut SffLines<'a, '_>) -> Option<(SffPosition, &'a [u8])> {
     reach_word(lines).then(|| {
         let place = lines.place();
@@ -55,7 +55,7 @@ fn next_word<'a>(lines: &mut SffLines<'a, '_>) -> Option<(SffPosition, &'a [u8])
     })
 }
 
-/// Passes line ends and remarks up to the next word; `false` at an empty line, which is passed.
+/// Skips line ends and comments up to the next word; `false` at an empty line, which is consumed.
 fn reach_word(lines: &mut SffLines) -> bool {
     loop {
         if !lines.rest_is_blank() {
@@ -87,7 +87,7 @@ fn unknown(lines: &SffLines, place: SffPosition, word: &[u8]) -> ReadError {
     }
 }
 
-/// The numbers of a command. The error is about the command, whose line is what must be mended.
+/// The numbers of a command. The error is reported at the command, whose line must be corrected.
 fn numbers(
     lines: &mut SffLines,
     place: SffPosition,
@@ -110,7 +110,7 @@ fn numbers(
     Ok(numbers)
 }
 
-/// As [`reach_word`], but an empty line is not passed.
+/// As [`reach_word`], but an empty line is not consumed.
 fn reach_word_in_block(lines: &mut SffLines) -> bool {
     let before = *lines.words();
     let found = reach_word(lines);
@@ -122,13 +122,13 @@ fn reach_word_in_block(lines: &mut SffLines) -> bool {
 
 fn file_name(lines: &mut SffLines, place: SffPosition, name: &str) -> SffResult<String> {
     if !reach_word_in_block(lines) {
-        return Err(lines.error(place, name, format!("{name} and the name of a file")));
+        return Err(lines.error(place, name, format!("{name} and a file name")));
     }
     let word = lines.words().word().unwrap_or_default();
     Ok(text(word).into_owned())
 }
 
-/// What stands between two quotes on one line.
+/// The text between two quotes on one line.
 fn string(lines: &mut SffLines, place: SffPosition) -> SffResult<String> {
     let expected = "a string in quotes, \"…\", on one line";
     if !reach_word_in_block(lines) || lines.words().peek() != Some(b'"') {
@@ -139,7 +139,7 @@ fn string(lines: &mut SffLines, place: SffPosition) -> SffResult<String> {
     let closed = line[1..].iter().position(|&b| b == b'"');
     let Some(length) = closed else {
         let at = lines.place();
-        return Err(lines.error(at, "a string without its second quote", expected));
+        return Err(lines.error(at, "a string without its closing quote", expected));
     };
     let string = text(&line[1..=length]).into_owned();
     *words = words.from(words.offset() + length + 2);

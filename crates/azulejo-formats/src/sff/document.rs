@@ -1,4 +1,4 @@
-//! An SFF file record by record, as it stands; numbers of surfaces and objects count from 1.
+//! An SFF file, mirrored record by record; surfaces and objects are numbered from 1.
 
 use crate::reading::words::Words;
 use crate::{Position, ReadError};
@@ -9,7 +9,7 @@ use glam::{DMat4, DVec3};
 /// A whole file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SffDocument {
-    /// Whether scn2sff wrote it, by its title.
+    /// Whether scn2sff wrote it, according to its title.
     pub is_translated: bool,
     pub view: SffView,
     pub background: Rgb,
@@ -17,7 +17,7 @@ pub(crate) struct SffDocument {
     pub lights: Vec<RtraceLight>,
     pub surfaces: Vec<SurfaceRecord>,
     pub objects: Vec<SffRecord>,
-    /// The last section, whose records are [`RecordKind::Texture`].
+    /// The last section; its records are [`RecordKind::Texture`].
     pub textures: Vec<SffRecord>,
 }
 
@@ -27,12 +27,12 @@ pub(crate) struct SffView {
     pub eye: DVec3,
     pub target: DVec3,
     pub up: DVec3,
-    /// Half apertures, degrees.
+    /// Half angles of view, degrees.
     pub angles: [f64; 2],
     pub place: SffPosition,
 }
 
-/// As SCN has it.
+/// SCN's defaults.
 impl Default for SffView {
     fn default() -> SffView {
         SffView {
@@ -45,7 +45,7 @@ impl Default for SffView {
     }
 }
 
-/// A surface before the format's rules are applied to it.
+/// A surface before the format's rules are applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SurfaceRecord {
     pub color: Rgb,
@@ -61,7 +61,7 @@ pub(crate) struct SffRecord {
     pub kind: RecordKind,
 }
 
-/// The kinds of entries.
+/// The types of records.
 #[derive(Clone, Debug)]
 pub(crate) enum RecordKind {
     Object {
@@ -85,7 +85,7 @@ pub(crate) enum RecordKind {
     ListEnd,
 }
 
-/// What a record says of its surface; 0 where it is the members' own.
+/// The surface and refraction index in a record; 0 if the members have their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RecordAppearance {
     pub surface: u32,
@@ -111,7 +111,7 @@ pub(crate) enum SffGeometry {
     Text(RecordData<Vec<TextCommand>>),
 }
 
-/// The side of a cone or cylinder; the ends in any order.
+/// The lateral surface of a cone or cylinder; the ends in any order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SffCone {
     pub base: DVec3,
@@ -120,7 +120,7 @@ pub(crate) struct SffCone {
     pub apex_radius: f64,
 }
 
-/// Data under a scale and, behind it, a shift.
+/// Data with a scale and a subsequent translation.
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedData<T> {
     pub origin: DVec3,
@@ -128,7 +128,7 @@ pub(crate) struct PlacedData<T> {
     pub data: RecordData<T>,
 }
 
-/// Data in the file itself, or in another.
+/// Data in the file itself, or in another one.
 #[derive(Clone, Debug)]
 pub(crate) enum RecordData<T> {
     Here(T),
@@ -138,7 +138,7 @@ pub(crate) enum RecordData<T> {
 /// Bicubic patches.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PatchData {
-    /// From 0.
+    /// Indices counted from 0.
     pub patches: Vec<[u32; 12]>,
     pub vertices: Vec<DVec3>,
 }
@@ -146,7 +146,7 @@ pub(crate) struct PatchData {
 /// Polygons.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PolygonData {
-    /// From 0.
+    /// Indices counted from 0.
     pub faces: azulejo_scene::Faces,
     pub vertices: Vec<DVec3>,
 }
@@ -154,9 +154,9 @@ pub(crate) struct PolygonData {
 /// Triangles with normals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TriangleData {
-    /// Three positions with three normals.
+    /// Three positions, each with a normal.
     pub corners: Vec<[(DVec3, DVec3); 3]>,
-    /// The surfaces at the corners, from 1; empty where the object has one for all.
+    /// The surfaces at the corners, counted from 1; empty if the object has a single one.
     pub surfaces: Vec<[u32; 3]>,
 }
 
@@ -178,45 +178,45 @@ pub(crate) enum TextCommandKind {
     At(DVec3, String),
 }
 
-/// A texture record; what it is about stands in `object`, 0 for the latest.
+/// A texture record; it applies to the object with the number `object`, 0 for the latest.
 #[derive(Clone, Debug)]
 pub(crate) struct TextureRecord {
     pub place: SffPosition,
     pub object: u32,
     pub matrix: DMat4,
     pub kind: TextureKind,
-    /// Name of a colour map or picture; empty for none.
+    /// Name of a colour map or image; empty for none.
     pub file: String,
 }
 
-/// A texture's number, 0..=20, and the numbers behind its matrix, in the file's order and without
-/// the name of a file.
+/// A texture's type, 0..=20, and the numbers after its matrix, in the file's order and without the
+/// file name.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TextureKind {
     pub number: u32,
     pub values: Vec<f64>,
 }
 
-/// Where something stands: which of the [`SffSources`], and the byte in it.
+/// A position: an index into [`SffSources`], and a byte offset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SffPosition {
     pub file: u32,
     pub offset: u32,
 }
 
-/// The texts that a document is made of, for messages about places in them.
+/// The texts of a document, for messages about positions in them.
 #[derive(Debug, Default)]
 pub(crate) struct SffSources<'a> {
     list: Vec<(String, std::borrow::Cow<'a, [u8]>)>,
 }
 
 impl<'a> SffSources<'a> {
-    /// The number that the next text gets.
+    /// The index that the next text gets.
     pub fn next(&self) -> u32 {
         self.list.len() as u32
     }
 
-    /// Adds a text and returns its number.
+    /// Adds a text and returns its index.
     pub fn add(&mut self, name: &str, bytes: impl Into<std::borrow::Cow<'a, [u8]>>) -> u32 {
         self.list.push((name.to_owned(), bytes.into()));
         (self.list.len() - 1) as u32
@@ -237,12 +237,12 @@ impl<'a> SffSources<'a> {
         Words::new(bytes, name)
     }
 
-    /// Line and column of a place.
+    /// Line and column of a position.
     pub fn position(&self, place: SffPosition) -> Position {
         self.words(place.file).position(place.offset as usize)
     }
 
-    /// An error at a place.
+    /// An error at a position.
     pub fn error(
         &self,
         place: SffPosition,

@@ -1,4 +1,4 @@
-//! A scene as a document, with a font of all the figures that it extrudes.
+//! Converts a scene to a document, with a font of all extruded figures.
 
 use super::document::*;
 use super::lights;
@@ -14,7 +14,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Radius of a cone's end that is a point, as a share of the other's: SFF has no radius 0.
+/// Radius of a cone's apex, relative to that of its base: SFF does not allow radius 0.
 const POINT: f64 = 1e-6;
 
 /// Height of the flat cones that close a cone.
@@ -42,7 +42,7 @@ pub(super) fn document(scene: &Scene, stem: &str) -> (SffDocument, Font) {
     (writer.document, writer.font)
 }
 
-/// Whether an object is the body of a light of RTRACE's.
+/// Whether an object represents an RTRACE light.
 pub(super) fn is_lamp(scene: &Scene, shape: &Shape) -> bool {
     let known = scene.rtrace.as_ref().map(|r| r.materials.len());
     matches!((shape, known), (Shape::Primitive(p), Some(known)) if p.material as usize >= known)
@@ -54,9 +54,9 @@ struct SffWriter<'s> {
     stem: &'s str,
     document: SffDocument,
     font: Font,
-    /// Names of figures by their places in memory, which prisms share.
+    /// Names of figures by their addresses, which prisms share.
     glyphs: HashMap<*const Figure, String>,
-    /// How many objects the document has, members included.
+    /// The number of objects so far, members included.
     number: u32,
 }
 
@@ -118,8 +118,7 @@ impl SffWriter<'_> {
         }
     }
 
-    /// Solids in their order; prisms and patches of one material that follow each other are one
-    /// record.
+    /// Adds solids in their order; consecutive prisms or patches of one material form one record.
     fn solids(&mut self, solids: &[Solid]) {
         let together = |a: &Solid, b: &Solid| match (a, b) {
             (Solid::Prism(a), Solid::Prism(b)) => a.material == b.material,
@@ -168,7 +167,7 @@ impl SffWriter<'_> {
         self.push(RecordKind::Transform { object: 0, matrix });
     }
 
-    /// A record of a material, with the textures of it.
+    /// Adds a record with a material and its textures.
     fn leaf(&mut self, geometry: SffGeometry, material: MaterialId) {
         let appearance = self.appearance(material);
         self.push(RecordKind::Object {
@@ -257,7 +256,7 @@ impl SffWriter<'_> {
         }
     }
 
-    /// A list of the side and of flat cones over its ends.
+    /// Adds a list of the lateral surface and of flat cones over its ends.
     fn closed_cone(&mut self, p: &Primitive, top: f64) {
         let (side, same) = cone(p, top);
         self.push(RecordKind::ListBegin {
@@ -316,7 +315,7 @@ impl SffWriter<'_> {
         self.leaf(SffGeometry::Triangles(here(data)), material);
     }
 
-    /// A mesh of one record for each of its materials.
+    /// Adds a mesh as one record per material.
     fn mesh(&mut self, mesh: &Mesh) {
         let mut materials = mesh.face_materials.clone();
         materials.sort_unstable();
@@ -337,7 +336,7 @@ impl SffWriter<'_> {
         }
     }
 
-    /// Triangles with surfaces at their corners.
+    /// Adds triangles with surfaces at their corners.
     fn mixed(&mut self, mesh: &Mesh, corner_surfaces: &[[u32; 3]]) {
         let Some(normals) = &mesh.normals else {
             return self.mesh(mesh);
@@ -356,7 +355,7 @@ impl SffWriter<'_> {
         }
     }
 
-    /// A text block of prisms, each at a place of its own.
+    /// Adds a text block of prisms, each at its own position.
     fn text(&mut self, group: &[Solid]) {
         let mut commands = vec![
             TextCommandKind::Spacing(0.0),
@@ -393,7 +392,7 @@ impl SffWriter<'_> {
         self.leaf(SffGeometry::Text(RecordData::Here(commands)), material);
     }
 
-    /// The name of a prism's figure; `None` if it has no inside.
+    /// The glyph name of a prism's figure; `None` if the figure is empty.
     fn glyph(&mut self, prism: &Prism) -> Option<String> {
         let key = Arc::as_ptr(&prism.figure);
         if let Some(known) = self.glyphs.get(&key) {
@@ -419,7 +418,8 @@ fn here<T>(data: T) -> Box<PlacedData<T>> {
     })
 }
 
-/// The record of a cone's side, and whether it stands where it is; a unit cone if it does not.
+/// The record of a cone's lateral surface, and whether it is in its final position; otherwise it is
+/// a unit cone that needs a transform.
 fn cone(p: &Primitive, top: f64) -> (SffCone, bool) {
     let m = p.world_from_object.matrix3;
     let radius = m.x_axis.length();
@@ -455,7 +455,7 @@ fn texture_record(texture: &RtraceTexture, object: u32) -> Box<TextureRecord> {
     })
 }
 
-/// Polygons over the vertices that they use, or over all if they use the last.
+/// Polygons with the vertices that they use, or with all if they use the last one.
 fn polygons(mesh: &Mesh, faces: &[usize]) -> PolygonData {
     let last = mesh.positions.len() as u32;
     let corners = || faces.iter().flat_map(|&f| mesh.faces.get(f));
@@ -502,10 +502,10 @@ fn fan(
     triangles.map(|t| t.map(|k| corner(k as usize))).collect()
 }
 
-/// How many cells along each side of a patch that SFF has no words for.
+/// Number of cells along each side of a patch that SFF cannot represent.
 const CELLS: u32 = 16;
 
-/// A patch as triangles with its own normals.
+/// A patch as triangles with its exact normals.
 fn tessellated(patch: &BicubicPatch) -> Vec<[(DVec3, DVec3); 3]> {
     let corner = |i: u32, j: u32| {
         let (u, v) = (
@@ -524,7 +524,7 @@ fn tessellated(patch: &BicubicPatch) -> Vec<[(DVec3, DVec3); 3]> {
     cells.flat_map(two).collect()
 }
 
-/// A view that shows a scene: its own first camera, or one from the front.
+/// A view of a scene: its first camera, or a front view.
 fn view(scene: &Scene) -> SffView {
     let framing = || {
         let bounds = if scene.objects.is_empty() {
@@ -547,7 +547,7 @@ fn view(scene: &Scene) -> SffView {
     }
 }
 
-/// A material as a surface: Kd and Ks are what it reflects, its colour is white or what it emits.
+/// A material as a surface: Kd and Ks are its reflectances, its colour is white or its emission.
 fn surface(material: &Material) -> SurfaceRecord {
     if let Some(strauss) = strauss(material) {
         return strauss;
@@ -565,7 +565,7 @@ fn surface(material: &Material) -> SurfaceRecord {
         is_unshadowed: false,
         source: RtraceSource::Phong {
             diffuse: material.diffuse,
-            // What glass mirrors depends on the angle: SFF's share does not.
+            // The reflectance of glass depends on the angle, SFF's share does not.
             specular: if glass.is_some() {
                 Rgb::grey(0.05)
             } else {
@@ -582,25 +582,25 @@ fn unit(color: Rgb) -> Rgb {
     color.map(|v| v.clamp(0.0, 1.0))
 }
 
-/// What a material mirrors, exactly or about: of a lobe along the normal, if it says so.
+/// The specular reflectance of a material, exact or approximate: for a lobe, at normal incidence.
 fn specular(material: &Material) -> Rgb {
     let lobe = model_of(material).filter(|m| m.name == "lewis");
     let ks = lobe.and_then(|m| color(m, "ks"));
     ks.unwrap_or_else(|| unit(material.mirror + material.mean_glossy()))
 }
 
-/// The exponent of a lobe about as wide as a material's.
+/// The exponent of a Phong lobe about as wide as a material's lobe.
 fn exponent(material: &Material) -> f64 {
     let Some(model) = model_of(material).filter(|_| material.glossy().is_some()) else {
         return 100.0;
     };
     let said = number(model, "n").filter(|_| model.name == "lewis");
-    // Angles to the mirrored light are about twice those to the half vector.
+    // Angles to the mirrored direction are about twice those to the half vector.
     let near = || 0.25 * (2.0 / slope(model).powi(2) - 2.0);
     said.unwrap_or_else(near).clamp(3.0, 300.0)
 }
 
-/// A surface of the second type, whose rule is Strauss' model.
+/// A surface of the second type, which uses Strauss' model.
 fn strauss(material: &Material) -> Option<SurfaceRecord> {
     let model = model_of(material).filter(|m| m.name == "strauss")?;
     let grey = |name: &str| Rgb::grey(number(model, name).unwrap_or(0.0));
@@ -616,7 +616,7 @@ fn strauss(material: &Material) -> Option<SurfaceRecord> {
     })
 }
 
-/// Degrees that are exactly this angle again, if there are any within rounding.
+/// Degrees that convert back to exactly this angle, if there are any within rounding.
 pub(super) fn degrees(radians: f64) -> f64 {
     let near = radians.to_degrees();
     let mut around = [near, near.next_up(), near.next_down()].into_iter();

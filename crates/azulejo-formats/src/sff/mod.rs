@@ -1,9 +1,8 @@
-//! SFF, the scenes of the ray tracer RTRACE, and their text blocks.
+//! SFF, the scene format of the ray tracer RTRACE, and its text blocks.
 //!
-//! What is read: all of the format, with shapes kept exact. What only RTRACE's own shading
-//! understands stays beside the physical scene, in
-//! [`Scene::rtrace`](azulejo_scene::Scene::rtrace). `docs/formats/sff.md` says how every record is
-//! understood.
+//! The whole format is read, with exact shapes. Parameters that only RTRACE's own shading model
+//! uses are kept beside the physical scene, in [`Scene::rtrace`](azulejo_scene::Scene::rtrace).
+//! `docs/formats/sff.md` describes how every record is interpreted.
 
 mod block;
 mod coons;
@@ -35,15 +34,14 @@ use lines::SffLines;
 
 pub use write::{losses, write};
 
-/// What the readers of parts of a file return.
+/// The result of reading a part of a file.
 type SffResult<T> = Result<T, ReadError>;
 
-/// Reads a scene; `name` stands in messages, `files` gives fonts, encodings, data, colour maps and
-/// pictures.
+/// Reads a scene; `name` is used in messages, `files` provides fonts, encodings, data, colour maps
+/// and images.
 ///
 /// # Errors
-/// Records that are not as the format has them, objects that cannot be, and files of data, fonts
-/// and encodings that cannot be read.
+/// Malformed records, invalid objects, and files of data, fonts and encodings that cannot be read.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -56,7 +54,7 @@ pub fn read(
     })
 }
 
-/// Reads a scene whose text `parse` turns into records; the text is its first source.
+/// Reads a scene whose text `parse` converts to records; the text is its first source.
 pub(crate) fn read_by(
     bytes: &[u8],
     name: &str,

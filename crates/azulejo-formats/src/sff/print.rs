@@ -1,4 +1,4 @@
-//! A document as text. Numbers are the shortest that read back to the same value.
+//! Writes a document as text. Numbers are the shortest that read back to the same value.
 
 use super::document::*;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind, RtraceSource};
@@ -6,7 +6,7 @@ use azulejo_scene::{Operation, Rgb};
 use glam::{DMat4, DVec3};
 use std::io::{self, Write};
 
-/// Least amount of a colour whose sign is a flag: zero has none.
+/// Smallest magnitude of a colour whose sign is a flag: zero cannot carry one.
 const FLAGGED: f64 = 0.001;
 
 /// Writes a document.
@@ -64,7 +64,7 @@ impl SffPrinter<'_> {
         writeln!(self.out)
     }
 
-    /// Numbers that begin a line.
+    /// Writes numbers at the start of a line.
     fn line(&mut self, numbers: &[f64]) -> PrintResult {
         if let Some((first, rest)) = numbers.split_first() {
             write!(self.out, "{first}")?;
@@ -339,7 +339,7 @@ impl SffPrinter<'_> {
         self.numbers(&matrix.transpose().to_cols_array())
     }
 
-    /// A texture behind its 64, if it has one.
+    /// Writes a texture after its 64, if it has one.
     fn texture(&mut self, texture: &TextureRecord) -> PrintResult {
         let number = texture.kind.number;
         write!(self.out, "{number} {}", texture.object)?;

@@ -7,11 +7,11 @@ use super::parse::placed;
 use super::{block, data};
 use azulejo_scene::Operation;
 
-/// Numbers of the records.
+/// The description of valid record types.
 const EXPECTED: &str =
     "an object: 1 to 7, 64 (texture), 65 (transform), 66 (set operation) or 67 (list)";
 
-/// Reads a record and what belongs to it: its line's end, and data below it.
+/// Reads a record up to the end of its line, and the data below it.
 pub(super) fn read(lines: &mut SffLines) -> SffResult<RecordKind> {
     let place = lines.place();
     let kind = match lines.index()? {
@@ -46,20 +46,20 @@ fn object(lines: &mut SffLines, number: u32) -> SffResult<RecordKind> {
     let place = lines.place();
     let mut appearance = appearance(lines)?;
     if appearance.refraction < 1.0 {
-        lines.warn(place, "an index of refraction below 1: taken as 1".into());
+        lines.warn(place, "index of refraction below 1: taken as 1".into());
         appearance.refraction = 1.0;
     }
     let geometry = match number {
         1 => SffGeometry::Sphere {
             centre: lines.point()?,
-            radius: lines.positive("a radius of")?,
+            radius: lines.positive("radius")?,
         },
         2 => SffGeometry::Cuboid {
             centre: lines.point()?,
             half: glam::DVec3::new(
-                lines.positive("half a size of")?,
-                lines.positive("half a size of")?,
-                lines.positive("half a size of")?,
+                lines.positive("half size")?,
+                lines.positive("half size")?,
+                lines.positive("half size")?,
             ),
         },
         3 => SffGeometry::Patches(placed(lines, data::patches)?),
@@ -84,13 +84,13 @@ fn cone(lines: &mut SffLines) -> SffResult<SffCone> {
     let place = lines.place();
     let cone = SffCone {
         base: lines.point()?,
-        base_radius: lines.within(0.0, f64::MAX, "a cone's radius")?,
+        base_radius: lines.within(0.0, f64::MAX, "radius of a cone")?,
         apex: lines.point()?,
-        apex_radius: lines.within(0.0, f64::MAX, "a cone's radius")?,
+        apex_radius: lines.within(0.0, f64::MAX, "radius of a cone")?,
     };
     if cone.base_radius.max(cone.apex_radius) == 0.0 || cone.base == cone.apex {
-        let found = "a cone without height or without radius";
-        let expected = "two different points, and a radius > 0";
+        let found = "a cone without height or radius";
+        let expected = "two different points, and a positive radius";
         return Err(lines.error(place, found, expected));
     }
     Ok(cone)
@@ -140,7 +140,7 @@ fn list(lines: &mut SffLines) -> SffResult<RecordKind> {
     }
 }
 
-/// What stands behind the matrix of each kind of texture: how many numbers, and whether a file.
+/// The data after the matrix of each texture type: how many numbers, and whether a file name.
 const TEXTURES: [(usize, bool); 21] = [
     (0, false),
     (1, false),
@@ -165,12 +165,12 @@ const TEXTURES: [(usize, bool); 21] = [
     (2, false),
 ];
 
-/// Whether a kind of texture may name a colour map or picture.
+/// Whether a texture type may name a colour map or image.
 pub(super) fn has_file(number: u32) -> bool {
     TEXTURES.get(number as usize).is_some_and(|t| t.1)
 }
 
-/// Reads a texture behind its 64, which the last section leaves out, and the end of its line.
+/// Reads a texture after its 64, which the last section omits, and the end of its line.
 pub(super) fn texture(lines: &mut SffLines) -> SffResult<TextureRecord> {
     let place = lines.place();
     let number = lines.index()?;
@@ -190,7 +190,7 @@ pub(super) fn texture(lines: &mut SffLines) -> SffResult<TextureRecord> {
             }
         }
     }
-    // A missing name counts as a remark's dash, which the original takes for one.
+    // A missing name is the dash of a comment, which the original takes as the name.
     let file = (has_file.then(|| lines.word_on_line()).flatten()).filter(|w| *w != b"-");
     let file = file.map(|w| crate::reading::text::text(w).into_owned());
     lines.end_record();
@@ -203,7 +203,7 @@ pub(super) fn texture(lines: &mut SffLines) -> SffResult<TextureRecord> {
     })
 }
 
-/// Manuals have four numbers, the program five: the third of five is omega.
+/// The manuals list four numbers, the program reads five: the third of them is omega.
 fn fbm_bump(lines: &mut SffLines, values: &mut Vec<f64>) -> SffResult<()> {
     let has_omega = lines.rest_is_blank() || lines.numbers_left_on_line() != 4;
     for k in 0..5 {
@@ -217,7 +217,7 @@ fn fbm_bump(lines: &mut SffLines, values: &mut Vec<f64>) -> SffResult<()> {
     Ok(())
 }
 
-/// Three numbers, or −1 for the colour that it has by itself.
+/// Three numbers, or −1 for the default colour.
 fn wood(lines: &mut SffLines, values: &mut Vec<f64>) -> SffResult<()> {
     let red = lines.number()?;
     if red < 0.0 {

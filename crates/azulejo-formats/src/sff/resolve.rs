@@ -1,4 +1,4 @@
-//! A document as a scene.
+//! Converts a document to a scene.
 
 use super::SffResult;
 use super::document::*;
@@ -26,7 +26,7 @@ use std::collections::HashMap;
 /// The scene of a document, valid in the sense of [`Scene::validate`].
 ///
 /// # Errors
-/// Whatever a record says that cannot be, with its place.
+/// Invalid records, with their positions.
 pub(crate) fn resolve(
     document: &SffDocument,
     sources: &mut SffSources,
@@ -68,21 +68,21 @@ pub(crate) fn resolve(
     let scene = resolver.finish(document);
     match scene.validate() {
         Ok(()) => Ok(scene),
-        // What the checks on the way leave: numbers so large or small that they leave nothing.
+        // Remaining errors are numbers so large or small that the scene degenerates.
         Err(e) => Err(ReadError::whole(
             name,
             e.to_string(),
-            "numbers of ordinary size",
+            "numbers of ordinary magnitude",
         )),
     }
 }
 
-/// What the operations around an object decide for it: the outermost that says anything does.
+/// Attributes that enclosing operations set for an object: the outermost one takes precedence.
 #[derive(Clone, Copy, Default)]
 struct InheritedAttributes {
     surface: Option<u32>,
     refraction: Option<f64>,
-    /// The object whose textures count.
+    /// The object whose textures apply.
     textured: Option<usize>,
 }
 
@@ -101,11 +101,11 @@ impl InheritedAttributes {
     }
 }
 
-/// Everything that tells two materials apart: the surface, the bits of the index of refraction and
-/// the number of the textures.
+/// Everything that distinguishes two materials: the surface, the bits of the index of refraction
+/// and the index of the textures.
 type SffMaterialKey = (u32, u64, Option<usize>);
 
-/// A set operation or list whose members are being made.
+/// A set operation or list whose members are being converted.
 struct OpenOperation {
     node: usize,
     map: DAffine3,
@@ -124,11 +124,11 @@ struct SffResolver<'r, 's> {
     chains: TextureChains,
     typesetter: Typesetter,
     texture_files: TextureFiles,
-    /// How many objects of each kind have a name.
+    /// The number of named objects of each type.
     names: HashMap<&'static str, usize>,
     scene: Scene,
     rtrace: Rtrace,
-    /// The surfaces at the corners of the mesh that was made last, if they differ.
+    /// The surfaces at the corners of the latest mesh, if they differ.
     corner_surfaces: Option<Vec<[u32; 3]>>,
 }
 
@@ -137,8 +137,9 @@ impl SffResolver<'_, '_> {
         let view = &document.view;
         let gaze = view.target - view.eye;
         if !lights::spans(gaze, view.up) {
-            let found = "an eye, a point to look at and an up that do not span a plane";
-            let expected = "two different points, and an up that is not along the view";
+            let found = "an eye, a target and an up vector that do not span a plane";
+            let expected =
+                "two different points, and an up vector that is not parallel to the view";
             return Err(self.sources.error(view.place, found, expected));
         }
         let [horizontal, vertical] = view.angles.map(f64::to_radians);
@@ -174,7 +175,8 @@ impl SffResolver<'_, '_> {
             .add(sources.name(place.file), message.into(), position);
     }
 
-    /// Adds an object, or the members of a list, which is one object only to a set operation.
+    /// Adds an object, or the members of a list, which is a single object only within a set
+    /// operation.
     fn object(
         &mut self,
         tree: &SffTree,
@@ -202,7 +204,7 @@ impl SffResolver<'_, '_> {
         let kind = kind_of(node, &solids);
         let shape = match solids.pop() {
             None => {
-                self.warn(node.place, "an object without any shape: left out");
+                self.warn(node.place, "object without any shape: skipped");
                 return Ok(());
             }
             Some(Solid::Primitive(primitive)) if !is_exact => Shape::Primitive(primitive),
@@ -223,10 +225,10 @@ impl SffResolver<'_, '_> {
         Ok(())
     }
 
-    /// The solids of an object, placed.
+    /// The solids of an object, transformed.
     ///
-    /// Members follow their operation, so that one pass over them is enough; what nests deeply
-    /// waits in a list of its own, not on the stack.
+    /// Members follow their operation, so that a single pass suffices; nested operations are kept
+    /// in an explicit stack.
     fn solids(
         &mut self,
         tree: &SffTree,
@@ -277,7 +279,7 @@ impl SffResolver<'_, '_> {
         }
     }
 
-    /// The solids of an object that can be made without its members.
+    /// The solids of an object that do not depend on its members.
     fn whole(
         &mut self,
         tree: &SffTree,
@@ -306,7 +308,7 @@ impl SffResolver<'_, '_> {
         }
     }
 
-    /// Adds the solids of a member to what is around it.
+    /// Adds the solids of a member to the enclosing operation.
     fn join(
         &mut self,
         tree: &SffTree,
@@ -316,20 +318,20 @@ impl SffResolver<'_, '_> {
     ) -> SffResult<()> {
         let node = &tree.nodes[member];
         if self.corner_surfaces.take().is_some() {
-            let said = "a mesh of several surfaces inside of another object: one is used";
+            let said = "mesh with several surfaces inside another object: a single one is used";
             self.warn(node.place, said);
         }
         let is_csg = matches!(tree.nodes[around.node].kind, SffNodeKind::Csg(..));
         if is_csg && !solids.iter().all(is_closed) {
-            let found = "an open shape in a set operation: it has no inside";
-            let expected = "closed ones, or a list (67) of pieces that close it together";
+            let found = "an open shape in a set operation, which has no interior";
+            let expected = "closed shapes, or a list (67) of pieces that close it together";
             return Err(self.sources.error(node.place, found, expected));
         }
         around.sides[node.side].extend(solids);
         Ok(())
     }
 
-    /// What a set operation or list becomes when it has all of its members.
+    /// The result of a set operation or list once all of its members are converted.
     fn closed(&mut self, tree: &SffTree, frame: OpenOperation) -> SffResult<Vec<Solid>> {
         let node = &tree.nodes[frame.node];
         let [left, right] = frame.sides;
@@ -342,8 +344,10 @@ impl SffResolver<'_, '_> {
             });
         };
         if left.is_empty() || right.is_empty() {
-            let found = "a set operation with nothing on one side";
-            return Err(self.sources.error(node.place, found, "solids on both"));
+            let found = "a set operation with an empty side";
+            return Err(self
+                .sources
+                .error(node.place, found, "solids on both sides"));
         }
         let csg = Csg {
             operation,
@@ -353,7 +357,7 @@ impl SffResolver<'_, '_> {
         Ok(vec![Solid::Csg(Box::new(csg))])
     }
 
-    /// The one cone or cylinder that the members of a list are together, and its material.
+    /// The single cone or cylinder that the members of a list form together, and its material.
     fn closed_cone(
         &mut self,
         tree: &SffTree,
@@ -382,7 +386,7 @@ impl SffResolver<'_, '_> {
         Ok(material.map(|material| (cone, material)))
     }
 
-    /// The solids of one record. Triangles are placed by `map`, everything else is not yet.
+    /// The solids of one record. Triangles are transformed by `map`, everything else is not yet.
     fn leaf(
         &mut self,
         tree: &SffTree,
@@ -440,8 +444,8 @@ impl SffResolver<'_, '_> {
         })
     }
 
-    /// Triangles whose corners have surfaces of their own. What they reflect diffusely stands in
-    /// the colours of the vertices; what they mirror is the mean.
+    /// Triangles whose corners have surfaces of their own. Their diffuse reflectances become vertex
+    /// colours; specular ones are averaged.
     fn mixed(
         &mut self,
         tree: &SffTree,
@@ -494,7 +498,7 @@ impl SffResolver<'_, '_> {
         Ok(vec![Solid::Mesh(mesh)])
     }
 
-    /// The data of a record, which may stand in a file of their own.
+    /// The data of a record, which may be in a separate file.
     fn data<'d, T: Clone>(
         &mut self,
         data: &'d RecordData<T>,
@@ -513,7 +517,7 @@ impl SffResolver<'_, '_> {
         }
     }
 
-    /// The commands of a text block. Its file stays known for messages about its commands.
+    /// The commands of a text block. Its file is kept for messages about its commands.
     fn commands<'d>(
         &mut self,
         data: &'d RecordData<Vec<TextCommand>>,
@@ -537,7 +541,7 @@ impl SffResolver<'_, '_> {
             let found = format!("\"{}\", which cannot be read: {e}", shortened(name));
             self.sources.error(place, found, "a file beside the scene")
         })?;
-        // Many records may name one file.
+        // Many records may refer to one file.
         self.spend(opened.1.len() / 16, place)?;
         Ok(opened)
     }
@@ -548,7 +552,7 @@ impl SffResolver<'_, '_> {
             .error(place, format!("surface {surface}"), expected)
     }
 
-    /// The material of a look; equal looks have one.
+    /// The material of an appearance; equal appearances share one.
     fn material(
         &mut self,
         tree: &SffTree,
@@ -569,7 +573,7 @@ impl SffResolver<'_, '_> {
             return Ok(known);
         }
         if surfaces::is_dimmed(&numbers) {
-            let said = "a surface that lets less than half of the light through: opaque but for the look of RTRACE";
+            let said = "surface that transmits less than half of the light: opaque except in RTRACE's own shading";
             self.warn(place, said);
         }
         let of_rtrace = self.rtrace_material(tree, given, place)?;
@@ -620,11 +624,11 @@ impl SffResolver<'_, '_> {
                 textures.extend(self.texture_files.texture(record, &mut around)?);
             }
         }
-        self.warn(place, "textures: only the look of RTRACE shows them");
+        self.warn(place, "textures: only visible in RTRACE's own shading");
         Ok(material)
     }
 
-    /// scn2sff wrote random flags onto surfaces that only textures name.
+    /// scn2sff wrote random flags for surfaces that only textures use.
     fn forgive_translated(&mut self, document: &SffDocument) {
         if !document.is_translated {
             return;
@@ -641,14 +645,13 @@ impl SffResolver<'_, '_> {
         for (surface, _) in self.surfaces.iter_mut().zip(worn).filter(|(_, worn)| !worn) {
             if surface.is_emitter || surface.is_unshadowed {
                 (surface.is_emitter, surface.is_unshadowed) = (false, false);
-                let said =
-                    "signs of a surface that only textures name, which scn2sff made: left out";
+                let said = "signs written by scn2sff for a surface that only textures use: ignored";
                 self.warnings.add_whole(self.sources.name(0), said);
             }
         }
     }
 
-    /// Lights, and bodies in the place of those that have area; these stand last.
+    /// Adds the lights, and emitters for those with area; these come last.
     fn lamps(&mut self, document: &SffDocument) {
         for (k, light) in document.lights.iter().enumerate() {
             let material = self.scene.materials.len() as MaterialId;
@@ -689,7 +692,8 @@ impl SffResolver<'_, '_> {
     }
 }
 
-/// A colour that, times what is left beside a mirror, is this reflectance or as near as can be.
+/// The colour whose product with `left`, the share beside the mirror, is closest to this
+/// reflectance.
 fn limited(reflectance: Rgb, left: Rgb) -> Rgb {
     let share = |k: usize| {
         let share = reflectance[k] / left[k].max(1e-9);
@@ -713,7 +717,7 @@ fn some_faces(mesh: azulejo_scene::Mesh) -> Vec<Solid> {
     }
 }
 
-/// Whether a solid has an inside.
+/// Whether a solid has an interior.
 fn is_closed(solid: &Solid) -> bool {
     match solid {
         Solid::Primitive(p) => {
@@ -725,7 +729,7 @@ fn is_closed(solid: &Solid) -> bool {
     }
 }
 
-/// The word in an object's name.
+/// The type in an object's name.
 fn kind_of(node: &SffNode, solids: &[Solid]) -> &'static str {
     match &node.kind {
         SffNodeKind::Csg(..) => "csg",
@@ -744,10 +748,10 @@ fn kind_of(node: &SffNode, solids: &[Solid]) -> &'static str {
     }
 }
 
-/// Everything that tells two lists of textures apart.
+/// Everything that distinguishes two lists of textures.
 type TextureChainKey = (Vec<u64>, Vec<String>);
 
-/// The textures of objects, equal lists with one number.
+/// The textures of objects; equal lists share an index.
 #[derive(Default)]
 struct TextureChains {
     /// By the object that has them.
@@ -756,7 +760,7 @@ struct TextureChains {
 }
 
 impl TextureChains {
-    /// The number of an object's textures.
+    /// The index of an object's textures.
     fn number(&mut self, tree: &SffTree, node: usize) -> usize {
         if let Some(&known) = self.of_nodes.get(&node) {
             return known;

@@ -1,4 +1,4 @@
-//! Shapes of records as exact shapes and meshes, before their transforms.
+//! Converts shapes of records to exact shapes and meshes, before their transforms.
 
 use super::coons;
 use super::document::{PatchData, PolygonData, SffCone, TriangleData};
@@ -7,7 +7,7 @@ use azulejo_scene::{Attribute, BicubicPatch, MaterialId, Mesh, Primitive, Primit
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 
-/// A box around its middle.
+/// A box around its centre.
 pub(super) fn cuboid(centre: DVec3, half: DVec3, material: MaterialId) -> Primitive {
     let map = DAffine3 {
         matrix3: DMat3::from_diagonal(2.0 * half),
@@ -16,7 +16,7 @@ pub(super) fn cuboid(centre: DVec3, half: DVec3, material: MaterialId) -> Primit
     Primitive::new(PrimitiveKind::Cuboid, map, material)
 }
 
-/// The side of a cone, or all of it if it is `closed`. The wider end is the base.
+/// The lateral surface of a cone, or all of it if it is `closed`. The wider end is the base.
 pub(super) fn cone(cone: &SffCone, closed: bool, material: MaterialId) -> Primitive {
     let swapped = cone.apex_radius > cone.base_radius;
     let (base, wide, apex, narrow) = if swapped {
@@ -41,19 +41,21 @@ pub(super) fn cone(cone: &SffCone, closed: bool, material: MaterialId) -> Primit
     Primitive::new(kind, map, material)
 }
 
-/// A cone within this share of its radius is a cap: the original's flat cones are 0.001 high.
+/// A cone whose height is below this fraction of its radius is a cap: the original's flat cones are
+/// 0.001 high.
 const FLAT: f64 = 0.02;
 
-/// The original's height of a disc, which counts as flat on any radius.
+/// The original's height of a disc, which counts as flat for any radius.
 const DISC: f64 = 0.00101;
 
-/// How far the ends of a side and of its caps may be apart, as a share of the radius: files have
-/// six digits.
+/// How far the ends of a lateral surface and of its caps may be apart, relative to the radius:
+/// files have six digits.
 const APART: f64 = 1e-5;
 
-/// The one cone or cylinder whose side and caps these are; `None` if they are none.
+/// The single cone or cylinder with this lateral surface and these caps; `None` if the pieces do
+/// not form one.
 ///
-/// Caps are flat cones that end in a point, over the ends of the side.
+/// Caps are flat cones that end in a point, over the ends of the lateral surface.
 pub(super) fn closed_cone(pieces: &[SffCone]) -> Option<SffCone> {
     if !(2..=3).contains(&pieces.len()) {
         return None;
@@ -96,7 +98,7 @@ fn wide_end_first(c: &SffCone) -> (DVec3, f64, DVec3, f64) {
     }
 }
 
-/// A scale and a shift, as the data of a record stand under them.
+/// The scale and translation of the data of a record.
 #[derive(Clone, Copy)]
 pub(super) struct ScaleShift {
     pub origin: DVec3,
@@ -121,7 +123,7 @@ pub(super) fn patches(
     })
 }
 
-/// Polygons, as the record lists them.
+/// Polygons as listed in the record.
 pub(super) fn polygons(data: &PolygonData, under: ScaleShift, material: MaterialId) -> Mesh {
     Mesh {
         positions: data.vertices.iter().map(|p| under.point(*p)).collect(),
@@ -131,9 +133,9 @@ pub(super) fn polygons(data: &PolygonData, under: ScaleShift, material: Material
     }
 }
 
-/// Placed triangles over vertices that they share where position, normal and surface are equal. Corners
-/// run so that the normals are in front. Also returns the surfaces of the corners, from 0, for
-/// triangles that have them.
+/// Transformed triangles that share vertices with equal position, normal and surface. Corners are
+/// ordered so that the normals are in front. Also returns the surfaces of the corners, counted from
+/// 0, for triangles that have them.
 pub(super) fn triangles(
     data: &TriangleData,
     under: ScaleShift,

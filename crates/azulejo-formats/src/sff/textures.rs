@@ -1,4 +1,4 @@
-//! Texture records as RTRACE's textures, with their colour maps and pictures.
+//! Texture records as RTRACE's textures, with their colour maps and images.
 
 use super::document::SffSources;
 use super::document::TextureRecord;
@@ -13,14 +13,14 @@ use glam::{DMat4, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Colour maps and pictures, each read once; `None` for those that cannot be had.
+/// Colour maps and images, each read once; `None` for those that cannot be read.
 #[derive(Default)]
 pub(super) struct TextureFiles {
     maps: HashMap<String, Option<ColorMap>>,
     images: HashMap<String, Option<Arc<Image>>>,
 }
 
-/// What reading a texture needs besides its record.
+/// What reading a texture requires besides its record.
 pub(super) struct TextureContext<'r, 's> {
     pub files: &'r dyn Files,
     pub sources: &'r SffSources<'s>,
@@ -29,10 +29,10 @@ pub(super) struct TextureContext<'r, 's> {
 }
 
 impl TextureFiles {
-    /// The texture of a record; `None`, with a warning, if its picture cannot be had.
+    /// The texture of a record; `None`, with a warning, if its image cannot be read.
     ///
     /// # Errors
-    /// A matrix that cannot be undone, a surface that is not there, axes that are none.
+    /// A singular matrix, a surface that does not exist, invalid axes.
     pub fn texture(
         &mut self,
         record: &TextureRecord,
@@ -42,8 +42,8 @@ impl TextureFiles {
             Err(around.sources.error(record.place, found, expected))
         };
         let Some(texture_from_point) = inverse(&record.matrix) else {
-            let expected = "one whose determinant is not zero, or all zero for none";
-            return fail("a texture's matrix that cannot be undone".into(), expected);
+            let expected = "a matrix whose determinant is not zero, or all zeros for none";
+            return fail("a singular texture matrix".into(), expected);
         };
         let v = &record.kind.values;
         let number = record.kind.number;
@@ -170,7 +170,7 @@ impl TextureFiles {
     }
 }
 
-/// Reads the file of a texture; `None`, with a warning, if that cannot be.
+/// Reads the file of a texture; `None`, with a warning, if it cannot be read.
 fn read<T>(
     record: &TextureRecord,
     around: &mut TextureContext,
@@ -184,7 +184,7 @@ fn read<T>(
         Err(why) => why,
     };
     let said = format!(
-        "\"{}\" of a texture is not used: {why}",
+        "texture file \"{}\" skipped: {why}",
         shortened(&record.file)
     );
     let position = || around.sources.position(record.place);
@@ -192,7 +192,7 @@ fn read<T>(
     None
 }
 
-/// The inverse of a texture's matrix; all zero is none.
+/// The inverse of a texture's matrix; all zeros mean none.
 fn inverse(matrix: &DMat4) -> Option<DMat4> {
     if *matrix == DMat4::ZERO {
         return Some(DMat4::IDENTITY);
@@ -201,7 +201,7 @@ fn inverse(matrix: &DMat4) -> Option<DMat4> {
     let inverse = matrix.inverse();
     (size != 0.0 && inverse.is_finite()).then_some(inverse)
 }
-/// The number, the numbers behind the matrix and whether there may be a file, of a texture.
+/// The type of a texture, and the numbers after its matrix.
 pub(super) fn numbers(kind: &RtraceTextureKind) -> (u32, Vec<f64>) {
     use RtraceTextureKind::*;
     let surface = |s: &u32| f64::from(*s + 1);

@@ -1,4 +1,4 @@
-//! Text blocks as prisms.
+//! Converts text blocks to prisms.
 
 use super::document::{SffPosition, SffSources, TextCommand, TextCommandKind};
 use crate::outline::{ppe, ppf};
@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What commands have set so far: it holds from one block to the next.
+/// The current settings, which persist from one block to the next.
 #[derive(Default)]
 pub(super) struct Typesetter {
     spacing: Option<f64>,
@@ -23,7 +23,7 @@ pub(super) struct Typesetter {
     encodings: HashMap<String, Arc<Encoding>>,
 }
 
-/// Where files come from, and where it is told what was wrong with them.
+/// The files, and the collectors of positions and warnings.
 pub(super) struct TypesetContext<'r, 's> {
     pub files: &'r dyn Files,
     pub sources: &'r SffSources<'s>,
@@ -32,11 +32,11 @@ pub(super) struct TypesetContext<'r, 's> {
 }
 
 impl Typesetter {
-    /// Carries out the commands of a block.
+    /// Executes the commands of a block.
     ///
     /// # Errors
-    /// Settings that are missing before the first string or cannot be used, files that cannot be
-    /// read, and characters without a glyph.
+    /// Settings that are missing before the first string or invalid, files that cannot be read, and
+    /// characters without a glyph.
     pub fn run(
         &mut self,
         commands: &[TextCommand],
@@ -53,7 +53,7 @@ impl Typesetter {
                 }
                 TextCommandKind::Scale(scale) => {
                     let found = format!("SCALE {} {} {}", scale.x, scale.y, scale.z);
-                    return Err(desk.sources.error(place, found, "three numbers > 0"));
+                    return Err(desk.sources.error(place, found, "three positive numbers"));
                 }
                 TextCommandKind::Orientation(axes) => {
                     self.orientation = Some(orientation(axes, place, desk)?);
@@ -104,7 +104,7 @@ impl Typesetter {
             scale,
         };
         let placed = font.lay_out(text, encoding, spacing).map_err(|e| {
-            let expected = "characters and /names/ that ENCODING and FONT have";
+            let expected = "characters and /names/ that ENCODING and FONT define";
             sources.error(place, e.to_string(), expected)
         })?;
         Ok(frame.prisms(&placed, material))
@@ -127,10 +127,10 @@ fn orientation(
     Err(desk.sources.error(place, found, expected))
 }
 
-/// What reads a font or an encoding.
+/// Decodes a font or an encoding.
 type DecodeFn<T> = fn(&[u8], &str) -> Result<(T, Vec<Warning>), ReadError>;
 
-/// The font or encoding of a file, read once.
+/// The font or encoding in a file, read once.
 fn load<T>(
     known: &mut HashMap<String, Arc<T>>,
     name: &str,

@@ -1,4 +1,4 @@
-//! The text format.
+//! The ASCII format.
 
 use super::{StlSolid, default_material};
 use crate::ReadError;
@@ -8,7 +8,7 @@ use crate::reading::words::Words;
 use azulejo_scene::Scene;
 use glam::DVec3;
 
-/// Bytes of a facet as programs write it, at least: room is made for no more triangles.
+/// Minimum length in bytes of a facet as programs write it, which limits the reserved memory.
 const SHORTEST_FACET: usize = 90;
 
 /// Reads text that begins with `solid`.
@@ -51,7 +51,10 @@ impl StlAsciiParser<'_> {
         }
         if self.solid.is_some() {
             let at = self.length;
-            self.warn_at(at, "the file ends inside a solid: what is there is kept");
+            self.warn_at(
+                at,
+                "the file ends inside a solid: what precedes the end is kept",
+            );
             self.end_solid();
         }
         if !self.scene.objects.is_empty() {
@@ -67,7 +70,7 @@ impl StlAsciiParser<'_> {
             .add(self.file, message.into(), || words.position(at));
     }
 
-    /// What stands once in a solid, or in other capitals, or nowhere.
+    /// Handles statements that occur once per solid, with other capitals, or are unknown.
     fn rare(&mut self, word: &[u8]) -> Result<(), ReadError> {
         let at = self.words.offset() - word.len();
         match word.to_ascii_lowercase().as_slice() {
@@ -84,7 +87,7 @@ impl StlAsciiParser<'_> {
                 let shown = shortened(&text(word));
                 self.warn_at(
                     at,
-                    format!("\"{shown}\" is no word of STL: skipped with its line"),
+                    format!("\"{shown}\" is not an STL keyword: line skipped"),
                 );
                 self.words.rest_of_line();
             }
@@ -103,7 +106,7 @@ impl StlAsciiParser<'_> {
         }
         let name = text(self.words.rest_of_line()).into_owned();
         let left = self.length - self.words.offset();
-        // A file of many small solids must not get room for all of it in each of them.
+        // A file with many small solids must not reserve memory for the whole file in each of them.
         let expected = if self.scene.objects.is_empty() {
             left / (2 * SHORTEST_FACET)
         } else {
@@ -126,7 +129,7 @@ impl StlAsciiParser<'_> {
         }
     }
 
-    /// Normals follow from the vertices; writers leave them out, as zero or worse.
+    /// Normals are computed from the vertices; writers omit them, or write zeros or worse.
     fn normal(&mut self) {
         for _ in 0..3 {
             self.words.word();

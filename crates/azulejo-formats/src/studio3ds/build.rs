@@ -1,4 +1,4 @@
-//! From lists to a scene: materials, and everything where the keyframer puts it.
+//! Builds the scene from the parsed lists: materials, and objects as placed by the keyframer.
 
 use super::chunk::ChunkWalker;
 use super::keyframer::{self, KeyframerNode, NodeTarget, PlacedNode};
@@ -16,27 +16,27 @@ use azulejo_scene::{
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashMap;
 
-/// Displacements below this, relative to the size of the numbers, are those of rounding: the
-/// stored vertices stay as they are. Single precision has 6e-8, and a matrix sums a few of them.
+/// Displacements below this, relative to the magnitude of the numbers, are attributed to rounding:
+/// the stored vertices stay unchanged. Single precision has 6e-8, and a matrix sums several such
+/// errors.
 const ROUNDING: f64 = 1e-5;
 
-/// Width over height of the pictures that the program makes.
+/// Aspect ratio of 3D Studio's images.
 const ASPECT: f64 = 4.0 / 3.0;
 
-/// Views steeper than this, as the sine, have y for up.
+/// Views steeper than this, as the sine, use y as the up vector.
 const UPRIGHT: f64 = 0.999_999;
 
-/// Smallest field of view, and distance of the largest from 180, degrees.
+/// Smallest field of view, and difference of the largest from 180, degrees.
 const MOST_ZOOM: f64 = 0.01;
 
-/// Builds a scene.
 pub(super) struct Studio3dsBuilder<'b> {
     pub files: &'b dyn Files,
     pub walker: ChunkWalker<'b>,
     pub budget: Budget,
 }
 
-/// The nodes of the keyframer, placed.
+/// The keyframer's nodes, placed in the world.
 struct PlacedNodes<'n> {
     nodes: &'n [KeyframerNode],
     placed: Vec<PlacedNode>,
@@ -44,12 +44,12 @@ struct PlacedNodes<'n> {
 }
 
 impl PlacedNodes<'_> {
-    /// The nodes of a thing.
+    /// The nodes of an object.
     fn of<'a>(&'a self, kind: NodeTarget, name: &'a str) -> &'a [usize] {
         self.by_name.get(&(kind, name)).map_or(&[], Vec::as_slice)
     }
 
-    /// The node of a thing that can be but once.
+    /// The node of an object that can have only one.
     fn first<'a>(
         &'a self,
         kind: NodeTarget,
@@ -59,7 +59,7 @@ impl PlacedNodes<'_> {
         Some((&self.nodes[first], &self.placed[first]))
     }
 
-    /// Where a thing without extent is, if the keyframer says so.
+    /// The position of a light or camera, if the keyframer has one.
     fn point(&self, kind: NodeTarget, name: &str) -> Option<DVec3> {
         let (_, placed) = self.first(kind, name)?;
         let point = placed.world_from_node.translation;
@@ -71,7 +71,7 @@ impl Studio3dsBuilder<'_> {
     /// The scene of a file.
     ///
     /// # Errors
-    /// Instances that unfold to too much.
+    /// Instances that unfold to more than allowed.
     pub fn scene(&mut self, model: &Studio3dsModel<'_>) -> Result<Scene, ReadError> {
         let mut scene = Scene {
             background: model.background,
@@ -97,7 +97,7 @@ impl Studio3dsBuilder<'_> {
         Ok(scene)
     }
 
-    /// Materials of the file in their order, then those that it names and does not define.
+    /// Materials of the file in their order, then those that are referred to but not defined.
     fn materials(&mut self, model: &Studio3dsModel<'_>, scene: &mut Scene) -> MaterialTable {
         let mut table = MaterialTable::default();
         let mut textures = Textures::default();
@@ -112,7 +112,7 @@ impl Studio3dsBuilder<'_> {
             let id = scene.add_material(material);
             let earlier = table.by_name.insert(definition.name.clone(), id);
             if earlier.is_some() {
-                let message = "material of the same name as an earlier one: the later holds";
+                let message = "material with the name of an earlier one: the later one is used";
                 self.walker.warn(definition.at, message);
             }
         }
@@ -135,12 +135,12 @@ impl Studio3dsBuilder<'_> {
             self.walker.warn(at, problem);
         }
         if textures.is_loaded(id) {
-            // The program's pictures replace the colour, they do not multiply it.
+            // 3D Studio's textures replace the colour, they do not multiply it.
             material.diffuse = Rgb::WHITE;
         }
     }
 
-    /// Grey materials for the names that meshes use and the file does not define.
+    /// Adds grey materials for the names that meshes use but the file does not define.
     fn undefined_materials(
         &mut self,
         model: &Studio3dsModel<'_>,
@@ -152,8 +152,7 @@ impl Studio3dsBuilder<'_> {
                 continue;
             }
             let shown = shortened(&list.material);
-            let message =
-                format!("material \"{shown}\" that is not defined: grey, reflectance 0.5");
+            let message = format!("undefined material \"{shown}\": grey with reflectance 0.5");
             self.walker.warn(list.at, message);
             let grey = Material::diffuse(list.material.clone(), DEFAULT_REFLECTANCE);
             table
@@ -196,7 +195,7 @@ impl Studio3dsBuilder<'_> {
             let of_name = nodes.of(NodeTarget::Mesh, &raw.name);
             let own = match alike[raw.name.as_str()] {
                 1 => of_name,
-                // Meshes of one name share the nodes of that name out, in their order.
+                // Meshes with the same name share the nodes of that name, in their order.
                 _ => of_name.get(*nth..=*nth).unwrap_or_default(),
             };
             *nth += 1;
@@ -208,7 +207,7 @@ impl Studio3dsBuilder<'_> {
         Ok(())
     }
 
-    /// One object for each node of a mesh; one where the file stores it if it has no node.
+    /// Adds one object for each node of a mesh; a mesh without nodes becomes one as stored.
     fn instances(
         &mut self,
         raw: &RawMesh<'_>,
@@ -231,7 +230,7 @@ impl Studio3dsBuilder<'_> {
         for &node in own {
             if nodes.nodes[node].is_hidden {
                 self.walker
-                    .warn(nodes.nodes[node].at, "hidden node: left out");
+                    .warn(nodes.nodes[node].at, "hidden node: skipped");
                 continue;
             }
             let placed = &nodes.placed[node];
@@ -250,7 +249,7 @@ impl Studio3dsBuilder<'_> {
         Ok(())
     }
 
-    /// How a node moves a mesh from where it is stored; `None` if it does not.
+    /// The transform of a mesh from its stored position; `None` if there is none.
     fn placement(
         &mut self,
         raw: &RawMesh<'_>,
@@ -264,7 +263,7 @@ impl Studio3dsBuilder<'_> {
         if frame == Some(None) {
             self.walker.warn(
                 raw.at,
-                "mesh whose local frame has no inverse: placed as stored",
+                "mesh whose local frame is singular: placed as stored",
             );
             return None;
         }
@@ -276,7 +275,7 @@ impl Studio3dsBuilder<'_> {
         if !(map.is_finite() && ends[0].is_finite() && ends[1].is_finite()) {
             self.walker.warn(
                 raw.at,
-                "node that leads out of all numbers: mesh placed as stored",
+                "node whose transform overflows: mesh placed as stored",
             );
             return None;
         }
@@ -323,7 +322,7 @@ impl Studio3dsBuilder<'_> {
             .unwrap_or(raw.target);
         let Some(forward) = (target - eye).try_normalize() else {
             self.walker
-                .warn(raw.at, "camera that looks nowhere: left out");
+                .warn(raw.at, "camera without a viewing direction: skipped");
             return None;
         };
         let node = nodes
@@ -350,24 +349,22 @@ impl Studio3dsBuilder<'_> {
         })
     }
 
-    /// From the horizontal field of view, which is 2400 / lens degrees: the program's own rule,
-    /// and the keyframer's value beside it where a file has both.
+    /// Converts the horizontal field of view, which is 2400 / lens degrees: this is 3D Studio's own
+    /// rule, and agrees with the keyframer's value in files that have both.
     fn vertical_fov(&mut self, raw: &RawCamera, node: Option<&KeyframerNode>) -> f64 {
         let mut horizontal = node
             .and_then(|n| n.field_of_view)
             .unwrap_or(2400.0 / raw.lens);
         if !(MOST_ZOOM..=180.0 - MOST_ZOOM).contains(&horizontal) {
-            self.walker.warn(
-                raw.at,
-                "camera without a possible field of view: 45 degrees",
-            );
+            self.walker
+                .warn(raw.at, "camera with an invalid field of view: 45 degrees");
             horizontal = 45.0;
         }
         2.0 * ((0.5 * horizontal.to_radians()).tan() / ASPECT).atan()
     }
 }
 
-/// Whether a map moves any corner of a box by more than rounding does.
+/// Whether a map moves any corner of a box by more than rounding.
 fn moves(map: &DAffine3, bounds: Aabb) -> bool {
     let size = bounds.min.abs().max(bounds.max.abs()).max_element();
     let moved = (0..8).map(|corner| {
@@ -385,7 +382,7 @@ fn moves(map: &DAffine3, bounds: Aabb) -> bool {
     moved.fold(0.0, f64::max) > ROUNDING * size
 }
 
-/// Whether a face has this material.
+/// Whether any face has this material.
 fn uses(scene: &Scene, material: MaterialId) -> bool {
     scene.objects.iter().any(|o| match &o.shape {
         Shape::Mesh(mesh) => mesh.face_materials.contains(&material),

@@ -1,4 +1,4 @@
-//! The keyframer: where nodes are at the first frame.
+//! The keyframer: transforms of nodes at the first frame.
 
 use super::chunk::{Chunk, ChunkWalker, name, vector};
 use crate::reading::bytes::Bytes;
@@ -6,10 +6,10 @@ use crate::reading::options::{Budget, Exhausted};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::HashMap;
 
-/// Name of nodes that have no mesh: their instance name is what people see.
+/// Name of nodes without a mesh, which are identified by their instance name.
 const DUMMY: &str = "$$$DUMMY";
 
-/// What a node places.
+/// The type of object that a node refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum NodeTarget {
     Mesh,
@@ -19,7 +19,7 @@ pub(super) enum NodeTarget {
     SpotTarget,
 }
 
-/// A node as it stands in the file, its tracks at their first key.
+/// A node as in the file, with each track at its first key.
 #[derive(Debug)]
 pub(super) struct KeyframerNode {
     pub kind: NodeTarget,
@@ -41,13 +41,13 @@ pub(super) struct KeyframerNode {
     pub roll: Option<f64>,
 }
 
-/// A node in the world.
+/// A node in world coordinates.
 #[derive(Debug)]
 pub(super) struct PlacedNode {
     pub world_from_node: DAffine3,
-    /// Where a mesh's own origin is in the node.
+    /// The mesh's origin in node coordinates.
     pub pivot: DVec3,
-    /// Whether the node says where it is.
+    /// Whether the node has a position.
     pub has_position: bool,
     /// Names from the root to the node.
     pub path: String,
@@ -78,8 +78,8 @@ pub(super) fn read(walker: &mut ChunkWalker<'_>, chunk: &Chunk<'_>) -> Vec<Keyfr
                 count = count.wrapping_add(1);
                 nodes.extend(node);
             }
-            // The header, the segment of frames and the current frame; settings of the ambient
-            // light, which is not used.
+            // The header, the frame range and the current frame; the ambient light node, which is
+            // not used.
             (None, 0xb00a | 0xb008 | 0xb009 | 0xb001) => {}
             (None, 0x7001) => {}
             _ => walker.skipped(&child, ""),
@@ -88,8 +88,8 @@ pub(super) fn read(walker: &mut ChunkWalker<'_>, chunk: &Chunk<'_>) -> Vec<Keyfr
     nodes
 }
 
-/// A node; none without the header that says of what. `number` counts the nodes, and is the id of
-/// those that old programs wrote.
+/// Reads a node; `None` without the header that names its object. `number` is its sequence number,
+/// which serves as the id in files of old programs.
 fn node(
     walker: &mut ChunkWalker<'_>,
     chunk: Chunk<'_>,
@@ -116,7 +116,7 @@ fn node(
         node.entry(walker, child);
     }
     if node.name.is_empty() {
-        walker.warn(chunk.at, "node of the keyframer without a name: skipped");
+        walker.warn(chunk.at, "keyframer node without a name: skipped");
         return None;
     }
     Some(node)
@@ -134,11 +134,11 @@ impl KeyframerNode {
             0xb022 => self.scale = first_key(walker, chunk).map_or(DVec3::ONE, finite),
             0xb023 => self.field_of_view = first_key(walker, chunk).map(|[v]| v),
             0xb024 => self.roll = first_key(walker, chunk).map(|[v]| v),
-            // Bounding boxes and the angle of morphs say nothing new; colours, hot spots and
-            // fall-offs of lights repeat what the lights say.
+            // Bounding boxes and morph angles are redundant; colours, hot spots and fall-offs of
+            // lights repeat those of the lights.
             0xb014 | 0xb015 | 0xb025 | 0xb027 | 0xb028 => {}
             0xb026 => walker.skipped(&chunk, "morphing"),
-            0xb029 => walker.skipped(&chunk, "track that hides and shows"),
+            0xb029 => walker.skipped(&chunk, "hide track"),
             _ => walker.skipped(&chunk, ""),
         }
     }
@@ -152,7 +152,7 @@ impl KeyframerNode {
         }
     }
 
-    /// What people call it.
+    /// The displayed name.
     fn label(&self) -> &str {
         match (self.instance.as_str(), self.name.as_str()) {
             ("", DUMMY) => "",
@@ -161,7 +161,7 @@ impl KeyframerNode {
         }
     }
 
-    /// Position, rotation and scale, in the parent's space.
+    /// Position, rotation and scale, relative to the parent.
     fn parent_from_node(&self) -> DAffine3 {
         let [angle, axis @ ..] = self.rotation.unwrap_or([0.0; 4]);
         let rotation = match DVec3::from(axis).try_normalize() {
@@ -177,7 +177,7 @@ fn finite(v: [f64; 3]) -> DVec3 {
     DVec3::from(v.map(|x| if x.is_finite() { x } else { 0.0 }))
 }
 
-/// The value of a track before anything moves.
+/// The value of a track at its first key.
 fn first_key<'a, const N: usize>(
     walker: &mut ChunkWalker<'_>,
     mut chunk: Chunk<'a>,
@@ -187,14 +187,14 @@ fn first_key<'a, const N: usize>(
         b.u32_le()
     })?;
     if keys > 1 {
-        walker.warn(chunk.at, "animation: the scene is taken at its first key");
+        walker.warn(chunk.at, "animation: the first key is used");
     }
     if keys == 0 {
         return None;
     }
     walker.data(&mut chunk, |b| {
         b.skip(4)?;
-        // One number for each of tension, continuity, bias and the two easings that is there.
+        // One number for each flag of tension, continuity, bias and the two easings.
         let splines = b.u16_le()? & 0b1_1111;
         b.skip(4 * splines.count_ones() as usize)?;
         vector(b)
@@ -248,8 +248,8 @@ fn child(
     })
 }
 
-/// The parent of each node, by node id or, in files without ids, by running number. Nodes that
-/// are their own ancestors become roots.
+/// The parent of each node, by node id or, in files without ids, by sequence number. Nodes that are
+/// their own ancestors become roots.
 fn parents(nodes: &[KeyframerNode], walker: &mut ChunkWalker<'_>) -> Vec<Option<usize>> {
     let by_id: HashMap<u16, usize> = nodes
         .iter()
@@ -260,23 +260,23 @@ fn parents(nodes: &[KeyframerNode], walker: &mut ChunkWalker<'_>) -> Vec<Option<
     let mut parent = |n: &KeyframerNode| {
         let found = by_id.get(&(n.parent as u16)).copied();
         if n.parent != -1 && found.is_none() {
-            let message = "node of the keyframer whose parent is missing: at the root";
+            let message = "keyframer node whose parent is missing: placed at the root";
             walker.warn(n.at, message);
         }
         found.filter(|_| n.parent != -1)
     };
     let mut parents: Vec<Option<usize>> = nodes.iter().map(&mut parent).collect();
     for node in break_cycles(&mut parents) {
-        let message = "node of the keyframer that is its own ancestor: at the root";
+        let message = "keyframer node that is its own ancestor: placed at the root";
         walker.warn(nodes[node].at, message);
     }
     parents
 }
 
-/// Makes a root of one node in each cycle, and returns those.
+/// Makes one node of each cycle a root, and returns these nodes.
 fn break_cycles(parents: &mut [Option<usize>]) -> Vec<usize> {
     let mut broken = Vec::new();
-    // Which walk came past each node first.
+    // The first traversal that reached each node.
     let mut walks = vec![usize::MAX; parents.len()];
     for start in 0..parents.len() {
         let mut node = start;
@@ -298,7 +298,7 @@ pub(super) fn world_from_mesh(frame: [f64; 12]) -> Option<DAffine3> {
     let axis = |i: usize| DVec3::from_slice(&frame[3 * i..]);
     let mut matrix = DMat3::from_cols(axis(0), axis(1), axis(2));
     if matrix.determinant() < 0.0 {
-        // The program mirrors such meshes in x before it places them.
+        // 3D Studio mirrors such meshes in x before it places them.
         matrix.x_axis = -matrix.x_axis;
     }
     let map = DAffine3::from_mat3_translation(matrix, axis(3));

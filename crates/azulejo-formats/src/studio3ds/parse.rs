@@ -1,4 +1,4 @@
-//! From chunks to lists of what is in the file.
+//! Parses chunks into lists of the file's content.
 
 use super::MAIN;
 use super::chunk::{Chunk, ChunkWalker, name, vector};
@@ -10,7 +10,7 @@ use crate::surface::gloss::Gloss;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 
-/// What a file holds, nothing placed yet.
+/// The content of a file, before objects are placed.
 #[derive(Debug, Default)]
 pub(super) struct Studio3dsModel<'a> {
     pub materials: Vec<MaterialDefinition>,
@@ -21,7 +21,7 @@ pub(super) struct Studio3dsModel<'a> {
     pub background: Option<Rgb>,
 }
 
-/// A mesh, its lists still bytes.
+/// A mesh whose lists are still bytes.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh<'a> {
     pub name: String,
@@ -57,13 +57,13 @@ pub(super) struct RawLight {
     pub spot: Option<SpotCone>,
 }
 
-/// What makes a light a spotlight.
+/// The cone of a spotlight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpotCone {
     pub target: DVec3,
-    /// Full angle of full light, degrees.
+    /// Full angle of full intensity, degrees.
     pub hot_spot: f64,
-    /// Full angle of any light, degrees.
+    /// Full angle beyond which the intensity is zero, degrees.
     pub fall_off: f64,
 }
 
@@ -80,14 +80,13 @@ pub(super) struct RawCamera {
     pub lens: f64,
 }
 
-/// Reads a file.
 pub(super) struct Studio3dsParser<'a, 'w> {
     walker: ChunkWalker<'w>,
     model: Studio3dsModel<'a>,
 }
 
 impl<'a, 'w> Studio3dsParser<'a, 'w> {
-    /// A parser that has seen nothing. `file` stands in messages.
+    /// A parser in its initial state. `file` is the file's name in messages.
     pub fn new(file: &'w str) -> Studio3dsParser<'a, 'w> {
         Studio3dsParser {
             walker: ChunkWalker {
@@ -99,7 +98,7 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
         }
     }
 
-    /// What was read, and what was wrong with it.
+    /// The content and the collected warnings.
     pub fn finish(self) -> (Studio3dsModel<'a>, ChunkWalker<'w>) {
         (self.model, self.walker)
     }
@@ -110,14 +109,14 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
             return;
         };
         if bytes.left() > 0 {
-            let message = format!("{} bytes behind the model: skipped", bytes.left());
+            let message = format!("{} bytes after the model: skipped", bytes.left());
             self.walker.warn(bytes.offset(), message);
         }
         debug_assert_eq!(main.id, MAIN);
         let mut body = main.body;
         while let Some(chunk) = self.walker.next(&mut body) {
             match chunk.id {
-                // Versions say nothing that the chunks do not.
+                // Versions are redundant.
                 0x0002 | 0x0001 => {}
                 0x3d3d => self.editor(chunk),
                 0xb000 => {
@@ -153,11 +152,11 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
         self.model.background = background.filter(|_| is_used).or(self.model.background);
     }
 
-    /// The length of one unit, but of which measure no chunk says: nothing can be made of it.
+    /// Reads the length of one unit. No chunk states the measure, so it cannot be used.
     fn master_scale(&mut self, chunk: &mut Chunk<'a>) {
         let scale = self.walker.data(chunk, Bytes::f32_le);
         if scale.is_some_and(|s| s != 1.0) {
-            let message = "master scale other than 1 (chunk 0100), in no known unit: not used";
+            let message = "master scale other than 1 (chunk 0100), whose unit is unknown: ignored";
             self.walker.warn(chunk.at, message);
         }
     }
@@ -165,20 +164,21 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
     fn ambient_light(&mut self, chunk: &Chunk<'a>) {
         let color = self.walker.color(chunk);
         if color.is_some_and(|c| !c.is_black()) {
-            let what = "ambient light, which stands for the light that azulejo computes";
+            let what = "ambient light, which approximates light that azulejo computes";
             self.walker.skipped(chunk, what);
         }
     }
 
-    /// Settings of the editor that have no bearing on the scene, and those that would have.
+    /// Handles settings of the editor, which do not affect the scene, and unsupported settings that
+    /// would.
     fn setting(&mut self, chunk: &Chunk<'a>) {
         match chunk.id {
             // Mesh version, construction plane, shadow maps, viewports, and fog and backgrounds
-            // without the chunk that says that they are used.
+            // without the chunk that enables them.
             0x0001 | 0x3d3e | 0x1400..=0x1500 | 0x3000..=0x3090 | 0x7001..=0x7020 => {}
             0x1100 | 0x1300 | 0x2200 | 0x2300 | 0x2302 => {}
-            0x1101 => self.walker.skipped(chunk, "picture in the background"),
-            0x1301 => self.walker.skipped(chunk, "gradient in the background"),
+            0x1101 => self.walker.skipped(chunk, "background image"),
+            0x1301 => self.walker.skipped(chunk, "background gradient"),
             0x2201 => self.walker.skipped(chunk, "fog"),
             0x2301 => self.walker.skipped(chunk, "layered fog"),
             0x2303 => self.walker.skipped(chunk, "distance cue"),
@@ -186,7 +186,7 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
         }
     }
 
-    /// A named object: a mesh, a light or a camera, with switches.
+    /// Reads a named object: a mesh, a light or a camera, with flags.
     fn object(&mut self, mut chunk: Chunk<'a>) {
         let name = name(&mut chunk.body);
         let start = (self.model.meshes.len(), self.model.lights.len());
@@ -209,7 +209,7 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
             }
         }
         if is_hidden && start != (self.model.meshes.len(), self.model.lights.len()) {
-            self.walker.warn(chunk.at, "hidden object: left out");
+            self.walker.warn(chunk.at, "hidden object: skipped");
             self.model.meshes.truncate(start.0);
             self.model.lights.truncate(start.1);
         }
@@ -228,8 +228,8 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
                 0x4120 => self.faces(&mut mesh, chunk),
                 0x4140 => mesh.uvs = self.walker.list(&mut chunk, 8, "texture coordinates"),
                 0x4160 => mesh.frame = self.walker.data(&mut chunk, vector),
-                // Flags of vertices and the colour of wires are the editor's; how pictures were
-                // projected is in the texture coordinates.
+                // Vertex flags and wire colours belong to the editor; texture projections are
+                // contained in the texture coordinates.
                 0x4111 | 0x4165 | 0x4170 => {}
                 0x4181 | 0x4182 => self.walker.skipped(&chunk, "external process on a mesh"),
                 _ => self.walker.skipped(&chunk, ""),
@@ -255,11 +255,11 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
                 }),
                 0x4150 => {
                     let there = count.min(chunk.body.left() / 4);
-                    let message = "smoothing groups missing from a list that ends too soon";
+                    let message = "smoothing groups missing from a truncated list";
                     self.walker.warn_many(chunk.at, message, count - there);
                     mesh.smoothing = chunk.body.take(4 * there).unwrap_or_default();
                 }
-                0x4190 => self.walker.skipped(&chunk, "box of materials"),
+                0x4190 => self.walker.skipped(&chunk, "box map of materials"),
                 _ => self.walker.skipped(&chunk, ""),
             }
         }
@@ -286,23 +286,21 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
                 0x4610 => light.spot = self.spot(entry),
                 0x4620 => is_off = true,
                 0x465b => multiplier = self.walker.data(&mut entry, Bytes::f32_le).unwrap_or(1.0),
-                // Light falls with the square of the distance and every light casts shadows.
+                // Light falls off with the square of the distance, and every light casts shadows.
                 0x4625 => self.walker.skipped(&entry, "range of a light"),
-                0x4654 => self
-                    .walker
-                    .skipped(&entry, "objects that a light leaves out"),
+                0x4654 => self.walker.skipped(&entry, "objects excluded from a light"),
                 0x4627..=0x4630 | 0x4641 | 0x4658..=0x465a => {}
                 _ => self.walker.skipped(&entry, ""),
             }
         }
         light.intensity *= f64::from(multiplier);
         if is_off {
-            self.walker.warn(chunk.at, "light that is off: left out");
+            self.walker.warn(chunk.at, "light that is off: skipped");
         } else if !(multiplier >= 0.0 && light.intensity.is_finite() && light.position.is_finite())
         {
             self.walker.warn(
                 chunk.at,
-                "light that takes light away or is nowhere: left out",
+                "light with a negative colour or a position that is not finite: skipped",
             );
         } else {
             self.model.lights.push(light);
@@ -316,14 +314,12 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
             match chunk.id {
                 0x4651 => self
                     .walker
-                    .skipped(&chunk, "rectangular spotlight, round instead"),
-                0x4652 => self
-                    .walker
-                    .skipped(&chunk, "light outside a spotlight's cone"),
+                    .skipped(&chunk, "rectangular spotlight, taken as round"),
+                0x4652 => self.walker.skipped(&chunk, "overshoot of a spotlight"),
                 0x4653 => self
                     .walker
-                    .skipped(&chunk, "picture that a spotlight projects"),
-                // How cones are shown, shadow maps, roll and aspect of rectangles.
+                    .skipped(&chunk, "image projected by a spotlight"),
+                // Display of cones, shadow maps, roll and aspect of rectangles.
                 0x4630 | 0x4641 | 0x4650 | 0x4656..=0x4658 => {}
                 _ => self.walker.skipped(&chunk, ""),
             }

@@ -1,4 +1,4 @@
-//! What View3D asks of surfaces before it computes.
+//! View3D's requirements on surfaces.
 
 use super::document::{SurfaceKind, View3dDocument, View3dSurface};
 use super::lines::View3dLines;
@@ -6,27 +6,28 @@ use crate::ReadError;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
 
-/// Farther from their mean plane than this, over the radius, corners are no flat surface.
+/// Maximum distance of corners from their mean plane, relative to the radius; beyond it, the
+/// surface is rejected.
 const LARGEST_BEND: f64 = 3e-5;
-/// From here on it is said.
+/// The distance from which on a warning is given.
 const NOTED_BEND: f64 = 3e-6;
-/// How far from its base's plane and outline a surface may lie, over the base's size.
+/// Maximum distance of a surface from its base's plane and outline, relative to the base's size.
 const TOLERANCE: f64 = 1e-5;
 /// The cosine of the largest angle between a surface and its base.
 const PARALLEL: f64 = 0.999;
 
-/// Where the fields stand that can only be checked at the end.
+/// Positions of the fields that can only be checked at the end.
 #[derive(Default)]
 pub(super) struct View3dChecker {
-    /// Base and combination of each surface that has these fields: all but obstructions, which
-    /// come last.
+    /// Base and combination of each surface with these fields: all but obstructions, which come
+    /// last.
     pub fields: Vec<[usize; 2]>,
 }
 
 type CheckResult = Result<(), ReadError>;
 
 impl View3dChecker {
-    /// Flat, convex, of some area.
+    /// Checks that an outline is flat, convex, and has an area.
     pub fn outline(
         &self,
         document: &View3dDocument,
@@ -46,31 +47,31 @@ impl View3dChecker {
         }
         let has_area = plane.area > 1e-12 * plane.radius * plane.radius;
         if !has_area {
-            return refuse("which has no area", "corners that are not on one line");
+            return refuse(
+                "corners that are not collinear",
+                "corners that are not collinear",
+            );
         }
         if plane.bend(&corners) > LARGEST_BEND {
-            return refuse(
-                "which is not flat",
-                "four corners in one plane, or triangles",
-            );
+            return refuse("which is not flat", "four coplanar corners, or triangles");
         }
         if !is_convex(&corners, plane.normal) {
             return refuse(
                 "which is not convex",
-                "convex surfaces; divide it and combine the parts",
+                "convex surfaces: divide it and combine the parts",
             );
         }
         Ok(())
     }
 
-    /// What is said of a surface that is not quite flat.
+    /// The warning about a surface that is not quite flat.
     pub fn bend(&self, document: &View3dDocument, index: usize) -> Option<&'static str> {
         let corners = document.corners(&document.surfaces[index]);
         let is_bent = MeanPlane::of(&corners).bend(&corners) > NOTED_BEND;
         is_bent.then_some("surfaces that are not quite flat")
     }
 
-    /// Bases and combinations of all surfaces.
+    /// Checks bases and combinations of all surfaces.
     pub fn all(&self, document: &View3dDocument, lines: &View3dLines) -> CheckResult {
         for (index, &[at_base, at_combined]) in self.fields.iter().enumerate() {
             let surface = &document.surfaces[index];
@@ -122,7 +123,7 @@ fn base(document: &View3dDocument, index: usize, surface: &View3dSurface) -> Res
     }
 }
 
-/// Whether a surface lies in its base, and faces as it should.
+/// Whether a surface lies in its base, and faces the right way.
 fn within(document: &View3dDocument, surface: &View3dSurface) -> Result<(), Mismatch> {
     if surface.base == 0 {
         return Ok(());
@@ -135,11 +136,11 @@ fn within(document: &View3dDocument, surface: &View3dSurface) -> Result<(), Mism
     let same_way = surface.kind == SurfaceKind::Radiating;
     let cosine = plane.normal.dot(own.normal) * if same_way { 1.0 } else { -1.0 };
     if cosine < PARALLEL {
-        let found = format!("a surface that looks another way than base {number}");
+        let found = format!("a surface that does not face like base {number}");
         let expected = if same_way {
-            "one that faces the same way: turn its vertices around"
+            "one that faces the same way: reverse its vertices"
         } else {
-            "one that faces its base: turn its vertices around"
+            "one that faces its base: reverse its vertices"
         };
         return refused(found, expected);
     }
@@ -148,8 +149,8 @@ fn within(document: &View3dDocument, surface: &View3dSurface) -> Result<(), Mism
         .any(|&p| plane.height(p).abs() > TOLERANCE * size)
     {
         return refused(
-            format!("a surface beside the plane of base {number}"),
-            "one in it",
+            format!("a surface outside the plane of base {number}"),
+            "one in that plane",
         );
     }
     let is_inside = |&p: &DVec3| {
@@ -162,8 +163,8 @@ fn within(document: &View3dDocument, surface: &View3dSurface) -> Result<(), Mism
         Ok(())
     } else {
         refused(
-            format!("a surface that reaches out of base {number}"),
-            "one wholly inside",
+            format!("a surface that extends beyond base {number}"),
+            "one that lies within it",
         )
     }
 }
@@ -189,12 +190,12 @@ fn combination(
     match (other.kind, other.combined) {
         (SurfaceKind::Radiating, 0) => Ok(()),
         (SurfaceKind::Radiating, root) => refused(
-            format!("surface {first}, which is part of {root} itself"),
-            format!("{root}: all parts name the first"),
+            format!("surface {first}, which itself is part of {root}"),
+            format!("{root}: all parts refer to the first one"),
         ),
         _ => refused(
             format!("surface {first}, which does not radiate"),
-            "one that does",
+            "one that radiates",
         ),
     }
 }
@@ -221,7 +222,7 @@ impl MeanPlane {
         }
     }
 
-    /// Whether a polygon is flat to a bend over its radius, and convex.
+    /// Whether a polygon is convex, and flat up to a bend relative to its radius.
     pub fn is_flat_and_convex(corners: &[DVec3], bend: f64) -> bool {
         let plane = MeanPlane::of(corners);
         plane.bend(corners) <= bend && is_convex(corners, plane.normal)
@@ -231,7 +232,7 @@ impl MeanPlane {
         self.normal.dot(p - self.centre)
     }
 
-    /// The largest distance of a corner from the plane, over the radius.
+    /// The largest distance of a corner from the plane, relative to the radius.
     fn bend(&self, corners: &[DVec3]) -> f64 {
         let off = |m: f64, &p: &DVec3| m.max(self.height(p).abs());
         corners.iter().fold(0.0, off) / self.radius
@@ -244,7 +245,7 @@ pub(super) fn edges(corners: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> {
     corners.iter().copied().zip(next.copied())
 }
 
-/// Whether the corners turn left all the way; straight on is no turn.
+/// Whether all corners turn left or are straight.
 fn is_convex(corners: &[DVec3], normal: DVec3) -> bool {
     let n = corners.len();
     (0..n).all(|k| {

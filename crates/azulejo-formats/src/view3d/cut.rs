@@ -1,23 +1,22 @@
-//! Polygons out of polygons.
+//! Subtracts polygons from polygons.
 
 use super::check::{MeanPlane, edges};
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 
-/// Pieces smaller than this, over the area of the whole, are left out.
+/// Pieces smaller than this, relative to the whole area, are dropped.
 const SPECK: f64 = 1e-12;
 
-/// More polygons than this are not cut out of one: each is compared with all that is left.
+/// Maximum number of polygons subtracted from one: each is compared with everything that is left.
 pub(super) const MOST_HOLES: usize = 4_096;
 
-/// Pieces for each hole at most. Holes that do not overlap leave about four.
+/// Maximum number of pieces per hole. Holes that do not overlap leave about four.
 const MOST_PIECES: usize = 16;
 
-/// What is left of a convex polygon outside of others in its plane, in convex pieces that keep
-/// its front. Corners of the pieces are, where they can be, corners of what is given.
+/// The difference of a convex polygon and others in its plane, in convex pieces with the same
+/// orientation. Where possible, the pieces reuse the given corners.
 ///
-/// None if it comes to too much: there are more than [`MOST_HOLES`], or they overlap so much that
-/// they leave a sieve.
+/// `None` if it becomes too complex: more than [`MOST_HOLES`], or holes that overlap too much.
 pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<DVec3>>> {
     if holes.len() > MOST_HOLES {
         return None;
@@ -43,7 +42,7 @@ pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<D
     Some(pieces)
 }
 
-/// The polygon counter-clockwise about a normal.
+/// The polygon, counter-clockwise about a normal.
 fn turned_like(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
     if MeanPlane::of(polygon).normal.dot(normal) < 0.0 {
         polygon.iter().rev().copied().collect()
@@ -55,16 +54,16 @@ fn turned_like(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
 struct OverlapCutter {
     normal: DVec3,
     area: f64,
-    /// What is closer than this to a corner is where the corner is.
+    /// Points closer than this to a corner are merged with it.
     snap: f64,
     corners: Vec<DVec3>,
-    /// The box around the hole.
+    /// The bounding box of the hole.
     bounds: Aabb,
 }
 
 impl OverlapCutter {
-    /// The parts of a convex piece outside of a convex hole: beyond each of its edges in turn,
-    /// what the edges before have left.
+    /// The parts of a convex piece outside of a convex hole: for each of its edges in turn, the
+    /// part beyond it of what the previous edges have left.
     fn subtract(&self, piece: Vec<DVec3>, hole: &[DVec3]) -> Vec<Vec<DVec3>> {
         if self.is_beside(&piece) {
             return vec![piece];
@@ -76,7 +75,7 @@ impl OverlapCutter {
             rest = self.clip(&rest, a, inward);
             outside.extend((!self.is_speck(&part)).then_some(part));
         }
-        // What the hole does not touch stays as it was.
+        // A piece that the hole does not touch stays unchanged.
         if self.is_speck(&rest) {
             vec![piece]
         } else {
@@ -84,7 +83,7 @@ impl OverlapCutter {
         }
     }
 
-    /// Whether boxes already show that the hole does not touch a piece.
+    /// Whether bounding boxes show that the hole does not touch a piece.
     fn is_beside(&self, piece: &[DVec3]) -> bool {
         let own = Aabb::around(piece.iter().copied());
         let apart = own.min.max(self.bounds.min) - own.max.min(self.bounds.max);
@@ -114,8 +113,8 @@ impl OverlapCutter {
         kept
     }
 
-    /// The point with each coordinate that a corner nearly has made that of the corner: walls and
-    /// windows mostly stand along the axes, and stay there.
+    /// The point with each coordinate snapped to that of a nearby corner: walls and windows are
+    /// mostly axis-aligned, and remain so.
     fn snapped(&self, p: DVec3) -> DVec3 {
         let coordinate = |axis: usize| {
             let near = |c: &&DVec3| (c[axis] - p[axis]).abs() < self.snap;
@@ -158,7 +157,7 @@ mod tests {
         check(&[square(0.0, 0.0, 0.5)], 2, 0.75);
         check(&[square(0.0, 0.0, 1.0)], 0, 0.0);
         check(&[square(0.1, 0.1, 0.2), square(0.6, 0.6, 0.3)], 7, 0.87);
-        // Twice the same takes nothing more away.
+        // Subtracting the same twice removes nothing more.
         check(&[window.clone(), window], 4, 0.75);
     }
 

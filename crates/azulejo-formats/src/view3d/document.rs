@@ -1,4 +1,4 @@
-//! What a file says, record by record.
+//! The content of a file, record by record.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 pub struct View3dDocument {
     /// The last title.
     pub title: String,
-    /// What the control lines say.
+    /// The parameters on the control lines.
     pub controls: View3dControls,
     /// The vertices of an F 3 file; vertex n is the n-th.
     pub vertices: Vec<DVec3>,
@@ -15,22 +15,22 @@ pub struct View3dDocument {
     pub surfaces: Vec<View3dSurface>,
 }
 
-/// Parameters, View3D's defaults where nothing is said.
+/// Control parameters, with View3D's defaults for those that are not given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View3dControls {
-    /// Limit of convergence of the integration.
+    /// Convergence limit of the integration.
     pub eps: f64,
-    /// The one row that is wanted, from 1; 0 for all.
+    /// The single row to compute, from 1; 0 for all.
     pub row: u32,
-    /// The one column, from 1, if a row is given; 0 for all.
+    /// The single column, from 1, if a row is given; 0 for all.
     pub column: u32,
-    /// Whether the surfaces are an enclosure, so that rows are made to sum to 1.
+    /// Whether the surfaces are an enclosure, so that rows are normalised to sum to 1.
     pub encl: bool,
-    /// Whether grey interchange factors are wanted instead of view factors.
+    /// Whether to compute grey interchange factors instead of view factors.
     pub emit: bool,
-    /// How the matrix is written.
+    /// The output format of the matrix.
     pub out: MatrixLayout,
-    /// Parameters of View3D's own method that the file sets, by name, with their values.
+    /// Parameters of View3D's own method given in the file, by name, with their values.
     pub others: Vec<(&'static str, i16)>,
 }
 
@@ -48,7 +48,7 @@ impl Default for View3dControls {
     }
 }
 
-/// How View3D writes a matrix.
+/// View3D's matrix formats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MatrixLayout {
     /// `out=0`: decimal numbers.
@@ -58,35 +58,35 @@ pub enum MatrixLayout {
     Binary,
 }
 
-/// What a surface takes part in.
+/// The role of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// S: it radiates from its front.
+    /// S: radiates from its front.
     Radiating,
-    /// M: it covers a part of its base, and faces it.
+    /// M: covers a part of its base, and faces it.
     Mask,
-    /// N: it takes a part of its base away.
+    /// N: removes a part of its base.
     Null,
-    /// O: it blocks and does nothing else.
+    /// O: only blocks.
     Obstruction,
 }
 
 /// A surface, a polygon of three or four corners.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View3dSurface {
-    /// What it is.
+    /// Its role.
     pub kind: SurfaceKind,
-    /// How its polygon is given.
+    /// Its polygon.
     pub outline: SurfaceOutline,
-    /// The surface that holds it, from 1; 0 for none.
+    /// The surface that contains it, from 1; 0 for none.
     pub base: u32,
-    /// The surface whose part it is, from 1; 0 for none.
+    /// The surface that it is combined with, from 1; 0 for none.
     pub combined: u32,
     /// Emissivity, 0.001..=0.999.
     pub emissivity: f64,
     /// One word; may be empty.
     pub name: String,
-    /// The line of the file on which it begins, from 1.
+    /// The first line of its record, from 1.
     pub line: u32,
 }
 
@@ -97,13 +97,13 @@ pub enum SurfaceOutline {
     Vertices(Vec<u32>),
     /// F 3a: a flat shape in space.
     Placed {
-        /// Its shape.
+        /// The shape.
         shape: PlanarShape,
-        /// Where its own origin lies.
+        /// The position of its origin.
         origin: DVec3,
-        /// Where its front looks, degrees clockwise from +y.
+        /// The azimuth of its normal, degrees clockwise from +y.
         azimuth: f64,
-        /// Its front's angle from +z, degrees.
+        /// The angle of its normal from +z, degrees.
         tilt: f64,
     },
 }
@@ -111,17 +111,17 @@ pub enum SurfaceOutline {
 /// A shape in its own plane.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlanarShape {
-    /// R: width and height from the lower left corner, seen from the front.
+    /// R: width and height from the lower left corner, as seen from the front.
     Rectangle([f64; 2]),
     /// T or Q: three or four corners (u, v).
     Polygon(Vec<[f64; 2]>),
 }
 
 impl View3dDocument {
-    /// The corners of a surface, counter-clockwise from its front.
+    /// The corners of a surface, counter-clockwise as seen from its front.
     ///
     /// # Panics
-    /// If the surface names vertices that the document does not have.
+    /// If the surface refers to vertices that the document does not have.
     pub fn corners(&self, surface: &View3dSurface) -> Vec<DVec3> {
         match &surface.outline {
             SurfaceOutline::Vertices(numbers) => {
@@ -152,7 +152,7 @@ impl PlanarShape {
     }
 }
 
-/// Sine and cosine of an angle in degrees, exact where walls usually stand.
+/// Sine and cosine of an angle in degrees, exact for multiples of 90 degrees.
 fn sin_cos(degrees: f64) -> (f64, f64) {
     match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),

@@ -1,14 +1,14 @@
-//! Matrices of view factors as View3D 4.0.0 writes them.
+//! View factor matrices in the formats of View3D 4.0.0.
 
 use super::document::MatrixLayout;
 use std::io::{self, Write};
 
-/// What stands before a matrix.
+/// The header of a matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FactorHeader {
     /// Text or binary.
     pub layout: MatrixLayout,
-    /// Whether rows were made to sum to 1.
+    /// Whether rows were normalised to sum to 1.
     pub encl: bool,
     /// Whether it holds grey interchange factors.
     pub emit: bool,
@@ -25,11 +25,11 @@ impl FactorHeader {
 
 /// Writes a matrix: its header, areas, rows in order, and emissivities.
 ///
-/// Text gives areas six digits, factors six decimals and emissivities three; binary is
-/// little-endian `f32`, as it is on the machines that View3D runs on.
+/// Text has six digits for areas, six decimals for factors and three for emissivities; binary is
+/// little-endian `f32`, as on the machines on which View3D runs.
 ///
 /// # Errors
-/// What `out` says, what the rows say, and rows of another length than `areas`.
+/// Those of `out` and of the rows, and rows whose length differs from that of `areas`.
 pub fn write_factors(
     header: FactorHeader,
     areas: &[f64],
@@ -71,7 +71,7 @@ fn check(found: usize, expected: usize) -> io::Result<()> {
     if found == expected {
         Ok(())
     } else {
-        let message = format!("{found} rows or columns where there should be {expected}");
+        let message = format!("{found} rows or columns instead of {expected}");
         Err(io::Error::new(io::ErrorKind::InvalidInput, message))
     }
 }
@@ -98,7 +98,7 @@ fn decimal(x: f64, places: usize) -> String {
     }
 }
 
-/// C's `%g`: six digits, the shorter of the two notations, no zeros at the end.
+/// C's `%g`: six digits, the shorter of the two notations, no trailing zeros.
 fn general(x: f64) -> String {
     const DIGITS: i32 = 6;
     if x == 0.0 || !x.is_finite() {
@@ -114,7 +114,7 @@ fn general(x: f64) -> String {
     format!("{}e{sign}{:02}", bare(mantissa), exponent.abs())
 }
 
-/// Without the zeros behind its point.
+/// A decimal number without trailing zeros.
 fn bare(number: &str) -> &str {
     if number.contains('.') {
         number.trim_end_matches('0').trim_end_matches('.')
@@ -152,7 +152,7 @@ mod tests {
             layout,
             ..FactorHeader::default()
         };
-        // As View3D found it, in single precision.
+        // A value computed by View3D in single precision.
         let f = f64::from(f32::from_bits(0x3e4c_9eea));
         let rows = [Ok(vec![0.0, f]), Ok(vec![f, 0.0])];
         let mut out = Vec::new();

@@ -1,9 +1,9 @@
-//! Records, and the words in them, which may run on over line ends.
+//! Records and their words, which may continue over line ends.
 
 use crate::reading::words::Words;
 use crate::{Position, ReadError};
 
-/// A place in a file.
+/// A cursor in a file.
 pub(super) struct View3dLines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -12,7 +12,7 @@ pub(super) struct View3dLines<'a> {
     file: &'a str,
 }
 
-/// A word, and where it begins.
+/// A word and its offset.
 #[derive(Clone, Copy)]
 pub(super) struct LineWord<'a> {
     pub bytes: &'a [u8],
@@ -93,23 +93,23 @@ impl<'a> View3dLines<'a> {
         }
     }
 
-    /// The first word of the next record, which is not passed.
+    /// The first word of the next record, which is not consumed.
     pub fn peek_record(&self) -> Option<LineWord<'a>> {
         let ahead = View3dLines { ..*self };
         { ahead }.record()
     }
 
-    /// The end of the file.
+    /// The offset of the end of the file.
     pub fn end(&self) -> usize {
         self.bytes.len()
     }
 
-    /// Leaves the rest of the line unread; its end is not passed.
+    /// Skips the rest of the line, but not its end.
     pub fn skip_line(&mut self) {
         self.rest_of_line();
     }
 
-    /// Passes over what is left of the line, and its end.
+    /// Skips the rest of the line, and its end.
     fn end_line(&mut self) {
         self.rest_of_line();
         if self.at < self.bytes.len() {
@@ -118,7 +118,7 @@ impl<'a> View3dLines<'a> {
         }
     }
 
-    /// What is left of the line; its end is not passed.
+    /// The rest of the line; its end is not consumed.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
@@ -126,12 +126,12 @@ impl<'a> View3dLines<'a> {
         rest[..length].trim_ascii()
     }
 
-    /// Line and column of a byte.
+    /// Line and column of a byte offset.
     pub fn position(&self, at: usize) -> Position {
         Words::new(self.bytes, self.file).position(at)
     }
 
-    /// An error at a byte.
+    /// An error at a byte offset.
     pub fn error(
         &self,
         at: usize,
@@ -141,7 +141,7 @@ impl<'a> View3dLines<'a> {
         Words::new(self.bytes, self.file).error_saying(at, found, expected)
     }
 
-    /// The first line that is longer than View3D reads, and how many such lines there are.
+    /// The first line longer than View3D's limit, and the number of such lines.
     pub fn long_lines(bytes: &[u8]) -> (u32, usize) {
         const LONGEST: usize = 255;
         let lines = bytes.split(|&b| b == b'\n').zip(1..);

@@ -1,9 +1,9 @@
-//! View3D, `.vs3`: polygons whose view factors are wanted, and the matrices that come of them.
+//! View3D, `.vs3`: polygons for which view factors are computed, and the resulting matrices.
 //!
-//! [`View3dDocument::read`] gives what a file says, [`View3dModel::new`] the polygons that are left when
-//! subsurfaces, masks and holes are cut out of what holds them, [`read`] a scene of those.
-//! [`write()`] makes a file of a scene, [`write_factors`] a matrix as View3D 4.0.0 lays it out.
-//! `docs/formats/view3d.md` says more.
+//! [`View3dDocument::read`] reads the content of a file, [`View3dModel::new`] computes the polygons
+//! that remain after subtracting subsurfaces, masks and holes from their bases, and [`read`]
+//! returns these as a scene. [`write()`] writes a scene as a View3D file, [`write_factors`] a
+//! matrix in the formats of View3D 4.0.0. `docs/formats/view3d.md` has the details.
 
 mod check;
 mod cut;
@@ -29,10 +29,10 @@ use crate::reading::options::check_length;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions, Warning};
 
-/// Reads the polygons as a scene; View3D's files name no others.
+/// Reads the polygons as a scene; View3D files refer to no others.
 ///
 /// # Errors
-/// What [`View3dDocument::read`] and [`View3dModel::new`] say.
+/// Those of [`View3dDocument::read`] and [`View3dModel::new`].
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -49,11 +49,12 @@ pub fn read(
 }
 
 impl View3dDocument {
-    /// Reads a file, packed with gzip or not, and checks it as View3D does. `name` stands in messages.
+    /// Reads a file, with or without gzip compression, and checks it as View3D does. `name` is used
+    /// in messages.
     ///
     /// # Errors
-    /// Words that are none of the format's, numbers out of sequence, surfaces that are not flat,
-    /// not convex or not within their bases: with the line.
+    /// Invalid words, numbers out of sequence, surfaces that are not flat, not convex or not within
+    /// their bases; with the line.
     pub fn read(
         bytes: &[u8],
         name: &str,

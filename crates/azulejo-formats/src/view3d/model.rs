@@ -1,4 +1,4 @@
-//! The polygons that are left when everything is cut out of what holds it.
+//! The polygons that remain after subtracting subsurfaces from their bases.
 
 use super::check::MeanPlane;
 use super::cut::{MOST_HOLES, without};
@@ -8,15 +8,15 @@ use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// A document as polygons that do not overlap, and the rows that View3D would give for it.
+/// A document as polygons that do not overlap, and the rows of View3D's matrix for it.
 ///
-/// Rows are the surfaces S and M, without those that are combined into others, in their order.
+/// Rows are the surfaces S and M in their order, except those that are combined with others.
 #[derive(Clone, Debug, Default)]
 pub struct View3dModel {
-    /// The polygons, z up, without a unit. Surfaces of one name are one object; the last
-    /// object, `obstructions`, is black and holds what only blocks: O, and the places of M and N.
+    /// The polygons, z up, without a unit. Surfaces with the same name form one object; the last
+    /// object, `obstructions`, is black and contains what only blocks: O, and the areas of M and N.
     pub scene: Scene,
-    /// The row of each face of each object; none for what only blocks.
+    /// The row of each face of each object; `None` for what only blocks.
     pub rows: Vec<Vec<Option<u32>>>,
     /// The name of each row.
     pub names: Vec<String>,
@@ -28,22 +28,22 @@ pub struct View3dModel {
     overlaps: Vec<u32>,
 }
 
-/// A mask: it sees nothing but what it covers.
+/// A mask: it sees only what it covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoveringMask {
     /// Its row.
     pub row: u32,
-    /// The row of what it covers.
+    /// The row of the surface that it covers.
     pub covers: u32,
     /// Its area.
     pub area: f64,
 }
 
 impl View3dModel {
-    /// Cuts everything out of what holds it. `name` stands in messages.
+    /// Subtracts all subsurfaces from their bases. `name` is used in messages.
     ///
     /// # Errors
-    /// More than 4,096 surfaces in one base, or so many that overlap that it would fall to dust.
+    /// More than 4,096 surfaces in one base, or too many overlapping ones.
     pub fn new(document: &View3dDocument, name: &str) -> Result<View3dModel, ReadError> {
         let row_of = RowIndices::new(document);
         let mut builder = View3dModelBuilder::default();
@@ -80,7 +80,7 @@ impl View3dModel {
         Ok(model)
     }
 
-    /// What is odd about it, if anything is; `file` stands in the message.
+    /// A warning about overlapping subsurfaces, if any; `file` is used in the message.
     pub fn warning(&self, file: &str) -> Option<Warning> {
         let message = "surfaces in one base overlap: their common part counts twice";
         self.overlaps.first().map(|&line| Warning {
@@ -92,11 +92,11 @@ impl View3dModel {
     }
 }
 
-/// Why a surface cannot be cut.
+/// The error for a surface that is too complex.
 fn dust(surface: &View3dSurface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
     let found = match holes.len() {
         n if n > MOST_HOLES => format!("{n} surfaces with this one as their base"),
-        n => format!("{n} surfaces in one base that overlap everywhere"),
+        n => format!("{n} surfaces in one base that overlap too much"),
     };
     let expected = format!("at most {MOST_HOLES}, side by side: divide the base");
     ReadError {
@@ -105,7 +105,8 @@ fn dust(surface: &View3dSurface, holes: &[Vec<DVec3>], name: &str) -> ReadError 
     }
 }
 
-/// Whether holes take less away than they are large, by more than rounding and tolerances do.
+/// Whether the area removed by holes is smaller than their own, by more than rounding and
+/// tolerances.
 fn overlap(whole: &[DVec3], holes: &[Vec<DVec3>], pieces: &[Vec<DVec3>]) -> bool {
     let area =
         |polygons: &[Vec<DVec3>]| polygons.iter().map(|p| MeanPlane::of(p).area).sum::<f64>();
@@ -113,7 +114,7 @@ fn overlap(whole: &[DVec3], holes: &[Vec<DVec3>], pieces: &[Vec<DVec3>]) -> bool
     whole - area(pieces) < area(holes) - 1e-4 * whole
 }
 
-/// Which row each surface belongs to.
+/// The row of each surface.
 struct RowIndices {
     rows: Vec<Option<u32>>,
     /// The first surface of each row.
@@ -143,7 +144,7 @@ impl RowIndices {
     }
 }
 
-/// The object of what has no name.
+/// The object of surfaces without a name.
 const UNNAMED: &str = "surfaces";
 /// The object of what only blocks.
 const BLOCKING: &str = "obstructions";
@@ -174,7 +175,7 @@ impl View3dModelBuilder {
         self.add_face(name, row, corners, material);
     }
 
-    /// Grey surfaces reflect what they do not absorb, and absorb what they emit (Kirchhoff).
+    /// Grey surfaces reflect what they do not absorb, and absorb as much as they emit (Kirchhoff).
     fn material(&mut self, emissivity: f64) -> MaterialId {
         let scene = &mut self.scene;
         let new = || {
@@ -219,7 +220,7 @@ impl View3dModelBuilder {
             let black = self
                 .scene
                 .add_material(Material::diffuse("obstruction", Rgb::BLACK));
-            // A surface may have the same name: then they are one object, which does no harm.
+            // A surface may have the same name; then both form one object, which is harmless.
             for corners in std::mem::take(&mut self.blocking) {
                 self.add_face(BLOCKING, None, &corners, black);
             }

@@ -1,4 +1,4 @@
-//! Records to a document.
+//! Parses records into a document.
 
 use super::check::View3dChecker;
 use super::document::{
@@ -30,7 +30,7 @@ pub(super) fn read(
     };
     reader.records()?;
     let (line, count) = View3dLines::long_lines(bytes);
-    let message = "lines of more than 255 characters, which View3D does not read whole";
+    let message = "lines with more than 255 characters, which View3D truncates";
     let place = || Position::Line(line, 256);
     reader
         .warnings
@@ -43,13 +43,13 @@ struct View3dParser<'a> {
     file: &'a str,
     warnings: &'a mut Warnings,
     document: View3dDocument,
-    /// Whether surfaces are given as F 3a; `None` until the file says it or has any.
+    /// Whether surfaces are given as F 3a; `None` until the file states it or contains one.
     is_placed: Option<bool>,
     has_obstructions: bool,
     checker: View3dChecker,
 }
 
-/// Emissivities are kept between these.
+/// The range to which emissivities are clamped.
 const EMISSIVITIES: RangeInclusive<f64> = 0.001..=0.999;
 
 impl<'a> View3dParser<'a> {
@@ -65,13 +65,13 @@ impl<'a> View3dParser<'a> {
                 b'M' => self.surface(word, SurfaceKind::Mask)?,
                 b'N' => self.surface(word, SurfaceKind::Null)?,
                 b'O' => self.surface(word, SurfaceKind::Obstruction)?,
-                b'X' => self.warn(word.at, "X is reserved: skipped with its line"),
+                b'X' => self.warn(word.at, "X is reserved: line skipped"),
                 b'E' | b'*' => break,
                 _ => {
                     let shown = shortened(&text(word.bytes));
                     self.warn(
                         word.at,
-                        format!("\"{shown}\" begins no record: skipped with its line"),
+                        format!("\"{shown}\" is not a record type: line skipped"),
                     );
                 }
             }
@@ -101,13 +101,13 @@ impl<'a> View3dParser<'a> {
         let late = !self.document.vertices.is_empty() || !self.document.surfaces.is_empty();
         if late && self.is_placed != Some(is_placed) {
             let expected = "F before all vertices and surfaces";
-            return Err(self.lines.error(record.at, "F behind them", expected));
+            return Err(self.lines.error(record.at, "F after them", expected));
         }
         self.is_placed = Some(is_placed);
         Ok(())
     }
 
-    /// `name=value`, separated by blanks or commas; a remark is none here.
+    /// Reads `name=value`, separated by blanks or commas; comments are not allowed here.
     fn controls(&mut self) -> Result<(), ReadError> {
         while let Some(word) = self.lines.plain_word() {
             let pair = text(word.bytes);
@@ -115,7 +115,7 @@ impl<'a> View3dParser<'a> {
                 Some((name, value)) if !name.is_empty() => self.control(word, name, value)?,
                 _ => self.warn(
                     word.at,
-                    "words that are no name=value on a control line: skipped",
+                    "words on a control line that are not name=value: skipped",
                 ),
             }
         }
@@ -142,7 +142,7 @@ impl<'a> View3dParser<'a> {
             "eps" => controls.eps = self.limit(word, value)?,
             "row" => controls.row = self.whole(word, value, 0..=MOST)? as u32,
             "col" => controls.column = self.whole(word, value, 0..=MOST)? as u32,
-            // As in View3D a 1 cannot be taken back.
+            // As in View3D, a 1 cannot be reset.
             "encl" => controls.encl |= self.whole(word, value, 0..=1)? == 1,
             "emit" => controls.emit = self.whole(word, value, 0..=1)? == 1,
             "out" => controls.out = self.layout(word, value)?,
@@ -162,7 +162,7 @@ impl<'a> View3dParser<'a> {
         Ok(())
     }
 
-    /// The value of a parameter that is a whole number.
+    /// The value of an integer parameter.
     fn whole(
         &self,
         word: LineWord<'a>,
@@ -171,17 +171,17 @@ impl<'a> View3dParser<'a> {
     ) -> Result<i64, ReadError> {
         let within = integer(value).filter(|v| range.contains(v));
         within.ok_or_else(|| {
-            let expected = format!("a whole number from {} to {}", range.start(), range.end());
+            let expected = format!("an integer from {} to {}", range.start(), range.end());
             self.odd(word, expected)
         })
     }
 
     fn limit(&mut self, word: LineWord<'a>, value: &[u8]) -> Result<f64, ReadError> {
         let Some(eps) = real(value).filter(|&e| e > 0.0) else {
-            return Err(self.odd(word, "eps=1e-4 or another number above 0"));
+            return Err(self.odd(word, "eps=1e-4 or another positive number"));
         };
         if !(1e-6..=1e-2).contains(&eps) {
-            self.warn(word.at, "eps is outside of 1e-6 to 1e-2");
+            self.warn(word.at, "eps is outside 1e-6 to 1e-2");
         }
         Ok(eps)
     }
@@ -193,7 +193,7 @@ impl<'a> View3dParser<'a> {
             _ => {
                 self.warn(
                     word.at,
-                    "out=2 is a layout that View3D cannot write: taken as 0",
+                    "out=2 is a format that View3D cannot write: taken as 0",
                 );
                 MatrixLayout::Text
             }
@@ -225,7 +225,7 @@ impl<'a> View3dParser<'a> {
         Ok(numbers)
     }
 
-    /// The next field as a number from 0, and where it stands.
+    /// The next field as a non-negative integer, and its position.
     fn count(&mut self, expected: &str) -> Result<(u32, LineWord<'a>), ReadError> {
         let word = self.field(expected)?;
         let count = integer(word.bytes).and_then(|v| u32::try_from(v).ok());
@@ -233,14 +233,14 @@ impl<'a> View3dParser<'a> {
         Ok((count, word))
     }
 
-    /// Numbers of vertices and of surfaces follow each other without gaps.
+    /// Numbers of vertices and surfaces must be consecutive.
     fn next_number(&mut self, what: &str, known: usize) -> Result<(), ReadError> {
         let (n, word) = self.count(&format!("the number of the {what}"))?;
         if n as usize == known + 1 {
             Ok(())
         } else {
             let found = format!("{what} {n}");
-            let expected = format!("{what} {}: they are numbered in sequence", known + 1);
+            let expected = format!("{what} {}: they are numbered consecutively", known + 1);
             Err(self.lines.error(word.at, found, expected))
         }
     }
@@ -258,10 +258,10 @@ impl<'a> View3dParser<'a> {
 
     fn surface(&mut self, record: LineWord<'a>, kind: SurfaceKind) -> Result<(), ReadError> {
         if self.has_obstructions && kind != SurfaceKind::Obstruction {
-            let expected = "all obstructions (O) behind all other surfaces";
+            let expected = "all obstructions (O) after all other surfaces";
             return Err(self
                 .lines
-                .error(record.at, "a surface behind one", expected));
+                .error(record.at, "a surface after an obstruction", expected));
         }
         self.has_obstructions |= kind == SurfaceKind::Obstruction;
         self.next_number("surface", self.document.surfaces.len())?;
@@ -289,7 +289,7 @@ impl<'a> View3dParser<'a> {
         Ok(())
     }
 
-    /// The rest of an F 3 surface.
+    /// Reads the rest of an F 3 surface.
     fn of_vertices(&mut self, mut surface: View3dSurface) -> Result<View3dSurface, ReadError> {
         let known = self.document.vertices.len();
         let mut numbers = Vec::with_capacity(4);
@@ -314,7 +314,7 @@ impl<'a> View3dParser<'a> {
         Ok(surface)
     }
 
-    /// The rest of an F 3a surface.
+    /// Reads the rest of an F 3a surface.
     fn placed(&mut self, mut surface: View3dSurface) -> Result<View3dSurface, ReadError> {
         let letter = self.field("the shape R, T or Q")?;
         let corners = match letter.bytes {
@@ -326,7 +326,7 @@ impl<'a> View3dParser<'a> {
         if surface.kind != SurfaceKind::Obstruction {
             self.properties(&mut surface)?;
         }
-        // What is left of the first line is a remark.
+        // The rest of the first line is a comment.
         self.lines.skip_line();
         let origin = self.numbers::<3>("a coordinate")?;
         let [azimuth, tilt] = self.numbers::<2>("an angle in degrees")?;
@@ -346,7 +346,7 @@ impl<'a> View3dParser<'a> {
         Ok(surface)
     }
 
-    /// Base, combination, emissivity and name.
+    /// Reads base, combination, emissivity and name.
     fn properties(&mut self, surface: &mut View3dSurface) -> Result<(), ReadError> {
         let (base, at_base) = self.count("the number of a base surface, or 0")?;
         let (combined, at_combined) = self.count("the number of a surface to combine, or 0")?;
@@ -356,19 +356,16 @@ impl<'a> View3dParser<'a> {
         let emissivity = real(word.bytes).ok_or_else(|| self.odd(word, "an emissivity"))?;
         surface.emissivity = emissivity.clamp(*EMISSIVITIES.start(), *EMISSIVITIES.end());
         if surface.emissivity != emissivity {
-            self.warn(
-                word.at,
-                "emissivities outside of 0.001 to 0.999: moved to the limit",
-            );
+            self.warn(word.at, "emissivities outside 0.001 to 0.999: clamped");
         }
         surface.name = self.name(word);
         Ok(())
     }
 
-    /// The name of a surface, on the same line or alone on the next.
+    /// Reads the name of a surface, on the same line or alone on the next.
     ///
-    /// View3D takes the next word whatever it is, and so loses the record behind a surface
-    /// without a name.
+    /// View3D takes the next word, whatever it is, and so loses the record after a surface without
+    /// a name.
     fn name(&mut self, before: LineWord<'a>) -> String {
         let on_line = self.lines.word_on_line();
         let word = on_line.or_else(|| {
@@ -390,7 +387,7 @@ fn is_end(word: &[u8]) -> bool {
     word.eq_ignore_ascii_case(b"end")
 }
 
-/// A whole number as C reads it in base 0: `010` is eight, `0x10` sixteen.
+/// An integer as C parses it in base 0: `010` is eight, `0x10` sixteen.
 fn integer(word: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(word).ok()?;
     let (sign, digits) = match text.as_bytes().first()? {
@@ -403,13 +400,13 @@ fn integer(word: &[u8]) -> Option<i64> {
         [b'0', _, ..] => (8, &digits[1..]),
         _ => (10, digits),
     };
-    // A second sign is none of the digits.
+    // A second sign is not a digit.
     let plain = digits.bytes().all(|b| b.is_ascii_alphanumeric());
     let value = plain.then(|| i64::from_str_radix(digits, radix).ok())?;
     value.map(|v| sign * v)
 }
 
-/// A finite number that takes the whole word.
+/// A finite number that spans the whole word.
 fn real(word: &[u8]) -> Option<f64> {
     let number = number::parse(word)?;
     let is_whole = number.length == word.len() && !number.misplaced_sign;
