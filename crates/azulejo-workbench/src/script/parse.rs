@@ -1,4 +1,4 @@
-//! Lines to steps.
+//! Parsing scripts.
 
 use crate::ui::PanelTab;
 use crate::view::{Shading, ViewDirection};
@@ -8,65 +8,66 @@ use std::path::PathBuf;
 /// One step of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptStep {
-    /// `size W H`: the window, points.
+    /// `size W H`: size of the window in points.
     Size(f32, f32),
     /// `open FILE`, `add FILE`: one file each.
     Open(PathBuf),
     /// See [`ScriptStep::Open`].
     Add(PathBuf),
-    /// `action NAME`: an entry of a menu by its English name.
+    /// `action NAME`: a menu entry by its English name.
     Action(String),
-    /// `select NAME`, `select all`, `select nothing`: all objects, lights and cameras whose name,
-    /// or its last part, is this.
+    /// `select NAME`, `select all`, `select nothing`: all objects, lights and cameras with this
+    /// name, or with this last component of their name.
     Select(String),
-    /// `rename NAME`: what is selected.
+    /// `rename NAME`: renames the selection.
     Rename(String),
-    /// `move X Y Z`, `scale F`, `turn X Y Z` in degrees: what is selected.
+    /// `move X Y Z`, `scale F`, `turn X Y Z` in degrees: transforms the selection.
     Move(DVec3),
     /// See [`ScriptStep::Move`].
     Scale(f64),
     /// See [`ScriptStep::Move`].
     Turn(DVec3),
-    /// `material new NAME`: a material, given to what is selected.
+    /// `material new NAME`: adds a material and assigns it to the selection.
     MaterialNew(String),
-    /// `material brdf DESCRIPTION`: a reflection model for the selected material.
+    /// `material brdf DESCRIPTION`: sets the reflection model of the selected material.
     MaterialBrdf(String),
-    /// `material color R G B`: a matt surface for the selected material, linear.
+    /// `material color R G B`: makes the selected material diffuse with a linear colour.
     MaterialColor(DVec3),
-    /// `material emit R G B`: emission for the selected material, W/(sr·m²) or cd/m².
+    /// `material emit R G B`: sets the emission of the selected material, W/(sr·m²) or cd/m².
     MaterialEmit(DVec3),
-    /// `shading NAME`, as `irradiance` or `false-color`.
+    /// `shading NAME`, such as `irradiance` or `false-color`.
     Shading(Shading),
     /// `view front`, `back`, `left`, `right`, `top`, `bottom`, `corner`, `all`.
     View(Option<ViewDirection>),
-    /// `camera EX EY EZ TX TY TZ`: from where, at what.
+    /// `camera EX EY EZ TX TY TZ`: sets the camera's position and target.
     Camera(DVec3, DVec3),
     /// `tab object`, `material`, `light`, `view`.
     PanelTab(PanelTab),
-    /// `patches N`: how finely the light is solved.
+    /// `patches N`: sets the number of patches.
     Patches(u32),
-    /// `solve` or `solve 5%`: to an error.
+    /// `solve` or `solve 5%`: solves the light, optionally to a given error.
     Solve(Option<f64>),
-    /// `picture N`: by rays, until N paths per pixel.
+    /// `render N` or `picture N`: renders up to N paths per pixel.
     Render(u32),
-    /// `save FILE`, `export FILE`, `save-picture FILE`.
+    /// `save FILE`, `export FILE`, `save-render FILE` or `save-picture FILE`.
     Save(PathBuf),
     /// See [`ScriptStep::Save`].
     Export(PathBuf),
     /// See [`ScriptStep::Save`].
     SaveRender(PathBuf),
-    /// `screenshot FILE`: the window, PNG.
+    /// `screenshot FILE`: writes the window as PNG.
     Screenshot(PathBuf),
-    /// `wait SECONDS`, or `wait` until no job goes on but a picture.
+    /// `wait SECONDS`, or `wait` until only a render is running.
     Wait(Option<f64>),
-    /// `quit`.
+    /// `quit`: closes the window.
     Quit,
 }
 
-/// Reads a script; an error names the line, what was found and what was expected.
+/// Parses a script.
 ///
 /// # Errors
-/// As above, for people.
+///
+/// A message with the line, what was found and what was expected.
 pub fn parse(text: &str, name: &str) -> Result<Vec<(usize, ScriptStep)>, String> {
     let mut steps = Vec::new();
     for (k, line) in text.lines().enumerate() {
@@ -193,7 +194,7 @@ fn error(text: &str) -> Result<Option<f64>, String> {
         .ok_or_else(|| format!("\"{text}\" is not an error, expected as in 5%"))
 }
 
-/// An action that exists.
+/// Checks that an action exists; accepts former names.
 fn action(name: &str) -> Result<String, String> {
     let known = crate::ui::actions::ACTIONS.iter().map(|a| a.label);
     if known.clone().any(|label| label == name) {

@@ -1,4 +1,4 @@
-//! Windows over the window: questions, files, letters, preferences, keys.
+//! Dialogs: questions, files, text, preferences, shortcuts.
 
 use super::actions::{ACTIONS, Menu};
 use super::panel_context::PanelContext;
@@ -14,30 +14,30 @@ use egui_file::{FileDialog, State};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What dialogs remember while they are open.
+/// The state of open dialogs.
 #[derive(Default)]
 pub struct Dialogs {
     files: Option<(FileRequest, FileDialog)>,
     all_files: ShowAllFiles,
-    /// A place to save at where there is a file already.
+    /// An existing file that would be replaced, with the request it was chosen for.
     replacing: Option<(FileRequest, PathBuf)>,
-    /// The last folder that something was chosen in.
+    /// The folder of the last chosen file.
     folder: Option<PathBuf>,
-    /// The letters that are being asked for.
+    /// The dialog for solid text.
     pub text: Option<TextDialog>,
-    /// The prism that is being asked for.
+    /// The dialog for a prism.
     pub(super) prism: Option<PrismDialog>,
     /// Whether the preferences are open.
     pub preferences: bool,
-    /// Whether the keys are shown.
+    /// Whether the shortcuts are open.
     pub keys: bool,
-    /// Whether azulejo says what it is.
+    /// Whether the information about azulejo is open.
     pub about: bool,
-    /// Whether what a crash left was answered.
+    /// Whether the user has answered the question about recovery.
     asked_recovery: bool,
 }
 
-/// The letters that are being asked for.
+/// The dialog for solid text.
 #[derive(Clone, Debug)]
 pub struct TextDialog {
     text: String,
@@ -46,16 +46,16 @@ pub struct TextDialog {
     font: Option<PathBuf>,
 }
 
-/// What was chosen for whom the app does not serve itself.
+/// A file for a request that the app does not handle itself.
 pub enum BrdfFileChoice {
-    /// A reflection model to read.
+    /// A reflection model to load.
     LoadBrdf(PathBuf),
-    /// Where a reflection model goes.
+    /// The file to save a reflection model to.
     SaveBrdf(PathBuf),
 }
 
 impl TextDialog {
-    /// Letters that suit the model.
+    /// Starts with a font size that suits the model.
     pub fn new(size: f64) -> TextDialog {
         TextDialog {
             text: String::new(),
@@ -66,14 +66,14 @@ impl TextDialog {
     }
 }
 
-/// Extensions of models that are read, for the dialog; content decides in the end.
+/// Extensions of readable models, for the file dialog; the format is detected from the content.
 const MODELS: [&str; 18] = [
     "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
     "sff", "scn", "grf", "vs3", "gz",
 ];
 
 impl Dialogs {
-    /// Draws what is open; returns a file that was chosen for somebody else.
+    /// Draws the open dialogs; returns a file for a request that the app does not handle itself.
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Option<BrdfFileChoice> {
         self.question(ui, cx);
         self.recovery(ui, cx);
@@ -85,7 +85,7 @@ impl Dialogs {
         self.ask_file(ui, cx)
     }
 
-    /// Whether something is open that keys belong to, a question included.
+    /// Whether a dialog or question is open that takes the keyboard.
     pub fn is_open(&self, app: &App) -> bool {
         let asks_recovery = !self.asked_recovery && !app.recoverable().is_empty();
         asks_recovery
@@ -103,7 +103,7 @@ impl Dialogs {
         let Some(question) = cx.app.question.clone() else {
             return;
         };
-        // While a save goes on or its place is chosen the question waits.
+        // Hide the question while a save is running or its file is being chosen.
         if cx.app.is_busy(crate::jobs::JobKind::Save) || cx.app.asking.is_some() {
             return;
         }
@@ -240,7 +240,7 @@ impl Dialogs {
         }
     }
 
-    /// Whether a file is being asked for: what asks for it waits, and would lie over it else.
+    /// Whether the file dialog is open: the dialog that opened it hides, so as not to cover it.
     fn asks_file(&self) -> bool {
         self.files.is_some() || self.replacing.is_some()
     }
@@ -328,7 +328,7 @@ impl Dialogs {
         let paths: Vec<PathBuf> = match dialog.state() {
             State::Open => return None,
             State::Selected => match dialog.selection() {
-                // A name that was typed is not one of the list.
+                // A typed name is not one of the list.
                 none if none.is_empty() => dialog.path().into_iter().map(Path::to_owned).collect(),
                 several => several.into_iter().map(Path::to_owned).collect(),
             },
@@ -350,7 +350,7 @@ impl Dialogs {
         if let (None, Some(extension)) = (first.extension(), default_extension(what)) {
             first.set_extension(extension);
         }
-        // The document's own file is what one means to write over, if it is still as it was.
+        // Overwriting the document's own file needs no question, unless it has changed on disk.
         let own = cx
             .app
             .file
@@ -364,7 +364,7 @@ impl Dialogs {
         self.chosen(what, first, paths, cx)
     }
 
-    /// Asks before a file is written over.
+    /// Asks before a file is replaced.
     fn ask_replace(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Option<BrdfFileChoice> {
         let (what, path) = self.replacing.clone()?;
         let mut answer = None;
@@ -427,7 +427,7 @@ impl Dialogs {
         None
     }
 
-    /// The dialog for a file.
+    /// Creates the file dialog.
     fn open(&self, what: FileRequest, cx: &PanelContext) -> FileDialog {
         let file = cx.app.file.as_ref().map(|f| f.path.as_path());
         let source_file = cx
@@ -483,7 +483,7 @@ impl Dialogs {
     }
 }
 
-/// What is put behind a name that says no kind of file.
+/// The extension added to a name without one.
 fn default_extension(what: FileRequest) -> Option<&'static str> {
     match what {
         FileRequest::SaveAs => Some("grf"),
@@ -500,7 +500,7 @@ fn saves(what: FileRequest) -> bool {
     )
 }
 
-/// Whether a file is worth a line in the dialog.
+/// Whether the file dialog lists a file.
 fn is_offered(what: FileRequest, path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     let extension = extension.to_ascii_lowercase();
@@ -530,7 +530,7 @@ fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
     }
 }
 
-/// How long ago something was written.
+/// How long ago a recovery copy was written.
 fn age(written: u64, cx: &PanelContext) -> String {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let seconds = now.map_or(0, |d| d.as_secs().saturating_sub(written));
@@ -602,7 +602,7 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     ui.end_row();
 }
 
-/// Its name.
+/// The name of a colour map.
 pub fn map_name(map: ColorMap, cx: &PanelContext) -> &'static str {
     match map {
         ColorMap::Viridis => "viridis",
@@ -658,7 +658,7 @@ fn mouse_help(ui: &mut Ui, cx: &PanelContext) {
         });
 }
 
-/// Two columns of menus with their keys.
+/// Two columns of menus with their shortcuts.
 fn key_help(ui: &mut Ui, cx: &PanelContext) {
     let half = Menu::ALL.len() / 2;
     ui.columns(2, |columns| {
@@ -695,7 +695,7 @@ fn key_column(ui: &mut Ui, cx: &PanelContext, menus: &[Menu]) {
     }
 }
 
-/// A picture on the screen.
+/// An image as displayed by egui.
 pub fn pixels(image: &azulejo::scene::Image, exposure: Option<f64>) -> Arc<egui::ColorImage> {
     let bytes = crate::app::shown(image, exposure);
     let size = [image.width as usize, image.height as usize];

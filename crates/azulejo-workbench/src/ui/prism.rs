@@ -1,4 +1,4 @@
-//! The dialog that asks for a prism.
+//! The dialog for a prism.
 
 use super::inputs;
 use super::panel_context::PanelContext;
@@ -7,11 +7,11 @@ use crate::document::SIDES;
 use egui::{DragValue, Grid, Id, Modal, Ui};
 use std::path::{Path, PathBuf};
 
-/// The prism that is being asked for.
+/// The dialog for a prism.
 #[derive(Clone, Debug)]
 pub struct PrismDialog {
     sides: u32,
-    /// An outline in the place of a regular one.
+    /// The drawing with the outline; `None` for a regular polygon.
     pub drawing: Option<PathBuf>,
     /// World units.
     size: f64,
@@ -19,7 +19,7 @@ pub struct PrismDialog {
 }
 
 impl PrismDialog {
-    /// A prism that suits the model: as high as wide.
+    /// Starts with a prism that suits the model, as high as wide.
     pub fn new(size: f64) -> PrismDialog {
         PrismDialog {
             sides: 6,
@@ -29,7 +29,7 @@ impl PrismDialog {
         }
     }
 
-    /// Draws it; whether it is done with.
+    /// Draws the dialog; returns whether it is finished.
     pub fn show(&mut self, ui: &Ui, cx: &mut PanelContext) -> bool {
         let mut is_done = false;
         let modal = Modal::new(Id::unique("prism")).show(ui.ctx(), |ui| {
@@ -50,7 +50,7 @@ impl PrismDialog {
         is_done || modal.should_close()
     }
 
-    /// How many sides, or which drawing.
+    /// The number of sides, or the drawing.
     fn base(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         ui.label(cx.tr("Outline"));
         ui.horizontal(|ui| {

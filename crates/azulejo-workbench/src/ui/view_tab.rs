@@ -1,4 +1,4 @@
-//! How the model is looked at: shading, false colours, background, fog.
+//! The View tab: shading, false colours, background, fog.
 
 use super::dialogs::map_name;
 use super::inputs;
@@ -140,7 +140,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     });
 }
 
-/// The background that is saved with the scene.
+/// The background stored in the scene.
 fn own_background(ui: &mut Ui, cx: &mut PanelContext) {
     let old = cx.app.document.background;
     let mut has = old.is_some();

@@ -1,4 +1,4 @@
-//! Words of messages, whatever part of the window they come from.
+//! Texts of messages from all parts of the window.
 
 use super::Translation;
 

@@ -1,4 +1,4 @@
-//! Words of the editor of reflection models.
+//! Texts of the BRDF editor.
 
 use super::Translation;
 

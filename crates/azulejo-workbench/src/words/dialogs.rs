@@ -1,4 +1,4 @@
-//! Words of the windows over the window.
+//! Texts of dialogs.
 
 use super::Translation;
 
@@ -53,7 +53,7 @@ pub const TABLE: &[Translation] = &[
         "Perguntar mais tarde",
     ],
     ["days", "días", "dias"],
-    // Letters.
+    // Solid text.
     ["Solid letters", "Letras sólidas", "Letras sólidas"],
     ["Text", "Texto", "Texto"],
     [

@@ -1,4 +1,4 @@
-//! Words of the numbers of what is selected.
+//! Texts of the Object tab.
 
 use super::Translation;
 

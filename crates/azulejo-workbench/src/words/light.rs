@@ -1,4 +1,4 @@
-//! Words of the solver's tab, and of probes.
+//! Texts of the Light tab and of probes.
 
 use super::Translation;
 

@@ -1,4 +1,4 @@
-//! Words of the menus, of their entries, and of what undo takes back.
+//! Texts of the menus and their entries, and labels of undo.
 
 use super::Translation;
 
@@ -27,7 +27,7 @@ pub const TABLE: &[Translation] = &[
     ["Save picture…", "Guardar la imagen…", "Guardar a imagem…"],
     ["Preferences…", "Preferencias…", "Preferências…"],
     ["Quit", "Salir", "Sair"],
-    // Changes.
+    // Edits.
     ["Undo", "Deshacer", "Anular"],
     ["Redo", "Rehacer", "Refazer"],
     ["Select all", "Seleccionar todo", "Selecionar tudo"],
@@ -46,7 +46,7 @@ pub const TABLE: &[Translation] = &[
     ["Rename…", "Cambiar el nombre…", "Mudar o nome…"],
     ["Hide", "Ocultar", "Ocultar"],
     ["Show all", "Mostrar todo", "Mostrar tudo"],
-    // New things.
+    // New objects.
     ["Box", "Caja", "Caixa"],
     ["Sphere", "Esfera", "Esfera"],
     ["Cylinder", "Cilindro", "Cilindro"],
@@ -65,7 +65,7 @@ pub const TABLE: &[Translation] = &[
         "Câmara a partir desta vista",
     ],
     ["Material", "Material", "Material"],
-    // Looks.
+    // Camera and display.
     ["Frame all", "Encuadrar todo", "Enquadrar tudo"],
     [
         "Frame selection",
@@ -83,7 +83,7 @@ pub const TABLE: &[Translation] = &[
     ["Grid", "Cuadrícula", "Grelha"],
     ["Fog", "Niebla", "Nevoeiro"],
     ["Picture by rays", "Imagen por rayos", "Imagem por raios"],
-    // What surfaces show.
+    // Shading modes.
     ["Points", "Puntos", "Pontos"],
     ["Lines", "Líneas", "Linhas"],
     ["Hidden lines", "Líneas ocultas", "Linhas ocultas"],
@@ -103,7 +103,7 @@ pub const TABLE: &[Translation] = &[
         "Normales y reversos",
         "Normais e reversos",
     ],
-    // Light.
+    // The solver.
     ["Solve", "Resolver", "Resolver"],
     ["Pause", "Pausar", "Pausar"],
     ["Go on", "Continuar", "Continuar"],
@@ -113,7 +113,7 @@ pub const TABLE: &[Translation] = &[
     ["Keys", "Teclas", "Teclas"],
     ["Messages", "Mensajes", "Mensagens"],
     ["About azulejo", "Acerca de azulejo", "Acerca do azulejo"],
-    // What undo takes back.
+    // Labels of undo.
     ["rename", "cambiar el nombre", "mudar o nome"],
     ["hide", "ocultar", "ocultar"],
     ["show", "mostrar", "mostrar"],

@@ -1,4 +1,4 @@
-//! Words of the tree of the scene.
+//! Texts of the tree of the scene.
 
 use super::Translation;
 

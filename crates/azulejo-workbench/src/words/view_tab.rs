@@ -1,4 +1,4 @@
-//! Words of how the model is looked at.
+//! Texts of the View tab.
 
 use super::Translation;
 

@@ -1,4 +1,4 @@
-//! Words of the viewport, and of the line under it.
+//! Texts of the viewport and the status bar.
 
 use super::Translation;
 

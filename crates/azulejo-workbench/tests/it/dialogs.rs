@@ -1,4 +1,4 @@
-//! Windows over the window, and the list of messages.
+//! Dialogs and the message list.
 
 use crate::window::*;
 use azulejo_workbench::app::{App, Severity};
@@ -106,7 +106,7 @@ fn a_message_leads_to_what_it_is_about() {
     window.run();
     let app = &window.state().app;
     assert_eq!(app.selection.ids, [app.document.objects[0].id]);
-    // It is in the middle of what is seen.
+    // It is in the centre of the view.
     let about = app.document.bounds(Some(&app.selection.ids)).centre();
     assert!((app.view.camera.target - about).length() < 1e-9);
     click(&mut window, "Clear");

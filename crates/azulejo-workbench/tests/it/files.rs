@@ -1,4 +1,4 @@
-//! Files by dialogs, questions about changes, and a whole session.
+//! File dialogs, questions about unsaved changes, and a complete session.
 
 use crate::window::*;
 use azulejo_workbench::app::{App, Severity};
@@ -12,7 +12,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::NodeT;
 use std::path::Path;
 
-/// The dialog shows the folder of what was opened last.
+/// The dialog shows the folder of the last opened file.
 fn dialog_in(folder: &TestFolder) -> Window {
     let mut app = App::quiet();
     app.execute(Command::Open(vec![folder.copy("shapes.grf")]));
@@ -180,7 +180,7 @@ fn what_fails_is_told_and_the_work_stays() {
     assert_eq!(window.state().app.document, before);
 }
 
-/// A file that waits for somebody to write it: a pipe.
+/// A job that waits for its input: a pipe.
 #[cfg(unix)]
 #[test]
 fn work_that_does_not_know_how_much_it_is_shows_no_share() {
@@ -191,7 +191,7 @@ fn work_that_does_not_know_how_much_it_is_shows_no_share() {
     let mut window = dialog_in(&folder);
     let open = Command::Open(vec![pipe.clone()]);
     window.state_mut().app.execute(open);
-    // The pipe is open at both ends from here on, and nothing is in it yet.
+    // Both ends of the pipe are open from here on, and it is empty.
     let mut writer = std::fs::File::options().write(true).open(pipe).unwrap();
     let is_reading = |window: &Window| {
         let jobs = window.state().app.jobs();
@@ -211,7 +211,7 @@ fn work_that_does_not_know_how_much_it_is_shows_no_share() {
     assert_eq!(window.state().app.document.source_files[0].name, "pipe");
 }
 
-/// A save that waits for somebody to read it: a pipe.
+/// A save that waits for its reader: a pipe.
 #[cfg(unix)]
 #[test]
 fn changes_made_while_a_window_waits_to_close_are_asked_about() {
@@ -239,7 +239,7 @@ fn changes_made_while_a_window_waits_to_close_are_asked_about() {
     assert!(window.state().app.closing);
 }
 
-/// What the workbench is for, from the first click to the last.
+/// A complete session, from the first click to the last.
 #[test]
 fn a_model_is_opened_lit_given_a_reflection_model_solved_saved_and_comes_back() {
     let folder = TestFolder::new("session");

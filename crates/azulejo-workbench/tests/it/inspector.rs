@@ -1,4 +1,4 @@
-//! Numbers of what is selected.
+//! Properties of the selection.
 
 use crate::window::*;
 use azulejo::scene::{LightKind, Rgb, Shape};
@@ -133,7 +133,7 @@ fn the_other_lights_have_theirs() {
         shine(&mut window, amber * 2.0);
         set(&mut window, label, 7.0);
         check_shines(&window, amber * 7.0);
-        // Dark and bright again: the colour is not lost in between.
+        // Off and on again: the colour is not lost.
         set(&mut window, label, 0.0);
         check_shines(&window, Rgb::BLACK);
         set(&mut window, label, 5.0);
@@ -142,7 +142,7 @@ fn the_other_lights_have_theirs() {
     }
 }
 
-/// What the first light shines with.
+/// The radiometric quantity of the first light.
 fn shine_of(kind: &mut LightKind) -> &mut Rgb {
     match kind {
         LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
@@ -151,7 +151,7 @@ fn shine_of(kind: &mut LightKind) -> &mut Rgb {
     }
 }
 
-/// Gives the first light a strength and a colour.
+/// Sets strength and colour of the first light.
 fn shine(window: &mut Window, color: Rgb) {
     let lamp = &window.state().app.document.lights[0];
     let (id, mut light) = (lamp.id, lamp.light.clone());
@@ -170,7 +170,7 @@ fn check_shines(window: &Window, expected: Rgb) {
     assert!(differs < 1e-5, "{found:?}, expected {expected:?}");
 }
 
-/// Opens a picker; returns where its square of shades begins.
+/// Opens a colour picker; returns the corner of its square of shades.
 fn open_picker(window: &mut Window, name: &str) -> egui::Pos2 {
     find(window, Role::ColorWell, name).click();
     window.run_steps(4);
@@ -193,7 +193,7 @@ fn a_colour_is_picked_and_the_strength_stays() {
         Rgb::new(8.0, 4.0, 2.0),
         "opened, not changed"
     );
-    // A dark shade, held: it says a colour, and no strength.
+    // A dark shade, held: it sets the hue and not the strength.
     window.drag_at(square + vec2(60.0, 200.0));
     window.run_steps(10);
     window.hover_at(square + vec2(240.0, 200.0));
@@ -201,7 +201,7 @@ fn a_colour_is_picked_and_the_strength_stays() {
     let picked = shine(&window);
     assert!((picked.max_channel() - 8.0).abs() < 1e-5, "{picked:?}");
     assert!(picked.b < 1.0, "a fuller colour than before: {picked:?}");
-    // The last of the drag comes as the button is let go, and is the same step.
+    // The last move of the drag arrives with the release, in the same undo step.
     window.event(egui::Event::PointerMoved(square + vec2(20.0, 200.0)));
     window.drop_at(square + vec2(20.0, 200.0));
     window.run();
@@ -219,7 +219,7 @@ fn what_is_typed_and_what_is_clicked_then_are_two_steps() {
     press(&mut window, Modifiers::COMMAND, Key::A);
     window.event(egui::Event::Text("3".into()));
     window.run();
-    // A real click: its press ends the typing.
+    // A real click: its press ends typing.
     let button = find(&window, Role::Button, "Back to where it was made")
         .rect()
         .center();

@@ -1,11 +1,11 @@
-//! Scripts, played in a window to their end.
+//! Scripts run in a window.
 
 use crate::window::*;
 use azulejo_workbench::app::App;
 use azulejo_workbench::script::{ScriptPlayer, parse};
 use std::time::{Duration, Instant};
 
-/// Plays a script; its outcome, and the window after it.
+/// Runs a script; returns its outcome and the window.
 fn play(text: &str) -> (Result<(), String>, Window) {
     play_in(App::quiet(), text)
 }

@@ -1,4 +1,4 @@
-//! A description while it is changed, and the model that is made of it in the background.
+//! A description being edited, and the model built from it in the background.
 
 use super::background::{BackgroundWorker, LatestResult};
 use super::reflection::{MaterialReflection, is_same_description, is_same_model};
@@ -11,24 +11,24 @@ use egui::{Context, Ui};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A frame waits as long for a model, so that most changes are there at once.
+/// A frame waits this long for a model, so that most changes appear at once.
 const WAIT: Duration = Duration::from_millis(12);
 
-/// What a person makes of a model.
+/// A description being edited.
 pub(super) struct ModelDraft {
-    /// May be impossible; the document then keeps the last one that was not.
+    /// It may be invalid; the document then keeps the last valid one.
     pub description: Description,
-    /// The model that the document has.
+    /// The model in the document.
     taken: Arc<Brdf>,
     making: LatestResult<DraftKey, Result<BuiltModel, Problem>>,
     worker: BackgroundWorker,
 }
 
-/// A model that reflects no more than arrives, and what it was before.
+/// A model limited to reflect no more than it receives, and its albedo before that.
 #[derive(Clone)]
 struct BuiltModel {
     brdf: Arc<Brdf>,
-    /// Share of even light that the description reflects, of the channel that reflects most.
+    /// Largest hemispherical albedo of the description over the channels.
     reflected: f64,
 }
 
@@ -63,12 +63,12 @@ impl ModelDraft {
         }
     }
 
-    /// Whether it is a draft of what the document has, and not of what it had.
+    /// Whether this is a draft of the model in the document, rather than of an earlier one.
     pub fn is_of(&self, brdf: &Arc<Brdf>) -> bool {
         is_same_model(Some(&self.taken), Some(brdf))
     }
 
-    /// A model that the document does not have yet.
+    /// A new model that the document does not have yet.
     pub fn made(&mut self, ctx: &Context) -> Option<Arc<Brdf>> {
         let key = DraftKey(self.description.clone());
         self.making.ask(&key, make, &self.worker, ctx);
@@ -82,14 +82,14 @@ impl ModelDraft {
         Some(made.brdf.clone())
     }
 
-    /// Whether what becomes of the description is not known yet.
+    /// Whether the model is still being built.
     pub fn is_busy(&self) -> bool {
         self.making
             .of(&DraftKey(self.description.clone()))
             .is_none()
     }
 
-    /// Says what is wrong with the description, or what becomes of it.
+    /// Displays an error of the description, or a notice about its limitation.
     pub fn show_status(&self, ui: &mut Ui, language: Language) {
         match self.making.of(&DraftKey(self.description.clone())) {
             None => {
@@ -116,7 +116,7 @@ impl ModelDraft {
     }
 }
 
-/// What is wrong, in the person's language as far as it is common.
+/// The error in the language of the window, as far as it is translated.
 fn problem_words(language: Language, problem: &Problem) -> String {
     match problem {
         Problem::Range {
@@ -138,7 +138,7 @@ fn problem_words(language: Language, problem: &Problem) -> String {
     }
 }
 
-/// Whether two materials are the same; models by what they are in memory.
+/// Whether two materials are the same; models are compared by address.
 pub(super) fn is_same_material(a: &Material, b: &Material) -> bool {
     let rest = |m: &Material| (m.emission, m.emits_back);
     MaterialReflection::of(a) == MaterialReflection::of(b)

@@ -1,4 +1,4 @@
-//! A description: which models it is made of, and their parameters.
+//! A description: its models and their parameters.
 
 use super::catalog::{GROUPS, example, switched};
 use super::fields::{NumberRange, SHARE, number};
@@ -8,7 +8,7 @@ use crate::words::Language;
 use azulejo::scene::brdf::{Content, Description, MODELS, Measured, Model, find};
 use egui::{ComboBox, RichText, Ui};
 
-/// Shows a description and changes it.
+/// Draws and edits a description.
 pub(super) fn description(ui: &mut Ui, language: Language, description: &mut Description) {
     match description {
         Description::Model(model) => single(ui, language, model),
@@ -34,7 +34,7 @@ pub(super) fn description(ui: &mut Ui, language: Language, description: &mut Des
     }
 }
 
-/// One more model, with what is left of the weights, or half of all.
+/// Adds a model with the remaining weight, or half of the total.
 fn added(description: &Description) -> Description {
     let mut parts = match description {
         Description::Model(model) => vec![(1.0, model.clone())],
@@ -51,7 +51,7 @@ fn added(description: &Description) -> Description {
     Description::Combination(parts)
 }
 
-/// The models of a sum; the last of them if no other is left.
+/// The models of a sum; returns the last one if no other is left.
 fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -> Option<Model> {
     let (mut removed, count) = (None, parts.len());
     for (k, (weight, model)) in parts.iter_mut().enumerate() {
@@ -88,7 +88,7 @@ fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -
     }
 }
 
-/// One model: which it is, examples, and its parameters.
+/// One model: its type, examples and parameters.
 fn single(ui: &mut Ui, language: Language, model: &mut Model) {
     let known = find(&model.name).ok();
     let title = known
@@ -128,7 +128,7 @@ fn choices(ui: &mut Ui, language: Language, model: &mut Model) {
     }
 }
 
-/// Descriptions of the same model, to begin with.
+/// Example descriptions of the same model.
 fn examples(ui: &mut Ui, language: Language, model: &mut Model) {
     let Ok(info) = find(&model.name) else {
         return;
@@ -145,7 +145,7 @@ fn examples(ui: &mut Ui, language: Language, model: &mut Model) {
     });
 }
 
-/// A model that a file holds; the description in it, if a person wants to change it.
+/// A model from a file; returns its description if the user wants to edit it.
 fn file(
     ui: &mut Ui,
     language: Language,
@@ -174,7 +174,7 @@ fn file(
             });
             None
         }
-        // Whatever else a file may hold one day has nothing to set.
+        // Any other content of a file has no parameters.
         Some(_) => None,
     }
 }

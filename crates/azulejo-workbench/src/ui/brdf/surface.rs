@@ -1,4 +1,4 @@
-//! What kind of surface a material is, and the numbers of each kind.
+//! The kind of surface of a material, and the parameters of each kind.
 
 use super::super::inputs;
 use super::fields::{NumberRange, SHARE, color_row, number_row};
@@ -26,7 +26,7 @@ impl SurfaceKind {
         SurfaceKind::Model,
     ];
 
-    /// What a material is.
+    /// The kind of a material.
     pub fn of(material: &Material) -> SurfaceKind {
         match (&material.dielectric, &material.brdf) {
             (Some(_), _) => SurfaceKind::Glass,
@@ -37,8 +37,8 @@ impl SurfaceKind {
         }
     }
 
-    /// Whether a material may be shown as this kind: a black one is a dark mirror as well as a
-    /// dark wall, and its fields must not change while a person drags them to zero.
+    /// Whether a material may be edited as this kind: a black one is a dark mirror as well as a
+    /// dark wall, and the fields must not change while a value is dragged to zero.
     pub fn suits(self, material: &Material) -> bool {
         let plain = material.dielectric.is_none() && material.brdf.is_none();
         match self {
@@ -59,8 +59,8 @@ impl SurfaceKind {
         }
     }
 
-    /// Makes a material this kind, as much like what it was as can be; a model is left to the
-    /// caller.
+    /// Converts a material to this kind, keeping as much as possible; a reflection model is left to
+    /// the caller.
     pub fn give(self, material: &mut Material) {
         let color = |c: Rgb, other: f64| if c.is_black() { Rgb::grey(other) } else { c };
         let (diffuse, mirror) = (material.diffuse, material.mirror);
@@ -78,11 +78,11 @@ impl SurfaceKind {
                 thin: false,
             });
         }
-        // Halves that together reflect too much are what a model may leave.
+        // A reflection model may leave parts that together reflect too much.
         material.limit_reflectance();
     }
 
-    /// Lets a person choose another.
+    /// Draws the choice of kinds.
     pub fn choose(self, ui: &mut Ui, language: Language) -> SurfaceKind {
         let mut chosen = self;
         row(
@@ -105,7 +105,7 @@ impl SurfaceKind {
     }
 }
 
-/// The numbers of what is no model.
+/// The parameters of kinds without a reflection model.
 pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, material: &mut Material) {
     let room = |other: Rgb| 1.0 - other.max_channel();
     if matches!(kind, SurfaceKind::Matt | SurfaceKind::MattAndMirror) {
@@ -165,7 +165,7 @@ fn glass_fields(ui: &mut Ui, language: Language, glass: &mut Dielectric, mirror:
     });
 }
 
-/// What a surface emits: a strength and a colour; `last` is the colour while the strength is zero.
+/// Emission as a strength and a colour; `last` is the colour while the strength is zero.
 pub(super) fn emission(
     ui: &mut Ui,
     language: Language,
@@ -204,7 +204,7 @@ pub(super) fn emission(
     if (strength, shade) == old {
         return;
     }
-    // Black is no colour of light: the last one stays.
+    // Black has no hue: keep the last one.
     *last = inputs::hue(shade).unwrap_or(*last);
     material.emission = *last * strength;
 }

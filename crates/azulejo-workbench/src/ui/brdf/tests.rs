@@ -1,4 +1,4 @@
-//! The editor as a person meets it: by the roles and names of its widgets.
+//! The editor as the user operates it: by roles and labels of its widgets.
 
 use super::*;
 use azulejo::scene::Brdf;
@@ -9,7 +9,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::time::{Duration, Instant};
 
-/// A document of one material, and all answers that changed it.
+/// A document with one material, and all responses that changed it.
 struct EditorFixture {
     editor: BrdfEditor,
     material: Arc<Material>,
@@ -48,7 +48,7 @@ impl EditorFixture {
         self.answers.extend(answers);
     }
 
-    /// The description that the document has.
+    /// The description in the document.
     fn text(&self) -> String {
         self.material
             .brdf
@@ -77,7 +77,7 @@ fn harness(bench: EditorFixture) -> Harness<'static, EditorFixture> {
         .build_ui_state(|ui, bench: &mut EditorFixture| bench.ui(ui), bench)
 }
 
-/// Steps until something holds; the editor's threads may be slow.
+/// Runs frames until a condition holds; the editor's threads may be slow.
 fn until(
     harness: &mut Harness<'static, EditorFixture>,
     what: &str,
@@ -91,7 +91,7 @@ fn until(
     }
 }
 
-/// Opens a list and chooses from it.
+/// Opens a list and chooses an entry.
 fn choose(harness: &mut Harness<'static, EditorFixture>, list: &str, entry: &str) {
     harness.get_by_role_and_label(Role::ComboBox, list).click();
     harness.run_steps(3);
@@ -187,7 +187,7 @@ fn numbers_are_typed() {
     until(&mut harness, "the number", |h| {
         h.state().text() == "lewis ks = 0.5 n = 123.5"
     });
-    // Defaults that nobody touched are not written.
+    // Defaults that were not changed are not written.
     assert_eq!(
         harness.state().answers.len(),
         1,
@@ -400,7 +400,7 @@ fn all_words_of_the_models_are_translated() {
     }
 }
 
-/// Whether pictures of the window can be drawn here.
+/// Whether images of the window can be drawn here.
 #[allow(clippy::print_stdout, reason = "a test that does nothing says so")]
 fn has_driver() -> bool {
     use azulejo::gpu::{Backend, Card};
@@ -413,7 +413,7 @@ fn has_driver() -> bool {
     found
 }
 
-/// The editor when all is found, in a panel of a window.
+/// The editor with all results, in a panel of a window.
 fn drawn(bench: EditorFixture, theme: egui::Theme, height: f32) -> Harness<'static, EditorFixture> {
     let mut harness = Harness::builder()
         .with_size(egui::vec2(420.0, height))
@@ -440,7 +440,7 @@ fn the_editor_looks_as_it_did() {
     bench.others = vec![Arc::new(Material::diffuse("plaster", Rgb::grey(0.8)))];
     bench.editor.view.has_others = false;
     let mut harness = drawn(bench, egui::Theme::Dark, 980.0);
-    // What chance draws is no more than noise to a file.
+    // Monte Carlo noise does not belong in a snapshot.
     let sphere = harness
         .get_by_label_contains("Sphere of the material")
         .rect();

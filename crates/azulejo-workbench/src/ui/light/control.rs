@@ -1,4 +1,4 @@
-//! Start, pause, stop; how far the solver is.
+//! Solver controls: start, pause, stop, and progress.
 
 use super::super::actions::ACTIONS;
 use super::super::panel_context::PanelContext;
@@ -8,7 +8,7 @@ use crate::jobs::{Job, JobKind};
 use egui::{Button, ProgressBar, RichText, Ui};
 use std::time::Duration;
 
-/// Draws the buttons, the progress, and the state in words.
+/// Draws the buttons, the progress bar and the state.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     buttons(ui, cx);
     let job = cx.app.jobs().iter().find(|j| j.kind == JobKind::Solve);
@@ -50,7 +50,7 @@ fn buttons(ui: &mut Ui, cx: &mut PanelContext) {
     });
 }
 
-/// What there is of light.
+/// State of the solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SolverState {
     Dark,
@@ -101,7 +101,7 @@ impl SolverState {
     }
 }
 
-/// The stage with its share, and how long it will take yet.
+/// The current stage, its share done and the remaining time.
 fn progress(ui: &mut Ui, cx: &PanelContext, job: &Job) {
     let (done, total) = (job.progress.done(), job.progress.total());
     let share = match total {
@@ -119,7 +119,7 @@ fn progress(ui: &mut Ui, cx: &PanelContext, job: &Job) {
     }
 }
 
-/// A time for people.
+/// A duration as text.
 pub fn seconds(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     match seconds {

@@ -1,4 +1,4 @@
-//! Where the emitted power went.
+//! Energy balance of the solution.
 
 use super::super::colors::lines;
 use super::super::panel_context::PanelContext;
@@ -8,7 +8,7 @@ use azulejo::radiosity::Balance;
 use azulejo::scene::Rgb;
 use egui::{Color32, Grid, ProgressBar, RichText, Ui};
 
-/// Draws numbers and bars, and a caution where the energy does not add up.
+/// Draws numbers and bars, with a warning if the energy balance does not close.
 pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &Balance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
     let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
@@ -74,7 +74,7 @@ fn unit(cx: &PanelContext) -> &'static str {
     }
 }
 
-/// A bar with its share beside it: on a short bar it could not be read.
+/// A bar with its percentage beside it, since a short bar has no space for text.
 fn bar(ui: &mut Ui, name: &str, share: f64, color: Color32) {
     ui.horizontal(|ui| {
         let bar = ProgressBar::new(share.clamp(0.0, 1.0) as f32);

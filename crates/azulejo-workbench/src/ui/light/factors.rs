@@ -1,14 +1,14 @@
-//! What a picked patch sees.
+//! Form factors of the picked patch.
 
 use super::super::panel_context::PanelContext;
 use super::percent;
 use crate::first_pass::PatchFormFactors;
 use egui::{Grid, ProgressBar, Ui};
 
-/// Objects that are listed.
+/// Number of objects listed.
 const MAX_OBJECTS: usize = 12;
 
-/// Draws the sum, and the objects that take most of the patch's light.
+/// Draws the sum, and the objects with the largest form factors.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext, seen: &PatchFormFactors) {
     let app = cx.app;
     let name = app.document.name(seen.item).unwrap_or_default();

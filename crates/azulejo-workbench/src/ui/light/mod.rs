@@ -1,4 +1,4 @@
-//! The solver: what it should do, how far it is, and what it found.
+//! The Light tab: settings, progress and results of the solver.
 
 mod control;
 mod energy;
@@ -14,7 +14,7 @@ mod tests;
 use super::panel_context::PanelContext;
 use egui::{CollapsingHeader, RichText, Ui};
 
-/// Draws the tab; whether a probe is to be pinned.
+/// Draws the tab; returns whether the user wants to pin a probe.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     settings::show(ui, cx);
     ui.add_space(6.0);
@@ -41,13 +41,13 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     pins.unwrap_or(false)
 }
 
-/// A part of the tab that can be folded away.
+/// A collapsible section.
 fn section<R>(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui) -> R) -> Option<R> {
     let header = CollapsingHeader::new(RichText::new(name).strong()).default_open(true);
     header.show_unindented(ui, body).body_returned
 }
 
-/// A name and a value in a grid of two columns.
+/// A name and a value in a grid with two columns.
 fn row(ui: &mut Ui, name: &str, about: &str, value: String) {
     let label = ui.label(name);
     if !about.is_empty() {
@@ -57,7 +57,7 @@ fn row(ui: &mut Ui, name: &str, about: &str, value: String) {
     ui.end_row();
 }
 
-/// A share in hundredths, with no more digits than it is worth.
+/// A percentage with a suitable number of digits.
 fn percent(share: f64) -> String {
     let hundredths = 100.0 * share;
     let digits = match hundredths.abs() {

@@ -1,4 +1,4 @@
-//! The table of pinned probes.
+//! The table of probes.
 
 use super::super::panel_context::PanelContext;
 use crate::app::{Probe, ProbeSurface};
@@ -9,7 +9,7 @@ use crate::ui::viewport::{irradiance_unit, number, radiance_unit, value};
 use azulejo::scene::Rgb;
 use egui::{Grid, Ui};
 
-/// Draws the table; whether one more is to be pinned.
+/// Draws the table; returns whether the user wants to pin another probe.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     let app = cx.app;
     let mut pins = false;
@@ -81,7 +81,7 @@ fn row(ui: &mut Ui, cx: &mut PanelContext, probe: &Probe) {
     ui.end_row();
 }
 
-/// Irradiance with its standard error, and the radiance that it makes.
+/// Irradiance with its standard error, and the diffuse radiance that results from it.
 fn cell(
     ui: &mut Ui,
     cx: &PanelContext,
@@ -114,7 +114,7 @@ fn cell(
     }
 }
 
-/// Why a probe shows no light.
+/// Why a probe has no values.
 fn why_not(cx: &PanelContext, probe: &Probe) -> &'static str {
     match &probe.site {
         None => cx.tr("There is no surface at this place any more."),
@@ -125,7 +125,7 @@ fn why_not(cx: &PanelContext, probe: &Probe) -> &'static str {
     }
 }
 
-/// All that there is to know of a place.
+/// The details of a probe for its tooltip.
 fn about(cx: &PanelContext, probe: &Probe) -> String {
     let pick = &probe.pick;
     let name = cx.app.document.name(pick.item).unwrap_or("–");
@@ -143,7 +143,7 @@ fn about(cx: &PanelContext, probe: &Probe) -> String {
     text + &format!("{}, n = {}", three(pick.position), three(pick.normal))
 }
 
-/// A name that leaves room for numbers: its end says most.
+/// A name shortened at its start, since its end says most.
 pub fn shortened(name: &str) -> String {
     const MAX_CHARS: usize = 14;
     let count = name.chars().count();

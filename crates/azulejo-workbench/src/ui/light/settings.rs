@@ -1,11 +1,11 @@
-//! What the solver should do.
+//! Solver settings.
 
 use super::super::panel_context::PanelContext;
 use crate::command::Command;
 use crate::first_pass::{DEFAULT_TIME, EngineChoice, LightSettings};
 use egui::{ComboBox, DragValue, Grid, Ui};
 
-/// Bounces that are offered when they are to be counted.
+/// Number of bounces when the limit is switched on.
 const DEFAULT_BOUNCES: u32 = 3;
 
 /// Draws the fields.

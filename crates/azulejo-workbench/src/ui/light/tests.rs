@@ -16,7 +16,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// The tab alone, and what it asked for.
+/// The tab alone, with the commands it issued.
 struct LightTabFixture {
     app: App,
     asked: Vec<Command>,
@@ -56,7 +56,7 @@ fn bench(app: App) -> Harness<'static, LightTabFixture> {
         .build_ui_state(draw, bench)
 }
 
-/// A light with a report, as if it had been solved.
+/// Adds a solution with a report, as if it had been solved.
 fn solved(app: &mut App, balance: Balance) {
     let report = Report {
         method: Method::Matrix,
@@ -110,7 +110,7 @@ fn balance(absorbed: f64) -> Balance {
     }
 }
 
-/// Three measures of each kind, with these values.
+/// Adds three measures of each kind with these values.
 fn measured(app: &mut App, values: [f64; 3]) {
     let began = Instant::now();
     app.lighting.began = Some(began);
@@ -183,7 +183,7 @@ fn the_solver_is_started_held_and_stopped() {
         ("Stop", "Stopped before the end: a first impression."),
     ] {
         click(&mut harness, Role::Button, name);
-        // Without a moment's light there is nothing to show yet.
+        // Without a first solution there is nothing to display yet.
         let is_dark = harness.state().app.lighting.solution.is_none();
         let state = if name == "Stop" && is_dark {
             "Not solved yet."
