@@ -139,7 +139,7 @@ impl<T: Send + 'static> Jobs<T> {
             .name(format!("{kind:?}"))
             .spawn(run);
         if let Err(error) = spawned {
-            let message = format!("no thread for it: {error}");
+            let message = format!("cannot start a thread: {error}");
             let _ = self.sender.send((id, JobMessage::Ended(Some(message))));
         }
         id
@@ -215,7 +215,7 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!(
-        "a fault of azulejo itself: {}; please report it",
+        "internal error: {}; please report it",
         text.unwrap_or("unknown")
     )
 }

@@ -135,7 +135,7 @@ fn windows(
         let (rescue, rescued) = channel::<Box<Rescued>>();
         let opened = catch_unwind(AssertUnwindSafe(|| open(&slot, rescue)));
         let fell = opened.is_err();
-        let result = opened.unwrap_or_else(|_| Err("the window fell before it was open".into()));
+        let result = opened.unwrap_or_else(|_| Err("the window crashed before it opened".into()));
         if let Some((app, _)) = slot.into_inner() {
             let why = result.err().unwrap_or_else(|| "no window".into());
             return Err(open_failure(app, why));
@@ -145,7 +145,7 @@ fn windows(
             Ok(left) if fell => return Err(keep(left.app)),
             Ok(left) => work = (left.app, left.player),
         }
-        let text = "the graphics card was lost, and the window was opened again";
+        let text = "the graphics device was lost; the window was opened again";
         work.0
             .report(azulejo_workbench::app::Severity::Warning, text);
     }
@@ -168,11 +168,11 @@ fn keep(mut app: App) -> String {
     std::mem::forget(app);
     match kept {
         Ok(Some(path)) => format!(
-            "something went wrong in the window; what was worked on is kept in {}",
+            "the window crashed; a recovery copy is kept in {}",
             path.display()
         ),
-        Ok(None) => "something went wrong in the window; all was saved".into(),
-        Err(why) => format!("something went wrong in the window, and no copy could be kept: {why}"),
+        Ok(None) => "the window crashed; there were no unsaved changes".into(),
+        Err(why) => format!("the window crashed, and no recovery copy could be written: {why}"),
     }
 }
 

@@ -42,7 +42,7 @@ pub enum ScriptStep {
     /// `camera EX EY EZ TX TY TZ`: sets the camera's position and target.
     Camera(DVec3, DVec3),
     /// `tab object`, `material`, `light`, `view`.
-    PanelTab(PanelTab),
+    Tab(PanelTab),
     /// `patches N`: sets the number of patches.
     Patches(u32),
     /// `solve` or `solve 5%`: solves the light, optionally to a given error.
@@ -85,7 +85,7 @@ fn step(line: &str) -> Result<ScriptStep, String> {
     let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let rest = rest.trim();
     let path = || match rest {
-        "" => Err(format!("{word} names no file")),
+        "" => Err(format!("{word} needs a file")),
         some => Ok(PathBuf::from(some)),
     };
     Ok(match word {
@@ -111,17 +111,17 @@ fn step(line: &str) -> Result<ScriptStep, String> {
             let [a, b, c, d, e, f] = numbers(rest)?;
             let (eye, target) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
             if eye.distance(target).is_nan() || eye.distance(target) <= 0.0 {
-                return Err("a camera that looks at itself, expected another place".into());
+                return Err("the target of the camera is its own position".into());
             }
             ScriptStep::Camera(eye, target)
         }
-        "tab" => ScriptStep::PanelTab(tab(rest)?),
+        "tab" => ScriptStep::Tab(tab(rest)?),
         "patches" => ScriptStep::Patches(whole(rest, 10_000_000)?),
         "solve" => ScriptStep::Solve(error(rest)?),
-        "picture" => ScriptStep::Render(whole(rest, 65_536)?),
+        "render" | "picture" => ScriptStep::Render(whole(rest, 65_536)?),
         "save" => ScriptStep::Save(path()?),
         "export" => ScriptStep::Export(path()?),
-        "save-picture" => ScriptStep::SaveRender(path()?),
+        "save-render" | "save-picture" => ScriptStep::SaveRender(path()?),
         "screenshot" => ScriptStep::Screenshot(path()?),
         "wait" => ScriptStep::Wait(match rest {
             "" => None,
@@ -154,10 +154,10 @@ const STEPS: [&str; 23] = [
     "tab",
     "patches",
     "solve",
-    "picture",
+    "render",
     "save",
     "export",
-    "save-picture",
+    "save-render",
     "screenshot",
     "wait",
     "quit",
@@ -194,9 +194,22 @@ fn error(text: &str) -> Result<Option<f64>, String> {
         .ok_or_else(|| format!("\"{text}\" is not an error, expected as in 5%"))
 }
 
+/// Former labels of actions, so that old scripts still run.
+const FORMER_LABELS: [(&str, &str); 7] = [
+    ("Save picture…", "Save image…"),
+    ("Select nothing", "Select none"),
+    ("Picture by rays", "Render image"),
+    ("Normals and backs", "Normals and back faces"),
+    ("Go on", "Resume"),
+    ("Take the light off", "Clear light"),
+    ("Keys", "Keyboard shortcuts"),
+];
+
 /// Checks that an action exists; accepts former names.
 fn action(name: &str) -> Result<String, String> {
     let known = crate::ui::actions::ACTIONS.iter().map(|a| a.label);
+    let renamed = FORMER_LABELS.iter().find(|(former, _)| *former == name);
+    let name = renamed.map_or(name, |(_, label)| *label);
     if known.clone().any(|label| label == name) {
         Ok(name.to_owned())
     } else {
@@ -270,7 +283,7 @@ mod tests {
             ScriptStep::Move(DVec3::new(1.0, -2.0, 0.5)),
             ScriptStep::MaterialBrdf("ward_duer ks=0.3".into()),
             ScriptStep::Shading(Shading::FalseColor),
-            ScriptStep::PanelTab(PanelTab::Light),
+            ScriptStep::Tab(PanelTab::Light),
             ScriptStep::Wait(None),
             ScriptStep::Quit,
         ];
@@ -279,10 +292,21 @@ mod tests {
     }
 
     #[test]
+    fn former_names_still_work() {
+        let step = |line: &str| parse(line, "s.txt").unwrap().remove(0).1;
+        assert_eq!(step("picture 8"), step("render 8"));
+        assert_eq!(step("save-picture a.png"), step("save-render a.png"));
+        for (former, label) in FORMER_LABELS {
+            let now = ScriptStep::Action(label.to_owned());
+            assert_eq!(step(&format!("action {former}")), now);
+        }
+    }
+
+    #[test]
     fn what_is_wrong_is_said_with_its_line() {
         for (line, said) in [
             ("dance", "unknown step \"dance\""),
-            ("open", "open names no file"),
+            ("open", "open needs a file"),
             ("move 1 2", "\"1 2\" is not 3 numbers"),
             ("move 1 2 nan", "is not 3 numbers"),
             ("solve 5", "expected as in 5%"),
@@ -292,7 +316,7 @@ mod tests {
             ("material wood", "expected new, brdf, color or emit"),
             ("tab left", "no tab \"left\""),
             ("size 1 1", "expected 100 to 16384"),
-            ("camera 1 2 3 1 2 3", "looks at itself"),
+            ("camera 1 2 3 1 2 3", "its own position"),
         ] {
             let error = parse(&format!("quit\n{line}"), "s.txt").unwrap_err();
             assert!(error.starts_with("s.txt:2: "), "{error}");

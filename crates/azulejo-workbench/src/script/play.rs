@@ -124,10 +124,10 @@ impl ScriptPlayer {
     /// The first error reported since the step began.
     fn failure(&self, app: &App) -> Option<String> {
         if app.question.is_some() {
-            return Some("a question came up, and a script has no answer: save first".into());
+            return Some("a question is open that a script cannot answer: save first".into());
         }
         if app.asking.is_some() {
-            return Some("a dialog came up, and a script has no answer".into());
+            return Some("a dialog is open that a script cannot answer".into());
         }
         if app.errors == self.errors_before {
             return None;
@@ -138,7 +138,7 @@ impl ScriptPlayer {
             .rev()
             .filter(|m| m.level == Severity::Error);
         let last = errors.map(|m| m.text.clone()).next();
-        Some(last.unwrap_or_else(|| "something failed".into()))
+        Some(last.unwrap_or_else(|| "a job failed".into()))
     }
 
     fn still_waits(&mut self, window: &Workbench) -> Result<bool, String> {
@@ -168,7 +168,7 @@ impl ScriptPlayer {
                     false
                 }
                 Err(_) if since.elapsed() > PATIENCE => {
-                    return Err("the window gives no picture of itself".into());
+                    return Err("no screenshot was received".into());
                 }
                 Err(_) => true,
             },
@@ -200,11 +200,11 @@ impl ScriptPlayer {
                 let until = Instant::now() + Duration::from_secs_f64(seconds);
                 return Ok(WaitCondition::Until(until));
             }
-            ScriptStep::PanelTab(tab) => window.tab = tab,
+            ScriptStep::Tab(tab) => window.tab = tab,
             ScriptStep::Action(name) => {
                 let action = ACTIONS.iter().find(|a| a.label == name);
                 let target = action.and_then(|a| (a.target)(&window.app));
-                let target = target.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
+                let target = target.ok_or_else(|| format!("\"{name}\" is not available now"))?;
                 window.run_action(target);
                 // Its effect is visible a few frames later; a job that it started takes longer.
                 return Ok(WaitCondition::Jobs(SETTLE));
@@ -295,7 +295,7 @@ fn change(app: &mut App, step: ScriptStep) -> Result<(), String> {
     let edit = match step {
         ScriptStep::Rename(name) => match ids[..] {
             [id] => Edit::Rename(id, name),
-            _ => return Err(format!("{} things are selected, expected one", ids.len())),
+            _ => return Err(format!("{} items are selected, expected one", ids.len())),
         },
         ScriptStep::Move(by) => Edit::Transform(some(ids)?, DAffine3::from_translation(by)),
         ScriptStep::Scale(factor) => {
@@ -343,7 +343,7 @@ fn change(app: &mut App, step: ScriptStep) -> Result<(), String> {
                 })
             });
         }
-        other => return Err(format!("{other:?} is not a step of the document")),
+        other => return Err(format!("{other:?} is not an edit of the document")),
     };
     app.execute(Command::Edit(edit, None));
     Ok(())
@@ -387,7 +387,7 @@ fn select(app: &mut App, name: &str) -> Result<(), String> {
         name => {
             let ids = named(app, name);
             if ids.is_empty() {
-                return Err(format!("nothing is called \"{name}\""));
+                return Err(format!("nothing is named \"{name}\""));
             }
             app.execute(Command::Select(Selection {
                 ids,

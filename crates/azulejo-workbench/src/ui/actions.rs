@@ -205,7 +205,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::File, "Export…", ctrl(Key::E), |_| {
         done(Command::RequestFile(FileRequest::Export))
     }),
-    action(Menu::File, "Save picture…", ctrl_shift(Key::P), |a| {
+    action(Menu::File, "Save image…", ctrl_shift(Key::P), |a| {
         when(
             a.render.is_some(),
             Command::RequestFile(FileRequest::SaveRender),
@@ -224,7 +224,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Edit, "Select all", ctrl(Key::A), |_| {
         done(Command::SelectAll)
     }),
-    action(Menu::Edit, "Select nothing", ctrl_shift(Key::A), |_| {
+    action(Menu::Edit, "Select none", ctrl_shift(Key::A), |_| {
         done(Command::Select(Selection::default()))
     }),
     action(Menu::Edit, "Duplicate", ctrl(Key::D), |a| {
@@ -338,7 +338,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::View, "Fog", None, |a| {
         change_view(a, |view| view.shows_fog = !view.shows_fog)
     }),
-    action(Menu::View, "Picture by rays", key(Key::F12), |_| {
+    action(Menu::View, "Render image", key(Key::F12), |_| {
         Some(ActionTarget::Window(WindowAction::ToggleRender))
     }),
     action(Menu::Shading, "Points", ctrl(Key::Num1), |a| {
@@ -374,9 +374,12 @@ pub const ACTIONS: &[Action] = &[
         ctrl(Key::Num0),
         |a| shade(a, Shading::FormFactors),
     ),
-    action(Menu::Shading, "Normals and backs", ctrl(Key::Minus), |a| {
-        shade(a, Shading::Normals)
-    }),
+    action(
+        Menu::Shading,
+        "Normals and back faces",
+        ctrl(Key::Minus),
+        |a| shade(a, Shading::Normals),
+    ),
     action(Menu::Light, "Solve", key(Key::F5), |a| {
         when(!a.is_busy(JobKind::Solve), Command::Solve)
     }),
@@ -384,7 +387,7 @@ pub const ACTIONS: &[Action] = &[
         let runs = a.is_busy(JobKind::Solve) && !a.lighting.is_paused;
         when(runs, Command::Pause)
     }),
-    action(Menu::Light, "Go on", shift(Key::F6), |a| {
+    action(Menu::Light, "Resume", shift(Key::F6), |a| {
         let rests = a.is_busy(JobKind::Solve) && a.lighting.is_paused;
         when(rests, Command::Resume)
     }),
@@ -397,12 +400,15 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Light, "Measure the probes", None, |a| {
         when(!a.probes.is_empty(), Command::MeasureProbes)
     }),
-    action(Menu::Light, "Take the light off", None, |a| {
+    action(Menu::Light, "Clear light", None, |a| {
         when(a.lighting.solution.is_some(), Command::ClearLight)
     }),
-    action(Menu::Help, "Keys", key(Key::Questionmark), |_| {
-        Some(ActionTarget::Window(WindowAction::Keys))
-    }),
+    action(
+        Menu::Help,
+        "Keyboard shortcuts",
+        key(Key::Questionmark),
+        |_| Some(ActionTarget::Window(WindowAction::Keys)),
+    ),
     action(Menu::Help, "Messages", key(Key::F8), |_| {
         Some(ActionTarget::Window(WindowAction::Messages))
     }),

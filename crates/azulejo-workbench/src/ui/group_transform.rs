@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     Grid::new("together").num_columns(2).show(ui, |ui| {
         let speed = speed(&cx.app.document);
         vector(ui, cx.tr("Move by"), &mut wanted.shift, speed);
-        vector(ui, cx.tr("Turn by °"), &mut wanted.turn, 0.5);
+        vector(ui, cx.tr("Rotate by °"), &mut wanted.turn, 0.5);
         let label = ui.label(cx.tr("Scale by"));
         let drag = inputs::number(&mut wanted.factor, 1e-6..=1e6).speed(0.01);
         ui.add(drag).labelled_by(label.id);

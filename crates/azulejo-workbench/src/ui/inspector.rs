@@ -202,7 +202,7 @@ fn placement(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
             changed |= vector(ui, cx.tr("Scale"), &mut scale, 0.01);
         }
     });
-    if ui.button(cx.tr("Back to where it was made")).clicked() {
+    if ui.button(cx.tr("Reset transform")).clicked() {
         cx.edit(Edit::SetPlacement(item.id, DAffine3::IDENTITY));
     }
     if !changed {
@@ -254,8 +254,8 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
         }
     }
     let what = match &selection.faces {
-        Some((_, faces)) => format!("{} {}", faces.len(), cx.tr("faces get")),
-        None => cx.tr("Made of").to_owned(),
+        Some((_, faces)) => format!("{} {}", faces.len(), cx.tr("selected faces")),
+        None => cx.tr("Assigned material").to_owned(),
     };
     let mut chosen = None;
     egui::ComboBox::new("assign", what)
@@ -316,7 +316,7 @@ fn light_color(
     let old = (strength, hue);
     ui.label(name);
     ui.horizontal(|ui| {
-        inputs::picked(ui, cx.tr("Its colour"), &mut hue, inputs::hue);
+        inputs::picked(ui, cx.tr("Emission colour"), &mut hue, inputs::hue);
         let speed = (0.01 * strength).max(0.01);
         let drag = inputs::number(&mut strength, 0.0..=1e12)
             .speed(speed)
@@ -388,10 +388,10 @@ fn lamp_numbers(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
 fn attenuation(light: &Light, cx: &PanelContext) -> &'static str {
     match light.kind {
         LightKind::Point { .. } | LightKind::Spot { .. } => {
-            cx.tr("Falls with the square of the distance.")
+            cx.tr("Falls off with the square of the distance.")
         }
-        LightKind::Directional { .. } => cx.tr("The same at any distance."),
-        LightKind::Ambient { .. } => cx.tr("The same from everywhere."),
+        LightKind::Directional { .. } => cx.tr("Independent of the distance."),
+        LightKind::Ambient { .. } => cx.tr("Uniform from all directions."),
     }
 }
 
@@ -412,7 +412,7 @@ fn unit_vector(ui: &mut Ui, name: &str, direction: &mut DVec3) -> bool {
 
 fn cone(ui: &mut Ui, cx: &PanelContext, inner: &mut f64, outer: &mut f64) -> bool {
     let mut degrees = [inner.to_degrees(), outer.to_degrees()];
-    let names = [cx.tr("Full inside"), cx.tr("None outside")];
+    let names = [cx.tr("Inner angle"), cx.tr("Outer angle")];
     let mut changed = false;
     for k in 0..2 {
         let label = ui.label(names[k]);
@@ -441,8 +441,8 @@ fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {
     let step = speed(&cx.app.document);
     let mut changed = false;
     Grid::new("camera").num_columns(2).show(ui, |ui| {
-        changed |= vector(ui, cx.tr("Eye"), &mut camera.eye, step);
-        changed |= vector(ui, cx.tr("Looks at"), &mut camera.target, step);
+        changed |= vector(ui, cx.tr("Viewpoint"), &mut camera.eye, step);
+        changed |= vector(ui, cx.tr("Target"), &mut camera.target, step);
         changed |= vector(ui, cx.tr("Up"), &mut camera.up, 0.01);
         let label = ui.label(cx.tr("Field of view"));
         let mut degrees = camera.vertical_fov.to_degrees();
@@ -456,12 +456,12 @@ fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {
         ui.end_row();
     });
     ui.horizontal(|ui| {
-        if ui.button(cx.tr("Look through it")).clicked() {
+        if ui.button(cx.tr("View through camera")).clicked() {
             let mut look = cx.app.view.clone();
             look.camera = view.camera.clone();
             cx.send(Command::SetView(Box::new(look)));
         }
-        if ui.button(cx.tr("Take the view's place")).clicked() {
+        if ui.button(cx.tr("Move camera to view")).clicked() {
             camera = Camera {
                 name: view.camera.name.clone(),
                 size: view.camera.size,

@@ -20,7 +20,7 @@ pub fn buttons(ui: &mut Ui, cx: &mut PanelContext, id: MaterialId) {
     {
         cx.edit(edit);
     }
-    let about = cx.tr("Only where nothing is made of it.");
+    let about = cx.tr("Only if it is unused.");
     let delete = ui.button(cx.tr("Delete")).on_hover_text(about);
     if delete.clicked() {
         cx.edit(Edit::DeleteMaterial(id));

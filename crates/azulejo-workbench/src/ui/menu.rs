@@ -97,15 +97,15 @@ pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
         ui.separator();
         shading(ui, cx, &mut targets);
         targets.extend(tool(ui, cx, "Frame all"));
-        targets.extend(tool(ui, cx, "Picture by rays"));
+        targets.extend(tool(ui, cx, "Render image"));
         if cx.app.render.is_some() {
-            targets.extend(tool(ui, cx, "Save picture…"));
+            targets.extend(tool(ui, cx, "Save image…"));
         }
         ui.separator();
         let solver = match (cx.app.is_busy(JobKind::Solve), cx.app.lighting.is_paused) {
             (false, _) => &["Solve"][..],
             (true, false) => &["Pause", "Stop"],
-            (true, true) => &["Go on", "Stop"],
+            (true, true) => &["Resume", "Stop"],
         };
         for label in solver {
             targets.extend(tool(ui, cx, label));
@@ -138,7 +138,7 @@ fn shading(ui: &mut Ui, cx: &PanelContext, targets: &mut Vec<ActionTarget>) {
             }
         })
         .response
-        .on_hover_text(cx.tr("What surfaces show"));
+        .on_hover_text(cx.tr("Shading mode"));
 }
 
 /// The action of the current shading mode.

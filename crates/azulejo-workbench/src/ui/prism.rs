@@ -34,13 +34,13 @@ impl PrismDialog {
         let mut is_done = false;
         let modal = Modal::new(Id::unique("prism")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
-            ui.heading(cx.tr("A prism"));
+            ui.heading(cx.tr("Prism"));
             Grid::new("prism").num_columns(2).show(ui, |ui| {
                 self.base(ui, cx);
                 self.lengths(ui, cx);
             });
             ui.horizontal(|ui| {
-                if ui.button(cx.tr("Add the prism")).clicked() {
+                if ui.button(cx.tr("Add prism")).clicked() {
                     cx.send(self.command());
                     is_done = true;
                 }
@@ -56,7 +56,7 @@ impl PrismDialog {
         ui.horizontal(|ui| {
             let name = self.drawing.as_deref().and_then(Path::file_name);
             let name = name.map(|n| n.to_string_lossy().into_owned());
-            let name = name.unwrap_or_else(|| cx.tr("of a drawing…").to_owned());
+            let name = name.unwrap_or_else(|| cx.tr("from a drawing…").to_owned());
             let about = cx.tr("Filled shapes of an SVG, or closed outlines of a DXF drawing");
             if ui.button(name).on_hover_text(about).clicked() {
                 cx.send(Command::RequestFile(FileRequest::Outline));

@@ -94,7 +94,7 @@ fn a_file_is_not_written_over_without_asking() {
         press(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
         write(window, "shapes.grf", "cornell.grf");
         click_last(window, "Save");
-        assert!(says(window, "There is a file of this name"));
+        assert!(says(window, "A file with this name already exists"));
     };
     save_as(&mut window);
     click_last(&mut window, "Cancel");
@@ -102,7 +102,7 @@ fn a_file_is_not_written_over_without_asking() {
     assert_eq!(std::fs::read(&other).unwrap(), before);
     assert!(!says(&window, "Save as GRF") && window.state().app.asking.is_none());
     save_as(&mut window);
-    click_last(&mut window, "Replace it");
+    click_last(&mut window, "Replace");
     wait(&mut window);
     check_no_error(&window);
     assert_eq!(file_of(&window), Some(&*other));
@@ -116,15 +116,15 @@ fn the_question_about_changes_has_three_answers() {
     change(&mut window);
     let ask = |window: &mut Window| {
         press(window, Modifiers::COMMAND, Key::Q);
-        assert!(says(window, "Changes are not saved"));
+        assert!(says(window, "Unsaved changes"));
         assert!(!window.state().app.closing);
     };
     ask(&mut window);
     click_last(&mut window, "Cancel");
-    assert!(!says(&window, "Changes are not saved"));
+    assert!(!says(&window, "Unsaved changes"));
     ask(&mut window);
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert!(!says(&window, "Changes are not saved"));
+    assert!(!says(&window, "Unsaved changes"));
     ask(&mut window);
     click_last(&mut window, "Save");
     wait(&mut window);
@@ -134,7 +134,7 @@ fn the_question_about_changes_has_three_answers() {
     let mut window = dialog_in(&folder);
     change(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::N);
-    click_last(&mut window, "Lose the changes");
+    click_last(&mut window, "Discard changes");
     assert!(window.state().app.document.is_empty() && !window.state().app.is_changed());
 }
 
@@ -150,12 +150,12 @@ fn a_file_that_others_wrote_is_asked_about_when_the_window_is_looked_at_again() 
     focus(&mut window, false);
     std::fs::copy(example("csg.grf"), folder.path("shapes.grf")).unwrap();
     focus(&mut window, true);
-    assert!(says(&window, "The file has changed on the disk"));
+    assert!(says(&window, "The file has changed on disk"));
     let many = window.state().app.document.objects.len();
-    click_last(&mut window, "Read it again");
+    click_last(&mut window, "Reload");
     wait(&mut window);
     assert_ne!(window.state().app.document.objects.len(), many);
-    assert!(!says(&window, "The file has changed on the disk"));
+    assert!(!says(&window, "The file has changed on disk"));
 }
 
 #[test]
@@ -233,9 +233,9 @@ fn changes_made_while_a_window_waits_to_close_are_asked_about() {
     let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
     wait(&mut window);
     assert!(!reader.join().unwrap().is_empty());
-    assert!(says(&window, "Changes are not saved"));
+    assert!(says(&window, "Unsaved changes"));
     assert!(!window.state().app.closing);
-    click_last(&mut window, "Lose the changes");
+    click_last(&mut window, "Discard changes");
     assert!(window.state().app.closing);
 }
 

@@ -37,7 +37,7 @@ fn a_box_is_moved_turned_and_scaled_by_numbers() {
     set(&mut window, "Scale y", 0.0);
     let after = window.state().app.document.objects[0].placement;
     assert_eq!(after, placement, "what flattens is refused");
-    click(&mut window, "Back to where it was made");
+    click(&mut window, "Reset transform");
     assert_eq!(
         window.state().app.document.objects[0].placement,
         glam::DAffine3::IDENTITY
@@ -98,7 +98,7 @@ fn several_things_move_together() {
 fn a_spot_has_all_its_properties() {
     let mut window = with_light(NewLightKind::Spot);
     set(&mut window, "Intensity", 12.0);
-    set(&mut window, "Full inside", 40.0);
+    set(&mut window, "Inner angle", 40.0);
     set(&mut window, "Position y", 2.0);
     set(&mut window, "Direction x", 1.0);
     let LightKind::Spot {
@@ -116,7 +116,7 @@ fn a_spot_has_all_its_properties() {
     assert!(outer >= inner, "the inner pushes the outer");
     assert_eq!(position.y, 2.0);
     assert!((direction.length() - 1.0).abs() < 1e-9 && direction.x > 0.5);
-    set(&mut window, "None outside", 10.0);
+    set(&mut window, "Outer angle", 10.0);
     window.state().app.document.scene().validate().unwrap();
     check_no_error(&window);
 }
@@ -183,7 +183,7 @@ fn a_colour_is_picked_and_the_strength_stays() {
     app.execute(Command::AddLight(NewLightKind::Point));
     let mut window = window_with_files(app);
     shine(&mut window, Rgb::new(8.0, 4.0, 2.0));
-    let square = open_picker(&mut window, "Its colour");
+    let square = open_picker(&mut window, "Emission colour");
     let shine = |window: &Window| {
         let mut kind = window.state().app.document.lights[0].light.kind;
         *shine_of(&mut kind)
@@ -220,7 +220,7 @@ fn what_is_typed_and_what_is_clicked_then_are_two_steps() {
     window.event(egui::Event::Text("3".into()));
     window.run();
     // A real click: its press ends typing.
-    let button = find(&window, Role::Button, "Back to where it was made")
+    let button = find(&window, Role::Button, "Reset transform")
         .rect()
         .center();
     window.drag_at(button);
@@ -262,15 +262,15 @@ fn looking_at_numbers_and_colours_changes_nothing() {
         "Position x",
         "Direction y",
         "Intensity",
-        "Full inside",
-        "None outside",
+        "Inner angle",
+        "Outer angle",
     ] {
         find(&window, Role::SpinButton, label).focus();
         window.run();
         press(&mut window, Modifiers::NONE, Key::Enter);
         assert_eq!(window.state().app.revision(), revision, "{label}");
     }
-    open_picker(&mut window, "Its colour");
+    open_picker(&mut window, "Emission colour");
     assert_eq!(window.state().app.revision(), revision);
 }
 
@@ -296,7 +296,7 @@ fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     click_last(&mut camera, "View");
     find(&camera, Role::CheckBox, "Fog in the scene").click();
     camera.run();
-    type_slowly(&mut camera, "Nothing is seen beyond", "12.5");
+    type_slowly(&mut camera, "Nothing is visible beyond", "12.5");
     assert_eq!(camera.state().app.document.fog.unwrap().visibility, 12.5);
     press(&mut camera, Modifiers::COMMAND, Key::Z);
     press(&mut camera, Modifiers::COMMAND, Key::Z);
@@ -324,10 +324,10 @@ fn a_camera_is_looked_through_and_takes_the_views_place() {
     let camera = window.state().app.document.cameras[0].camera.clone();
     assert_eq!(camera.eye.x, 1.25);
     assert!((camera.vertical_fov.to_degrees() - 50.0).abs() < 1e-9);
-    click(&mut window, "Look through it");
+    click(&mut window, "View through camera");
     assert_eq!(window.state().app.view.camera.eye, camera.eye);
     press(&mut window, Modifiers::NONE, Key::Home);
-    click(&mut window, "Take the view's place");
+    click(&mut window, "Move camera to view");
     let app = &window.state().app;
     assert_eq!(app.document.cameras[0].camera.eye, app.view.camera.eye);
     assert_eq!(app.document.cameras[0].camera.name, "door");
@@ -337,7 +337,7 @@ fn a_camera_is_looked_through_and_takes_the_views_place() {
 fn a_material_is_assigned() {
     let mut window = window(opened("shapes.grf"));
     click(&mut window, "column");
-    find(&window, Role::ComboBox, "Made of").click();
+    find(&window, Role::ComboBox, "Assigned material").click();
     window.run();
     click_last(&mut window, "moss");
     let document = &window.state().app.document;

@@ -96,7 +96,7 @@ fn every_key_does_what_its_entry_does() {
 #[test]
 fn the_bar_of_tools_shows_what_surfaces_show() {
     let mut window = window(opened("cornell.grf"));
-    find(&window, Role::ComboBox, "What surfaces show").click();
+    find(&window, Role::ComboBox, "Shading mode").click();
     window.run();
     click_last(&mut window, "Hidden lines");
     let shading = window.state().app.view.shading;

@@ -25,7 +25,7 @@ fn things_are_selected_one_by_one_and_by_groups() {
     click(&mut window, "shapes");
     assert_eq!(window.state().app.selection.ids.len(), 12);
     click(&mut window, "💡 spot");
-    assert!(says(&window, "Falls with the square of the distance."));
+    assert!(says(&window, "Falls off with the square of the distance."));
     click_last(&mut window, "moss");
     let app = &window.state().app;
     let material = app.selection.material.unwrap() as usize;

@@ -76,8 +76,9 @@ fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     } else {
         language.tr("not reciprocal")
     };
-    let about =
-        language.tr("Light and eye exchanged, for many pairs of directions: f differs by at most");
+    let about = language.tr(
+        "With the directions of light and camera exchanged, for many pairs, f differs by at most",
+    );
     badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
 }
 
@@ -85,14 +86,12 @@ fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let (most, angle) = measures.most();
     let holds = most <= BRIGHT;
     let words = if holds {
-        language.tr("energy at most")
+        language.tr("albedo at most")
     } else {
         language.tr("creates energy:")
     };
     let at = language.tr("at");
-    let mut about = language
-        .tr("Share of the light that is reflected, by its angle:")
-        .to_owned();
+    let mut about = language.tr("Albedo by angle of incidence:").to_owned();
     for (angle, albedo) in &measures.albedos {
         about += &format!("\n{angle}°  {albedo:.4}");
     }

@@ -45,7 +45,7 @@ pub(super) const GROUPS: [ModelGroup; 6] = [
         names: &["he_torrance", "he_torrance_mirror", "poulin_fournier"],
     },
     ModelGroup {
-        title: |l| l.tr("By impression"),
+        title: |l| l.tr("Artistic"),
         names: &[],
     },
 ];

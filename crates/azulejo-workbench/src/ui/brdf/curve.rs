@@ -53,7 +53,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&AlbedoCurve]) {
             lines(plot, curve, is_dashed, colors, ink);
         }
     });
-    let words = language.tr("Share of light that is reflected, against its angle");
+    let words = language.tr("Albedo as a function of the angle of incidence");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, words);
     shown.response.widget_info(info);
 }

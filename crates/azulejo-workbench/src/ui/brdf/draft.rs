@@ -96,11 +96,12 @@ impl ModelDraft {
                 ui.spinner();
             }
             Some(Err(wrong)) => {
-                let kept = language.tr("The last possible model is kept.");
+                let kept = language.tr("The last valid model is kept.");
                 problem(ui, &format!("{} {kept}", problem_words(language, wrong)));
             }
             Some(Ok(made)) if made.reflected > 1.0 + 1e-3 => {
-                let words = language.tr("This model reflects more than arrives: of even light");
+                let words =
+                    language.tr("This model reflects more than it receives: hemispherical albedo");
                 let scaled = language.tr("scaled down to");
                 let share = 100.0 / made.reflected;
                 notice(
@@ -131,7 +132,7 @@ fn problem_words(language: Language, problem: &Problem) -> String {
         }
         Problem::Missing { name, .. } => format!("{} {name}.", language.tr("Missing:")),
         Problem::Energy { what, sum } => {
-            let more = language.tr("more than 1 would reflect more than arrives.");
+            let more = language.tr("more than 1 would reflect more than it receives.");
             format!("{what} = {}: {more}", (1e6 * sum).round() / 1e6)
         }
         other => format!("{other}."),

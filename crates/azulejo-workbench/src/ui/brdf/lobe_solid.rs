@@ -36,7 +36,7 @@ pub(super) fn draw(
         response.request_focus();
     }
     turn(ui, &response, &mut view.orbit);
-    let words = language.tr("Lobe as a body; drag or use the arrow keys to turn it");
+    let words = language.tr("Lobe in 3D; drag or use the arrow keys to rotate it");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, words);
     response.widget_info(info);
     if !ui.is_rect_visible(response.rect) {

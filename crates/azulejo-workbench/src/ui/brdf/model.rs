@@ -58,7 +58,7 @@ fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -
         ui.push_id(k, |ui| {
             egui::Frame::group(ui.style()).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
-                let about = language.tr("Share of this model in the sum.");
+                let about = language.tr("Weight of this model in the sum.");
                 let span = NumberRange {
                     is_strict: false,
                     ..SHARE
@@ -165,7 +165,7 @@ fn file(
         }
         Some(Content::Text(description)) => {
             ui.label(RichText::new(description.to_string()).small());
-            let words = language.tr("Change a copy");
+            let words = language.tr("Edit a copy");
             ui.button(words).clicked().then(|| description.clone())
         }
         Some(Content::Measured(measured)) => {
@@ -186,9 +186,9 @@ fn measured_words(language: Language, measured: &Measured) -> String {
             format!("MERL, {a} × {b} × {c} {}", language.tr("angles"))
         }
         Measured::Rgl(rgl) if rgl.is_isotropic() => {
-            format!("RGL, {}", language.tr("the same around the normal"))
+            format!("RGL, {}", language.tr("isotropic"))
         }
-        Measured::Rgl(_) => format!("RGL, {}", language.tr("different around the normal")),
+        Measured::Rgl(_) => format!("RGL, {}", language.tr("anisotropic")),
         other => format!("{other:?}"),
     }
 }

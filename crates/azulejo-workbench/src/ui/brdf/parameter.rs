@@ -36,11 +36,11 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
         let is_optional = !info.is_needed && info.default.is_none();
         let mut is_given = given.is_some();
         if is_optional {
-            let words = language.tr("Given; otherwise the model has its own value.");
+            let words = language.tr("Set; otherwise the model uses its default.");
             let check = ui.checkbox(&mut is_given, "").on_hover_text(words);
             check.accessible_name(format!("{name} ?"));
             if !is_given {
-                ui.weak(language.tr("as the model has it"));
+                ui.weak(language.tr("default"));
                 return set(model, info, None);
             }
         }
@@ -117,7 +117,7 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
 /// The Fresnel term.
 fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
     let term = FresnelChoice::of(model);
-    let about = language.tr("How much the smooth boundary of a facet mirrors, by the angle.");
+    let about = language.tr("Reflectance of a smooth facet as a function of the angle.");
     let mut chosen = term;
     row(ui, language.tr("Fresnel"), about, |ui, name| {
         let words = |t| term_words(language, t);
@@ -174,7 +174,7 @@ fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Par
 /// Copies the values of a metal from the table as a starting point.
 fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     row(ui, "", "", |ui, _| {
-        ui.menu_button(language.tr("Numbers of a metal"), |ui| {
+        ui.menu_button(language.tr("Values of a metal"), |ui| {
             for metal in METALS {
                 let entry = ui.button(metal.name).on_hover_text(metal.source);
                 if entry.clicked() {
@@ -196,6 +196,6 @@ fn term_words(language: Language, term: FresnelChoice) -> &'static str {
         FresnelChoice::Metal => language.tr("a metal by name"),
         FresnelChoice::Index => language.tr("indices of refraction"),
         FresnelChoice::Schlick => language.tr("Schlick, from normal incidence"),
-        FresnelChoice::Constant => language.tr("the same at all angles"),
+        FresnelChoice::Constant => language.tr("constant"),
     }
 }

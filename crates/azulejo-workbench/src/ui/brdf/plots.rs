@@ -41,7 +41,7 @@ pub(super) fn show(
     polar::draw(ui, language, view, &slices);
     view.ui(ui, language);
     ui.add_space(4.0);
-    ui.strong(language.tr("Reflected share against the angle"));
+    ui.strong(language.tr("Albedo against angle"));
     let curves: Vec<&AlbedoCurve> = sides
         .iter()
         .filter_map(|s| s.albedo.found())
@@ -75,7 +75,7 @@ fn marks(ui: &mut Ui, language: Language, side: &SurfacePlots) {
         }
         if side.is_behind() {
             ui.add(egui::Spinner::new().size(14.0))
-                .on_hover_text(language.tr("Being computed; until then the last result is shown."));
+                .on_hover_text(language.tr("Computing; meanwhile the last result is shown."));
         }
         // As high as the badges, so that the layout does not jump.
         ui.allocate_exact_size(vec2(0.0, 22.0), Sense::hover());
@@ -115,7 +115,7 @@ fn difference(ui: &mut Ui, language: Language, lobes: &[&SampledLobes], curves: 
     let at = language.tr("at");
     let (words, reflected, unit) = (
         language.tr("Largest difference:"),
-        language.tr("reflected share"),
+        language.tr("albedo"),
         language.tr("1/sr"),
     );
     let color: Color32 = lines(ui)[1];

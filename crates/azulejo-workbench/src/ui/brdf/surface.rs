@@ -88,7 +88,7 @@ impl SurfaceKind {
         row(
             ui,
             language.tr("Surface"),
-            language.tr("What happens to light that arrives."),
+            language.tr("How the surface reflects light."),
             |ui, name| {
                 let combo = ComboBox::from_id_salt("kind")
                     .selected_text(self.words(language))
@@ -109,7 +109,7 @@ impl SurfaceKind {
 pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, material: &mut Material) {
     let room = |other: Rgb| 1.0 - other.max_channel();
     if matches!(kind, SurfaceKind::Matt | SurfaceKind::MattAndMirror) {
-        let about = language.tr("Share of light that is reflected in all directions alike; with what is mirrored at most 1.");
+        let about = language.tr("Diffuse reflectance; together with mirror reflectance at most 1.");
         let span = SHARE.up_to(room(material.mirror));
         color_row(
             ui,
@@ -120,12 +120,11 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, materia
         );
     }
     if matches!(kind, SurfaceKind::Mirror | SurfaceKind::MattAndMirror) {
-        let about =
-            language.tr("Share of light that is mirrored exactly; with what is diffuse at most 1.");
+        let about = language.tr("Mirror reflectance; together with diffuse reflectance at most 1.");
         let span = SHARE.up_to(room(material.diffuse));
         color_row(
             ui,
-            language.tr("Mirrored"),
+            language.tr("Specular"),
             about,
             span,
             &mut material.mirror,
@@ -141,24 +140,31 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, materia
 }
 
 fn glass_fields(ui: &mut Ui, language: Language, glass: &mut Dielectric, mirror: &mut Rgb) {
-    let about = language.tr("Index of refraction of the body relative to what is outside: water 1.33, glass 1.5, diamond 2.4.");
+    let about = language
+        .tr("Index of refraction relative to the outside: water 1.33, glass 1.5, diamond 2.4.");
     let span = NumberRange {
         least: 0.3,
         most: 4.0,
         ..SHARE
     };
-    number_row(ui, language.tr("Refraction"), about, span, &mut glass.ior);
-    let about = language.tr("Scales the light that passes; white for clear glass.");
+    number_row(
+        ui,
+        language.tr("Refractive index"),
+        about,
+        span,
+        &mut glass.ior,
+    );
+    let about = language.tr("Scales the transmitted light; white for clear glass.");
     color_row(
         ui,
-        language.tr("Passes"),
+        language.tr("Transmission"),
         about,
         SHARE,
         &mut glass.transmittance,
     );
-    let about = language.tr("Scales the light that is mirrored; white by Fresnel's equations.");
-    color_row(ui, language.tr("Mirrored"), about, SHARE, mirror);
-    let about = language.tr("A whole pane, both surfaces of it in one face.");
+    let about = language.tr("Scales the reflected light; white for Fresnel's equations alone.");
+    color_row(ui, language.tr("Specular"), about, SHARE, mirror);
+    let about = language.tr("A complete pane: both of its surfaces in one face.");
     row(ui, "", "", |ui, _| {
         ui.checkbox(&mut glass.thin, language.tr("thin pane"))
             .on_hover_text(about)
@@ -184,8 +190,7 @@ pub(super) fn emission(
     } else {
         " W/(sr·m²)"
     };
-    let about =
-        language.tr("Radiance of the front, of the channel that is brightest; 0 for no light.");
+    let about = language.tr("Radiance of the front in the brightest channel; 0 for no emission.");
     row(ui, language.tr("Emission"), about, |ui, name| {
         let speed = (0.01 * strength).max(0.01);
         let drag = inputs::number(&mut strength, 0.0..=1e12)
@@ -198,8 +203,8 @@ pub(super) fn emission(
         }
     });
     if strength > 0.0 {
-        let about = language.tr("Colour of the light that is emitted.");
-        color_row(ui, language.tr("Its colour"), about, SHARE, &mut shade);
+        let about = language.tr("Colour of the emitted light.");
+        color_row(ui, language.tr("Emission colour"), about, SHARE, &mut shade);
     }
     if (strength, shade) == old {
         return;

@@ -137,7 +137,7 @@ fn a_kind_of_surface_becomes_another() {
     assert_eq!(harness.state().text(), "diffuse kd = (0.8, 0.4, 0.2)");
     choose(&mut harness, "Surface", "Glass");
     assert!(harness.state().material.dielectric.is_some());
-    enter(&mut harness, "Refraction", "2.4");
+    enter(&mut harness, "Refractive index", "2.4");
     assert_eq!(
         harness.state().material.dielectric.map(|g| g.ior),
         Some(2.4)
@@ -339,7 +339,7 @@ fn badges_say_what_models_keep() {
     };
     check(
         "lewis kd = 0.5 ks = 0.5 n = 20",
-        ["reciprocal", "energy at most"],
+        ["reciprocal", "albedo at most"],
     );
     check(
         "phong kd = 0.3 ks = 0.4 n = 10",

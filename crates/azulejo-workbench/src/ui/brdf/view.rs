@@ -140,7 +140,7 @@ impl LobeView {
         theme::row(
             ui,
             language.tr("Radius"),
-            language.tr("What the distance from the origin means."),
+            language.tr("Quantity plotted as the radius."),
             |ui, name| {
                 let quantity = |q| match q {
                     LobeQuantity::WithCosine => "f·cos θ",

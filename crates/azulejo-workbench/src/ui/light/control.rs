@@ -44,7 +44,7 @@ fn buttons(ui: &mut Ui, cx: &mut PanelContext) {
         match (runs, rests) {
             (false, _) => button(language.tr("Start"), "Solve", has_light, Command::Solve),
             (true, false) => button(language.tr("Pause"), "Pause", true, Command::Pause),
-            (true, true) => button(language.tr("Go on"), "Go on", true, Command::Resume),
+            (true, true) => button(language.tr("Resume"), "Resume", true, Command::Resume),
         }
         button(language.tr("Stop"), "Stop", runs, Command::StopSolving);
     });
@@ -81,13 +81,13 @@ impl SolverState {
         let took = seconds(lighting.stopwatch.elapsed());
         match self {
             SolverState::Dark if !cx.app.document.has_light() => cx
-                .tr("Nothing shines: add a light, or give a material emission.")
+                .tr("There is no light source: add a light or an emissive material.")
                 .into(),
             SolverState::Dark => cx.tr("Not solved yet.").into(),
-            SolverState::Settling => format!("{} {took}", cx.tr("The light is settling:")),
-            SolverState::Resting => format!("{} {took}", cx.tr("The solver rests; it worked")),
-            SolverState::Stopped => cx.tr("Stopped before the end: a first impression.").into(),
-            SolverState::FromFile => cx.tr("This light came with the file.").into(),
+            SolverState::Settling => format!("{} {took}", cx.tr("Converging:")),
+            SolverState::Resting => format!("{} {took}", cx.tr("Paused after")),
+            SolverState::Stopped => cx.tr("Stopped early: a rough solution.").into(),
+            SolverState::FromFile => cx.tr("This light was loaded with the file.").into(),
             SolverState::Old => cx
                 .tr("This light is from an earlier state of the model.")
                 .into(),
@@ -114,7 +114,7 @@ fn progress(ui: &mut Ui, cx: &PanelContext, job: &Job) {
     let bar = ProgressBar::new(share as f32).text(text);
     ui.add(bar.desired_width(ui.available_width().min(340.0)));
     if let Some(left) = cx.app.lighting.time_left(share).filter(|_| total > 0) {
-        let words = cx.tr("left of this stage, about");
+        let words = cx.tr("time left in this stage, about");
         ui.weak(format!("{words} {}", seconds(left)));
     }
 }

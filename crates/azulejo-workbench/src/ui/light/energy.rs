@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &Balance) {
         let share = |power: Rgb| power.mean() / emitted.max(f64::MIN_POSITIVE);
         row(
             cx.tr("Emitted"),
-            cx.tr("By surfaces that shine, and by lights as far as it reaches a surface."),
+            cx.tr("By emissive surfaces, and by lights as far as their light hits a surface."),
             balance.emitted,
             share(balance.emitted),
             yellow,
@@ -45,14 +45,14 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &Balance) {
         );
         row(
             cx.tr("Cut off"),
-            cx.tr("Between mirrors, where light was not followed any further."),
+            cx.tr("Between mirrors, where paths were cut off."),
             balance.cut,
             share(balance.cut),
             purple,
         );
         row(
             cx.tr("Unaccounted"),
-            cx.tr("What is missing, or too much: the noise of the solution."),
+            cx.tr("What is missing or in excess: the noise of the solution."),
             rest,
             balance.error(),
             orange,
@@ -60,7 +60,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &Balance) {
     });
     if balance.is_off() {
         let words =
-            cx.tr("The energy does not add up: ask for a smaller error, or give it more time.");
+            cx.tr("The energy balance does not close: aim at a smaller error, or allow more time.");
         ui.label(RichText::new(format!("⚠ {words}")).color(ui.visuals().warn_fg_color));
     }
 }

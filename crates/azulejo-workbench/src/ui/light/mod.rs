@@ -28,9 +28,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
         section(ui, cx.tr("Energy"), |ui| {
             energy::show(ui, cx, &report.balance)
         });
-        section(ui, cx.tr("How it was found"), |ui| {
-            report::show(ui, cx, report)
-        });
+        section(ui, cx.tr("Statistics"), |ui| report::show(ui, cx, report));
     }
     let pins = section(ui, cx.tr("Probes"), |ui| probes::show(ui, cx));
     if let Some(seen) = &cx.app.lighting.seen {

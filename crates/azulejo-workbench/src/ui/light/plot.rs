@@ -42,13 +42,13 @@ fn numbers(ui: &mut Ui, cx: &PanelContext) {
     });
     Grid::new("last measures").num_columns(2).show(ui, |ui| {
         if let Some((iteration, value)) = residual {
-            let after = cx.tr("after so many bounces:");
+            let after = cx.tr("after this many bounces:");
             let value = format!("{} {after} {iteration}", number(value));
             super::row(ui, cx.tr("Residual"), "", value);
         }
         if let Some(error) = error {
             let aim = percent(lighting.settings.error);
-            let value = format!("{}, {} {aim}", percent(error), cx.tr("aimed at"));
+            let value = format!("{}, {} {aim}", percent(error), cx.tr("target"));
             super::row(ui, cx.tr("Estimated error"), "", value);
         }
     });
@@ -104,7 +104,7 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
             ))
         });
     let (of_light, of_patches) = (cx.tr("irradiance"), cx.tr("patches"));
-    let aimed = cx.tr("aimed at");
+    let aimed = cx.tr("target");
     let shown = plot.show(ui, |plot| {
         let line = HLine::new(aimed, aim)
             .color(ink.gamma_multiply(0.7))

@@ -53,7 +53,7 @@ fn rows(ui: &mut Ui, cx: &PanelContext, report: &Report) {
             let refined = cx.tr("rows refined");
             text += &format!(", {} {refined}", count(report.refined_rows as u64));
         }
-        let about = cx.tr("Estimated relative error of the light that patches reflect.");
+        let about = cx.tr("Estimated relative error of the patches' radiosity.");
         row(ui, cx.tr("Error of patches"), about, text);
     }
     let about = cx.tr("Estimated relative error of irradiance at the points.");

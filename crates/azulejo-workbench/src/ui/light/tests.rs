@@ -149,10 +149,10 @@ fn click(harness: &mut Harness<LightTabFixture>, role: Role, name: &str) {
 fn settings_are_typed() {
     let mut harness = bench(cornell());
     type_into(&mut harness, "Patches", "321");
-    type_into(&mut harness, "Error aimed at", "12.5");
+    type_into(&mut harness, "Target error", "12.5");
     type_into(&mut harness, "Time limit", "7.5");
-    click(&mut harness, Role::CheckBox, "Count bounces");
-    type_into(&mut harness, "Count bounces", "5");
+    click(&mut harness, Role::CheckBox, "Limit bounces");
+    type_into(&mut harness, "Limit bounces", "5");
     click(&mut harness, Role::ComboBox, "Engine");
     click(&mut harness, Role::Button, "rays");
     let expected = LightSettings {
@@ -164,7 +164,7 @@ fn settings_are_typed() {
     };
     assert_eq!(harness.state().app.lighting.settings, expected);
     click(&mut harness, Role::CheckBox, "Time limit");
-    click(&mut harness, Role::CheckBox, "Count bounces");
+    click(&mut harness, Role::CheckBox, "Limit bounces");
     let settings = harness.state().app.lighting.settings;
     assert_eq!((settings.time, settings.bounces), (None, None));
 }
@@ -177,10 +177,10 @@ fn the_solver_is_started_held_and_stopped() {
     let mut harness = bench(app);
     harness.get_by_label("Not solved yet.");
     for (name, state) in [
-        ("Start", "The light is settling:"),
-        ("Pause", "The solver rests; it worked"),
-        ("Go on", "The light is settling:"),
-        ("Stop", "Stopped before the end: a first impression."),
+        ("Start", "Converging:"),
+        ("Pause", "Paused after"),
+        ("Resume", "Converging:"),
+        ("Stop", "Stopped early: a rough solution."),
     ] {
         click(&mut harness, Role::Button, name);
         // Without a first solution there is nothing to display yet.

@@ -153,7 +153,7 @@ fn eye(ui: &mut Ui, cx: &PanelContext, name: &str, shown: bool) -> bool {
             egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{does}: {name}"))
         });
         let what = if shown {
-            cx.tr("Hide: out of sight, but it casts and receives light as before")
+            cx.tr("Hide in the viewport only: it still casts and receives light")
         } else {
             cx.tr("Show")
         };

@@ -11,7 +11,7 @@ pub enum GizmoMode {
     #[default]
     Move,
     /// Rotate about an axis.
-    Turn,
+    Rotate,
     /// Scale along an axis, or uniformly with the handle in the middle.
     Scale,
 }
@@ -66,7 +66,7 @@ impl Gizmo<'_> {
     fn lines(&self, axis: usize) -> Vec<Pos2> {
         let reach = self.reach();
         match self.mode {
-            GizmoMode::Turn => {
+            GizmoMode::Rotate => {
                 let (u, v) = AXES[axis].any_orthonormal_pair();
                 let at = |k: i32| {
                     let (s, c) = (std::f64::consts::TAU * f64::from(k) / 48.0).sin_cos();
@@ -141,7 +141,7 @@ impl Gizmo<'_> {
                 let by = self.along(grip, axis, mouse)? - self.along(grip, axis, grip.last)?;
                 DAffine3::from_translation(by * axis)
             }
-            GizmoMode::Turn => {
+            GizmoMode::Rotate => {
                 let by = self.around(grip, mouse)? - self.around(grip, grip.last)?;
                 about(grip.centre, DAffine3::from_axis_angle(AXES[grip.axis], by))
             }
@@ -268,7 +268,7 @@ mod tests {
     #[test]
     fn rings_turn_as_the_mouse_does() {
         let view = view();
-        let gizmo = gizmo(&view, GizmoMode::Turn);
+        let gizmo = gizmo(&view, GizmoMode::Rotate);
         let at = |degrees: f64| {
             let (s, c) = degrees.to_radians().sin_cos();
             gizmo
@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn far_from_all_handles_there_is_none() {
         let view = view();
-        for mode in [GizmoMode::Move, GizmoMode::Turn, GizmoMode::Scale] {
+        for mode in [GizmoMode::Move, GizmoMode::Rotate, GizmoMode::Scale] {
             assert_eq!(gizmo(&view, mode).grip_at(Pos2::new(60.0, 30.0)), None);
         }
     }

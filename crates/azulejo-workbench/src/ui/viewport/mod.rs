@@ -306,13 +306,13 @@ impl Viewport {
         if app.document.objects.is_empty() {
             None
         } else if self.pins_next {
-            Some(cx.tr("Click the place to watch; Escape for none."))
+            Some(cx.tr("Click the point to pin a probe at; Escape cancels."))
         } else if shading == Shading::FormFactors && lighting.seen.is_none() {
-            Some(cx.tr("Click a surface: its form factors become colours."))
+            Some(cx.tr("Click a surface to display its form factors."))
         } else if shading.shows_light() && lighting.solution.is_none() {
             Some(cx.tr("Not solved yet: press F5."))
         } else if shading.shows_light() && !lighting.is_current {
-            Some(cx.tr("This light is from before the last changes: press F5."))
+            Some(cx.tr("This light is outdated: press F5."))
         } else {
             None
         }
@@ -321,7 +321,7 @@ impl Viewport {
     fn mode_buttons(&mut self, ui: &mut Ui, rect: Rect, cx: &PanelContext) {
         let modes = [
             (GizmoMode::Move, cx.tr("Move")),
-            (GizmoMode::Turn, cx.tr("Turn")),
+            (GizmoMode::Rotate, cx.tr("Rotate")),
             (GizmoMode::Scale, cx.tr("Resize")),
         ];
         let place = Rect::from_min_size(rect.min + Vec2::splat(8.0), Vec2::new(240.0, 24.0));

@@ -56,7 +56,7 @@ impl RenderTexture {
             None => {
                 let context = ui.ctx();
                 self.texture =
-                    Some(context.load_texture("picture", pixels, TextureOptions::LINEAR));
+                    Some(context.load_texture("rendering", pixels, TextureOptions::LINEAR));
             }
         }
         self.made_of = Some((Arc::clone(image), exposure));
