@@ -1,4 +1,4 @@
-//! The first pass as the window runs it.
+//! The first pass as run by the window.
 
 use crate::app::JobResult;
 use crate::command::SurfacePick;
@@ -16,25 +16,25 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Who computes form factors.
+/// The form factor engine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EngineChoice {
-    /// Whoever suits the scene.
+    /// Chosen automatically for the scene.
     #[default]
     Auto,
-    /// Rays.
+    /// Ray casting.
     Rays,
-    /// Pictures from each patch.
+    /// Hemicubes.
     Hemicube,
-    /// Pictures, and rays for what mirrors show.
+    /// Hemicubes, with rays for mirror reflections.
     Hybrid,
-    /// Formulas.
+    /// Closed-form expressions.
     Analytic,
 }
 
 impl EngineChoice {
-    /// All of them.
+    /// All engines.
     pub const ALL: [EngineChoice; 5] = [
         EngineChoice::Auto,
         EngineChoice::Rays,
@@ -43,7 +43,7 @@ impl EngineChoice {
         EngineChoice::Analytic,
     ];
 
-    /// As the library takes it.
+    /// The library's type for this engine.
     pub fn engine(self) -> Engine {
         match self {
             EngineChoice::Auto => Engine::Auto,
@@ -55,26 +55,26 @@ impl EngineChoice {
     }
 }
 
-/// How light is solved.
+/// Settings of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSettings {
-    /// Who computes form factors.
+    /// The form factor engine.
     pub engine: EngineChoice,
-    /// A patch is as large as this part of all surfaces; small faces are patches too.
+    /// A patch is this fraction of the total surface area; smaller faces are patches too.
     pub patches: u32,
-    /// Relative error at which the solver rests.
+    /// Relative error at which the solver stops.
     pub error: f64,
-    /// Seconds after which it rests in any case.
+    /// Time limit in seconds.
     pub time: Option<f64>,
-    /// Diffuse bounces to follow; `None` for all.
+    /// Number of diffuse bounces; `None` for all.
     pub bounces: Option<u32>,
 }
 
-/// Seconds that light takes where nobody says otherwise.
+/// Default time limit in seconds.
 pub const DEFAULT_TIME: f64 = 60.0;
 
 impl LightSettings {
-    /// As the library takes them.
+    /// The library's type for these settings.
     pub fn first_pass(&self) -> FirstPass {
         FirstPass {
             engine: self.engine.engine(),
@@ -100,18 +100,19 @@ impl Default for LightSettings {
             engine: EngineChoice::Auto,
             patches: 1_500,
             error: 0.03,
-            // Models whose undersides hardly any light reaches would take long for their last
-            // percents, and whoever tries things out wants light soon.
+            // Models whose undersides receive hardly any light converge slowly in the last few
+            // percent, and interactive use needs results soon.
             time: Some(DEFAULT_TIME),
             bounces: None,
         }
     }
 }
 
-/// Solves a document's light; sends it as it settles, and at the end.
+/// Solves the light of a document; sends intermediate solutions and the final one.
 ///
 /// # Errors
-/// The solver's own, in words.
+///
+/// The solver's error as text.
 pub fn solve_document(
     document: &SceneDocument,
     settings: &LightSettings,
@@ -137,10 +138,11 @@ pub fn solve_document(
     }
 }
 
-/// Irradiance at places, one estimate for each; none if the work was cancelled.
+/// Irradiance at surface points, one estimate for each; none if the job was cancelled.
 ///
 /// # Errors
-/// The solver's own, in words.
+///
+/// The solver's error as text.
 pub fn measure(
     document: &SceneDocument,
     settings: &LightSettings,
@@ -165,23 +167,23 @@ pub fn measure(
     }
 }
 
-/// Where a place of the viewport is on the surface itself.
+/// A point on the exact surface.
 struct ExactPoint {
     position: DVec3,
-    /// Whether the side that is meant is the front.
+    /// Whether the picked side is the front.
     is_front: bool,
-    /// A ray that meets the place first, from the side that is meant.
+    /// A ray that hits the point first, from the picked side.
     from_outside: Ray,
 }
 
-/// Finds the place of a surface that a place on its polygons stands for: chords of a ball lie inside
-/// it, by up to a 64th of its size.
+/// Projects a picked point from the displayed polygons to the exact surface: the chords of a sphere
+/// lie inside it, by up to a 64th of its size.
 fn on_surface(document: &SceneDocument, tracer: &Tracer, pick: &SurfacePick) -> Option<ExactPoint> {
     let index = document.objects.iter().position(|i| i.id == pick.item)?;
     let size = document.objects[index].bounds().diagonal();
     let reach = (size / 32.0).max(f64::MIN_POSITIVE);
     let mut origin = pick.position + reach * pick.normal;
-    // Others may stand in between, as near as they like.
+    // Other surfaces may be in between, however close.
     const MAX_HITS: usize = 64;
     for _ in 0..MAX_HITS {
         let hit = tracer.hit(&Ray::new(origin, -pick.normal))?;
@@ -199,27 +201,29 @@ fn on_surface(document: &SceneDocument, tracer: &Tracer, pick: &SurfacePick) -> 
     None
 }
 
-/// What one patch sees.
+/// The form factors of one patch.
 #[derive(Clone, Debug)]
 pub struct PatchFormFactors {
-    /// Counts: no two answers have the same.
+    /// Unique for each result.
     pub number: u64,
-    /// The object that the patch is of.
+    /// The object that the patch belongs to.
     pub item: ItemId,
-    /// Triangles that show the patches, each a face.
+    /// The patches as triangles, one face each.
     pub patches: Arc<Mesh>,
-    /// F from the picked patch to the patch of each face.
+    /// Form factor from the picked patch to the patch of each face.
     pub factors: Vec<f64>,
-    /// The sum over all patches: what is missing to 1 goes outside.
+    /// Sum over all patches; the difference to 1 leaves the scene.
     pub sum: f64,
-    /// The sums over the patches of each object that is seen, the largest first.
+    /// Sums over the patches of each visible object, in descending order.
     pub objects: Vec<(ItemId, f64)>,
 }
 
-/// Finds what the patch at a place sees, with the patches that the solver would make.
+/// Computes the form factors of the patch at a picked point, with the patches that the solver would
+/// use.
 ///
 /// # Errors
-/// In words: no surface, too many patches, no patch at that place.
+///
+/// A message: no surface, too many patches, or no patch at that point.
 pub fn patch_form_factors(
     document: &SceneDocument,
     settings: &LightSettings,
@@ -270,7 +274,7 @@ impl PatchFormFactors {
             mesh.positions.extend(corners);
             mesh.push_face(&[first, first + 1, first + 2], 0);
             values.push(if patch as usize == picked {
-                // It shows itself as what is not known.
+                // The picked patch itself is displayed as unknown.
                 f64::NAN
             } else {
                 factors.get(patch as usize).map_or(0.0, |f| f.value)
@@ -287,14 +291,14 @@ impl PatchFormFactors {
     }
 }
 
-/// Sums of form factors over the patches of each object, the largest first.
+/// Sums of form factors over the patches of each object, in descending order.
 fn by_object(document: &SceneDocument, plan: &Plan, factors: &[Factor]) -> Vec<(ItemId, f64)> {
     let sum = |object: usize| -> f64 {
         let patches = plan.patches().patches_of(object as u32);
         let seen = factors.get(patches).unwrap_or_default();
         seen.iter().map(|f| f.value).sum()
     };
-    // The scene has the objects of the document, in its order.
+    // The scene has the objects of the document, in the same order.
     let ids = document.objects.iter().enumerate();
     let mut sums: Vec<(ItemId, f64)> = ids.map(|(k, item)| (item.id, sum(k))).collect();
     sums.retain(|(_, f)| *f > 0.0);
@@ -308,7 +312,7 @@ mod tests {
     use azulejo::scene::synthetic::cube_room;
     use azulejo::scene::{Object, Primitive, Shape};
 
-    /// A ball in the middle of a closed room.
+    /// A sphere in the middle of a closed room.
     fn document() -> SceneDocument {
         let mut scene = cube_room();
         let ball = Primitive::sphere(DVec3::splat(0.5), 0.25, 0);
@@ -352,11 +356,11 @@ mod tests {
             let seen = patch_form_factors(&document, &settings, &pick, &Progress::new());
             seen.expect("an answer").expect("not cancelled")
         };
-        // Outside of the ball there is the room and nothing else.
+        // From outside, the sphere sees only the room.
         let from_ball = seen(ball, DVec3::new(0.745, 0.5, 0.5), DVec3::X);
         assert!((from_ball.sum - 1.0).abs() < 0.02, "{}", from_ball.sum);
         assert!(from_ball.objects.iter().all(|(id, _)| *id != ball));
-        // Out of the room there is nothing.
+        // From outside, the room sees nothing.
         let wall = document.objects[0].id;
         let outside = seen(wall, DVec3::new(0.0, 0.2, 0.2), DVec3::NEG_X);
         assert!(outside.sum < 1e-9, "{}", outside.sum);

@@ -1,25 +1,25 @@
 //! Undo and redo.
 
-/// More steps than this are forgotten, the oldest first.
+/// Limit on the number of steps; the oldest are dropped first.
 const MAX_STEPS: usize = 500;
-/// So many steps can be taken back whatever they weigh.
+/// This many steps are kept regardless of their size.
 const MIN_STEPS: usize = 4;
 
-/// Versions before and after; `V` is cheap to keep, as documents are.
+/// The versions before and after the current one; `V` is cheap to keep, as documents are.
 #[derive(Clone, Debug)]
 pub struct History<V> {
     past: Vec<HistoryStep<V>>,
     future: Vec<HistoryStep<V>>,
-    /// The gesture that made the last step, while it goes on.
+    /// The gesture that made the last step, while it is in progress.
     gesture: Option<u64>,
 }
 
-/// What was there before an edit (or, in the future, after it), and what the edit was.
+/// The version before an edit (or after it, for redo), with the label of the edit.
 #[derive(Clone, Debug)]
 struct HistoryStep<V> {
     label: &'static str,
     version: V,
-    /// What is kept for the version before the edit alone: what the one after has not.
+    /// Bytes that only the version before the edit holds.
     bytes: u64,
 }
 
@@ -34,8 +34,8 @@ impl<V> Default for History<V> {
 }
 
 impl<V> History<V> {
-    /// Notes an edit, with what was before it. Edits of one gesture, such as all moments of
-    /// dragging a slider, are one step.
+    /// Records an edit and the version before it. Edits of one gesture, such as all positions of a
+    /// dragged slider, are one step.
     pub fn record(&mut self, label: &'static str, before: V, gesture: Option<u64>) {
         self.future.clear();
         let goes_on = gesture.is_some() && gesture == self.gesture && !self.past.is_empty();
@@ -53,22 +53,22 @@ impl<V> History<V> {
         });
     }
 
-    /// Says what the last step holds that nothing after it holds. A gesture that goes on says it
-    /// anew.
+    /// Sets the number of bytes that only the last step holds. Called again while a gesture
+    /// continues.
     pub fn set_bytes(&mut self, bytes: impl FnOnce(&V) -> u64) {
         if let Some(step) = self.past.last_mut() {
             step.bytes = bytes(&step.version);
         }
     }
 
-    /// Bytes that all steps hold that can be taken back. Steps that were taken back hold no more
-    /// than they did before, and what was there when they were made.
+    /// Total bytes of all undo steps. Redo steps hold no more than they did before they were
+    /// undone.
     pub fn bytes(&self) -> u64 {
         self.past.iter().map(|step| step.bytes).sum()
     }
 
-    /// Forgets the oldest steps until the others hold no more than `most` bytes; a few stay in any
-    /// case.
+    /// Drops the oldest steps until the others hold at most `most` bytes; a minimum number of steps
+    /// is always kept.
     pub fn limit_bytes(&mut self, most: u64) {
         let mut held = self.bytes();
         let spare = self.past.len().saturating_sub(MIN_STEPS);
@@ -88,23 +88,24 @@ impl<V> History<V> {
         self.gesture = None;
     }
 
-    /// What undo would take back.
+    /// Label of the edit that undo reverts.
     pub fn undo_label(&self) -> Option<&'static str> {
         self.past.last().map(|s| s.label)
     }
 
-    /// What redo would bring again.
+    /// Label of the edit that redo applies.
     pub fn redo_label(&self) -> Option<&'static str> {
         self.future.last().map(|s| s.label)
     }
 
-    /// What was before the last edit, for `now`; `None` if there was no edit.
+    /// Returns the version before the last edit in exchange for `now`; `None` if there is no edit.
     pub fn undo(&mut self, now: V) -> Option<V> {
         self.gesture = None;
         exchange(&mut self.past, &mut self.future, now)
     }
 
-    /// What the last undo took, for `now`; `None` if there is nothing.
+    /// Returns the version that the last undo reverted in exchange for `now`; `None` if there is
+    /// none.
     pub fn redo(&mut self, now: V) -> Option<V> {
         self.gesture = None;
         exchange(&mut self.future, &mut self.past, now)
@@ -152,14 +153,14 @@ mod tests {
             assert!(history.bytes() <= 75);
         }
         assert_eq!(history.bytes(), 70);
-        // What was taken back and done again weighs what it did.
+        // Undo and redo do not change the size of a step.
         for _ in 0..3 {
             history.undo(0);
         }
         assert_eq!(history.bytes(), 40);
         while history.redo(0).is_some() {}
         assert_eq!(history.bytes(), 70);
-        // A gesture becomes heavier while it goes on.
+        // A step grows while its gesture continues.
         for bytes in [1, 30] {
             history.record("drag", 100, Some(1));
             history.set_bytes(|_| bytes);

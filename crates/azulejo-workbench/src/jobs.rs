@@ -1,8 +1,8 @@
-//! Long work in threads of its own.
+//! Background jobs, each in a thread of its own.
 //!
-//! A job owns what it reads, reports through its [`Progress`], and sends what it found through
-//! one channel, which the window empties each time it is drawn. A job that panics is a job that
-//! failed: the window stays.
+//! A job owns its input, reports through its [`Progress`], and sends its results through a channel
+//! that the window empties in every frame. A panic in a job is an error of that job: the window
+//! stays open.
 
 use azulejo::trace::Progress;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -11,54 +11,54 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
-/// Asks for the window to be drawn.
+/// A function that requests a repaint of the window.
 pub type RepaintRequest = Arc<dyn Fn() + Send + Sync>;
 
-/// What a job is about; of some kinds there is one at a time.
+/// Kinds of jobs; of some there is only one at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JobKind {
     /// Reading models.
     Load,
-    /// Reading a picture for the background.
+    /// Reading an image for the background.
     Backdrop,
-    /// Writing something that a person asked for.
+    /// Writing a file that the user requested.
     Save,
-    /// Writing what is recovered after a crash.
+    /// Writing a recovery copy.
     Autosave,
-    /// The first pass.
+    /// The first pass: solving the light.
     Solve,
-    /// The second pass.
+    /// The second pass: rendering.
     Render,
-    /// What one patch sees.
+    /// Computing the form factors of one patch.
     FormFactors,
-    /// Irradiance at probes.
+    /// Measuring irradiance at probes.
     Probe,
 }
 
-/// Work that goes on.
+/// A running job.
 #[derive(Debug)]
 pub struct Job {
     /// Its number.
     pub id: u64,
-    /// What it is about.
+    /// Its kind.
     pub kind: JobKind,
-    /// What it works on, for people.
+    /// What it works on, as displayed to the user.
     pub title: String,
-    /// How far it is; cancels and pauses it too.
+    /// Its progress, which also cancels and pauses it.
     pub progress: Arc<Progress>,
-    /// When it began.
+    /// When it started.
     pub started: Instant,
 }
 
-/// A message of a job.
+/// A message from a job.
 pub enum JobMessage<T> {
-    /// Something that it found, with more to come.
+    /// A result; more may follow.
     Output(T),
-    /// It ended; with a reason, if it failed.
+    /// The job has ended, with an error message if it failed.
     Ended(Option<String>),
 }
 
-/// What a job sends through.
+/// The sending end of a job's channel.
 pub struct JobSender<T> {
     id: u64,
     sender: Sender<(u64, JobMessage<T>)>,
@@ -66,19 +66,19 @@ pub struct JobSender<T> {
 }
 
 impl<T> JobSender<T> {
-    /// Sends something that was found.
+    /// Sends a result.
     pub fn send(&self, found: T) {
         self.post(JobMessage::Output(found));
     }
 
     fn post(&self, news: JobMessage<T>) {
-        // The window may be gone; then nobody waits for the news.
+        // Nobody receives the message if the window has been closed.
         let _ = self.sender.send((self.id, news));
         (self.repaint)();
     }
 }
 
-/// All work that goes on.
+/// All running jobs.
 pub struct Jobs<T> {
     running: Vec<Job>,
     sender: Sender<(u64, JobMessage<T>)>,
@@ -88,7 +88,7 @@ pub struct Jobs<T> {
 }
 
 impl<T: Send + 'static> Jobs<T> {
-    /// None yet.
+    /// Creates an empty list.
     pub fn new(repaint: RepaintRequest) -> Jobs<T> {
         let (sender, receiver) = channel();
         Jobs {
@@ -100,12 +100,13 @@ impl<T: Send + 'static> Jobs<T> {
         }
     }
 
-    /// Another way of asking for the window to be drawn, for the jobs that begin from now on.
+    /// Replaces the function that requests a repaint, for jobs started from now on.
     pub fn set_repaint(&mut self, repaint: RepaintRequest) {
         self.repaint = repaint;
     }
 
-    /// Starts `work` in a thread of its own; returns its number. An error it returns is told.
+    /// Starts `work` in a thread of its own; returns its number. An error it returns is sent as a
+    /// message.
     pub fn start(
         &mut self,
         kind: JobKind,
@@ -138,13 +139,14 @@ impl<T: Send + 'static> Jobs<T> {
             .name(format!("{kind:?}"))
             .spawn(run);
         if let Err(error) = spawned {
-            let message = format!("no thread for it: {error}");
+            let message = format!("cannot start a thread: {error}");
             let _ = self.sender.send((id, JobMessage::Ended(Some(message))));
         }
         id
     }
 
-    /// The next message, if there is one, with the job that sent it. A cancelled job is not heard.
+    /// The next message, if there is one, with the job that sent it. Messages of cancelled jobs are
+    /// dropped.
     pub fn next_message(&mut self) -> Option<(Job, JobMessage<T>)> {
         loop {
             let (id, news) = self.receiver.try_recv().ok()?;
@@ -159,7 +161,7 @@ impl<T: Send + 'static> Jobs<T> {
         }
     }
 
-    /// The jobs that go on.
+    /// The running jobs.
     pub fn running(&self) -> &[Job] {
         &self.running
     }
@@ -169,7 +171,7 @@ impl<T: Send + 'static> Jobs<T> {
         self.running.iter().find(|j| j.kind == kind)
     }
 
-    /// Cancels a job; nothing of it is heard any more.
+    /// Cancels a job; its further messages are dropped.
     pub fn cancel(&mut self, id: u64) {
         self.forget(|job| job.id == id);
     }
@@ -208,19 +210,19 @@ impl Job {
     }
 }
 
-/// What a panic said.
+/// The message of a panic.
 fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!(
-        "a fault of azulejo itself: {}; please report it",
+        "internal error: {}; please report it",
         text.unwrap_or("unknown")
     )
 }
 
-/// Runs `work` on threads of its own, fewer than there are: the window needs one too, and workers
-/// that pause must not hold up anybody else. They give way to whatever draws, which may want all
-/// processors for a moment where there is no graphics card.
+/// Runs `work` in a thread pool of its own, smaller than the number of processors: the window needs
+/// one too, and paused workers must not block the global pool. The threads have a lower priority
+/// than drawing, which may need all processors for a moment without a GPU.
 pub fn in_thread_pool<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = match most {
@@ -234,10 +236,11 @@ pub fn in_thread_pool<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> 
     }
 }
 
-/// Lets other threads go before this one. Where the system does not have it so, nothing changes.
+/// Lowers the priority of this thread, where the system supports it.
 fn lower_priority() {
-    // Of 0 to 99, where threads begin at 49. Niceness 5 where there is such a thing: the window
-    // has three quarters of a processor that both want, and other programs do not starve the work.
+    // On a scale from 0 to 99 on which threads start at 49. Equivalent to niceness 5 where that
+    // exists: the window gets three quarters of a contended processor, and other programs do not
+    // starve the job.
     const BELOW_OTHERS: u8 = 35;
     if let Ok(value) = ThreadPriorityValue::try_from(BELOW_OTHERS) {
         let _ = set_current_thread_priority(ThreadPriority::Crossplatform(value));
@@ -308,7 +311,7 @@ mod tests {
     fn work_gives_way_to_what_draws() {
         let niceness = || {
             let status = std::fs::read_to_string("/proc/thread-self/stat").unwrap();
-            // Behind the name in brackets: state is the third field, niceness the nineteenth.
+            // After the name in parentheses: state is the third field, niceness the nineteenth.
             let rest = status.rsplit(')').next().unwrap();
             rest.split_whitespace()
                 .nth(16)

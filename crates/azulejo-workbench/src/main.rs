@@ -13,27 +13,27 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 
-/// See models, give them light, watch it settle, save it.
+/// View and light models, solve and render them
 #[derive(Debug, Parser)]
 #[command(name = "azulejo-workbench", version)]
 struct Arguments {
-    /// Models to open, of any format that azulejo reads
+    /// Models to open, in any format that azulejo reads
     files: Vec<PathBuf>,
-    /// Plays a list of steps, one a line; the window stays, unless a step is `quit`
+    /// Runs a script with one step per line; the window stays open unless a step is `quit`
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
-    /// Writes a picture of the window as PNG when the script, or the loading, is done, and ends
+    /// Writes a PNG screenshot of the window after the script, or after loading, and quits
     #[arg(long, value_name = "FILE")]
     screenshot: Option<PathBuf>,
-    /// Neither reads nor writes preferences and copies for recovery
+    /// Neither reads nor writes preferences and recovery copies
     #[arg(long)]
     no_preferences: bool,
 }
 
-/// How often a window is opened again that could not stay.
+/// How often the window is reopened after a device loss.
 const MAX_REOPENS: u32 = 3;
 
-/// What is worked on, and a script, until a window has them.
+/// Holds the app and a script until a window takes them.
 type AppSlot = RefCell<Option<(App, Option<ScriptPlayer>)>>;
 
 fn main() -> ExitCode {
@@ -65,7 +65,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
 }
 
-/// The script, and what the command line adds to it.
+/// The script, with the steps that the command line adds to it.
 fn player(arguments: &Arguments) -> Result<Option<ScriptPlayer>, String> {
     let mut steps = Vec::new();
     let mut name = String::from("the command line");
@@ -104,7 +104,8 @@ fn app(arguments: &Arguments) -> App {
         None => (Preferences::default(), None),
     };
     if window_error.is_some() {
-        // A slip in a file that a person wrote is theirs to mend, and no reason to write over it.
+        // A typo in a preferences file is no reason to overwrite it: the user may want to correct
+        // it.
         dirs.preferences = None;
     }
     let mut app = App::new(preferences, dirs, Arc::new(|| ()));
@@ -117,11 +118,11 @@ fn app(arguments: &Arguments) -> App {
     app
 }
 
-/// Opens the window by `open`; and again, with all that was worked on, when the graphics card is
+/// Opens the window with `open`, and opens it again with the same app when the graphics device is
 /// lost.
 ///
-/// Where something panics the toolkit cannot open another one, and where it opens none there is
-/// nobody to ask: then what was worked on is written for the next start.
+/// After a panic the toolkit cannot open another window, and if none opens at all the user cannot
+/// be asked: then the document is written as a recovery copy for the next start.
 fn windows(
     app: App,
     player: Option<ScriptPlayer>,
@@ -129,12 +130,12 @@ fn windows(
 ) -> Result<(), String> {
     let mut work = (app, player);
     for _ in 0..=MAX_REOPENS {
-        // Outside of all that may fall.
+        // Outside of everything that may panic.
         let slot = AppSlot::new(Some(work));
         let (rescue, rescued) = channel::<Box<Rescued>>();
         let opened = catch_unwind(AssertUnwindSafe(|| open(&slot, rescue)));
         let fell = opened.is_err();
-        let result = opened.unwrap_or_else(|_| Err("the window fell before it was open".into()));
+        let result = opened.unwrap_or_else(|_| Err("the window crashed before it opened".into()));
         if let Some((app, _)) = slot.into_inner() {
             let why = result.err().unwrap_or_else(|| "no window".into());
             return Err(open_failure(app, why));
@@ -144,14 +145,14 @@ fn windows(
             Ok(left) if fell => return Err(keep(left.app)),
             Ok(left) => work = (left.app, left.player),
         }
-        let text = "the graphics card was lost, and the window was opened again";
+        let text = "the graphics device was lost; the window was opened again";
         work.0
             .report(azulejo_workbench::app::Severity::Warning, text);
     }
     Err(keep(work.0))
 }
 
-/// What to say of a window that was never there; what was to be in it is kept.
+/// The error message for a window that never opened; its document is kept as a recovery copy.
 fn open_failure(app: App, why: String) -> String {
     if app.is_changed() {
         format!("{why}\n{}", keep(app))
@@ -160,18 +161,18 @@ fn open_failure(app: App, why: String) -> String {
     }
 }
 
-/// Writes what was worked on for the next start; says so.
+/// Writes a recovery copy for the next start; returns a message about it.
 fn keep(mut app: App) -> String {
     let kept = app.save_recovery_now();
-    // Ending in good order would take the copy away.
+    // A normal shutdown would delete the copy.
     std::mem::forget(app);
     match kept {
         Ok(Some(path)) => format!(
-            "something went wrong in the window; what was worked on is kept in {}",
+            "the window crashed; a recovery copy is kept in {}",
             path.display()
         ),
-        Ok(None) => "something went wrong in the window; all was saved".into(),
-        Err(why) => format!("something went wrong in the window, and no copy could be kept: {why}"),
+        Ok(None) => "the window crashed; there were no unsaved changes".into(),
+        Err(why) => format!("the window crashed, and no recovery copy could be written: {why}"),
     }
 }
 
@@ -190,7 +191,7 @@ fn window(slot: &AppSlot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
     };
     let open = move |context: &eframe::CreationContext<'_>| {
         let viewport = Viewport::of_window(context).map_err(|loss| loss.0.to_string())?;
-        // Last of all: what fails before leaves the work where it is.
+        // As the last step, so that an error before leaves the app in the slot.
         let (app, player) = slot.take().ok_or("the window was opened twice")?;
         let mut window = Workbench::in_window(app, viewport, context);
         window.rescue_to(rescue);
@@ -202,7 +203,7 @@ fn window(slot: &AppSlot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
     eframe::run_native("azulejo", options, Box::new(open)).map_err(|e| window_error(&e))
 }
 
-/// Why there is no window, and what to do.
+/// Why no window opened, and what to do about it.
 fn window_error(error: &eframe::Error) -> String {
     let advice = match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {
@@ -227,8 +228,8 @@ mod tests {
     use azulejo_workbench::command::Command;
     use azulejo_workbench::document::NewShapeKind;
 
-    /// Plays what becomes of the windows with a changed document; what was said, and how many
-    /// copies are there then.
+    /// Runs the window loop with a changed document; checks its error message and the number of
+    /// recovery copies.
     fn check(
         name: &str,
         open: impl FnMut(&AppSlot, Sender<Box<Rescued>>) -> Result<(), String>,

@@ -1,9 +1,8 @@
-//! What survives a crash.
+//! Recovery after a crash.
 //!
-//! While a document has changes that are not saved, a copy of it is written now and then into a
-//! folder of the person's, beside a note of where it came from. Each session holds a lock on its
-//! note as long as it lives; copies whose lock is free are of sessions that ended badly, and are
-//! offered.
+//! While a document has unsaved changes, a copy of it is written periodically to a per-user folder,
+//! with a note about its original file. Each session holds a lock on its note while it runs; copies
+//! whose lock is free belong to sessions that crashed, and are offered for recovery.
 
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
@@ -11,14 +10,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// A copy that a session left behind.
+/// A copy left by a crashed session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recoverable {
-    /// The copy, GRF.
+    /// The copy, in GRF.
     pub copy: PathBuf,
-    /// The file that was worked on, if there was one.
+    /// The file of the document, if it had one.
     pub original: Option<PathBuf>,
-    /// When it was written, seconds since 1970.
+    /// When it was written, in seconds since 1970.
     pub written: u64,
 }
 
@@ -26,7 +25,7 @@ pub struct Recoverable {
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct RecoveryNote {
     original: Option<PathBuf>,
-    /// The same in the system's own units, where it is no text.
+    /// The path in the system's own encoding, if it is not UTF-8.
     original_units: Option<Vec<u16>>,
 }
 
@@ -70,18 +69,18 @@ fn path_of(units: &[u16]) -> Option<PathBuf> {
     Some(std::ffi::OsString::from_wide(units).into())
 }
 
-/// Copies of this session and of those before it.
+/// The copies of this session and of crashed ones.
 #[derive(Debug, Default)]
 pub struct Recovery {
     folder: Option<PathBuf>,
-    /// This session's name; made with its first copy.
+    /// This session's files; created with its first copy.
     session: Option<RecoverySession>,
     found: Vec<Recoverable>,
-    /// The copy that was opened, as long as it is the only one.
+    /// The recovery copy that was opened, until a newer one is written.
     adopted: Option<PathBuf>,
-    /// The document that was copied last.
+    /// The revision last copied.
     copied: Option<u64>,
-    /// No copy before this, after one that failed.
+    /// Earliest time of the next attempt after a failure.
     not_before: Option<Instant>,
 }
 
@@ -89,20 +88,20 @@ pub struct Recovery {
 struct RecoverySession {
     copy: PathBuf,
     note: PathBuf,
-    /// Locked as long as the session lives.
+    /// Locked while the session runs.
     _lock: File,
 }
 
-/// How long nothing is tried after a copy failed.
+/// Delay after a failed copy.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 impl Recovery {
-    /// Writes nothing and finds nothing.
+    /// Writes no copies and finds none.
     pub fn disabled() -> Recovery {
         Recovery::default()
     }
 
-    /// Copies go into `folder`; finds what sessions left there.
+    /// Writes copies to `folder`; finds those left by crashed sessions.
     pub fn new(folder: PathBuf) -> Recovery {
         let mut recovery = Recovery::disabled();
         recovery.found = orphaned_copies(&folder);
@@ -110,12 +109,12 @@ impl Recovery {
         recovery
     }
 
-    /// What sessions left behind.
+    /// The copies left by crashed sessions.
     pub fn recoverable(&self) -> &[Recoverable] {
         &self.found
     }
 
-    /// Where the next copy of a document goes, if one is due.
+    /// The path of the next copy of a document, if one is due.
     pub fn due(&mut self, revision: u64, original: Option<&Path>) -> Option<PathBuf> {
         let waits = self.not_before.is_some_and(|t| Instant::now() < t);
         if waits || self.copied == Some(revision) {
@@ -128,12 +127,12 @@ impl Recovery {
         place
     }
 
-    /// Whether the next copy of a document is still to be written, now or later.
+    /// Whether a copy of this revision remains to be written, now or later.
     pub fn is_pending(&self, revision: u64) -> bool {
         self.folder.is_some() && self.copied != Some(revision)
     }
 
-    /// How long nothing is tried, after a copy that failed.
+    /// Remaining delay after a failed copy.
     pub fn retry_delay(&self) -> Duration {
         let rest = self
             .not_before
@@ -141,7 +140,7 @@ impl Recovery {
         rest.unwrap_or_default()
     }
 
-    /// Where copies of this session go; `None` where nothing is kept.
+    /// Path of this session's copy; `None` if no copies are kept.
     pub fn copy_path(&mut self, original: Option<&Path>) -> Option<PathBuf> {
         if self.session.is_none() {
             self.session = self.folder.as_deref().and_then(RecoverySession::begin);
@@ -151,13 +150,14 @@ impl Recovery {
         Some(session.copy.clone())
     }
 
-    /// A copy is on the disk.
+    /// Called when a copy has been written.
     pub fn done(&mut self, revision: u64) {
         self.copied = Some(revision);
         self.leave_adopted();
     }
 
-    /// A copy was opened. It stays on the disk until there is a newer one, or none is needed.
+    /// Called when a copy has been opened. It is deleted when there is a newer one or none is
+    /// needed.
     pub fn adopt(&mut self, copy: &Path) {
         self.found.retain(|f| f.copy != copy);
         self.adopted = Some(copy.to_owned());
@@ -169,12 +169,12 @@ impl Recovery {
         }
     }
 
-    /// A copy could not be written.
+    /// Called when a copy could not be written.
     pub fn failed(&mut self) {
         self.not_before = Some(Instant::now() + PATIENCE);
     }
 
-    /// The document is safe: no copy is needed.
+    /// Deletes this session's copy, because the document is safe.
     pub fn clear(&mut self) {
         self.copied = None;
         self.leave_adopted();
@@ -183,7 +183,7 @@ impl Recovery {
         }
     }
 
-    /// Takes a copy off the list, and off the disk.
+    /// Removes a copy from the list and from the disk.
     pub fn delete(&mut self, copy: &Path) {
         self.found.retain(|f| {
             let goes = f.copy == copy;
@@ -196,7 +196,7 @@ impl Recovery {
 }
 
 impl Drop for Recovery {
-    /// A session that ends in good order leaves nothing behind.
+    /// A session that ends normally leaves nothing behind.
     fn drop(&mut self) {
         if !std::thread::panicking() {
             self.clear();
@@ -222,7 +222,7 @@ impl RecoverySession {
 
     fn write_note(&self, original: Option<&Path>) {
         let note = RecoveryNote::of(original);
-        // Without a note the copy is still found; only its name is lost.
+        // Without its note a copy is still found; only the original path is lost.
         if let Ok(text) = toml::to_string(&note) {
             let file = OpenOptions::new()
                 .write(true)
@@ -241,7 +241,7 @@ fn remove(copy: &Path) {
     let _ = std::fs::remove_file(copy.with_extension("toml"));
 }
 
-/// Pictures that were written beside a copy, whose name theirs begin with.
+/// Texture files beside a copy, whose names begin with its name.
 fn pictures(copy: &Path) -> Vec<PathBuf> {
     let stem = copy.file_stem().unwrap_or_default().to_string_lossy();
     let begin = format!("{stem}-");
@@ -255,8 +255,8 @@ fn pictures(copy: &Path) -> Vec<PathBuf> {
     paths.filter(is_picture).collect()
 }
 
-/// Copies in `folder` that belong to no session that lives, the newest first. Notes without a
-/// copy are removed.
+/// Copies in `folder` whose session is not running, the newest first. Notes without a copy are
+/// deleted.
 fn orphaned_copies(folder: &Path) -> Vec<Recoverable> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
@@ -305,7 +305,7 @@ mod tests {
         );
         assert_eq!(Recovery::new(folder.clone()).recoverable(), []);
 
-        // It dies: its lock goes, its files stay.
+        // A crash releases the lock and leaves the files.
         alive.session = None;
         let mut next = Recovery::new(folder.clone());
         let found = next.recoverable().to_vec();

@@ -61,7 +61,7 @@ impl App {
         let home = self.home();
         let (document, revision) = (self.document.clone(), self.revision);
         let solution = self.lighting.solution.clone();
-        let title = self.tr("copy for recovery");
+        let title = self.tr("recovery copy");
         self.jobs
             .start(JobKind::Autosave, title, move |progress, outbox| {
                 let (scene, _) = document.lit_scene(solution.as_deref());

@@ -56,7 +56,7 @@ impl App {
         let waiting = waiting.iter().map(|p| p.display().to_string());
         let all: Vec<String> = job.into_iter().chain(waiting).collect();
         if !all.is_empty() {
-            let abandoned = self.tr("given up for another file");
+            let abandoned = self.tr("cancelled: another file was opened");
             self.report(
                 Severity::Warning,
                 format!("{}: {abandoned}", all.join(", ")),

@@ -178,7 +178,7 @@ impl App {
     /// Starts solving the document in its current state.
     pub(super) fn solve(&mut self) {
         if !self.document.has_light() {
-            let text = self.tr("nothing shines: add a light, or give a material emission");
+            let text = self.tr("there is no light source: add a light or an emissive material");
             self.report(Severity::Error, text);
             return;
         }

@@ -195,7 +195,7 @@ impl App {
     pub(super) fn pin(&mut self, pick: SurfacePick) {
         const MAX_PROBES: usize = 100;
         if self.probes.len() >= MAX_PROBES {
-            let text = self.tr("there are as many probes as there may be: remove some first");
+            let text = self.tr("the maximum number of probes is reached: remove some first");
             self.report(Severity::Error, text);
             return;
         }
@@ -258,7 +258,7 @@ impl App {
 
     pub(super) fn take_measurement(&mut self, found: ProbeMeasurement) {
         if !same_light(&found.of, &self.document) {
-            let text = self.tr("the model changed while probes were measured: measure again");
+            let text = self.tr("the model changed while the probes were measured: measure again");
             self.report(Severity::Warning, text);
             return;
         }

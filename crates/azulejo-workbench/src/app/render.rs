@@ -46,7 +46,7 @@ impl App {
     pub(super) fn start_render(&mut self, size: (u32, u32), most: u32) {
         let pixels = u64::from(size.0) * u64::from(size.1);
         if !(1..=MAX_PIXELS).contains(&pixels) {
-            let why = self.tr("no such picture can be drawn, in pixels");
+            let why = self.tr("cannot render an image of this size in pixels");
             let text = format!("{why}: {} × {}", size.0, size.1);
             self.report(Severity::Error, text);
             return;
@@ -69,7 +69,7 @@ impl App {
             gather: Some(self.preferences.picture_gather).filter(|&rays| rays > 0),
         };
         let threads = self.preferences.threads;
-        let title = self.tr("picture");
+        let title = self.tr("rendering");
         self.jobs
             .start(JobKind::Render, title, move |progress, outbox| {
                 // While the camera moves, every frame requests another render: only the one that is
@@ -99,7 +99,7 @@ impl App {
         self.asking = None;
         let render = self.render.as_ref().filter(|p| p.samples > 0);
         let Some(image) = render.and_then(|p| p.image.clone()) else {
-            let text = self.tr("there is no picture yet: draw one first");
+            let text = self.tr("there is no image yet: render one first");
             self.report(Severity::Error, text);
             return;
         };

@@ -208,15 +208,17 @@ impl App {
         let said = match (saved.lit, &self.lighting.solution) {
             (true, _) => self.tr("saved with its light"),
             (false, Some(_)) => {
-                self.tr("saved without light: what is solved is of an earlier state")
+                self.tr("saved without light: the solution is for an earlier state")
             }
-            (false, None) if saved.drops_light => self.tr("saved without the light of the file"),
+            (false, None) if saved.drops_light => {
+                self.tr("saved without the light stored in the file")
+            }
             (false, None) => self.tr("saved"),
         };
         self.report(Severity::Note, format!("{name}: {said}"));
         if !saved.losses.is_empty() {
             let losses = saved.losses.join(", ");
-            let said = self.tr("this format does not keep all");
+            let said = self.tr("this format does not store everything");
             self.report(Severity::Warning, format!("{name}: {said}: {losses}"));
         }
     }
@@ -252,7 +254,7 @@ impl App {
         if path.exists() {
             self.question = Some(PendingQuestion::ChangedOnDisk(path.clone()));
         } else {
-            let said = self.tr("the file is gone; save to write it again");
+            let said = self.tr("the file no longer exists; save to write it again");
             let text = format!("{}: {said}", path.display());
             self.report(Severity::Warning, text);
         }

@@ -179,7 +179,7 @@ impl NewShape {
             return Err(EditError(message));
         }
         if (self.material).is_some_and(|m| m as usize >= document.materials.len()) {
-            return Err(EditError("there is no such material any more".into()));
+            return Err(EditError("the material no longer exists".into()));
         }
         let material = self.material.unwrap_or_else(|| self.new_material(document));
         let shape = self.shape(document.units.up, material);

@@ -161,8 +161,8 @@ fn missing<T>(what: &str) -> Result<T, EditError> {
 /// No unit of length needs a larger factor, or a smaller one than its inverse.
 const MAX_SCALE: f64 = 1e12;
 
-/// Whether a placement preserves shapes within rounding: finite, invertible, and not too far from a
-/// similarity.
+/// Whether a map is a usable placement: finite, with sensible scales along its axes, and not nearly
+/// singular.
 fn is_placement(map: &DAffine3) -> bool {
     let m = &map.matrix3;
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length());

@@ -38,7 +38,7 @@ impl SceneDocument {
     pub fn bytes_beyond(&self, other: &SceneDocument) -> u64 {
         let mut alone = SharedAllocations::default();
         self.note_items(other, &mut alone);
-        self.note_looks(other, &mut alone);
+        self.note_materials(other, &mut alone);
         if !alone.0.is_empty() {
             // Whatever the other document uses as well is not freed.
             (other.objects.iter()).for_each(|item| forget_item(item, &mut alone));
@@ -77,8 +77,8 @@ impl SceneDocument {
         }
     }
 
-    /// Materials and textures are compared by index, since they are only appended.
-    fn note_looks(&self, other: &SceneDocument, alone: &mut SharedAllocations) {
+    /// Materials and textures are compared by index; after a deletion the shifted ones count as well.
+    fn note_materials(&self, other: &SceneDocument, alone: &mut SharedAllocations) {
         for (k, material) in self.materials.iter().enumerate() {
             let then = other.materials.get(k);
             if !then.is_some_and(|o| Arc::ptr_eq(o, material)) {

@@ -167,7 +167,7 @@ impl Renderer {
     }
 
     /// Whether the adapter is a software rasteriser; frames without
-    /// [`Frame::antialiasing`](ViewportFrame::antialiasing) are then about three times as fast.
+    /// [`ViewportFrame::antialiasing`] are then about three times as fast.
     pub fn is_software(&self) -> bool {
         let info = self.device.adapter_info();
         let name = info.name.to_lowercase();

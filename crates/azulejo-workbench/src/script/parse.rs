@@ -1,4 +1,4 @@
-//! Lines to steps.
+//! Parsing scripts.
 
 use crate::ui::PanelTab;
 use crate::view::{Shading, ViewDirection};
@@ -8,65 +8,66 @@ use std::path::PathBuf;
 /// One step of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptStep {
-    /// `size W H`: the window, points.
+    /// `size W H`: size of the window in points.
     Size(f32, f32),
     /// `open FILE`, `add FILE`: one file each.
     Open(PathBuf),
     /// See [`ScriptStep::Open`].
     Add(PathBuf),
-    /// `action NAME`: an entry of a menu by its English name.
+    /// `action NAME`: a menu entry by its English name.
     Action(String),
-    /// `select NAME`, `select all`, `select nothing`: all objects, lights and cameras whose name,
-    /// or its last part, is this.
+    /// `select NAME`, `select all`, `select nothing`: all objects, lights and cameras with this
+    /// name, or with this last component of their name.
     Select(String),
-    /// `rename NAME`: what is selected.
+    /// `rename NAME`: renames the selection.
     Rename(String),
-    /// `move X Y Z`, `scale F`, `turn X Y Z` in degrees: what is selected.
+    /// `move X Y Z`, `scale F`, `turn X Y Z` in degrees: transforms the selection.
     Move(DVec3),
     /// See [`ScriptStep::Move`].
     Scale(f64),
     /// See [`ScriptStep::Move`].
     Turn(DVec3),
-    /// `material new NAME`: a material, given to what is selected.
+    /// `material new NAME`: adds a material and assigns it to the selection.
     MaterialNew(String),
-    /// `material brdf DESCRIPTION`: a reflection model for the selected material.
+    /// `material brdf DESCRIPTION`: sets the reflection model of the selected material.
     MaterialBrdf(String),
-    /// `material color R G B`: a matt surface for the selected material, linear.
+    /// `material color R G B`: makes the selected material diffuse with a linear colour.
     MaterialColor(DVec3),
-    /// `material emit R G B`: emission for the selected material, W/(sr·m²) or cd/m².
+    /// `material emit R G B`: sets the emission of the selected material, W/(sr·m²) or cd/m².
     MaterialEmit(DVec3),
-    /// `shading NAME`, as `irradiance` or `false-color`.
+    /// `shading NAME`, such as `irradiance` or `false-color`.
     Shading(Shading),
     /// `view front`, `back`, `left`, `right`, `top`, `bottom`, `corner`, `all`.
     View(Option<ViewDirection>),
-    /// `camera EX EY EZ TX TY TZ`: from where, at what.
+    /// `camera EX EY EZ TX TY TZ`: sets the camera's position and target.
     Camera(DVec3, DVec3),
     /// `tab object`, `material`, `light`, `view`.
-    PanelTab(PanelTab),
-    /// `patches N`: how finely the light is solved.
+    Tab(PanelTab),
+    /// `patches N`: sets the number of patches.
     Patches(u32),
-    /// `solve` or `solve 5%`: to an error.
+    /// `solve` or `solve 5%`: solves the light, optionally to a given error.
     Solve(Option<f64>),
-    /// `picture N`: by rays, until N paths per pixel.
+    /// `render N` or `picture N`: renders up to N paths per pixel.
     Render(u32),
-    /// `save FILE`, `export FILE`, `save-picture FILE`.
+    /// `save FILE`, `export FILE`, `save-render FILE` or `save-picture FILE`.
     Save(PathBuf),
     /// See [`ScriptStep::Save`].
     Export(PathBuf),
     /// See [`ScriptStep::Save`].
     SaveRender(PathBuf),
-    /// `screenshot FILE`: the window, PNG.
+    /// `screenshot FILE`: writes the window as PNG.
     Screenshot(PathBuf),
-    /// `wait SECONDS`, or `wait` until no job goes on but a picture.
+    /// `wait SECONDS`, or `wait` until only a render is running.
     Wait(Option<f64>),
-    /// `quit`.
+    /// `quit`: closes the window.
     Quit,
 }
 
-/// Reads a script; an error names the line, what was found and what was expected.
+/// Parses a script.
 ///
 /// # Errors
-/// As above, for people.
+///
+/// A message with the line, what was found and what was expected.
 pub fn parse(text: &str, name: &str) -> Result<Vec<(usize, ScriptStep)>, String> {
     let mut steps = Vec::new();
     for (k, line) in text.lines().enumerate() {
@@ -84,7 +85,7 @@ fn step(line: &str) -> Result<ScriptStep, String> {
     let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let rest = rest.trim();
     let path = || match rest {
-        "" => Err(format!("{word} names no file")),
+        "" => Err(format!("{word} needs a file")),
         some => Ok(PathBuf::from(some)),
     };
     Ok(match word {
@@ -110,17 +111,17 @@ fn step(line: &str) -> Result<ScriptStep, String> {
             let [a, b, c, d, e, f] = numbers(rest)?;
             let (eye, target) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
             if eye.distance(target).is_nan() || eye.distance(target) <= 0.0 {
-                return Err("a camera that looks at itself, expected another place".into());
+                return Err("the target of the camera is its own position".into());
             }
             ScriptStep::Camera(eye, target)
         }
-        "tab" => ScriptStep::PanelTab(tab(rest)?),
+        "tab" => ScriptStep::Tab(tab(rest)?),
         "patches" => ScriptStep::Patches(whole(rest, 10_000_000)?),
         "solve" => ScriptStep::Solve(error(rest)?),
-        "picture" => ScriptStep::Render(whole(rest, 65_536)?),
+        "render" | "picture" => ScriptStep::Render(whole(rest, 65_536)?),
         "save" => ScriptStep::Save(path()?),
         "export" => ScriptStep::Export(path()?),
-        "save-picture" => ScriptStep::SaveRender(path()?),
+        "save-render" | "save-picture" => ScriptStep::SaveRender(path()?),
         "screenshot" => ScriptStep::Screenshot(path()?),
         "wait" => ScriptStep::Wait(match rest {
             "" => None,
@@ -153,10 +154,10 @@ const STEPS: [&str; 23] = [
     "tab",
     "patches",
     "solve",
-    "picture",
+    "render",
     "save",
     "export",
-    "save-picture",
+    "save-render",
     "screenshot",
     "wait",
     "quit",
@@ -193,9 +194,22 @@ fn error(text: &str) -> Result<Option<f64>, String> {
         .ok_or_else(|| format!("\"{text}\" is not an error, expected as in 5%"))
 }
 
-/// An action that exists.
+/// Former labels of actions, so that old scripts still run.
+const FORMER_LABELS: [(&str, &str); 7] = [
+    ("Save picture…", "Save image…"),
+    ("Select nothing", "Select none"),
+    ("Picture by rays", "Render image"),
+    ("Normals and backs", "Normals and back faces"),
+    ("Go on", "Resume"),
+    ("Take the light off", "Clear light"),
+    ("Keys", "Keyboard shortcuts"),
+];
+
+/// Checks that an action exists; accepts former names.
 fn action(name: &str) -> Result<String, String> {
     let known = crate::ui::actions::ACTIONS.iter().map(|a| a.label);
+    let renamed = FORMER_LABELS.iter().find(|(former, _)| *former == name);
+    let name = renamed.map_or(name, |(_, label)| *label);
     if known.clone().any(|label| label == name) {
         Ok(name.to_owned())
     } else {
@@ -269,7 +283,7 @@ mod tests {
             ScriptStep::Move(DVec3::new(1.0, -2.0, 0.5)),
             ScriptStep::MaterialBrdf("ward_duer ks=0.3".into()),
             ScriptStep::Shading(Shading::FalseColor),
-            ScriptStep::PanelTab(PanelTab::Light),
+            ScriptStep::Tab(PanelTab::Light),
             ScriptStep::Wait(None),
             ScriptStep::Quit,
         ];
@@ -278,10 +292,21 @@ mod tests {
     }
 
     #[test]
+    fn former_names_still_work() {
+        let step = |line: &str| parse(line, "s.txt").unwrap().remove(0).1;
+        assert_eq!(step("picture 8"), step("render 8"));
+        assert_eq!(step("save-picture a.png"), step("save-render a.png"));
+        for (former, label) in FORMER_LABELS {
+            let now = ScriptStep::Action(label.to_owned());
+            assert_eq!(step(&format!("action {former}")), now);
+        }
+    }
+
+    #[test]
     fn what_is_wrong_is_said_with_its_line() {
         for (line, said) in [
             ("dance", "unknown step \"dance\""),
-            ("open", "open names no file"),
+            ("open", "open needs a file"),
             ("move 1 2", "\"1 2\" is not 3 numbers"),
             ("move 1 2 nan", "is not 3 numbers"),
             ("solve 5", "expected as in 5%"),
@@ -291,7 +316,7 @@ mod tests {
             ("material wood", "expected new, brdf, color or emit"),
             ("tab left", "no tab \"left\""),
             ("size 1 1", "expected 100 to 16384"),
-            ("camera 1 2 3 1 2 3", "looks at itself"),
+            ("camera 1 2 3 1 2 3", "its own position"),
         ] {
             let error = parse(&format!("quit\n{line}"), "s.txt").unwrap_err();
             assert!(error.starts_with("s.txt:2: "), "{error}");

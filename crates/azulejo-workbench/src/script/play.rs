@@ -1,4 +1,4 @@
-//! Steps in a window, one after the other.
+//! Running a script in a window.
 
 use super::parse::ScriptStep;
 use crate::app::{App, Severity};
@@ -20,41 +20,41 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Plays a script in a window.
+/// Runs a script in a window, step by step.
 pub struct ScriptPlayer {
     steps: VecDeque<(usize, ScriptStep)>,
     name: String,
     waits: Option<WaitCondition>,
-    /// How many errors were told before the step.
+    /// Number of errors reported before the step.
     errors_before: u64,
     line: usize,
     outcome: Arc<Mutex<Option<Result<(), String>>>>,
 }
 
-/// What a step waits for.
+/// The condition that ends a step.
 enum WaitCondition {
-    /// So many frames more at least, until no job goes on but for a picture that refines itself.
+    /// At least this many more frames, and then until only a render is running.
     Jobs(u32),
-    /// So many frames more, in which the window settles.
+    /// This many more frames, in which the layout settles.
     Frames(u32),
-    /// A moment.
+    /// A point in time.
     Until(Instant),
-    /// So many paths per pixel.
+    /// This many paths per pixel.
     Samples(u32),
-    /// The picture of the window; asked for since then.
+    /// A screenshot for this file, requested at this time.
     Screenshot(PathBuf, Instant, Receiver<Arc<ColorImage>>),
 }
 
-/// Frames in which layout settles and threads deliver.
+/// Frames in which the layout settles and jobs deliver their results.
 const SETTLE: u32 = 4;
-/// How often it is asked whether what is waited for is there.
+/// Interval between checks of the condition.
 const REST: Duration = Duration::from_millis(30);
-/// A screenshot that does not come.
+/// Timeout of a screenshot.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 impl ScriptPlayer {
-    /// Plays `steps` of the script `name`, which stands in messages. Steps that are files are
-    /// relative to where the program runs.
+    /// Runs `steps` of the script `name`, which is used in messages. Relative paths start at the
+    /// current folder of the process.
     pub fn new(steps: Vec<(usize, ScriptStep)>, name: &str) -> ScriptPlayer {
         ScriptPlayer {
             steps: steps.into(),
@@ -66,13 +66,13 @@ impl ScriptPlayer {
         }
     }
 
-    /// Where the end of the script will stand: `Ok`, or why it failed.
+    /// Receives the outcome of the script: `Ok`, or an error message.
     pub fn outcome(&self) -> Arc<Mutex<Option<Result<(), String>>>> {
         Arc::clone(&self.outcome)
     }
 
-    /// How long the window may rest before the script is looked at again: while a job goes on,
-    /// drawing would take its processors.
+    /// How long the window may wait before the next check: while a job is running, drawing would
+    /// take its processors.
     pub fn rest(&self) -> Duration {
         match self.waits {
             None | Some(WaitCondition::Frames(_)) => Duration::ZERO,
@@ -86,7 +86,7 @@ impl ScriptPlayer {
         outcome.is_ok_and(|o| matches!(*o, Some(Err(_))))
     }
 
-    /// Goes on as far as a frame allows; `false` at the end.
+    /// Runs the script as far as the frame allows; returns `false` at its end.
     pub fn step(&mut self, window: &mut Workbench, context: &egui::Context) -> bool {
         if let Some(why) = self.failure(&window.app) {
             return self.end(Err(why));
@@ -121,13 +121,13 @@ impl ScriptPlayer {
         false
     }
 
-    /// An error that was told since the step began.
+    /// The first error reported since the step began.
     fn failure(&self, app: &App) -> Option<String> {
         if app.question.is_some() {
-            return Some("a question came up, and a script has no answer: save first".into());
+            return Some("a question is open that a script cannot answer: save first".into());
         }
         if app.asking.is_some() {
-            return Some("a dialog came up, and a script has no answer".into());
+            return Some("a dialog is open that a script cannot answer".into());
         }
         if app.errors == self.errors_before {
             return None;
@@ -138,14 +138,14 @@ impl ScriptPlayer {
             .rev()
             .filter(|m| m.level == Severity::Error);
         let last = errors.map(|m| m.text.clone()).next();
-        Some(last.unwrap_or_else(|| "something failed".into()))
+        Some(last.unwrap_or_else(|| "a job failed".into()))
     }
 
     fn still_waits(&mut self, window: &Workbench) -> Result<bool, String> {
         let app = &window.app;
         Ok(match &mut self.waits {
             None => false,
-            // A picture refines itself for long, and nothing waits for it.
+            // Nothing waits for a render, which may take long.
             Some(WaitCondition::Jobs(frames)) => {
                 *frames = frames.saturating_sub(1);
                 *frames > 0 || app.jobs().iter().any(|j| j.kind != JobKind::Render)
@@ -168,7 +168,7 @@ impl ScriptPlayer {
                     false
                 }
                 Err(_) if since.elapsed() > PATIENCE => {
-                    return Err("the window gives no picture of itself".into());
+                    return Err("no screenshot was received".into());
                 }
                 Err(_) => true,
             },
@@ -200,13 +200,13 @@ impl ScriptPlayer {
                 let until = Instant::now() + Duration::from_secs_f64(seconds);
                 return Ok(WaitCondition::Until(until));
             }
-            ScriptStep::PanelTab(tab) => window.tab = tab,
+            ScriptStep::Tab(tab) => window.tab = tab,
             ScriptStep::Action(name) => {
                 let action = ACTIONS.iter().find(|a| a.label == name);
                 let target = action.and_then(|a| (a.target)(&window.app));
-                let target = target.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
+                let target = target.ok_or_else(|| format!("\"{name}\" is not available now"))?;
                 window.run_action(target);
-                // What it looks like is seen a few frames later, what it began when that is done.
+                // Its effect is visible a few frames later; a job that it started takes longer.
                 return Ok(WaitCondition::Jobs(SETTLE));
             }
             ScriptStep::Render(samples) => {
@@ -224,7 +224,7 @@ impl ScriptPlayer {
     }
 }
 
-/// Steps that need no window.
+/// Steps that do not need the window.
 fn run(app: &mut App, step: ScriptStep) -> Result<WaitCondition, String> {
     let settle = Ok(WaitCondition::Frames(SETTLE));
     match step {
@@ -250,7 +250,7 @@ fn run(app: &mut App, step: ScriptStep) -> Result<WaitCondition, String> {
         }
         ScriptStep::Solve(error) => {
             if let Some(error) = error {
-                // Who names an error wants that, however long it takes.
+                // A script that specifies an error wants it reached, however long it takes.
                 let settings = crate::first_pass::LightSettings {
                     error,
                     time: None,
@@ -289,13 +289,13 @@ fn run(app: &mut App, step: ScriptStep) -> Result<WaitCondition, String> {
     settle
 }
 
-/// Steps that change the document.
+/// Steps that edit the document.
 fn change(app: &mut App, step: ScriptStep) -> Result<(), String> {
     let ids = app.selection.ids.clone();
     let edit = match step {
         ScriptStep::Rename(name) => match ids[..] {
             [id] => Edit::Rename(id, name),
-            _ => return Err(format!("{} things are selected, expected one", ids.len())),
+            _ => return Err(format!("{} items are selected, expected one", ids.len())),
         },
         ScriptStep::Move(by) => Edit::Transform(some(ids)?, DAffine3::from_translation(by)),
         ScriptStep::Scale(factor) => {
@@ -343,7 +343,7 @@ fn change(app: &mut App, step: ScriptStep) -> Result<(), String> {
                 })
             });
         }
-        other => return Err(format!("{other:?} is not a step of the document")),
+        other => return Err(format!("{other:?} is not an edit of the document")),
     };
     app.execute(Command::Edit(edit, None));
     Ok(())
@@ -357,7 +357,7 @@ fn some(ids: Vec<ItemId>) -> Result<Vec<ItemId>, String> {
     }
 }
 
-/// A map about the middle of what is selected.
+/// Applies a map about the centre of the selection.
 fn about(app: &App, map: DAffine3) -> DAffine3 {
     let centre = app.document.bounds(Some(&app.selection.ids)).centre();
     DAffine3::from_translation(centre) * map * DAffine3::from_translation(-centre)
@@ -387,7 +387,7 @@ fn select(app: &mut App, name: &str) -> Result<(), String> {
         name => {
             let ids = named(app, name);
             if ids.is_empty() {
-                return Err(format!("nothing is called \"{name}\""));
+                return Err(format!("nothing is named \"{name}\""));
             }
             app.execute(Command::Select(Selection {
                 ids,
@@ -398,7 +398,7 @@ fn select(app: &mut App, name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Everything whose name, or the last part of it, is this.
+/// The objects, lights and cameras with this name, or with this last component of their name.
 fn named(app: &App, name: &str) -> Vec<ItemId> {
     let document = &app.document;
     let items = document.objects.iter().map(|i| (i.id, &i.name));

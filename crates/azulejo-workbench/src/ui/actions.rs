@@ -1,4 +1,4 @@
-//! What menus and keys can do: one table for both, and for the page that lists the keys.
+//! All actions of menus and keyboard shortcuts in one table, which the list of shortcuts uses too.
 
 use super::material_actions::duplicate;
 use crate::app::App;
@@ -9,47 +9,47 @@ use crate::view::{Shading, ViewDirection};
 use azulejo::scene::MaterialId;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-/// A wish with a name, perhaps a key, and a time when it makes sense.
+/// A menu entry with an optional shortcut.
 pub struct Action {
-    /// Where it stands.
+    /// The menu that contains it.
     pub menu: Menu,
-    /// Its English name.
+    /// Its English label.
     pub label: &'static str,
-    /// Its key.
+    /// Its shortcut.
     pub key: Option<KeyboardShortcut>,
-    /// What it does now; `None` where it makes no sense.
+    /// What it does in the current state; `None` if it is disabled.
     pub target: fn(&App) -> Option<ActionTarget>,
 }
 
-/// What an action asks for.
+/// The target of an action.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ActionTarget {
-    /// Of the app.
+    /// A command for the app.
     Command(Command),
-    /// Of the window alone.
+    /// A function of the window.
     Window(WindowAction),
 }
 
-/// What only the window knows of.
+/// Actions of the window itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowAction {
-    /// The keys.
+    /// Shows the shortcuts.
     Keys,
-    /// The preferences.
+    /// Opens the preferences.
     Preferences,
-    /// The dialog that asks for letters.
+    /// Opens the dialog for solid text.
     Text,
-    /// The dialog that asks for a prism.
+    /// Opens the dialog for a prism.
     Prism,
-    /// What azulejo is.
+    /// Shows information about azulejo.
     About,
-    /// The list of messages.
+    /// Shows or hides the message list.
     Messages,
-    /// The picture in the place of the viewport.
+    /// Renders the view, or returns to the viewport.
     ToggleRender,
-    /// The name of what is selected.
+    /// Renames the selection.
     Rename,
-    /// A place to watch: the one under the mouse, or else the next that is clicked.
+    /// Pins a probe at the surface point under the mouse, or else at the next click.
     AddProbe,
 }
 
@@ -58,22 +58,22 @@ pub enum WindowAction {
 pub enum Menu {
     /// Files.
     File,
-    /// Changes.
+    /// Edits.
     Edit,
-    /// New things.
+    /// New objects.
     Add,
-    /// Looks.
+    /// Camera and display settings.
     View,
-    /// What surfaces show.
+    /// Shading modes; a submenu of View.
     Shading,
-    /// Light.
+    /// The solver.
     Light,
     /// Help.
     Help,
 }
 
 impl Menu {
-    /// All of them, in the order of the bar; shadings stand in the menu of looks.
+    /// All menus in the order of the menu bar.
     pub const ALL: [Menu; 7] = [
         Menu::File,
         Menu::Edit,
@@ -84,7 +84,7 @@ impl Menu {
         Menu::Help,
     ];
 
-    /// Its English name.
+    /// Its label.
     pub fn label(self, language: crate::words::Language) -> &'static str {
         match self {
             Menu::File => language.tr("File"),
@@ -159,7 +159,7 @@ fn hide(ids: Vec<ItemId>, hidden: bool) -> Option<ActionTarget> {
     )
 }
 
-/// The material that is selected in the tree, where nothing else is: keys mean it then.
+/// The material selected in the tree, if nothing else is selected: shortcuts apply to it then.
 fn chosen_material(app: &App) -> Option<MaterialId> {
     let material = app.selection.material;
     material.filter(|_| app.selection.is_empty())
@@ -184,7 +184,7 @@ fn from(app: &App, side: ViewDirection) -> Option<ActionTarget> {
     change_view(app, |view| view.view_from(side, bounds, up))
 }
 
-/// All of them, in the order of the menus.
+/// All actions in the order of the menus.
 pub const ACTIONS: &[Action] = &[
     action(Menu::File, "New", ctrl(Key::N), |_| done(Command::New)),
     action(Menu::File, "Open…", ctrl(Key::O), |_| {
@@ -205,7 +205,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::File, "Export…", ctrl(Key::E), |_| {
         done(Command::RequestFile(FileRequest::Export))
     }),
-    action(Menu::File, "Save picture…", ctrl_shift(Key::P), |a| {
+    action(Menu::File, "Save image…", ctrl_shift(Key::P), |a| {
         when(
             a.render.is_some(),
             Command::RequestFile(FileRequest::SaveRender),
@@ -224,7 +224,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Edit, "Select all", ctrl(Key::A), |_| {
         done(Command::SelectAll)
     }),
-    action(Menu::Edit, "Select nothing", ctrl_shift(Key::A), |_| {
+    action(Menu::Edit, "Select none", ctrl_shift(Key::A), |_| {
         done(Command::Select(Selection::default()))
     }),
     action(Menu::Edit, "Duplicate", ctrl(Key::D), |a| {
@@ -338,7 +338,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::View, "Fog", None, |a| {
         change_view(a, |view| view.shows_fog = !view.shows_fog)
     }),
-    action(Menu::View, "Picture by rays", key(Key::F12), |_| {
+    action(Menu::View, "Render image", key(Key::F12), |_| {
         Some(ActionTarget::Window(WindowAction::ToggleRender))
     }),
     action(Menu::Shading, "Points", ctrl(Key::Num1), |a| {
@@ -374,9 +374,12 @@ pub const ACTIONS: &[Action] = &[
         ctrl(Key::Num0),
         |a| shade(a, Shading::FormFactors),
     ),
-    action(Menu::Shading, "Normals and backs", ctrl(Key::Minus), |a| {
-        shade(a, Shading::Normals)
-    }),
+    action(
+        Menu::Shading,
+        "Normals and back faces",
+        ctrl(Key::Minus),
+        |a| shade(a, Shading::Normals),
+    ),
     action(Menu::Light, "Solve", key(Key::F5), |a| {
         when(!a.is_busy(JobKind::Solve), Command::Solve)
     }),
@@ -384,7 +387,7 @@ pub const ACTIONS: &[Action] = &[
         let runs = a.is_busy(JobKind::Solve) && !a.lighting.is_paused;
         when(runs, Command::Pause)
     }),
-    action(Menu::Light, "Go on", shift(Key::F6), |a| {
+    action(Menu::Light, "Resume", shift(Key::F6), |a| {
         let rests = a.is_busy(JobKind::Solve) && a.lighting.is_paused;
         when(rests, Command::Resume)
     }),
@@ -397,12 +400,15 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Light, "Measure the probes", None, |a| {
         when(!a.probes.is_empty(), Command::MeasureProbes)
     }),
-    action(Menu::Light, "Take the light off", None, |a| {
+    action(Menu::Light, "Clear light", None, |a| {
         when(a.lighting.solution.is_some(), Command::ClearLight)
     }),
-    action(Menu::Help, "Keys", key(Key::Questionmark), |_| {
-        Some(ActionTarget::Window(WindowAction::Keys))
-    }),
+    action(
+        Menu::Help,
+        "Keyboard shortcuts",
+        key(Key::Questionmark),
+        |_| Some(ActionTarget::Window(WindowAction::Keys)),
+    ),
     action(Menu::Help, "Messages", key(Key::F8), |_| {
         Some(ActionTarget::Window(WindowAction::Messages))
     }),
@@ -411,17 +417,18 @@ pub const ACTIONS: &[Action] = &[
     }),
 ];
 
-/// The actions whose keys were pressed. Keys alone are for texts while one is being written.
+/// The actions whose shortcuts were pressed. Shortcuts without modifiers are disabled while a text
+/// field has the focus.
 pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
     let writes = context.text_edit_focused();
     let mut commands = Vec::new();
-    // Keys with more modifiers first: Ctrl+Z would take Ctrl+Shift+Z too.
+    // Shortcuts with more modifiers first: Ctrl+Z would match Ctrl+Shift+Z too.
     let mut keyed: Vec<(&Action, KeyboardShortcut)> =
         ACTIONS.iter().filter_map(|a| Some((a, a.key?))).collect();
     keyed.sort_by_key(|(_, k)| !(k.modifiers.shift || k.modifiers.alt));
     for (action, key) in keyed {
         let is_plain = !key.modifiers.command && !is_function(key.logical_key);
-        // A text has its own ways to select all and to undo.
+        // Text fields have their own select all and undo.
         if writes && (is_plain || action.menu == Menu::Edit) {
             continue;
         }
@@ -453,7 +460,7 @@ mod tests {
 
     #[test]
     fn no_key_is_a_digit_with_shift() {
-        // Keyboards send a sign then, another one in every country.
+        // With Shift, digit keys produce symbols that depend on the keyboard layout.
         let digits = Key::Num0..=Key::Num9;
         let keys = ACTIONS.iter().filter_map(|a| a.key);
         for key in keys.filter(|k| digits.contains(&k.logical_key)) {

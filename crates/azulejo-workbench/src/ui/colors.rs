@@ -1,16 +1,16 @@
-//! Colours of things on the screen.
+//! Display colours.
 
 use azulejo::render::srgb_from_linear;
 use azulejo::scene::{Material, Rgb};
 use egui::{Color32, Ui};
 
-/// Linear light, 0..=1, as a colour of the screen.
+/// The display colour of linear light in 0..=1.
 pub fn color(light: Rgb) -> Color32 {
     let byte = |x: f64| (255.0 * srgb_from_linear(x.clamp(0.0, 1.0))).round() as u8;
     Color32::from_rgb(byte(light.r), byte(light.g), byte(light.b))
 }
 
-/// A material in one colour: what it emits, or else all that it reflects.
+/// One colour for a material: its emission, or else its total reflectance.
 pub fn swatch(material: &Material) -> Color32 {
     if material.is_emitter() {
         let most = material.emission.max_channel().max(f64::MIN_POSITIVE);
@@ -19,8 +19,7 @@ pub fn swatch(material: &Material) -> Color32 {
     color(material.diffuse + material.mirror + material.mean_glossy())
 }
 
-/// Colours that people with any colour vision tell apart (Okabe and Ito 2008), as dark as the
-/// paper allows.
+/// Line colours for all kinds of colour vision (Okabe and Ito 2008), adapted to the theme.
 pub fn lines(ui: &Ui) -> [Color32; 5] {
     let rgb = |[r, g, b]: [u8; 3]| Color32::from_rgb(r, g, b);
     if ui.visuals().dark_mode {

@@ -1,4 +1,4 @@
-//! Windows over the window: questions, files, letters, preferences, keys.
+//! Dialogs: questions, files, text, preferences, shortcuts.
 
 use super::actions::{ACTIONS, Menu};
 use super::panel_context::PanelContext;
@@ -14,30 +14,30 @@ use egui_file::{FileDialog, State};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What dialogs remember while they are open.
+/// The state of open dialogs.
 #[derive(Default)]
 pub struct Dialogs {
     files: Option<(FileRequest, FileDialog)>,
     all_files: ShowAllFiles,
-    /// A place to save at where there is a file already.
+    /// An existing file that would be replaced, with the request it was chosen for.
     replacing: Option<(FileRequest, PathBuf)>,
-    /// The last folder that something was chosen in.
+    /// The folder of the last chosen file.
     folder: Option<PathBuf>,
-    /// The letters that are being asked for.
+    /// The dialog for solid text.
     pub text: Option<TextDialog>,
-    /// The prism that is being asked for.
+    /// The dialog for a prism.
     pub(super) prism: Option<PrismDialog>,
     /// Whether the preferences are open.
     pub preferences: bool,
-    /// Whether the keys are shown.
+    /// Whether the shortcuts are open.
     pub keys: bool,
-    /// Whether azulejo says what it is.
+    /// Whether the information about azulejo is open.
     pub about: bool,
-    /// Whether what a crash left was answered.
+    /// Whether the user has answered the question about recovery.
     asked_recovery: bool,
 }
 
-/// The letters that are being asked for.
+/// The dialog for solid text.
 #[derive(Clone, Debug)]
 pub struct TextDialog {
     text: String,
@@ -46,16 +46,16 @@ pub struct TextDialog {
     font: Option<PathBuf>,
 }
 
-/// What was chosen for whom the app does not serve itself.
+/// A file for a request that the app does not handle itself.
 pub enum BrdfFileChoice {
-    /// A reflection model to read.
+    /// A reflection model to load.
     LoadBrdf(PathBuf),
-    /// Where a reflection model goes.
+    /// The file to save a reflection model to.
     SaveBrdf(PathBuf),
 }
 
 impl TextDialog {
-    /// Letters that suit the model.
+    /// Starts with a font size that suits the model.
     pub fn new(size: f64) -> TextDialog {
         TextDialog {
             text: String::new(),
@@ -66,14 +66,14 @@ impl TextDialog {
     }
 }
 
-/// Extensions of models that are read, for the dialog; content decides in the end.
+/// Extensions of readable models, for the file dialog; the format is detected from the content.
 const MODELS: [&str; 18] = [
     "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
     "sff", "scn", "grf", "vs3", "gz",
 ];
 
 impl Dialogs {
-    /// Draws what is open; returns a file that was chosen for somebody else.
+    /// Draws the open dialogs; returns a file for a request that the app does not handle itself.
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Option<BrdfFileChoice> {
         self.question(ui, cx);
         self.recovery(ui, cx);
@@ -85,7 +85,7 @@ impl Dialogs {
         self.ask_file(ui, cx)
     }
 
-    /// Whether something is open that keys belong to, a question included.
+    /// Whether a dialog or question is open that takes the keyboard.
     pub fn is_open(&self, app: &App) -> bool {
         let asks_recovery = !self.asked_recovery && !app.recoverable().is_empty();
         asks_recovery
@@ -103,7 +103,7 @@ impl Dialogs {
         let Some(question) = cx.app.question.clone() else {
             return;
         };
-        // While a save goes on or its place is chosen the question waits.
+        // Hide the question while a save is running or its file is being chosen.
         if cx.app.is_busy(crate::jobs::JobKind::Save) || cx.app.asking.is_some() {
             return;
         }
@@ -111,13 +111,13 @@ impl Dialogs {
             ui.set_width(380.0);
             match &question {
                 PendingQuestion::Unsaved(_) => {
-                    ui.heading(cx.tr("Changes are not saved"));
-                    ui.label(cx.tr("What you do next would lose them."));
+                    ui.heading(cx.tr("Unsaved changes"));
+                    ui.label(cx.tr("If you continue, they will be lost."));
                     ui.horizontal(|ui| {
                         if ui.button(cx.tr("Save")).clicked() {
                             cx.send(Command::Save);
                         }
-                        if ui.button(cx.tr("Lose the changes")).clicked() {
+                        if ui.button(cx.tr("Discard changes")).clicked() {
                             cx.send(Command::Discard);
                         }
                         if ui.button(cx.tr("Cancel")).clicked() {
@@ -126,14 +126,14 @@ impl Dialogs {
                     });
                 }
                 PendingQuestion::ChangedOnDisk(path) => {
-                    ui.heading(cx.tr("The file has changed on the disk"));
+                    ui.heading(cx.tr("The file has changed on disk"));
                     ui.label(path.display().to_string());
-                    ui.label(cx.tr("Somebody wrote it since it was opened here."));
+                    ui.label(cx.tr("Another program has written it since it was opened here."));
                     ui.horizontal(|ui| {
-                        if ui.button(cx.tr("Keep mine and write over it")).clicked() {
+                        if ui.button(cx.tr("Overwrite with mine")).clicked() {
                             cx.send(Command::SaveAnyway);
                         }
-                        if ui.button(cx.tr("Read it again")).clicked() {
+                        if ui.button(cx.tr("Reload")).clicked() {
                             cx.send(Command::Discard);
                         }
                         if ui.button(cx.tr("Cancel")).clicked() {
@@ -155,8 +155,8 @@ impl Dialogs {
         }
         let modal = Modal::new(Id::unique("recovery")).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
-            ui.heading(cx.tr("azulejo did not end well last time"));
-            ui.label(cx.tr("What was being worked on was kept:"));
+            ui.heading(cx.tr("azulejo was not closed properly last time"));
+            ui.label(cx.tr("Unsaved work was kept:"));
             for one in found {
                 ui.horizontal(|ui| {
                     let name = one.original.as_deref().and_then(Path::file_name);
@@ -190,7 +190,7 @@ impl Dialogs {
         let mut asks_font = false;
         let modal = Modal::new(Id::unique("letters")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
-            ui.heading(cx.tr("Solid letters"));
+            ui.heading(cx.tr("Solid text"));
             let label = ui.label(cx.tr("Text"));
             ui.add(
                 egui::TextEdit::multiline(&mut dialog.text)
@@ -199,7 +199,7 @@ impl Dialogs {
             )
             .labelled_by(label.id);
             Grid::new("letters").num_columns(2).show(ui, |ui| {
-                let label = ui.label(cx.tr("Size of an em"));
+                let label = ui.label(cx.tr("Font size (em)"));
                 let speed = 0.01 * dialog.size;
                 let drag = DragValue::new(&mut dialog.size).range(1e-9..=1e9);
                 ui.add(drag.speed(speed)).labelled_by(label.id);
@@ -208,7 +208,7 @@ impl Dialogs {
                 let drag = DragValue::new(&mut dialog.depth).range(1e-3..=1e3);
                 ui.add(drag.speed(0.01)).labelled_by(label.id);
                 ui.end_row();
-                ui.label(cx.tr("Typeface"));
+                ui.label(cx.tr("Font"));
                 let name = dialog.font.as_deref().and_then(Path::file_name);
                 let name = name.map(|n| n.to_string_lossy().into_owned());
                 asks_font = ui
@@ -219,7 +219,7 @@ impl Dialogs {
             ui.horizontal(|ui| {
                 let ready = !dialog.text.trim().is_empty();
                 if ui
-                    .add_enabled(ready, egui::Button::new(cx.tr("Add the letters")))
+                    .add_enabled(ready, egui::Button::new(cx.tr("Add text")))
                     .clicked()
                 {
                     cx.send(Command::AddText {
@@ -240,7 +240,7 @@ impl Dialogs {
         }
     }
 
-    /// Whether a file is being asked for: what asks for it waits, and would lie over it else.
+    /// Whether the file dialog is open: the dialog that opened it hides, so as not to cover it.
     fn asks_file(&self) -> bool {
         self.files.is_some() || self.replacing.is_some()
     }
@@ -284,7 +284,7 @@ impl Dialogs {
         let mut is_done = false;
         let modal = Modal::new(Id::unique("keys")).show(ui.ctx(), |ui| {
             ui.set_width(640.0);
-            ui.heading(cx.tr("Keys and mouse"));
+            ui.heading(cx.tr("Keyboard and mouse"));
             egui::ScrollArea::vertical()
                 .max_height(460.0)
                 .show(ui, |ui| {
@@ -328,7 +328,7 @@ impl Dialogs {
         let paths: Vec<PathBuf> = match dialog.state() {
             State::Open => return None,
             State::Selected => match dialog.selection() {
-                // A name that was typed is not one of the list.
+                // A typed name is not one of the list.
                 none if none.is_empty() => dialog.path().into_iter().map(Path::to_owned).collect(),
                 several => several.into_iter().map(Path::to_owned).collect(),
             },
@@ -350,7 +350,7 @@ impl Dialogs {
         if let (None, Some(extension)) = (first.extension(), default_extension(what)) {
             first.set_extension(extension);
         }
-        // The document's own file is what one means to write over, if it is still as it was.
+        // Overwriting the document's own file needs no question, unless it has changed on disk.
         let own = cx
             .app
             .file
@@ -364,16 +364,16 @@ impl Dialogs {
         self.chosen(what, first, paths, cx)
     }
 
-    /// Asks before a file is written over.
+    /// Asks before a file is replaced.
     fn ask_replace(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Option<BrdfFileChoice> {
         let (what, path) = self.replacing.clone()?;
         let mut answer = None;
         let modal = Modal::new(Id::unique("replace")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
-            ui.heading(cx.tr("There is a file of this name"));
+            ui.heading(cx.tr("A file with this name already exists"));
             ui.label(path.display().to_string());
             ui.horizontal(|ui| {
-                if ui.button(cx.tr("Replace it")).clicked() {
+                if ui.button(cx.tr("Replace")).clicked() {
                     answer = Some(true);
                 }
                 if ui.button(cx.tr("Cancel")).clicked() {
@@ -427,7 +427,7 @@ impl Dialogs {
         None
     }
 
-    /// The dialog for a file.
+    /// Creates the file dialog.
     fn open(&self, what: FileRequest, cx: &PanelContext) -> FileDialog {
         let file = cx.app.file.as_ref().map(|f| f.path.as_path());
         let source_file = cx
@@ -474,16 +474,16 @@ impl Dialogs {
             .cancel_button_text(cx.tr("Cancel").into())
             .new_folder_button_text(cx.tr("New folder").into())
             .new_folder_name_text(cx.tr("New folder").into())
-            .refresh_button_hover_text(cx.tr("Look again").into())
-            .parent_folder_button_hover_text(cx.tr("Folder above").into())
+            .refresh_button_hover_text(cx.tr("Refresh").into())
+            .parent_folder_button_hover_text(cx.tr("Parent folder").into())
             .file_label_text(cx.tr("File:").into())
-            .show_hidden_checkbox_text(cx.tr("Hidden ones too").into());
+            .show_hidden_checkbox_text(cx.tr("Show hidden files").into());
         dialog.open();
         dialog
     }
 }
 
-/// What is put behind a name that says no kind of file.
+/// The extension added to a name without one.
 fn default_extension(what: FileRequest) -> Option<&'static str> {
     match what {
         FileRequest::SaveAs => Some("grf"),
@@ -500,7 +500,7 @@ fn saves(what: FileRequest) -> bool {
     )
 }
 
-/// Whether a file is worth a line in the dialog.
+/// Whether the file dialog lists a file.
 fn is_offered(what: FileRequest, path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     let extension = extension.to_ascii_lowercase();
@@ -521,16 +521,16 @@ fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::Add => cx.tr("Add models"),
         FileRequest::SaveAs => cx.tr("Save as GRF"),
         FileRequest::Export => cx.tr("Export a copy"),
-        FileRequest::SaveRender => cx.tr("Save the picture"),
-        FileRequest::Backdrop => cx.tr("A picture for the background"),
-        FileRequest::Font => cx.tr("A typeface"),
-        FileRequest::Outline => cx.tr("A drawing to extrude"),
+        FileRequest::SaveRender => cx.tr("Save the image"),
+        FileRequest::Backdrop => cx.tr("Choose a background image"),
+        FileRequest::Font => cx.tr("Choose a font"),
+        FileRequest::Outline => cx.tr("Choose a drawing to extrude"),
         FileRequest::LoadBrdf => cx.tr("Load a reflection model"),
         FileRequest::SaveBrdf => cx.tr("Save the reflection model"),
     }
 }
 
-/// How long ago something was written.
+/// How long ago a recovery copy was written.
 fn age(written: u64, cx: &PanelContext) -> String {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let seconds = now.map_or(0, |d| d.as_secs().saturating_sub(written));
@@ -556,12 +556,12 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     ui.end_row();
     ui.label(tr("Theme"));
     ui.horizontal(|ui| {
-        ui.selectable_value(&mut new.theme, Theme::System, tr("as the desktop"));
+        ui.selectable_value(&mut new.theme, Theme::System, tr("like the system"));
         ui.selectable_value(&mut new.theme, Theme::Light, tr("bright"));
         ui.selectable_value(&mut new.theme, Theme::Dark, tr("dark"));
     });
     ui.end_row();
-    let label = ui.label(tr("Size of texts"));
+    let label = ui.label(tr("Text size"));
     let slider = Slider::new(&mut new.scale, 0.5..=3.0).step_by(0.1);
     ui.add(slider.update_while_editing(false))
         .labelled_by(label.id);
@@ -577,7 +577,7 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
         .response
         .labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(tr("Copy for recovery after"));
+    let label = ui.label(tr("Recovery copy after"));
     let drag = DragValue::new(&mut new.autosave)
         .range(0..=3_600)
         .suffix(" s");
@@ -588,21 +588,21 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     let label = ui.label(tr("Threads"));
     let drag = DragValue::new(&mut new.threads).range(0..=256);
     ui.add(drag)
-        .on_hover_text(tr("0: all but one, which the window keeps"))
+        .on_hover_text(tr("0: all but one, which is left to the window"))
         .labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(tr("Paths per pixel of a picture"));
+    let label = ui.label(tr("Paths per pixel of a render"));
     let drag = DragValue::new(&mut new.picture_samples).range(1..=65_536);
     ui.add(drag).labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(tr("Rays of its final gather"));
+    let label = ui.label(tr("Final gather rays"));
     let drag = DragValue::new(&mut new.picture_gather).range(0..=MAX_GATHER);
     let about = tr("Sharpens shadows and hides patches, slowly; 0 for none.");
     ui.add(drag).labelled_by(label.id).on_hover_text(about);
     ui.end_row();
 }
 
-/// Its name.
+/// The name of a colour map.
 pub fn map_name(map: ColorMap, cx: &PanelContext) -> &'static str {
     match map {
         ColorMap::Viridis => "viridis",
@@ -614,29 +614,26 @@ pub fn map_name(map: ColorMap, cx: &PanelContext) -> &'static str {
 
 fn mouse_help(ui: &mut Ui, cx: &PanelContext) {
     let rows = [
-        (cx.tr("Drag"), cx.tr("turn around the middle of the view")),
+        (cx.tr("Drag"), cx.tr("orbit around the middle of the view")),
         (
             cx.tr("Right or middle drag, or Shift and drag"),
-            cx.tr("shift the view"),
+            cx.tr("pan the view"),
         ),
-        (
-            cx.tr("Wheel, or Ctrl and drag"),
-            cx.tr("nearer and further"),
-        ),
+        (cx.tr("Wheel, or Ctrl and drag"), cx.tr("zoom")),
         (
             cx.tr("Click"),
             cx.tr("select an object; with Ctrl, one more; with Alt, a face"),
         ),
-        (cx.tr("Double click"), cx.tr("look at the object")),
+        (cx.tr("Double click"), cx.tr("frame the object")),
         (
             cx.tr("W A S D, R F"),
             cx.tr("fly forward, left, back, right, up, down"),
         ),
         (cx.tr("Drag while flying"), cx.tr("look around")),
-        (cx.tr("Arrows"), cx.tr("turn the head")),
-        (cx.tr("Shift + arrows"), cx.tr("turn around the model")),
-        (cx.tr("Ctrl + arrows"), cx.tr("shift the view")),
-        ("+ −", cx.tr("nearer and further")),
+        (cx.tr("Arrows"), cx.tr("turn the camera")),
+        (cx.tr("Shift + arrows"), cx.tr("orbit around the model")),
+        (cx.tr("Ctrl + arrows"), cx.tr("pan the view")),
+        ("+ −", cx.tr("zoom")),
         (
             cx.tr("Enter, with the viewport in focus"),
             cx.tr("a click in the middle of it; with Alt, on a face"),
@@ -658,7 +655,7 @@ fn mouse_help(ui: &mut Ui, cx: &PanelContext) {
         });
 }
 
-/// Two columns of menus with their keys.
+/// Two columns of menus with their shortcuts.
 fn key_help(ui: &mut Ui, cx: &PanelContext) {
     let half = Menu::ALL.len() / 2;
     ui.columns(2, |columns| {
@@ -695,7 +692,7 @@ fn key_column(ui: &mut Ui, cx: &PanelContext, menus: &[Menu]) {
     }
 }
 
-/// A picture on the screen.
+/// An image as displayed by egui.
 pub fn pixels(image: &azulejo::scene::Image, exposure: Option<f64>) -> Arc<egui::ColorImage> {
     let bytes = crate::app::shown(image, exposure);
     let size = [image.width as usize, image.height as usize];

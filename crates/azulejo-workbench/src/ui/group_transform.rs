@@ -1,4 +1,4 @@
-//! Several things at once: moved, turned and scaled by numbers.
+//! Transforming several objects by numbers.
 
 use super::inputs;
 use super::inspector::{speed, vector};
@@ -8,7 +8,7 @@ use crate::document::Edit;
 use egui::{Button, Grid, Id, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
-/// What is to happen to all of them.
+/// The transform to apply.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GroupTransform {
     /// World units.
@@ -30,7 +30,7 @@ impl Default for GroupTransform {
 }
 
 impl GroupTransform {
-    /// The map for things whose middle is `centre`: it is moved, and nothing else happens to it.
+    /// The map for objects with their centre at `centre`, which is translated but otherwise fixed.
     fn map(&self, centre: DVec3) -> DAffine3 {
         let [x, y, z] = self.turn.to_array().map(f64::to_radians);
         let turn = DQuat::from_euler(EulerRot::ZYX, z, y, x);
@@ -42,15 +42,15 @@ impl GroupTransform {
     }
 }
 
-/// Draws the numbers. Nothing happens until they are applied, at once and as one step: where the
-/// middle is and what the turns are about would change under the hands of who drags them.
+/// Draws the fields. The transform is applied only on request, as one undo step: while dragging,
+/// the centre of rotation would move.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     let id = Id::unique("together");
     let mut wanted: GroupTransform = ui.data(|d| d.get_temp(id)).unwrap_or_default();
     Grid::new("together").num_columns(2).show(ui, |ui| {
         let speed = speed(&cx.app.document);
         vector(ui, cx.tr("Move by"), &mut wanted.shift, speed);
-        vector(ui, cx.tr("Turn by °"), &mut wanted.turn, 0.5);
+        vector(ui, cx.tr("Rotate by °"), &mut wanted.turn, 0.5);
         let label = ui.label(cx.tr("Scale by"));
         let drag = inputs::number(&mut wanted.factor, 1e-6..=1e6).speed(0.01);
         ui.add(drag).labelled_by(label.id);
@@ -82,7 +82,7 @@ mod tests {
         let map = wanted.map(centre);
         let close = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-12, "{a}, expected {b}");
         close(map.transform_point3(centre), centre + wanted.shift);
-        // About x first: y becomes z, which the turn about z leaves.
+        // About x first: y becomes z, which the rotation about z preserves.
         close(map.transform_vector3(DVec3::Y), 2.0 * DVec3::Z);
         close(map.transform_vector3(DVec3::X), 2.0 * DVec3::Y);
         assert_eq!(GroupTransform::default().map(centre), DAffine3::IDENTITY);

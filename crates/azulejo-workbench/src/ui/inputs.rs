@@ -1,5 +1,4 @@
-//! Numbers and colours of the document, as a person changes them: what is only looked at stays
-//! exactly what it was.
+//! Input fields for numbers and colours of the document. Displaying a value never changes it.
 
 use azulejo::scene::Rgb;
 use egui::emath::format_with_decimals_in_range;
@@ -8,12 +7,12 @@ use std::cell::RefCell;
 use std::ops::RangeInclusive;
 use std::rc::Rc;
 
-/// Colours that differ less than this in every channel, linear and relative to the brightest if
-/// that is above 1, are the same to a picker: it converts to gamma and back in 32 bits, which some
-/// colours do not survive.
+/// Tolerance per channel within which a colour counts as unchanged, linear and relative to the
+/// brightest channel if that is above 1: the colour picker converts to gamma and back in 32 bits,
+/// which does not preserve all colours.
 const TOLERANCE: f64 = 1e-5;
 
-/// A number that is dragged or typed, within `range`. A number beyond it stays until it is changed.
+/// A number field with `range`. A value outside the range stays until the user changes it.
 pub fn number(value: &mut f64, range: RangeInclusive<f64>) -> DragValue<'_> {
     let range = range.start().min(*value)..=range.end().max(*value);
     let read = ShownNumber::default();
@@ -35,8 +34,7 @@ pub fn slider(value: &mut f64, range: RangeInclusive<f64>) -> Slider<'_> {
         .custom_parser(move |text| read.number(text))
 }
 
-/// A number and the text that it was shown as: that text means the number, with all the digits
-/// that there was no room for.
+/// A number and the text that displayed it: the text stands for the number with all its digits.
 #[derive(Default)]
 struct ShownNumber(Rc<RefCell<(f64, String)>>);
 
@@ -53,22 +51,22 @@ impl ShownNumber {
     }
 }
 
-/// A number as people write it: with spaces between thousands, or a typographer's minus.
+/// Parses a number with spaces between thousands or a typographic minus sign.
 fn parse(text: &str) -> Option<f64> {
     let written = text.chars().filter(|c| !c.is_whitespace());
     let plain: String = written.map(|c| if c == '−' { '-' } else { c }).collect();
     plain.parse().ok()
 }
 
-/// What a picker showed last, and the colour that was made of it.
+/// The last colour of a picker, and the document's colour made from it.
 #[derive(Clone, Copy)]
 struct PickedColor {
     shown: [f32; 3],
     made: Rgb,
 }
 
-/// A button with a colour, which opens a picker; whether another was picked. `settle` makes the
-/// colour to keep of what was picked, or refuses it.
+/// A button that opens a colour picker; returns whether another colour was picked. `settle` maps
+/// the picked colour to the one to store, or rejects it.
 pub fn picked(
     ui: &mut Ui,
     name: &str,
@@ -76,7 +74,7 @@ pub fn picked(
     settle: impl Fn(Rgb) -> Option<Rgb>,
 ) -> bool {
     let id = ui.auto_id_with("picked");
-    // The picker knows the hue of a grey only by the very numbers that it left.
+    // The hue of a grey survives only in the picker's own numbers.
     let last = ui.data(|d| d.get_temp::<PickedColor>(id));
     let last = last.filter(|last| is_same(last.made, *color));
     let before = last.map_or_else(|| color.to_f32(), |last| last.shown);
@@ -102,14 +100,14 @@ fn is_same(a: Rgb, b: Rgb) -> bool {
     (0..3).all(|channel| (a[channel] - b[channel]).abs() <= most)
 }
 
-/// A colour relative to its brightest channel: its strength is another number. Black has none.
+/// A colour relative to its brightest channel; its strength is stored separately. `None` for black.
 pub fn hue(color: Rgb) -> Option<Rgb> {
     let most = color.max_channel();
     (most > 0.0).then(|| color / most)
 }
 
-/// A strength and its colour, as [`hue`] has it. While the strength is 0 the colour is the last one
-/// that was seen under `id`.
+/// Strength and colour of a light, as defined by [`hue`]. While the strength is 0, the colour is
+/// the one last stored under `id`.
 pub fn parts(ui: &Ui, id: Id, light: Rgb) -> (f64, Rgb) {
     let kept = hue(light).or_else(|| ui.data(|d| d.get_temp(id)));
     let kept = kept.unwrap_or(Rgb::WHITE);
@@ -130,7 +128,7 @@ mod tests {
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
 
-    /// A number and a colour, and how often they were changed.
+    /// A number and a colour, with counts of their changes.
     struct InputFixture {
         number: f64,
         color: Rgb,

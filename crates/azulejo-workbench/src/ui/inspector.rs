@@ -1,4 +1,4 @@
-//! Numbers of what is selected.
+//! Properties of the selection.
 
 use super::panel_context::PanelContext;
 use super::{group_transform, inputs};
@@ -9,7 +9,7 @@ use egui::{Grid, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::sync::Arc;
 
-/// Draws it.
+/// Draws the tab.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     let app = cx.app;
     match &app.selection.ids[..] {
@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     }
 }
 
-/// What the scene is as a whole.
+/// Properties of the scene, if nothing is selected.
 fn nothing(ui: &mut Ui, cx: &mut PanelContext) {
     let document = &cx.app.document;
     ui.weak(cx.tr("Nothing is selected: click an object, here or in the tree."));
@@ -135,12 +135,12 @@ fn kind_of(shape: &Shape, cx: &PanelContext) -> String {
 
 fn name(ui: &mut Ui, cx: &mut PanelContext, id: ItemId, name: &str) {
     let label = ui.label(cx.tr("Name"));
-    // A name has no space at its end, but who types two words passes there.
+    // Names are trimmed, but typing two words needs a space at the end for a moment.
     let draft = ui.scope_id().with(("name", id));
     let typed = ui.data(|d| d.get_temp::<String>(draft));
     let mut text = typed.unwrap_or_else(|| name.to_owned());
     let response = ui.text_edit_singleline(&mut text).labelled_by(label.id);
-    // Asked before: within, the context is locked.
+    // Queried first: inside the closure the context is locked.
     let has_focus = response.has_focus();
     ui.data_mut(|d| {
         d.remove::<String>(draft);
@@ -148,14 +148,14 @@ fn name(ui: &mut Ui, cx: &mut PanelContext, id: ItemId, name: &str) {
             d.insert_temp(draft, text.clone());
         }
     });
-    // Each letter is an edit; all that are typed without a pause elsewhere are one step.
+    // Each letter is an edit; those typed without interruption are one undo step.
     if response.changed() && text != name {
         let gesture = Some(response.id.value() ^ id.0);
         cx.send(Command::Edit(Edit::Rename(id, text), gesture));
     }
 }
 
-/// Three numbers in a row.
+/// Three number fields in a row.
 pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool {
     ui.label(name);
     let mut changed = false;
@@ -179,14 +179,14 @@ pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool
     changed
 }
 
-/// How far a pixel of dragging goes.
+/// Change of a coordinate per pixel of dragging.
 pub(super) fn speed(document: &SceneDocument) -> f64 {
     (document.bounds(None).diagonal() * 1e-3).max(1e-6)
 }
 
 fn placement(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
     let (mut scale, rotation, mut translation) = item.placement.to_scale_rotation_translation();
-    // Adding 0 takes the sign from a negative zero.
+    // Adding 0 removes the sign of a negative zero.
     let angles = DVec3::from(rotation.to_euler(EulerRot::XYZ)).map(|a| a.to_degrees() + 0.0);
     let mut turned = angles;
     let is_plain = {
@@ -202,7 +202,7 @@ fn placement(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
             changed |= vector(ui, cx.tr("Scale"), &mut scale, 0.01);
         }
     });
-    if ui.button(cx.tr("Back to where it was made")).clicked() {
+    if ui.button(cx.tr("Reset transform")).clicked() {
         cx.edit(Edit::SetPlacement(item.id, DAffine3::IDENTITY));
     }
     if !changed {
@@ -225,7 +225,7 @@ fn placement(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
     cx.edit(Edit::SetPlacement(item.id, placement));
 }
 
-/// Materials of what is selected, and what else it could be made of.
+/// The materials of the selection, and the choice of another.
 fn assign(ui: &mut Ui, cx: &mut PanelContext) {
     let app = cx.app;
     let document = &app.document;
@@ -254,8 +254,8 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
         }
     }
     let what = match &selection.faces {
-        Some((_, faces)) => format!("{} {}", faces.len(), cx.tr("faces get")),
-        None => cx.tr("Made of").to_owned(),
+        Some((_, faces)) => format!("{} {}", faces.len(), cx.tr("selected faces")),
+        None => cx.tr("Assigned material").to_owned(),
     };
     let mut chosen = None;
     egui::ComboBox::new("assign", what)
@@ -285,7 +285,7 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
     }
 }
 
-/// The name of a material, or its number.
+/// The name of a material, or its index.
 pub fn named(document: &SceneDocument, material: MaterialId) -> String {
     match document.materials.get(material as usize) {
         Some(m) if !m.name.is_empty() => m.name.clone(),
@@ -293,7 +293,7 @@ pub fn named(document: &SceneDocument, material: MaterialId) -> String {
     }
 }
 
-/// A unit with what it is of.
+/// The unit of a quantity, radiometric or photometric.
 fn unit(units: Units, radiometric: &'static str, photometric: &'static str) -> &'static str {
     if units.photometric {
         photometric
@@ -316,7 +316,7 @@ fn light_color(
     let old = (strength, hue);
     ui.label(name);
     ui.horizontal(|ui| {
-        inputs::picked(ui, cx.tr("Its colour"), &mut hue, inputs::hue);
+        inputs::picked(ui, cx.tr("Emission colour"), &mut hue, inputs::hue);
         let speed = (0.01 * strength).max(0.01);
         let drag = inputs::number(&mut strength, 0.0..=1e12)
             .speed(speed)
@@ -329,7 +329,7 @@ fn light_color(
     }
     inputs::keep_hue(ui, last, hue);
     let new = hue * strength;
-    // The colour of a light that is off is remembered, and no change of it.
+    // The colour of a light that is off is remembered without an edit.
     let changed = new != *light;
     *light = new;
     changed
@@ -384,18 +384,18 @@ fn lamp_numbers(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
     }
 }
 
-/// How the light falls off, which is a matter of physics and not of taste.
+/// The attenuation of a light with distance, which follows from its type.
 fn attenuation(light: &Light, cx: &PanelContext) -> &'static str {
     match light.kind {
         LightKind::Point { .. } | LightKind::Spot { .. } => {
-            cx.tr("Falls with the square of the distance.")
+            cx.tr("Falls off with the square of the distance.")
         }
-        LightKind::Directional { .. } => cx.tr("The same at any distance."),
-        LightKind::Ambient { .. } => cx.tr("The same from everywhere."),
+        LightKind::Directional { .. } => cx.tr("Independent of the distance."),
+        LightKind::Ambient { .. } => cx.tr("Uniform from all directions."),
     }
 }
 
-/// A direction; numbers that have none are not taken.
+/// A direction; vectors without a direction are rejected.
 fn unit_vector(ui: &mut Ui, name: &str, direction: &mut DVec3) -> bool {
     let mut typed = *direction;
     if !vector(ui, name, &mut typed, 0.01) {
@@ -412,7 +412,7 @@ fn unit_vector(ui: &mut Ui, name: &str, direction: &mut DVec3) -> bool {
 
 fn cone(ui: &mut Ui, cx: &PanelContext, inner: &mut f64, outer: &mut f64) -> bool {
     let mut degrees = [inner.to_degrees(), outer.to_degrees()];
-    let names = [cx.tr("Full inside"), cx.tr("None outside")];
+    let names = [cx.tr("Inner angle"), cx.tr("Outer angle")];
     let mut changed = false;
     for k in 0..2 {
         let label = ui.label(names[k]);
@@ -421,7 +421,7 @@ fn cone(ui: &mut Ui, cx: &PanelContext, inner: &mut f64, outer: &mut f64) -> boo
             .suffix("°");
         if ui.add(drag).labelled_by(label.id).changed() {
             changed = true;
-            // The one that is moved pushes the other.
+            // The field being changed pushes the other one.
             match k {
                 0 => degrees[1] = degrees[1].max(degrees[0]),
                 _ => degrees[0] = degrees[0].min(degrees[1]),
@@ -441,8 +441,8 @@ fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {
     let step = speed(&cx.app.document);
     let mut changed = false;
     Grid::new("camera").num_columns(2).show(ui, |ui| {
-        changed |= vector(ui, cx.tr("Eye"), &mut camera.eye, step);
-        changed |= vector(ui, cx.tr("Looks at"), &mut camera.target, step);
+        changed |= vector(ui, cx.tr("Viewpoint"), &mut camera.eye, step);
+        changed |= vector(ui, cx.tr("Target"), &mut camera.target, step);
         changed |= vector(ui, cx.tr("Up"), &mut camera.up, 0.01);
         let label = ui.label(cx.tr("Field of view"));
         let mut degrees = camera.vertical_fov.to_degrees();
@@ -456,12 +456,12 @@ fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {
         ui.end_row();
     });
     ui.horizontal(|ui| {
-        if ui.button(cx.tr("Look through it")).clicked() {
+        if ui.button(cx.tr("View through camera")).clicked() {
             let mut look = cx.app.view.clone();
             look.camera = view.camera.clone();
             cx.send(Command::SetView(Box::new(look)));
         }
-        if ui.button(cx.tr("Take the view's place")).clicked() {
+        if ui.button(cx.tr("Move camera to view")).clicked() {
             camera = Camera {
                 name: view.camera.name.clone(),
                 size: view.camera.size,

@@ -1,4 +1,4 @@
-//! The editor of the selected material, with what it is shown.
+//! The Material tab: the editor of the selected material.
 
 use super::brdf::{BrdfEditor, EditorInput, EditorResponse, PreviewLight};
 use super::material_actions::buttons;
@@ -10,19 +10,19 @@ use egui::Ui;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// The editor of materials.
+/// The Material tab.
 #[derive(Default)]
 pub struct MaterialPanel {
     editor: BrdfEditor,
     preview: PreviewCache,
-    /// A reflection model that waits for a place to be saved.
+    /// A reflection model whose file the user is choosing.
     pub saving: Option<String>,
-    /// Counts finished changes: each is one step of undo.
+    /// Counts finished changes: each is an undo step.
     changes: u64,
 }
 
 impl MaterialPanel {
-    /// Shows the material that is selected.
+    /// Draws the editor for the selected material.
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         let app = cx.app;
         let id = app.selection.material;
@@ -33,7 +33,7 @@ impl MaterialPanel {
         };
         ui.horizontal(|ui| buttons(ui, cx, id));
         let shown = EditorInput {
-            // The same number is another material where some were taken away.
+            // The same index is another material after a deletion.
             key: u64::from(id) | (app.document.materials.len() as u64) << 32,
             material,
             others: &app.document.materials,
@@ -51,7 +51,7 @@ impl MaterialPanel {
                 material,
                 is_finished,
             } => {
-                // Presses of the mouse count up from 0, finished changes down from the end.
+                // Mouse gestures count up from 0, finished changes down from the maximum.
                 let gesture = Some(u64::MAX - self.changes);
                 cx.send(Command::Edit(Edit::SetMaterial(id, material), gesture));
                 self.changes += u64::from(is_finished);
@@ -65,16 +65,16 @@ impl MaterialPanel {
     }
 }
 
-/// The light of the preview sphere, kept as long as what shines stays what it is.
+/// The lighting of the preview sphere, cached until the emitters change.
 #[derive(Default)]
 struct PreviewCache {
-    /// The document and the selection that were looked at last.
+    /// Revision of the document and selection at the last update.
     seen: Option<(u64, Vec<ItemId>)>,
     kept: Option<(Option<LightingKey>, PreviewLight)>,
 }
 
 impl PreviewCache {
-    /// The scene's own light, at the selection or in the middle; a studio where nothing shines.
+    /// The scene's light at the selection or at its centre; a studio if nothing emits light.
     fn light(&mut self, cx: &PanelContext) -> &PreviewLight {
         let app = cx.app;
         let (revision, ids) = (app.revision(), &app.selection.ids);
@@ -97,20 +97,20 @@ impl PreviewCache {
     }
 }
 
-/// All that the light at a place depends on: while a material is dragged about that does not
-/// shine, nothing of it changes, and no lamp need be looked at again.
+/// Everything that determines the light at a point: editing a material that does not emit changes
+/// nothing here, so that the lighting need not be recomputed.
 #[derive(PartialEq)]
 struct LightingKey {
     at: DVec3,
     up: azulejo::scene::Up,
     lights: Vec<Light>,
-    /// Objects that shine.
+    /// Emissive objects.
     items: Vec<(ShapePointer, DAffine3)>,
-    /// What they are made of.
+    /// Their materials.
     materials: Vec<Arc<Material>>,
 }
 
-/// A shape that is equal to itself alone: nobody looks through its faces to find out.
+/// A shape compared by address, without looking at its faces.
 struct ShapePointer(Arc<Shape>);
 
 impl PartialEq for ShapePointer {
@@ -120,7 +120,8 @@ impl PartialEq for ShapePointer {
 }
 
 impl LightingKey {
-    /// What shines on the selection, or on the middle of everything; `None` where nothing does.
+    /// The emitters, and the selection's position or the centre of the model; `None` without
+    /// emitters.
     fn of(document: &SceneDocument, ids: &[ItemId]) -> Option<LightingKey> {
         if !document.has_light() {
             return None;

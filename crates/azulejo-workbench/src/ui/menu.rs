@@ -1,4 +1,4 @@
-//! The menu bar and the bar of tools under it.
+//! The menu bar and the toolbar.
 
 use super::actions::{ACTIONS, Action, ActionTarget, Menu};
 use super::panel_context::PanelContext;
@@ -7,7 +7,7 @@ use crate::command::Command;
 use crate::jobs::JobKind;
 use egui::{Button, ComboBox, Ui};
 
-/// Draws the menus; returns what was chosen.
+/// Draws the menus; returns the chosen actions.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
     let mut targets = Vec::new();
     egui::MenuBar::new().ui(ui, |ui| {
@@ -51,7 +51,7 @@ fn entry(ui: &mut Ui, cx: &PanelContext, action: &Action) -> Option<ActionTarget
     target.filter(|_| clicked)
 }
 
-/// The name of an action, and of what it is about.
+/// The label of an action, with the edit that undo or redo applies to.
 fn label(cx: &PanelContext, action: &Action) -> String {
     let name = cx.tr(action.label);
     let (undo, redo) = cx.app.undo_labels();
@@ -81,7 +81,7 @@ fn recent(ui: &mut Ui, cx: &mut PanelContext) {
     });
 }
 
-/// Draws the tools that one wants all the time.
+/// Draws the toolbar; returns the chosen actions.
 pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
     let mut targets = Vec::new();
     ui.horizontal_wrapped(|ui| {
@@ -97,15 +97,15 @@ pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
         ui.separator();
         shading(ui, cx, &mut targets);
         targets.extend(tool(ui, cx, "Frame all"));
-        targets.extend(tool(ui, cx, "Picture by rays"));
+        targets.extend(tool(ui, cx, "Render image"));
         if cx.app.render.is_some() {
-            targets.extend(tool(ui, cx, "Save picture…"));
+            targets.extend(tool(ui, cx, "Save image…"));
         }
         ui.separator();
         let solver = match (cx.app.is_busy(JobKind::Solve), cx.app.lighting.is_paused) {
             (false, _) => &["Solve"][..],
             (true, false) => &["Pause", "Stop"],
-            (true, true) => &["Go on", "Stop"],
+            (true, true) => &["Resume", "Stop"],
         };
         for label in solver {
             targets.extend(tool(ui, cx, label));
@@ -138,10 +138,10 @@ fn shading(ui: &mut Ui, cx: &PanelContext, targets: &mut Vec<ActionTarget>) {
             }
         })
         .response
-        .on_hover_text(cx.tr("What surfaces show"));
+        .on_hover_text(cx.tr("Shading mode"));
 }
 
-/// The action of the shading that is on.
+/// The action of the current shading mode.
 fn current(app: &App) -> Option<&'static Action> {
     (ACTIONS.iter().filter(|a| a.menu == Menu::Shading)).find(|action| {
         let target = (action.target)(app);

@@ -1,4 +1,4 @@
-//! What was told, and what goes on.
+//! The message list and the status bar.
 
 use super::panel_context::PanelContext;
 use crate::app::Severity;
@@ -10,7 +10,7 @@ use egui::{
 };
 use std::time::Duration;
 
-/// Draws the list of messages. One that is about an object leads there.
+/// Draws the message list. Clicking a message about an object selects that object.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     let app = cx.app;
     ui.horizontal(|ui| {
@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
         });
 }
 
-/// Selects a thing and looks at it.
+/// Selects an item and frames it in the view.
 fn lead_to(cx: &mut PanelContext, id: ItemId) {
     let mut view = cx.app.view.clone();
     view.frame(cx.app.document.frame_of(&[id]));
@@ -65,7 +65,8 @@ fn color(level: Severity, ui: &Ui) -> Option<Color32> {
     }
 }
 
-/// Draws the line at the bottom: jobs, the last message, `probe` of what is under the mouse.
+/// Draws the status bar: jobs, the last message, and `probe`, the text for the point under the
+/// mouse. Returns whether the message list should be toggled.
 pub fn status(ui: &mut Ui, cx: &mut PanelContext, probe: Option<&str>) -> bool {
     let mut asks_messages = false;
     ui.horizontal(|ui| {
@@ -118,11 +119,11 @@ pub fn status(ui: &mut Ui, cx: &mut PanelContext, probe: Option<&str>) -> bool {
     asks_messages
 }
 
-/// Width of a bar of progress, points.
+/// Width of a progress bar, points.
 const BAR: f32 = 120.0;
 
-/// A bar of work that does not know how much it is: a block goes to and fro. It moves when the
-/// window is drawn anyway, as it is now and then while jobs go on.
+/// An indeterminate progress bar: a block moves to and fro. It moves when the window is repainted
+/// anyway, as it is while jobs run.
 fn unknown_share(ui: &mut Ui, stage: &str, time: Duration) {
     const PERIOD: f32 = 3.0;
     let height = ui.spacing().interact_size.y;
@@ -144,7 +145,7 @@ fn unknown_share(ui: &mut Ui, stage: &str, time: Duration) {
     painter.text(at, Align2::LEFT_CENTER, stage, font, color);
 }
 
-/// A title that leaves room for others: the end of a path says most.
+/// A title shortened at its start, since the end of a path says most.
 fn short(title: &str) -> String {
     const MAX_CHARS: usize = 32;
     let count = title.chars().count();

@@ -1,7 +1,8 @@
-//! The window's parts. Each shows state and returns commands.
+//! The parts of the window. Each displays state and issues commands.
 //!
-//! [`Workbench`] is all of them around one [`App`](crate::app::App): what eframe draws, what tests click, what
-//! scripts drive.
+//! [`Workbench`] combines them around an [`App`](crate::app::App): it is drawn by eframe, operated
+//! by
+//! tests and driven by scripts.
 
 pub mod actions;
 pub mod brdf;

@@ -1,31 +1,31 @@
-//! What every part of the window is given.
+//! The context passed to every panel of the window.
 
 use crate::app::App;
 use crate::command::{Command, Selection};
 use crate::document::{Edit, ItemId};
 use crate::words::Language;
 
-/// The state to show, and the wishes that come of it.
+/// The state to display, and the commands issued by the panels.
 pub struct PanelContext<'a> {
-    /// What there is.
+    /// The app.
     pub app: &'a App,
-    /// The language to say it in.
+    /// The language of the window.
     pub language: Language,
-    /// The drag that goes on, if one does: its edits are one step of undo.
+    /// The current mouse gesture, if there is one: its edits are one undo step.
     pub gesture: Option<u64>,
-    /// Whether a dialog or a question lies over everything: keys are for it.
+    /// Whether a modal dialog is open and takes the keyboard.
     pub is_covered: bool,
-    /// What was asked for.
+    /// The commands issued in this frame.
     pub commands: Vec<Command>,
 }
 
 impl PanelContext<'_> {
-    /// `english` in the window's language.
+    /// Translates `english` to the language of the window.
     pub fn tr(&self, english: &'static str) -> &'static str {
         self.language.tr(english)
     }
 
-    /// A stage of a job in the window's language; as the job says it, if it is not known.
+    /// Translates the stage of a job; unknown stages are returned as they are.
     pub fn stage<'s>(&self, stage: &'s str) -> &'s str {
         match stage {
             "direct light" => self.tr("direct light"),
@@ -48,17 +48,17 @@ impl PanelContext<'_> {
         }
     }
 
-    /// Asks for something.
+    /// Issues a command.
     pub fn send(&mut self, command: Command) {
         self.commands.push(command);
     }
 
-    /// Asks for a change of the document.
+    /// Issues an edit of the document.
     pub fn edit(&mut self, edit: Edit) {
         self.commands.push(Command::Edit(edit, self.gesture));
     }
 
-    /// Selects one thing, or adds it to the selection, or takes it away.
+    /// Selects an object, light or camera; with `adds` toggles it in the selection.
     pub fn select(&mut self, id: ItemId, adds: bool) {
         let mut selection = if adds {
             self.app.selection.clone()

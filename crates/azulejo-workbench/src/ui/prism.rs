@@ -1,4 +1,4 @@
-//! The dialog that asks for a prism.
+//! The dialog for a prism.
 
 use super::inputs;
 use super::panel_context::PanelContext;
@@ -7,11 +7,11 @@ use crate::document::SIDES;
 use egui::{DragValue, Grid, Id, Modal, Ui};
 use std::path::{Path, PathBuf};
 
-/// The prism that is being asked for.
+/// The dialog for a prism.
 #[derive(Clone, Debug)]
 pub struct PrismDialog {
     sides: u32,
-    /// An outline in the place of a regular one.
+    /// The drawing with the outline; `None` for a regular polygon.
     pub drawing: Option<PathBuf>,
     /// World units.
     size: f64,
@@ -19,7 +19,7 @@ pub struct PrismDialog {
 }
 
 impl PrismDialog {
-    /// A prism that suits the model: as high as wide.
+    /// Starts with a prism that suits the model, as high as wide.
     pub fn new(size: f64) -> PrismDialog {
         PrismDialog {
             sides: 6,
@@ -29,18 +29,18 @@ impl PrismDialog {
         }
     }
 
-    /// Draws it; whether it is done with.
+    /// Draws the dialog; returns whether it is finished.
     pub fn show(&mut self, ui: &Ui, cx: &mut PanelContext) -> bool {
         let mut is_done = false;
         let modal = Modal::new(Id::unique("prism")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
-            ui.heading(cx.tr("A prism"));
+            ui.heading(cx.tr("Prism"));
             Grid::new("prism").num_columns(2).show(ui, |ui| {
                 self.base(ui, cx);
                 self.lengths(ui, cx);
             });
             ui.horizontal(|ui| {
-                if ui.button(cx.tr("Add the prism")).clicked() {
+                if ui.button(cx.tr("Add prism")).clicked() {
                     cx.send(self.command());
                     is_done = true;
                 }
@@ -50,13 +50,13 @@ impl PrismDialog {
         is_done || modal.should_close()
     }
 
-    /// How many sides, or which drawing.
+    /// The number of sides, or the drawing.
     fn base(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         ui.label(cx.tr("Outline"));
         ui.horizontal(|ui| {
             let name = self.drawing.as_deref().and_then(Path::file_name);
             let name = name.map(|n| n.to_string_lossy().into_owned());
-            let name = name.unwrap_or_else(|| cx.tr("of a drawing…").to_owned());
+            let name = name.unwrap_or_else(|| cx.tr("from a drawing…").to_owned());
             let about = cx.tr("Filled shapes of an SVG, or closed outlines of a DXF drawing");
             if ui.button(name).on_hover_text(about).clicked() {
                 cx.send(Command::RequestFile(FileRequest::Outline));

@@ -1,4 +1,4 @@
-//! A box beside the dialog for files: whether it shows those too whose names promise nothing.
+//! A checkbox beside the file dialog that shows files with unknown extensions too.
 
 use super::panel_context::PanelContext;
 use egui::{Area, Context, Frame, Id, Order};
@@ -7,18 +7,18 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether all files are shown. What a file is, its content says in the end.
+/// Whether all files are shown. The format is detected from the content in the end.
 #[derive(Default)]
 pub struct ShowAllFiles(Arc<AtomicBool>);
 
 impl ShowAllFiles {
-    /// Which files the dialog lists: those of which `offers` is true, or all.
+    /// The filter of the dialog: files accepted by `offers`, or all.
     pub fn filter(&self, offers: impl Fn(&Path) -> bool + Send + Sync + 'static) -> FileFilter {
         let all = Arc::clone(&self.0);
         Box::new(move |path| all.load(Ordering::Relaxed) || offers(path))
     }
 
-    /// Draws the box under the dialog of this name.
+    /// Draws the checkbox below the dialog.
     pub fn show(&self, context: &Context, cx: &PanelContext, id: Id, dialog: &mut FileDialog) {
         let Some(rect) = context.memory(|m| m.area_rect(id)) else {
             return;
@@ -31,7 +31,8 @@ impl ShowAllFiles {
             let frame = Frame::window(ui.style());
             frame.show(ui, |ui| ui.checkbox(&mut all, cx.tr("All files")))
         });
-        // The dialog puts itself on top in every frame, and a small window has no room below it.
+        // The dialog moves itself to the top in every frame, and a small window has no space below
+        // it.
         context.move_to_top(shown.response.layer_id);
         if shown.inner.inner.changed() {
             self.0.store(all, Ordering::Relaxed);
@@ -42,5 +43,5 @@ impl ShowAllFiles {
     }
 }
 
-/// Whether a file is worth a line.
+/// Decides whether a file is listed.
 type FileFilter = Box<dyn Fn(&Path) -> bool + Send + Sync + 'static>;

@@ -1,4 +1,4 @@
-//! How the model is looked at: shading, false colours, background, fog.
+//! The View tab: shading, false colours, background, fog.
 
 use super::dialogs::map_name;
 use super::inputs;
@@ -41,10 +41,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
 fn exposure(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     ui.horizontal(|ui| {
         let mut auto = view.exposure.is_none();
-        if ui
-            .checkbox(&mut auto, cx.tr("Exposure by itself"))
-            .changed()
-        {
+        if ui.checkbox(&mut auto, cx.tr("Auto exposure")).changed() {
             view.exposure = (!auto).then_some(super::viewport::auto_exposure(cx.app));
         }
         if let Some(exposure) = &mut view.exposure {
@@ -69,7 +66,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         });
     let found = cx.app.lighting.range;
     let mut auto = colors.range.is_none();
-    if ui.checkbox(&mut auto, cx.tr("Range by itself")).changed() {
+    if ui.checkbox(&mut auto, cx.tr("Auto range")).changed() {
         let now = found.map_or((0.0, 1.0), |r| (r.low, r.usual));
         colors.range = (!auto).then_some(now);
     }
@@ -129,7 +126,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
         }
     });
     ui.horizontal(|ui| {
-        if ui.button(cx.tr("Picture…")).clicked() {
+        if ui.button(cx.tr("Image…")).clicked() {
             cx.send(Command::RequestFile(FileRequest::Backdrop));
         }
         if let Backdrop::Image(_, fit) = &mut view.backdrop {
@@ -140,7 +137,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     });
 }
 
-/// The background that is saved with the scene.
+/// The background stored in the scene.
 fn own_background(ui: &mut Ui, cx: &mut PanelContext) {
     let old = cx.app.document.background;
     let mut has = old.is_some();
@@ -177,12 +174,12 @@ fn fog(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     let before = fog;
     ui.horizontal(|ui| {
         inputs::picked(ui, cx.tr("Fog"), &mut fog.color, Some);
-        let label = ui.label(cx.tr("Nothing is seen beyond"));
+        let label = ui.label(cx.tr("Nothing is visible beyond"));
         let drag = inputs::number(&mut fog.visibility, 1e-6..=1e12);
         ui.add(drag.speed(0.01 * reach)).labelled_by(label.id);
     });
     ui.checkbox(&mut fog.exponential, cx.tr("Exponential, as in real fog"));
-    ui.checkbox(&mut view.shows_fog, cx.tr("Show it here"));
+    ui.checkbox(&mut view.shows_fog, cx.tr("Show in viewport"));
     if fog != before {
         cx.edit(Edit::SetFog(Some(fog)));
     }

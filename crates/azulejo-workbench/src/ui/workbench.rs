@@ -1,4 +1,4 @@
-//! The window: all its parts around one app.
+//! The window: all its parts around an app.
 
 mod closing;
 
@@ -24,22 +24,22 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-/// What the panel at the right shows.
+/// The tabs of the right panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PanelTab {
-    /// What is selected.
+    /// Properties of the selection.
     #[default]
     Object,
-    /// The material that is edited.
+    /// The material being edited.
     Material,
     /// The solver.
     Light,
-    /// The view.
+    /// Display settings.
     View,
 }
 
 impl PanelTab {
-    /// All of them.
+    /// All tabs.
     pub const ALL: [PanelTab; 4] = [
         PanelTab::Object,
         PanelTab::Material,
@@ -50,39 +50,39 @@ impl PanelTab {
 
 /// The window.
 pub struct Workbench {
-    /// What there is.
+    /// The app.
     pub app: App,
-    /// The panel at the right.
+    /// The active tab of the right panel.
     pub tab: PanelTab,
     viewport: Viewport,
     tree: SceneTree,
     dialogs: Dialogs,
     materials: MaterialPanel,
     shows_messages: bool,
-    /// Counts presses of the mouse: each is one gesture.
+    /// Counts mouse presses: each is one gesture.
     press: u64,
     player: Option<ScriptPlayer>,
     was_focused: bool,
     dressed: Option<(Theme, f32)>,
     title: String,
-    /// Whether the window closes because somebody wants it to.
+    /// Whether the window closes at the user's request.
     is_leaving: bool,
-    /// Where the app goes when the window cannot stay.
+    /// Receives the app if the window cannot stay open.
     rescue: Option<Sender<Box<Rescued>>>,
 }
 
-/// What is left of a window that could not stay open.
+/// What is saved from a window that could not stay open.
 pub struct Rescued {
-    /// Everything that was worked on.
+    /// The app.
     pub app: App,
-    /// The script, as far as it came.
+    /// The script with its remaining steps.
     pub player: Option<ScriptPlayer>,
-    /// Why, if the window knew.
+    /// The cause, if it was a lost device.
     pub loss: Option<DeviceLost>,
 }
 
-/// A window that falls lets go of nothing: drivers and their libraries panic when a card is pulled
-/// out, and so may we.
+/// The app is saved even during a panic: drivers panic when a GPU is unplugged, and so may this
+/// code.
 impl Drop for Workbench {
     fn drop(&mut self) {
         if !self.is_leaving {
@@ -92,7 +92,7 @@ impl Drop for Workbench {
 }
 
 impl Workbench {
-    /// A window without a graphics card: everything but the picture of the model.
+    /// Creates a window without a graphics device: everything but the image of the model works.
     pub fn new(app: App) -> Workbench {
         Workbench {
             app,
@@ -112,7 +112,7 @@ impl Workbench {
         }
     }
 
-    /// A window of eframe around `viewport`, which was made on its card.
+    /// Creates a window of eframe around `viewport`, which uses the window's device.
     pub fn in_window(
         mut app: App,
         viewport: Viewport,
@@ -125,25 +125,25 @@ impl Workbench {
         window
     }
 
-    /// Plays a script.
+    /// Runs a script.
     pub fn play(&mut self, player: ScriptPlayer) {
         self.player = Some(player);
     }
 
-    /// Where the app goes when the graphics card is lost.
+    /// Sets the receiver of the app for the case that the device is lost.
     pub fn rescue_to(&mut self, rescue: Sender<Box<Rescued>>) {
         self.rescue = Some(rescue);
     }
 
-    /// The size of the viewport, pixels.
+    /// The size of the viewport in pixels.
     pub fn viewport_size(&self) -> (u32, u32) {
         self.viewport.size()
     }
 
-    /// One frame.
+    /// Runs one frame.
     pub fn show(&mut self, ui: &mut Ui) {
         if let Err(loss) = self.viewport.check() {
-            // Before anything is painted: egui cannot paint on what is gone, and would panic.
+            // Before anything is painted: egui would panic on a lost device.
             self.on_device_lost(ui.ctx(), loss);
             return;
         }
@@ -166,7 +166,7 @@ impl Workbench {
         self.update_window(ui.ctx());
     }
 
-    /// All parts of the window.
+    /// Draws all parts of the window; returns their commands, and a device loss.
     fn parts(
         &mut self,
         ui: &mut Ui,
@@ -180,7 +180,7 @@ impl Workbench {
             ..
         } = self;
         let (is_pressed, is_held) = ui.input(|i| {
-            // What changes as the button is let go belongs to the drag that ends.
+            // A change in the frame in which the button is released belongs to the drag.
             let is_held = i.pointer.any_down() || i.pointer.any_released();
             (i.pointer.any_pressed(), is_held)
         });
@@ -239,7 +239,7 @@ impl Workbench {
         let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut cx));
         let chosen = dialogs.show(ui, &mut cx);
         let commands = cx.commands;
-        // A press elsewhere ends what was being typed, which is no part of what the press begins.
+        // A press elsewhere ends typing, and is itself not part of it.
         self.press += u64::from(is_pressed && writes);
         if let Some(chosen) = chosen {
             self.use_brdf_file(chosen);
@@ -247,7 +247,7 @@ impl Workbench {
         (commands, shown.inner.err())
     }
 
-    /// Does what an action asks for.
+    /// Executes an action.
     pub fn run_action(&mut self, target: ActionTarget) {
         match target {
             ActionTarget::Command(command) => self.app.execute(command),
@@ -283,7 +283,7 @@ impl Workbench {
         }
     }
 
-    /// A file that was chosen for the editor of reflection models.
+    /// Loads or saves a reflection model.
     fn use_brdf_file(&mut self, chosen: BrdfFileChoice) {
         let done = match chosen {
             BrdfFileChoice::LoadBrdf(path) => self.load_brdf(&path),
@@ -294,10 +294,11 @@ impl Workbench {
         }
     }
 
-    /// Gives the selected material the reflection model of a file.
+    /// Loads a reflection model from a file into the selected material.
     ///
     /// # Errors
-    /// Why not, for people.
+    ///
+    /// A message with the reason.
     pub fn load_brdf(&mut self, path: &Path) -> Result<(), String> {
         let id = self.app.selection.material;
         let id = id.ok_or("no material is selected")?;
@@ -355,16 +356,16 @@ impl Workbench {
             Theme::Dark => egui::ThemePreference::Dark,
         });
         context.set_zoom_factor(wanted.1);
-        // The preferences say how large texts are; Ctrl and digits are for shadings.
+        // The text size is set in the preferences; Ctrl with digits selects a shading mode.
         context.options_mut(|options| {
             options.zoom_with_keyboard = false;
-            // What was typed is taken before the click that leaves it does its work.
+            // Commit typed text before the click that leaves the field takes effect.
             options.input_options.surrender_focus_on = egui::SurrenderFocusOn::Presses;
         });
         self.dressed = Some(wanted);
     }
 
-    /// Gives the app to whoever opens another window, and closes this one.
+    /// Passes the app to the next window, and closes this one.
     fn on_device_lost(&mut self, context: &egui::Context, loss: DeviceLost) {
         if self.rescue.is_none() {
             self.app.report(Severity::Error, loss.0.to_string());
@@ -375,7 +376,7 @@ impl Workbench {
         context.send_viewport_cmd(ViewportCommand::Close);
     }
 
-    /// Gives everything that was worked on to whoever opens the next window.
+    /// Passes all state to the code that opens the next window.
     fn hand_over(&mut self, loss: Option<DeviceLost>) {
         if let Some(rescue) = self.rescue.take() {
             let app = std::mem::replace(&mut self.app, App::quiet());
@@ -391,13 +392,13 @@ impl Workbench {
             if goes_on {
                 self.player = Some(player);
             } else if player.has_failed() {
-                // Whoever started it waits for its status.
+                // The caller waits for the exit status.
                 self.app.allow_close();
             }
         }
     }
 
-    /// When the next frame is due: at once after a command, now and then while jobs go on.
+    /// Schedules the next frame: at once after a command, periodically while jobs run.
     fn schedule_repaint(&mut self, context: &egui::Context, acted: bool) {
         if acted {
             context.request_repaint();
@@ -416,7 +417,7 @@ impl eframe::App for Workbench {
         self.show(ui);
     }
 
-    /// A window that is hidden is not drawn, but its jobs go on.
+    /// A hidden window is not drawn, but its jobs continue.
     fn logic(&mut self, _: &egui::Context, _: &mut eframe::Frame) {
         self.app.poll();
     }

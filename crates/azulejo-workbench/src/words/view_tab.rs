@@ -1,16 +1,16 @@
-//! Words of how the model is looked at.
+//! Texts of the View tab.
 
 use super::Translation;
 
 pub const TABLE: &[Translation] = &[
     [
-        "Exposure by itself",
+        "Auto exposure",
         "Exposición automática",
         "Exposição automática",
     ],
     ["Exposure", "Exposición", "Exposição"],
     ["Colour map", "Mapa de colores", "Mapa de cores"],
-    ["Range by itself", "Rango automático", "Gama automática"],
+    ["Auto range", "Rango automático", "Gama automática"],
     ["from", "de", "de"],
     ["to", "a", "a"],
     ["Logarithmic", "Logarítmico", "Logarítmico"],
@@ -22,7 +22,7 @@ pub const TABLE: &[Translation] = &[
     ["Background", "Fondo", "Fundo"],
     ["the scene's own", "el de la escena", "o da cena"],
     ["any colour", "cualquier color", "qualquer cor"],
-    ["Picture…", "Imagen…", "Imagem…"],
+    ["Image…", "Imagen…", "Imagem…"],
     ["scaled", "ajustada", "ajustada"],
     ["centred", "centrada", "centrada"],
     ["tiled", "en mosaico", "em mosaico"],
@@ -37,7 +37,7 @@ pub const TABLE: &[Translation] = &[
         "Nevoeiro na cena",
     ],
     [
-        "Nothing is seen beyond",
+        "Nothing is visible beyond",
         "No se ve nada más allá de",
         "Não se vê nada para lá de",
     ],
@@ -46,7 +46,7 @@ pub const TABLE: &[Translation] = &[
         "Exponencial, como la niebla real",
         "Exponencial, como o nevoeiro real",
     ],
-    ["Show it here", "Mostrarla aquí", "Mostrá-lo aqui"],
+    ["Show in viewport", "Mostrarla aquí", "Mostrá-lo aqui"],
     // The 16 colours.
     ["Black", "Negro", "Preto"],
     ["Maroon", "Granate", "Grená"],

@@ -1,4 +1,4 @@
-//! Windows over the window, and the list of messages.
+//! Dialogs and the message list.
 
 use crate::window::*;
 use azulejo_workbench::app::{App, Severity};
@@ -42,17 +42,17 @@ fn the_keys_are_listed_and_do_nothing_meanwhile() {
     let mut window = window(opened("shapes.grf"));
     press(&mut window, Modifiers::NONE, Key::Questionmark);
     for text in [
-        "Keys and mouse",
+        "Keyboard and mouse",
         "Ctrl+Shift+Z",
         "fly forward",
-        "Picture by rays",
+        "Render image",
     ] {
         assert!(says(&window, text), "{text}");
     }
     press(&mut window, Modifiers::COMMAND, Key::L);
     assert!(!window.state().app.is_changed());
     click_last(&mut window, "Close");
-    assert!(!says(&window, "Keys and mouse"));
+    assert!(!says(&window, "Keyboard and mouse"));
     press(&mut window, Modifiers::COMMAND, Key::L);
     assert!(window.state().app.is_changed());
 }
@@ -75,12 +75,12 @@ fn solid_letters_are_added() {
     click_last(&mut window, "Text…");
     write(&mut window, "", "Hola");
     set(&mut window, "Depth, ems", 0.5);
-    click_last(&mut window, "Add the letters");
+    click_last(&mut window, "Add text");
     check_no_error(&window);
     let document = &window.state().app.document;
     assert_eq!(document.objects.len(), many + 1);
     assert_eq!(document.objects[many].name, "Hola");
-    assert!(!says(&window, "Solid letters"));
+    assert!(!says(&window, "Solid text"));
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn a_message_leads_to_what_it_is_about() {
     window.run();
     let app = &window.state().app;
     assert_eq!(app.selection.ids, [app.document.objects[0].id]);
-    // It is in the middle of what is seen.
+    // It is in the centre of the view.
     let about = app.document.bounds(Some(&app.selection.ids)).centre();
     assert!((app.view.camera.target - about).length() < 1e-9);
     click(&mut window, "Clear");
@@ -145,14 +145,14 @@ fn a_prism_is_added() {
     set(&mut window, "Sides", 5.0);
     set(&mut window, "Larger side", 2.0);
     set(&mut window, "Height", 0.5);
-    click_last(&mut window, "Add the prism");
+    click_last(&mut window, "Add prism");
     check_no_error(&window);
     let app = &window.state().app;
     assert_eq!(app.document.objects[many].name, "prism");
     let size = app.document.bounds(Some(&app.selection.ids)).size();
     assert!((size.x - 2.0).abs() < 1e-9, "{size}");
     assert!((size.y - 0.5).abs() < 1e-9, "{size}");
-    assert!(!says(&window, "A prism"));
+    assert!(!says(&window, "Prism"));
 }
 
 #[test]
@@ -186,8 +186,13 @@ fn a_drawing_is_extruded_and_what_is_none_is_told() {
 #[test]
 fn a_file_for_a_dialog_is_asked_for_and_left_again() {
     for (entry, button, title, back) in [
-        ("Prism…", "of a drawing…", "A drawing to extrude", "A prism"),
-        ("Text…", "DejaVu Serif", "A typeface", "Solid letters"),
+        (
+            "Prism…",
+            "from a drawing…",
+            "Choose a drawing to extrude",
+            "Prism",
+        ),
+        ("Text…", "DejaVu Serif", "Choose a font", "Solid text"),
     ] {
         let mut window = window_with_files(App::quiet());
         click(&mut window, "Add");

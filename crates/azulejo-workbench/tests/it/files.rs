@@ -1,4 +1,4 @@
-//! Files by dialogs, questions about changes, and a whole session.
+//! File dialogs, questions about unsaved changes, and a complete session.
 
 use crate::window::*;
 use azulejo_workbench::app::{App, Severity};
@@ -12,7 +12,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::NodeT;
 use std::path::Path;
 
-/// The dialog shows the folder of what was opened last.
+/// The dialog shows the folder of the last opened file.
 fn dialog_in(folder: &TestFolder) -> Window {
     let mut app = App::quiet();
     app.execute(Command::Open(vec![folder.copy("shapes.grf")]));
@@ -94,7 +94,7 @@ fn a_file_is_not_written_over_without_asking() {
         press(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
         write(window, "shapes.grf", "cornell.grf");
         click_last(window, "Save");
-        assert!(says(window, "There is a file of this name"));
+        assert!(says(window, "A file with this name already exists"));
     };
     save_as(&mut window);
     click_last(&mut window, "Cancel");
@@ -102,7 +102,7 @@ fn a_file_is_not_written_over_without_asking() {
     assert_eq!(std::fs::read(&other).unwrap(), before);
     assert!(!says(&window, "Save as GRF") && window.state().app.asking.is_none());
     save_as(&mut window);
-    click_last(&mut window, "Replace it");
+    click_last(&mut window, "Replace");
     wait(&mut window);
     check_no_error(&window);
     assert_eq!(file_of(&window), Some(&*other));
@@ -116,15 +116,15 @@ fn the_question_about_changes_has_three_answers() {
     change(&mut window);
     let ask = |window: &mut Window| {
         press(window, Modifiers::COMMAND, Key::Q);
-        assert!(says(window, "Changes are not saved"));
+        assert!(says(window, "Unsaved changes"));
         assert!(!window.state().app.closing);
     };
     ask(&mut window);
     click_last(&mut window, "Cancel");
-    assert!(!says(&window, "Changes are not saved"));
+    assert!(!says(&window, "Unsaved changes"));
     ask(&mut window);
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert!(!says(&window, "Changes are not saved"));
+    assert!(!says(&window, "Unsaved changes"));
     ask(&mut window);
     click_last(&mut window, "Save");
     wait(&mut window);
@@ -134,7 +134,7 @@ fn the_question_about_changes_has_three_answers() {
     let mut window = dialog_in(&folder);
     change(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::N);
-    click_last(&mut window, "Lose the changes");
+    click_last(&mut window, "Discard changes");
     assert!(window.state().app.document.is_empty() && !window.state().app.is_changed());
 }
 
@@ -150,12 +150,12 @@ fn a_file_that_others_wrote_is_asked_about_when_the_window_is_looked_at_again() 
     focus(&mut window, false);
     std::fs::copy(example("csg.grf"), folder.path("shapes.grf")).unwrap();
     focus(&mut window, true);
-    assert!(says(&window, "The file has changed on the disk"));
+    assert!(says(&window, "The file has changed on disk"));
     let many = window.state().app.document.objects.len();
-    click_last(&mut window, "Read it again");
+    click_last(&mut window, "Reload");
     wait(&mut window);
     assert_ne!(window.state().app.document.objects.len(), many);
-    assert!(!says(&window, "The file has changed on the disk"));
+    assert!(!says(&window, "The file has changed on disk"));
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn what_fails_is_told_and_the_work_stays() {
     assert_eq!(window.state().app.document, before);
 }
 
-/// A file that waits for somebody to write it: a pipe.
+/// A job that waits for its input: a pipe.
 #[cfg(unix)]
 #[test]
 fn work_that_does_not_know_how_much_it_is_shows_no_share() {
@@ -191,7 +191,7 @@ fn work_that_does_not_know_how_much_it_is_shows_no_share() {
     let mut window = dialog_in(&folder);
     let open = Command::Open(vec![pipe.clone()]);
     window.state_mut().app.execute(open);
-    // The pipe is open at both ends from here on, and nothing is in it yet.
+    // Both ends of the pipe are open from here on, and it is empty.
     let mut writer = std::fs::File::options().write(true).open(pipe).unwrap();
     let is_reading = |window: &Window| {
         let jobs = window.state().app.jobs();
@@ -211,7 +211,7 @@ fn work_that_does_not_know_how_much_it_is_shows_no_share() {
     assert_eq!(window.state().app.document.source_files[0].name, "pipe");
 }
 
-/// A save that waits for somebody to read it: a pipe.
+/// A save that waits for its reader: a pipe.
 #[cfg(unix)]
 #[test]
 fn changes_made_while_a_window_waits_to_close_are_asked_about() {
@@ -233,13 +233,13 @@ fn changes_made_while_a_window_waits_to_close_are_asked_about() {
     let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
     wait(&mut window);
     assert!(!reader.join().unwrap().is_empty());
-    assert!(says(&window, "Changes are not saved"));
+    assert!(says(&window, "Unsaved changes"));
     assert!(!window.state().app.closing);
-    click_last(&mut window, "Lose the changes");
+    click_last(&mut window, "Discard changes");
     assert!(window.state().app.closing);
 }
 
-/// What the workbench is for, from the first click to the last.
+/// A complete session, from the first click to the last.
 #[test]
 fn a_model_is_opened_lit_given_a_reflection_model_solved_saved_and_comes_back() {
     let folder = TestFolder::new("session");

@@ -1,11 +1,11 @@
-//! Scripts, played in a window to their end.
+//! Scripts run in a window.
 
 use crate::window::*;
 use azulejo_workbench::app::App;
 use azulejo_workbench::script::{ScriptPlayer, parse};
 use std::time::{Duration, Instant};
 
-/// Plays a script; its outcome, and the window after it.
+/// Runs a script; returns its outcome and the window.
 fn play(text: &str) -> (Result<(), String>, Window) {
     play_in(App::quiet(), text)
 }
@@ -113,7 +113,7 @@ fn a_step_that_fails_ends_the_script_with_its_line() {
         (
             format!("{open}\nselect nobody\nquit\n"),
             3,
-            "nothing is called \"nobody\"",
+            "nothing is named \"nobody\"",
         ),
         (format!("{open}move 1 0 0\n"), 2, "nothing is selected"),
         (
@@ -121,7 +121,7 @@ fn a_step_that_fails_ends_the_script_with_its_line() {
             2,
             "no material is selected",
         ),
-        (format!("{open}action Undo\n"), 2, "makes no sense now"),
+        (format!("{open}action Undo\n"), 2, "is not available now"),
         (format!("{open}select cone\nscale 0\n"), 3, "flattens"),
         (
             format!("{open}select cone\nmaterial brdf no_such_model\n"),

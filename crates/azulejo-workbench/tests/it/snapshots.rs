@@ -1,4 +1,4 @@
-//! Pictures of the whole window, as a driver without a screen draws them.
+//! Snapshots of the whole window, drawn by a driver without a screen.
 
 use crate::window::*;
 use azulejo_testing::Need;
@@ -10,15 +10,15 @@ use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};
 
-/// Drivers round and blend in their own ways, and fonts' edges with them: this is a watch for
-/// what is missing, elsewhere or of another colour, not for a shade.
+/// Drivers and font rasterisers round and blend differently: this detects missing, displaced or
+/// recoloured parts, not shades.
 fn tolerance() -> SnapshotOptions {
     SnapshotOptions::new()
         .threshold(2.0)
         .max_failed_pixels(1_500usize)
 }
 
-/// A window with a card, or `None` where there is none.
+/// A window with a graphics device, or `None` without a driver.
 fn drawn(app: App) -> Option<Window> {
     let card = HeadlessDevice::open(wgpu::Backends::all()).map_err(|_| "no graphics driver");
     azulejo_testing::require(Need::Gpu, card)?;

@@ -25,7 +25,7 @@ fn things_are_selected_one_by_one_and_by_groups() {
     click(&mut window, "shapes");
     assert_eq!(window.state().app.selection.ids.len(), 12);
     click(&mut window, "💡 spot");
-    assert!(says(&window, "Falls with the square of the distance."));
+    assert!(says(&window, "Falls off with the square of the distance."));
     click_last(&mut window, "moss");
     let app = &window.state().app;
     let material = app.selection.material.unwrap() as usize;
@@ -142,7 +142,7 @@ fn only_what_is_looked_for_is_shown() {
     }
     assert!(window.query_by_label("ceiling").is_none());
     assert!(window.query_by_label("💡 spot").is_none());
-    // What is written is not what keys mean: "h" hides nothing.
+    // Typing in the field triggers no shortcuts: "h" hides nothing.
     assert!(!window.state().app.is_changed());
     write(&mut window, "WALL", "no such thing");
     assert!(says(&window, "Drop files here"));
@@ -164,7 +164,7 @@ fn a_material_of_the_tree_is_copied_and_deleted_by_keys_where_nothing_else_is_se
     assert_eq!(materials(&window), before);
     check_no_error(&window);
     assert_eq!(window.state().app.selection.material, None);
-    // With an object the keys mean the object, and after it nothing more.
+    // With an object selected, shortcuts apply to it, and after its deletion to nothing.
     click(&mut window, "ceiling");
     press(&mut window, Modifiers::NONE, Key::Delete);
     press(&mut window, Modifiers::NONE, Key::Delete);

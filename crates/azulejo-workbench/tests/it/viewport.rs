@@ -1,4 +1,4 @@
-//! The model under mouse and keys.
+//! The viewport under mouse and keyboard.
 
 use crate::window::*;
 use azulejo_workbench::ui::actions::{ActionTarget, WindowAction};
@@ -10,7 +10,7 @@ fn viewport(window: &Window) -> egui_kittest::Node<'_> {
     find(window, Role::Canvas, "Viewport")
 }
 
-/// Where the camera is, and where it looks.
+/// Position and target of the camera.
 fn look(window: &Window) -> (DVec3, DVec3) {
     let camera = &window.state().app.view.camera;
     (camera.eye, camera.target)
@@ -38,7 +38,7 @@ fn one_flies_after_a_click_on_the_model_too() {
     assert!(!window.state().app.selection.ids.is_empty());
     hold(&mut window, Modifiers::NONE, Key::W);
     assert_ne!(look(&window).0, flown.0);
-    // Arrows turn the head and go to no other part of the window.
+    // Arrow keys turn the camera and do not move the focus.
     let (eye, target) = look(&window);
     hold(&mut window, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!(look(&window).0, eye);

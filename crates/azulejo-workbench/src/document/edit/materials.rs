@@ -44,7 +44,7 @@ impl SceneDocument {
 
     pub(super) fn delete_material(&mut self, id: MaterialId) -> Edited {
         let Some(material) = self.materials.get(id as usize) else {
-            return Err(EditError("there is no such material any more".into()));
+            return Err(EditError("the material no longer exists".into()));
         };
         let items = self.objects.iter().map(|item| &**item);
         let users: Vec<&SceneObject> = items.filter(|i| i.materials().contains(&id)).collect();

@@ -16,7 +16,7 @@ impl SceneDocument {
     pub(super) fn rename(&mut self, id: ItemId, name: &str) -> Edited {
         let name = name.trim().to_owned();
         if name.chars().any(char::is_control) {
-            return refuse("a name holds control characters, expected one line of text");
+            return refuse("the name contains control characters, expected one line of text");
         }
         if let Some(item) = self.item_mut(id) {
             item.name = name;
@@ -57,7 +57,7 @@ impl SceneDocument {
 
     pub(super) fn transform(&mut self, ids: &[ItemId], map: &DAffine3) -> Edited {
         if !is_placement(map) {
-            return refuse("the transform flattens what it moves, expected factors other than 0");
+            return refuse("the transform is singular, expected factors other than 0");
         }
         let mut moved = self.clone();
         moved.transform_items(ids, map)?;
@@ -102,7 +102,7 @@ impl SceneDocument {
 
     pub(super) fn place(&mut self, id: ItemId, placement: &DAffine3) -> Edited {
         if !is_placement(placement) {
-            return refuse("the transform flattens the object, expected factors other than 0");
+            return refuse("the object's transform is singular, expected factors other than 0");
         }
         let Some(mut item) = self.item(id).cloned() else {
             return missing("object");
@@ -143,7 +143,7 @@ impl SceneDocument {
             let bounds = item.bounds();
             let is_there = bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite());
             if !is_placement(&item.placement) || !is_there {
-                return refuse("the object leaves the range of numbers");
+                return refuse("the object exceeds the range of coordinates");
             }
             // A finite mesh at a finite placement stays valid.
             if !matches!(&*item.shape, Shape::Mesh(_)) {

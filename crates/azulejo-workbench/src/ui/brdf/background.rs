@@ -1,4 +1,4 @@
-//! Work in the background of which only the newest matters.
+//! Background computations of which only the latest result matters.
 
 use azulejo::trace::{Cancelled, Progress};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -6,14 +6,13 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-/// Work that is no longer wanted may end within this time, so that a drag shows something; what
-/// takes longer is stopped.
+/// An outdated task may still finish within this time, so that something is displayed while
+/// dragging; a slower one is cancelled.
 const PATIENCE: Duration = Duration::from_millis(250);
 
-/// One thread beside the window, apart from those of the solver: what a person waits for is not
-/// held up by what takes minutes.
+/// One thread separate from the solver's, so that the editor does not wait behind long jobs.
 pub(super) struct BackgroundWorker {
-    /// `None` where the system gives no more threads; the common ones are used then.
+    /// `None` if the system has no more threads; the global pool is used then.
     pool: Option<ThreadPool>,
 }
 
@@ -32,7 +31,7 @@ impl BackgroundWorker {
     }
 }
 
-/// The newest result of work that is asked for by a key.
+/// The latest result of a task identified by a key.
 pub(super) struct LatestResult<K, T> {
     running: Option<RunningTask<K, T>>,
     found: Option<(K, T)>,
@@ -55,13 +54,14 @@ impl<K, T> Default for LatestResult<K, T> {
     }
 }
 
-/// What is done in the background: it hands over results, better and better ones, until it is
-/// done or cancelled.
+/// A background task: passes results of increasing quality to the callback until it is done or
+/// cancelled.
 pub(super) type BackgroundTask<K, T> =
     fn(&K, &Progress, &mut dyn FnMut(T)) -> Result<(), Cancelled>;
 
 impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T> {
-    /// Sees to it that the result for `key` is there or on its way, and takes what has come.
+    /// Starts computing the result for `key` unless it is available or on its way, and takes
+    /// available results.
     pub fn ask(
         &mut self,
         key: &K,
@@ -78,7 +78,7 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T
                 running.progress.cancel();
                 self.running = None;
             } else {
-                // Nobody repaints while this is waited for; its end does.
+                // Nothing else repaints while a task is being waited for.
                 ctx.request_repaint_after(PATIENCE);
                 return;
             }
@@ -88,7 +88,7 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T
         }
     }
 
-    /// Takes what has come.
+    /// Takes available results.
     fn collect(&mut self) {
         let Some(running) = &mut self.running else {
             return;
@@ -106,7 +106,7 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T
         self.running = None;
     }
 
-    /// Waits for a first result, as long as nobody notices.
+    /// Waits for a first result, for a time too short to notice.
     pub fn wait(&mut self, longest: Duration) {
         let Some(running) = self.running.as_mut().filter(|r| !r.has_shown) else {
             return;
@@ -118,18 +118,18 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T
         self.collect();
     }
 
-    /// The newest result, with the key that it belongs to.
+    /// The latest result, with its key.
     pub fn found(&self) -> Option<&(K, T)> {
         self.found.as_ref()
     }
 
-    /// The result for `key`, if it has come.
+    /// The result for `key`, if it is available.
     pub fn of(&self, key: &K) -> Option<&T> {
         let found = self.found.as_ref();
         found.and_then(|(k, result)| (k == key).then_some(result))
     }
 
-    /// Whether more is to come.
+    /// Whether a task is running.
     pub fn is_running(&self) -> bool {
         self.running.is_some()
     }
@@ -158,12 +158,12 @@ where
     let (own_key, own_progress) = (key.clone(), progress.clone());
     worker.spawn(move || {
         let mut show = |result| {
-            // Nobody may be listening any more.
+            // The receiver may be gone.
             let _ = sender.send(result);
             ctx.request_repaint();
         };
         if own_progress.advance(0).is_ok() {
-            // Cancelled work has nothing to say.
+            // A cancelled task has no result.
             let _ = job(&own_key, &own_progress, &mut show);
         }
         drop(sender);
@@ -204,7 +204,7 @@ mod tests {
         Ok(())
     }
 
-    /// Shows one result and goes on until it is cancelled, but for key 0.
+    /// Returns one result and runs until it is cancelled, except for key 0.
     fn endless(key: &u32, progress: &Progress, show: &mut dyn FnMut(u32)) -> Result<(), Cancelled> {
         show(*key);
         if *key == 0 {
@@ -233,7 +233,7 @@ mod tests {
             latest.ask(&7, endless, &worker, &ctx);
         }
         assert!(latest.is_running());
-        // The only thread is free for this one alone if the first has stopped.
+        // The only thread is free for this task only if the first one has stopped.
         wait(&mut latest, 0, endless, &worker);
     }
 }

@@ -1,4 +1,4 @@
-//! What a model keeps of what nature does, measured: reciprocity and energy.
+//! Badges for reciprocity and energy conservation, both measured numerically.
 
 use super::reflection::MaterialReflection;
 use super::theme::mark;
@@ -8,26 +8,26 @@ use azulejo::scene::brdf::check::{self, ANGLES, AZIMUTH};
 use azulejo::trace::{Cancelled, Progress};
 use egui::{Color32, RichText, Ui};
 
-/// Pairs of directions that are exchanged, and how many at a time.
+/// Number of exchanged pairs of directions, in total and per block.
 const PAIRS: u32 = 2_000;
 
-/// Larger relative differences are not rounding.
+/// Larger relative differences are not rounding errors.
 const TOLERANCE: f64 = 1e-9;
 
-/// What quadrature may leave of an albedo of 1.
+/// Tolerance of the quadrature for an albedo of 1.
 const BRIGHT: f64 = 1.0 + 1e-3;
 
-/// What was measured.
+/// The measured values.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ModelChecks {
-    /// The largest relative difference when light and eye are exchanged.
+    /// Largest relative difference after exchanging the directions of light and camera.
     pub exchanged: f64,
-    /// Angles in degrees, each with the share that is reflected by the channel that reflects most.
+    /// Angles in degrees with the albedo of the channel that reflects most.
     pub albedos: Vec<(f64, f64)>,
 }
 
 impl ModelChecks {
-    /// The most that is reflected, with the angle in degrees.
+    /// The largest albedo, and its angle in degrees.
     fn most(&self) -> (f64, f64) {
         let all = self.albedos.iter().map(|&(angle, albedo)| (albedo, angle));
         all.fold(
@@ -37,7 +37,7 @@ impl ModelChecks {
     }
 }
 
-/// Measures a surface.
+/// Measures a material.
 pub(super) fn measure(
     optics: &MaterialReflection,
     progress: &Progress,
@@ -63,7 +63,7 @@ pub(super) fn measure(
     Ok(())
 }
 
-/// Shows both badges.
+/// Draws both badges.
 pub(super) fn badges(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     reciprocity(ui, language, measures);
     energy(ui, language, measures);
@@ -76,8 +76,9 @@ fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     } else {
         language.tr("not reciprocal")
     };
-    let about =
-        language.tr("Light and eye exchanged, for many pairs of directions: f differs by at most");
+    let about = language.tr(
+        "With the directions of light and camera exchanged, for many pairs, f differs by at most",
+    );
     badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
 }
 
@@ -85,21 +86,19 @@ fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let (most, angle) = measures.most();
     let holds = most <= BRIGHT;
     let words = if holds {
-        language.tr("energy at most")
+        language.tr("albedo at most")
     } else {
         language.tr("creates energy:")
     };
     let at = language.tr("at");
-    let mut about = language
-        .tr("Share of the light that is reflected, by its angle:")
-        .to_owned();
+    let mut about = language.tr("Albedo by angle of incidence:").to_owned();
     for (angle, albedo) in &measures.albedos {
         about += &format!("\n{angle}°  {albedo:.4}");
     }
     badge(ui, holds, &format!("{words} {most:.2} {at} {angle}°")).on_hover_text(about);
 }
 
-/// A mark and words: colour says nothing that they do not.
+/// A symbol and a text, so that the colour carries no information of its own.
 fn badge(ui: &mut Ui, holds: bool, words: &str) -> egui::Response {
     let [r, g, b] = match (holds, ui.visuals().dark_mode) {
         (true, true) => [0, 70, 105],

@@ -1,4 +1,4 @@
-//! The models in the order in which people choose, and what becomes of parameters then.
+//! The reflection models in groups, and conversion of parameters between models.
 
 use crate::words::Language;
 use azulejo::scene::brdf::{
@@ -6,13 +6,13 @@ use azulejo::scene::brdf::{
 };
 use azulejo::scene::{Brdf, Rgb};
 
-/// Models that are alike.
+/// A group of similar models.
 pub(super) struct ModelGroup {
     pub title: fn(Language) -> &'static str,
     names: &'static [&'static str],
 }
 
-/// All groups; the last takes what is in no other.
+/// All groups; the last one contains the models in no other group.
 pub(super) const GROUPS: [ModelGroup; 6] = [
     ModelGroup {
         title: |l| l.tr("Matt"),
@@ -45,7 +45,7 @@ pub(super) const GROUPS: [ModelGroup; 6] = [
         names: &["he_torrance", "he_torrance_mirror", "poulin_fournier"],
     },
     ModelGroup {
-        title: |l| l.tr("By impression"),
+        title: |l| l.tr("Artistic"),
         names: &[],
     },
 ];
@@ -66,7 +66,7 @@ impl ModelGroup {
     }
 }
 
-/// An example of a model; the first always is there.
+/// An example of a model; the first one always exists.
 pub(super) fn example(info: &Info, k: usize) -> Option<Model> {
     match info.examples.get(k)?.parse() {
         Ok(Description::Model(model)) => Some(model),
@@ -74,14 +74,14 @@ pub(super) fn example(info: &Info, k: usize) -> Option<Model> {
     }
 }
 
-/// Another model with the parameters of the old one as far as both have them and they make sense;
-/// what else it needs comes from its first example.
+/// Another model with the parameters that both have, where valid; the others come from its first
+/// example.
 pub(super) fn switched(old: &Model, info: &'static Info) -> Model {
     let example = example(info, 0).unwrap_or_default();
     let old_info = find(&old.name).ok();
     let mut model = example.clone();
     for parameter in info.all_parameters() {
-        // The same letter may mean something else; the same words do not.
+        // The same letter may mean something else; the same description does not.
         let is_same = |p: &ParameterInfo| p.name == parameter.name && p.about == parameter.about;
         let had = old_info.is_some_and(|i| i.all_parameters().any(is_same));
         if let (true, Some(value)) = (had, old.value(parameter.name)) {
@@ -94,7 +94,7 @@ pub(super) fn switched(old: &Model, info: &'static Info) -> Model {
     }
 }
 
-/// Gives a parameter a value, or takes it away.
+/// Sets a parameter, or removes it.
 pub(super) fn set(model: &mut Model, info: &ParameterInfo, value: Option<Value>) {
     let at = model
         .parameters
@@ -111,7 +111,7 @@ pub(super) fn set(model: &mut Model, info: &ParameterInfo, value: Option<Value>)
     }
 }
 
-/// The value that a parameter has where none is given.
+/// The default value of a parameter.
 pub(super) fn fallback(model: &Model, info: &ParameterInfo) -> Value {
     let exemplary = || {
         let models = find(&model.name).ok()?;
@@ -128,18 +128,18 @@ pub(super) fn fallback(model: &Model, info: &ParameterInfo) -> Value {
     }
 }
 
-/// A term of Fresnel's, as a model is told of it.
+/// The kinds of Fresnel terms in a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FresnelChoice {
-    /// All light is reflected.
+    /// None: all light is reflected.
     None,
-    /// By the name of a metal.
+    /// A metal by name.
     Metal,
-    /// By indices of refraction.
+    /// Indices of refraction.
     Index,
-    /// By the reflectance at normal incidence.
+    /// Reflectance at normal incidence, Schlick's approximation.
     Schlick,
-    /// The same at all angles.
+    /// Constant.
     Constant,
 }
 
@@ -152,7 +152,7 @@ impl FresnelChoice {
         FresnelChoice::Constant,
     ];
 
-    /// The one that a model has.
+    /// The kind that a model uses.
     pub fn of(model: &Model) -> FresnelChoice {
         let has = |names: &[&str]| names.iter().any(|n| given(model, n).is_some());
         match () {
@@ -164,7 +164,7 @@ impl FresnelChoice {
         }
     }
 
-    /// Gives a model this one instead of its own.
+    /// Replaces the Fresnel term of a model.
     pub fn choose(self, model: &mut Model) {
         FRESNEL.iter().for_each(|info| set(model, info, None));
         let (name, value) = match self {
@@ -180,12 +180,12 @@ impl FresnelChoice {
     }
 }
 
-/// A parameter of Fresnel's terms.
+/// A parameter of Fresnel terms.
 pub(super) fn fresnel(name: &str) -> Option<&'static ParameterInfo> {
     FRESNEL.iter().find(|p| p.name == name)
 }
 
-/// The value that a model gives to a parameter of Fresnel's terms.
+/// The value of a Fresnel parameter in a model.
 fn given<'a>(model: &'a Model, name: &str) -> Option<&'a Value> {
     let info = fresnel(name)?;
     let found = model.parameters.iter().find(|p| info.is_called(&p.name));
@@ -246,7 +246,7 @@ mod tests {
             "beckmann_smith",
             "beckmann_smith ax = 0.3 ay = 0.4 metal = gold",
         );
-        // k of Minnaert is no index of refraction.
+        // Minnaert's k is not an index of refraction.
         check(
             "minnaert kd = 0.5 k = 7",
             "fresnel_conductor",

@@ -1,4 +1,4 @@
-//! What a material is compared with.
+//! Choosing a material to compare with.
 
 use super::catalog::{GROUPS, example};
 use super::file::with_description;
@@ -9,15 +9,15 @@ use azulejo::scene::brdf::{Description, Info, find};
 use egui::{ComboBox, RichText, Ui};
 use std::sync::Arc;
 
-/// The other side.
+/// The other material.
 pub(super) struct ComparedMaterial {
     name: String,
     material: Arc<Material>,
-    /// Where it is among the scene's materials, unless it is the example of a model.
+    /// Its index among the scene's materials; `None` for an example of a model.
     index: Option<usize>,
 }
 
-/// Lets a person choose.
+/// Draws the choice.
 pub(super) fn choose(
     ui: &mut Ui,
     language: Language,
@@ -88,7 +88,8 @@ fn exemplary(language: Language, info: &'static Info) -> Option<ComparedMaterial
     })
 }
 
-/// The other side as it is now: a material of the scene may have changed, or gone.
+/// The other material in its current state: a material of the scene may have been changed or
+/// deleted.
 pub(super) fn current<'a>(
     compared: &'a mut Option<ComparedMaterial>,
     others: &[Arc<Material>],
@@ -101,7 +102,7 @@ pub(super) fn current<'a>(
     Some((&compared.name, &compared.material))
 }
 
-/// What a material is called: its name, or that of its model.
+/// The name of a material, or that of its model.
 pub(super) fn name(language: Language, material: &Material) -> String {
     if !material.name.is_empty() {
         return material.name.clone();

@@ -1,4 +1,4 @@
-//! What is reflected in all, against the angle.
+//! Albedo as a function of the angle of incidence.
 
 use super::lobes::AlbedoCurve;
 use super::theme::{brightness, channels, grid, short};
@@ -7,7 +7,7 @@ use azulejo::scene::Rgb;
 use egui::{Color32, Ui};
 use egui_plot::{GridMark, HLine, HoverPosition, Line, LineStyle, Plot, PlotPoints, PlotUi};
 
-/// Channels that differ by less are one line.
+/// Channels that differ by less are drawn as one line.
 const MERGE_TOLERANCE: f64 = 0.005;
 
 /// Draws the curves of one model, or of two: the second is dashed.
@@ -53,12 +53,12 @@ pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&AlbedoCurve]) {
             lines(plot, curve, is_dashed, colors, ink);
         }
     });
-    let words = language.tr("Share of light that is reflected, against its angle");
+    let words = language.tr("Albedo as a function of the angle of incidence");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, words);
     shown.response.widget_info(info);
 }
 
-/// Marks of the share: a few round ones.
+/// Grid marks of the albedo: a few round values.
 fn shares(most: f64) -> Vec<GridMark> {
     let step = if most > 3.0 { 1.0 } else { 0.25 };
     let count = (most / step) as i32;
@@ -92,7 +92,7 @@ fn lines(
     if !curve.iter().any(is_colored) {
         return line("ρ", ink, 2.0, &brightness);
     }
-    // Widths tell the channels apart where colours do not.
+    // Line widths distinguish the channels without relying on colour.
     for (k, (name, width)) in [("R", 2.6), ("G", 1.9), ("B", 1.2)].into_iter().enumerate() {
         line(name, colors[k], width, &|a: Rgb| a[k]);
     }

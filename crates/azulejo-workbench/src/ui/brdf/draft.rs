@@ -1,4 +1,4 @@
-//! A description while it is changed, and the model that is made of it in the background.
+//! A description being edited, and the model built from it in the background.
 
 use super::background::{BackgroundWorker, LatestResult};
 use super::reflection::{MaterialReflection, is_same_description, is_same_model};
@@ -11,24 +11,24 @@ use egui::{Context, Ui};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A frame waits as long for a model, so that most changes are there at once.
+/// A frame waits this long for a model, so that most changes appear at once.
 const WAIT: Duration = Duration::from_millis(12);
 
-/// What a person makes of a model.
+/// A description being edited.
 pub(super) struct ModelDraft {
-    /// May be impossible; the document then keeps the last one that was not.
+    /// It may be invalid; the document then keeps the last valid one.
     pub description: Description,
-    /// The model that the document has.
+    /// The model in the document.
     taken: Arc<Brdf>,
     making: LatestResult<DraftKey, Result<BuiltModel, Problem>>,
     worker: BackgroundWorker,
 }
 
-/// A model that reflects no more than arrives, and what it was before.
+/// A model limited to reflect no more than it receives, and its albedo before that.
 #[derive(Clone)]
 struct BuiltModel {
     brdf: Arc<Brdf>,
-    /// Share of even light that the description reflects, of the channel that reflects most.
+    /// Largest hemispherical albedo of the description over the channels.
     reflected: f64,
 }
 
@@ -63,12 +63,12 @@ impl ModelDraft {
         }
     }
 
-    /// Whether it is a draft of what the document has, and not of what it had.
+    /// Whether this is a draft of the model in the document, rather than of an earlier one.
     pub fn is_of(&self, brdf: &Arc<Brdf>) -> bool {
         is_same_model(Some(&self.taken), Some(brdf))
     }
 
-    /// A model that the document does not have yet.
+    /// A new model that the document does not have yet.
     pub fn made(&mut self, ctx: &Context) -> Option<Arc<Brdf>> {
         let key = DraftKey(self.description.clone());
         self.making.ask(&key, make, &self.worker, ctx);
@@ -82,25 +82,26 @@ impl ModelDraft {
         Some(made.brdf.clone())
     }
 
-    /// Whether what becomes of the description is not known yet.
+    /// Whether the model is still being built.
     pub fn is_busy(&self) -> bool {
         self.making
             .of(&DraftKey(self.description.clone()))
             .is_none()
     }
 
-    /// Says what is wrong with the description, or what becomes of it.
+    /// Displays an error of the description, or a notice about its limitation.
     pub fn show_status(&self, ui: &mut Ui, language: Language) {
         match self.making.of(&DraftKey(self.description.clone())) {
             None => {
                 ui.spinner();
             }
             Some(Err(wrong)) => {
-                let kept = language.tr("The last possible model is kept.");
+                let kept = language.tr("The last valid model is kept.");
                 problem(ui, &format!("{} {kept}", problem_words(language, wrong)));
             }
             Some(Ok(made)) if made.reflected > 1.0 + 1e-3 => {
-                let words = language.tr("This model reflects more than arrives: of even light");
+                let words =
+                    language.tr("This model reflects more than it receives: hemispherical albedo");
                 let scaled = language.tr("scaled down to");
                 let share = 100.0 / made.reflected;
                 notice(
@@ -116,7 +117,7 @@ impl ModelDraft {
     }
 }
 
-/// What is wrong, in the person's language as far as it is common.
+/// The error in the language of the window, as far as it is translated.
 fn problem_words(language: Language, problem: &Problem) -> String {
     match problem {
         Problem::Range {
@@ -131,14 +132,14 @@ fn problem_words(language: Language, problem: &Problem) -> String {
         }
         Problem::Missing { name, .. } => format!("{} {name}.", language.tr("Missing:")),
         Problem::Energy { what, sum } => {
-            let more = language.tr("more than 1 would reflect more than arrives.");
+            let more = language.tr("more than 1 would reflect more than it receives.");
             format!("{what} = {}: {more}", (1e6 * sum).round() / 1e6)
         }
         other => format!("{other}."),
     }
 }
 
-/// Whether two materials are the same; models by what they are in memory.
+/// Whether two materials are the same; models are compared by address.
 pub(super) fn is_same_material(a: &Material, b: &Material) -> bool {
     let rest = |m: &Material| (m.emission, m.emits_back);
     MaterialReflection::of(a) == MaterialReflection::of(b)

@@ -1,25 +1,25 @@
-//! Fields for numbers and colours.
+//! Input fields for numbers and colours.
 
 use super::super::inputs;
 use super::theme::row;
 use azulejo::scene::Rgb;
 use egui::{SliderClamping, Ui, vec2};
 
-/// Numbers that a field takes.
+/// The range of a number field.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NumberRange<'a> {
-    /// The least that is possible.
+    /// Minimum.
     pub least: f64,
-    /// The most.
+    /// Maximum.
     pub most: f64,
-    /// Empty for plain numbers.
+    /// Unit; empty for plain numbers.
     pub unit: &'a str,
-    /// Whether a typed number outside is put back; otherwise it stays, and somebody must say that
-    /// it is impossible.
+    /// Whether a number typed outside the range is clamped; otherwise it stays, and the caller must
+    /// report it.
     pub is_strict: bool,
 }
 
-/// Shares of light.
+/// A fraction of light, 0 to 1.
 pub(super) const SHARE: NumberRange = NumberRange {
     least: 0.0,
     most: 1.0,
@@ -28,7 +28,7 @@ pub(super) const SHARE: NumberRange = NumberRange {
 };
 
 impl NumberRange<'_> {
-    /// The same up to another number.
+    /// The same range with another maximum.
     pub fn up_to(self, most: f64) -> Self {
         NumberRange { most, ..self }
     }
@@ -37,8 +37,8 @@ impl NumberRange<'_> {
         self.least..=self.most
     }
 
-    /// Whether steps grow with the number: over the whole range most numbers would be out of
-    /// reach else.
+    /// Whether the slider is logarithmic, because a linear one would not reach most values of a
+    /// wide range.
     fn is_logarithmic(&self) -> bool {
         if self.least > 0.0 {
             self.most > 20.0 * self.least
@@ -56,7 +56,7 @@ impl NumberRange<'_> {
     }
 }
 
-/// A slider with a number behind it, called `name`.
+/// A slider with a number field, labelled `name`.
 pub(super) fn number(ui: &mut Ui, name: &str, span: NumberRange, value: &mut f64) {
     let clamping = if span.is_strict {
         SliderClamping::Always
@@ -72,12 +72,12 @@ pub(super) fn number(ui: &mut Ui, name: &str, span: NumberRange, value: &mut f64
     ui.add(slider).accessible_name(name);
 }
 
-/// A row of a number.
+/// A row with a number field.
 pub(super) fn number_row(ui: &mut Ui, name: &str, about: &str, span: NumberRange, value: &mut f64) {
     row(ui, name, about, |ui, name| number(ui, name, span, value));
 }
 
-/// A button with the colour, and three numbers.
+/// A colour button and three numbers.
 pub(super) fn color(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     if span.least >= 0.0 && span.most <= 1.0 {
         swatch(ui, name, color);
@@ -85,12 +85,12 @@ pub(super) fn color(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb)
     channels(ui, name, span, color);
 }
 
-/// The colour, which opens a picker.
+/// A button with the colour, which opens a colour picker.
 pub(super) fn swatch(ui: &mut Ui, name: &str, color: &mut Rgb) {
     inputs::picked(ui, name, color, |picked| Some(picked.map(rounded)));
 }
 
-/// Pickers know 256 steps; more digits say nothing.
+/// Colour pickers have 256 steps; more digits are meaningless.
 fn rounded(x: f64) -> f64 {
     (1e4 * x).round() / 1e4
 }
@@ -117,7 +117,7 @@ fn channels(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     }
 }
 
-/// A row of a colour.
+/// A row with a colour.
 pub(super) fn color_row(ui: &mut Ui, name: &str, about: &str, span: NumberRange, value: &mut Rgb) {
     row(ui, name, about, |ui, name| color(ui, name, span, value));
 }

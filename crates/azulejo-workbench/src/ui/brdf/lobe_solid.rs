@@ -1,4 +1,4 @@
-//! A lobe as a solid body, turned by dragging or by the arrow keys.
+//! A lobe as a solid, rotated by dragging or with the arrow keys.
 
 use super::lobes::{LobeSurface, RINGS, SECTORS};
 use super::theme::{brightness, grid};
@@ -9,20 +9,20 @@ use egui::{Color32, Key, Mesh, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2,
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Degrees per point of a drag, and per stroke of an arrow key.
+/// Degrees per point of a drag, and per press of an arrow key.
 const TURN: [f32; 2] = [0.5, 5.0];
 
-/// How a body is drawn.
+/// Size and scale of the drawing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LobeViewport {
-    /// In points of the screen.
+    /// Size on the screen, points.
     pub size: Vec2,
-    /// The value that reaches as far as 1.
+    /// The value drawn with radius 1.
     pub top: f64,
     pub color: Color32,
 }
 
-/// Draws a body; dragging and arrow keys turn `view.orbit`.
+/// Draws a lobe; dragging and arrow keys change `view.orbit`.
 pub(super) fn draw(
     ui: &mut Ui,
     language: Language,
@@ -36,7 +36,7 @@ pub(super) fn draw(
         response.request_focus();
     }
     turn(ui, &response, &mut view.orbit);
-    let words = language.tr("Lobe as a body; drag or use the arrow keys to turn it");
+    let words = language.tr("Lobe in 3D; drag or use the arrow keys to rotate it");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, words);
     response.widget_info(info);
     if !ui.is_rect_visible(response.rect) {
@@ -64,7 +64,7 @@ pub(super) fn draw(
     response.on_hover_text(words);
 }
 
-/// The largest value of a body.
+/// The largest value of a lobe.
 pub(super) fn top(view: &LobeView, body: &LobeSurface) -> f64 {
     let all = body.rings.iter().flatten();
     let values = all.map(|(w, f)| view.value(brightness(*f), w.z));
@@ -86,7 +86,7 @@ fn turn(ui: &Ui, response: &egui::Response, orbit: &mut [f32; 2]) {
     orbit[1] = (orbit[1] + by.y).clamp(-5.0, 90.0);
 }
 
-/// The surface of the body in space.
+/// The surface of the lobe in space.
 fn grown(body: &LobeSurface, view: &LobeView, top: f64) -> Vec<Vec<DVec3>> {
     let point = |&(w, f): &(DVec3, _)| w * view.share(view.value(brightness(f), w.z), top);
     body.rings
@@ -95,12 +95,12 @@ fn grown(body: &LobeSurface, view: &LobeView, top: f64) -> Vec<Vec<DVec3>> {
         .collect()
 }
 
-/// A camera that looks at the origin from far away.
+/// An orthographic camera that looks at the origin.
 struct OrbitCamera {
     right: DVec3,
     up: DVec3,
     toward: DVec3,
-    /// Points of the screen for a length of 1.
+    /// Points on the screen per unit of length.
     zoom: f64,
     center: Pos2,
 }
@@ -110,7 +110,7 @@ impl OrbitCamera {
         let [around, above] = [around, above].map(|a| f64::from(a).to_radians());
         let ((sa, ca), (sb, cb)) = (around.sin_cos(), above.sin_cos());
         let toward = DVec3::new(cb * ca, cb * sa, sb);
-        // Also right where the view is straight from above.
+        // Also valid when looking straight down.
         let right = DVec3::new(-sa, ca, 0.0);
         let (width, height) = (f64::from(rect.width()), f64::from(rect.height()));
         let zoom = (0.44 * width).min(0.6 * height);
@@ -147,7 +147,7 @@ impl OrbitCamera {
             .collect()
     }
 
-    /// Triangles, the farthest first, each as bright as it faces the lamp.
+    /// Triangles sorted back to front, shaded by their angle to a lamp.
     fn solid(&self, rings: &[Vec<DVec3>], color: Color32) -> Mesh {
         let mut triangles = Vec::with_capacity(2 * RINGS * SECTORS);
         for pair in rings.windows(2) {
@@ -183,7 +183,7 @@ impl OrbitCamera {
         mesh.add_triangle(first, first + 1, first + 2);
     }
 
-    /// Light's way.
+    /// The direction of the light.
     fn light(&self, light: DVec3, color: Color32) -> Vec<Shape> {
         let [from, to] = [1.1, 0.08].map(|t| self.project(light * t));
         let arrow = to - from;

@@ -1,4 +1,4 @@
-//! What the plots show of a reflector, found in the background: numbers, no pictures.
+//! Sampled lobes and albedo curves, computed in the background.
 
 use super::reflection::{BrdfSum, MaterialReflection};
 use azulejo::scene::Rgb;
@@ -8,27 +8,27 @@ use azulejo::trace::{Cancelled, Progress};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Rings of a body about the mirrored direction, and points of each.
+/// Number of rings around the mirror direction, and of points on each.
 pub(super) const RINGS: usize = 44;
 pub(super) const SECTORS: usize = 72;
 
-/// Angles of the albedo's curve.
+/// Number of angles of the albedo curve.
 const ANGLES: usize = 31;
 
-/// The largest of them, in degrees.
+/// The largest of them, degrees.
 const MAX_ANGLE: f64 = 89.0;
 
-/// What lobes are asked for.
+/// Identifies sampled lobes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LobeKey {
     pub optics: MaterialReflection,
-    /// Angles of incidence in degrees; the body is that of the first.
+    /// Angles of incidence in degrees; the lobe in space is that of the first.
     pub incidences: Vec<f64>,
-    /// Where the plane of incidence stands about the normal, in degrees.
+    /// Azimuth of the plane of incidence about the normal, degrees.
     pub azimuth: f64,
 }
 
-/// Lobes in the plane of incidence, and one of them as a body.
+/// Lobes in the plane of incidence, and one of them in space.
 #[derive(Clone, Debug)]
 pub(super) struct SampledLobes {
     pub slices: Vec<LobeSlice>,
@@ -40,24 +40,24 @@ pub(super) struct SampledLobes {
 pub(super) struct LobeSlice {
     /// Angle of incidence in degrees.
     pub incidence: f64,
-    /// Angle to the normal in degrees, below 0 on the light's side, and f_r there, 1/sr.
+    /// Angle to the normal in degrees, negative on the light's side, and f_r there, 1/sr.
     pub points: Vec<(f64, Rgb)>,
-    /// Share that is mirrored exactly.
+    /// Mirror reflectance.
     pub mirrored: Rgb,
 }
 
-/// A lobe over all of the hemisphere.
+/// A lobe over the whole hemisphere.
 #[derive(Clone, Debug)]
 pub(super) struct LobeSurface {
-    /// To the light.
+    /// Direction to the light.
     pub light: DVec3,
-    /// Directions with f_r, in rings about the mirrored direction.
+    /// Directions with f_r, in rings around the mirror direction.
     pub rings: Vec<Vec<(DVec3, Rgb)>>,
-    /// Share that is mirrored exactly.
+    /// Mirror reflectance.
     pub mirrored: Rgb,
 }
 
-/// Finds lobes.
+/// Samples lobes.
 pub(super) fn lobes(
     key: &LobeKey,
     progress: &Progress,
@@ -75,15 +75,16 @@ pub(super) fn lobes(
     Ok(())
 }
 
-/// The line of a lobe: denser around the mirrored direction, where it may be narrow.
+/// Samples a lobe in the plane of incidence, more densely around the mirror direction, where it may
+/// be narrow.
 fn slice(reflector: &BrdfSum, incidence: f64, azimuth: f64) -> LobeSlice {
     let wide = (-90..=90).map(f64::from);
     let close = (-120..=120).map(|k: i32| {
         let t = f64::from(k) / 120.0;
         incidence + 15.0 * t * t.abs()
     });
-    // Not the mirrored direction itself: where the half vector is the normal, brushed models have
-    // a value that is none of its neighbours'.
+    // Not the mirror direction itself: where the half vector equals the normal, anisotropic models
+    // have a value unlike their neighbours'.
     let is_drawn = |a: &f64| a.abs() < 89.99 && (a - incidence).abs() > 1e-7;
     let mut angles: Vec<f64> = wide.chain(close).filter(is_drawn).collect();
     angles.sort_by(f64::total_cmp);
@@ -121,28 +122,28 @@ fn body(
     })
 }
 
-/// A direction at a share of the way from the axis of `frame` to the horizon.
+/// A direction at a fraction of the way from the axis of `frame` to the horizon.
 fn around(frame: &Frame, share: f64, turn: f64) -> DVec3 {
     let side = frame.to_world(DVec3::new(turn.cos(), turn.sin(), 0.0));
-    // How far the great circle toward `side` goes above the surface.
+    // Angle along the great circle toward `side` up to the horizon.
     let reach = frame.z.z.atan2(-side.z).min(PI);
     // Denser around the axis, where the lobe may be narrow.
     let (sin, cos) = (0.9999 * reach * share.powf(2.2)).sin_cos();
     frame.z * cos + side * sin
 }
 
-/// What a curve of the albedo is asked for.
+/// Identifies an albedo curve.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AlbedoKey {
     pub optics: MaterialReflection,
-    /// In degrees.
+    /// Degrees.
     pub azimuth: f64,
 }
 
-/// Angle in degrees, and share of light from there that is reflected in all.
+/// Angles of incidence in degrees, with the albedo.
 pub(super) type AlbedoCurve = Vec<(f64, Rgb)>;
 
-/// Finds a curve.
+/// Samples an albedo curve.
 pub(super) fn albedo(
     key: &AlbedoKey,
     progress: &Progress,
@@ -158,8 +159,8 @@ pub(super) fn albedo(
     Ok(())
 }
 
-/// The largest difference between two bodies for the same light: of f_r cos θ of a channel, in
-/// 1/sr, with the angle to the normal where it is, in degrees.
+/// The largest difference between two lobes for the same direction of light: of f_r cos θ over all
+/// channels, in 1/sr, with its angle to the normal in degrees.
 pub(super) fn largest_difference(a: &LobeSurface, b: &LobeSurface) -> (f64, f64) {
     let pairs = a.rings.iter().flatten().zip(b.rings.iter().flatten());
     let off = pairs.map(|(&(w, f), &(_, g))| {
@@ -172,7 +173,7 @@ pub(super) fn largest_difference(a: &LobeSurface, b: &LobeSurface) -> (f64, f64)
     )
 }
 
-/// The largest difference between two curves of a channel, with its angle in degrees.
+/// The largest difference between two curves over all channels, with its angle in degrees.
 pub(super) fn largest_albedo_difference(a: &AlbedoCurve, b: &AlbedoCurve) -> (f64, f64) {
     let off = a.iter().zip(b).map(|((angle, x), (_, y))| {
         (

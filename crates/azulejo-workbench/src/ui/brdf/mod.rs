@@ -1,26 +1,28 @@
-//! The editor of reflection models: what a surface does with light, in numbers and in pictures.
+//! The BRDF editor: the reflection of a material in numbers and plots.
 //!
-//! It has no maths of its own: it evaluates [`azulejo::scene::brdf`] and draws what comes out.
-//! What takes longer than a frame is found in threads of the editor's own; meanwhile the last
-//! result stays. An [`BrdfEditor`] holds no part of the document: it is shown a material and answers
-//! with another, or asks for a file.
+//! It has no mathematics of its own: it evaluates [`azulejo::scene::brdf`] and draws the results.
+//! Slow computations run in threads of the editor; until they finish, the last result is displayed.
+//! A [`BrdfEditor`] holds no part of the document: it receives a material and responds with a
+//! changed
+//! one, or requests a file.
 //!
 //! ```no_run
-//! use azulejo_workbench::ui::brdf::{Answer, Editor, PreviewLight, Shown};
+//! use azulejo_workbench::ui::brdf::{BrdfEditor, EditorInput, EditorResponse, PreviewLight};
 //! use azulejo_workbench::words::Language;
 //! use std::sync::Arc;
 //!
 //! let light = PreviewLight::studio();
-//! let (mut editor, material) = (Editor::default(), Arc::default());
+//! let (mut editor, material) = (BrdfEditor::default(), Arc::default());
 //! let mut panel = |ui: &mut egui::Ui| {
-//!     let shown = Shown { key: 7, material: &material, others: &[], light: &light, is_photometric: false };
-//!     for answer in editor.ui(ui, Language::English, &shown) {
-//!         match answer {
-//!             // All changes up to one that is finished are one step of undo.
-//!             Answer::Change { material, is_finished } => {}
+//!     let input = EditorInput { key: 7, material: &material, others: &[], light: &light,
+//! is_photometric: false };
+//!     for response in editor.ui(ui, Language::English, &input) {
+//!         match response {
+//!             // All changes up to a finished one are one undo step.
+//!             EditorResponse::Change { material, is_finished } => {}
 //!             // Ask for a file, then `apply_file` and `with_description`.
-//!             Answer::Load => {}
-//!             Answer::Save(text) => {}
+//!             EditorResponse::Load => {}
+//!             EditorResponse::Save(text) => {}
 //!         }
 //!     }
 //! };
@@ -65,51 +67,51 @@ use surface::SurfaceKind;
 use surface_plots::{BackgroundWorkers, SurfacePlots};
 use view::LobeView;
 
-/// What the editor is shown.
+/// The input of the editor.
 #[derive(Clone, Copy)]
 pub struct EditorInput<'a> {
-    /// Which material it is. What is half typed is forgotten where another comes.
+    /// Identifies the material. Partial input is dropped when it changes.
     pub key: u64,
-    /// The material as the document has it.
+    /// The material in the document.
     pub material: &'a Arc<Material>,
-    /// What it may be compared with.
+    /// Materials to compare with.
     pub others: &'a [Arc<Material>],
-    /// What shines on the preview sphere.
+    /// The lighting of the preview sphere.
     pub light: &'a PreviewLight,
-    /// Whether light is in cd/m² instead of W/(sr·m²).
+    /// Whether emission is in cd/m² instead of W/(sr·m²).
     pub is_photometric: bool,
 }
 
-/// What a person did.
+/// A response of the editor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditorResponse {
-    /// The material changed.
+    /// The material was changed.
     Change {
-        /// What it is now; possible in every scene.
+        /// The new material; valid in every scene.
         material: Material,
-        /// Whether the change is done. Where it is not (a slider is being dragged), others
-        /// follow, the last of them finished: all of them together are one step of undo.
+        /// Whether the change is complete. While a slider is being dragged, changes follow each
+        /// other and only the last one is finished: together they are one undo step.
         is_finished: bool,
     },
     /// A file of a reflection model is to be loaded.
     Load,
-    /// This text is to be saved as one.
+    /// This text is to be saved as a reflection model.
     Save(String),
 }
 
-/// The editor: what a person has chosen to see, and what was found in the background.
+/// The editor: display settings, and results of background computations.
 pub struct BrdfEditor {
     key: Option<u64>,
-    /// The kind that was chosen last: a black surface may be any.
+    /// The kind of surface chosen last: a black surface may be any.
     kind: SurfaceKind,
-    /// The name while it is typed.
+    /// The name being typed.
     name: Option<String>,
-    /// The colour of what emits nothing at the moment.
+    /// The colour of a light that is currently off.
     emitted: Rgb,
     draft: Option<ModelDraft>,
-    /// A description that was left for another kind of surface, to come back to.
+    /// The description to restore when the user returns from another kind of surface.
     left: Option<Description>,
-    /// Whether an unfinished change was answered.
+    /// Whether a change is unfinished.
     is_open: bool,
     /// Why the model cannot be saved.
     trouble: Option<String>,
@@ -139,10 +141,10 @@ impl Default for BrdfEditor {
 }
 
 impl BrdfEditor {
-    /// Shows a material; answers with what a person did, mostly nothing.
+    /// Draws the editor; returns what the user did, usually nothing.
     ///
-    /// Expects the document to have taken the change of the frame before: where it has not, the
-    /// document wins.
+    /// Expects the document to have applied the change of the previous frame; otherwise the
+    /// document's version takes precedence.
     pub fn ui(
         &mut self,
         ui: &mut Ui,
@@ -170,14 +172,14 @@ impl BrdfEditor {
         asked.into_iter().chain(changed).collect()
     }
 
-    /// Whether something that is shown is still being computed.
+    /// Whether something displayed is still being computed.
     pub fn is_busy(&self) -> bool {
         let count = 1 + usize::from(self.compared.is_some());
         let draft = self.draft.as_ref().is_some_and(ModelDraft::is_busy);
         draft || self.sides[..count].iter().any(SurfacePlots::is_busy)
     }
 
-    /// Takes notice of another material, or of one that others changed.
+    /// Detects another material, or changes made elsewhere.
     fn follow(&mut self, shown: &EditorInput) {
         if self.key != Some(shown.key) {
             *self = BrdfEditor {
@@ -199,7 +201,7 @@ impl BrdfEditor {
         }
     }
 
-    /// Name and kind.
+    /// Name and kind of surface.
     fn head(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
         self.name_field(ui, language, material);
         let kind = self.kind.choose(ui, language);
@@ -208,7 +210,7 @@ impl BrdfEditor {
         }
     }
 
-    /// Files of reflection models.
+    /// Loading and saving reflection models.
     fn files(
         &mut self,
         ui: &mut Ui,
@@ -271,7 +273,7 @@ impl BrdfEditor {
         }
     }
 
-    /// The answer, if the material is another than before.
+    /// The response if the material differs from before.
     fn changed(
         &mut self,
         ui: &Ui,

@@ -1,4 +1,4 @@
-//! A description: which models it is made of, and their parameters.
+//! A description: its models and their parameters.
 
 use super::catalog::{GROUPS, example, switched};
 use super::fields::{NumberRange, SHARE, number};
@@ -8,7 +8,7 @@ use crate::words::Language;
 use azulejo::scene::brdf::{Content, Description, MODELS, Measured, Model, find};
 use egui::{ComboBox, RichText, Ui};
 
-/// Shows a description and changes it.
+/// Draws and edits a description.
 pub(super) fn description(ui: &mut Ui, language: Language, description: &mut Description) {
     match description {
         Description::Model(model) => single(ui, language, model),
@@ -34,7 +34,7 @@ pub(super) fn description(ui: &mut Ui, language: Language, description: &mut Des
     }
 }
 
-/// One more model, with what is left of the weights, or half of all.
+/// Adds a model with the remaining weight, or half of the total.
 fn added(description: &Description) -> Description {
     let mut parts = match description {
         Description::Model(model) => vec![(1.0, model.clone())],
@@ -51,14 +51,14 @@ fn added(description: &Description) -> Description {
     Description::Combination(parts)
 }
 
-/// The models of a sum; the last of them if no other is left.
+/// The models of a sum; returns the last one if no other is left.
 fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -> Option<Model> {
     let (mut removed, count) = (None, parts.len());
     for (k, (weight, model)) in parts.iter_mut().enumerate() {
         ui.push_id(k, |ui| {
             egui::Frame::group(ui.style()).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
-                let about = language.tr("Share of this model in the sum.");
+                let about = language.tr("Weight of this model in the sum.");
                 let span = NumberRange {
                     is_strict: false,
                     ..SHARE
@@ -88,7 +88,7 @@ fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -
     }
 }
 
-/// One model: which it is, examples, and its parameters.
+/// One model: its type, examples and parameters.
 fn single(ui: &mut Ui, language: Language, model: &mut Model) {
     let known = find(&model.name).ok();
     let title = known
@@ -128,7 +128,7 @@ fn choices(ui: &mut Ui, language: Language, model: &mut Model) {
     }
 }
 
-/// Descriptions of the same model, to begin with.
+/// Example descriptions of the same model.
 fn examples(ui: &mut Ui, language: Language, model: &mut Model) {
     let Ok(info) = find(&model.name) else {
         return;
@@ -145,7 +145,7 @@ fn examples(ui: &mut Ui, language: Language, model: &mut Model) {
     });
 }
 
-/// A model that a file holds; the description in it, if a person wants to change it.
+/// A model from a file; returns its description if the user wants to edit it.
 fn file(
     ui: &mut Ui,
     language: Language,
@@ -165,7 +165,7 @@ fn file(
         }
         Some(Content::Text(description)) => {
             ui.label(RichText::new(description.to_string()).small());
-            let words = language.tr("Change a copy");
+            let words = language.tr("Edit a copy");
             ui.button(words).clicked().then(|| description.clone())
         }
         Some(Content::Measured(measured)) => {
@@ -174,7 +174,7 @@ fn file(
             });
             None
         }
-        // Whatever else a file may hold one day has nothing to set.
+        // Any other content of a file has no parameters.
         Some(_) => None,
     }
 }
@@ -186,9 +186,9 @@ fn measured_words(language: Language, measured: &Measured) -> String {
             format!("MERL, {a} × {b} × {c} {}", language.tr("angles"))
         }
         Measured::Rgl(rgl) if rgl.is_isotropic() => {
-            format!("RGL, {}", language.tr("the same around the normal"))
+            format!("RGL, {}", language.tr("isotropic"))
         }
-        Measured::Rgl(_) => format!("RGL, {}", language.tr("different around the normal")),
+        Measured::Rgl(_) => format!("RGL, {}", language.tr("anisotropic")),
         other => format!("{other:?}"),
     }
 }

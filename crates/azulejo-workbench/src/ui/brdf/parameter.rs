@@ -1,4 +1,4 @@
-//! The parameters of one model.
+//! The parameters of a model.
 
 use super::catalog::{self, FresnelChoice, as_color, fallback, set};
 use super::fields::{NumberRange, color, number};
@@ -7,7 +7,7 @@ use crate::words::Language;
 use azulejo::scene::brdf::{Info, Kind, METALS, Model, ParameterInfo, Value, find, find_metal};
 use egui::{ComboBox, Ui};
 
-/// Shows all parameters of a model that is known.
+/// Draws all parameters of a known model.
 pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {
     let Ok(info) = find(&model.name) else {
         return;
@@ -20,7 +20,7 @@ pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {
     }
 }
 
-/// What a parameter does, in which range.
+/// Description and range of a parameter.
 fn about(language: Language, info: &ParameterInfo) -> String {
     let words = language.tr(info.about);
     let (from, to, unit) = (info.least, info.most, language.tr(info.unit));
@@ -36,25 +36,25 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
         let is_optional = !info.is_needed && info.default.is_none();
         let mut is_given = given.is_some();
         if is_optional {
-            let words = language.tr("Given; otherwise the model has its own value.");
+            let words = language.tr("Set; otherwise the model uses its default.");
             let check = ui.checkbox(&mut is_given, "").on_hover_text(words);
             check.accessible_name(format!("{name} ?"));
             if !is_given {
-                ui.weak(language.tr("as the model has it"));
+                ui.weak(language.tr("default"));
                 return set(model, info, None);
             }
         }
         let old = given.clone().unwrap_or_else(|| fallback(model, info));
         let mut new = old.clone();
         value(ui, language, name, info, &mut new);
-        // A default that nobody touches is not written.
+        // Defaults that were not changed are not written.
         if new != old || (is_optional && given.is_none()) {
             set(model, info, Some(new));
         }
     });
 }
 
-/// The fields of a value.
+/// The input fields of a value.
 fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, value: &mut Value) {
     let span = NumberRange {
         least: info.least,
@@ -66,7 +66,7 @@ fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, valu
         (Kind::Word, Value::Word(word)) => metal(ui, name, word),
         (Kind::Number, Value::Number(x)) => number(ui, name, span, x),
         (Kind::Color, _) => shade(ui, language, name, span, value),
-        // Of another kind than the model takes: a fresh value of the right one.
+        // The value has the wrong type for the model: replace it with a valid one.
         (Kind::Word, _) => *value = Value::Word("gold".to_owned()),
         (Kind::Number, _) => *value = Value::Number(as_color(value).r),
     }
@@ -117,7 +117,7 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
 /// The Fresnel term.
 fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
     let term = FresnelChoice::of(model);
-    let about = language.tr("How much the smooth boundary of a facet mirrors, by the angle.");
+    let about = language.tr("Reflectance of a smooth facet as a function of the angle.");
     let mut chosen = term;
     row(ui, language.tr("Fresnel"), about, |ui, name| {
         let words = |t| term_words(language, t);
@@ -142,7 +142,7 @@ fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
         FresnelChoice::Constant => &["F"],
     };
     for info in names.iter().filter_map(|name| catalog::fresnel(name)) {
-        // What stands for a term is needed, the others may be left out.
+        // The parameter that identifies the term is required, the others are optional.
         let is_first = names.first() == Some(&info.name);
         ui.push_id(info.name, |ui| {
             if is_first {
@@ -171,10 +171,10 @@ fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Par
     }
 }
 
-/// The numbers of a metal of the table, to begin with.
+/// Copies the values of a metal from the table as a starting point.
 fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     row(ui, "", "", |ui, _| {
-        ui.menu_button(language.tr("Numbers of a metal"), |ui| {
+        ui.menu_button(language.tr("Values of a metal"), |ui| {
             for metal in METALS {
                 let entry = ui.button(metal.name).on_hover_text(metal.source);
                 if entry.clicked() {
@@ -196,6 +196,6 @@ fn term_words(language: Language, term: FresnelChoice) -> &'static str {
         FresnelChoice::Metal => language.tr("a metal by name"),
         FresnelChoice::Index => language.tr("indices of refraction"),
         FresnelChoice::Schlick => language.tr("Schlick, from normal incidence"),
-        FresnelChoice::Constant => language.tr("the same at all angles"),
+        FresnelChoice::Constant => language.tr("constant"),
     }
 }

@@ -1,4 +1,4 @@
-//! All pictures of one surface, or of two beside each other.
+//! All plots of one material, or of two for comparison.
 
 use super::badges::badges;
 use super::curve;
@@ -11,7 +11,7 @@ use super::view::LobeView;
 use crate::words::Language;
 use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 
-/// Shows what is known; `names` are those of the sides that are compared.
+/// Draws the available results; `names` are those of the compared materials.
 pub(super) fn show(
     ui: &mut Ui,
     language: Language,
@@ -19,7 +19,7 @@ pub(super) fn show(
     sides: &mut [SurfacePlots],
     names: &[String],
 ) {
-    // Of one scale, so that the larger of two is drawn larger.
+    // With a common scale the larger of two lobes is drawn larger.
     let bodies = sides.iter().filter_map(|s| s.lobes.found());
     let top = bodies.map(|(_, lobes)| lobe_solid::top(view, &lobes.body));
     let top = top.fold(f64::MIN_POSITIVE, f64::max);
@@ -41,7 +41,7 @@ pub(super) fn show(
     polar::draw(ui, language, view, &slices);
     view.ui(ui, language);
     ui.add_space(4.0);
-    ui.strong(language.tr("Reflected share against the angle"));
+    ui.strong(language.tr("Albedo against angle"));
     let curves: Vec<&AlbedoCurve> = sides
         .iter()
         .filter_map(|s| s.albedo.found())
@@ -51,7 +51,7 @@ pub(super) fn show(
     difference(ui, language, &lobes, &curves);
 }
 
-/// A model's name with the line that it has in the plots.
+/// The name of a model with its line style in the plots.
 fn name(ui: &mut Ui, index: usize, name: &str) {
     ui.horizontal(|ui| {
         let (place, _) = ui.allocate_exact_size(vec2(30.0, 10.0), Sense::hover());
@@ -67,7 +67,7 @@ fn name(ui: &mut Ui, index: usize, name: &str) {
     });
 }
 
-/// Badges, and a sign that more is to come.
+/// Badges, and a spinner while results are missing.
 fn marks(ui: &mut Ui, language: Language, side: &SurfacePlots) {
     ui.horizontal_wrapped(|ui| {
         if let Some((_, measures)) = side.measures.found() {
@@ -75,14 +75,14 @@ fn marks(ui: &mut Ui, language: Language, side: &SurfacePlots) {
         }
         if side.is_behind() {
             ui.add(egui::Spinner::new().size(14.0))
-                .on_hover_text(language.tr("Being computed; until then the last result is shown."));
+                .on_hover_text(language.tr("Computing; meanwhile the last result is shown."));
         }
-        // As high as badges, so that nothing moves when they come.
+        // As high as the badges, so that the layout does not jump.
         ui.allocate_exact_size(vec2(0.0, 22.0), Sense::hover());
     });
 }
 
-/// The sphere, and the lobe as a body.
+/// The sphere and the lobe.
 fn pictures(
     ui: &mut Ui,
     language: Language,
@@ -105,7 +105,7 @@ fn pictures(
     });
 }
 
-/// How far two models are from each other.
+/// The difference between two models.
 fn difference(ui: &mut Ui, language: Language, lobes: &[&SampledLobes], curves: &[&AlbedoCurve]) {
     let ([a, b], [c, d]) = (lobes, curves) else {
         return;
@@ -115,7 +115,7 @@ fn difference(ui: &mut Ui, language: Language, lobes: &[&SampledLobes], curves: 
     let at = language.tr("at");
     let (words, reflected, unit) = (
         language.tr("Largest difference:"),
-        language.tr("reflected share"),
+        language.tr("albedo"),
         language.tr("1/sr"),
     );
     let color: Color32 = lines(ui)[1];

@@ -1,4 +1,4 @@
-//! Lobes in the plane of incidence.
+//! Polar plot of lobes in the plane of incidence.
 
 use super::lobes::LobeSlice;
 use super::theme::{brightness, grid, lines, short};
@@ -7,7 +7,7 @@ use crate::words::Language;
 use egui::{Align2, Color32, Ui};
 use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text};
 
-/// Shares below are not worth a line.
+/// Smaller fractions of the radius are not drawn.
 const SEEN: f64 = 5e-4;
 
 /// Draws the lobes of one model, or of two: the second is dashed.
@@ -61,7 +61,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&
     shown.response.widget_info(info);
 }
 
-/// What the radius is.
+/// Label of the radial quantity.
 pub(super) fn quantity(view: &LobeView) -> &'static str {
     match view.quantity {
         LobeQuantity::WithCosine => "f·cos θ",
@@ -69,7 +69,7 @@ pub(super) fn quantity(view: &LobeView) -> &'static str {
     }
 }
 
-/// Angles with the values that are drawn there.
+/// Angles with the values plotted there.
 fn drawn(view: &LobeView, slice: &LobeSlice) -> impl Iterator<Item = (f64, f64)> {
     let value = |&(angle, f): &(f64, _)| {
         let cos = angle.to_radians().cos();
@@ -78,17 +78,17 @@ fn drawn(view: &LobeView, slice: &LobeSlice) -> impl Iterator<Item = (f64, f64)>
     slice.points.iter().map(value)
 }
 
-/// The half circle, and what its radius means.
+/// The axes of the half circle.
 struct PolarAxes<'a> {
     view: &'a LobeView,
-    /// The value at the radius.
+    /// The value at radius 1.
     top: f64,
     grid: Color32,
     ink: Color32,
     colors: [Color32; 5],
 }
 
-/// A place at an angle to the normal in degrees, at a share of the radius.
+/// The position at an angle to the normal in degrees and a fraction of the radius.
 fn at(degrees: f64, share: f64) -> [f64; 2] {
     let (sin, cos) = degrees.to_radians().sin_cos();
     [share * sin, share * cos]
@@ -144,7 +144,7 @@ impl PolarAxes<'_> {
         self.line(plot, vec![[-1.05, 0.0], [1.05, 0.0]], self.ink);
     }
 
-    /// One lobe, with where its light comes from.
+    /// One lobe, with its direction of incidence.
     fn slice(&self, plot: &mut PlotUi, slice: &LobeSlice, k: usize, is_dashed: bool) {
         let color = self.colors[k % self.colors.len()];
         let style = if is_dashed {
@@ -185,14 +185,14 @@ impl PolarAxes<'_> {
             self.light(plot, slice.incidence, &name, color, width);
             if mirrored > SEEN {
                 let words = format!("{:.1} %", 100.0 * mirrored);
-                // Beside the ray, where the angle of the light is not.
+                // Beside the ray, away from the label of its angle.
                 let position = at(slice.incidence.max(3.0), 1.03);
                 self.text(plot, position, &words, color, Align2::LEFT_CENTER);
             }
         }
     }
 
-    /// Where light comes from, and its angle.
+    /// A direction of incidence with its angle.
     fn light(&self, plot: &mut PlotUi, incidence: f64, name: &str, color: Color32, width: f32) {
         let points = PlotPoints::from(vec![at(-incidence, 1.02), at(-incidence, 1.09)]);
         plot.line(
@@ -209,7 +209,7 @@ impl PolarAxes<'_> {
         self.text(plot, at(-incidence, 1.09), name, color, anchor);
     }
 
-    /// What is at the pointer.
+    /// Text for the point under the mouse.
     fn words(&self, position: &HoverPosition, quantity: &str, unit: &str) -> Option<String> {
         let HoverPosition::NearDataPoint {
             plot_name,

@@ -1,11 +1,11 @@
-//! What a material does with light, as the plots ask for it.
+//! The reflection of a material as evaluated by the plots.
 
 use azulejo::scene::brdf::{Content, Description, Model, Value};
 use azulejo::scene::{Brdf, Dielectric, Material, Rgb};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// The part of a material that its reflection depends on: what results are kept by.
+/// The part of a material that determines its reflection: the key of cached results.
 #[derive(Clone, Debug)]
 pub(super) struct MaterialReflection {
     diffuse: Rgb,
@@ -24,7 +24,7 @@ impl MaterialReflection {
         }
     }
 
-    /// A material that reflects so.
+    /// A material with this reflection.
     pub fn material(&self) -> Material {
         Material {
             diffuse: self.diffuse,
@@ -35,7 +35,7 @@ impl MaterialReflection {
         }
     }
 
-    /// What to evaluate.
+    /// The functions to evaluate.
     pub fn reflector(&self) -> BrdfSum {
         let parts = match (&self.brdf, self.dielectric) {
             (_, Some(glass)) => vec![fresnel(glass.ior, self.mirror.max_channel())],
@@ -54,7 +54,7 @@ fn one(name: &str, parameter: &str, color: Rgb) -> Description {
     Description::model(name, [(parameter, Value::Color(color))])
 }
 
-/// What the boundary of glass mirrors.
+/// Reflection at the boundary of glass.
 fn fresnel(ior: f64, share: f64) -> Description {
     let model = Model::new("fresnel_dielectric", [("eta", Value::Number(ior))]);
     Description::Combination(vec![(share.min(1.0), model)])
@@ -67,7 +67,7 @@ impl PartialEq for MaterialReflection {
     }
 }
 
-/// Whether two models are the same, without comparing a million measured numbers.
+/// Whether two models are the same, without comparing a million measured values.
 pub(super) fn is_same_model(a: Option<&Arc<Brdf>>, b: Option<&Arc<Brdf>>) -> bool {
     match (a, b) {
         (None, None) => true,
@@ -78,7 +78,7 @@ pub(super) fn is_same_model(a: Option<&Arc<Brdf>>, b: Option<&Arc<Brdf>>) -> boo
     }
 }
 
-/// Whether two descriptions are the same; files are if they hold the same data in memory.
+/// Whether two descriptions are the same; files are equal if they hold the same data in memory.
 pub(super) fn is_same_description(a: &Description, b: &Description) -> bool {
     let shared = |a: &Option<Arc<Content>>, b: &Option<Arc<Content>>| match (a, b) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -96,21 +96,21 @@ pub(super) fn is_same_description(a: &Description, b: &Description) -> bool {
     }
 }
 
-/// Models whose light is added.
+/// A sum of reflection models.
 pub(super) struct BrdfSum(Vec<Arc<Brdf>>);
 
 impl BrdfSum {
-    /// f_r, 1/sr, without what is mirrored exactly.
+    /// f_r, 1/sr, without mirror reflection.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         self.0.iter().map(|brdf| brdf.eval(wo, wi)).sum()
     }
 
-    /// Share that is mirrored exactly, for the cosine of the angle to the normal.
+    /// Mirror reflectance, for the cosine of the angle to the normal.
     pub fn mirror(&self, cos: f64) -> Rgb {
         self.0.iter().map(|brdf| brdf.mirror(cos)).sum()
     }
 
-    /// Share of the light along `wo` that is reflected in all.
+    /// Albedo for light along `wo`, mirror reflection included.
     pub fn albedo(&self, wo: DVec3) -> Rgb {
         self.0.iter().map(|brdf| brdf.albedo(wo)).sum()
     }

@@ -1,4 +1,4 @@
-//! What kind of surface a material is, and the numbers of each kind.
+//! The kind of surface of a material, and the parameters of each kind.
 
 use super::super::inputs;
 use super::fields::{NumberRange, SHARE, color_row, number_row};
@@ -26,7 +26,7 @@ impl SurfaceKind {
         SurfaceKind::Model,
     ];
 
-    /// What a material is.
+    /// The kind of a material.
     pub fn of(material: &Material) -> SurfaceKind {
         match (&material.dielectric, &material.brdf) {
             (Some(_), _) => SurfaceKind::Glass,
@@ -37,8 +37,8 @@ impl SurfaceKind {
         }
     }
 
-    /// Whether a material may be shown as this kind: a black one is a dark mirror as well as a
-    /// dark wall, and its fields must not change while a person drags them to zero.
+    /// Whether a material may be edited as this kind: a black one is a dark mirror as well as a
+    /// dark wall, and the fields must not change while a value is dragged to zero.
     pub fn suits(self, material: &Material) -> bool {
         let plain = material.dielectric.is_none() && material.brdf.is_none();
         match self {
@@ -59,8 +59,8 @@ impl SurfaceKind {
         }
     }
 
-    /// Makes a material this kind, as much like what it was as can be; a model is left to the
-    /// caller.
+    /// Converts a material to this kind, keeping as much as possible; a reflection model is left to
+    /// the caller.
     pub fn give(self, material: &mut Material) {
         let color = |c: Rgb, other: f64| if c.is_black() { Rgb::grey(other) } else { c };
         let (diffuse, mirror) = (material.diffuse, material.mirror);
@@ -78,17 +78,17 @@ impl SurfaceKind {
                 thin: false,
             });
         }
-        // Halves that together reflect too much are what a model may leave.
+        // A reflection model may leave parts that together reflect too much.
         material.limit_reflectance();
     }
 
-    /// Lets a person choose another.
+    /// Draws the choice of kinds.
     pub fn choose(self, ui: &mut Ui, language: Language) -> SurfaceKind {
         let mut chosen = self;
         row(
             ui,
             language.tr("Surface"),
-            language.tr("What happens to light that arrives."),
+            language.tr("How the surface reflects light."),
             |ui, name| {
                 let combo = ComboBox::from_id_salt("kind")
                     .selected_text(self.words(language))
@@ -105,11 +105,11 @@ impl SurfaceKind {
     }
 }
 
-/// The numbers of what is no model.
+/// The parameters of kinds without a reflection model.
 pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, material: &mut Material) {
     let room = |other: Rgb| 1.0 - other.max_channel();
     if matches!(kind, SurfaceKind::Matt | SurfaceKind::MattAndMirror) {
-        let about = language.tr("Share of light that is reflected in all directions alike; with what is mirrored at most 1.");
+        let about = language.tr("Diffuse reflectance; together with mirror reflectance at most 1.");
         let span = SHARE.up_to(room(material.mirror));
         color_row(
             ui,
@@ -120,12 +120,11 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, materia
         );
     }
     if matches!(kind, SurfaceKind::Mirror | SurfaceKind::MattAndMirror) {
-        let about =
-            language.tr("Share of light that is mirrored exactly; with what is diffuse at most 1.");
+        let about = language.tr("Mirror reflectance; together with diffuse reflectance at most 1.");
         let span = SHARE.up_to(room(material.diffuse));
         color_row(
             ui,
-            language.tr("Mirrored"),
+            language.tr("Specular"),
             about,
             span,
             &mut material.mirror,
@@ -141,31 +140,38 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, materia
 }
 
 fn glass_fields(ui: &mut Ui, language: Language, glass: &mut Dielectric, mirror: &mut Rgb) {
-    let about = language.tr("Index of refraction of the body relative to what is outside: water 1.33, glass 1.5, diamond 2.4.");
+    let about = language
+        .tr("Index of refraction relative to the outside: water 1.33, glass 1.5, diamond 2.4.");
     let span = NumberRange {
         least: 0.3,
         most: 4.0,
         ..SHARE
     };
-    number_row(ui, language.tr("Refraction"), about, span, &mut glass.ior);
-    let about = language.tr("Scales the light that passes; white for clear glass.");
+    number_row(
+        ui,
+        language.tr("Refractive index"),
+        about,
+        span,
+        &mut glass.ior,
+    );
+    let about = language.tr("Scales the transmitted light; white for clear glass.");
     color_row(
         ui,
-        language.tr("Passes"),
+        language.tr("Transmission"),
         about,
         SHARE,
         &mut glass.transmittance,
     );
-    let about = language.tr("Scales the light that is mirrored; white by Fresnel's equations.");
-    color_row(ui, language.tr("Mirrored"), about, SHARE, mirror);
-    let about = language.tr("A whole pane, both surfaces of it in one face.");
+    let about = language.tr("Scales the reflected light; white for Fresnel's equations alone.");
+    color_row(ui, language.tr("Specular"), about, SHARE, mirror);
+    let about = language.tr("A complete pane: both of its surfaces in one face.");
     row(ui, "", "", |ui, _| {
         ui.checkbox(&mut glass.thin, language.tr("thin pane"))
             .on_hover_text(about)
     });
 }
 
-/// What a surface emits: a strength and a colour; `last` is the colour while the strength is zero.
+/// Emission as a strength and a colour; `last` is the colour while the strength is zero.
 pub(super) fn emission(
     ui: &mut Ui,
     language: Language,
@@ -184,8 +190,7 @@ pub(super) fn emission(
     } else {
         " W/(sr·m²)"
     };
-    let about =
-        language.tr("Radiance of the front, of the channel that is brightest; 0 for no light.");
+    let about = language.tr("Radiance of the front in the brightest channel; 0 for no emission.");
     row(ui, language.tr("Emission"), about, |ui, name| {
         let speed = (0.01 * strength).max(0.01);
         let drag = inputs::number(&mut strength, 0.0..=1e12)
@@ -198,13 +203,13 @@ pub(super) fn emission(
         }
     });
     if strength > 0.0 {
-        let about = language.tr("Colour of the light that is emitted.");
-        color_row(ui, language.tr("Its colour"), about, SHARE, &mut shade);
+        let about = language.tr("Colour of the emitted light.");
+        color_row(ui, language.tr("Emission colour"), about, SHARE, &mut shade);
     }
     if (strength, shade) == old {
         return;
     }
-    // Black is no colour of light: the last one stays.
+    // Black has no hue: keep the last one.
     *last = inputs::hue(shade).unwrap_or(*last);
     material.emission = *last * strength;
 }

@@ -1,4 +1,4 @@
-//! One of the two surfaces that are shown: all that is found of it in the background.
+//! All background results for one of the displayed materials.
 
 use super::background::{BackgroundWorker, LatestResult};
 use super::badges::{ModelChecks, measure};
@@ -12,10 +12,10 @@ use azulejo::scene::Material;
 use egui::accesskit::Role;
 use egui::{ColorImage, Context, TextureHandle, TextureOptions, Ui, Vec2};
 
-/// Pixels of the sphere's picture on each side.
+/// Width and height of the sphere's image, pixels.
 const SIDE: u32 = 160;
 
-/// Threads of the editor: one for plots, one for pictures.
+/// Threads of the editor: one for plots, one for images.
 pub(super) struct BackgroundWorkers {
     plots: BackgroundWorker,
     pictures: BackgroundWorker,
@@ -30,19 +30,19 @@ impl Default for BackgroundWorkers {
     }
 }
 
-/// What is known of a surface.
+/// The results for one material.
 #[derive(Default)]
 pub(super) struct SurfacePlots {
     pub lobes: LatestResult<LobeKey, SampledLobes>,
     pub albedo: LatestResult<AlbedoKey, AlbedoCurve>,
     pub measures: LatestResult<MaterialReflection, ModelChecks>,
     sphere: LatestResult<SphereKey, SphereImage>,
-    /// The picture on the screen's side, with how many paths it has and what it shows.
+    /// The uploaded image of the sphere, with its key and number of paths.
     texture: Option<(SphereKey, u32, TextureHandle)>,
 }
 
 impl SurfacePlots {
-    /// Asks for all that is shown of a material.
+    /// Requests all results for a material.
     pub fn ask(
         &mut self,
         ctx: &Context,
@@ -63,7 +63,7 @@ impl SurfacePlots {
             azimuth: view.azimuth,
         };
         self.albedo.ask(&key, albedo, &workers.plots, ctx);
-        // They take longest, and nobody reads them while something is dragged.
+        // These take longest, and nobody reads them while dragging.
         if !ctx.input(|i| i.pointer.any_down()) {
             self.measures.ask(&optics, measure, &workers.plots, ctx);
         }
@@ -71,18 +71,18 @@ impl SurfacePlots {
         self.sphere.ask(&key, draw, &workers.pictures, ctx);
     }
 
-    /// Whether something that is shown is no longer or not yet true.
+    /// Whether something displayed is out of date.
     pub fn is_behind(&self) -> bool {
         self.lobes.is_running() || self.albedo.is_running() || self.measures.is_running()
     }
 
-    /// Whether anything is not found or not shown yet.
+    /// Whether something is missing or not displayed yet.
     pub fn is_busy(&self) -> bool {
         let is_shown = self.measures.found().is_some() && self.texture.is_some();
         self.is_behind() || self.sphere.is_running() || !is_shown
     }
 
-    /// Shows the sphere, `size` points wide and high.
+    /// Draws the sphere, `size` points wide and high.
     pub fn sphere(&mut self, ui: &mut Ui, language: Language, size: f32) {
         let words = language.tr("Sphere of the material under the light of the scene");
         self.upload(ui.ctx());
@@ -103,7 +103,7 @@ impl SurfacePlots {
             .on_hover_text(format!("{words}\n{samples} {paths}"));
     }
 
-    /// Brings the newest picture to where it is drawn.
+    /// Uploads the latest image of the sphere.
     fn upload(&mut self, ctx: &Context) {
         let Some((key, picture)) = self.sphere.found() else {
             return;

@@ -1,4 +1,4 @@
-//! The editor as a person meets it: by the roles and names of its widgets.
+//! The editor as the user operates it: by roles and labels of its widgets.
 
 use super::*;
 use azulejo::scene::Brdf;
@@ -10,7 +10,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::time::{Duration, Instant};
 
-/// A document of one material, and all answers that changed it.
+/// A document with one material, and all responses that changed it.
 struct EditorFixture {
     editor: BrdfEditor,
     material: Arc<Material>,
@@ -49,7 +49,7 @@ impl EditorFixture {
         self.answers.extend(answers);
     }
 
-    /// The description that the document has.
+    /// The description in the document.
     fn text(&self) -> String {
         self.material
             .brdf
@@ -78,7 +78,7 @@ fn harness(bench: EditorFixture) -> Harness<'static, EditorFixture> {
         .build_ui_state(|ui, bench: &mut EditorFixture| bench.ui(ui), bench)
 }
 
-/// Steps until something holds; the editor's threads may be slow.
+/// Runs frames until a condition holds; the editor's threads may be slow.
 fn until(
     harness: &mut Harness<'static, EditorFixture>,
     what: &str,
@@ -92,7 +92,7 @@ fn until(
     }
 }
 
-/// Opens a list and chooses from it.
+/// Opens a list and chooses an entry.
 fn choose(harness: &mut Harness<'static, EditorFixture>, list: &str, entry: &str) {
     harness.get_by_role_and_label(Role::ComboBox, list).click();
     harness.run_steps(3);
@@ -138,7 +138,7 @@ fn a_kind_of_surface_becomes_another() {
     assert_eq!(harness.state().text(), "diffuse kd = (0.8, 0.4, 0.2)");
     choose(&mut harness, "Surface", "Glass");
     assert!(harness.state().material.dielectric.is_some());
-    enter(&mut harness, "Refraction", "2.4");
+    enter(&mut harness, "Refractive index", "2.4");
     assert_eq!(
         harness.state().material.dielectric.map(|g| g.ior),
         Some(2.4)
@@ -188,7 +188,7 @@ fn numbers_are_typed() {
     until(&mut harness, "the number", |h| {
         h.state().text() == "lewis ks = 0.5 n = 123.5"
     });
-    // Defaults that nobody touched are not written.
+    // Defaults that were not changed are not written.
     assert_eq!(
         harness.state().answers.len(),
         1,
@@ -340,7 +340,7 @@ fn badges_say_what_models_keep() {
     };
     check(
         "lewis kd = 0.5 ks = 0.5 n = 20",
-        ["reciprocal", "energy at most"],
+        ["reciprocal", "albedo at most"],
     );
     check(
         "phong kd = 0.3 ks = 0.4 n = 10",
@@ -401,7 +401,7 @@ fn all_words_of_the_models_are_translated() {
     }
 }
 
-/// Whether pictures of the window can be drawn here.
+/// Whether images of the window can be drawn here.
 fn has_driver() -> bool {
     use azulejo::gpu::{Backend, Card};
     let card = Card::open(Backend::Vulkan).or_else(|_| Card::open(Backend::Gl));
@@ -409,7 +409,7 @@ fn has_driver() -> bool {
     azulejo_testing::require(Need::Gpu, card).is_some()
 }
 
-/// The editor when all is found, in a panel of a window.
+/// The editor with all results, in a panel of a window.
 fn drawn(bench: EditorFixture, theme: egui::Theme, height: f32) -> Harness<'static, EditorFixture> {
     let mut harness = Harness::builder()
         .with_size(egui::vec2(420.0, height))
@@ -436,7 +436,7 @@ fn the_editor_looks_as_it_did() {
     bench.others = vec![Arc::new(Material::diffuse("plaster", Rgb::grey(0.8)))];
     bench.editor.view.has_others = false;
     let mut harness = drawn(bench, egui::Theme::Dark, 980.0);
-    // What chance draws is no more than noise to a file.
+    // Monte Carlo noise does not belong in a snapshot.
     let sphere = harness
         .get_by_label_contains("Sphere of the material")
         .rect();

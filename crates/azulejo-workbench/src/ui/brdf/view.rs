@@ -1,40 +1,40 @@
-//! How lobes are looked at: the person's choices, kept while the editor lives.
+//! Display settings of the lobes, kept while the editor exists.
 
 use super::theme;
 use crate::words::Language;
 use egui::{ComboBox, Slider, Ui};
 
-/// The angles beside the chosen one, in degrees.
+/// Further angles of incidence, degrees.
 const OTHERS: [f64; 4] = [0.0, 30.0, 60.0, 80.0];
 
-/// What the distance from the origin means.
+/// The meaning of the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LobeQuantity {
-    /// What goes there: bounded for models that keep their energy.
+    /// f_r cos θ: bounded for models that conserve energy.
     WithCosine,
-    /// The model alone.
+    /// f_r alone.
     Alone,
 }
 
-/// How it grows.
+/// The scale of the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RadialScale {
     Linear,
     Logarithmic,
 }
 
-/// The choices.
+/// The display settings.
 #[derive(Clone, Debug)]
 pub(super) struct LobeView {
     /// Angle of incidence, degrees.
     pub incidence: f64,
     /// Azimuth of the plane of incidence, degrees.
     pub azimuth: f64,
-    /// Whether lobes of other angles are shown, too.
+    /// Whether lobes for other angles are drawn too.
     pub has_others: bool,
     pub quantity: LobeQuantity,
     pub scale: RadialScale,
-    /// Where the viewer of the body is: about the normal and above the surface, degrees.
+    /// Azimuth and elevation of the camera for the lobe in space, degrees.
     pub orbit: [f32; 2],
 }
 
@@ -55,7 +55,7 @@ impl Default for LobeView {
 const DECADES: f64 = 4.0;
 
 impl LobeView {
-    /// The chosen angle, and then the others.
+    /// The chosen angle, followed by the others.
     pub fn incidences(&self) -> Vec<f64> {
         let others = OTHERS
             .into_iter()
@@ -63,7 +63,7 @@ impl LobeView {
         std::iter::once(self.incidence).chain(others).collect()
     }
 
-    /// What is drawn of f_r at a cosine to the normal.
+    /// The plotted value for f_r at a cosine to the normal.
     pub fn value(&self, f: f64, cos: f64) -> f64 {
         match self.quantity {
             LobeQuantity::WithCosine => f * cos,
@@ -71,18 +71,18 @@ impl LobeView {
         }
     }
 
-    /// Share of the radius for a value, where `top` is at 1.
+    /// Fraction of the radius for a value, where `top` is at 1.
     pub fn share(&self, value: f64, top: f64) -> f64 {
         let ratio = value / top;
         match self.scale {
-            // What is no number has no place.
+            // NaN has no position.
             _ if ratio.is_nan() || ratio <= 0.0 => 0.0,
             RadialScale::Linear => ratio.min(1.0),
             RadialScale::Logarithmic => (1.0 + ratio.log10() / DECADES).clamp(0.0, 1.0),
         }
     }
 
-    /// The value at a share of the radius.
+    /// The value at a fraction of the radius: the inverse of `share`.
     pub fn unshare(&self, share: f64, top: f64) -> f64 {
         match self.scale {
             RadialScale::Linear => share * top,
@@ -90,7 +90,7 @@ impl LobeView {
         }
     }
 
-    /// Values that deserve a ring, from the outermost.
+    /// Values of the rings, from the outermost.
     pub fn rings(&self, top: f64) -> Vec<f64> {
         let decade = 10f64.powf(top.log10().floor());
         match self.scale {
@@ -109,7 +109,7 @@ impl LobeView {
         }
     }
 
-    /// The choices as widgets.
+    /// Draws the settings.
     pub fn ui(&mut self, ui: &mut Ui, language: Language) {
         theme::row(
             ui,
@@ -140,7 +140,7 @@ impl LobeView {
         theme::row(
             ui,
             language.tr("Radius"),
-            language.tr("What the distance from the origin means."),
+            language.tr("Quantity plotted as the radius."),
             |ui, name| {
                 let quantity = |q| match q {
                     LobeQuantity::WithCosine => "f·cos θ",

@@ -1,4 +1,4 @@
-//! Start, pause, stop; how far the solver is.
+//! Solver controls: start, pause, stop, and progress.
 
 use super::super::actions::ACTIONS;
 use super::super::panel_context::PanelContext;
@@ -8,7 +8,7 @@ use crate::jobs::{Job, JobKind};
 use egui::{Button, ProgressBar, RichText, Ui};
 use std::time::Duration;
 
-/// Draws the buttons, the progress, and the state in words.
+/// Draws the buttons, the progress bar and the state.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     buttons(ui, cx);
     let job = cx.app.jobs().iter().find(|j| j.kind == JobKind::Solve);
@@ -44,13 +44,13 @@ fn buttons(ui: &mut Ui, cx: &mut PanelContext) {
         match (runs, rests) {
             (false, _) => button(language.tr("Start"), "Solve", has_light, Command::Solve),
             (true, false) => button(language.tr("Pause"), "Pause", true, Command::Pause),
-            (true, true) => button(language.tr("Go on"), "Go on", true, Command::Resume),
+            (true, true) => button(language.tr("Resume"), "Resume", true, Command::Resume),
         }
         button(language.tr("Stop"), "Stop", runs, Command::StopSolving);
     });
 }
 
-/// What there is of light.
+/// State of the solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SolverState {
     Dark,
@@ -81,13 +81,13 @@ impl SolverState {
         let took = seconds(lighting.stopwatch.elapsed());
         match self {
             SolverState::Dark if !cx.app.document.has_light() => cx
-                .tr("Nothing shines: add a light, or give a material emission.")
+                .tr("There is no light source: add a light or an emissive material.")
                 .into(),
             SolverState::Dark => cx.tr("Not solved yet.").into(),
-            SolverState::Settling => format!("{} {took}", cx.tr("The light is settling:")),
-            SolverState::Resting => format!("{} {took}", cx.tr("The solver rests; it worked")),
-            SolverState::Stopped => cx.tr("Stopped before the end: a first impression.").into(),
-            SolverState::FromFile => cx.tr("This light came with the file.").into(),
+            SolverState::Settling => format!("{} {took}", cx.tr("Converging:")),
+            SolverState::Resting => format!("{} {took}", cx.tr("Paused after")),
+            SolverState::Stopped => cx.tr("Stopped early: a rough solution.").into(),
+            SolverState::FromFile => cx.tr("This light was loaded with the file.").into(),
             SolverState::Old => cx
                 .tr("This light is from an earlier state of the model.")
                 .into(),
@@ -101,7 +101,7 @@ impl SolverState {
     }
 }
 
-/// The stage with its share, and how long it will take yet.
+/// The current stage, its share done and the remaining time.
 fn progress(ui: &mut Ui, cx: &PanelContext, job: &Job) {
     let (done, total) = (job.progress.done(), job.progress.total());
     let share = match total {
@@ -114,12 +114,12 @@ fn progress(ui: &mut Ui, cx: &PanelContext, job: &Job) {
     let bar = ProgressBar::new(share as f32).text(text);
     ui.add(bar.desired_width(ui.available_width().min(340.0)));
     if let Some(left) = cx.app.lighting.time_left(share).filter(|_| total > 0) {
-        let words = cx.tr("left of this stage, about");
+        let words = cx.tr("time left in this stage, about");
         ui.weak(format!("{words} {}", seconds(left)));
     }
 }
 
-/// A time for people.
+/// A duration as text.
 pub fn seconds(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     match seconds {

@@ -1,4 +1,4 @@
-//! Where the emitted power went.
+//! Energy balance of the solution.
 
 use super::super::colors::lines;
 use super::super::panel_context::PanelContext;
@@ -8,7 +8,7 @@ use azulejo::radiosity::EnergyBalance;
 use azulejo::scene::Rgb;
 use egui::{Color32, Grid, ProgressBar, RichText, Ui};
 
-/// Draws numbers and bars, and a caution where the energy does not add up.
+/// Draws numbers and bars, with a warning if the energy balance does not close.
 pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
     let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
         let share = |power: Rgb| power.mean() / emitted.max(f64::MIN_POSITIVE);
         row(
             cx.tr("Emitted"),
-            cx.tr("By surfaces that shine, and by lights as far as it reaches a surface."),
+            cx.tr("By emissive surfaces, and by lights as far as their light hits a surface."),
             balance.emitted,
             share(balance.emitted),
             yellow,
@@ -45,14 +45,14 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
         );
         row(
             cx.tr("Cut off"),
-            cx.tr("Between mirrors, where light was not followed any further."),
+            cx.tr("Between mirrors, where paths were cut off."),
             balance.cut,
             share(balance.cut),
             purple,
         );
         row(
             cx.tr("Unaccounted"),
-            cx.tr("What is missing, or too much: the noise of the solution."),
+            cx.tr("What is missing or in excess: the noise of the solution."),
             rest,
             balance.error(),
             orange,
@@ -60,7 +60,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
     });
     if balance.is_off() {
         let words =
-            cx.tr("The energy does not add up: ask for a smaller error, or give it more time.");
+            cx.tr("The energy balance does not close: aim at a smaller error, or allow more time.");
         ui.label(RichText::new(format!("⚠ {words}")).color(ui.visuals().warn_fg_color));
     }
 }
@@ -74,7 +74,7 @@ fn unit(cx: &PanelContext) -> &'static str {
     }
 }
 
-/// A bar with its share beside it: on a short bar it could not be read.
+/// A bar with its percentage beside it, since a short bar has no space for text.
 fn bar(ui: &mut Ui, name: &str, share: f64, color: Color32) {
     ui.horizontal(|ui| {
         let bar = ProgressBar::new(share.clamp(0.0, 1.0) as f32);

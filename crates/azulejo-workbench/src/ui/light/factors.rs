@@ -1,23 +1,23 @@
-//! What a picked patch sees.
+//! Form factors of the picked patch.
 
 use super::super::panel_context::PanelContext;
 use super::percent;
 use crate::first_pass::PatchFormFactors;
 use egui::{Grid, ProgressBar, Ui};
 
-/// Objects that are listed.
+/// Number of objects listed.
 const MAX_OBJECTS: usize = 12;
 
-/// Draws the sum, and the objects that take most of the patch's light.
+/// Draws the sum, and the objects with the largest form factors.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext, seen: &PatchFormFactors) {
     let app = cx.app;
     let name = app.document.name(seen.item).unwrap_or_default();
-    ui.label(format!("{} {name}", cx.tr("A patch of")));
+    ui.label(format!("{} {name}", cx.tr("Patch of")));
     let outside = (1.0 - seen.sum).max(0.0);
-    let (sum, rest) = (cx.tr("Sum"), cx.tr("goes outside"));
+    let (sum, rest) = (cx.tr("Sum"), cx.tr("leaves the scene"));
     let text = format!("{sum} {:.4}; {} {rest}", seen.sum, percent(outside));
     ui.label(text).on_hover_text(
-        cx.tr("Shares of the light that leaves the patch. In a closed room they sum up to 1."),
+        cx.tr("Fractions of the light leaving the patch. In a closed scene they sum to 1."),
     );
     let grid = Grid::new("form factors").num_columns(3).striped(true);
     grid.show(ui, |ui| {

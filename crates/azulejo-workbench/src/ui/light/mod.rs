@@ -1,4 +1,4 @@
-//! The solver: what it should do, how far it is, and what it found.
+//! The Light tab: settings, progress and results of the solver.
 
 mod control;
 mod energy;
@@ -14,7 +14,7 @@ mod tests;
 use super::panel_context::PanelContext;
 use egui::{CollapsingHeader, RichText, Ui};
 
-/// Draws the tab; whether a probe is to be pinned.
+/// Draws the tab; returns whether the user wants to pin a probe.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     settings::show(ui, cx);
     ui.add_space(6.0);
@@ -28,9 +28,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
         section(ui, cx.tr("Energy"), |ui| {
             energy::show(ui, cx, &report.balance)
         });
-        section(ui, cx.tr("How it was found"), |ui| {
-            report::show(ui, cx, report)
-        });
+        section(ui, cx.tr("Statistics"), |ui| report::show(ui, cx, report));
     }
     let pins = section(ui, cx.tr("Probes"), |ui| probes::show(ui, cx));
     if let Some(seen) = &cx.app.lighting.seen {
@@ -41,13 +39,13 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     pins.unwrap_or(false)
 }
 
-/// A part of the tab that can be folded away.
+/// A collapsible section.
 fn section<R>(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui) -> R) -> Option<R> {
     let header = CollapsingHeader::new(RichText::new(name).strong()).default_open(true);
     header.show_unindented(ui, body).body_returned
 }
 
-/// A name and a value in a grid of two columns.
+/// A name and a value in a grid with two columns.
 fn row(ui: &mut Ui, name: &str, about: &str, value: String) {
     let label = ui.label(name);
     if !about.is_empty() {
@@ -57,7 +55,7 @@ fn row(ui: &mut Ui, name: &str, about: &str, value: String) {
     ui.end_row();
 }
 
-/// A share in hundredths, with no more digits than it is worth.
+/// A percentage with a suitable number of digits.
 fn percent(share: f64) -> String {
     let hundredths = 100.0 * share;
     let digits = match hundredths.abs() {

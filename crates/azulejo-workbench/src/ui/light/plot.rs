@@ -1,4 +1,4 @@
-//! How the light settles, as curves.
+//! Plots of the convergence.
 
 use super::super::colors::lines;
 use super::super::panel_context::PanelContext;
@@ -12,7 +12,7 @@ use egui_plot::{
 };
 use std::time::Instant;
 
-/// Draws the last measures as numbers, and all of them as curves.
+/// Draws the latest measures as numbers, and all of them as curves.
 pub fn show(ui: &mut Ui, cx: &PanelContext) {
     let lighting = &cx.app.lighting;
     let began = lighting.began.unwrap_or_else(Instant::now);
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext) {
     }
 }
 
-/// The last measures, for whom a curve says too little.
+/// The latest measures as numbers.
 fn numbers(ui: &mut Ui, cx: &PanelContext) {
     let lighting = &cx.app.lighting;
     let measures = || lighting.measures.iter().rev().map(|m| m.measure);
@@ -42,13 +42,13 @@ fn numbers(ui: &mut Ui, cx: &PanelContext) {
     });
     Grid::new("last measures").num_columns(2).show(ui, |ui| {
         if let Some((iteration, value)) = residual {
-            let after = cx.tr("after so many bounces:");
+            let after = cx.tr("after this many bounces:");
             let value = format!("{} {after} {iteration}", number(value));
             super::row(ui, cx.tr("Residual"), "", value);
         }
         if let Some(error) = error {
             let aim = percent(lighting.settings.error);
-            let value = format!("{}, {} {aim}", percent(error), cx.tr("aimed at"));
+            let value = format!("{}, {} {aim}", percent(error), cx.tr("target"));
             super::row(ui, cx.tr("Estimated error"), "", value);
         }
     });
@@ -104,7 +104,7 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
             ))
         });
     let (of_light, of_patches) = (cx.tr("irradiance"), cx.tr("patches"));
-    let aimed = cx.tr("aimed at");
+    let aimed = cx.tr("target");
     let shown = plot.show(ui, |plot| {
         let line = HLine::new(aimed, aim)
             .color(ink.gamma_multiply(0.7))
@@ -130,7 +130,7 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
         .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
 }
 
-/// A plot that stays where it is, around whole decades of what it shows.
+/// A fixed plot whose range is rounded to whole decades.
 fn framed<'a>(name: &str, legend: Corner, ys: impl Iterator<Item = f64>) -> Plot<'a> {
     let (low, high) = ys.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
         (low.min(y), high.max(y))
@@ -164,11 +164,11 @@ fn faded(color: Color32, is_superseded: bool) -> Color32 {
     }
 }
 
-/// Marks at powers of ten, so few that their names have room; also at 2 and 5 times those, where
-/// there is.
+/// Grid marks at powers of ten, few enough for their labels; also at 2 and 5 times those where
+/// there is space.
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    // What has a logarithm lies within these.
+    // Logarithms of finite numbers lie within this range.
     let (low, high) = (low.max(-330.0), high.min(330.0));
     let mark = |value: f64, step_size: f64| GridMark { value, step_size };
     let step = ((high - low) / 4.0).ceil().max(1.0);
@@ -185,7 +185,7 @@ fn decades(input: GridInput) -> Vec<GridMark> {
     marks
 }
 
-/// Marks at whole numbers, a dozen at most.
+/// Grid marks at whole numbers, at most a dozen.
 fn whole(input: GridInput) -> Vec<GridMark> {
     let (low, high) = (input.bounds.0.max(0.0), input.bounds.1.min(1e9));
     let rough = ((high - low) / 12.0).max(1.0);
@@ -201,12 +201,12 @@ fn whole(input: GridInput) -> Vec<GridMark> {
     (first..=last).map(value).collect()
 }
 
-/// 10^`exponent` as a power of ten: "1e-3", "2e-3".
+/// 10^`exponent` in scientific notation: "1e-3", "2e-3".
 fn short(exponent: f64) -> String {
     format!("{:.0e}", 10f64.powf(exponent))
 }
 
-/// 10^`exponent` as people write it.
+/// 10^`exponent` in decimal notation.
 fn plain(exponent: f64) -> String {
     match exponent {
         e if (-3.5..=4.5).contains(&e) => {

@@ -1,4 +1,4 @@
-//! The table of pinned probes.
+//! The table of probes.
 
 use super::super::panel_context::PanelContext;
 use crate::app::{Probe, ProbeSurface};
@@ -9,19 +9,18 @@ use crate::ui::viewport::{irradiance_unit, number, radiance_unit, value};
 use azulejo::scene::Rgb;
 use egui::{Grid, Ui};
 
-/// Draws the table; whether one more is to be pinned.
+/// Draws the table; returns whether the user wants to pin another probe.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     let app = cx.app;
     let mut pins = false;
     ui.horizontal(|ui| {
-        let about = cx.tr("Then click a surface; or press P over it.");
+        let about = cx.tr("Click here and then a surface, or press P over a surface.");
         let button = egui::Button::new(cx.tr("Pin a probe"));
         let button = ui.add_enabled(!app.document.objects.is_empty(), button);
         pins = button.on_hover_text(about).clicked();
         let measures = app.is_busy(JobKind::Probe);
         let about = cx.tr(
-            "Solves the light anew, with the settings above, and gathers it at the probes \
-             themselves instead of between vertices.",
+            "Solves the light again with the settings above, and gathers it at the probes instead of interpolating between vertices.",
         );
         let button = egui::Button::new(cx.tr("Measure exactly"));
         let makes_sense = !app.probes.is_empty() && !measures && app.document.has_light();
@@ -34,16 +33,16 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
         }
     });
     if app.probes.is_empty() {
-        ui.weak(cx.tr("None yet: press P over a surface to watch its light."));
+        ui.weak(cx.tr("No probes yet: press P over a surface to pin one."));
         return pins;
     }
     let grid = Grid::new("probes").num_columns(5).striped(true);
     grid.spacing([8.0, 4.0]).show(ui, |ui| {
         ui.weak("#");
-        ui.weak(cx.tr("Place"));
+        ui.weak(cx.tr("Point"));
         let unit = irradiance_unit(app);
         ui.weak(format!("E, {unit}"));
-        ui.weak(format!("{}, {unit}", cx.tr("exactly")));
+        ui.weak(format!("{}, {unit}", cx.tr("measured")));
         ui.end_row();
         for probe in &app.probes {
             row(ui, cx, probe);
@@ -81,7 +80,7 @@ fn row(ui: &mut Ui, cx: &mut PanelContext, probe: &Probe) {
     ui.end_row();
 }
 
-/// Irradiance with its standard error, and the radiance that it makes.
+/// Irradiance with its standard error, and the diffuse radiance that results from it.
 fn cell(
     ui: &mut Ui,
     cx: &PanelContext,
@@ -107,25 +106,25 @@ fn cell(
     let radiance = site.and_then(|s| cx.app.document.radiance(&s.paint, irradiance));
     if let Some(radiance) = radiance {
         let unit = radiance_unit(cx.app);
-        let about = cx.tr("Radiance that leaves it evenly to all sides:");
+        let about = cx.tr("Diffuse radiance leaving it:");
         let text = egui::RichText::new(format!("L = {}", number(radiance.luminance())));
         ui.add(egui::Label::new(text.weak()).extend())
             .on_hover_text(format!("{about} {} {unit}", value(radiance)));
     }
 }
 
-/// Why a probe shows no light.
+/// Why a probe has no values.
 fn why_not(cx: &PanelContext, probe: &Probe) -> &'static str {
     match &probe.site {
-        None => cx.tr("There is no surface at this place any more."),
+        None => cx.tr("There is no surface at this point any more."),
         Some(site) if !site.paint.is_front => {
-            cx.tr("This is the back of a surface, and light is kept for its front: measure it.")
+            cx.tr("This is the back of a surface, and light is stored for fronts only: measure it.")
         }
         Some(_) => cx.tr("Not solved yet: press F5."),
     }
 }
 
-/// All that there is to know of a place.
+/// The details of a probe for its tooltip.
 fn about(cx: &PanelContext, probe: &Probe) -> String {
     let pick = &probe.pick;
     let name = cx.app.document.name(pick.item).unwrap_or("–");
@@ -143,7 +142,7 @@ fn about(cx: &PanelContext, probe: &Probe) -> String {
     text + &format!("{}, n = {}", three(pick.position), three(pick.normal))
 }
 
-/// A name that leaves room for numbers: its end says most.
+/// A name shortened at its start, since its end says most.
 pub fn shortened(name: &str) -> String {
     const MAX_CHARS: usize = 14;
     let count = name.chars().count();

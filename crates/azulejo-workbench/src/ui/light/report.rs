@@ -1,4 +1,4 @@
-//! Who found the light, and at what expense.
+//! The solver's report: engine, patches, rays, time and memory.
 
 use super::super::panel_context::PanelContext;
 use super::{percent, row};
@@ -6,7 +6,7 @@ use crate::ui::viewport::number;
 use azulejo::radiosity::{Method, Report};
 use egui::{Grid, RichText, Ui};
 
-/// Draws what the solver reports.
+/// Draws the report.
 pub fn show(ui: &mut Ui, cx: &PanelContext, report: &Report) {
     let grid = Grid::new("report").num_columns(2).spacing([12.0, 2.0]);
     grid.show(ui, |ui| rows(ui, cx, report));
@@ -56,14 +56,14 @@ fn rows(ui: &mut Ui, cx: &PanelContext, report: &Report) {
             let refined = cx.tr("rows refined");
             text += &format!(", {} {refined}", count(report.refined_rows as u64));
         }
-        let about = cx.tr("Estimated relative error of the light that patches reflect.");
+        let about = cx.tr("Estimated relative error of the patches' radiosity.");
         row(ui, cx.tr("Error of patches"), about, text);
     }
     let about = cx.tr("Estimated relative error of irradiance at the points.");
     row(ui, cx.tr("Estimated error"), about, percent(report.error));
 }
 
-/// A count with its thousands apart, by narrow spaces as the languages agree on.
+/// A count with thin spaces between thousands, as is common to all languages of the window.
 fn count(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::new();

@@ -1,17 +1,17 @@
-//! Measures of the solver as curves.
+//! Convergence measures as curves.
 
 use azulejo::trace::{Measure, Measured};
 use std::time::Instant;
 
-/// Points of a curve that are drawn at most: more than a panel has pixels help nobody.
+/// Limit on the points of a curve: more than a panel has pixels.
 const MAX_POINTS: usize = 400;
-/// Curves that are drawn at most; the last ones tell.
+/// Limit on the number of curves; the latest are kept.
 const MAX_CURVES: usize = 16;
 
-/// How the light of one replicate came into balance.
+/// Residual of one replicate over the bounces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResidualCurve {
-    /// Which of the independent replicates, from 0.
+    /// Index of the independent replicate.
     pub replicate: u32,
     /// Bounces, and log₁₀ of the residual.
     pub points: Vec<[f64; 2]>,
@@ -22,17 +22,16 @@ pub struct ResidualCurve {
 /// All curves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConvergenceCurves {
-    /// Residuals; one curve for each time that a replicate was solved.
+    /// Residuals; one curve for each time a replicate was solved.
     pub residuals: Vec<ResidualCurve>,
-    /// log₁₀ of seconds since the solver began, log₁₀ of the estimated error of irradiance.
+    /// log₁₀ of seconds since the solver started, log₁₀ of the estimated error of the irradiance.
     pub errors: Vec<[f64; 2]>,
-    /// The same of the patches' radiosity.
+    /// The same for the radiosity of the patches.
     pub patch_errors: Vec<[f64; 2]>,
 }
 
 impl ConvergenceCurves {
-    /// Sorts measures into curves, each no longer than can be seen. What has no logarithm is
-    /// left out.
+    /// Sorts measures into curves and thins them. Values without a logarithm are skipped.
     pub fn new(measures: &[Measured], began: Instant) -> ConvergenceCurves {
         let mut curves = ConvergenceCurves::default();
         let mut bounces = Vec::new();
@@ -65,7 +64,7 @@ fn residual(curves: &mut Vec<ResidualCurve>, replicate: u32, iteration: u32, val
     let x = f64::from(iteration);
     let latest = curves.iter_mut().rev().find(|c| c.replicate == replicate);
     match latest {
-        // Counted on: the same solution.
+        // Continues the same solution.
         Some(curve) if curve.points.last().is_some_and(|p| p[0] < x) => {
             push(&mut curve.points, x, value);
         }
@@ -94,7 +93,7 @@ fn push(points: &mut Vec<[f64; 2]>, x: f64, value: f64) {
     }
 }
 
-/// Keeps each so many, and always the last.
+/// Keeps every n-th point, and always the last one.
 fn thin(points: &mut Vec<[f64; 2]>) {
     let step = points.len().div_ceil(MAX_POINTS).max(1);
     let last = points.len().saturating_sub(1);

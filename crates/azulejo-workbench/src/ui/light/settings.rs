@@ -1,11 +1,11 @@
-//! What the solver should do.
+//! Solver settings.
 
 use super::super::panel_context::PanelContext;
 use crate::command::Command;
 use crate::first_pass::{DEFAULT_TIME, EngineChoice, LightSettings};
 use egui::{ComboBox, DragValue, Grid, Ui};
 
-/// Bounces that are offered when they are to be counted.
+/// Number of bounces when the limit is switched on.
 const DEFAULT_BOUNCES: u32 = 3;
 
 /// Draws the fields.
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
 }
 
 fn engine(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
-    let about = cx.tr("Who computes the form factors between patches.");
+    let about = cx.tr("Method for computing form factors between patches.");
     let label = ui.label(cx.tr("Engine")).on_hover_text(about);
     ComboBox::from_id_salt("engine")
         .width(170.0)
@@ -46,7 +46,7 @@ fn engine(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
 
 fn name(engine: EngineChoice, cx: &PanelContext) -> &'static str {
     match engine {
-        EngineChoice::Auto => cx.tr("by itself"),
+        EngineChoice::Auto => cx.tr("auto"),
         EngineChoice::Rays => cx.tr("rays"),
         EngineChoice::Hemicube => cx.tr("hemicubes"),
         EngineChoice::Hybrid => cx.tr("hemicubes and rays"),
@@ -57,21 +57,20 @@ fn name(engine: EngineChoice, cx: &PanelContext) -> &'static str {
 fn what(engine: EngineChoice, cx: &PanelContext) -> &'static str {
     match engine {
         EngineChoice::Auto => {
-            cx.tr("Formulas where surfaces are flat and few enough to pair, else rays.")
+            cx.tr("Closed-form expressions for planar surfaces if there are few enough pairs, otherwise rays.")
         }
-        EngineChoice::Rays => cx.tr("Rays from all over each patch, through mirrors and glass."),
-        EngineChoice::Hemicube => cx.tr("Pictures of what each patch sees."),
+        EngineChoice::Rays => cx.tr("Rays from points all over each patch, including mirrors and glass."),
+        EngineChoice::Hemicube => cx.tr("Item buffers rendered from each patch."),
         EngineChoice::Hybrid => {
-            cx.tr("Pictures for what is seen straight, rays for what mirrors and glass show.")
+            cx.tr("Item buffers for direct visibility, rays for mirrors and glass.")
         }
-        EngineChoice::Analytic => cx.tr("Formulas for pairs of polygons, with exact shadows."),
+        EngineChoice::Analytic => cx.tr("Closed-form expressions for pairs of polygons, with exact shadows."),
     }
 }
 
 fn patches(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
     let about = cx.tr(
-        "About how many pieces the surfaces are divided into. More show finer shadows; twice as \
-         many take up to four times the time.",
+        "Approximate number of patches. More patches show finer shadows; twice as many take up to four times as long.",
     );
     let label = ui.label(cx.tr("Patches")).on_hover_text(about);
     let speed = (0.01 * f64::from(settings.patches)).max(1.0);
@@ -85,10 +84,9 @@ fn patches(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
 
 fn error(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
     let about = cx.tr(
-        "Estimated relative error at which the solver rests. Half the error takes about four \
-         times the time.",
+        "Estimated relative error at which the solver stops. Half the error takes about four times as long.",
     );
-    let label = ui.label(cx.tr("Error aimed at")).on_hover_text(about);
+    let label = ui.label(cx.tr("Target error")).on_hover_text(about);
     let mut percent = 100.0 * settings.error;
     let drag = DragValue::new(&mut percent)
         .range(0.1..=100.0)
@@ -104,10 +102,8 @@ fn error(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
 }
 
 fn time(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
-    let about = cx.tr(
-        "After this time the solver ends with what it has, and says how good that is. Rests do \
-         not count.",
-    );
+    let about = cx
+        .tr("The solver stops after this time and reports the error reached. Pauses do not count.");
     let mut limited = settings.time.is_some();
     let words = cx.tr("Time limit");
     let check = ui.checkbox(&mut limited, words).on_hover_text(about);
@@ -133,18 +129,17 @@ fn time(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
 
 fn bounces(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
     let about = cx.tr(
-        "Light is reflected from surface to surface until next to nothing is left, or so many \
-         times: 0 is direct light alone.",
+        "Maximum number of diffuse bounces; without a limit, until the remaining light is negligible. 0 is direct light only.",
     );
     let mut counted = settings.bounces.is_some();
-    let words = cx.tr("Count bounces");
+    let words = cx.tr("Limit bounces");
     let check = ui.checkbox(&mut counted, words).on_hover_text(about);
     if check.changed() {
         settings.bounces = counted.then_some(DEFAULT_BOUNCES);
     }
     match &mut settings.bounces {
         None => {
-            ui.weak(cx.tr("until little is left"));
+            ui.weak(cx.tr("unlimited"));
         }
         Some(bounces) => {
             let drag = DragValue::new(bounces)

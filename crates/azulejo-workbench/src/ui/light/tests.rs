@@ -17,7 +17,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// The tab alone, and what it asked for.
+/// The tab alone, with the commands it issued.
 struct LightTabFixture {
     app: App,
     asked: Vec<Command>,
@@ -57,7 +57,7 @@ fn bench(app: App) -> Harness<'static, LightTabFixture> {
         .build_ui_state(draw, bench)
 }
 
-/// A light with a report, as if it had been solved.
+/// Adds a solution with a report, as if it had been solved.
 fn solved(app: &mut App, balance: EnergyBalance) {
     let report = Report {
         method: Method::Matrix,
@@ -111,7 +111,7 @@ fn balance(absorbed: f64) -> EnergyBalance {
     }
 }
 
-/// Three measures of each kind, with these values.
+/// Adds three measures of each kind with these values.
 fn measured(app: &mut App, values: [f64; 3]) {
     let began = Instant::now();
     app.lighting.began = Some(began);
@@ -150,10 +150,10 @@ fn click(harness: &mut Harness<LightTabFixture>, role: Role, name: &str) {
 fn settings_are_typed() {
     let mut harness = bench(cornell());
     type_into(&mut harness, "Patches", "321");
-    type_into(&mut harness, "Error aimed at", "12.5");
+    type_into(&mut harness, "Target error", "12.5");
     type_into(&mut harness, "Time limit", "7.5");
-    click(&mut harness, Role::CheckBox, "Count bounces");
-    type_into(&mut harness, "Count bounces", "5");
+    click(&mut harness, Role::CheckBox, "Limit bounces");
+    type_into(&mut harness, "Limit bounces", "5");
     click(&mut harness, Role::ComboBox, "Engine");
     click(&mut harness, Role::Button, "rays");
     let expected = LightSettings {
@@ -165,7 +165,7 @@ fn settings_are_typed() {
     };
     assert_eq!(harness.state().app.lighting.settings, expected);
     click(&mut harness, Role::CheckBox, "Time limit");
-    click(&mut harness, Role::CheckBox, "Count bounces");
+    click(&mut harness, Role::CheckBox, "Limit bounces");
     let settings = harness.state().app.lighting.settings;
     assert_eq!((settings.time, settings.bounces), (None, None));
 }
@@ -178,13 +178,13 @@ fn the_solver_is_started_held_and_stopped() {
     let mut harness = bench(app);
     harness.get_by_label("Not solved yet.");
     for (name, state) in [
-        ("Start", "The light is settling:"),
-        ("Pause", "The solver rests; it worked"),
-        ("Go on", "The light is settling:"),
-        ("Stop", "Stopped before the end: a first impression."),
+        ("Start", "Converging:"),
+        ("Pause", "Paused after"),
+        ("Resume", "Converging:"),
+        ("Stop", "Stopped early: a rough solution."),
     ] {
         click(&mut harness, Role::Button, name);
-        // Without a moment's light there is nothing to show yet.
+        // Without a first solution there is nothing to display yet.
         let is_dark = harness.state().app.lighting.solution.is_none();
         let state = if name == "Stop" && is_dark {
             "Not solved yet."

@@ -1,4 +1,4 @@
-//! What several things of a document share: shapes, outlines, pictures.
+//! Definitions that several objects share: shapes, outlines, textures.
 
 use super::rows::{TreeItem, TreeLeaf};
 use crate::document::{ItemId, SceneDocument};
@@ -8,18 +8,18 @@ use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::Arc;
 
-/// Things by what they share, in the order in which they were met.
+/// Uses of definitions, in the order of their first occurrence.
 struct SharedUses<K> {
     places: HashMap<K, usize>,
     uses: Vec<Uses<K>>,
 }
 
-/// Who shares something.
+/// The users of a definition.
 struct Uses<K> {
     what: K,
-    /// How often it is used.
+    /// Number of uses.
     count: usize,
-    /// The objects that do, each once.
+    /// The objects that use it, without duplicates.
     users: Vec<ItemId>,
 }
 
@@ -49,7 +49,7 @@ impl<K: Copy + Eq + Hash> SharedUses<K> {
     }
 }
 
-/// What is shared, by kinds; kinds of which there is nothing are empty.
+/// The shared definitions by kind; kinds without any are empty.
 pub(super) fn of(
     document: &SceneDocument,
     language: Language,
@@ -69,7 +69,7 @@ fn definition(name: &str, count: usize, users: Vec<ItemId>) -> TreeItem {
     }
 }
 
-/// The name of the first object that has it, its groups left out.
+/// The name of the first object that uses a definition, without its groups.
 fn name_of<'a>(document: &'a SceneDocument, users: &[ItemId], language: Language) -> &'a str {
     let name = users.first().and_then(|&id| document.name(id));
     let last = name.and_then(|name| name.rsplit('/').next());
@@ -77,8 +77,8 @@ fn name_of<'a>(document: &'a SceneDocument, users: &[ItemId], language: Language
     known.unwrap_or(language.tr("without name"))
 }
 
-/// Shapes that stand in several places. Undo holds them as well: pointers say who shares, counts of
-/// references do not.
+/// Shapes used by several objects. The undo history holds references as well, so addresses are
+/// compared instead of reference counts.
 fn shapes(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
     let mut shared: SharedUses<*const Shape> = SharedUses::new();
     for item in &document.objects {
@@ -93,7 +93,7 @@ fn shapes(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
         .collect()
 }
 
-/// Outlines that several prisms are drawn out of. A shape that stands in several places is one.
+/// Outlines used by several prisms. A shape used several times counts once.
 fn outlines(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
     let mut shared: SharedUses<*const Figure> = SharedUses::new();
     let mut seen: HashSet<*const Shape> = HashSet::new();
@@ -123,7 +123,7 @@ fn outlines(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
         .collect()
 }
 
-/// Textures, by the objects that have them.
+/// Textures with the objects that use them.
 fn textures(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
     let mut users = vec![Vec::new(); document.textures.len()];
     for item in &document.objects {
@@ -143,7 +143,7 @@ fn textures(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
         .collect()
 }
 
-/// The name of a texture's file, and how many pixels it has.
+/// The file name of a texture, and its size in pixels.
 fn picture(texture: &Texture, language: Language) -> String {
     let name = texture.path.rsplit(['/', '\\']).next().unwrap_or_default();
     let name = match name {
@@ -193,7 +193,7 @@ mod tests {
         Edit::Duplicate(copies).apply(&mut document).unwrap();
         assert_eq!(of(&document), [("ball × 3".to_owned(), vec![3, 7, 8])]);
         assert_eq!(of(&before), [("ball × 2".to_owned(), vec![3, 7])]);
-        // They share it in another material too.
+        // They share it even with another material.
         let all = [3, 7, 8].map(ItemId).to_vec();
         Edit::Assign(all, 0).apply(&mut document).unwrap();
         assert_eq!(of(&document), [("ball × 3".to_owned(), vec![3, 7, 8])]);
@@ -216,7 +216,7 @@ mod tests {
         assert!(label.starts_with("pop (") && label.ends_with("curves) × 2"));
         let id = document.objects[0].id;
         assert_eq!(*users, [id.0]);
-        // The same text elsewhere has no more prisms.
+        // A duplicate of the text has no more prisms.
         Edit::Duplicate(vec![id]).apply(&mut document).unwrap();
         let found = of(&document);
         assert_eq!(found[0], ("pop × 2".to_owned(), vec![id.0, id.0 + 1]));

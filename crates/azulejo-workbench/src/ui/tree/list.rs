@@ -1,4 +1,5 @@
-//! Rows that are kept from frame to frame: a mouse that moves asks none of a hundred thousand.
+//! The rows of the tree, cached between frames: moving the mouse does not visit a hundred thousand
+//! rows.
 
 use super::rows::{TreeLeaf, TreeRow, chosen, rows, visible};
 use crate::app::App;
@@ -7,24 +8,24 @@ use crate::words::Language;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// All rows, and what is asked of them in every frame.
+/// All rows, with data derived from them.
 #[derive(Default)]
 pub(super) struct TreeList {
     rows: Vec<TreeRow>,
     made_of: Option<ListKey>,
-    /// Groups that are closed, by their numbers.
+    /// Collapsed groups, by their keys.
     closed: HashSet<u64>,
-    /// The rows that no closed group holds.
+    /// Indices of the rows outside of collapsed groups.
     visible: Vec<usize>,
-    /// Which rows are selected, and the selection that this is of.
+    /// Which rows are selected, and for which selection.
     chosen: Vec<bool>,
     selected: Vec<ItemId>,
-    /// How often the rows were made.
+    /// How often the rows were rebuilt.
     #[cfg(test)]
     makings: usize,
 }
 
-/// What rows say.
+/// Everything that the rows depend on.
 struct ListKey {
     document: SceneDocument,
     revision: u64,
@@ -33,7 +34,7 @@ struct ListKey {
 }
 
 impl TreeList {
-    /// Brings the rows up to what there is.
+    /// Updates the rows to the state of the app.
     pub fn follow(&mut self, app: &App, filter: &str, language: Language) {
         let is_new = self.follow_document(app, filter, language);
         if is_new {
@@ -51,7 +52,7 @@ impl TreeList {
         }
     }
 
-    /// Whether other rows are needed.
+    /// Rebuilds the rows if necessary; returns whether it did.
     fn follow_document(&mut self, app: &App, filter: &str, language: Language) -> bool {
         let mut is_new = true;
         if let Some(of) = &self.made_of
@@ -76,7 +77,7 @@ impl TreeList {
         &self.rows[at]
     }
 
-    /// The rows that no closed group holds.
+    /// The rows outside of collapsed groups.
     pub fn visible(&self) -> &[usize] {
         &self.visible
     }
@@ -89,7 +90,7 @@ impl TreeList {
         !self.closed.contains(&group)
     }
 
-    /// Opens a group, or closes it.
+    /// Expands or collapses a group.
     pub fn toggle(&mut self, group: u64) {
         if !self.closed.remove(&group) {
             self.closed.insert(group);
@@ -97,7 +98,7 @@ impl TreeList {
         self.visible = visible(&self.rows, &self.closed);
     }
 
-    /// Opens all groups around a thing; its place among the visible rows.
+    /// Expands all groups that contain an item; returns its position among the visible rows.
     pub fn reveal(&mut self, id: ItemId) -> Option<usize> {
         let at = self.rows.iter().position(|r| r.leaf.id() == Some(id))?;
         let mut opened = false;
@@ -114,15 +115,15 @@ impl TreeList {
         self.visible.binary_search(&at).ok()
     }
 
-    /// The things that a group holds.
+    /// The items in a group.
     pub fn ids(&self, group: usize) -> Vec<ItemId> {
         let within = &self.rows[group..self.rows[group].end];
         within.iter().filter_map(|row| row.leaf.id()).collect()
     }
 }
 
-/// Whether two documents have the same rows. Dragging an object changes the document with every
-/// move of the mouse, and no row.
+/// Whether two documents have the same rows. Dragging an object changes the document in every
+/// frame, but no row.
 fn reads_alike(a: &SceneDocument, b: &SceneDocument) -> bool {
     let materials = all(&a.materials, &b.materials, |a, b| {
         Arc::ptr_eq(a, b) || (&a.name, &a.textures) == (&b.name, &b.textures)

@@ -1,4 +1,5 @@
-//! The tree: files, their groups and objects, lights, cameras, materials, and what they share.
+//! The tree of the scene: files with their groups and objects, lights, cameras, materials and
+//! definitions.
 
 mod definitions;
 mod list;
@@ -13,19 +14,19 @@ use egui::{Align, Layout, RichText, ScrollArea, Sense, Ui};
 use list::TreeList;
 use rows::{TreeLeaf, TreeRow};
 
-/// What the tree remembers between frames.
+/// The state of the tree between frames.
 #[derive(Default)]
 pub struct SceneTree {
-    /// Only what has this in its name is shown.
+    /// Only rows whose name contains this are displayed.
     filter: String,
     list: TreeList,
     rename: RenameField,
-    /// What the rows should be scrolled to.
+    /// The item to scroll to.
     reveal: Option<ItemId>,
     last_selected: Option<ItemId>,
 }
 
-/// What is being renamed, and its name so far.
+/// The item being renamed, and its name so far.
 #[derive(Default)]
 struct RenameField(Option<(ItemId, String)>);
 
@@ -36,7 +37,7 @@ impl RenameField {
 }
 
 impl SceneTree {
-    /// Renames what is selected, in its row.
+    /// Renames the selection in its row.
     pub fn begin_rename(&mut self, app: &App) {
         if let [id] = app.selection.ids[..] {
             self.rename.begin(app, id);
@@ -81,7 +82,7 @@ impl SceneTree {
         }
     }
 
-    /// What was picked in the viewport is shown here too.
+    /// Scrolls to what was picked in the viewport.
     fn follow_selection(&mut self, app: &App) {
         let last = app.selection.ids.last().copied();
         if last != self.last_selected {
@@ -91,7 +92,7 @@ impl SceneTree {
     }
 }
 
-/// Draws one row; the group that should be opened or closed.
+/// Draws one row; returns the group to expand or collapse.
 fn row(
     ui: &mut Ui,
     cx: &mut PanelContext,
@@ -142,7 +143,7 @@ fn group(ui: &mut Ui, cx: &mut PanelContext, list: &TreeList, at: usize, key: u6
     toggle.clicked().then_some(key)
 }
 
-/// Shows and hides; whether it was asked to.
+/// The visibility button; returns whether it was clicked.
 fn eye(ui: &mut Ui, cx: &PanelContext, name: &str, shown: bool) -> bool {
     let draw = |ui: &mut Ui| {
         let sign = if shown { "👁" } else { "–" };
@@ -152,7 +153,7 @@ fn eye(ui: &mut Ui, cx: &PanelContext, name: &str, shown: bool) -> bool {
             egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{does}: {name}"))
         });
         let what = if shown {
-            cx.tr("Hide: out of sight, but it casts and receives light as before")
+            cx.tr("Hide in the viewport only: it still casts and receives light")
         } else {
             cx.tr("Show")
         };
@@ -239,7 +240,7 @@ fn thing(
     }
 }
 
-/// The field of a name in its row; whether it is done with.
+/// The name field of a row; returns whether editing has ended.
 fn name_field(ui: &mut Ui, cx: &mut PanelContext, id: ItemId, name: &mut String) -> bool {
     let field = egui::TextEdit::singleline(name).hint_text(cx.tr("Name"));
     let response = ui.add(field);

@@ -1,4 +1,4 @@
-//! The lines of the tree, as they follow from a document.
+//! Building the rows of the tree from a document.
 
 use super::definitions;
 use crate::document::{ItemId, SceneDocument};
@@ -8,40 +8,40 @@ use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, HashSet};
 use std::hash::{Hash, Hasher};
 
-/// Groups within groups that are shown as such: deeper ones are part of the label. Nobody nests as
-/// deep by hand, but a file can.
+/// Limit on nested groups: deeper ones become part of the label. A file may nest them without
+/// limit.
 const MAX_DEPTH: usize = 64;
-/// Characters of a label; a name may be as long as its file.
+/// Limit on the length of a label in characters; a name may be as long as its file.
 const MAX_LABEL_CHARS: usize = 200;
 
-/// One line of the tree.
+/// A row of the tree.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TreeRow {
     pub depth: usize,
     pub label: String,
     pub leaf: TreeLeaf,
-    /// The row of the group that holds it.
+    /// Index of the row of the enclosing group.
     pub parent: Option<usize>,
-    /// Behind the last row that it holds.
+    /// Index after the last row of its content.
     pub end: usize,
-    /// Whether anything of it is shown; `None` for what cannot be hidden.
+    /// Whether any of its content is visible; `None` for rows that cannot be hidden.
     pub shown: Option<bool>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum TreeLeaf {
-    /// A group, by a number that outlives the rows.
+    /// A group, by a key that survives rebuilding.
     Group(u64),
     Item(ItemId),
     Light(ItemId),
     Camera(ItemId),
     Material(MaterialId),
-    /// What several things share: the objects that do.
+    /// A definition, with the objects that use it.
     Definition(Vec<ItemId>),
 }
 
 impl TreeLeaf {
-    /// The one thing that it stands for.
+    /// The item in this row.
     pub fn id(&self) -> Option<ItemId> {
         match self {
             TreeLeaf::Item(id) | TreeLeaf::Light(id) | TreeLeaf::Camera(id) => Some(*id),
@@ -50,25 +50,25 @@ impl TreeLeaf {
     }
 }
 
-/// A leaf while the tree is built.
+/// A row of an item, while the tree is built.
 pub(super) struct TreeItem {
     pub label: String,
     pub leaf: TreeLeaf,
     pub shown: Option<bool>,
 }
 
-/// The tree while it is built: groups by name, in the order of names, then things in their own.
+/// The tree while it is built: groups sorted by name, followed by items in their own order.
 #[derive(Default)]
 struct GroupNode {
     groups: BTreeMap<String, GroupNode>,
     things: Vec<TreeItem>,
 }
 
-/// Where rows go.
+/// The position at which rows are inserted.
 struct ListPosition {
     parent: Option<usize>,
     depth: usize,
-    /// The number of the group.
+    /// Key of the group.
     key: u64,
 }
 
@@ -84,7 +84,7 @@ impl GroupNode {
         self.groups.is_empty() && self.things.is_empty()
     }
 
-    /// Puts a thing where its path leads.
+    /// Inserts an item at its path.
     fn insert(&mut self, path: &str, leaf: TreeLeaf, shown: bool) {
         let (mut node, mut rest) = (self, path);
         for _ in 0..MAX_DEPTH {
@@ -103,7 +103,7 @@ impl GroupNode {
         });
     }
 
-    /// Lists what it holds; whether anything of that is shown.
+    /// Appends the rows of its content; returns whether any of it is visible.
     fn list(self, position: &ListPosition, rows: &mut Vec<TreeRow>) -> Option<bool> {
         let mut shown = None;
         for (name, node) in self.groups {
@@ -123,7 +123,7 @@ impl GroupNode {
         shown
     }
 
-    /// Lists it as a group.
+    /// Appends its rows as a group.
     fn list_as(self, name: &str, position: &ListPosition, rows: &mut Vec<TreeRow>) -> Option<bool> {
         let (at, key) = (rows.len(), key(position.key, name));
         rows.push(TreeRow {
@@ -152,7 +152,7 @@ fn either(a: Option<bool>, b: Option<bool>) -> Option<bool> {
     }
 }
 
-/// The number of a group: it stays closed when the rows are made anew.
+/// The key of a group: it stays collapsed when the rows are rebuilt.
 fn key(parent: u64, name: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     (parent, name).hash(&mut hasher);
@@ -166,7 +166,7 @@ fn short(name: &str) -> String {
     }
 }
 
-/// All rows of a document, groups open, that match a filter.
+/// All rows of a document that match a filter, with groups expanded.
 pub(super) fn rows(document: &SceneDocument, filter: &str, language: Language) -> Vec<TreeRow> {
     let filter = filter.to_lowercase();
     let matches = |name: &str| filter.is_empty() || name.to_lowercase().contains(&filter);
@@ -180,7 +180,7 @@ pub(super) fn rows(document: &SceneDocument, filter: &str, language: Language) -
     for (title, node) in own.into_iter().filter(|(_, node)| !node.is_empty()) {
         node.list_as(title, &files, &mut rows);
     }
-    // Behind the files, whatever their names, and closed or open whatever theirs are.
+    // After the files whatever their names are, and independent of which of those are collapsed.
     let behind = ListPosition { key: 1, ..files };
     let mut lists = lists(document, &matches, language);
     lists.sort_by_key(|(title, _)| *title);
@@ -200,14 +200,14 @@ pub(super) fn rows(document: &SceneDocument, filter: &str, language: Language) -
     rows
 }
 
-/// Files in the order in which they came, each with its groups; then what was made here.
+/// Files in the order in which they were added, each with its groups; then objects created here.
 fn objects<'d>(
     document: &'d SceneDocument,
     matches: &impl Fn(&str) -> bool,
     language: Language,
 ) -> Vec<(&'d str, GroupNode)> {
     let names = document.source_files.iter().map(|b| b.name.as_str());
-    let titles = names.chain([language.tr("made here")]);
+    let titles = names.chain([language.tr("created here")]);
     let mut files: Vec<(&str, GroupNode)> =
         titles.map(|title| (title, GroupNode::default())).collect();
     let made_here = document.source_files.len();
@@ -223,7 +223,7 @@ fn objects<'d>(
     files
 }
 
-/// What stands behind the files, by titles.
+/// Lights, cameras, materials and definitions, with their titles.
 fn lists(
     document: &SceneDocument,
     matches: &impl Fn(&str) -> bool,
@@ -251,7 +251,7 @@ fn lists(
     ]
 }
 
-/// A name without the branch in front of it, which stands above it already.
+/// A name without the prefix of its file, whose row is above it.
 fn inside<'a>(name: &'a str, source_file: &str) -> &'a str {
     let rest = name
         .strip_prefix(source_file)
@@ -259,7 +259,7 @@ fn inside<'a>(name: &'a str, source_file: &str) -> &'a str {
     rest.unwrap_or(name)
 }
 
-/// The rows that no closed group holds.
+/// The rows outside of collapsed groups.
 pub(super) fn visible(rows: &[TreeRow], closed: &HashSet<u64>) -> Vec<usize> {
     let mut visible = Vec::new();
     let mut at = 0;
@@ -273,12 +273,12 @@ pub(super) fn visible(rows: &[TreeRow], closed: &HashSet<u64>) -> Vec<usize> {
     visible
 }
 
-/// Which rows are selected: groups are where all that they hold is.
+/// Which rows are selected: a group is if all of its content is.
 pub(super) fn chosen(rows: &[TreeRow], selected: &HashSet<ItemId>) -> Vec<bool> {
     let mut chosen = vec![false; rows.len()];
-    // Of what each group holds: how many there are, and how many of them are not selected.
+    // For each group: its number of items, and how many of them are not selected.
     let mut counts = vec![(0_usize, 0_usize); rows.len()];
-    // What a group holds comes behind it.
+    // The content of a group follows its row.
     for (at, row) in rows.iter().enumerate().rev() {
         let (all, others) = match row.leaf.id() {
             Some(id) => (1, usize::from(!selected.contains(&id))),
@@ -308,7 +308,7 @@ mod tests {
         rows
     }
 
-    /// What rows keep: their own texts.
+    /// Memory used by the texts of rows.
     fn bytes(rows: &[TreeRow]) -> usize {
         let text = |row: &TreeRow| row.label.capacity();
         rows.iter()
@@ -320,7 +320,7 @@ mod tests {
     fn a_name_of_many_groups_is_not_many_rows() {
         let shallow = named("a/b/c");
         let labels: Vec<&str> = shallow.iter().map(|r| r.label.as_str()).collect();
-        assert_eq!(labels, ["made here", "a", "b", "c"]);
+        assert_eq!(labels, ["created here", "a", "b", "c"]);
         let parents: Vec<_> = shallow.iter().map(|r| r.parent).collect();
         assert_eq!(parents, [None, Some(0), Some(1), Some(2)]);
         for levels in [4_000, 50_000] {
@@ -362,7 +362,7 @@ mod tests {
         let rows = rows(&document, "", Language::English);
         let top = rows.iter().filter(|r| r.parent.is_none());
         let labels: Vec<&str> = top.map(|r| r.label.as_str()).take(3).collect();
-        assert_eq!(labels, ["z", "a", "made here"]);
+        assert_eq!(labels, ["z", "a", "created here"]);
     }
 
     #[test]
@@ -378,7 +378,7 @@ mod tests {
         assert_eq!(of(&[1, 2]), ["room", "floor", "lamp"]);
         assert_eq!(of(&[5]), ["Lights", "bulb"]);
         let all = of(&[1, 2, 3, 4]);
-        assert_eq!(all[0], "made here");
+        assert_eq!(all[0], "created here");
         assert!(!all.iter().any(|l| l == "Materials"), "{all:?}");
     }
 
@@ -394,7 +394,7 @@ mod tests {
         assert_eq!(shown(&document, "room"), Some(true));
         Arc::make_mut(&mut document.objects[1]).hidden = true;
         assert_eq!(shown(&document, "room"), Some(false));
-        assert_eq!(shown(&document, "made here"), Some(true));
+        assert_eq!(shown(&document, "created here"), Some(true));
         assert_eq!(shown(&document, "Cameras"), Some(true));
         assert_eq!(shown(&document, "Materials"), None);
     }

@@ -1,4 +1,4 @@
-//! What of the document stands on the stage: the polygons to draw for each object.
+//! The displayed polygons of each object, cached between frames.
 
 use crate::app::App;
 use crate::document::{ItemId, SceneObject};
@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Polygons of objects, kept as long as neither shape nor distance ask for others.
+/// Polygons of objects, kept until the shape or the required accuracy changes.
 #[derive(Default)]
 pub struct ViewportCache {
     entries: Vec<CachedMesh>,
@@ -21,19 +21,19 @@ pub struct ViewportCache {
     next: u64,
 }
 
-/// One object on the stage.
+/// The polygons of one object.
 pub struct CachedMesh {
-    /// Which.
+    /// Its id.
     pub id: ItemId,
     shape: Arc<Shape>,
-    /// Polygons of an exact shape.
+    /// The tessellation of an exact shape.
     made: Option<Mesh>,
     chord_error: f64,
     is_lit: bool,
     key: u64,
-    /// A box around the polygons where they are not placed.
+    /// Bounding box of the polygons in object space.
     bounds: Aabb,
-    /// Where the polygons stand.
+    /// World from object for the polygons.
     pub placement: DAffine3,
 }
 
@@ -48,7 +48,7 @@ impl CachedMesh {
         }
     }
 
-    /// The polygons where they stand, for those who look for them.
+    /// The polygons with their placement, for picking.
     pub fn drawn(&self) -> MeshInstance<'_> {
         MeshInstance {
             world_from_object: self.placement,
@@ -57,7 +57,7 @@ impl CachedMesh {
         }
     }
 
-    /// Unit normal of the side of a triangle that a ray meets.
+    /// Unit normal of the side of a triangle that a ray hits.
     pub fn normal(&self, corners: [u32; 3], ray: &Ray) -> DVec3 {
         let mesh = self.mesh();
         let [a, b, c] = corners.map(|v| {
@@ -68,13 +68,13 @@ impl CachedMesh {
         if n.dot(ray.direction) > 0.0 { -n } else { n }
     }
 
-    /// Irradiance at a place of a triangle, with its standard error if that is known; `None` where
-    /// it is not solved.
+    /// Irradiance at a point of a triangle, with its standard error where known; `None` where it is
+    /// not solved.
     pub fn light(&self, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
         light_of(self.mesh(), corners, weights).filter(|_| self.is_lit)
     }
 
-    /// The face of the model that a ray meets, where patches that it was divided into are shown.
+    /// The face of the model that a ray hits, where the solver's patches are displayed.
     pub fn model_face(&self, app: &App, ray: &Ray) -> Option<usize> {
         let item = app.document.item(self.id).filter(|_| self.is_lit)?;
         let Shape::Mesh(mesh) = &*item.shape else {
@@ -87,8 +87,8 @@ impl CachedMesh {
         pick(&[drawn], ray, false).map(|hit| hit.face)
     }
 
-    /// Irradiance where a ray meets what the solver made of the object, while something else of it
-    /// is shown.
+    /// Irradiance where a ray hits the solved shape of the object, while another shape of it is
+    /// displayed.
     pub fn light_beneath(&self, app: &App, ray: &Ray) -> Option<(Rgb, Option<Rgb>)> {
         let item = app.document.item(self.id)?;
         let lit = app.lighting.solution.as_ref()?.shown(item)?;
@@ -98,7 +98,7 @@ impl CachedMesh {
     }
 }
 
-/// Irradiance at a place of a triangle, with its standard error if that is known.
+/// Irradiance at a point of a triangle, with its standard error where known.
 fn light_of(mesh: &Mesh, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
     let mean = |values: &[Rgb]| {
         let mut sum = Rgb::BLACK;
@@ -128,7 +128,7 @@ static EMPTY: Mesh = Mesh {
 };
 
 impl ViewportCache {
-    /// Brings on the stage what the document has, as the view asks for it.
+    /// Updates the polygons to the document and the view.
     pub fn update(&mut self, app: &App, view: &Projection) {
         let mut old: HashMap<ItemId, CachedMesh> =
             self.entries.drain(..).map(|e| (e.id, e)).collect();
@@ -154,7 +154,7 @@ impl ViewportCache {
         };
         let is_lit = lit.is_some();
         let shape = lit.unwrap_or(&item.shape);
-        // What the solver returns stands in its place already.
+        // Shapes returned by the solver are already in world space.
         let placement = if is_lit {
             DAffine3::IDENTITY
         } else {
@@ -219,7 +219,7 @@ impl ViewportCache {
         }
     }
 
-    /// The key of the picture behind the model.
+    /// The key of the background image.
     pub fn backdrop_key(&mut self, backdrop: &Backdrop) -> u64 {
         let Backdrop::Image(image, _) = backdrop else {
             self.backdrop = None;
@@ -235,22 +235,22 @@ impl ViewportCache {
         }
     }
 
-    /// The key of a texture's picture.
+    /// The key of a texture's image.
     pub fn texture_key(&self, texture: &Arc<Texture>) -> u64 {
         let found = self.textures.get(&Arc::as_ptr(texture));
         found.map_or(0, |(key, _)| *key)
     }
 
-    /// What is on the stage.
+    /// The cached objects.
     pub fn entries(&self) -> &[CachedMesh] {
         &self.entries
     }
 
-    /// What is to be drawn; in the order of [`entries`](Stage::entries), unless form factors
-    /// are shown, whose patches stand for everything.
+    /// The meshes to draw, in the order of [`entries`](ViewportCache::entries); if form factors are
+    /// shown, their patches replace everything else.
     pub fn drawn<'a>(&'a self, app: &'a App, shows_factors: bool) -> Vec<MeshInstance<'a>> {
         if shows_factors && let Some((number, mesh, values)) = &self.seen {
-            // Keys of objects count up from 1, those of patches down from the end.
+            // Keys of objects count up from 1, those of patches down from the maximum.
             let mut drawn = MeshInstance::new(u64::MAX - number, mesh);
             drawn.face_values = Some(FaceValues {
                 key: *number,
@@ -275,19 +275,19 @@ impl ViewportCache {
         };
         MeshInstance {
             is_selected: selected.contains(&entry.id) && faces.is_empty(),
-            // Their numbers are the model's and mean nothing where it is divided into patches:
-            // there the overlay marks them.
+            // Selected faces are indices into the model, which mean nothing on the solver's
+            // patches: there the overlay marks them.
             selected_faces: if entry.is_lit { &[] } else { faces },
             ..entry.drawn()
         }
     }
 }
 
-/// How much a map enlarges, on the whole.
+/// The mean scale of a map.
 fn mean_scale(map: &DAffine3) -> f64 {
     let scale = map.matrix3.determinant().abs().cbrt();
     if scale > 0.0 && scale.is_finite() {
-        // Powers of two, so that a drag does not tessellate anew at each step.
+        // Powers of two, so that a drag does not tessellate again in every frame.
         2f64.powi(scale.log2().round() as i32)
     } else {
         1.0

@@ -1,4 +1,4 @@
-//! Handles that move, turn and scale what is selected.
+//! The transform gizmo: handles that move, rotate and scale the selection.
 
 use crate::gpu::Projection;
 use egui::{Color32, Painter, Pos2, Rect, Stroke, Vec2};
@@ -7,45 +7,45 @@ use glam::{DAffine3, DVec2, DVec3};
 /// What the handles do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GizmoMode {
-    /// Along an axis.
+    /// Move along an axis.
     #[default]
     Move,
-    /// About an axis.
-    Turn,
-    /// Along an axis, or in the middle in all directions.
+    /// Rotate about an axis.
+    Rotate,
+    /// Scale along an axis, or uniformly with the handle in the middle.
     Scale,
 }
 
-/// A handle that is held.
+/// A handle being dragged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GizmoHandle {
     mode: GizmoMode,
-    /// 0, 1, 2 for the axes; 3 for all of them.
+    /// 0, 1, 2 for the axes; 3 for uniform scaling.
     axis: usize,
     centre: DVec3,
-    /// Where the mouse was when it was taken into account last.
+    /// The mouse position at the last update.
     last: Pos2,
 }
 
 /// Length of an axis on the screen, points.
 const LENGTH: f64 = 80.0;
-/// How near the mouse must be, points.
+/// Picking distance from a handle, points.
 const PICK_RADIUS: f32 = 8.0;
 const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
-/// Red, green and blue that differ in brightness too.
+/// Red, green and blue that also differ in brightness.
 const COLORS: [Color32; 3] = [
     Color32::from_rgb(224, 82, 74),
     Color32::from_rgb(130, 196, 72),
     Color32::from_rgb(84, 146, 236),
 ];
 
-/// The handles of a selection whose middle is `centre`, in a viewport.
+/// The gizmo of a selection in a viewport.
 pub struct Gizmo<'a> {
-    /// The view, in points of the viewport.
+    /// The projection, in points of the viewport.
     pub view: &'a Projection,
-    /// Where the viewport is on the screen.
+    /// The rectangle of the viewport on the screen.
     pub rect: Rect,
-    /// The middle of what is selected.
+    /// The centre of the selection.
     pub centre: DVec3,
     /// What the handles do.
     pub mode: GizmoMode,
@@ -57,16 +57,16 @@ impl Gizmo<'_> {
         Some(self.rect.min + Vec2::new(p.x as f32, p.y as f32))
     }
 
-    /// World length of a handle.
+    /// Length of a handle in world units.
     fn reach(&self) -> f64 {
         LENGTH * self.view.pixel_at(self.centre)
     }
 
-    /// The lines of a handle on the screen.
+    /// The polyline of a handle on the screen.
     fn lines(&self, axis: usize) -> Vec<Pos2> {
         let reach = self.reach();
         match self.mode {
-            GizmoMode::Turn => {
+            GizmoMode::Rotate => {
                 let (u, v) = AXES[axis].any_orthonormal_pair();
                 let at = |k: i32| {
                     let (s, c) = (std::f64::consts::TAU * f64::from(k) / 48.0).sin_cos();
@@ -106,7 +106,7 @@ impl Gizmo<'_> {
             .map(|(k, _)| grip(k))
     }
 
-    /// Draws the handles; the one that is held or under the mouse is bright.
+    /// Draws the handles; the active one is highlighted.
     pub fn paint(&self, painter: &Painter, lit: Option<&GizmoHandle>) {
         for (axis, own) in COLORS.into_iter().enumerate() {
             let is_lit = lit.is_some_and(|g| g.axis == axis || g.axis == 3);
@@ -132,8 +132,8 @@ impl Gizmo<'_> {
         }
     }
 
-    /// What dragging a handle to `mouse` does to the selection, in the world. The grip remembers
-    /// how far it has come.
+    /// The world-space transform for dragging a handle to `mouse`. Updates the handle's last
+    /// position.
     pub fn drag(&self, grip: &mut GizmoHandle, mouse: Pos2) -> Option<DAffine3> {
         let map = match grip.mode {
             GizmoMode::Move => {
@@ -141,7 +141,7 @@ impl Gizmo<'_> {
                 let by = self.along(grip, axis, mouse)? - self.along(grip, axis, grip.last)?;
                 DAffine3::from_translation(by * axis)
             }
-            GizmoMode::Turn => {
+            GizmoMode::Rotate => {
                 let by = self.around(grip, mouse)? - self.around(grip, grip.last)?;
                 about(grip.centre, DAffine3::from_axis_angle(AXES[grip.axis], by))
             }
@@ -162,17 +162,17 @@ impl Gizmo<'_> {
         map.is_finite().then_some(map)
     }
 
-    /// How far along an axis the mouse is: where the axis comes nearest to its ray.
+    /// Position of the mouse along an axis: the point of the axis nearest to the mouse ray.
     fn along(&self, grip: &GizmoHandle, axis: DVec3, mouse: Pos2) -> Option<f64> {
         let ray = self.view.ray(in_view(mouse, self.rect));
         let (d, w) = (ray.direction.normalize(), ray.origin - grip.centre);
         let b = d.dot(axis);
         let parallel = 1.0 - b * b;
-        // An axis that points at the eye cannot be followed.
+        // An axis that points at the camera has no such point.
         (parallel > 1e-4).then(|| (w.dot(axis) - b * w.dot(d)) / parallel)
     }
 
-    /// The angle of the mouse about the middle, as the axis sees it.
+    /// The angle of the mouse about the centre, as seen along the axis.
     fn around(&self, grip: &GizmoHandle, mouse: Pos2) -> Option<f64> {
         let middle = self.on_screen(grip.centre)?;
         let v = mouse - middle;
@@ -182,7 +182,7 @@ impl Gizmo<'_> {
             .direction
             .dot(AXES[grip.axis]);
         let angle = f64::from(v.y).atan2(f64::from(v.x));
-        // Angles on the screen run clockwise; seen from behind, the axis turns the other way.
+        // Screen angles run clockwise; seen from behind, the axis turns the other way.
         Some(if toward_eye < 0.0 { -angle } else { angle })
     }
 
@@ -201,7 +201,7 @@ fn in_view(p: Pos2, rect: Rect) -> DVec2 {
     DVec2::new(f64::from(p.x), f64::from(p.y))
 }
 
-/// A map about another point than the origin.
+/// A linear map about another point than the origin.
 fn about(centre: DVec3, map: DAffine3) -> DAffine3 {
     DAffine3::from_translation(centre) * map * DAffine3::from_translation(-centre)
 }
@@ -268,7 +268,7 @@ mod tests {
     #[test]
     fn rings_turn_as_the_mouse_does() {
         let view = view();
-        let gizmo = gizmo(&view, GizmoMode::Turn);
+        let gizmo = gizmo(&view, GizmoMode::Rotate);
         let at = |degrees: f64| {
             let (s, c) = degrees.to_radians().sin_cos();
             gizmo
@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn far_from_all_handles_there_is_none() {
         let view = view();
-        for mode in [GizmoMode::Move, GizmoMode::Turn, GizmoMode::Scale] {
+        for mode in [GizmoMode::Move, GizmoMode::Rotate, GizmoMode::Scale] {
             assert_eq!(gizmo(&view, mode).grip_at(Pos2::new(60.0, 30.0)), None);
         }
     }

@@ -1,4 +1,4 @@
-//! What is under the mouse, in one line.
+//! The status line for the surface point under the mouse.
 
 use super::cache::{CachedMesh, ViewportCache};
 use super::legend::number;
@@ -10,7 +10,7 @@ use crate::ui::inspector::named;
 use azulejo::scene::Rgb;
 use azulejo::scene::math::Ray;
 
-/// The object, the place, the material and the light where a ray meets the model.
+/// Object, position, material and light at the point where a ray hits the model.
 pub fn text(cx: &PanelContext, cache: &ViewportCache, ray: &Ray) -> Option<String> {
     let drawn: Vec<MeshInstance> = cache.entries().iter().map(|e| e.drawn()).collect();
     let hit = pick(&drawn, ray, false)?;
@@ -37,7 +37,7 @@ pub fn text(cx: &PanelContext, cache: &ViewportCache, ray: &Ray) -> Option<Strin
     Some(text)
 }
 
-/// Irradiance with its standard error, and the radiance that leaves evenly to all sides.
+/// Irradiance with its standard error, and the diffuse radiance.
 fn light(
     cx: &PanelContext,
     entry: &CachedMesh,
@@ -46,7 +46,7 @@ fn light(
     ray: &Ray,
 ) -> Option<String> {
     if !hit.is_front {
-        // Light is known on fronts.
+        // Irradiance is known on front sides only.
         return None;
     }
     let shown = entry.light(hit.vertices, hit.barycentric);
@@ -74,7 +74,7 @@ pub fn radiance_unit(app: &App) -> &'static str {
     }
 }
 
-/// One number where the channels agree, three where they do not.
+/// One number if the channels agree, otherwise three.
 pub fn value(c: Rgb) -> String {
     let (low, high) = (c.r.min(c.g).min(c.b), c.max_channel());
     if high - low <= 5e-3 * high.abs() {

@@ -1,4 +1,4 @@
-//! What stands beside the model: lights, cameras, a grid, axes.
+//! Overlays of the viewport: markers of lights and cameras, the grid and the axes.
 
 use crate::app::App;
 use crate::document::{ItemId, light_position};
@@ -8,13 +8,13 @@ use azulejo::scene::{Camera, LightKind, Shape, Up};
 use egui::{Pos2, Rect, Vec2};
 use glam::DVec3;
 
-/// Yellow for light, blue for cameras, grey for the ground.
+/// Yellow for lights, blue for cameras, grey for the ground.
 const LIGHT: [u8; 3] = [255, 214, 64];
 const CAMERA: [u8; 3] = [96, 170, 255];
 const GROUND: [u8; 3] = [128, 128, 128];
 const CHOSEN: [u8; 3] = [255, 150, 30];
 
-/// Everything beside the model.
+/// All overlays.
 pub fn overlay(app: &App) -> Overlay {
     let mut overlay = Overlay::default();
     let bounds = app.document.bounds(None);
@@ -42,7 +42,7 @@ pub fn overlay(app: &App) -> Overlay {
     overlay
 }
 
-/// Marks selected faces of the model on the patches that it was divided into.
+/// Marks selected faces of the model on the patches that they were divided into.
 fn chosen_faces(overlay: &mut Overlay, app: &App) {
     let Some((item, faces)) = (app.selection.faces.as_ref())
         .and_then(|(id, faces)| Some((app.document.item(*id)?, faces)))
@@ -74,7 +74,7 @@ fn chosen_faces(overlay: &mut Overlay, app: &App) {
     }
 }
 
-/// The light or camera whose sign is nearest to a point of the window, if one is near.
+/// The light or camera whose marker is nearest to a point of the window, if one is near.
 pub fn at(mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<ItemId> {
     const PICK_RADIUS: f32 = 12.0;
     if !app.view.shows_markers {
@@ -103,7 +103,7 @@ fn ink(color: [u8; 3], is_selected: bool) -> OverlayStyle {
     }
 }
 
-/// The middle of what is selected, signs included.
+/// The centre of the selection, markers included.
 pub fn middle(app: &App) -> Option<DVec3> {
     let ids = &app.selection.ids;
     if ids.is_empty() {
@@ -122,7 +122,7 @@ fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: 
             direction, outer, ..
         } => {
             star(overlay, at, 0.5 * reach, ink);
-            // A cone wider than a plane has no drawing; its axis has.
+            // A wider cone cannot be drawn; its axis can.
             let angle = outer.min(1.4);
             overlay.cone(at, direction * (4.0 * reach), angle, ink);
             overlay.arrow(at, at + direction * (4.0 * reach), ink);
@@ -155,7 +155,7 @@ fn star(overlay: &mut Overlay, at: DVec3, reach: f64, ink: OverlayStyle) {
     }
 }
 
-/// A pyramid with the eye as its tip.
+/// A pyramid with its apex at the camera's position.
 fn camera(overlay: &mut Overlay, camera: &Camera, size: f64, ink: OverlayStyle) {
     let (right, up, forward) = camera.axes();
     let reach = 0.08 * size;
@@ -178,7 +178,7 @@ fn camera(overlay: &mut Overlay, camera: &Camera, size: f64, ink: OverlayStyle) 
     overlay.polyline(&[corners[3], corner(0.0, 1.6), corners[2]], false, ink);
 }
 
-/// Squares of a round size on the ground, and the axes.
+/// A grid on the ground with a round spacing, and the axes.
 fn grid(overlay: &mut Overlay, bounds: Aabb, up: Up) {
     let (size, centre, ground) = if bounds.is_empty() {
         (4.0, DVec3::ZERO, 0.0)
@@ -258,7 +258,7 @@ mod tests {
         let marked = overlay(&app).triangles.pop().expect("a face").corners;
         let corners = [(-2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)].map(|(x, y)| DVec3::new(x, 0.0, -y));
         assert_eq!(marked, corners);
-        // The model's own polygons mark themselves.
+        // The model's own polygons are highlighted directly.
         app.view.shading = Shading::Flat;
         assert_eq!(marks(&app), before);
     }

@@ -1,4 +1,4 @@
-//! The model: drawn, moved around, picked.
+//! The viewport: drawing, navigation and picking.
 
 mod cache;
 mod gizmo;
@@ -34,29 +34,29 @@ use texture::{DrawStamp, ViewportTexture};
 
 pub use texture::DeviceLost;
 
-/// The viewport's own state.
+/// The state of the viewport.
 #[derive(Default)]
 pub struct Viewport {
     cache: ViewportCache,
     screen: Option<ViewportTexture>,
     rendered: rendered::RenderTexture,
-    /// What the handles of the selection do.
+    /// The mode of the gizmo.
     pub mode: GizmoMode,
     grip: Option<GizmoHandle>,
-    /// What is under the mouse.
+    /// The text for the point under the mouse.
     hover_text: Option<String>,
     probed_at: Option<(Pos2, u64, Camera, Shading)>,
-    /// What is pointed at, as a ray: by the mouse, or by keys the middle.
+    /// The ray of the mouse, or of the centre of the view when the keyboard is used.
     pointed: Option<Ray>,
-    /// Whether keys moved the view last: then they point at its middle.
+    /// Whether the view was last moved with the keyboard: then its centre is the pointer.
     by_keys: bool,
     /// Whether the next click pins a probe.
     pub pins_next: bool,
-    /// Pixels.
+    /// Size in pixels.
     size: [u32; 2],
 }
 
-/// Exposure that shows the usual irradiance on a grey surface as a bright middle.
+/// The exposure at which typical irradiance on a grey surface appears as a bright mid-tone.
 pub fn auto_exposure(app: &App) -> f64 {
     let usual = app.lighting.range.map_or(0.0, |r| r.usual);
     if usual > 0.0 {
@@ -66,7 +66,7 @@ pub fn auto_exposure(app: &App) -> f64 {
     }
 }
 
-/// Exposure of the light modes.
+/// The exposure of the modes that display light.
 fn exposure(app: &App, view: &ModelView) -> f64 {
     view.exposure.unwrap_or_else(|| auto_exposure(app))
 }
@@ -81,16 +81,17 @@ pub fn irradiance_unit(app: &App) -> &'static str {
 }
 
 impl Viewport {
-    /// On the card of a window, if it has one.
+    /// Creates a viewport on the device of a window, if it has one.
     ///
     /// # Errors
-    /// [`DeviceLost`]: the card cannot draw.
+    ///
+    /// [`DeviceLost`] if the device cannot be used.
     pub fn of_window(context: &eframe::CreationContext<'_>) -> Result<Viewport, DeviceLost> {
         let card = context.wgpu_render_state.as_ref();
         card.map_or_else(|| Ok(Viewport::default()), Viewport::on)
     }
 
-    /// With a graphics card to draw on.
+    /// Creates a viewport on a graphics device.
     fn on(state: &eframe::egui_wgpu::RenderState) -> Result<Viewport, DeviceLost> {
         Ok(Viewport {
             screen: Some(ViewportTexture::new(state)?),
@@ -98,33 +99,35 @@ impl Viewport {
         })
     }
 
-    /// Whether there is a card, or none was expected.
+    /// Checks that the device is available, if there should be one.
     ///
     /// # Errors
+    ///
     /// [`DeviceLost`].
     pub fn check(&self) -> Result<(), DeviceLost> {
         self.screen.as_ref().map_or(Ok(()), ViewportTexture::check)
     }
 
-    /// What is under the mouse.
+    /// The text for the point under the mouse.
     pub fn probe(&self) -> Option<&str> {
         self.hover_text.as_deref()
     }
 
-    /// The place of a surface that is pointed at.
+    /// The surface point under the pointer.
     pub fn pointed_place(&self) -> Option<SurfacePick> {
         self.patch_at(&self.pointed?)
     }
 
-    /// The size of the viewport, pixels.
+    /// The size of the viewport in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.size[0].max(1), self.size[1].max(1))
     }
 
-    /// Draws the model, or the picture by rays in its place; takes the mouse and the keys.
+    /// Draws the model or the rendered image; handles the mouse and the keyboard.
     ///
     /// # Errors
-    /// [`DeviceLost`]: the graphics card is gone. The window has to be opened again.
+    ///
+    /// [`DeviceLost`] if the graphics device is lost. The window has to be opened again.
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Result<(), DeviceLost> {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
@@ -135,7 +138,7 @@ impl Viewport {
         let view = self.view(ui, &response, cx);
         self.cache
             .update(cx.app, &Projection::new(&view.camera, self.size));
-        // A picture that was begun at another size fills a part of the place.
+        // An image rendered at another size covers only a part of the viewport.
         let seen = match &cx.app.render {
             Some(shown) => rendered::fit(rect, shown.size),
             None => rect,
@@ -153,10 +156,10 @@ impl Viewport {
         Ok(())
     }
 
-    /// The view after this frame's mouse and keys.
+    /// The view after this frame's input.
     fn view(&mut self, ui: &Ui, response: &Response, cx: &mut PanelContext) -> ModelView {
         let app = cx.app;
-        // Where a drag begins is found out below: on a handle, it does not turn the view.
+        // Whether a drag starts on a handle is decided below; if so, it does not rotate the view.
         if self.grip.is_some() || response.drag_started() || cx.is_covered {
             return app.view.clone();
         }
@@ -218,7 +221,7 @@ impl Viewport {
         screen.draw(ui, rect, stamp, &frame)
     }
 
-    /// The handles of what is selected.
+    /// The gizmo of the selection.
     fn handles(
         &mut self,
         ui: &Ui,
@@ -240,7 +243,7 @@ impl Viewport {
         let mouse = response.hover_pos().or(response.interact_pointer_pos());
         let under = mouse.and_then(|p| gizmo.grip_at(p));
         if response.drag_started_by(egui::PointerButton::Primary) {
-            // The press was a little before the drag began.
+            // The button was pressed slightly before the drag was detected.
             let press = ui.input(|i| i.pointer.press_origin());
             self.grip = press.and_then(|p| gizmo.grip_at(p));
         }
@@ -261,7 +264,7 @@ impl Viewport {
         gizmo.paint(ui.painter(), self.grip.as_ref().or(under.as_ref()));
     }
 
-    /// What is painted over the model: legends and buttons.
+    /// Draws legends and buttons over the model.
     fn decorate(&mut self, ui: &mut Ui, rect: Rect, cx: &PanelContext) {
         let app = cx.app;
         if self.by_keys {
@@ -295,7 +298,7 @@ impl Viewport {
         }
     }
 
-    /// What one should know of what is shown.
+    /// A hint about the displayed state.
     fn hint(&self, cx: &PanelContext) -> Option<&'static str> {
         let app = cx.app;
         let lighting = &app.lighting;
@@ -303,13 +306,13 @@ impl Viewport {
         if app.document.objects.is_empty() {
             None
         } else if self.pins_next {
-            Some(cx.tr("Click the place to watch; Escape for none."))
+            Some(cx.tr("Click the point to pin a probe at; Escape cancels."))
         } else if shading == Shading::FormFactors && lighting.seen.is_none() {
-            Some(cx.tr("Click a surface: its form factors become colours."))
+            Some(cx.tr("Click a surface to display its form factors."))
         } else if shading.shows_light() && lighting.solution.is_none() {
             Some(cx.tr("Not solved yet: press F5."))
         } else if shading.shows_light() && !lighting.is_current {
-            Some(cx.tr("This light is from before the last changes: press F5."))
+            Some(cx.tr("This light is outdated: press F5."))
         } else {
             None
         }
@@ -318,7 +321,7 @@ impl Viewport {
     fn mode_buttons(&mut self, ui: &mut Ui, rect: Rect, cx: &PanelContext) {
         let modes = [
             (GizmoMode::Move, cx.tr("Move")),
-            (GizmoMode::Turn, cx.tr("Turn")),
+            (GizmoMode::Rotate, cx.tr("Rotate")),
             (GizmoMode::Scale, cx.tr("Resize")),
         ];
         let place = Rect::from_min_size(rect.min + Vec2::splat(8.0), Vec2::new(240.0, 24.0));
@@ -332,7 +335,7 @@ impl Viewport {
     }
 }
 
-/// How numbers become colours now.
+/// The current colour scale.
 fn scale(app: &App) -> ColorScale {
     let colors = &app.view.false_color;
     if app.view.shading == Shading::FormFactors {
@@ -364,7 +367,7 @@ fn scale(app: &App) -> ColorScale {
     }
 }
 
-/// What is behind the model.
+/// The background of the viewport.
 fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Background<'a> {
     match &view.backdrop {
         Backdrop::Color(color) => Background::Color(*color),
@@ -378,7 +381,7 @@ fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Ba
         },
         Backdrop::Scene => match app.document.background {
             Some(radiance) => {
-                // Where surfaces show their light, it is exposed as they are.
+                // In modes that display light, the background is exposed like the surfaces.
                 let shown = match view.shading {
                     Shading::Irradiance | Shading::Patches => {
                         Tone::default().map(exposure(app, view) * radiance)

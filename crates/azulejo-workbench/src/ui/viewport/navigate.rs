@@ -1,4 +1,4 @@
-//! Mouse and keys that move the view.
+//! Navigation with mouse and keyboard.
 
 use crate::app::App;
 use crate::ui::focus::keep_arrows;
@@ -8,18 +8,17 @@ use glam::DVec3;
 
 /// Radians per point of dragging.
 const TURN: f64 = 0.008;
-/// Share of the model that is flown in a second.
+/// Flying speed in sizes of the model per second.
 const FLIGHT: f64 = 0.25;
-/// Radians per second of turning the head.
+/// Turning speed in radians per second.
 const HEAD: f64 = 1.0;
 
-/// Shares of the view's height per second of shifting by keys.
+/// Panning speed by keyboard, in heights of the view per second.
 const SHIFT: f64 = 0.5;
-/// By what a second of a key brings nearer.
+/// Change of the distance per second of zooming by keyboard.
 const NEARER: f64 = 0.4;
 
-/// The view after this frame's mouse and keys; whether it must be drawn again at once because a
-/// key is held.
+/// The view after this frame's input; also whether to repaint at once because a key is held.
 pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (ModelView, bool) {
     let mut view = app.view.clone();
     let up = app.document.units.up.axis();
@@ -46,7 +45,7 @@ fn drag(ui: &Ui, response: &Response, view: &mut ModelView, up: DVec3, flies: bo
         || response.dragged_by(PointerButton::Middle)
         || modifiers.shift;
     if flies {
-        // Who flies looks around with the mouse.
+        // While flying, the mouse looks around.
         view.fly(DVec3::ZERO, TURN * dx, -TURN * dy, up);
     } else if shifts {
         view.pan(-dx / height, dy / height);
@@ -70,21 +69,21 @@ fn wheel(ui: &Ui, response: &Response, view: &mut ModelView) {
     }
 }
 
-/// Keys that are held, and for how long since the last frame.
+/// Held keys, and the time since the last frame.
 #[derive(Default)]
 struct HeldKeys {
     /// Right, up and forward: -1, 0 or 1.
     step: DVec3,
-    /// Arrows to the right and up.
+    /// Arrow keys: right and up.
     arrows: (f64, f64),
-    /// Nearer, or further away.
+    /// Closer or further away.
     zoom: f64,
     modifiers: Modifiers,
     seconds: f64,
 }
 
 impl HeldKeys {
-    /// None while another part of the window has the keys.
+    /// No keys are held while another widget has the focus.
     fn now(ui: &Ui, response: &Response) -> HeldKeys {
         if response.has_focus() {
             keep_arrows(response);
@@ -110,7 +109,7 @@ impl HeldKeys {
                     held(Key::ArrowRight) - held(Key::ArrowLeft),
                     held(Key::ArrowUp) - held(Key::ArrowDown),
                 ),
-                // A plus may need Shift; with Ctrl they mean something else.
+                // Typing a plus may need Shift; with Ctrl these keys scale the window.
                 zoom: if i.modifiers.command { 0.0 } else { signs },
                 modifiers: i.modifiers,
                 seconds: f64::from(i.stable_dt.min(0.1)),

@@ -1,4 +1,5 @@
-//! What the mouse points at, or keys: the middle of the view then; and what a click there does.
+//! The pointer in the viewport (the mouse, or the centre of the view with the keyboard), and
+//! clicks.
 
 use super::{Viewport, hover, markers};
 use crate::command::{Command, Selection, SurfacePick};
@@ -12,7 +13,7 @@ use egui::{Pos2, Rect, Response, Ui};
 use glam::DVec2;
 
 impl Viewport {
-    /// Takes what is pointed at, and clicks. `rect` is where the model is seen.
+    /// Updates the pointer and handles clicks. `rect` is the rectangle of the model.
     pub(super) fn point(
         &mut self,
         ui: &Ui,
@@ -43,7 +44,7 @@ impl Viewport {
             response.request_focus();
             self.click(ui, at, rect, &ray, view, cx);
         }
-        // What rests need not be asked again.
+        // An unchanged pointer needs no new query.
         let view = &cx.app.view;
         let key = (at, cx.app.revision(), view.camera.clone(), view.shading);
         if self.probed_at.as_ref() != Some(&key) && !response.dragged() {
@@ -52,7 +53,7 @@ impl Viewport {
         }
     }
 
-    /// Where the mouse is, or the middle of the view where keys have it.
+    /// The mouse position, or the centre of the view when the keyboard is used.
     fn pointer(&mut self, response: &Response, rect: Rect) -> Option<Pos2> {
         let moves = response.ctx.input(|i| i.pointer.is_moving());
         if !response.has_focus() || (response.hovered() && moves) {
@@ -118,8 +119,7 @@ impl Viewport {
         pick(&drawn, ray, false)
     }
 
-    /// Adds a face to the selection, or takes it away. Faces are those of the model, whatever the
-    /// solver divided them into.
+    /// Toggles a face in the selection. Faces are those of the model, not the solver's patches.
     fn pick_face(&self, ray: &Ray, cx: &mut PanelContext) {
         let document = &cx.app.document;
         let meshes: Vec<(ItemId, MeshInstance)> = (document.objects.iter())

@@ -1,4 +1,4 @@
-//! Pinned probes on the picture of the model.
+//! Markers of the probes in the viewport.
 
 use super::{PanelContext, irradiance_unit, number};
 use crate::app::Probe;
@@ -6,7 +6,7 @@ use crate::gpu::Projection;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui, Vec2};
 use glam::DVec3;
 
-/// Paints a cross with a number at each probe; those on sides that face away are faint.
+/// Draws a cross with a number at each probe; those on back-facing sides are faint.
 pub fn paint(ui: &Ui, rect: Rect, view: &Projection, cx: &PanelContext) {
     let app = cx.app;
     let painter = ui.painter().with_clip_rect(rect);
@@ -36,7 +36,7 @@ fn strength(probe: &Probe, eye: DVec3) -> f32 {
     }
 }
 
-/// The number of a probe, and its irradiance where that is known.
+/// The number of a probe, and its irradiance where known.
 fn words(probe: &Probe, unit: &str) -> String {
     let front = probe.site.as_ref().filter(|s| s.paint.is_front);
     let light = front.and_then(|s| s.light).map(|l| l.0);
@@ -46,7 +46,7 @@ fn words(probe: &Probe, unit: &str) -> String {
     }
 }
 
-/// White on black, so that it shows on any surface.
+/// White on black, so that it is visible on any surface.
 pub fn cross(painter: &Painter, at: Pos2, words: &str, strength: f32) {
     const ARM: f32 = 6.0;
     let strokes = [(3.5, Color32::BLACK), (1.5, Color32::WHITE)];

@@ -1,4 +1,4 @@
-//! The picture by rays in the place of the viewport.
+//! The rendered image in the viewport.
 
 use crate::app::App;
 use crate::ui::dialogs::pixels;
@@ -6,14 +6,14 @@ use azulejo::scene::Image;
 use egui::{Color32, Rect, TextureHandle, TextureOptions, Ui, Vec2};
 use std::sync::Arc;
 
-/// Where a picture of so many pixels stands: as large as fits, in the middle.
+/// The rectangle of an image of this size: as large as possible, centred.
 pub fn fit(rect: Rect, (width, height): (u32, u32)) -> Rect {
     let size = Vec2::new(width.max(1) as f32, height.max(1) as f32);
     let scale = (rect.width() / size.x).min(rect.height() / size.y);
     Rect::from_center_size(rect.center(), scale * size)
 }
 
-/// The picture as a texture.
+/// The rendered image as a texture.
 #[derive(Default)]
 pub struct RenderTexture {
     texture: Option<TextureHandle>,
@@ -21,7 +21,7 @@ pub struct RenderTexture {
 }
 
 impl RenderTexture {
-    /// Paints the picture as far as it is, as large as fits.
+    /// Draws the current image, as large as possible.
     pub fn show(&mut self, ui: &Ui, rect: Rect, app: &App) {
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
         let Some(picture) = &app.render else { return };
@@ -56,7 +56,7 @@ impl RenderTexture {
             None => {
                 let context = ui.ctx();
                 self.texture =
-                    Some(context.load_texture("picture", pixels, TextureOptions::LINEAR));
+                    Some(context.load_texture("rendering", pixels, TextureOptions::LINEAR));
             }
         }
         self.made_of = Some((Arc::clone(image), exposure));

@@ -1,4 +1,4 @@
-//! Where the viewport is drawn: a texture of the graphics card that egui shows.
+//! The texture of the viewport, which egui displays.
 
 use crate::command::Selection;
 use crate::gpu::{ColorScale, GpuError, Renderer, ViewportFrame};
@@ -7,11 +7,11 @@ use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Rect, TextureId, Ui};
 use std::time::Duration;
 
-/// The graphics card is gone.
+/// The graphics device is lost.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceLost(pub GpuError);
 
-/// What a drawing was made from: the same again need not be drawn.
+/// Everything that a drawing depends on: if it is unchanged, nothing is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawStamp {
     pub view: ModelView,
@@ -22,7 +22,7 @@ pub struct DrawStamp {
     pub scale: ColorScale,
 }
 
-/// What the picture on the screen is.
+/// The drawing on the screen.
 #[derive(Clone, Debug, PartialEq)]
 struct LastDrawing {
     stamp: DrawStamp,
@@ -30,18 +30,18 @@ struct LastDrawing {
     is_smooth: bool,
 }
 
-/// Where the processor draws, smooth edges of more triangles than this take too long.
+/// Number of triangles above which antialiasing by a software driver is too slow.
 const MAX_SMOOTH: usize = 200_000;
-/// How long a view rests until its edges are smoothed there.
+/// How long the view must be still before a software driver draws with antialiasing.
 const REST: Duration = Duration::from_millis(150);
 
-/// A renderer and its picture.
+/// A renderer and its texture.
 pub struct ViewportTexture {
     state: RenderState,
     renderer: Renderer,
     texture: Option<TextureId>,
     drawn: Option<LastDrawing>,
-    /// What could not be drawn, until something changes.
+    /// The error of the last attempt, until something changes.
     failure: Option<GpuError>,
 }
 
@@ -58,7 +58,7 @@ impl ViewportTexture {
         })
     }
 
-    /// Whether the card is still there.
+    /// Whether the device is still available.
     pub fn check(&self) -> Result<(), DeviceLost> {
         match self.renderer.check() {
             Err(lost @ GpuError::Lost { .. }) => Err(DeviceLost(lost)),
@@ -66,7 +66,7 @@ impl ViewportTexture {
         }
     }
 
-    /// Draws a frame, unless it is the last one again, and shows it.
+    /// Draws a frame unless it is unchanged, and displays it.
     pub fn draw(
         &mut self,
         ui: &Ui,
@@ -110,8 +110,8 @@ impl ViewportTexture {
         Ok(())
     }
 
-    /// Whether edges are to be smoothed: always by a card; by the processor once the view rests,
-    /// because it takes three times as long.
+    /// Whether to use antialiasing: always with a GPU; with a software driver once the view is
+    /// still, because it takes three times as long.
     fn smooths(&self, ui: &Ui, stamp: &DrawStamp, frame: &ViewportFrame) -> bool {
         if !self.renderer.is_software() {
             return true;
@@ -128,7 +128,7 @@ impl ViewportTexture {
             ui.ctx().request_repaint_after(REST);
             return false;
         }
-        // Other events come meanwhile; those that change nothing leave it as it is.
+        // Events that change nothing keep the current quality.
         last.is_smooth || !ui.input(|i| i.pointer.any_down())
     }
 

@@ -1,4 +1,4 @@
-//! What the window says of the work to the desktop, and when it may close.
+//! The window's title, and when it may close.
 
 use super::Workbench;
 use crate::app::App;
@@ -15,7 +15,7 @@ impl Workbench {
         self.handle_close(context, asks_close);
         if focused && !self.was_focused {
             self.app.check_disk();
-            // What it asks is asked in the next frame.
+            // Its question is displayed in the next frame.
             context.request_repaint();
         }
         self.was_focused = focused;
@@ -26,8 +26,8 @@ impl Workbench {
         }
     }
 
-    /// Closes the window where somebody wants it to: not before all is written, and not with
-    /// changes that nobody gave up, even those that were made while it waited.
+    /// Closes the window at the user's request, after all files are written and not with changes
+    /// that the user has not given up, including those made meanwhile.
     fn handle_close(&mut self, context: &egui::Context, asks_close: bool) {
         let ends = asks_close || self.app.closing;
         let is_lost = self.rescue.is_none();
@@ -51,7 +51,7 @@ impl Workbench {
     }
 }
 
-/// The file, a mark for changes, and who shows it.
+/// The file, a mark for unsaved changes, and the program.
 fn title(app: &App) -> String {
     let file = app.file.as_ref().and_then(|f| f.path.file_name());
     let source_file = app.document.source_files.first().map(|b| b.name.clone());
