@@ -5,7 +5,7 @@ use glam::DVec3;
 
 /// A dielectric boundary, or a pane, as one path meets it.
 pub(crate) struct Boundary {
-    split: fresnel::Split,
+    split: fresnel::FresnelSplit,
     /// Scales the mirrored part.
     mirror: Rgb,
     /// Scales the part that passes.

@@ -1,7 +1,7 @@
 //! What a surface does with light at one place: its reflection model, in the place's frame, with
 //! the colour that textures give it there.
 
-use azulejo_scene::brdf::{Brdf, Lobes, Sample};
+use azulejo_scene::brdf::{Brdf, BrdfSample, Lobes};
 use azulejo_scene::math::Frame;
 use azulejo_scene::{Material, Rgb};
 use azulejo_trace::sampling::cosine_hemisphere;
@@ -167,7 +167,7 @@ impl<'a> Shading<'a> {
 
     /// A world direction that light may come from, for four numbers in 0..1, with the weight
     /// BRDF × cosine / density.
-    pub fn sample(&self, u: [f64; 4]) -> Option<Sample> {
+    pub fn sample(&self, u: [f64; 4]) -> Option<BrdfSample> {
         let shares = self.shares();
         let mut rest = u[0] * shares.iter().sum::<f64>();
         let chosen = shares.iter().position(|share| {
@@ -183,7 +183,7 @@ impl<'a> Shading<'a> {
         let pdf = self.density(wi);
         let weight = self.eval(direction) / pdf;
         let is_useful = pdf > 0.0 && weight.is_finite() && !weight.is_black();
-        is_useful.then_some(Sample {
+        is_useful.then_some(BrdfSample {
             wi: direction,
             weight,
             pdf,

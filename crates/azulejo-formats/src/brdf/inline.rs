@@ -1,7 +1,7 @@
 //! A reflection model on one line, as GRF has it: `name key = value ...`.
 
 use crate::grf::lexer::{BadNumber, Lexer};
-use azulejo_scene::brdf::{Description, Model, Parameter, Problem, Value, find};
+use azulejo_scene::brdf::{BrdfError, Description, Model, Parameter, Value, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;
 
@@ -193,7 +193,7 @@ pub(crate) fn check(parts: &[Part]) -> Said<()> {
 }
 
 /// Finds the model and the parameter that a problem is about.
-fn blame(problem: &Problem, parts: &[Part]) -> Trouble {
+fn blame(problem: &BrdfError, parts: &[Part]) -> Trouble {
     match check(parts) {
         Err(trouble) => trouble,
         Ok(()) => {
@@ -204,7 +204,7 @@ fn blame(problem: &Problem, parts: &[Part]) -> Trouble {
     }
 }
 
-fn of_part(problem: &Problem, part: &Part) -> Trouble {
+fn of_part(problem: &BrdfError, part: &Part) -> Trouble {
     let (found, expected) = in_words(problem);
     let is_called = |parameter: &Parameter, name: &str| {
         let known = find(&part.model.name).ok();
@@ -213,9 +213,9 @@ fn of_part(problem: &Problem, part: &Part) -> Trouble {
     };
     let mut all = part.model.parameters.iter();
     let at = match problem {
-        Problem::Twice { name } => all.rposition(|p| is_called(p, name)),
-        Problem::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
-        Problem::Kind { name, .. } | Problem::Range { name, .. } => {
+        BrdfError::Twice { name } => all.rposition(|p| is_called(p, name)),
+        BrdfError::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
+        BrdfError::WrongKind { name, .. } | BrdfError::Range { name, .. } => {
             all.position(|p| is_called(p, name))
         }
         _ => None,
@@ -225,13 +225,13 @@ fn of_part(problem: &Problem, part: &Part) -> Trouble {
 }
 
 /// What was found and what was expected.
-pub(crate) fn in_words(problem: &Problem) -> (String, String) {
+pub(crate) fn in_words(problem: &BrdfError) -> (String, String) {
     match problem {
-        Problem::UnknownModel { name, nearest } => (
+        BrdfError::UnknownModel { name, nearest } => (
             format!("the reflection model `{name}`"),
             format!("a known one; the nearest name is `{nearest}`"),
         ),
-        Problem::UnknownParameter {
+        BrdfError::UnknownParameter {
             model,
             name,
             known,
@@ -243,15 +243,15 @@ pub(crate) fn in_words(problem: &Problem) -> (String, String) {
                 format!("{}{}", known.join(", "), nearest.unwrap_or_default()),
             )
         }
-        Problem::Missing { model, name } => {
+        BrdfError::Missing { model, name } => {
             (format!("`{model}` without `{name}`"), format!("`{name}`"))
         }
-        Problem::Twice { name } => (format!("`{name}` again"), "each parameter once".into()),
-        Problem::Kind { name, expected } => (
+        BrdfError::Twice { name } => (format!("`{name}` again"), "each parameter once".into()),
+        BrdfError::WrongKind { name, expected } => (
             format!("another kind of value for `{name}`"),
             expected.clone(),
         ),
-        Problem::Range {
+        BrdfError::Range {
             name,
             value,
             least,
@@ -260,7 +260,7 @@ pub(crate) fn in_words(problem: &Problem) -> (String, String) {
             format!("`{name}` of {value}"),
             format!("a number between {least} and {most}"),
         ),
-        Problem::Energy { what, sum } => (
+        BrdfError::Energy { what, sum } => (
             format!("{what} of {sum}"),
             "at most 1: more would reflect more than arrives".into(),
         ),

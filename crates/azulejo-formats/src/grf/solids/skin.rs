@@ -84,7 +84,7 @@ fn counts<T: Display>(out: &mut Out<'_>, key: &str, counts: &[T]) -> io::Result<
 
 /// The block of a solved shape's skin, in the space inside of the transforms `outer`.
 pub(in crate::grf) fn skin_block(exact: &Exact, outer: Outer) -> Option<Box<SkinBlock>> {
-    let mut skin = Mesh::clone(exact.skin.as_ref()?);
+    let mut skin = Mesh::clone(exact.proxy.as_ref()?);
     if let Some(map) = outer {
         skin.transform(&map.inverse());
     }

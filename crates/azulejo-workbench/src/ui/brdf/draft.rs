@@ -4,7 +4,7 @@ use super::latest::{Latest, Worker};
 use super::optics::{Optics, is_same_description, is_same_model};
 use super::theme::{notice, problem};
 use crate::words::Language;
-use azulejo::scene::brdf::{Description, Problem};
+use azulejo::scene::brdf::{BrdfError, Description};
 use azulejo::scene::{Brdf, Material};
 use azulejo::trace::{Cancelled, Progress};
 use egui::{Context, Ui};
@@ -20,7 +20,7 @@ pub(super) struct Draft {
     pub description: Description,
     /// The model that the document has.
     taken: Arc<Brdf>,
-    making: Latest<Key, Result<Made, Problem>>,
+    making: Latest<Key, Result<Made, BrdfError>>,
     worker: Worker,
 }
 
@@ -44,7 +44,7 @@ impl PartialEq for Key {
 fn make(
     key: &Key,
     _: &Progress,
-    show: &mut dyn FnMut(Result<Made, Problem>),
+    show: &mut dyn FnMut(Result<Made, BrdfError>),
 ) -> Result<(), Cancelled> {
     show(Brdf::new(key.0.clone()).map(|brdf| Made {
         reflected: brdf.mean_reflectance().max_channel(),
@@ -115,9 +115,9 @@ impl Draft {
 }
 
 /// What is wrong, in the person's language as far as it is common.
-fn problem_words(language: Language, problem: &Problem) -> String {
+fn problem_words(language: Language, problem: &BrdfError) -> String {
     match problem {
-        Problem::Range {
+        BrdfError::Range {
             name,
             value,
             least,
@@ -127,8 +127,8 @@ fn problem_words(language: Language, problem: &Problem) -> String {
             let and = language.say("and");
             format!("{name} {is} {value}; {between} {least} {and} {most}.")
         }
-        Problem::Missing { name, .. } => format!("{} {name}.", language.say("Missing:")),
-        Problem::Energy { what, sum } => {
+        BrdfError::Missing { name, .. } => format!("{} {name}.", language.say("Missing:")),
+        BrdfError::Energy { what, sum } => {
             let more = language.say("more than 1 would reflect more than arrives.");
             format!("{what} = {}: {more}", (1e6 * sum).round() / 1e6)
         }
