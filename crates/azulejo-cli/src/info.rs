@@ -135,7 +135,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
                 triangles: 0,
                 area: skin.area(),
                 power: (!power.is_black()).then_some(power),
-                solved: exact.skin.is_some(),
+                solved: exact.proxy.is_some(),
             }
         }
         Shape::Primitive(p) => {

@@ -123,7 +123,7 @@ impl Continuation {
 /// The surface of a transparent body, or a thin pane, as one ray meets it.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricInterface {
-    split: fresnel::Split,
+    split: fresnel::FresnelSplit,
     mirror: Rgb,
     transmittance: Rgb,
     /// The square of the ratio of indices: refraction conserves L/n², so radiance that arrives

@@ -7,7 +7,7 @@ use azulejo::models::read_bytes;
 use azulejo_formats::Folder;
 use azulejo_formats::brdf::LoadedBrdf;
 use azulejo_scene::Brdf;
-use azulejo_scene::brdf::{Description, Problem, find};
+use azulejo_scene::brdf::{BrdfError, Description, find};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -65,9 +65,9 @@ fn is_file(name: &str) -> bool {
 }
 
 /// A description that makes no model is a slip in what was typed.
-fn refuse(name: &str, problem: Problem) -> Failure {
+fn refuse(name: &str, problem: BrdfError) -> Failure {
     match problem {
-        Problem::UnknownModel { .. } => Failure::Misuse(format!(
+        BrdfError::UnknownModel { .. } => Failure::Misuse(format!(
             "{problem}, and no file is called so; `azulejo brdf list` lists the models"
         )),
         _ if is_file(name) => Failure::Failed(format!("{name}: {problem}")),

@@ -84,7 +84,7 @@ fn solved(scene: &mut Scene, pass: &FirstPass) -> azulejo_radiosity::Report {
 
 fn skin(scene: &Scene, object: usize) -> &Mesh {
     match &scene.objects[object].shape {
-        Shape::Exact(exact) => exact.skin.as_ref().expect("solved"),
+        Shape::Exact(exact) => exact.proxy.as_ref().expect("solved"),
         _ => panic!("object {object} is not exact"),
     }
 }

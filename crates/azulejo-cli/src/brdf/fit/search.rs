@@ -3,7 +3,7 @@
 use super::measured::FitSample;
 use super::variables::{self, FitVariable};
 use azulejo_scene::Brdf;
-use azulejo_scene::brdf::{Description, Model, Problem, Value};
+use azulejo_scene::brdf::{BrdfError, Description, Model, Value};
 use azulejo_trace::{Cancelled, Progress};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
@@ -49,7 +49,7 @@ pub enum FitError {
     /// It was asked to stop.
     Cancelled,
     /// The model cannot be made with any of the starts.
-    Problem(Problem),
+    Problem(BrdfError),
 }
 
 impl From<Cancelled> for FitError {
@@ -180,31 +180,31 @@ fn seven_digits(x: f64) -> f64 {
 }
 
 /// What is wrong in the middle of all ranges, if anything is.
-fn refused(question: &FitProblem) -> Problem {
+fn refused(question: &FitProblem) -> BrdfError {
     let middle = DVector::zeros(question.variables.len());
     match question.brdf(&middle) {
         Err(problem) => problem,
-        Ok(_) => Problem::Other("the search came to nothing from all starts".to_owned()),
+        Ok(_) => BrdfError::Other("the search came to nothing from all starts".to_owned()),
     }
 }
 
 impl FitProblem<'_> {
     /// The model at a place, and by how much it would reflect more than arrives there: its
     /// colours are multiplied until it does not.
-    fn brdf(&self, place: &DVector<f64>) -> Result<(Brdf, f64), Problem> {
+    fn brdf(&self, place: &DVector<f64>) -> Result<(Brdf, f64), BrdfError> {
         let (mut dimmed, mut excess) = (1.0, 0.0);
         for _ in 0..8 {
             let free = place.as_slice();
             let model = variables::model(&self.given, &self.variables, free, dimmed);
             match Brdf::new(Description::Model(model)) {
-                Err(Problem::Energy { sum, .. }) if sum > 1.0 => {
+                Err(BrdfError::Energy { sum, .. }) if sum > 1.0 => {
                     excess += sum - 1.0;
                     dimmed /= sum * (1.0 + 1e-12);
                 }
                 made => return made.map(|brdf| (brdf, excess)),
             }
         }
-        Err(Problem::Other(
+        Err(BrdfError::Other(
             "the parameters that are given reflect more than arrives".to_owned(),
         ))
     }

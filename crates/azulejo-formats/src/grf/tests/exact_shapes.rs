@@ -244,7 +244,7 @@ pub(super) fn exact(materials: u32) -> impl Strategy<Value = Shape> {
             for m in &mut skin.face_materials {
                 *m = materials[*m as usize % materials.len()];
             }
-            exact.skin = Some(Box::new(skin));
+            exact.proxy = Some(Box::new(skin));
         }
         Shape::Exact(exact)
     })

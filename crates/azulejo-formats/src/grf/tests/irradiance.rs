@@ -32,7 +32,7 @@ fn lit(mut scene: Scene) -> Scene {
                 for material in materials {
                     skin.push_face(&[0, 1, 2], material);
                 }
-                exact.skin = Some(Box::new(skin));
+                exact.proxy = Some(Box::new(skin));
             }
         }
     }
@@ -52,7 +52,7 @@ fn a_solved_scene_goes_back_into_its_document() {
 
 fn skin(scene: &Scene, object: usize) -> &Mesh {
     match &scene.objects[object].shape {
-        Shape::Exact(exact) => exact.skin.as_ref().unwrap(),
+        Shape::Exact(exact) => exact.proxy.as_ref().unwrap(),
         _ => panic!("object {object} is not exact"),
     }
 }

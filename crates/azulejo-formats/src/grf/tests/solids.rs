@@ -160,13 +160,13 @@ fn materials_come_from_around() {
 fn a_skin_is_light() {
     let scene = scene(&sample());
     let shape = exact(&scene, 4);
-    let skin = shape.skin.as_ref().unwrap();
+    let skin = shape.proxy.as_ref().unwrap();
     assert_eq!(skin.irradiance, [Rgb::new(1.0, 2.0, 3.0); 3]);
     assert_eq!(
         skin.face_materials,
         [1, 0].map(|l| shape.leaves()[l].material())
     );
-    assert!(exact(&scene, 0).skin.is_none() && !scene.is_solved());
+    assert!(exact(&scene, 0).proxy.is_none() && !scene.is_solved());
 }
 
 #[test]
