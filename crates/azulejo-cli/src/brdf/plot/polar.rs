@@ -131,7 +131,7 @@ impl PolarAxes {
         sheet.line(floor.to_vec(), INK, 1.2);
     }
 
-    /// DirectionAngles to the normal, where no other words are in their way.
+    /// Labels of the angles to the normal, where there is room.
     fn degrees(&self, sheet: &mut Drawing) {
         for k in 1..=2 {
             let angle = f64::from(k) * PI / 6.0;
