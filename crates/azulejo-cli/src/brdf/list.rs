@@ -1,4 +1,4 @@
-//! `brdf list`: the models, and what each takes.
+//! `brdf list`: the models and their parameters.
 
 use super::args::ListArgs;
 use crate::failure::Failure;
@@ -26,8 +26,8 @@ fn all(report: &mut Report) {
         );
     }
     report.plain(
-        "FRESNEL is one of eta=.. k=.., eta=.., metal=.., f0=.. tint=.., F=..; without it all is \
-         reflected.",
+        "FRESNEL is one of eta=.. k=.., eta=.., metal=.., f0=.. tint=.., F=..; without it the \
+         Fresnel reflectance is 1.",
     );
     report.value(
         "models",
@@ -35,7 +35,7 @@ fn all(report: &mut Report) {
     );
 }
 
-/// A parameter as it is typed: with its default, or with dots where there is none.
+/// A parameter as on the command line: with its default, or with dots if there is none.
 fn given(parameter: &ParameterInfo) -> String {
     match parameter.default {
         Some(default) => format!("{}={default}", parameter.name),
@@ -75,7 +75,7 @@ fn yes(it_is: bool) -> &'static str {
     if it_is { "yes" } else { "no" }
 }
 
-/// What a parameter does, its range, its default and its other names.
+/// Description, range, default and aliases of a parameter.
 fn explained(parameter: &ParameterInfo) -> String {
     let mut words = parameter.about.to_owned();
     if parameter.kind != ParameterKind::Word {
@@ -89,7 +89,7 @@ fn explained(parameter: &ParameterInfo) -> String {
     }
     match parameter.default {
         Some(default) => words += &format!(" [default: {default}]"),
-        None if parameter.is_needed => words += " [must be given]",
+        None if parameter.is_needed => words += " [required]",
         None => {}
     }
     if !parameter.aliases.is_empty() {
