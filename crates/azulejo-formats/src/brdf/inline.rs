@@ -248,7 +248,7 @@ pub(crate) fn in_words(problem: &Problem) -> (String, String) {
         Problem::Missing { model, name } => {
             (format!("`{model}` without `{name}`"), format!("`{name}`"))
         }
-        Problem::Twice { name } => (format!("`{name}` again"), "`{name}` again".into()),
+        Problem::Twice { name } => (format!("`{name}` again"), "each parameter once".into()),
         Problem::Kind { name, expected } => (
             format!("another type of value for `{name}`"),
             expected.clone(),

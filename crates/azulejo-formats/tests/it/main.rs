@@ -11,7 +11,7 @@ mod tiny_font;
 #[cfg(feature = "fonts")]
 mod typeface;
 
-/// Where the shared models and scenes are, if this machine has them.
+/// The folder of shared models and scenes, if this machine has it.
 fn data() -> Option<std::path::PathBuf> {
     let folder = std::env::var_os("AZULEJO_DATA").map(Into::into);
     if folder.is_none() {

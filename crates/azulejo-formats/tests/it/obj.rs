@@ -1,4 +1,4 @@
-//! OBJ scenes whose content is known; `tests/corpus` compares the rest with other programs.
+//! OBJ scenes with known content; `tests/corpus` compares the others with other programs.
 
 use crate::data;
 use azulejo_formats::{Folder, Loaded, ReadError, camera_json};
