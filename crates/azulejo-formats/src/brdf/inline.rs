@@ -248,7 +248,7 @@ pub(crate) fn in_words(problem: &BrdfError) -> (String, String) {
         BrdfError::Missing { model, name } => {
             (format!("`{model}` without `{name}`"), format!("`{name}`"))
         }
-        BrdfError::Twice { name } => (format!("`{name}` again"), "`{name}` again".into()),
+        BrdfError::Twice { name } => (format!("`{name}` again"), "each parameter once".into()),
         BrdfError::WrongKind { name, expected } => (
             format!("another type of value for `{name}`"),
             expected.clone(),
