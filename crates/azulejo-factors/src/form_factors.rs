@@ -8,7 +8,7 @@
 //! 5. [`FormFactors::close`] enforces closure: changes entries within their errors so that no
 //!    light is missing.
 //!
-//! [`form_factors`] does all of it, in this order. [`FormFactors::grouped`] and
+//! [`form_factors()`] does all of it, in this order. [`FormFactors::grouped`] and
 //! [`FormFactors::truncate`] derive smaller matrices, [`FormFactors::interchange`] one that
 //! includes all reflections. [`form_factors_from`] computes a single row.
 

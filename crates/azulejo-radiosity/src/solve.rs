@@ -143,9 +143,9 @@ impl From<Cancelled> for SolveError {
 impl fmt::Display for SolveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            SolveError::NoLight => {
-                f.write_str("nothing in the scene shines: add a light, or a material that emits")
-            }
+            SolveError::NoLight => f.write_str(
+                "nothing in the scene emits light: add a light, or a material that emits",
+            ),
             SolveError::NoSurface => FactorsError::NoSurface.fmt(f),
             SolveError::Cancelled => FactorsError::Cancelled.fmt(f),
             SolveError::Factors(error) => error.fmt(f),

@@ -5,7 +5,7 @@ use azulejo_factors::Engine;
 use azulejo_radiosity::FirstPass;
 use glam::{DVec3, dvec3};
 
-/// The same light, whoever computes the rows.
+/// Solutions from rows by the analytic engine and by rays agree.
 #[test]
 fn solves_alike() {
     let grey = |exitance| rooms::surface(0.5, 0.0, exitance);
