@@ -220,11 +220,11 @@ impl<'a> PreparedPlan<'a> {
     ) -> Result<FormFactors, FactorsError> {
         let mut factors = self.estimate(journal, progress)?;
         self.describe(&mut factors);
-        factors.is_closed = factors.keeps_its_light();
+        factors.is_closed = factors.loses_no_light();
         if self.plan.is_to_close(&mut factors, self.materials()) {
             factors.close(progress)?;
         }
-        factors.find_row_errors();
+        factors.update_row_errors();
         Ok(factors)
     }
 

@@ -274,11 +274,11 @@ fn solve_for(
     let solved = SolvedPatches::new(&proxy, pass, progress, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
-    reporter.show_patches(&solved.patches, &solved.found);
+    reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(
         scene,
         &solved.patches,
-        &solved.found.incident,
+        &solved.solution.incident,
         pass.keep_mesh,
     );
     let light = solved.light(pass);

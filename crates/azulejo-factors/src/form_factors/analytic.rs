@@ -214,10 +214,10 @@ fn notes(all: &AllPairs, is_complete: bool, rays: u32) -> Vec<String> {
         t.partial,
         t.hidden
     )];
-    if t.hard > 0 {
+    if t.unresolved > 0 {
         notes.push(format!(
             "{} pairs with too many occluders took shadow rays",
-            t.hard
+            t.unresolved
         ));
     }
     if !is_complete {

@@ -174,7 +174,7 @@ fn a_cube_of_six_faces() {
 }
 
 #[test]
-fn restored_rows_sum_to_one() {
+fn closed_rows_sum_to_one() {
     for options in [
         by_rays(PatchSize::Edge(0.2), 1 << 10),
         by_formula(PatchSize::Edge(0.2), 1 << 10),
@@ -191,7 +191,7 @@ fn restored_rows_sum_to_one() {
 }
 
 #[test]
-fn open_scenes_are_not_restored() {
+fn open_scenes_are_not_closed() {
     let found = factors(
         &cornell_box(CornellVariant::Diffuse),
         &by_formula(PatchSize::Count(300), 1 << 10),
@@ -292,7 +292,7 @@ fn shadow_rays_know_their_error() {
 }
 
 #[test]
-fn lamps_have_exact_columns() {
+fn emitters_have_exact_columns() {
     let mut scene = cube_room();
     let lamp = scene.add_material(Material::emitter("lamp", Rgb::WHITE));
     let corners = [(0.4, 0.4), (0.4, 0.6), (0.6, 0.6), (0.6, 0.4)].map(|(x, y)| dvec3(x, y, 0.999));
@@ -362,7 +362,7 @@ fn two_sides_are_two_rows() {
 }
 
 #[test]
-fn two_sides_of_a_closed_room_are_restored() {
+fn two_sides_of_a_closed_room_are_closed() {
     let options = FormFactorOptions {
         two_sided: true,
         ..by_rays(PatchSize::Edge(0.5), 1 << 10)
@@ -436,7 +436,7 @@ fn threads_do_not_matter() {
 }
 
 #[test]
-fn nothing_to_do_and_no_wish_to() {
+fn empty_scenes_and_cancellation() {
     let run = |scene: &Scene, progress: &Progress| {
         form_factors(scene, &Tracer::new(scene), &by_formula(WHOLE, 64), progress)
     };

@@ -103,7 +103,7 @@ fn formulas_leave_no_noise_in_a_row() {
 }
 
 #[test]
-fn picking_finds_the_patch_that_is_drawn() {
+fn picking_finds_the_patch() {
     let scene = ball_room();
     let tracer = Tracer::new(&scene);
     let options = options(Engine::Rays, true);

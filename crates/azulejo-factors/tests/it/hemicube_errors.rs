@@ -88,7 +88,7 @@ fn mirror_room() -> Scene {
 }
 
 #[test]
-fn errors_of_drawn_entries_are_what_they_are_said_to_be() {
+fn standard_errors_of_hemicubes_are_honest() {
     let box_of_cornell = cornell_box(CornellVariant::Diffuse);
     for (what, scene) in [("box", box_of_cornell), ("mirror", mirror_room())] {
         let known = compute(&scene, 200, &Engine::Analytic, true);

@@ -399,7 +399,7 @@ fn rows_stand_alone() {
 
 /// Difficult faces: coincident ones, crossing planes, slivers, crumbs below a pixel.
 #[test]
-fn bad_faces_keep_the_account() {
+fn degenerate_faces_keep_the_energy_balance() {
     let mut scene = cube_with(&[2], 0.5);
     let material = scene.add_material(GREY());
     let mut mesh = Mesh {

@@ -106,7 +106,7 @@ proptest! {
     }
 
     #[test]
-    fn closure_makes_rows_whole(mut m in any_matrix()) {
+    fn closure_completes_rows(mut m in any_matrix()) {
         // Rows that sum to about 1, so that little has to change.
         let sums = m.row_sums();
         for (i, sum) in sums.iter().enumerate() {
@@ -352,7 +352,7 @@ impl Journal for Interrupting<'_> {
 }
 
 #[test]
-fn interrupted_work_goes_on_to_the_same_bits() {
+fn interrupted_work_resumes_to_the_same_bits() {
     let mirrors = FormFactorOptions {
         separate: true,
         ..options(0.09, 64)

@@ -285,7 +285,7 @@ fn a_line_of_text_stays_in_proportion() {
 }
 
 #[test]
-fn other_doors_take_exact_shapes_too() {
+fn other_functions_take_exact_shapes_too() {
     let low = dvec3(0.3, 0.3, 0.3);
     let solids = vec![prism(letter_o(), low, DVec3::splat(0.4), 7)];
     let scene = box_in_room(Shape::Exact(Exact::new(solids)));

@@ -155,7 +155,7 @@ fn check_white(what: &str, scene: &Scene, points: &[azulejo_radiosity::PointNorm
 }
 
 #[test]
-fn white_things_vanish_in_white_surroundings() {
+fn white_objects_vanish_in_white_surroundings() {
     let sheet = |material: Material| {
         let mut scene = in_white_surroundings(Scene::default());
         add_sheet(

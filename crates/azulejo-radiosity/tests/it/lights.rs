@@ -296,7 +296,7 @@ fn check_crowd(n: u32, table: bool, most: u32, within: f64) {
 
 /// Few lamps by formula, many by sampling, a multitude by rays: the light is the same.
 #[test]
-fn crowds_of_lamps() {
+fn many_lamps() {
     for table in [false, true] {
         check_crowd(3, table, 256, 1e-2);
         check_crowd(12, table, 256, 3e-2);

@@ -141,7 +141,7 @@ fn rounds_of_the_gather_are_shown_too() {
 }
 
 #[test]
-fn light_that_was_never_there_is_not_shown() {
+fn failed_solutions_have_no_previews() {
     let mut dark = cornell_box(CornellVariant::Diffuse);
     dark.materials
         .iter_mut()
@@ -156,7 +156,7 @@ fn light_that_was_never_there_is_not_shown() {
 }
 
 #[test]
-fn a_solution_that_was_paused_goes_on_to_the_same_light() {
+fn a_paused_solution_continues_to_the_same_light() {
     let scene = cornell_box(CornellVariant::Diffuse);
     let tracer = Tracer::new(&scene);
     let plain = solve(&scene, &tracer, &pass(), &Progress::new()).unwrap();

@@ -59,7 +59,7 @@ fn check_error(name: &str, scene: &Scene, error: f64) {
 }
 
 #[test]
-fn the_error_asked_for_is_reached_and_told() {
+fn the_requested_error_is_reached_and_reported() {
     check_error("box", &cornell_box(CornellVariant::Diffuse), 0.005);
     check_error("mirror", &cornell_box(CornellVariant::MirrorBlock), 0.005);
 }
