@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashSet};
 
 /// A display vertex that was split off.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Parted {
+pub(super) struct SplitVertex {
     pub from: u32,
     pub into: u32,
     /// Share of the angle around the vertex.
@@ -19,11 +19,11 @@ pub(super) struct Parted {
 
 /// Splits the vertices along `contacts`, pairs of vertices in ascending order, between the patches
 /// with these `corners`. New vertices are appended.
-pub(super) fn part(
+pub(super) fn split_along_contacts(
     contacts: &HashSet<[u32; 2]>,
     corners: &mut [[u32; 4]],
     vertices: &mut Vec<DisplayVertex>,
-) -> Vec<Parted> {
+) -> Vec<SplitVertex> {
     let mut around: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for &v in contacts.iter().flatten() {
         around.entry(v).or_default();
@@ -56,7 +56,7 @@ pub(super) fn part(
                 changes.extend(of_group.map(|p| (*p.0, v, into)));
             }
             let share = angle(g) / whole;
-            parted.push(Parted {
+            parted.push(SplitVertex {
                 from: v,
                 into,
                 share,

@@ -9,17 +9,17 @@ use std::collections::HashMap;
 const SNAP: f64 = 0.02;
 
 /// The division of every edge.
-pub(super) struct Marks {
+pub(super) struct EdgePoints {
     /// Pieces of each edge.
     pub pieces: Vec<u32>,
     /// For edges that are not divided evenly, the inner points as ascending shares.
     cut: HashMap<u32, Vec<f64>>,
 }
 
-impl Marks {
+impl EdgePoints {
     /// Even divisions.
-    pub fn even(pieces: Vec<u32>) -> Marks {
-        Marks {
+    pub fn even(pieces: Vec<u32>) -> EdgePoints {
+        EdgePoints {
             pieces,
             cut: HashMap::new(),
         }
