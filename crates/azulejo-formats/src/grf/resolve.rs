@@ -10,9 +10,9 @@ use super::placement::{
     Outer, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light, turn_round,
 };
 use super::solids::Defined;
-use super::warnings::Warnings;
 use super::{has_area, is_camera, is_invertible, unit};
 use crate::reading::options::Budget;
+use crate::reading::warnings::Warnings;
 use crate::{Loaded, ReadError, ReadOptions};
 use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{
@@ -64,7 +64,7 @@ impl Document {
             .map_err(|fail| *fail)?;
         let scene = resolver.scene;
         if let Err(invalid) = scene.validate() {
-            let name = self.sources.get(0).map_or("", |s| &s.shown);
+            let name = self.sources.shown(0);
             return Err(ReadError::whole(
                 name,
                 invalid.to_string(),
@@ -73,7 +73,7 @@ impl Document {
         }
         Ok(Loaded {
             scene,
-            warnings: resolver.warnings.into_vec(),
+            warnings: resolver.warnings.finish(self.sources.shown(0)),
         })
     }
 }
@@ -116,8 +116,9 @@ pub(super) struct Scope<'d> {
 
 impl<'d> Resolver<'d> {
     pub fn warn(&mut self, place: Place, message: impl Into<String>, count: usize) {
+        let file = self.document.sources.shown(place.file);
         self.warnings
-            .add_many(&self.document.sources, place, message.into(), count);
+            .add_many(file, message.into(), count, || place.position());
     }
 
     pub fn fail(&self, place: Place, found: impl Into<String>, expected: &str) -> Fail {

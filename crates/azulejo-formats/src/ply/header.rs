@@ -133,13 +133,8 @@ impl Header {
     /// # Errors
     /// A statement that is not as it should be, or no end.
     pub fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<Header, ReadError> {
-        let start = if bytes.starts_with(b"\xef\xbb\xbf") {
-            3
-        } else {
-            0
-        };
         let mut parser = Parser {
-            words: Words::new(bytes, file).from(start),
+            words: Words::new(bytes, file),
             file,
             warnings,
             line: 1,
@@ -156,7 +151,7 @@ impl Header {
         if parser.words.word() != Some(b"ply") {
             return Err(parser
                 .words
-                .error(start, "a PLY file, which begins with \"ply\""));
+                .error(0, "a PLY file, which begins with \"ply\""));
         }
         parser.words.rest_of_line();
         parser.statements()

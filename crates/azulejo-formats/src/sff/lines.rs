@@ -24,13 +24,8 @@ pub(crate) struct Lines<'a, 'w> {
 impl<'a, 'w> Lines<'a, 'w> {
     /// The start of a text, which is number `file` of the [`Sources`].
     pub fn new(bytes: &'a [u8], name: &'a str, file: u32, warnings: &'w mut Warnings) -> Self {
-        let start = if bytes.starts_with(b"\xef\xbb\xbf") {
-            3
-        } else {
-            0
-        };
         Lines {
-            words: Words::new(bytes, name).from(start),
+            words: Words::new(bytes, name),
             length: bytes.len(),
             file,
             name,

@@ -27,7 +27,7 @@ mod typeset;
 mod write;
 
 use crate::reading::options::check_length;
-use crate::reading::text::without_utf16;
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use document::{Document, Sources};
@@ -62,7 +62,7 @@ pub(crate) fn read_by(
     parse: impl for<'t> FnOnce(&'t [u8], &mut Sources<'t>, &mut Warnings) -> Result<Document, ReadError>,
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
-    let bytes = without_utf16(bytes);
+    let bytes = decoded(bytes);
     let mut warnings = Warnings::default();
     let mut sources = Sources::default();
     let document = parse(&bytes, &mut sources, &mut warnings)?;

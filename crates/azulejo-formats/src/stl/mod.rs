@@ -9,6 +9,7 @@ mod binary;
 mod tests;
 
 use crate::reading::options::check_length;
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::surface::weld::Welder;
 use crate::{Files, Loaded, ReadError, ReadOptions};
@@ -30,9 +31,11 @@ pub fn read(
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
     let mut warnings = Warnings::default();
-    let mut scene = match is_text(bytes) {
-        true => ascii::read(bytes, name, &mut warnings)?,
-        false => binary::read(bytes, name, &mut warnings)?,
+    let text = decoded(bytes);
+    let mut scene = if is_text(&text) && !binary::has_right_length(bytes) {
+        ascii::read(&text, name, &mut warnings)?
+    } else {
+        binary::read(bytes, name, &mut warnings)?
     };
     if scene.objects.is_empty() {
         warnings.add_whole(name, "no facets: the scene is empty");
@@ -47,14 +50,13 @@ pub fn read(
     })
 }
 
-/// Whether bytes are the text format. Binary files may begin with `solid` too: then their length
-/// is what their count of triangles says, or there is no text behind.
+/// Whether bytes may be the text format. Binary files may begin with `solid` too, but have zeros
+/// behind it or the length that their count of triangles gives them.
 fn is_text(bytes: &[u8]) -> bool {
-    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let start = start.trim_ascii_start();
+    let start = bytes.trim_ascii_start();
     let says_solid = start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid");
     let has_zeros = || bytes.iter().take(1 << 10).any(|b| *b == 0);
-    says_solid && !binary::has_right_length(bytes) && !has_zeros()
+    says_solid && !has_zeros()
 }
 
 /// A solid under construction.

@@ -27,7 +27,7 @@ pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, 
         metres: None,
     };
     let mut roots = Vec::new();
-    let start = parser.lexer.clone();
+    let start = parser.lexer;
     parser.statements(&mut roots)?;
     let document = Document {
         roots,
@@ -514,7 +514,7 @@ impl<'a> Parser<'a, '_, '_> {
             match self.lexer.peek_word() {
                 Some(word) if is_access(word) => {
                     self.lexer.word();
-                    if word_begins_external(self.lexer.clone()) {
+                    if word_begins_external(self.lexer) {
                         self.lexer.word();
                         self.lexer.word();
                         continue;

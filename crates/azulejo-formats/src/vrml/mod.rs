@@ -54,7 +54,7 @@ pub fn read(
 /// # Errors
 /// As [`read`].
 fn read_into(stage: &mut Stage, source: &Rc<Source>, frame: &Frame) -> Result<(), ReadError> {
-    if v1::is_meant(source.text()) {
+    if v1::is_meant(&source.bytes) {
         return v1::read_into(stage, source, frame);
     }
     let document = document(stage, source)?;
@@ -66,7 +66,7 @@ fn read_into(stage: &mut Stage, source: &Rc<Source>, frame: &Frame) -> Result<()
 /// # Errors
 /// A header of another version, text of which nothing could be used.
 fn document(stage: &mut Stage, source: &Rc<Source>) -> Result<Rc<Document>, ReadError> {
-    let text = source.text();
+    let text = &source.bytes;
     let document = match text.trim_ascii_start() {
         [b'#', b'V' | b'X', ..] => classic::parse(stage, source)?,
         [b'<', ..] => xml::parse(stage, source)?,

@@ -1,12 +1,11 @@
 //! What the files of one model become together, whatever versions of VRML they are in.
 
-use super::lexer::position;
 use super::look::Looks;
 use super::tree::Document;
 use crate::reading::options::Budget;
-use crate::reading::text::shortened;
+use crate::reading::text::{decoded, shortened};
 use crate::reading::warnings::Warnings;
-use crate::reading::{files, gzip};
+use crate::reading::{cursor, files, gzip};
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
 use crate::surface::textures::Textures;
@@ -47,30 +46,24 @@ impl Source {
         Source {
             name: name.to_owned(),
             path: in_own_folder(name),
-            bytes: crate::reading::text::without_utf16(bytes).into_owned(),
+            bytes: decoded(bytes).into_owned(),
         }
     }
 
     /// Line and column of a byte.
     pub fn position(&self, offset: usize) -> Position {
-        position(&self.bytes, offset)
-    }
-
-    /// The text without a byte order mark.
-    pub fn text(&self) -> &[u8] {
-        let marked = self.bytes.strip_prefix(b"\xef\xbb\xbf");
-        marked.unwrap_or(&self.bytes)
+        cursor::position(&self.bytes, offset)
     }
 
     /// Whether it is X3D, in whatever encoding.
     pub fn is_x3d(&self) -> bool {
-        !self.text().starts_with(b"#VRML")
+        !self.bytes.starts_with(b"#VRML")
     }
 
     /// Whether it is X3D of version 4 or later.
     pub fn is_x3d_4(&self) -> bool {
         // XML says so among the attributes of its first element.
-        let text = self.text();
+        let text = &self.bytes;
         let head = &text[..text.len().min(4096)];
         let holds = |mark: &[u8]| head.windows(mark.len()).any(|w| w == mark);
         text.starts_with(b"#X3D V4")
@@ -289,7 +282,7 @@ impl<'a> Stage<'a> {
         Ok(Opened::New(Rc::new(Source {
             name: name.to_owned(),
             path: name.to_owned(),
-            bytes: crate::reading::text::without_utf16(&bytes).into_owned(),
+            bytes: decoded(&bytes).into_owned(),
         })))
     }
 

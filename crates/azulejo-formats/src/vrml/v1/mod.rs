@@ -42,7 +42,7 @@ pub(super) fn read_into(
     frame: &Frame,
 ) -> Result<(), ReadError> {
     let document = parse::parse(stage, source)?;
-    let inventor = is_inventor(source.text());
+    let inventor = is_inventor(&source.bytes);
     if inventor && stage.is_outermost() {
         // VRML 1.0 counts in metres, Inventor does not say.
         stage.scene.units.metres_per_unit = None;
