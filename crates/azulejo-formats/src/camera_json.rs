@@ -10,6 +10,7 @@
 //! passed over, so that it may hold notes and other programs' data.
 
 use crate::ReadError;
+use crate::reading::text::decoded;
 use azulejo_scene::{Camera, Light, LightKind, Rgb};
 use glam::DVec3;
 use serde_json::Value;
@@ -79,6 +80,7 @@ struct File<'a> {
 
 impl File<'_> {
     fn parse<'a>(bytes: &[u8], name: &'a str) -> Result<File<'a>, ReadError> {
+        let bytes = &*decoded(bytes);
         let value = serde_json::from_slice(bytes).map_err(|e| {
             let (line, column) = (e.line() as u32, e.column() as u32);
             let text = String::from_utf8_lossy(bytes);

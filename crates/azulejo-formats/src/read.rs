@@ -4,7 +4,7 @@
 use crate::outline::{Drawing, svg};
 use crate::reading::detect::{EXPECTED, Format, detect, recognise};
 use crate::reading::gzip;
-use crate::reading::text::without_utf16;
+use crate::reading::text::decoded;
 use crate::{Files, ReadError, ReadOptions, Warning};
 use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
 use azulejo_scene::Scene;
@@ -71,7 +71,7 @@ pub fn read_with(
 /// Another format, and the errors of [`svg::read`] and [`dxf::read_figures`].
 pub fn read_drawing(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
     const EXPECTED: &str = "a drawing in SVG or DXF";
-    let bytes = &*without_utf16(bytes);
+    let bytes = &*decoded(bytes);
     if svg::is_svg(bytes) {
         return svg::read(bytes, name, options);
     }
@@ -82,5 +82,160 @@ pub fn read_drawing(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
             Err(ReadError::whole(name, found, EXPECTED))
         }
         Err(unrecognised) => Err(ReadError::whole(name, unrecognised.looks_like, EXPECTED)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outline::{ppe, ppf};
+    use crate::{Loaded, Memory, Position, brdf, camera_json};
+
+    /// The same text as UTF-8 with a mark, and as UTF-16 of either byte order with and without.
+    fn encodings(text: &str) -> [Vec<u8>; 5] {
+        let utf16 = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            text.encode_utf16().flat_map(bytes).collect()
+        };
+        let marked = format!("\u{feff}{text}");
+        [
+            marked.clone().into_bytes(),
+            utf16(&marked, u16::to_le_bytes),
+            utf16(&marked, u16::to_be_bytes),
+            utf16(text, u16::to_le_bytes),
+            utf16(text, u16::to_be_bytes),
+        ]
+    }
+
+    fn check<T: PartialEq + std::fmt::Debug>(text: &str, read: impl Fn(&[u8]) -> T) {
+        let plain = read(text.as_bytes());
+        for bytes in encodings(text) {
+            assert_eq!(read(&bytes), plain, "{:?} of {text}", &bytes[..8]);
+        }
+    }
+
+    /// One small model of every format that has a text form, with the name of its file.
+    const MODELS: [(Format, &str, &str); 16] = [
+        (
+            Format::Grf,
+            "a.grf",
+            "// \u{e9}\nbegin mesh begin vertices (0,0,0) (1,0,0) (0,1,0) end begin faces (0,1,2) end end",
+        ),
+        (
+            Format::Obj,
+            "a.obj",
+            "o caf\u{e9}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        ),
+        (
+            Format::Mgf,
+            "a.mgf",
+            "# caf\u{e9}\nv a =\n p 0 0 0\nv b =\n p 1 0 0\nv c =\n p 0 1 0\nf a b c\n",
+        ),
+        (Format::Mgf, "b.mgf", "i a.mgf\n"),
+        (Format::Grf, "b.grf", "include \"a.grf\"\n"),
+        (Format::Scn, "a.scn", "sphere 0 0 0 1\n"),
+        (Format::Scn, "b.scn", "#include \"a.scn\"\nsphere 2 0 0 1\n"),
+        (
+            Format::View3d,
+            "a.vs3",
+            "T one \u{e9}\nF 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 0 1 0\nS 1 1 2 3 0 0 0 .5 low\nEnd\n",
+        ),
+        (
+            Format::Ply,
+            "a.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        ),
+        (
+            Format::Stl,
+            "a.stl",
+            "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
+        ),
+        (
+            Format::Dxf,
+            "a.dxf",
+            "0\nSECTION\n2\nENTITIES\n0\n3DFACE\n10\n0\n20\n0\n30\n0\n11\n1\n21\n0\n31\n0\n12\n0\n22\n1\n32\n0\n0\nENDSEC\n0\nEOF\n",
+        ),
+        (
+            Format::Vrml,
+            "a.wrl",
+            "#VRML V2.0 utf8\nDEF caf\u{e9} Shape { geometry Box {} }\n",
+        ),
+        (Format::Vrml, "b.wrl", "#VRML V1.0 ascii\nCube {}\n"),
+        (
+            Format::Vrml,
+            "a.x3d",
+            "<X3D><Scene><Shape><Box/></Shape></Scene></X3D>",
+        ),
+        (Format::Gltf, "a.gltf", "{\"asset\":{\"version\":\"2.0\"}}"),
+        (
+            Format::Sff,
+            "a.sff",
+            "view\n0 0 10\n0 0 0\n0 1 0\n30 20\ncolors\n.1 .2 .3\n.1 .1 .1\n",
+        ),
+    ];
+
+    #[test]
+    fn models_in_every_encoding_of_text() {
+        for (format, name, text) in MODELS {
+            // The files that a model includes are in the same encoding as the model.
+            let read = |bytes: &[u8], k: Option<usize>| {
+                let files = MODELS.iter().fold(Memory::new(), |files, (_, name, text)| {
+                    let bytes =
+                        k.map_or_else(|| text.as_bytes().to_vec(), |k| encodings(text)[k].clone());
+                    files.with(*name, bytes)
+                });
+                let read = read(bytes, name, &files);
+                read.map(|model| (model.format, model.scene, model.warnings))
+            };
+            let plain = read(text.as_bytes(), None);
+            match &plain {
+                Ok((found, ..)) => assert_eq!(*found, format, "{name}"),
+                Err(error) => panic!("{error}"),
+            }
+            for (k, bytes) in encodings(text).iter().enumerate() {
+                assert_eq!(read(bytes, Some(k)), plain, "{name}, encoding {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn other_text_in_every_encoding() {
+        let options = ReadOptions::default();
+        check("/caf\u{e9} 1 4 l 0 0 l 1 0 l 1 1 l 0 1\n", |b| {
+            ppf::read(b, "a.ppf")
+        });
+        check("65/A\n66/caf\u{e9}\n", |b| ppe::read(b, "a.ppe"));
+        check("phong n = 20 ks = 0.2 kd = 0.4", |b| {
+            let read = brdf::read(b, "a.brdf", &Memory::new());
+            read.map(|loaded| (loaded.content, loaded.warnings))
+        });
+        check(
+            "{\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0],\"vfov_deg\":40}}",
+            |b| camera_json::read(b, "a.json"),
+        );
+        for drawing in [
+            "<svg xmlns=\"http://www.w3.org/2000/svg\"><rect width=\"2\" height=\"1\"/></svg>",
+            "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n10\n0\n20\n0\n40\n1\n0\nENDSEC\n0\nEOF\n",
+        ] {
+            check(drawing, |b| {
+                let read = read_drawing(b, "a", &options);
+                read.map(|drawing| (drawing.shapes, drawing.warnings))
+            });
+        }
+        check("newmtl caf\u{e9}\nKd .1 .2 .3\n", |library| {
+            let files = Memory::new().with("a.mtl", library);
+            let text = "mtllib a.mtl\nusemtl caf\u{e9}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+            let Loaded { scene, warnings } = obj::read(text.as_bytes(), "a.obj", &files).unwrap();
+            assert_eq!(warnings, []);
+            scene
+        });
+    }
+
+    #[test]
+    fn a_mark_of_byte_order_is_no_column() {
+        for text in ["\u{feff}v x", "v x"] {
+            let error = obj::read(text.as_bytes(), "a.obj", &Memory::new()).unwrap_err();
+            assert_eq!(error.position, Position::Line(1, 3));
+            assert_eq!(error.source_line.as_deref(), Some("v x"));
+        }
     }
 }

@@ -15,10 +15,12 @@
 
 use super::inline::{self, InlineError, InlineResult, MOST_PARTS, ModelMarks, WeightedModel};
 use super::{LoadedBrdf, measured};
+use crate::reading::cursor::TextCursor;
 use crate::reading::files::beside;
-use crate::reading::lexer::{Lexer, Locator, line_around};
-use crate::reading::text::text;
-use crate::{Files, Position, ReadError, Warning};
+use crate::reading::lexer::Lexer;
+use crate::reading::text::decoded_text;
+use crate::reading::warnings::Warnings;
+use crate::{Files, ReadError};
 use azulejo_scene::brdf::{Content, Description, Model, ModelInfo, Parameter, Value, find};
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -35,35 +37,27 @@ const STATEMENTS: &str =
 /// # Errors
 /// The first error, with its line; for an unknown name, the most similar known one.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<LoadedBrdf, ReadError> {
-    let text = text(bytes);
+    let text = decoded_text(bytes);
     let mut reader = BrdfTextReader {
         lexer: Lexer::new(&text),
         name,
         files,
         layers: 0,
-        warnings: Vec::new(),
+        warnings: Warnings::default(),
         failed: None,
     };
     let read = reader.file();
-    let (mut warnings, failed) = (reader.warnings, reader.failed);
+    let (warnings, failed) = (reader.warnings, reader.failed);
     let description =
         read.map_err(|trouble| failed.unwrap_or_else(|| error(&text, name, trouble)))?;
-    for warning in &mut warnings {
-        warning.file = name.to_owned();
-    }
     Ok(LoadedBrdf {
         content: Content::Text(description),
-        warnings,
+        warnings: warnings.finish(name),
     })
 }
 
 fn error(text: &str, name: &str, trouble: InlineError) -> ReadError {
-    let (line, column) = Locator::default().locate(text, trouble.offset);
-    ReadError {
-        position: Position::Line(line, column),
-        source_line: line_around(text, trouble.offset),
-        ..ReadError::whole(name, trouble.found, trouble.expected)
-    }
+    TextCursor::new(text).error(name, trouble.offset, trouble.found, trouble.expected)
 }
 
 struct BrdfTextReader<'a> {
@@ -72,7 +66,7 @@ struct BrdfTextReader<'a> {
     files: &'a dyn Files,
     /// Number of models read.
     layers: usize,
-    warnings: Vec<Warning>,
+    warnings: Warnings,
     /// An error in a file that it refers to.
     failed: Option<ReadError>,
 }
@@ -116,13 +110,9 @@ impl BrdfTextReader<'_> {
     }
 
     fn warn(&mut self, offset: usize, message: impl Into<String>) {
-        let (line, column) = Locator::default().locate(self.lexer.text(), offset);
-        self.warnings.push(Warning {
-            file: String::new(),
-            position: Position::Line(line, column),
-            message: message.into(),
-            count: 1,
-        });
+        let text = TextCursor::new(self.lexer.text());
+        self.warnings
+            .add(self.name, message.into(), || text.position(offset));
     }
 
     /// Reads the outermost block, after its `begin`.
@@ -229,8 +219,8 @@ impl BrdfTextReader<'_> {
                 None
             }
             Ok(bytes) => match measured(&bytes, &file) {
-                Some(Ok(mut read)) => {
-                    self.warnings.append(&mut read.warnings);
+                Some(Ok(read)) => {
+                    self.warnings.extend(read.warnings);
                     Some(Arc::new(read.content))
                 }
                 Some(Err(error)) => {

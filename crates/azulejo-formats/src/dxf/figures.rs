@@ -9,7 +9,7 @@ use super::units;
 use crate::outline::pen::{Ellipse, Pen};
 use crate::outline::{Drawing, Filled};
 use crate::reading::options::Budget;
-use crate::reading::text::{shortened, text, without_utf16};
+use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, ReadOptions};
 use azulejo_scene::{Figure, FillRule};
@@ -23,7 +23,7 @@ use std::collections::HashMap;
 /// # Errors
 /// A file without sections, and one whose outlines have more curves than `options` allow.
 pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
-    let bytes = &*without_utf16(bytes);
+    let bytes = &*decoded(bytes);
     let mut reader = Reader {
         bytes,
         file: name,

@@ -30,7 +30,7 @@ mod tests;
 
 mod units;
 
-use crate::reading::text::without_utf16;
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Units, Up};
@@ -49,7 +49,7 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let bytes = &*without_utf16(bytes);
+    let bytes = &*decoded(bytes);
     let mut warnings = Warnings::default();
     let mut project = Project::read(bytes, name, files, options, &mut warnings)?;
     let metres_per_unit = project.drawings[0].metres_per_unit;

@@ -1,6 +1,8 @@
 //! Groups: a code that says what a value means, and the value. As text each is a line of its
 //! own; the binary form has the same groups.
 
+use crate::reading::cursor::is_line_end;
+
 /// A group: its code and its value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair<'a> {
@@ -134,10 +136,8 @@ impl<'a> Pairs<'a> {
             mark_is_damaged: false,
             damage: None,
         };
-        match bytes.strip_prefix(MARK) {
-            Some(rest) => pairs.begin_binary(rest),
-            None if bytes.starts_with(b"\xef\xbb\xbf") => pairs.at = 3,
-            None => {}
+        if let Some(rest) = bytes.strip_prefix(MARK) {
+            pairs.begin_binary(rest);
         }
         pairs
     }
@@ -221,7 +221,7 @@ impl<'a> Pairs<'a> {
         let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
         let end = rest
             .iter()
-            .position(|b| matches!(b, b'\n' | b'\r'))
+            .position(|&b| is_line_end(b))
             .unwrap_or(rest.len());
         let ends = match &rest[end..] {
             [b'\r', b'\r', b'\n', ..] => 3,
@@ -379,7 +379,7 @@ mod tests {
             &expected,
         );
         check(
-            b"\xef\xbb\xbf999\nv 1\n0\nSECTION\n999\n\n2\nA B \n1\n\n70\n  1\n\n",
+            b"999\nv 1\n0\nSECTION\n999\n\n2\nA B \n1\n\n70\n  1\n\n",
             &expected,
         );
     }

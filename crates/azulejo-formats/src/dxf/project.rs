@@ -7,7 +7,7 @@ use super::parse::{parse, position};
 use crate::reading::detect::{Format, detect};
 use crate::reading::files::beside;
 use crate::reading::options::Budget;
-use crate::reading::text::{shortened, without_utf16};
+use crate::reading::text::{into_decoded, shortened};
 use crate::reading::warnings::Warnings;
 use crate::{FileError, Files, ReadError, ReadOptions};
 use std::borrow::Cow;
@@ -271,7 +271,7 @@ impl Reader<'_, '_> {
             Ok(other) => return Err(refused(&format!("{}, not DXF", other.name()))),
             Err(unrecognised) => return Err(refused(unrecognised.looks_like)),
         }
-        let bytes = without_utf16(&bytes).into_owned();
+        let bytes = into_decoded(bytes);
         let drawing = parse(&bytes, path, self.options, self.warnings)
             .map_err(|e| refused(&format!("found {}, expected {}", e.found, e.expected)))?;
         self.project.drawings.push(drawing);

@@ -7,7 +7,7 @@ use crate::{Position, ReadError};
 /// What a file is made of.
 #[derive(Debug)]
 pub(super) struct Container<'a> {
-    /// The JSON text, without byte order mark and padding.
+    /// The JSON text without padding.
     pub json: &'a [u8],
     /// Where it begins in a GLB; `None` if the whole file is text.
     pub json_start: Option<u64>,
@@ -28,7 +28,7 @@ pub(super) fn split<'a>(
         return glb(bytes, file, said);
     }
     Ok(Container {
-        json: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
+        json: bytes,
         json_start: None,
         bin: None,
     })
@@ -142,7 +142,7 @@ pub(super) mod tests {
 
     #[test]
     fn chunks() {
-        check(b"\xef\xbb\xbf{}", Ok(("{}", None, 0)));
+        check(b"{}", Ok(("{}", None, 0)));
         check(&glb_of(&[(b"JSON", b"{} \0")]), Ok(("{}", None, 0)));
         let whole = glb_of(&[
             (b"JSON", b"{}"),

@@ -33,6 +33,7 @@ mod write_mesh;
 pub use losses::losses;
 pub use write::{write, write_json};
 
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use accessor::Data;
@@ -57,6 +58,7 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
+    let bytes = &*decoded(bytes);
     let mut said = Said::default();
     let container = container::split(bytes, name, &mut said)?;
     let root = document::parse(&container, name, &mut said)?;

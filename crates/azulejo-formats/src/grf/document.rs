@@ -51,6 +51,11 @@ impl GrfSources {
         self.0.get(file as usize)
     }
 
+    /// The name of a file in messages; empty for a document that was not read from files.
+    pub fn shown(&self, file: u32) -> &str {
+        self.get(file).map_or("", |source| &source.shown)
+    }
+
     /// A file and those that include it, innermost first.
     pub fn chain(&self, file: u32) -> impl Iterator<Item = &GrfSource> {
         std::iter::successors(self.get(file), |s| {
@@ -65,11 +70,8 @@ impl GrfSources {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> BoxedError {
-        let shown = self.get(place.file).map_or("", |s| &s.shown);
-        let mut error = ReadError::whole(shown, found, expected);
-        if place.line > 0 {
-            error.position = Position::Line(place.line, place.column);
-        }
+        let mut error = ReadError::whole(self.shown(place.file), found, expected);
+        error.position = place.position();
         let includes = self.chain(place.file).filter_map(|s| {
             let (parent, line) = s.parent?;
             Some((self.get(parent)?.shown.clone(), line))
@@ -92,6 +94,16 @@ pub(super) struct SourcePosition {
     pub line: u32,
     /// From 1.
     pub column: u32,
+}
+
+impl SourcePosition {
+    /// The line and column, or the whole of what was not read from a file.
+    pub fn position(self) -> Position {
+        match self.line {
+            0 => Position::Whole,
+            line => Position::Line(line, self.column),
+        }
+    }
 }
 
 /// A block and its position.

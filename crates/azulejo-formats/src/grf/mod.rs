@@ -30,7 +30,6 @@ mod solids;
 #[cfg(test)]
 mod tests;
 mod textures;
-mod warnings;
 mod write;
 
 pub use document::GrfDocument;

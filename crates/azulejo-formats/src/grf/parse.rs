@@ -7,8 +7,8 @@ use super::document::{
 use super::extension::Extension;
 use super::parser::{GrfParser, ParseResult, SharedParserState};
 use crate::reading::lexer::Lexer;
+use crate::reading::text::decoded_text;
 use crate::{Files, ReadError, Warning};
-use std::borrow::Cow;
 
 /// Maximum depth of nested includes.
 const DEEPEST_INCLUDE: usize = 64;
@@ -30,7 +30,7 @@ impl GrfDocument {
         name: &str,
         files: &dyn Files,
     ) -> Result<(GrfDocument, Vec<Warning>), ReadError> {
-        let text = decode(bytes);
+        let text = decoded_text(bytes);
         let mut shared = SharedParserState::new(files);
         let file = shared.sources.push(GrfSource {
             shown: name.to_owned(),
@@ -41,21 +41,13 @@ impl GrfDocument {
         let comments = parser.lexer.leading_comments();
         let blocks = parser.file().map_err(|fail| *fail)?;
         parser.check_names().map_err(|fail| *fail)?;
+        let warnings = shared.warnings.finish(shared.sources.shown(0));
         let document = GrfDocument {
             comments,
             blocks,
             sources: shared.sources,
         };
-        Ok((document, shared.warnings.into_vec()))
-    }
-}
-
-/// The text of a file: UTF-8, or Latin-1 as on the machines of 2001.
-fn decode(bytes: &[u8]) -> Cow<'_, str> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Cow::Borrowed(text),
-        Err(_) => Cow::Owned(bytes.iter().copied().map(char::from).collect()),
+        Ok((document, warnings))
     }
 }
 
@@ -415,7 +407,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             path,
             parent: Some((self.file, line)),
         });
-        let text = decode(&bytes);
+        let text = decoded_text(&bytes);
         let mut inner = GrfParser::new(&text, file, self.shared);
         let blocks = inner.file()?;
         inner.keep_open_lines();

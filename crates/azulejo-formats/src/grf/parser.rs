@@ -2,9 +2,10 @@
 
 use super::brdf::GrfReflection;
 use super::document::{BoxedError, GrfName, GrfSources, NameKind, SourcePosition};
-use super::warnings::Warnings;
-use crate::Files;
-use crate::reading::lexer::{BadNumber, Lexer, Locator, line_around};
+use crate::reading::cursor::{Locator, line_around};
+use crate::reading::lexer::{BadNumber, Lexer};
+use crate::reading::warnings::Warnings;
+use crate::{Files, Position};
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
@@ -57,6 +58,9 @@ struct PendingName {
     offset: usize,
     source_line: Option<String>,
 }
+
+/// How far before an error its line may begin to be shown; many errors are prepared for nothing.
+const LONGEST_LINE: usize = 10_000;
 
 /// Longest line kept for each unresolved name of an included file.
 const KEPT_LINE: usize = 200;
@@ -122,7 +126,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
     ) -> BoxedError {
         let place = self.place(offset);
         let mut fail = self.shared.sources.fail(place, found, expected);
-        fail.source_line = line_around(self.lexer.text(), offset);
+        fail.source_line = line_around(self.lexer.text().as_bytes(), offset, LONGEST_LINE);
         fail
     }
 
@@ -136,13 +140,15 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
     /// A warning at an offset.
     #[cold]
     pub fn warn(&mut self, offset: usize, message: impl Into<String>) {
-        let message = message.into();
-        if !self.shared.warnings.counts(&message) {
-            let place = self.place(offset);
-            self.shared
-                .warnings
-                .add(&self.shared.sources, place, message);
-        }
+        let SharedParserState {
+            sources, warnings, ..
+        } = &mut *self.shared;
+        let (locator, text) = (&mut self.locator, self.lexer.text());
+        let file = sources.shown(self.file);
+        warnings.add(file, message.into(), || {
+            let (line, column) = locator.locate(text, offset);
+            Position::Line(line, column)
+        });
     }
 
     pub fn expect(&mut self, wanted: u8) -> ParseResult<()> {
@@ -354,8 +360,8 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         let (text, file) = (self.lexer.text(), self.file);
         for pending in self.innermost().pending.values_mut() {
             if pending.place.file == file && pending.source_line.is_none() {
-                pending.source_line =
-                    line_around(text, pending.offset).filter(|line| line.len() <= KEPT_LINE);
+                let line = line_around(text.as_bytes(), pending.offset, KEPT_LINE);
+                pending.source_line = line.filter(|line| line.len() <= KEPT_LINE);
             }
         }
     }
@@ -378,7 +384,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
             format!("a {word} that is defined in this block or an enclosing one"),
         );
         fail.source_line = if pending.place.file == self.file {
-            line_around(self.lexer.text(), pending.offset)
+            line_around(self.lexer.text().as_bytes(), pending.offset, LONGEST_LINE)
         } else {
             pending.source_line
         };

@@ -11,9 +11,9 @@ use super::placement::{
     turn_round,
 };
 use super::solids::Defined;
-use super::warnings::Warnings;
 use super::{has_area, is_camera, is_invertible, unit};
 use crate::reading::options::Budget;
+use crate::reading::warnings::Warnings;
 use crate::{Loaded, ReadError, ReadOptions};
 use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{
@@ -64,12 +64,12 @@ impl GrfDocument {
             .map_err(|fail| *fail)?;
         let scene = resolver.scene;
         if let Err(invalid) = scene.validate() {
-            let name = self.sources.get(0).map_or("", |s| &s.shown);
+            let name = self.sources.shown(0);
             return Err(ReadError::whole(name, invalid.to_string(), "a valid scene"));
         }
         Ok(Loaded {
             scene,
-            warnings: resolver.warnings.into_vec(),
+            warnings: resolver.warnings.finish(self.sources.shown(0)),
         })
     }
 }
@@ -112,8 +112,9 @@ pub(super) struct ResolveScope<'d> {
 
 impl<'d> GrfResolver<'d> {
     pub fn warn(&mut self, place: SourcePosition, message: impl Into<String>, count: usize) {
+        let file = self.document.sources.shown(place.file);
         self.warnings
-            .add_many(&self.document.sources, place, message.into(), count);
+            .add_many(file, message.into(), count, || place.position());
     }
 
     pub fn fail(

@@ -2,6 +2,7 @@
 //! by angle from the axis, and the size of the luminous opening.
 
 use super::lines::number;
+use crate::reading::cursor::TextCursor;
 use crate::reading::text::{quoted, text};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -105,15 +106,13 @@ fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
         body: None,
         tilt_included: false,
     };
-    let mut rest = bytes;
-    while !rest.is_empty() {
-        let end = rest.iter().position(|b| matches!(b, b'\n' | b'\r'));
-        let (line, behind) = rest.split_at(end.unwrap_or(rest.len()));
-        rest = behind.get(1..).unwrap_or_default();
-        let line = text(line.trim_ascii());
+    let mut lines = TextCursor::new(bytes);
+    while !lines.at_end() {
+        let line = text(lines.take_line().trim_ascii());
+        lines.pass_line_end();
         if let Some(tilt) = after(&line, "TILT=") {
             head.tilt_included = tilt.eq_ignore_ascii_case("INCLUDE");
-            return Some((head, rest));
+            return Some((head, lines.rest()));
         }
         let body = after(&line, "[LUMINOUSGEOMETRY]").or_else(|| after(&line, "GEOM="));
         head.body = head

@@ -4,21 +4,19 @@
 //! that begins with `#` begins a comment.
 
 use crate::Position;
+use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::number;
-use crate::reading::text::text;
 
-/// A cursor over the bytes of a text file, between two statements.
+/// A cursor between two statements of a text.
 #[derive(Clone, Debug)]
 pub(super) struct MgfLines<'a> {
-    bytes: &'a [u8],
-    here: StatementMark,
+    text: TextCursor<'a>,
 }
 
 /// A position to return to, or to report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct StatementMark {
     at: usize,
-    line: u32,
 }
 
 #[inline]
@@ -26,60 +24,51 @@ fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | 0x0b | 0x0c)
 }
 
-#[inline]
-fn is_line_end(b: u8) -> bool {
-    matches!(b, b'\n' | b'\r')
-}
-
 impl<'a> MgfLines<'a> {
-    /// A cursor at the start of a text.
+    /// The start of a text.
     pub fn new(bytes: &'a [u8]) -> MgfLines<'a> {
-        let mark = b"\xef\xbb\xbf";
-        let at = if bytes.starts_with(mark) { 3 } else { 0 };
         MgfLines {
-            bytes,
-            here: StatementMark { at, line: 1 },
+            text: TextCursor::new(bytes),
         }
     }
 
     /// The position after the last statement.
     pub fn mark(&self) -> StatementMark {
-        self.here
+        StatementMark {
+            at: self.text.offset(),
+        }
     }
 
     /// Returns to a position in this text.
     pub fn return_to(&mut self, mark: StatementMark) {
-        self.here = mark;
+        self.text.move_to(mark.at);
     }
 
-    /// Line and column of a position. Takes time proportional to the column.
+    /// Line and column of a position. Takes time proportional to its offset.
     pub fn position(&self, mark: StatementMark) -> Position {
-        let before = &self.bytes[..mark.at];
-        let line_start = before.iter().rposition(|&b| is_line_end(b));
-        let column = &before[line_start.map_or(0, |i| i + 1)..];
-        Position::Line(mark.line, text(column).chars().count() as u32 + 1)
+        self.text.position(mark.at)
     }
 
     /// Reads the words of the next statement, at least one, into `words`, and returns its position;
     /// `None` at the end of the text.
     pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<StatementMark> {
         words.clear();
-        let mut start = self.here;
+        let mut start = self.mark();
         loop {
-            match self.bytes.get(self.here.at) {
+            match self.text.peek() {
                 None => return (!words.is_empty()).then_some(start),
-                Some(&b) if is_line_end(b) => {
-                    self.pass_line_end();
+                Some(b) if is_line_end(b) => {
+                    self.text.pass_line_end();
                     if !words.is_empty() {
                         return Some(start);
                     }
                 }
-                Some(&b) if is_blank(b) => self.here.at += 1,
+                Some(b) if is_blank(b) => self.text.advance(1),
                 Some(b'\\') if self.continues() => self.pass_continuation(),
                 Some(b'#') => self.skip_comment(),
                 Some(_) => {
                     if words.is_empty() {
-                        start = self.here;
+                        start = self.mark();
                     }
                     words.push(self.word());
                 }
@@ -88,42 +77,32 @@ impl<'a> MgfLines<'a> {
     }
 
     fn word(&mut self) -> &'a [u8] {
-        let start = self.here.at;
-        while let Some(&b) = self.bytes.get(self.here.at) {
+        let start = self.text.offset();
+        while let Some(b) = self.text.peek() {
             if is_blank(b) || is_line_end(b) || (b == b'\\' && self.continues()) {
                 break;
             }
-            self.here.at += 1;
+            self.text.advance(1);
         }
-        &self.bytes[start..self.here.at]
+        &self.text.bytes()[start..self.text.offset()]
     }
 
     /// Whether the backslash here is the last of its line.
     fn continues(&self) -> bool {
-        let next = self.bytes.get(self.here.at + 1);
-        next.is_none_or(|&b| is_line_end(b))
+        self.text.peek_at(1).is_none_or(is_line_end)
     }
 
     fn pass_continuation(&mut self) {
-        self.here.at += 1;
-        self.pass_line_end();
-    }
-
-    fn pass_line_end(&mut self) {
-        match self.bytes[self.here.at..] {
-            [] => return,
-            [b'\r', b'\n', ..] => self.here.at += 2,
-            _ => self.here.at += 1,
-        }
-        self.here.line += 1;
+        self.text.advance(1);
+        self.text.pass_line_end();
     }
 
     fn skip_comment(&mut self) {
-        while let Some(&b) = self.bytes.get(self.here.at) {
+        while let Some(b) = self.text.peek() {
             match b {
                 b'\\' if self.continues() => self.pass_continuation(),
                 _ if is_line_end(b) => break,
-                _ => self.here.at += 1,
+                _ => self.text.advance(1),
             }
         }
     }
@@ -138,6 +117,7 @@ pub(super) fn number(word: &[u8]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reading::text::text;
 
     fn check(source: &str, expected: &[&str]) {
         let (mut lines, mut words) = (MgfLines::new(source.as_bytes()), Vec::new());
@@ -155,8 +135,8 @@ mod tests {
     #[test]
     fn statements() {
         check(
-            "\u{feff}c red =\n\n\tcxy .6 .3 # warm\r\nm",
-            &["1:2 c|red|=", "3:2 cxy|.6|.3", "4:1 m"],
+            "c red =\n\n\tcxy .6 .3 # warm\r\nm",
+            &["1:1 c|red|=", "3:2 cxy|.6|.3", "4:1 m"],
         );
         check("f a\\\n b \\\r\n\tc\nf d", &["1:1 f|a|b|c", "4:1 f|d"]);
         check("# lost \\\n also lost\r#lost\ro x\\", &["4:1 o|x"]);

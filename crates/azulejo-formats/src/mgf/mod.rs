@@ -18,6 +18,7 @@ mod surfaces;
 mod tests;
 mod transform;
 
+use crate::reading::text::decoded;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 pub(crate) use color::rgb_weights;
 use reader::MgfReader;
@@ -33,6 +34,7 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
+    let bytes = &*decoded(bytes);
     let mut reader = MgfReader::new(files, options);
     reader.run(bytes, name).map_err(|e| e.error(name))?;
     Ok(reader.finish(name))

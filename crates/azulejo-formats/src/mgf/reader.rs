@@ -9,7 +9,7 @@ use super::material::{MaterialComponent, MgfMaterial};
 use super::transform::MgfTransform;
 use crate::reading::files::beside;
 use crate::reading::options::{Budget, Exhausted};
-use crate::reading::text::{quoted, text};
+use crate::reading::text::{decoded, quoted, text};
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadOptions};
 use azulejo_scene::math::normal_matrix;
@@ -543,7 +543,7 @@ impl<'r> MgfReader<'r> {
         if !self.texts.contains_key(name) {
             let read = self.files.read(name);
             let found = match &read {
-                Ok(bytes) => Some(Rc::from(&bytes[..])),
+                Ok(bytes) => Some(Rc::from(&*decoded(bytes))),
                 Err(_) => None,
             };
             self.texts.insert(name.to_owned(), found);

@@ -4,46 +4,39 @@
 //! that begins with `#` begins a comment, which no backslash continues, because comments hold
 //! Windows paths. Names are UTF-8 or, failing that, Latin-1.
 
+use crate::reading::cursor::{TextCursor, column, is_line_end};
 use crate::reading::number;
-use crate::reading::text::{shortened, text};
+use crate::reading::text::{quoted, text};
 use crate::{Position, ReadError};
 
-/// A place in the bytes of a text file.
+/// A cursor over the statements of a file, which knows the line that it is on.
 #[derive(Clone, Debug)]
-pub(super) struct Cursor<'a> {
+pub(super) struct StatementCursor<'a> {
     file: &'a str,
-    bytes: &'a [u8],
-    at: usize,
+    text: TextCursor<'a>,
     line: u32,
     line_start: usize,
 }
 
 /// Space, tab and what else nobody sees. NUL is among them: one exporter of 1991 writes it
-/// behind its line ends; [`Cursor::new`] lets no other NUL pass but at the end of the file, where
+/// behind its line ends; [`StatementCursor::new`] lets no other NUL pass but at the end of the file, where
 /// tapes and disks filled their blocks.
 #[inline]
 fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | 0x0b | 0x0c | 0)
 }
 
-#[inline]
-fn is_line_end(b: u8) -> bool {
-    matches!(b, b'\n' | b'\r')
-}
-
-impl<'a> Cursor<'a> {
+impl<'a> StatementCursor<'a> {
     /// The start of a text file; `file` is its name in messages.
     ///
     /// # Errors
     /// Bytes that are no text: a NUL that neither follows a line end nor fills the file's end.
-    pub fn new(bytes: &'a [u8], file: &'a str) -> Result<Cursor<'a>, ReadError> {
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    pub fn new(bytes: &'a [u8], file: &'a str) -> Result<StatementCursor<'a>, ReadError> {
         let text = bytes.len() - bytes.iter().rev().take_while(|b| **b == 0).count();
         let bytes = &bytes[..text];
-        let cursor = Cursor {
+        let cursor = StatementCursor {
             file,
-            bytes,
-            at: 0,
+            text: TextCursor::new(bytes),
             line: 1,
             line_start: 0,
         };
@@ -60,23 +53,23 @@ impl<'a> Cursor<'a> {
 
     /// Line and column of the cursor. Takes time in proportion to the column.
     pub fn position(&self) -> Position {
-        let before = &self.bytes[self.line_start..self.at];
-        Position::Line(self.line, text(before).chars().count() as u32 + 1)
+        let before = &self.text.bytes()[self.line_start..self.text.offset()];
+        Position::Line(self.line, column(before))
     }
 
-    /// The byte behind the cursor, for coming back to by [`Cursor::error_at`].
+    /// The byte behind the cursor, for coming back to by [`StatementCursor::error_at`].
     pub fn offset(&self) -> usize {
-        self.at
+        self.text.offset()
     }
 
     /// Skips blanks and continued line ends.
     #[inline]
     pub fn skip_blanks(&mut self) {
-        while let Some(&b) = self.bytes.get(self.at) {
+        while let Some(b) = self.text.peek() {
             if is_blank(b) {
-                self.at += 1;
+                self.text.advance(1);
             } else if b == b'\\' && self.continues() {
-                self.at += 1;
+                self.text.advance(1);
                 self.pass_line_end();
             } else {
                 break;
@@ -86,17 +79,14 @@ impl<'a> Cursor<'a> {
 
     /// Whether the backslash at the cursor stands before a line end, or at the end of the file.
     fn continues(&self) -> bool {
-        self.bytes.get(self.at + 1).is_none_or(|&b| is_line_end(b))
+        self.text.peek_at(1).is_none_or(is_line_end)
     }
 
     fn pass_line_end(&mut self) {
-        match self.bytes[self.at..] {
-            [] => return,
-            [b'\r', b'\n', ..] => self.at += 2,
-            _ => self.at += 1,
+        if self.text.pass_line_end() {
+            self.line += 1;
+            self.line_start = self.text.offset();
         }
-        self.line += 1;
-        self.line_start = self.at;
     }
 
     /// Goes to the first word of the next statement and takes it; `None` at the end of the file.
@@ -105,10 +95,10 @@ impl<'a> Cursor<'a> {
     pub fn keyword(&mut self) -> Option<&'a [u8]> {
         loop {
             self.skip_blanks();
-            match self.bytes.get(self.at)? {
-                b'#' if self.bytes[self.at..].starts_with(b"#MRGB ") => return self.word_at(),
+            match self.text.peek()? {
+                b'#' if self.text.rest().starts_with(b"#MRGB ") => return self.word_at(),
                 b'#' => self.skip_comment(),
-                &b if is_line_end(b) => self.pass_line_end(),
+                b if is_line_end(b) => self.pass_line_end(),
                 _ => return self.word_at(),
             }
         }
@@ -126,30 +116,28 @@ impl<'a> Cursor<'a> {
     /// The word at the cursor, whatever its first byte is.
     #[inline]
     fn word_at(&mut self) -> Option<&'a [u8]> {
-        let start = self.at;
-        self.at += 1;
+        let start = self.text.offset();
+        self.text.advance(1);
         while !self.at_delimiter() {
-            self.at += 1;
+            self.text.advance(1);
         }
-        Some(&self.bytes[start..self.at])
+        Some(&self.text.bytes()[start..self.text.offset()])
     }
 
     /// Skips blanks; whether the statement has no more words.
     #[inline]
     pub fn at_end(&mut self) -> bool {
         self.skip_blanks();
-        self.bytes
-            .get(self.at)
-            .is_none_or(|&b| is_line_end(b) || b == b'#')
+        self.text.peek().is_none_or(|b| is_line_end(b) || b == b'#')
     }
 
     /// Whether a word ends here.
     #[inline]
     fn at_delimiter(&self) -> bool {
-        match self.bytes.get(self.at) {
+        match self.text.peek() {
             None => true,
             Some(b'\\') => self.continues(),
-            Some(&b) => is_blank(b) || is_line_end(b),
+            Some(b) => is_blank(b) || is_line_end(b),
         }
     }
 
@@ -157,17 +145,13 @@ impl<'a> Cursor<'a> {
     #[inline]
     pub fn finish_statement(&mut self) {
         while self.word().is_some() {}
-        if self.bytes.get(self.at) == Some(&b'#') {
+        if self.text.peek() == Some(b'#') {
             self.skip_comment();
         }
     }
 
     fn skip_comment(&mut self) {
-        let rest = &self.bytes[self.at..];
-        self.at += rest
-            .iter()
-            .position(|&b| is_line_end(b))
-            .unwrap_or(rest.len());
+        self.text.take_line();
     }
 
     /// The rest of the statement as a name: words with the blanks between them, trimmed.
@@ -176,19 +160,19 @@ impl<'a> Cursor<'a> {
     pub fn name(&mut self) -> String {
         self.skip_blanks();
         let mut name = String::new();
-        let start = self.at;
-        while self.bytes.get(self.at).is_some_and(|&b| !is_line_end(b)) {
-            let piece = self.at;
+        let (bytes, start) = (self.text.bytes(), self.text.offset());
+        while !self.text.at_line_end() {
+            let piece = self.text.offset();
             while !self.at_delimiter() {
-                self.at += 1;
+                self.text.advance(1);
             }
-            name += &text(&self.bytes[piece..self.at]);
-            let gap = self.at;
+            let gap = self.text.offset();
+            name += &text(&bytes[piece..gap]);
             self.skip_blanks();
-            if self.bytes.get(self.at) == Some(&b'#') && self.at > start {
+            if self.text.peek() == Some(b'#') && self.text.offset() > start {
                 break;
             }
-            let blanks = self.bytes[gap..self.at].iter();
+            let blanks = bytes[gap..self.text.offset()].iter();
             name.extend(
                 blanks
                     .filter(|&&b| b == b' ' || b == b'\t')
@@ -200,26 +184,26 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next `N` words as numbers, if all of them are plain; else none is taken, and
-    /// [`Cursor::number`] says why.
+    /// [`StatementCursor::number`] says why.
     #[inline]
     pub fn plain_numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
-        let start = self.at;
+        let before = self.text;
         let mut values = [0.0; N];
         for value in &mut values {
-            while matches!(self.bytes.get(self.at), Some(b' ' | b'\t')) {
-                self.at += 1;
+            while matches!(self.text.peek(), Some(b' ' | b'\t')) {
+                self.text.advance(1);
             }
-            let number = number::parse(&self.bytes[self.at..])
+            let number = number::parse(self.text.rest())
                 .filter(|number| !number.misplaced_sign)
                 .filter(|number| {
-                    let behind = self.bytes.get(self.at + number.length);
-                    behind.is_none_or(|&b| is_blank(b) || is_line_end(b))
+                    let behind = self.text.peek_at(number.length);
+                    behind.is_none_or(|b| is_blank(b) || is_line_end(b))
                 });
             let Some(number) = number else {
-                self.at = start;
+                self.text = before;
                 return None;
             };
-            self.at += number.length;
+            self.text.advance(number.length);
             *value = number.value;
         }
         Some(values)
@@ -235,12 +219,13 @@ impl<'a> Cursor<'a> {
         if self.at_end() {
             return Ok(None);
         }
-        if let Some(found) = number::parse(&self.bytes[self.at..]) {
-            self.at += found.length;
+        if let Some(found) = number::parse(self.text.rest()) {
+            let before = self.text;
+            self.text.advance(found.length);
             if self.at_delimiter() {
                 return Ok(Some(found));
             }
-            self.at -= found.length;
+            self.text = before;
         }
         self.odd_number().map(Some)
     }
@@ -248,7 +233,7 @@ impl<'a> Cursor<'a> {
     /// What C libraries print for numbers that are none: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
     #[cold]
     fn odd_number(&mut self) -> Result<number::Number, ReadError> {
-        let start = self.at;
+        let start = self.text.offset();
         let word = text(self.word().unwrap_or_default()).to_ascii_lowercase();
         let bare = word.trim_start_matches(['+', '-']);
         let value = match bare {
@@ -267,26 +252,22 @@ impl<'a> Cursor<'a> {
     /// beyond 18 digits.
     #[inline]
     pub fn integer(&mut self) -> Option<i64> {
-        let mut at = self.at;
-        let sign = self.bytes.get(at).copied();
-        if matches!(sign, Some(b'+' | b'-')) {
-            at += 1;
-        }
-        let start = at;
-        let mut value = 0i64;
+        let sign = self.text.peek();
+        let start = usize::from(matches!(sign, Some(b'+' | b'-')));
+        let (mut value, mut end) = (0i64, start);
         while let Some(d) = self
-            .bytes
-            .get(at)
+            .text
+            .peek_at(end)
             .map(|b| b.wrapping_sub(b'0'))
             .filter(|d| *d < 10)
         {
             value = value.wrapping_mul(10).wrapping_add(i64::from(d));
-            at += 1;
+            end += 1;
         }
-        if at == start || at - start > 18 {
+        if end == start || end - start > 18 {
             return None;
         }
-        self.at = at;
+        self.text.advance(end);
         Some(if sign == Some(b'-') { -value } else { value })
     }
 
@@ -294,14 +275,14 @@ impl<'a> Cursor<'a> {
     #[inline]
     pub fn slash(&mut self) -> bool {
         let found = self.at_slash();
-        self.at += usize::from(found);
+        self.text.advance(usize::from(found));
         found
     }
 
     /// Whether a `/` stands at the cursor.
     #[inline]
     pub fn at_slash(&self) -> bool {
-        self.bytes.get(self.at) == Some(&b'/')
+        self.text.peek() == Some(b'/')
     }
 
     /// Whether a word ends at the cursor.
@@ -313,14 +294,11 @@ impl<'a> Cursor<'a> {
     /// An error about the word at byte `offset`, which need not be on this line.
     #[cold]
     pub fn error_at(&self, offset: usize, expected: &str) -> ReadError {
-        let mut there = Cursor {
-            at: offset,
-            ..self.clone()
-        };
-        let found = match there.word() {
-            Some(word) => format!("\"{}\"", shortened(&text(word))),
-            None => "the end of the line".to_owned(),
-        };
+        let mut there = self.clone();
+        there.text.move_to(offset);
+        let found = there
+            .word()
+            .map_or_else(|| "the end of the line".to_owned(), quoted);
         self.error_saying(offset, found, expected)
     }
 
@@ -332,29 +310,7 @@ impl<'a> Cursor<'a> {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {
-        let before = &self.bytes[..offset];
-        let line_start = before
-            .iter()
-            .rposition(|&b| is_line_end(b))
-            .map_or(0, |i| i + 1);
-        let mut counter = Cursor {
-            at: 0,
-            line: 1,
-            line_start: 0,
-            ..self.clone()
-        };
-        while counter.line_start < line_start {
-            counter.skip_comment();
-            counter.pass_line_end();
-        }
-        let mut end = counter.clone();
-        end.skip_comment();
-        counter.at = offset;
-        ReadError {
-            position: counter.position(),
-            source_line: Some(text(&self.bytes[line_start..end.at]).into_owned()),
-            ..ReadError::whole(self.file, found, expected)
-        }
+        self.text.error(self.file, offset, found, expected)
     }
 }
 

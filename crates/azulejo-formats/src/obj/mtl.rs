@@ -1,8 +1,8 @@
 //! Material libraries.
 
-use super::cursor::Cursor;
+use super::cursor::StatementCursor;
 use super::placement::Placement;
-use crate::reading::text::{shortened, text};
+use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::surface::gloss::Gloss;
 use crate::surface::phong::Highlight;
@@ -95,8 +95,9 @@ impl Library {
         files: &dyn Files,
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {
+        let bytes = &*decoded(bytes);
         let mut parser = Parser {
-            cursor: Cursor::new(bytes, file)?,
+            cursor: StatementCursor::new(bytes, file)?,
             file,
             files,
             warnings,
@@ -151,7 +152,7 @@ impl Definition {
 }
 
 struct Parser<'a> {
-    cursor: Cursor<'a>,
+    cursor: StatementCursor<'a>,
     file: &'a str,
     files: &'a dyn Files,
     warnings: &'a mut Warnings,
@@ -466,7 +467,7 @@ enum Surface {
 }
 
 /// One to three numbers: as many as stand there.
-fn vector(cursor: &mut Cursor) -> Vec<f64> {
+fn vector(cursor: &mut StatementCursor) -> Vec<f64> {
     let mut given = Vec::new();
     while given.len() < 3 {
         let mut next = cursor.clone();

@@ -1,13 +1,13 @@
 //! From statements to flat lists, in one pass over the bytes.
 
 use super::assemble::assemble;
-use super::cursor::Cursor;
+use super::cursor::StatementCursor;
 use super::free_form::FreeForm;
 use super::mtl::Library;
 use super::raw::{NONE, Part, Raw};
 use crate::picture::srgb::linear_from_srgb;
 use crate::reading::options::Budget;
-use crate::reading::text::{shortened, text, without_utf16};
+use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::surface::textures::one_spelling;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
@@ -48,7 +48,7 @@ pub fn read_with(
         let (found, expected) = (format!("{size} bytes"), format!("fewer than {LARGEST}"));
         return Err(ReadError::whole(name, found, expected));
     }
-    let bytes = without_utf16(bytes);
+    let bytes = decoded(bytes);
     let mut reader = Reader::new(&bytes, name, files, options)?;
     while let Some(keyword) = reader.cursor.keyword() {
         reader.statement(keyword)?;
@@ -75,7 +75,7 @@ pub fn read_with(
 
 /// A file under way.
 pub(super) struct Reader<'a> {
-    pub(super) cursor: Cursor<'a>,
+    pub(super) cursor: StatementCursor<'a>,
     pub(super) file: &'a str,
     files: &'a dyn Files,
     pub(super) raw: Raw,
@@ -105,7 +105,7 @@ impl<'a> Reader<'a> {
         options: &ReadOptions,
     ) -> Result<Self, ReadError> {
         Ok(Reader {
-            cursor: Cursor::new(bytes, file)?,
+            cursor: StatementCursor::new(bytes, file)?,
             file,
             files,
             raw: Raw::default(),
@@ -536,7 +536,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What [`Cursor::keyword`] gives for ZBrush's comments.
+/// What [`StatementCursor::keyword`] gives for ZBrush's comments.
 const POLYPAINT: &[u8] = b"#MRGB";
 
 const CORNER: &str = "a corner like 1, 1/2, 1//3 or 1/2/3";

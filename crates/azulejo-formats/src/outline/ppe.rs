@@ -1,6 +1,6 @@
 //! PPE: the glyph names of a font by character code, one `code/name` per line.
 
-use crate::reading::text::{shortened, text};
+use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::reading::words::Words;
 use crate::{ReadError, Warning};
@@ -20,12 +20,8 @@ const LARGEST: u32 = 0x10_ffff;
 /// # Errors
 /// A malformed line.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Encoding, Vec<Warning>), ReadError> {
-    let start = if bytes.starts_with(b"\xef\xbb\xbf") {
-        3
-    } else {
-        0
-    };
-    let mut words = Words::new(bytes, name).from(start);
+    let bytes = &*decoded(bytes);
+    let mut words = Words::new(bytes, name);
     let mut encoding = Encoding::default();
     let mut warnings = Warnings::default();
     while !words.at_end() {

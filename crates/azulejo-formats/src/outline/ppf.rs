@@ -14,7 +14,7 @@
 //! crosses itself, or two of them overlap, what is gone around twice is outside. A contour
 //! without area, such as a single line, has no inside, and a glyph without contours is a blank.
 
-use crate::reading::text::{shortened, text};
+use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::reading::words::Words;
 use crate::{ReadError, Warning};
@@ -26,12 +26,9 @@ use std::io::{self, Write};
 /// Bytes of the shortest curve, `l 0 0` and a blank: room is made for no more of them.
 const SHORTEST_CURVE: usize = 6;
 
-/// The mark of byte order that some editors put before text.
-const MARK: &[u8] = b"\xef\xbb\xbf";
-
 /// Whether a file may be a PPF: text whose first word, behind remarks, is a glyph's name.
 pub fn is_ppf(bytes: &[u8]) -> bool {
-    let bytes = bytes.strip_prefix(MARK).unwrap_or(bytes);
+    let bytes = decoded(bytes);
     let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
     let first = lines.find(|l| !l.is_empty() && !l.starts_with(b"#"));
     first.is_some_and(|l| l.starts_with(b"/"))
@@ -46,13 +43,9 @@ pub fn is_ppf(bytes: &[u8]) -> bool {
 /// # Errors
 /// Text that is no PPF: what stands where, and in which glyph.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Font, Vec<Warning>), ReadError> {
-    let start = if bytes.starts_with(MARK) {
-        MARK.len()
-    } else {
-        0
-    };
+    let bytes = &*decoded(bytes);
     let mut reader = Reader {
-        words: Words::new(bytes, name).from(start),
+        words: Words::new(bytes, name),
         length: bytes.len(),
         place: Place::Start,
         glyph: String::new(),

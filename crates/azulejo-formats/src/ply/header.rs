@@ -133,13 +133,8 @@ impl PlyHeader {
     /// # Errors
     /// A malformed statement, or a missing end.
     pub fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<PlyHeader, ReadError> {
-        let start = if bytes.starts_with(b"\xef\xbb\xbf") {
-            3
-        } else {
-            0
-        };
         let mut parser = PlyHeaderParser {
-            words: Words::new(bytes, file).from(start),
+            words: Words::new(bytes, file),
             file,
             warnings,
             line: 1,
@@ -156,7 +151,7 @@ impl PlyHeader {
         if parser.words.word() != Some(b"ply") {
             return Err(parser
                 .words
-                .error(start, "a PLY file, which begins with \"ply\""));
+                .error(0, "a PLY file, which begins with \"ply\""));
         }
         parser.words.rest_of_line();
         parser.statements()

@@ -16,6 +16,7 @@ mod write;
 pub use write::{losses, write};
 
 use crate::reading::options::check_length;
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use faces::PlyFaceList;
@@ -40,6 +41,7 @@ pub fn read(
     _options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
+    let bytes = &*decoded(bytes);
     let mut warnings = Warnings::default();
     let header = PlyHeader::read(bytes, name, &mut warnings)?;
     let mut reader = PlyReader {

@@ -1,7 +1,7 @@
 //! Which format bytes are in, by what they say rather than by the file's name.
 
 use super::gzip;
-use super::text::without_utf16;
+use super::text::decoded;
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
 use std::fmt;
@@ -123,7 +123,7 @@ pub fn detect(bytes: &[u8]) -> Result<Format, Unrecognised> {
     let start = unpacked_start(bytes);
     let found = match known_mark(&start) {
         Some(found) => found,
-        None => by_words(&without_utf16(&start[..start.len().min(LOOKED_AT)])),
+        None => by_words(&decoded(&start[..start.len().min(LOOKED_AT)])),
     };
     found.map_err(|looks_like| Unrecognised { looks_like })
 }
@@ -173,8 +173,8 @@ fn known_mark(bytes: &[u8]) -> Option<Found> {
     if bytes.is_empty() {
         return Some(Err("an empty file"));
     }
-    let marked = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mark = MARKS.iter().find(|(mark, _)| marked.starts_with(mark));
+    let text = decoded(&bytes[..bytes.len().min(LOOKED_AT)]);
+    let mark = MARKS.iter().find(|(mark, _)| text.starts_with(mark));
     mark.map(|(_, found)| *found)
         .or_else(|| is_openflight(bytes).then_some(Ok(OpenFlight)))
         .or_else(|| is_3ds(bytes).then_some(Ok(Studio3ds)))
@@ -346,9 +346,7 @@ fn first_word(line: &[u8]) -> &[u8] {
 }
 
 fn by_line(line: &[u8], head: &[u8]) -> Option<Found> {
-    // A byte order mark or zero bytes may cling to the first word.
-    let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
-    let line = line.trim_ascii_start();
+    // Zero bytes may cling to the first word.
     let zeros = line.iter().take_while(|b| **b == 0).count();
     let line = &line[zeros..];
     let word = first_word(line);

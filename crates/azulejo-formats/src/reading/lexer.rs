@@ -1,13 +1,16 @@
-//! Tokens: words, numbers and names, without an intermediate token list.
+//! Words, numbers and names of azulejo's own languages, GRF and reflection models, without a
+//! token list in between.
 //!
 //! The parser requests the token it needs next; blanks and comments before it are skipped. Nothing
 //! here allocates, so that a vertex costs little more than its numbers.
 
-/// A cursor in the text. Copies serve for lookahead.
+use super::cursor::TextCursor;
+use super::text::shortened;
+
+/// A cursor over the tokens of a text. Copying it is how a parser looks ahead.
 #[derive(Clone, Copy)]
 pub(crate) struct Lexer<'a> {
-    text: &'a str,
-    pos: usize,
+    cursor: TextCursor<'a, str>,
 }
 
 /// Why a number could not be read.
@@ -33,37 +36,44 @@ fn is_blank(b: u8) -> bool {
 
 impl<'a> Lexer<'a> {
     pub fn new(text: &'a str) -> Lexer<'a> {
-        Lexer { text, pos: 0 }
+        Lexer {
+            cursor: TextCursor::new(text),
+        }
     }
 
     /// The whole text, whatever the position.
     pub fn text(&self) -> &'a str {
-        self.text
+        self.cursor.text()
     }
 
     /// Byte offset of the unread text, including blanks.
     pub fn pos(&self) -> usize {
-        self.pos
+        self.cursor.offset()
+    }
+
+    /// The text from `start` to the cursor.
+    fn since(&self, start: usize) -> &'a str {
+        &self.text()[start..self.pos()]
     }
 
     fn byte(&self, pos: usize) -> Option<u8> {
-        self.text.as_bytes().get(pos).copied()
+        self.cursor.bytes().get(pos).copied()
     }
 
     /// The end of the longest run of matching bytes from here.
     fn run(&self, matches: impl Fn(u8) -> bool) -> usize {
-        let rest = &self.text.as_bytes()[self.pos..];
-        self.pos + rest.iter().position(|&b| !matches(b)).unwrap_or(rest.len())
+        let rest = self.cursor.rest();
+        self.pos() + rest.iter().position(|&b| !matches(b)).unwrap_or(rest.len())
     }
 
     /// Skips blanks and comments; returns the offset of the next token.
     pub fn skip_blank(&mut self) -> usize {
         loop {
-            self.pos = self.run(is_blank);
-            if !self.text.as_bytes()[self.pos..].starts_with(b"//") {
-                return self.pos;
+            self.cursor.move_to(self.run(is_blank));
+            if !self.cursor.rest().starts_with(b"//") {
+                return self.pos();
             }
-            self.pos = self.run(|b| b != b'\n' && b != b'\r');
+            self.cursor.take_line();
         }
     }
 
@@ -72,10 +82,10 @@ impl<'a> Lexer<'a> {
         let mut comments = Vec::new();
         let mut lexer = *self;
         loop {
-            lexer.pos = lexer.run(is_blank);
-            let start = lexer.pos;
-            lexer.pos = lexer.run(|b| b != b'\n' && b != b'\r');
-            match lexer.text[start..lexer.pos].strip_prefix("//") {
+            lexer.cursor.take_while(is_blank);
+            let start = lexer.pos();
+            lexer.cursor.take_line();
+            match lexer.since(start).strip_prefix("//") {
                 Some(comment) => comments.push(comment.trim_end().to_owned()),
                 None => return comments,
             }
@@ -91,7 +101,7 @@ impl<'a> Lexer<'a> {
     /// Takes one ASCII character if it comes next.
     pub fn eat(&mut self, wanted: u8) -> bool {
         let found = self.peek() == Some(wanted);
-        self.pos += usize::from(found);
+        self.cursor.advance(usize::from(found));
         found
     }
 
@@ -109,11 +119,11 @@ impl<'a> Lexer<'a> {
             && self.byte(end) == Some(b'-')
             && self.byte(end + 1).is_some_and(|b| b.is_ascii_alphabetic())
         {
-            self.pos = end + 1;
+            self.cursor.move_to(end + 1);
             end = self.run(is_word_byte);
         }
-        self.pos = end;
-        (end > start).then(|| &self.text[start..end])
+        self.cursor.move_to(end);
+        (end > start).then(|| &self.text()[start..end])
     }
 
     /// Consumes a keyword, case-insensitively, if it comes next.
@@ -135,62 +145,66 @@ impl<'a> Lexer<'a> {
     }
 
     fn skip_digits(&mut self) -> usize {
-        let start = self.pos;
-        self.pos = self.run(|b| b.is_ascii_digit());
-        self.pos - start
+        let start = self.pos();
+        self.cursor.move_to(self.run(|b| b.is_ascii_digit()));
+        self.pos() - start
     }
 
     /// Reads a number: sign, digits, fraction, exponent, and a suffix `f` or `d`.
     pub fn number(&mut self) -> Result<f64, BadNumber> {
         let start = self.skip_blank();
         let scanned = self.scan_number();
-        let end = self.pos;
+        let end = self.pos();
         if scanned.is_err() {
-            self.pos = start;
+            self.cursor.move_to(start);
         }
         let digits = scanned?;
-        let value: f64 = self.text[start..digits]
+        let value: f64 = self.text()[start..digits]
             .parse()
             .map_err(|_| BadNumber::Malformed)?;
         if !value.is_finite() {
-            self.pos = start;
+            self.cursor.move_to(start);
             return Err(BadNumber::TooLarge);
         }
-        self.pos = end;
+        self.cursor.move_to(end);
         Ok(value)
     }
 
     /// Skips a number; returns its end without the suffix.
     fn scan_number(&mut self) -> Result<usize, BadNumber> {
-        let start = self.pos;
-        if matches!(self.byte(self.pos), Some(b'+' | b'-')) {
-            self.pos += 1;
+        let start = self.pos();
+        if matches!(self.byte(self.pos()), Some(b'+' | b'-')) {
+            self.cursor.advance(1);
         }
         let mut digits = self.skip_digits();
-        let point = self.byte(self.pos) == Some(b'.');
+        let point = self.byte(self.pos()) == Some(b'.');
         if point {
-            self.pos += 1;
+            self.cursor.advance(1);
             digits += self.skip_digits();
         }
         if digits == 0 {
             return Err(BadNumber::Missing);
         }
-        if matches!(self.byte(self.pos), Some(b'e' | b'E')) {
-            self.pos += 1;
-            if matches!(self.byte(self.pos), Some(b'+' | b'-')) {
-                self.pos += 1;
+        if matches!(self.byte(self.pos()), Some(b'e' | b'E')) {
+            self.cursor.advance(1);
+            if matches!(self.byte(self.pos()), Some(b'+' | b'-')) {
+                self.cursor.advance(1);
             }
             if self.skip_digits() == 0 {
                 return Err(self.word_or_malformed(start));
             }
         }
-        let end = self.pos;
+        let end = self.pos();
         if matches!(self.byte(end), Some(b'f' | b'F' | b'd' | b'D')) {
-            self.pos += 1;
+            self.cursor.advance(1);
         }
-        match self.byte(self.pos) {
+        match self.byte(self.pos()) {
             Some(b) if is_word_byte(b) => Err(self.word_or_malformed(start)),
-            Some(b'.') if self.byte(self.pos + 1).is_some_and(|b| b.is_ascii_digit()) => {
+            Some(b'.')
+                if self
+                    .byte(self.pos() + 1)
+                    .is_some_and(|b| b.is_ascii_digit()) =>
+            {
                 Err(BadNumber::Malformed)
             }
             _ => Ok(end),
@@ -200,11 +214,12 @@ impl<'a> Lexer<'a> {
     /// The error for a token that begins like a number: `3rd` is an identifier.
     fn word_or_malformed(&self, start: usize) -> BadNumber {
         let mut word = Lexer {
-            pos: start,
-            ..*self
+            cursor: self.cursor.moved_to(start),
         };
         match word.word() {
-            Some(text) if text.bytes().any(|b| b.is_ascii_alphabetic()) && word.pos > self.pos => {
+            Some(text)
+                if text.bytes().any(|b| b.is_ascii_alphabetic()) && word.pos() > self.pos() =>
+            {
                 BadNumber::Missing
             }
             _ => BadNumber::Malformed,
@@ -216,19 +231,19 @@ impl<'a> Lexer<'a> {
         let start = self.skip_blank();
         let count = self.skip_digits();
         let fail = |lexer: &mut Lexer<'a>, bad| {
-            lexer.pos = start;
+            lexer.cursor.move_to(start);
             Err(bad)
         };
         if count == 0 {
             return Err(BadNumber::Missing);
         }
         if self
-            .byte(self.pos)
+            .byte(self.pos())
             .is_some_and(|b| is_word_byte(b) || b == b'.')
         {
             return fail(self, BadNumber::Malformed);
         }
-        match self.text[start..self.pos].parse() {
+        match self.since(start).parse() {
             Ok(index) => Ok(index),
             Err(_) => fail(self, BadNumber::TooLarge),
         }
@@ -239,15 +254,15 @@ impl<'a> Lexer<'a> {
     pub fn file_name(&mut self) -> Option<&'a str> {
         let start = self.skip_blank();
         if self.byte(start) != Some(b'"') {
-            self.pos = self.run(|b| !is_blank(b));
-            return (self.pos > start).then(|| &self.text[start..self.pos]);
+            self.cursor.move_to(self.run(|b| !is_blank(b)));
+            return (self.pos() > start).then(|| self.since(start));
         }
-        let inner = &self.text[start + 1..];
+        let inner = &self.text()[start + 1..];
         let end = inner.find(['"', '\n', '\r'])?;
         if inner.as_bytes()[end] != b'"' {
             return None;
         }
-        self.pos = start + end + 2;
+        self.cursor.move_to(start + end + 2);
         Some(&inner[..end])
     }
 
@@ -255,7 +270,7 @@ impl<'a> Lexer<'a> {
     /// next character. `None` if it is not closed on the line.
     pub fn escaped_text(&mut self) -> Option<&'a str> {
         let start = self.skip_blank();
-        let bytes = self.text.as_bytes();
+        let bytes = self.cursor.bytes();
         let mut end = start + 1;
         loop {
             match bytes.get(end)? {
@@ -265,8 +280,8 @@ impl<'a> Lexer<'a> {
                 _ => end += 1,
             }
         }
-        self.pos = end + 1;
-        Some(&self.text[start + 1..end])
+        self.cursor.move_to(end + 1);
+        Some(&self.text()[start + 1..end])
     }
 
     /// Skips one token of any type; `false` at the end of the text and before an unterminated text.
@@ -276,7 +291,7 @@ impl<'a> Lexer<'a> {
             Some(b'"') => self.escaped_text().is_some(),
             Some(b) if is_word_byte(b) => self.word().is_some(),
             Some(_) => {
-                self.pos += 1;
+                self.cursor.advance(1);
                 true
             }
         }
@@ -295,8 +310,9 @@ impl<'a> Lexer<'a> {
             };
         }
         if is_word_byte(first) || matches!(first, b'+' | b'-' | b'.') {
-            self.pos = self.run(|b| is_word_byte(b) || matches!(b, b'+' | b'-' | b'.'));
-            let shown = shortened(&self.text[start..self.pos]);
+            self.cursor
+                .move_to(self.run(|b| is_word_byte(b) || matches!(b, b'+' | b'-' | b'.')));
+            let shown = shortened(self.since(start));
             let numeric = first.is_ascii_digit() || (first != b'.' && !is_word_byte(first));
             let kind = if numeric { "number" } else { "word" };
             return if shown == "." {
@@ -307,70 +323,6 @@ impl<'a> Lexer<'a> {
         }
         format!("`{}`", char::from(first))
     }
-}
-
-/// At most 40 characters of an excerpt.
-fn shortened(text: &str) -> String {
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
-    }
-}
-
-/// Computes line and column of byte offsets, fastest for ascending offsets.
-#[derive(Default)]
-pub(crate) struct Locator {
-    offset: usize,
-    lines: u32,
-    columns: u32,
-}
-
-impl Locator {
-    /// Line and column of an offset, both counted from 1; the column counts characters.
-    pub fn locate(&mut self, text: &str, offset: usize) -> (u32, u32) {
-        if offset < self.offset {
-            *self = Locator::default();
-        }
-        let bytes = text.as_bytes();
-        for at in self.offset..offset {
-            // CR LF counts at its LF; a single CR is an old Macintosh line end.
-            let ends = match bytes[at] {
-                b'\n' => true,
-                b'\r' => bytes.get(at + 1) != Some(&b'\n'),
-                _ => false,
-            };
-            if ends {
-                self.lines = self.lines.saturating_add(1);
-                self.columns = 0;
-            } else if bytes[at] & 0xc0 != 0x80 {
-                self.columns = self.columns.saturating_add(1);
-            }
-        }
-        self.offset = offset;
-        (self.lines.saturating_add(1), self.columns.saturating_add(1))
-    }
-}
-
-/// How far to search to either side for the ends of a line.
-const LONGEST_LINE: usize = 10_000;
-
-/// The line around an offset, unless it is extremely long.
-pub(crate) fn line_around(text: &str, offset: usize) -> Option<String> {
-    let is_end = |b: &u8| matches!(b, b'\n' | b'\r');
-    let bytes = text.as_bytes();
-    let from = offset.saturating_sub(LONGEST_LINE);
-    let to = text.len().min(offset.saturating_add(LONGEST_LINE));
-    let start = match bytes[from..offset].iter().rposition(is_end) {
-        Some(at) => from + at + 1,
-        None if from == 0 => 0,
-        None => return None,
-    };
-    let end = match bytes[offset..to].iter().position(is_end) {
-        Some(at) => offset + at,
-        None if to == text.len() => to,
-        None => return None,
-    };
-    Some(text[start..end].to_owned())
 }
 
 #[cfg(test)]
@@ -424,15 +376,5 @@ mod tests {
             Some(r#"a\"b\\"#)
         );
         assert_eq!(Lexer::new("\"a\\").escaped_text(), None);
-    }
-
-    #[test]
-    fn lines_end_in_every_way() {
-        let text = "a\nb\r\nc\rñd";
-        let mut locator = Locator::default();
-        assert_eq!(locator.locate(text, 2), (2, 1));
-        assert_eq!(locator.locate(text, text.len()), (4, 3));
-        assert_eq!(locator.locate(text, 5), (3, 1));
-        assert_eq!(line_around(text, 5).as_deref(), Some("c"));
     }
 }

@@ -2,6 +2,7 @@
 //! errors and warnings, and which format bytes are in. Nothing here knows a format's content.
 
 pub(crate) mod bytes;
+pub(crate) mod cursor;
 pub(crate) mod detect;
 pub(crate) mod error;
 pub(crate) mod files;

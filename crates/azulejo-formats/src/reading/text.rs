@@ -2,9 +2,12 @@
 
 use std::borrow::Cow;
 
-/// UTF-16 becomes UTF-8, if a mark or plain letters stand at its start; anything else stays as
-/// it is.
-pub(crate) fn without_utf16(bytes: &[u8]) -> Cow<'_, [u8]> {
+/// The bytes of a text file as all readers take them: UTF-8 without a byte-order mark, or else
+/// Latin-1.
+///
+/// UTF-16 becomes UTF-8 where a mark or plain letters stand at its start, and a lone half of a
+/// pair becomes U+FFFD. All other bytes stay as they are and are not copied.
+pub(crate) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let decode = |text: &[u8], unit: fn([u8; 2]) -> u16| {
         let (pairs, _) = text.as_chunks::<2>();
         let units = pairs.iter().map(|&pair| unit(pair));
@@ -12,6 +15,7 @@ pub(crate) fn without_utf16(bytes: &[u8]) -> Cow<'_, [u8]> {
         decoded.collect::<String>().into_bytes().into()
     };
     match bytes {
+        [0xef, 0xbb, 0xbf, text @ ..] => text.into(),
         [0xfe, 0xff, text @ ..] => decode(text, u16::from_be_bytes),
         [0xff, 0xfe, text @ ..] => decode(text, u16::from_le_bytes),
         [0, a, 0, b, 0, c, ..] if are_letters([*a, *b, *c]) => decode(bytes, u16::from_be_bytes),
@@ -32,6 +36,23 @@ pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(s) => s.into(),
         Err(_) => bytes.iter().map(|&b| b as char).collect(),
+    }
+}
+
+/// [`decoded`] for bytes that nobody else needs.
+pub(crate) fn into_decoded(bytes: Vec<u8>) -> Vec<u8> {
+    let changed = match decoded(&bytes) {
+        Cow::Borrowed(same) if same.len() == bytes.len() => None,
+        other => Some(other.into_owned()),
+    };
+    changed.unwrap_or(bytes)
+}
+
+/// [`decoded`] bytes as text.
+pub(crate) fn decoded_text(bytes: &[u8]) -> Cow<'_, str> {
+    match decoded(bytes) {
+        Cow::Borrowed(bytes) => text(bytes),
+        Cow::Owned(bytes) => text(&bytes).into_owned().into(),
     }
 }
 

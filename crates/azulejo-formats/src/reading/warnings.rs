@@ -48,6 +48,14 @@ impl Warnings {
         }
     }
 
+    /// Counts the warnings of another file that was read on the way.
+    pub fn extend(&mut self, others: Vec<Warning>) {
+        for other in others {
+            let position = other.position;
+            self.add_many(&other.file, other.message, other.count, || position);
+        }
+    }
+
     /// All of them; the last entry counts those that were too many to keep.
     pub fn finish(mut self, file: &str) -> Vec<Warning> {
         if self.beyond > 0 {

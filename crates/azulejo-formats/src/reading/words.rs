@@ -1,15 +1,15 @@
 //! Text formats whose words stand between blanks: STL, PLY and SFF.
 
-use crate::reading::number;
-use crate::reading::text::{shortened, text};
+use super::cursor::{TextCursor, is_line_end};
+use super::number;
+use super::text::{quoted, text};
 use crate::{Position, ReadError};
 
-/// A place in a text.
+/// A cursor over a text whose words stand between blanks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Words<'a> {
     file: &'a str,
-    bytes: &'a [u8],
-    at: usize,
+    cursor: TextCursor<'a>,
 }
 
 /// Blanks, line ends and other control characters stand between words.
@@ -18,68 +18,58 @@ fn is_blank(byte: u8) -> bool {
     byte <= b' '
 }
 
-fn is_line_end(byte: u8) -> bool {
-    matches!(byte, b'\n' | b'\r')
-}
-
 impl<'a> Words<'a> {
     /// The start of a text. `file` stands in messages.
     pub fn new(bytes: &'a [u8], file: &'a str) -> Words<'a> {
-        Words { file, bytes, at: 0 }
+        Words {
+            file,
+            cursor: TextCursor::new(bytes),
+        }
     }
 
     /// The same text from byte `at` on.
     pub fn from(self, at: usize) -> Words<'a> {
-        Words { at, ..self }
+        Words {
+            cursor: self.cursor.moved_to(at),
+            ..self
+        }
     }
 
     /// Offset of the next byte.
     pub fn offset(&self) -> usize {
-        self.at
+        self.cursor.offset()
     }
 
-    /// Whether nothing but blanks stands before this place on its line.
+    /// Whether only blanks precede the cursor on its line.
     pub fn starts_line(&self) -> bool {
-        let before = self.bytes[..self.at].iter().rev();
+        let before = self.cursor.bytes()[..self.offset()].iter().rev();
         let mut before = before.skip_while(|&&b| is_blank(b) && !is_line_end(b));
         before.next().is_none_or(|&b| is_line_end(b))
     }
 
     /// What is left of the line, which is not passed.
     pub fn line_ahead(&self) -> &'a [u8] {
-        let rest = &self.bytes[self.at..];
-        let length = rest.iter().position(|&b| is_line_end(b));
-        &rest[..length.unwrap_or(rest.len())]
+        self.cursor.line_ahead()
     }
 
     /// Passes over blanks and line ends.
     #[inline]
     pub fn skip_blanks(&mut self) {
-        while self.bytes.get(self.at).is_some_and(|&b| is_blank(b)) {
-            self.at += 1;
-        }
+        self.cursor.take_while(is_blank);
     }
 
     /// The next word; `None` at the end of the text.
     #[inline]
     pub fn word(&mut self) -> Option<&'a [u8]> {
         self.skip_blanks();
-        let start = self.at;
-        while self.bytes.get(self.at).is_some_and(|&b| !is_blank(b)) {
-            self.at += 1;
-        }
-        (self.at > start).then(|| &self.bytes[start..self.at])
+        let word = self.cursor.take_while(|b| !is_blank(b));
+        (!word.is_empty()).then_some(word)
     }
 
     /// What is left of the line, without the blanks around it. Its end is passed.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
-        let line = self.line_ahead();
-        self.at += line.len();
-        if self.bytes[self.at..].starts_with(b"\r\n") {
-            self.at += 2;
-        } else if self.at < self.bytes.len() {
-            self.at += 1;
-        }
+        let line = self.cursor.take_line();
+        self.cursor.pass_line_end();
         line.trim_ascii()
     }
 
@@ -90,12 +80,11 @@ impl<'a> Words<'a> {
     #[inline]
     pub fn number(&mut self) -> Result<f64, ReadError> {
         self.skip_blanks();
-        if let Some(found) = number::parse(&self.bytes[self.at..]) {
-            let end = self.at + found.length;
-            if self.bytes.get(end).is_none_or(|&b| is_blank(b)) {
-                self.at = end;
-                return Ok(found.value);
-            }
+        if let Some(found) = number::parse(self.cursor.rest())
+            && self.cursor.peek_at(found.length).is_none_or(is_blank)
+        {
+            self.cursor.advance(found.length);
+            return Ok(found.value);
         }
         self.odd_number()
     }
@@ -103,7 +92,7 @@ impl<'a> Words<'a> {
     /// What C libraries print for numbers that are none: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
     #[cold]
     fn odd_number(&mut self) -> Result<f64, ReadError> {
-        let start = self.at;
+        let start = self.offset();
         let word = text(self.word().unwrap_or_default()).to_ascii_lowercase();
         match word.trim_start_matches(['+', '-']) {
             bare if bare.starts_with("nan") || bare.starts_with("1.#") => Ok(f64::NAN),
@@ -115,67 +104,57 @@ impl<'a> Words<'a> {
     /// Passes over blanks before the next word or line end.
     #[inline]
     pub fn skip_spaces(&mut self) {
-        let is_space = |b: u8| is_blank(b) && !is_line_end(b);
-        while self.bytes.get(self.at).is_some_and(|&b| is_space(b)) {
-            self.at += 1;
-        }
+        self.cursor.take_while(|b| is_blank(b) && !is_line_end(b));
     }
 
     /// The next byte, blank or not.
     #[inline]
     pub fn peek(&self) -> Option<u8> {
-        self.bytes.get(self.at).copied()
+        self.cursor.peek()
     }
 
     /// Whether the line or the text ends here.
     #[inline]
     pub fn at_line_end(&self) -> bool {
-        self.bytes.get(self.at).is_none_or(|&b| is_line_end(b))
+        self.cursor.at_line_end()
     }
 
     /// Whether the text ends here.
     #[inline]
     pub fn at_end(&self) -> bool {
-        self.at == self.bytes.len()
+        self.cursor.at_end()
     }
 
     /// The next word as a decimal integer of at most nine digits. Another word is not passed.
     #[inline]
     pub fn small_integer(&mut self) -> Option<u32> {
         self.skip_spaces();
-        let (mut value, mut at) = (0, self.at);
-        while let Some(digit) = self.bytes.get(at).map(|b| b.wrapping_sub(b'0'))
+        let (mut value, mut count) = (0, 0);
+        while let Some(digit) = self.cursor.peek_at(count).map(|b| b.wrapping_sub(b'0'))
             && digit < 10
-            && at - self.at < 10
+            && count < 10
         {
             value = 10 * value + u64::from(digit);
-            at += 1;
+            count += 1;
         }
-        let ends = self.bytes.get(at).is_none_or(|&b| is_blank(b));
-        if at == self.at || !ends || at - self.at > 9 {
+        let ends = self.cursor.peek_at(count).is_none_or(is_blank);
+        if count == 0 || !ends || count > 9 {
             return None;
         }
-        self.at = at;
+        self.cursor.advance(count);
         Some(value as u32)
     }
 
     /// Line and column of a byte, both from 1.
     pub fn position(&self, offset: usize) -> Position {
-        let before = &self.bytes[..offset];
-        let ends = before.iter().enumerate().filter(|&(i, &b)| match b {
-            b'\r' => before.get(i + 1) != Some(&b'\n'),
-            _ => b == b'\n',
-        });
-        let start = before.iter().rposition(|&b| is_line_end(b));
-        let column = text(&before[start.map_or(0, |s| s + 1)..]).chars().count();
-        Position::Line(ends.count() as u32 + 1, column as u32 + 1)
+        self.cursor.position(offset)
     }
 
     /// An error about the word at byte `offset`.
     #[cold]
     pub fn error(&self, offset: usize, expected: &str) -> ReadError {
         let found = match self.from(offset).word() {
-            Some(word) => format!("\"{}\"", shortened(&text(word))),
+            Some(word) => quoted(word),
             None => "the end of the file".to_owned(),
         };
         self.error_saying(offset, found, expected)
@@ -189,17 +168,7 @@ impl<'a> Words<'a> {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {
-        let start = self.bytes[..offset]
-            .iter()
-            .rposition(|&b| is_line_end(b))
-            .map_or(0, |i| i + 1);
-        let rest = &self.bytes[start..];
-        let end = rest.iter().position(|&b| is_line_end(b));
-        ReadError {
-            position: self.position(offset),
-            source_line: Some(text(&rest[..end.unwrap_or(rest.len())]).into_owned()),
-            ..ReadError::whole(self.file, found, expected)
-        }
+        self.cursor.error(self.file, offset, found, expected)
     }
 }
 

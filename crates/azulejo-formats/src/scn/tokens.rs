@@ -1,9 +1,10 @@
 //! SCN's words, numbers and signs, after processing `#define` and `#include`.
 
+use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::files::open_beside;
 use crate::reading::number;
 use crate::reading::options::Budget;
-use crate::reading::text::{shortened, text};
+use crate::reading::text::{into_decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::sff::document::{SffPosition, SffSources};
 use crate::{Files, ReadError};
@@ -90,11 +91,7 @@ enum Directive {
 
 impl ScnTokenizer<'_, '_> {
     fn file(&mut self, file: u32, depth: usize) -> Result<(), ReadError> {
-        let mut at = if self.sources.bytes(file).starts_with(b"\xef\xbb\xbf") {
-            3
-        } else {
-            0
-        };
+        let mut at = 0;
         // Operators are separate signs inside parentheses only.
         let mut parentheses = 0;
         loop {
@@ -282,7 +279,7 @@ impl ScnTokenizer<'_, '_> {
         };
         // A small file may be included often.
         (self.budget.spend(bytes.len() as u64 / 8)).map_err(|e| e.error(of))?;
-        let file = self.sources.add(&path, bytes);
+        let file = self.sources.add(&path, into_decoded(bytes));
         self.file(file, depth + 1)
     }
 }
@@ -294,8 +291,7 @@ fn is_word(byte: u8, in_parentheses: bool) -> bool {
 }
 
 fn line_length(bytes: &[u8]) -> usize {
-    let end = bytes.iter().position(|b| matches!(b, b'\n' | b'\r'));
-    end.unwrap_or(bytes.len())
+    TextCursor::new(bytes).line_ahead().len()
 }
 
 /// The length of a directive's line, including continuation lines after a backslash.
@@ -315,7 +311,7 @@ fn directive_length(bytes: &[u8]) -> usize {
 fn starts_line(bytes: &[u8], at: usize) -> bool {
     let before = bytes[..at].iter().rev();
     let mut before = before.skip_while(|b| matches!(b, b' ' | b'\t'));
-    before.next().is_none_or(|b| matches!(b, b'\n' | b'\r'))
+    before.next().is_none_or(|&b| is_line_end(b))
 }
 
 /// The directive of a line that begins with `#`; `None` for a comment.

@@ -25,13 +25,8 @@ pub(crate) struct SffLines<'a, 'w> {
 impl<'a, 'w> SffLines<'a, 'w> {
     /// A cursor at the start of a text with index `file` in the [`SffSources`].
     pub fn new(bytes: &'a [u8], name: &'a str, file: u32, warnings: &'w mut Warnings) -> Self {
-        let start = if bytes.starts_with(b"\xef\xbb\xbf") {
-            3
-        } else {
-            0
-        };
         SffLines {
-            words: Words::new(bytes, name).from(start),
+            words: Words::new(bytes, name),
             length: bytes.len(),
             file,
             name,

@@ -26,7 +26,7 @@ mod typeset;
 mod write;
 
 use crate::reading::options::check_length;
-use crate::reading::text::without_utf16;
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use document::{SffDocument, SffSources};
@@ -67,7 +67,7 @@ pub(crate) fn read_by(
     ) -> Result<SffDocument, ReadError>,
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
-    let bytes = without_utf16(bytes);
+    let bytes = decoded(bytes);
     let mut warnings = Warnings::default();
     let mut sources = SffSources::default();
     let document = parse(&bytes, &mut sources, &mut warnings)?;

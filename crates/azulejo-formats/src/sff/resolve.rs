@@ -10,7 +10,7 @@ use super::typeset::{TypesetContext, Typesetter};
 use super::{block, data, lines::SffLines, surfaces};
 use crate::reading::files::open_beside;
 use crate::reading::options::Budget;
-use crate::reading::text::shortened;
+use crate::reading::text::{into_decoded, shortened};
 use crate::reading::warnings::Warnings;
 use crate::surface::gloss::Gloss;
 use crate::{Files, ReadError, ReadOptions};
@@ -542,8 +542,9 @@ impl SffResolver<'_, '_> {
             self.sources.error(place, found, "a file beside the scene")
         })?;
         // Many records may refer to one file.
-        self.spend(opened.1.len() / 16, place)?;
-        Ok(opened)
+        let (path, bytes) = opened;
+        self.spend(bytes.len() / 16, place)?;
+        Ok((path, into_decoded(bytes)))
     }
 
     fn no_surface(&self, surface: u32, place: SffPosition) -> ReadError {

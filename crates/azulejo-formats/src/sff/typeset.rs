@@ -148,11 +148,7 @@ fn load<T>(
         desk.sources.error(place, found, "a file beside the scene")
     })?;
     let (value, warnings) = read(&bytes, &path)?;
-    for w in warnings {
-        let position = w.position;
-        desk.warnings
-            .add_many(&w.file, w.message, w.count, || position);
-    }
+    desk.warnings.extend(warnings);
     let value = Arc::new(value);
     known.insert(key, Arc::clone(&value));
     Ok(value)

@@ -13,9 +13,8 @@ const SHORTEST_FACET: usize = 90;
 
 /// Reads text that begins with `solid`.
 pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<Scene, ReadError> {
-    let bytes_left = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = StlAsciiParser {
-        words: Words::new(bytes, file).from(bytes.len() - bytes_left.len()),
+        words: Words::new(bytes, file),
         file,
         length: bytes.len(),
         warnings,

@@ -9,6 +9,7 @@ mod binary;
 mod tests;
 
 use crate::reading::options::check_length;
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::surface::weld::Welder;
 use crate::{Files, Loaded, ReadError, ReadOptions};
@@ -30,8 +31,9 @@ pub fn read(
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
     let mut warnings = Warnings::default();
-    let mut scene = if is_text(bytes) {
-        ascii::read(bytes, name, &mut warnings)?
+    let text = decoded(bytes);
+    let mut scene = if is_text(&text) && !binary::has_right_length(bytes) {
+        ascii::read(&text, name, &mut warnings)?
     } else {
         binary::read(bytes, name, &mut warnings)?
     };
@@ -51,11 +53,10 @@ pub fn read(
 /// Whether this is the ASCII format. Binary files may begin with `solid`, too: then their length
 /// matches their count of triangles, or no text follows.
 fn is_text(bytes: &[u8]) -> bool {
-    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let start = start.trim_ascii_start();
+    let start = bytes.trim_ascii_start();
     let says_solid = start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid");
     let has_zeros = || bytes.iter().take(1 << 10).any(|b| *b == 0);
-    says_solid && !binary::has_right_length(bytes) && !has_zeros()
+    says_solid && !has_zeros()
 }
 
 /// A solid under construction.

@@ -1,13 +1,12 @@
 //! Records and their words, which may continue over line ends.
 
-use crate::reading::words::Words;
+use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::{Position, ReadError};
 
-/// A cursor in a file.
+/// A cursor over the records of a file.
 pub(super) struct View3dLines<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    /// Number of the line at `at`, from 1.
+    text: TextCursor<'a>,
+    /// Number of the line at the cursor, from 1.
     line: u32,
     file: &'a str,
 }
@@ -21,24 +20,20 @@ pub(super) struct LineWord<'a> {
 }
 
 fn is_blank(byte: u8) -> bool {
-    matches!(byte, b' ' | b'\t' | b',' | b'\r')
+    matches!(byte, b' ' | b'\t' | b',')
 }
 
 impl<'a> View3dLines<'a> {
     pub fn new(bytes: &'a [u8], file: &'a str) -> View3dLines<'a> {
-        let mark = bytes.starts_with(b"\xef\xbb\xbf");
         View3dLines {
-            bytes,
-            at: if mark { 3 } else { 0 },
+            text: TextCursor::new(bytes),
             line: 1,
             file,
         }
     }
 
     fn skip_blanks(&mut self) {
-        while self.bytes.get(self.at).is_some_and(|&b| is_blank(b)) {
-            self.at += 1;
-        }
+        self.text.take_while(is_blank);
     }
 
     /// The next word of this line; a comment ends it.
@@ -50,16 +45,10 @@ impl<'a> View3dLines<'a> {
     /// The next word of this line, whatever it begins with.
     pub fn plain_word(&mut self) -> Option<LineWord<'a>> {
         self.skip_blanks();
-        let rest = &self.bytes[self.at..];
-        let length = rest.iter().position(|&b| is_blank(b) || b == b'\n');
-        let word = &rest[..length.unwrap_or(rest.len())];
-        let found = LineWord {
-            bytes: word,
-            at: self.at,
-            line: self.line,
-        };
-        self.at += word.len();
-        (!word.is_empty()).then_some(found)
+        let at = self.text.offset();
+        let bytes = self.text.take_while(|b| !is_blank(b) && !is_line_end(b));
+        let line = self.line;
+        (!bytes.is_empty()).then_some(LineWord { bytes, at, line })
     }
 
     /// The next word, on this line or on one that follows.
@@ -71,7 +60,7 @@ impl<'a> View3dLines<'a> {
     pub fn record(&mut self) -> Option<LineWord<'a>> {
         loop {
             self.end_line();
-            if self.at >= self.bytes.len() {
+            if self.text.at_end() {
                 return None;
             }
             if let Some(word) = self.first_word() {
@@ -87,7 +76,7 @@ impl<'a> View3dLines<'a> {
 
     /// The word with which this line begins, unless it is a comment.
     fn first_word(&mut self) -> Option<LineWord<'a>> {
-        match self.bytes.get(self.at) {
+        match self.text.peek() {
             Some(b'/') => None,
             _ => self.word_on_line(),
         }
@@ -101,7 +90,7 @@ impl<'a> View3dLines<'a> {
 
     /// The offset of the end of the file.
     pub fn end(&self) -> usize {
-        self.bytes.len()
+        self.text.bytes().len()
     }
 
     /// Skips the rest of the line, but not its end.
@@ -112,23 +101,19 @@ impl<'a> View3dLines<'a> {
     /// Skips the rest of the line, and its end.
     fn end_line(&mut self) {
         self.rest_of_line();
-        if self.at < self.bytes.len() {
-            self.at += 1;
+        if self.text.pass_line_end() {
             self.line += 1;
         }
     }
 
     /// The rest of the line; its end is not consumed.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
-        let rest = &self.bytes[self.at..];
-        let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
-        self.at += length;
-        rest[..length].trim_ascii()
+        self.text.take_line().trim_ascii()
     }
 
     /// Line and column of a byte offset.
     pub fn position(&self, at: usize) -> Position {
-        Words::new(self.bytes, self.file).position(at)
+        self.text.position(at)
     }
 
     /// An error at a byte offset.
@@ -138,7 +123,7 @@ impl<'a> View3dLines<'a> {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {
-        Words::new(self.bytes, self.file).error_saying(at, found, expected)
+        self.text.error(self.file, at, found, expected)
     }
 
     /// The first line longer than View3D's limit, and the number of such lines.

@@ -26,6 +26,7 @@ pub use write::{losses, write};
 
 use crate::reading::gzip;
 use crate::reading::options::check_length;
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions, Warning};
 
@@ -61,6 +62,7 @@ impl View3dDocument {
         options: &ReadOptions,
     ) -> Result<(View3dDocument, Vec<Warning>), ReadError> {
         let bytes = &*gzip::unpacked(bytes, name, options)?;
+        let bytes = &*decoded(bytes);
         check_length(bytes, name)?;
         let mut warnings = Warnings::default();
         let document = parse::read(bytes, name, &mut warnings)?;

@@ -1,12 +1,11 @@
 //! The scene under construction, shared by all files of a model, whatever their version of VRML.
 
 use super::appearance::AppearanceCache;
-use super::lexer::position;
 use super::tree::VrmlDocument;
 use crate::reading::options::Budget;
-use crate::reading::text::shortened;
+use crate::reading::text::{decoded, shortened};
 use crate::reading::warnings::Warnings;
-use crate::reading::{files, gzip};
+use crate::reading::{cursor, files, gzip};
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
 use crate::surface::textures::Textures;
@@ -47,30 +46,24 @@ impl VrmlSource {
         VrmlSource {
             name: name.to_owned(),
             path: in_own_folder(name),
-            bytes: crate::reading::text::without_utf16(bytes).into_owned(),
+            bytes: decoded(bytes).into_owned(),
         }
     }
 
     /// Line and column of a byte offset.
     pub fn position(&self, offset: usize) -> Position {
-        position(&self.bytes, offset)
-    }
-
-    /// The text without its byte-order mark.
-    pub fn text(&self) -> &[u8] {
-        let marked = self.bytes.strip_prefix(b"\xef\xbb\xbf");
-        marked.unwrap_or(&self.bytes)
+        cursor::position(&self.bytes, offset)
     }
 
     /// Whether the file is X3D, in any encoding.
     pub fn is_x3d(&self) -> bool {
-        !self.text().starts_with(b"#VRML")
+        !self.bytes.starts_with(b"#VRML")
     }
 
     /// Whether the file is X3D, version 4 or later.
     pub fn is_x3d_4(&self) -> bool {
         // In XML, the version is an attribute of the root element.
-        let text = self.text();
+        let text = &self.bytes;
         let head = &text[..text.len().min(4096)];
         let holds = |mark: &[u8]| head.windows(mark.len()).any(|w| w == mark);
         text.starts_with(b"#X3D V4")
@@ -304,7 +297,7 @@ impl<'a> VrmlSceneBuilder<'a> {
         Ok(OpenedFile::New(Rc::new(VrmlSource {
             name: name.to_owned(),
             path: name.to_owned(),
-            bytes: crate::reading::text::without_utf16(&bytes).into_owned(),
+            bytes: decoded(&bytes).into_owned(),
         })))
     }
 

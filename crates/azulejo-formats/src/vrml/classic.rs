@@ -32,7 +32,7 @@ pub(super) fn parse(
         metres: None,
     };
     let mut roots = Vec::new();
-    let start = parser.lexer.clone();
+    let start = parser.lexer;
     parser.statements(&mut roots)?;
     let document = VrmlDocument {
         roots,
@@ -522,7 +522,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
             match self.lexer.peek_word() {
                 Some(word) if is_access(word) => {
                     self.lexer.word();
-                    if word_begins_external(self.lexer.clone()) {
+                    if word_begins_external(self.lexer) {
                         self.lexer.word();
                         self.lexer.word();
                         continue;

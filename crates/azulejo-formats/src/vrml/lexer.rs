@@ -5,16 +5,16 @@
 //! ages contain names with dots and signs that no grammar allows. An unterminated string or comment
 //! ends with the file.
 
+use crate::ReadError;
+use crate::reading::cursor::TextCursor;
 use crate::reading::number;
-use crate::reading::text::{shortened, text};
-use crate::{Position, ReadError};
+use crate::reading::text::{quoted, shortened, text};
 use std::borrow::Cow;
 
-/// A cursor over the bytes of a text file.
-#[derive(Clone, Debug)]
+/// A cursor over the tokens of a text.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct VrmlLexer<'a> {
-    bytes: &'a [u8],
-    at: usize,
+    text: TextCursor<'a>,
 }
 
 /// Blanks; the comma, which is one everywhere; and NUL, which old programs use for padding.
@@ -30,35 +30,32 @@ fn ends_word(b: u8) -> bool {
 }
 
 impl<'a> VrmlLexer<'a> {
-    /// A cursor at the start of a text; a byte-order mark is skipped. The header is a comment.
+    /// The start of a text. The header is a comment.
     pub fn new(bytes: &'a [u8]) -> VrmlLexer<'a> {
-        let at = if bytes.starts_with(b"\xef\xbb\xbf") {
-            3
-        } else {
-            0
-        };
-        VrmlLexer { bytes, at }
+        VrmlLexer {
+            text: TextCursor::new(bytes),
+        }
     }
 
-    /// The current offset, for [`position`].
+    /// Where it stands, for a position.
     pub fn offset(&self) -> usize {
-        self.at
+        self.text.offset()
     }
 
     /// The remaining bytes.
     fn rest(&self) -> &'a [u8] {
-        &self.bytes[self.at..]
+        self.text.rest()
     }
 
     /// Skips blanks, commas and comments.
     #[inline]
     pub fn skip_blanks(&mut self) {
-        while let Some(&b) = self.bytes.get(self.at) {
+        while let Some(b) = self.text.peek() {
             if is_blank(b) {
-                self.at += 1;
+                self.text.advance(1);
             } else if b == b'#' {
-                self.skip_line();
-            } else if b == b'/' && self.bytes.get(self.at + 1) == Some(&b'*') {
+                self.text.take_line();
+            } else if b == b'/' && self.text.peek_at(1) == Some(b'*') {
                 self.skip_block();
             } else {
                 break;
@@ -66,31 +63,25 @@ impl<'a> VrmlLexer<'a> {
         }
     }
 
-    fn skip_line(&mut self) {
-        let rest = self.rest();
-        let end = rest.iter().position(|&b| matches!(b, b'\n' | b'\r'));
-        self.at += end.unwrap_or(rest.len());
-    }
-
     /// Skips a block comment of X3D 4.
     fn skip_block(&mut self) {
         let rest = &self.rest()[2..];
         let end = rest.windows(2).position(|w| w == b"*/");
-        self.at += 2 + end.map_or(rest.len(), |end| end + 2);
+        self.text.advance(2 + end.map_or(rest.len(), |end| end + 2));
     }
 
     /// The first byte of the next token, which is not consumed; `None` at the end.
     #[inline]
     pub fn peek(&mut self) -> Option<u8> {
         self.skip_blanks();
-        self.bytes.get(self.at).copied()
+        self.text.peek()
     }
 
     /// Takes `mark` (one of `{ } [ ]`, or any other byte) if it comes next.
     #[inline]
     pub fn take(&mut self, mark: u8) -> bool {
         let found = self.peek() == Some(mark);
-        self.at += usize::from(found);
+        self.text.advance(usize::from(found));
         found
     }
 
@@ -108,13 +99,13 @@ impl<'a> VrmlLexer<'a> {
         let rest = self.rest();
         let end = rest.iter().position(|&b| ends_word(b) || is_mark(b));
         let word = &rest[..end.unwrap_or(rest.len())];
-        self.at += word.len();
+        self.text.advance(word.len());
         (!word.is_empty()).then_some(word)
     }
 
     /// The next word, which is not consumed.
     pub fn peek_word(&mut self) -> Option<&'a [u8]> {
-        self.clone().word()
+        { *self }.word()
     }
 
     /// Takes the next word if it is `word`.
@@ -122,14 +113,14 @@ impl<'a> VrmlLexer<'a> {
         self.skip_blanks();
         let found = self.peek_word() == Some(word);
         if found {
-            self.at += word.len();
+            self.text.advance(word.len());
         }
         found
     }
 
     /// Whether a number comes next.
     pub fn at_number(&mut self) -> bool {
-        self.clone().number().is_some()
+        { *self }.number().is_some()
     }
 
     /// The next token as a number: decimal, `0x` hexadecimal, or NaN for what printing functions
@@ -145,7 +136,7 @@ impl<'a> VrmlLexer<'a> {
             Some(b'x' | b'X') if found.value == 0.0 => Some(self.hexadecimal(found.length + 1)),
             Some(b'#') => Some(self.printed_nan(found)),
             _ => {
-                self.at += found.length;
+                self.text.advance(found.length);
                 Some(found.value)
             }
         }
@@ -160,20 +151,20 @@ impl<'a> VrmlLexer<'a> {
         let (value, count) = digits.fold((0.0, 0), |(value, count), digit| {
             (value * 16.0 + f64::from(digit), count + 1)
         });
-        self.at += start + count;
+        self.text.advance(start + count);
         value
     }
 
     /// A number with a `#` directly behind it: `1.#QNAN`, or a comment.
     #[cold]
     fn printed_nan(&mut self, found: number::Number) -> f64 {
-        self.at += found.length;
+        self.text.advance(found.length);
         let words: [&[u8]; 4] = [b"#QNAN", b"#SNAN", b"#IND", b"#INF"];
         match words.iter().find(|w| self.rest().starts_with(w)) {
             Some(word) => {
-                self.at += word.len();
+                self.text.advance(word.len());
                 let digits = self.rest().iter().take_while(|b| b.is_ascii_digit());
-                self.at += digits.count();
+                self.text.advance(digits.count());
                 f64::NAN
             }
             None => found.value,
@@ -188,7 +179,7 @@ impl<'a> VrmlLexer<'a> {
         let bare = bare.strip_prefix(b"+").unwrap_or(bare);
         let known: [&[u8]; 4] = [b"nan", b"nan(ind)", b"inf", b"infinity"];
         known.iter().any(|k| bare.eq_ignore_ascii_case(k)).then(|| {
-            self.at += word.len();
+            self.text.advance(word.len());
             f64::NAN
         })
     }
@@ -229,7 +220,7 @@ impl<'a> VrmlLexer<'a> {
         if count == 0 || !plain {
             return self.number().map(|value| value as i32);
         }
-        self.at += start + count;
+        self.text.advance(start + count);
         Some(if negative { -value } else { value })
     }
 
@@ -253,7 +244,7 @@ impl<'a> VrmlLexer<'a> {
             b => b == b'"',
         });
         let inside = &rest[..end.unwrap_or(rest.len())];
-        self.at += (inside.len() + 1).min(rest.len());
+        self.text.advance((inside.len() + 1).min(rest.len()));
         Some(unescaped(inside))
     }
 
@@ -263,7 +254,7 @@ impl<'a> VrmlLexer<'a> {
             None => return false,
             Some(b'"') => drop(self.string()),
             Some(_) if self.word().is_some() => {}
-            Some(_) => self.at += 1,
+            Some(_) => self.text.advance(1),
         }
         true
     }
@@ -293,7 +284,7 @@ impl<'a> VrmlLexer<'a> {
 
     /// A description of the next token, for messages.
     pub fn found(&self) -> String {
-        let mut ahead = self.clone();
+        let mut ahead = *self;
         match ahead.peek() {
             None => "the end of the file".into(),
             Some(b'"') => {
@@ -301,7 +292,7 @@ impl<'a> VrmlLexer<'a> {
                 format!("the string \"{}\"", shortened(&string))
             }
             Some(b) => match ahead.word() {
-                Some(word) => format!("\"{}\"", shortened(&text(word))),
+                Some(word) => quoted(word),
                 None => format!("\"{}\"", b.escape_ascii()),
             },
         }
@@ -311,11 +302,7 @@ impl<'a> VrmlLexer<'a> {
     pub fn error(&mut self, file: &str, expected: &str) -> ReadError {
         let found = self.found();
         self.skip_blanks();
-        ReadError {
-            position: position(self.bytes, self.at),
-            source_line: Some(line_at(self.bytes, self.at)),
-            ..ReadError::whole(file, found, expected)
-        }
+        self.text.error(file, self.text.offset(), found, expected)
     }
 }
 
@@ -333,33 +320,6 @@ fn unescaped(inside: &[u8]) -> Cow<'_, str> {
     Cow::Owned(text(&plain).into_owned())
 }
 
-/// Line and column of a byte offset. Takes time proportional to the offset.
-pub(super) fn position(bytes: &[u8], offset: usize) -> Position {
-    let before = &bytes[..offset.min(bytes.len())];
-    let start = line_start(before);
-    let ends = before[..start].iter().enumerate();
-    // The CR of a CRLF has been counted already.
-    let lines =
-        ends.filter(|&(i, &b)| b == b'\r' || (b == b'\n' && (i == 0 || before[i - 1] != b'\r')));
-    let line = lines.count() as u32 + 1;
-    Position::Line(line, text(&before[start..]).chars().count() as u32 + 1)
-}
-
-fn line_start(before: &[u8]) -> usize {
-    let end = before.iter().rposition(|&b| matches!(b, b'\n' | b'\r'));
-    end.map_or(0, |end| end + 1)
-}
-
-/// The line around a byte offset; of a very long line, the part nearby.
-fn line_at(bytes: &[u8], offset: usize) -> String {
-    let offset = offset.min(bytes.len());
-    let start = line_start(&bytes[..offset]);
-    let rest = &bytes[offset..];
-    let end = rest.iter().position(|&b| matches!(b, b'\n' | b'\r'));
-    let end = end.unwrap_or(rest.len()).min(1000);
-    text(&bytes[start..offset + end]).into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -367,7 +327,7 @@ mod tests {
     #[test]
     fn tokens() {
         let mut l =
-            VrmlLexer::new(b"\xef\xbb\xbf#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
+            VrmlLexer::new(b"#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
         assert_eq!(l.word(), Some(&b"DEF"[..]));
         assert!(!l.take_word(b"a"));
         assert!(l.take_word(b"a.b-1"));
@@ -435,20 +395,6 @@ mod tests {
         assert!(l.skip_to_close());
         assert_eq!(l.word(), Some(&b"c"[..]));
         assert!(!l.skip_to_close());
-    }
-
-    #[test]
-    fn places() {
-        let text = "a\rb\r\nc\n\u{e9}\u{e9}x".as_bytes();
-        let check = |offset, line, column| {
-            assert_eq!(position(text, offset), Position::Line(line, column));
-        };
-        check(0, 1, 1);
-        check(2, 2, 1);
-        check(5, 3, 1);
-        check(7, 4, 1);
-        check(11, 4, 3);
-        check(99, 4, 4);
     }
 
     #[test]

@@ -58,7 +58,7 @@ fn read_into(
     source: &Rc<VrmlSource>,
     frame: &VrmlPlacement,
 ) -> Result<(), ReadError> {
-    if v1::is_meant(source.text()) {
+    if v1::is_meant(&source.bytes) {
         return v1::read_into(builder, source, frame);
     }
     let document = document(builder, source)?;
@@ -73,7 +73,7 @@ fn document(
     builder: &mut VrmlSceneBuilder,
     source: &Rc<VrmlSource>,
 ) -> Result<Rc<VrmlDocument>, ReadError> {
-    let text = source.text();
+    let text = &source.bytes;
     let document = match text.trim_ascii_start() {
         [b'#', b'V' | b'X', ..] => classic::parse(builder, source)?,
         [b'<', ..] => xml::parse(builder, source)?,

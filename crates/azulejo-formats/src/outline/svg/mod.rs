@@ -14,7 +14,7 @@ mod values;
 mod walk;
 
 use crate::outline::drawing::Drawing;
-use crate::reading::text::text;
+use crate::reading::text::decoded_text;
 use crate::{ReadError, ReadOptions};
 use roxmltree::{Document, ParsingOptions};
 
@@ -24,7 +24,7 @@ use roxmltree::{Document, ParsingOptions};
 /// XML that is not well-formed or declares entities, another element than `svg`, and a drawing
 /// that unfolds to more than `options` allow. Anything less is left out with a warning.
 pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
-    let text = text(bytes);
+    let text = decoded_text(bytes);
     if let Some(at) = text.find("<!ENTITY") {
         // One entity may stand for a megabyte, and be named a million times.
         let (found, expected) = ("XML that declares entities of its own", "SVG without them");
@@ -54,10 +54,7 @@ pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, 
 pub(crate) fn is_svg(bytes: &[u8]) -> bool {
     const LOOKED_AT: usize = 1 << 14;
     let head = &bytes[..bytes.len().min(LOOKED_AT)];
-    let start = head
-        .strip_prefix(b"\xef\xbb\xbf")
-        .unwrap_or(head)
-        .trim_ascii_start();
+    let start = head.trim_ascii_start();
     let mut words = head
         .windows(5)
         .filter(|w| w.starts_with(b"<svg") || w.ends_with(b":svg"));

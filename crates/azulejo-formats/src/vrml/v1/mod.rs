@@ -42,7 +42,7 @@ pub(super) fn read_into(
     frame: &VrmlPlacement,
 ) -> Result<(), ReadError> {
     let document = parse::parse(builder, source)?;
-    let inventor = is_inventor(source.text());
+    let inventor = is_inventor(&source.bytes);
     if inventor && builder.is_outermost() {
         // VRML 1.0 uses metres, Inventor does not define a unit.
         builder.scene.units.metres_per_unit = None;

@@ -61,7 +61,7 @@ impl<'a> V1Parser<'a, '_, '_> {
 
     fn roots(&mut self) -> Result<Vec<NodeId>, ReadError> {
         let mut roots = Vec::new();
-        let start = self.lexer.clone();
+        let start = self.lexer;
         while !self.lexer.at_end() {
             let at = self.here();
             match self.lexer.word() {
