@@ -155,7 +155,7 @@ fn refuse<T>(why: impl fmt::Display) -> Result<T, EditError> {
 }
 
 fn missing<T>(what: &str) -> Result<T, EditError> {
-    refuse(format_args!("there is no such {what} any more"))
+    refuse(format_args!("the {what} no longer exists"))
 }
 
 /// No unit of length needs a larger factor, or a smaller one than its inverse.

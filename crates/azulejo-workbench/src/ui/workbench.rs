@@ -4,10 +4,9 @@ mod closing;
 
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
-use super::dialogs::{BrdfFileChoice, Dialogs, TextDialog};
+use super::dialogs::{BrdfFileChoice, Dialogs, PrismDialog, TextDialog};
 use super::material::MaterialPanel;
 use super::panel_context::PanelContext;
-use super::prism::PrismDialog;
 use super::tree::SceneTree;
 use super::viewport::{DeviceLost, Viewport};
 use super::{inspector, light, menu, messages, view_tab};
@@ -303,7 +302,7 @@ impl Workbench {
         let id = self.app.selection.material;
         let id = id.ok_or("no material is selected")?;
         let material = self.app.document.materials.get(id as usize);
-        let material = material.ok_or("there is no such material any more")?;
+        let material = material.ok_or("the material no longer exists")?;
         let bytes = azulejo::models::read_bytes(path).map_err(|e| e.to_string())?;
         let file = apply_file(&bytes, path)?;
         let new = with_description(material, file.description).map_err(|e| e.to_string())?;
