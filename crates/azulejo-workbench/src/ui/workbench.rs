@@ -148,7 +148,7 @@ impl Workbench {
         }
         self.app.poll();
         self.dress(ui.ctx());
-        self.take_drops(ui.ctx());
+        self.open_dropped_files(ui.ctx());
         let mut targets = Vec::new();
         if !self.dialogs.is_open(&self.app) {
             targets = actions::pressed(ui.ctx(), &self.app);
@@ -263,7 +263,7 @@ impl Workbench {
                 let size = 0.25 * self.app.default_size();
                 self.dialogs.text = Some(TextDialog::new(size));
             }
-            ActionTarget::Window(WindowAction::AddProbe) => match self.viewport.pointed_place() {
+            ActionTarget::Window(WindowAction::AddProbe) => match self.viewport.pointed_surface() {
                 Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,
             },
@@ -330,7 +330,7 @@ impl Workbench {
         Ok(())
     }
 
-    fn take_drops(&mut self, context: &egui::Context) {
+    fn open_dropped_files(&mut self, context: &egui::Context) {
         let dropped = context.input(|i| i.raw.dropped_files.clone());
         let paths: Vec<_> = dropped.iter().map(|f| f.path().to_owned()).collect();
         if paths.is_empty() {
