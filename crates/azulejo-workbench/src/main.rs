@@ -233,7 +233,7 @@ mod tests {
     fn check(
         name: &str,
         open: impl FnMut(&AppSlot, Sender<Box<Rescued>>) -> Result<(), String>,
-        said: &str,
+        expected: &str,
         copies: usize,
     ) {
         let folder = format!("azulejo-windows-{name}-{}", std::process::id());
@@ -245,7 +245,7 @@ mod tests {
         let mut app = App::new(Preferences::default(), dirs, Arc::new(|| ()));
         app.execute(Command::AddShape(NewShapeKind::Cuboid));
         let result = windows(app, None, open).unwrap_err();
-        assert!(result.contains(said), "{result}");
+        assert!(result.contains(expected), "{result}");
         let kept = std::fs::read_dir(&folder).into_iter().flatten().flatten();
         let kept = kept.filter(|e| e.path().extension().is_some_and(|e| e == "grf"));
         assert_eq!(kept.count(), copies);

@@ -74,11 +74,11 @@ impl Preferences {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
                 return (Preferences::default(), None);
             }
-            Err(e) => return (Preferences::default(), Some(said(path, &e))),
+            Err(e) => return (Preferences::default(), Some(error_text(path, &e))),
         };
         match toml::from_str::<Preferences>(&text) {
             Ok(preferences) => (preferences.limited(), None),
-            Err(e) => (Preferences::default(), Some(said(path, &e))),
+            Err(e) => (Preferences::default(), Some(error_text(path, &e))),
         }
     }
 
@@ -91,9 +91,9 @@ impl Preferences {
     pub fn store(&self, path: &Path) -> Result<(), String> {
         let mut stored = self.clone();
         stored.recent.retain(|p| p.to_str().is_some());
-        let text = toml::to_string(&stored).map_err(|e| said(path, &e))?;
+        let text = toml::to_string(&stored).map_err(|e| error_text(path, &e))?;
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|e| said(folder, &e))?;
+            std::fs::create_dir_all(folder).map_err(|e| error_text(folder, &e))?;
         }
         let output = Output::check(path).map_err(|e| e.to_string())?;
         output
@@ -122,7 +122,7 @@ impl Preferences {
     }
 }
 
-fn said(path: &Path, error: &dyn std::fmt::Display) -> String {
+fn error_text(path: &Path, error: &dyn std::fmt::Display) -> String {
     format!("{}: {error}", path.display())
 }
 

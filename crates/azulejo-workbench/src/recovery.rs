@@ -153,7 +153,7 @@ impl Recovery {
     /// Called when a copy has been written.
     pub fn done(&mut self, revision: u64) {
         self.copied = Some(revision);
-        self.leave_adopted();
+        self.remove_adopted();
     }
 
     /// Called when a copy has been opened. It is deleted when there is a newer one or none is
@@ -163,7 +163,7 @@ impl Recovery {
         self.adopted = Some(copy.to_owned());
     }
 
-    fn leave_adopted(&mut self) {
+    fn remove_adopted(&mut self) {
         if let Some(copy) = self.adopted.take() {
             remove(&copy);
         }
@@ -177,7 +177,7 @@ impl Recovery {
     /// Deletes this session's copy, because the document is safe.
     pub fn clear(&mut self) {
         self.copied = None;
-        self.leave_adopted();
+        self.remove_adopted();
         if let Some(session) = self.session.take() {
             remove(&session.copy);
         }
@@ -277,11 +277,11 @@ fn orphan(note: &Path) -> Option<Recoverable> {
         return None;
     };
     let text = std::fs::read_to_string(note).unwrap_or_default();
-    let said: RecoveryNote = toml::from_str(&text).unwrap_or_default();
+    let note: RecoveryNote = toml::from_str(&text).unwrap_or_default();
     let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
     Some(Recoverable {
         copy,
-        original: said.original(),
+        original: note.original(),
         written: written.as_secs(),
     })
 }

@@ -53,7 +53,7 @@ impl Shading {
     ];
 
     /// Its name in scripts.
-    pub fn word(self) -> &'static str {
+    pub fn script_name(self) -> &'static str {
         match self {
             Shading::Points => "points",
             Shading::Lines => "lines",

@@ -39,7 +39,7 @@ impl App {
                 source_file.name = models::branch_name(&file.path, |_| false);
             }
             // The name of the copy itself means nothing to the user.
-            _ => self.document.leave_files(),
+            _ => self.document.detach_files(),
         }
         self.revision = self.new_revision();
         self.changed_at = Some(Instant::now());

@@ -110,7 +110,7 @@ impl App {
         self.changed_at.get_or_insert_with(Instant::now);
         self.jobs.cancel_kind(JobKind::FormFactors);
         if self.lighting.document_changed(&self.document) {
-            self.lit();
+            self.light_changed();
         }
         self.refresh_probes();
         self.stop_render();
@@ -170,7 +170,7 @@ impl App {
     /// Makes the material of the selected object the one being edited.
     fn sync_material(&mut self) {
         let items = self.selection.ids.iter();
-        let mut items = items.filter_map(|&id| self.document.item(id));
+        let mut items = items.filter_map(|&id| self.document.object(id));
         if self.selection.material.is_none() {
             let first = items.find_map(|item| item.materials().first().copied());
             self.selection.material = first;
@@ -183,7 +183,7 @@ impl App {
         let selection = &mut self.selection;
         selection.ids.retain(|&id| document.has(id));
         let has_faces =
-            |(id, faces): &(ItemId, Vec<u32>)| match document.item(*id).map(|i| &*i.shape) {
+            |(id, faces): &(ItemId, Vec<u32>)| match document.object(*id).map(|i| &*i.shape) {
                 Some(Shape::Mesh(mesh)) => faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
                 _ => false,
             };

@@ -37,7 +37,7 @@ pub struct Lighting {
     /// Range of the displayed irradiance.
     pub range: Option<IrradianceRange>,
     /// Form factors of the picked patch.
-    pub seen: Option<PatchFormFactors>,
+    pub form_factors: Option<PatchFormFactors>,
     /// A solution for another document state, which arrived while the displayed one was current.
     aside: Option<Arc<Solution>>,
 }
@@ -92,7 +92,7 @@ impl Lighting {
     /// displayed.
     pub(super) fn document_changed(&mut self, document: &SceneDocument) -> bool {
         self.is_current = self.solution.as_ref().is_some_and(|s| s.is_of(document));
-        self.seen = None;
+        self.form_factors = None;
         let aside = self
             .aside
             .take_if(|s| !self.is_current && s.is_of(document));
@@ -259,7 +259,7 @@ impl App {
     pub(super) fn take_light(&mut self, solution: Solution) {
         if self.lighting.set(solution, &self.document) {
             self.refresh_probes();
-            self.lit();
+            self.light_changed();
         }
     }
 
@@ -271,14 +271,14 @@ impl App {
     }
 
     /// Called when the light changes: the document has unsaved changes and renders are outdated.
-    pub(super) fn lit(&mut self) {
+    pub(super) fn light_changed(&mut self) {
         self.revision = self.new_revision();
         self.light = self.revision;
         self.changed_at.get_or_insert_with(Instant::now);
         self.restart_render();
     }
 
-    pub(super) fn drop_light(&mut self) {
+    pub(super) fn clear_light(&mut self) {
         self.stop_solving();
         self.lighting.aside = None;
         if self.lighting.solution.take().is_some() {
@@ -286,7 +286,7 @@ impl App {
             self.lighting.range = None;
             self.lighting.measures.clear();
             self.refresh_probes();
-            self.lit();
+            self.light_changed();
         }
     }
 

@@ -280,10 +280,10 @@ impl App {
             Command::Pause => self.pause(true),
             Command::Resume => self.pause(false),
             Command::StopSolving => self.stop_solving(),
-            Command::ClearLight => self.drop_light(),
+            Command::ClearLight => self.clear_light(),
             Command::FormFactorsFrom(place) => self.form_factors_from(place),
-            Command::AddProbe(place) => self.pin(place),
-            Command::RemoveProbe(number) => self.unpin(number),
+            Command::AddProbe(place) => self.add_probe(place),
+            Command::RemoveProbe(number) => self.remove_probe(number),
             Command::MeasureProbes => self.measure_probes(),
             Command::Render {
                 width,
@@ -325,7 +325,7 @@ impl App {
             JobResult::Light(solution) => self.take_light_of(job, *solution),
             JobResult::Render(image, samples) => self.take_render(*image, samples),
             JobResult::Backdrop(image) => self.take_backdrop(*image),
-            JobResult::FormFactors(seen) => self.lighting.seen = Some(*seen),
+            JobResult::FormFactors(seen) => self.lighting.form_factors = Some(*seen),
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
             JobResult::Note(text) => self.report(Severity::Note, text),
         }

@@ -47,7 +47,7 @@ pub struct ProbeMeasurement {
 impl Probe {
     /// Updates the probe if the surface or its light may have changed.
     fn refresh(&mut self, document: &SceneDocument, solution: Option<&Solution>) {
-        let item = document.item(self.pick.item);
+        let item = document.object(self.pick.item);
         let lit = item.and_then(|item| solution?.shown(item));
         let Some((item, shape)) = item.map(|item| (item, lit.unwrap_or(&item.shape))) else {
             self.site = None;
@@ -192,7 +192,7 @@ fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
 
 impl App {
     /// Pins a probe at a picked point.
-    pub(super) fn pin(&mut self, pick: SurfacePick) {
+    pub(super) fn add_probe(&mut self, pick: SurfacePick) {
         const MAX_PROBES: usize = 100;
         if self.probes.len() >= MAX_PROBES {
             let text = self.tr("the maximum number of probes is reached: remove some first");
@@ -209,7 +209,7 @@ impl App {
         self.refresh_probes();
     }
 
-    pub(super) fn unpin(&mut self, number: u64) {
+    pub(super) fn remove_probe(&mut self, number: u64) {
         self.probes.retain(|p| p.number != number);
     }
 

@@ -205,7 +205,7 @@ impl App {
 
     fn report_saved(&mut self, saved: &SavedModel) {
         let name = saved.on_disk.path.display();
-        let said = match (saved.lit, &self.lighting.solution) {
+        let message = match (saved.lit, &self.lighting.solution) {
             (true, _) => self.tr("saved with its light"),
             (false, Some(_)) => {
                 self.tr("saved without light: the solution is for an earlier state")
@@ -215,11 +215,11 @@ impl App {
             }
             (false, None) => self.tr("saved"),
         };
-        self.report(Severity::Note, format!("{name}: {said}"));
+        self.report(Severity::Note, format!("{name}: {message}"));
         if !saved.losses.is_empty() {
             let losses = saved.losses.join(", ");
-            let said = self.tr("this format does not store everything");
-            self.report(Severity::Warning, format!("{name}: {said}: {losses}"));
+            let message = self.tr("this format does not store everything");
+            self.report(Severity::Warning, format!("{name}: {message}: {losses}"));
         }
     }
 
@@ -254,8 +254,8 @@ impl App {
         if path.exists() {
             self.question = Some(PendingQuestion::ChangedOnDisk(path.clone()));
         } else {
-            let said = self.tr("the file no longer exists; save to write it again");
-            let text = format!("{}: {said}", path.display());
+            let message = self.tr("the file no longer exists; save to write it again");
+            let text = format!("{}: {message}", path.display());
             self.report(Severity::Warning, text);
         }
     }

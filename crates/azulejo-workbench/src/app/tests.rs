@@ -79,11 +79,11 @@ fn errors(app: &App) -> Vec<&str> {
     errors.map(|m| m.text.as_str()).collect()
 }
 
-/// Asserts that exactly one error was reported and that it contains `said`.
-fn check_error(app: &App, said: &str) {
+/// Asserts that exactly one error was reported and that it contains `expected`.
+fn check_error(app: &App, expected: &str) {
     let errors = errors(app);
     assert!(
-        matches!(&errors[..], [one] if one.contains(said)),
+        matches!(&errors[..], [one] if one.contains(expected)),
         "{errors:?}"
     );
 }

@@ -129,7 +129,7 @@ impl Edit {
             Edit::Delete(ids) => document.delete(ids),
             Edit::Duplicate(ids) => document.duplicate(ids),
             Edit::Transform(ids, map) => document.transform(ids, map),
-            Edit::SetPlacement(id, placement) => document.place(*id, placement),
+            Edit::SetPlacement(id, placement) => document.set_placement(*id, placement),
             Edit::AddShape(new) => document.add_shape(new),
             Edit::SetShape(id, shape) => document.set_shape(*id, shape),
             Edit::AddLight(new) => document.add_light(new),
@@ -155,7 +155,7 @@ fn refuse<T>(why: impl fmt::Display) -> Result<T, EditError> {
 }
 
 fn missing<T>(what: &str) -> Result<T, EditError> {
-    refuse(format_args!("there is no such {what} any more"))
+    refuse(format_args!("the {what} no longer exists"))
 }
 
 /// No unit of length needs a larger factor, or a smaller one than its inverse.
@@ -174,7 +174,7 @@ fn is_placement(map: &DAffine3) -> bool {
 impl SceneDocument {
     fn add_light(&mut self, new: &NewLight) -> Edited {
         let mut light = new.make(self);
-        light.name = self.fresh_name(&light.name);
+        light.name = self.unique_name(&light.name);
         check_light(&light)?;
         let id = self.new_id();
         self.lights.push(SceneLight {
@@ -204,7 +204,7 @@ impl SceneDocument {
         } else {
             &camera.name
         };
-        camera.name = self.fresh_name(name);
+        camera.name = self.unique_name(name);
         self.cameras.push(SceneCamera {
             id,
             source_file: None,

@@ -27,9 +27,9 @@ impl SceneDocument {
     /// to each side.
     pub fn bounds_with_markers(&self, ids: &[ItemId], radius: f64) -> Aabb {
         let all = self.bounds(None);
-        let lights = ids.iter().filter_map(|&id| self.lamp(id));
+        let lights = ids.iter().filter_map(|&id| self.light(id));
         let lights = lights.map(|lamp| light_position(&lamp.light.kind, all));
-        let cameras = ids.iter().filter_map(|&id| self.viewpoint(id));
+        let cameras = ids.iter().filter_map(|&id| self.camera(id));
         let places = lights.chain(cameras.map(|view| view.camera.eye));
         let reach = DVec3::splat(radius);
         places.fold(self.bounds(Some(ids)), |around, place| {

@@ -124,7 +124,7 @@ pub struct SceneCamera {
 }
 
 /// Finds an element by its id with a binary search: ids increase, and new elements are appended.
-fn in_order<T>(things: &[T], id: ItemId, of: impl Fn(&T) -> ItemId) -> Option<&T> {
+fn find_by_id<T>(things: &[T], id: ItemId, of: impl Fn(&T) -> ItemId) -> Option<&T> {
     let at = things.binary_search_by_key(&id, of).ok()?;
     things.get(at)
 }
@@ -317,7 +317,7 @@ impl SceneDocument {
     pub fn scene(&self) -> Scene {
         self.scene_of(|item| {
             let mut object = item.object();
-            solution::strip(&mut object.shape);
+            solution::remove_irradiance(&mut object.shape);
             object
         })
     }
@@ -352,7 +352,7 @@ impl SceneDocument {
     }
 
     /// The scene reduced to its emitters.
-    pub fn lamps_scene(&self) -> Scene {
+    pub fn emitters_scene(&self) -> Scene {
         let mut lamps = self.clone();
         let shines = |m: MaterialId| {
             let material = self.materials.get(m as usize);
@@ -378,7 +378,7 @@ impl SceneDocument {
     }
 
     /// Forgets which files the content came from.
-    pub(crate) fn leave_files(&mut self) {
+    pub(crate) fn detach_files(&mut self) {
         self.source_files.clear();
         (self.objects.iter_mut()).for_each(|i| Arc::make_mut(i).source_file = None);
         self.lights.iter_mut().for_each(|l| l.source_file = None);
@@ -386,30 +386,30 @@ impl SceneDocument {
     }
 
     /// The object with this id.
-    pub fn item(&self, id: ItemId) -> Option<&SceneObject> {
-        in_order(&self.objects, id, |i| i.id).map(|item| &**item)
+    pub fn object(&self, id: ItemId) -> Option<&SceneObject> {
+        find_by_id(&self.objects, id, |i| i.id).map(|item| &**item)
     }
 
     /// The light with this id.
-    pub fn lamp(&self, id: ItemId) -> Option<&SceneLight> {
-        in_order(&self.lights, id, |l| l.id)
+    pub fn light(&self, id: ItemId) -> Option<&SceneLight> {
+        find_by_id(&self.lights, id, |l| l.id)
     }
 
     /// The camera with this id.
-    pub fn viewpoint(&self, id: ItemId) -> Option<&SceneCamera> {
-        in_order(&self.cameras, id, |c| c.id)
+    pub fn camera(&self, id: ItemId) -> Option<&SceneCamera> {
+        find_by_id(&self.cameras, id, |c| c.id)
     }
 
     /// Whether an object, light or camera has this id.
     pub fn has(&self, id: ItemId) -> bool {
-        self.item(id).is_some() || self.lamp(id).is_some() || self.viewpoint(id).is_some()
+        self.object(id).is_some() || self.light(id).is_some() || self.camera(id).is_some()
     }
 
     /// Whether it is hidden; `None` if it does not exist.
     pub fn is_hidden(&self, id: ItemId) -> Option<bool> {
-        let item = self.item(id).map(|i| i.hidden);
-        let lamp = || self.lamp(id).map(|l| l.hidden);
-        let camera = || self.viewpoint(id).map(|c| c.hidden);
+        let item = self.object(id).map(|i| i.hidden);
+        let lamp = || self.light(id).map(|l| l.hidden);
+        let camera = || self.camera(id).map(|c| c.hidden);
         item.or_else(lamp).or_else(camera)
     }
 
@@ -423,9 +423,9 @@ impl SceneDocument {
 
     /// Its name.
     pub fn name(&self, id: ItemId) -> Option<&str> {
-        let item = self.item(id).map(|i| i.name.as_str());
-        let lamp = || self.lamp(id).map(|l| l.light.name.as_str());
-        let camera = || self.viewpoint(id).map(|c| c.camera.name.as_str());
+        let item = self.object(id).map(|i| i.name.as_str());
+        let lamp = || self.light(id).map(|l| l.light.name.as_str());
+        let camera = || self.camera(id).map(|c| c.camera.name.as_str());
         item.or_else(lamp).or_else(camera)
     }
 
@@ -435,7 +435,7 @@ impl SceneDocument {
         match ids {
             None => (self.objects.iter()).fold(Aabb::EMPTY, |all, item| around(all, item)),
             Some(ids) => {
-                let items = ids.iter().filter_map(|&id| self.item(id));
+                let items = ids.iter().filter_map(|&id| self.object(id));
                 items.fold(Aabb::EMPTY, around)
             }
         }

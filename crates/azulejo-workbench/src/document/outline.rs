@@ -168,16 +168,16 @@ mod tests {
     #[test]
     fn what_makes_no_prism_is_refused() {
         for sides in [0, 2, 65] {
-            let said = PrismOutline::regular(sides, 1.0).unwrap_err().to_string();
-            assert!(said.contains("expected 3 to 64"), "{said}");
+            let message = PrismOutline::regular(sides, 1.0).unwrap_err().to_string();
+            assert!(message.contains("expected 3 to 64"), "{message}");
         }
         for height in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(PrismOutline::regular(5, height).is_err(), "{height}");
         }
         let none = br#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="2"/>"#;
         for bytes in [&none[..], b"no drawing"] {
-            let said = PrismOutline::drawing(bytes, "x.svg", 1.0).unwrap_err();
-            assert!(said.to_string().contains('x'), "{said}");
+            let message = PrismOutline::drawing(bytes, "x.svg", 1.0).unwrap_err();
+            assert!(message.to_string().contains('x'), "{message}");
         }
     }
 }

@@ -57,13 +57,13 @@ impl Solution {
 
     /// The placed shape of an object with its irradiance, if the solver knew the object.
     pub fn shape(&self, id: ItemId) -> Option<&Arc<Shape>> {
-        super::in_order(&self.shapes, id, |(i, _)| *i).map(|(_, shape)| shape)
+        super::find_by_id(&self.shapes, id, |(i, _)| *i).map(|(_, shape)| shape)
     }
 
     /// The shape to display for an object: the lit one, as long as the object has not been moved
     /// since.
     pub fn shown(&self, item: &SceneObject) -> Option<&Arc<Shape>> {
-        let then = self.of.item(item.id)?;
+        let then = self.of.object(item.id)?;
         let same = same_geometry(then, item);
         same.then(|| self.shape(item.id)).flatten()
     }
@@ -129,7 +129,7 @@ fn same_material(a: &Arc<Material>, b: &Arc<Material>) -> bool {
 }
 
 /// Removes the irradiance from a shape.
-pub(super) fn strip(shape: &mut Shape) {
+pub(super) fn remove_irradiance(shape: &mut Shape) {
     match shape {
         Shape::Mesh(mesh) => {
             mesh.irradiance = Vec::new();

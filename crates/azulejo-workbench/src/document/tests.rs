@@ -147,7 +147,7 @@ fn the_light_of_a_file_is_kept_beside_the_scene() {
     lit.set_irradiance(irradiance);
     let again = SceneDocument::of_scene(lit.clone(), None);
     let mut unlit = lit.clone();
-    (unlit.objects.iter_mut()).for_each(|o| solution::strip(&mut o.shape));
+    (unlit.objects.iter_mut()).for_each(|o| solution::remove_irradiance(&mut o.shape));
     assert_eq!(again.scene(), unlit);
     let solution = Solution::of_file(&again).expect("all is lit");
     assert_eq!(again.lit_scene(Some(&solution)), (lit, true));
@@ -177,7 +177,7 @@ fn two_scenes_in_one_document_are_as_two_merged() {
     document.scene().validate().unwrap();
     assert!(
         new.iter()
-            .all(|&id| document.item(id).unwrap().source_file == Some(0))
+            .all(|&id| document.object(id).unwrap().source_file == Some(0))
     );
     assert_eq!(document.objects[0].source_file, None);
 }
@@ -354,7 +354,7 @@ fn what_does_not_exist_refuses_to_change() {
     far.textures = vec![7];
     let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
     let ball = Shape::Primitive(Primitive::sphere(DVec3::ZERO, 1.0, 9));
-    for (edit, said) in [
+    for (edit, expected) in [
         (Edit::Rename(nowhere, "x".into()), "no such object"),
         (Edit::Rename(ItemId(1), "a\nb".into()), "control characters"),
         (Edit::Delete(vec![nowhere]), "nothing is selected"),
@@ -390,21 +390,21 @@ fn what_does_not_exist_refuses_to_change() {
     ] {
         let mut edited = document.clone();
         let refused = edit.apply(&mut edited).unwrap_err().to_string();
-        assert!(refused.contains(said), "{edit:?}: {refused}");
+        assert!(refused.contains(expected), "{edit:?}: {refused}");
         assert_eq!(edited, document, "{edit:?}");
     }
 }
 
 #[test]
 fn letters_that_cannot_be_set_are_refused() {
-    for (text, depth, font, said) in [
+    for (text, depth, font, expected) in [
         ("", 0.1, None, "0 bytes of text"),
         ("a", 0.0, None, "letters 0 deep"),
         ("a", f64::NAN, None, "letters NaN deep"),
         ("a", 0.1, Some((&b"no font"[..], "x.ttf")), "x.ttf"),
     ] {
         let refused = TextLayout::set(text, depth, font).unwrap_err().to_string();
-        assert!(refused.contains(said), "{refused}");
+        assert!(refused.contains(expected), "{refused}");
     }
     assert!(TextLayout::set(&"a".repeat(20_000), 0.1, None).is_err());
 }

@@ -122,7 +122,7 @@ pub struct PassEncoder<'a> {
     pub frame_group: &'a wgpu::BindGroup,
     /// The texture key of each material.
     pub textures: &'a [Option<Vec<u64>>],
-    pub seen: &'a [VisibleObject],
+    pub visible: &'a [VisibleObject],
     pub ink: &'a wgpu::Buffer,
     /// Number of overlay vertices that surfaces can occlude.
     pub hidden_ink: u32,
@@ -133,7 +133,7 @@ pub struct PassEncoder<'a> {
 struct ObjectDraw<'a> {
     drawn: &'a MeshInstance<'a>,
     geometry: &'a GpuMesh,
-    seen: &'a VisibleObject,
+    visible: &'a VisibleObject,
     number: u32,
     culled: Option<wgpu::Face>,
 }
@@ -142,13 +142,16 @@ impl PassEncoder<'_> {
     /// Creates the missing pipelines.
     pub fn prepare(&mut self) {
         let mut ways = vec![
-            self.way(DrawStage::Background, None),
-            self.way(DrawStage::OverlayStyle { on_top: false }, None),
-            self.way(DrawStage::OverlayStyle { on_top: true }, None),
-            self.way(DrawStage::Chosen, None),
+            self.pipeline_key(DrawStage::Background, None),
+            self.pipeline_key(DrawStage::OverlayStyle { on_top: false }, None),
+            self.pipeline_key(DrawStage::OverlayStyle { on_top: true }, None),
+            self.pipeline_key(DrawStage::Chosen, None),
         ];
-        for one in self.ones() {
-            ways.extend(self.stages(&one).map(|stage| self.way(stage, one.culled)));
+        for one in self.object_draws() {
+            ways.extend(
+                self.stages(&one)
+                    .map(|stage| self.pipeline_key(stage, one.culled)),
+            );
         }
         for way in ways {
             self.pipelines.prepare(self.device, way);
@@ -160,14 +163,14 @@ impl PassEncoder<'_> {
         self.set(&mut pass, DrawStage::Background, None);
         pass.draw(0..3, 0..1);
         for glass in [false, true] {
-            for one in self.ones() {
+            for one in self.object_draws() {
                 self.faces(&mut pass, &one, glass);
             }
         }
-        for one in self.ones() {
+        for one in self.object_draws() {
             self.lines_and_points(&mut pass, &one);
         }
-        for one in self.ones() {
+        for one in self.object_draws() {
             self.chosen(&mut pass, &one);
         }
         let corners = (self.ink.size() / (4 * WORDS as u64)) as u32;
@@ -184,10 +187,10 @@ impl PassEncoder<'_> {
         }
     }
 
-    fn ones(&self) -> impl Iterator<Item = ObjectDraw<'_>> {
-        (0..).zip(self.seen).filter_map(|(number, seen)| {
-            let drawn = &self.frame.objects[seen.index];
-            let is_mirrored = seen.view_from.matrix3.determinant() < 0.0;
+    fn object_draws(&self) -> impl Iterator<Item = ObjectDraw<'_>> {
+        (0..).zip(self.visible).filter_map(|(number, visible)| {
+            let drawn = &self.frame.objects[visible.index];
+            let is_mirrored = visible.view_from.matrix3.determinant() < 0.0;
             let culled = if is_mirrored {
                 wgpu::Face::Front
             } else {
@@ -196,14 +199,14 @@ impl PassEncoder<'_> {
             Some(ObjectDraw {
                 drawn,
                 geometry: self.geometries.get(&drawn.key)?,
-                seen,
+                visible,
                 number,
                 culled: self.frame.hides_backs.then_some(culled),
             })
         })
     }
 
-    fn way(&self, stage: DrawStage, culled: Option<wgpu::Face>) -> PipelineKey {
+    fn pipeline_key(&self, stage: DrawStage, culled: Option<wgpu::Face>) -> PipelineKey {
         let is_faces = !matches!(
             stage,
             DrawStage::Background
@@ -249,17 +252,17 @@ impl PassEncoder<'_> {
     }
 
     fn set(&self, pass: &mut wgpu::RenderPass, stage: DrawStage, culled: Option<wgpu::Face>) {
-        if let Some(pipeline) = self.pipelines.get(self.way(stage, culled)) {
+        if let Some(pipeline) = self.pipelines.get(self.pipeline_key(stage, culled)) {
             pass.set_pipeline(pipeline);
         }
     }
 
     /// The pieces of an object that may be visible.
     fn pieces<'b>(&self, one: &ObjectDraw<'b>) -> impl Iterator<Item = &'b PieceBuffers> {
-        let (view, seen) = (self.view, one.seen);
+        let (view, visible) = (self.view, one.visible);
         one.geometry.pieces.iter().filter(move |piece| {
-            let centre = seen.view_from.transform_point3(piece.centre.as_dvec3());
-            view.sees(centre, f64::from(piece.radius) * seen.stretch)
+            let centre = visible.view_from.transform_point3(piece.centre.as_dvec3());
+            view.sees(centre, f64::from(piece.radius) * visible.stretch)
         })
     }
 

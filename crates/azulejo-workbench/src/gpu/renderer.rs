@@ -213,10 +213,10 @@ impl Renderer {
             self.color_map = load_map(&self.device, &self.queue, frame.scale.map);
         }
         let view = self.view(frame, size);
-        let seen = self.load(frame, &view, &plan)?;
+        let visible = self.load(frame, &view, &plan)?;
         let textures = self.load_textures(frame, &plan);
         let backdrop = self.load_backdrop(frame);
-        let objects = self.object_blocks(frame, &view, &seen, &plan);
+        let objects = self.object_blocks(frame, &view, &visible, &plan);
         let materials: Vec<_> = materials(frame).map(uniforms::material).collect();
         let layout = &self.pipelines.block;
         self.object_blocks
@@ -245,7 +245,7 @@ impl Renderer {
             constants: &self.constants,
             frame_group: &group,
             textures: &textures,
-            seen: &seen,
+            visible: &visible,
             ink: &ink,
             hidden_ink,
             samples: target.samples,
@@ -297,7 +297,7 @@ impl Renderer {
         plan: &DrawPlan,
     ) -> Result<Vec<VisibleObject>, GpuError> {
         let mut loader = GpuUploader::new(&self.device, &self.queue);
-        let mut seen = Vec::new();
+        let mut visible = Vec::new();
         for (index, drawn) in frame.objects.iter().enumerate() {
             let Some(geometry) = self.geometries.get_mut(&drawn.key) else {
                 continue;
@@ -308,18 +308,18 @@ impl Renderer {
             }
             geometry.upload(drawn, plan.streams, &mut loader)?;
             geometry.select(drawn, &mut loader);
-            seen.push(VisibleObject {
+            visible.push(VisibleObject {
                 index,
                 view_from: view.view_from(&drawn.world_from_object, geometry.origin),
                 stretch: stretch(drawn),
             });
         }
         self.statistics = RenderStatistics {
-            objects: seen.len(),
+            objects: visible.len(),
             bytes_loaded: loader.bytes,
             meshes_held: self.geometries.len(),
         };
-        Ok(seen)
+        Ok(visible)
     }
 
     /// The texture key of each material.
@@ -361,7 +361,7 @@ impl Renderer {
         &self,
         frame: &ViewportFrame,
         view: &Projection,
-        seen: &[VisibleObject],
+        visible: &[VisibleObject],
         plan: &DrawPlan,
     ) -> Vec<[f32; uniforms::WORDS]> {
         let [r, g, b] = frame.selection_color.map(|x| f32::from(x) / 255.0);
@@ -376,7 +376,7 @@ impl Renderer {
             Some(uniforms::object(view, &s.view_from, geometry, tint, scale))
         };
         let none = [0.0; uniforms::WORDS];
-        seen.iter().map(|s| block(s).unwrap_or(none)).collect()
+        visible.iter().map(|s| block(s).unwrap_or(none)).collect()
     }
 
     fn frame_group(&mut self, backdrop: Option<&Vec<u64>>) -> wgpu::BindGroup {

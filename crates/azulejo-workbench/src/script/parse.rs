@@ -235,9 +235,9 @@ fn material(text: &str) -> Result<ScriptStep, String> {
 }
 
 fn shading(text: &str) -> Result<Shading, String> {
-    let found = Shading::ALL.into_iter().find(|s| s.word() == text);
+    let found = Shading::ALL.into_iter().find(|s| s.script_name() == text);
     found.ok_or_else(|| {
-        let all: Vec<&str> = Shading::ALL.into_iter().map(Shading::word).collect();
+        let all: Vec<&str> = Shading::ALL.into_iter().map(Shading::script_name).collect();
         format!("no shading \"{text}\", expected one of {}", all.join(", "))
     })
 }
@@ -304,7 +304,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_said_with_its_line() {
-        for (line, said) in [
+        for (line, expected) in [
             ("dance", "unknown step \"dance\""),
             ("open", "open needs a file"),
             ("move 1 2", "\"1 2\" is not 3 numbers"),
@@ -320,7 +320,7 @@ mod tests {
         ] {
             let error = parse(&format!("quit\n{line}"), "s.txt").unwrap_err();
             assert!(error.starts_with("s.txt:2: "), "{error}");
-            assert!(error.contains(said), "{error}");
+            assert!(error.contains(expected), "{error}");
         }
     }
 }

@@ -139,7 +139,7 @@ fn done(command: Command) -> Option<ActionTarget> {
     Some(ActionTarget::Command(command))
 }
 
-fn when(holds: bool, command: Command) -> Option<ActionTarget> {
+fn enabled_if(holds: bool, command: Command) -> Option<ActionTarget> {
     holds.then_some(ActionTarget::Command(command))
 }
 
@@ -153,7 +153,7 @@ fn selected(app: &App, make: impl Fn(Vec<ItemId>) -> Edit) -> Option<ActionTarge
 }
 
 fn hide(ids: Vec<ItemId>, hidden: bool) -> Option<ActionTarget> {
-    when(
+    enabled_if(
         !ids.is_empty(),
         Command::Edit(Edit::Hide(ids, hidden), None),
     )
@@ -194,7 +194,7 @@ pub const ACTIONS: &[Action] = &[
         done(Command::RequestFile(FileRequest::Add))
     }),
     action(Menu::File, "Save", ctrl(Key::S), |a| {
-        when(
+        enabled_if(
             !a.document.objects.is_empty() || a.is_changed(),
             Command::Save,
         )
@@ -206,7 +206,7 @@ pub const ACTIONS: &[Action] = &[
         done(Command::RequestFile(FileRequest::Export))
     }),
     action(Menu::File, "Save image…", ctrl_shift(Key::P), |a| {
-        when(
+        enabled_if(
             a.render.is_some(),
             Command::RequestFile(FileRequest::SaveRender),
         )
@@ -216,10 +216,10 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::File, "Quit", ctrl(Key::Q), |_| done(Command::Quit)),
     action(Menu::Edit, "Undo", ctrl(Key::Z), |a| {
-        when(a.undo_labels().0.is_some(), Command::Undo)
+        enabled_if(a.undo_labels().0.is_some(), Command::Undo)
     }),
     action(Menu::Edit, "Redo", ctrl_shift(Key::Z), |a| {
-        when(a.undo_labels().1.is_some(), Command::Redo)
+        enabled_if(a.undo_labels().1.is_some(), Command::Redo)
     }),
     action(Menu::Edit, "Select all", ctrl(Key::A), |_| {
         done(Command::SelectAll)
@@ -240,7 +240,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Edit, "Remove unused materials", None, |a| {
         let used = a.document.used_materials().len();
         let command = Command::Edit(Edit::DeleteUnusedMaterials, None);
-        when(used < a.document.materials.len(), command)
+        enabled_if(used < a.document.materials.len(), command)
     }),
     action(Menu::Edit, "Rename…", key(Key::F2), |a| {
         (a.selection.ids.len() == 1).then_some(ActionTarget::Window(WindowAction::Rename))
@@ -381,27 +381,27 @@ pub const ACTIONS: &[Action] = &[
         |a| shade(a, Shading::Normals),
     ),
     action(Menu::Light, "Solve", key(Key::F5), |a| {
-        when(!a.is_busy(JobKind::Solve), Command::Solve)
+        enabled_if(!a.is_busy(JobKind::Solve), Command::Solve)
     }),
     action(Menu::Light, "Pause", key(Key::F6), |a| {
         let runs = a.is_busy(JobKind::Solve) && !a.lighting.is_paused;
-        when(runs, Command::Pause)
+        enabled_if(runs, Command::Pause)
     }),
     action(Menu::Light, "Resume", shift(Key::F6), |a| {
         let rests = a.is_busy(JobKind::Solve) && a.lighting.is_paused;
-        when(rests, Command::Resume)
+        enabled_if(rests, Command::Resume)
     }),
     action(Menu::Light, "Stop", key(Key::F7), |a| {
-        when(a.is_busy(JobKind::Solve), Command::StopSolving)
+        enabled_if(a.is_busy(JobKind::Solve), Command::StopSolving)
     }),
     action(Menu::Light, "Pin a probe", key(Key::P), |a| {
         (!a.document.objects.is_empty()).then_some(ActionTarget::Window(WindowAction::AddProbe))
     }),
     action(Menu::Light, "Measure the probes", None, |a| {
-        when(!a.probes.is_empty(), Command::MeasureProbes)
+        enabled_if(!a.probes.is_empty(), Command::MeasureProbes)
     }),
     action(Menu::Light, "Clear light", None, |a| {
-        when(a.lighting.solution.is_some(), Command::ClearLight)
+        enabled_if(a.lighting.solution.is_some(), Command::ClearLight)
     }),
     action(
         Menu::Help,

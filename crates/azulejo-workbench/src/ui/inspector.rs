@@ -15,11 +15,11 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     match &app.selection.ids[..] {
         [] => nothing(ui, cx),
         [id] => {
-            if let Some(item) = app.document.item(*id) {
+            if let Some(item) = app.document.object(*id) {
                 object(ui, cx, item);
-            } else if let Some(lamp) = app.document.lamp(*id) {
+            } else if let Some(lamp) = app.document.light(*id) {
                 lamp_numbers(ui, cx, lamp);
-            } else if let Some(view) = app.document.viewpoint(*id) {
+            } else if let Some(view) = app.document.camera(*id) {
                 camera_numbers(ui, cx, view);
             }
         }
@@ -232,7 +232,7 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
     let selection = &app.selection;
     let mut used: Vec<MaterialId> = Vec::new();
     for id in &selection.ids {
-        if let Some(item) = document.item(*id) {
+        if let Some(item) = document.object(*id) {
             used.extend(item.materials());
         }
     }

@@ -69,7 +69,7 @@ impl MaterialPanel {
 #[derive(Default)]
 struct PreviewCache {
     /// Revision of the document and selection at the last update.
-    seen: Option<(u64, Vec<ItemId>)>,
+    made_for: Option<(u64, Vec<ItemId>)>,
     kept: Option<(Option<LightingKey>, PreviewLight)>,
 }
 
@@ -78,13 +78,13 @@ impl PreviewCache {
     fn light(&mut self, cx: &PanelContext) -> &PreviewLight {
         let app = cx.app;
         let (revision, ids) = (app.revision(), &app.selection.ids);
-        let is_seen = (self.seen.as_ref()).is_some_and(|(r, s)| *r == revision && s == ids);
-        if !is_seen {
-            self.seen = Some((revision, ids.clone()));
+        let is_current = (self.made_for.as_ref()).is_some_and(|(r, s)| *r == revision && s == ids);
+        if !is_current {
+            self.made_for = Some((revision, ids.clone()));
             let shining = LightingKey::of(&app.document, ids);
             if self.kept.as_ref().is_none_or(|(of, _)| *of != shining) {
                 let light = match &shining {
-                    Some(s) => PreviewLight::of_scene(&app.document.lamps_scene(), s.at),
+                    Some(s) => PreviewLight::of_scene(&app.document.emitters_scene(), s.at),
                     None => PreviewLight::studio(),
                 };
                 self.kept = Some((shining, light));

@@ -9,7 +9,7 @@ use egui::Ui;
 pub fn duplicate(document: &SceneDocument, id: MaterialId) -> Option<Edit> {
     let material = document.materials.get(id as usize)?;
     let mut copy = (**material).clone();
-    copy.name = document.fresh_material_name(&copy.name);
+    copy.name = document.unique_material_name(&copy.name);
     Some(Edit::AddMaterial(copy))
 }
 

@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
                     Some(id) => {
                         let link = ui.add(egui::Link::new(text));
                         if link.on_hover_text(&message.text).clicked() {
-                            lead_to(cx, id);
+                            go_to_item(cx, id);
                         }
                     }
                 }
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
 }
 
 /// Selects an item and frames it in the view.
-fn lead_to(cx: &mut PanelContext, id: ItemId) {
+fn go_to_item(cx: &mut PanelContext, id: ItemId) {
     let mut view = cx.app.view.clone();
     view.frame(cx.app.document.frame_of(&[id]));
     cx.send(Command::Select(Selection::one(id)));

@@ -18,8 +18,6 @@ mod material_actions;
 pub mod menu;
 pub mod messages;
 pub mod panel_context;
-mod prism;
-mod show_all_files;
 pub mod tree;
 pub mod view_tab;
 pub mod viewport;

@@ -4,10 +4,9 @@ mod closing;
 
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
-use super::dialogs::{BrdfFileChoice, Dialogs, TextDialog};
+use super::dialogs::{BrdfFileChoice, Dialogs, PrismDialog, TextDialog};
 use super::material::MaterialPanel;
 use super::panel_context::PanelContext;
-use super::prism::PrismDialog;
 use super::tree::SceneTree;
 use super::viewport::{DeviceLost, Viewport};
 use super::{inspector, light, menu, messages, view_tab};
@@ -149,7 +148,7 @@ impl Workbench {
         }
         self.app.poll();
         self.dress(ui.ctx());
-        self.take_drops(ui.ctx());
+        self.open_dropped_files(ui.ctx());
         let mut targets = Vec::new();
         if !self.dialogs.is_open(&self.app) {
             targets = actions::pressed(ui.ctx(), &self.app);
@@ -264,7 +263,7 @@ impl Workbench {
                 let size = 0.25 * self.app.default_size();
                 self.dialogs.text = Some(TextDialog::new(size));
             }
-            ActionTarget::Window(WindowAction::AddProbe) => match self.viewport.pointed_place() {
+            ActionTarget::Window(WindowAction::AddProbe) => match self.viewport.pointed_surface() {
                 Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,
             },
@@ -303,7 +302,7 @@ impl Workbench {
         let id = self.app.selection.material;
         let id = id.ok_or("no material is selected")?;
         let material = self.app.document.materials.get(id as usize);
-        let material = material.ok_or("there is no such material any more")?;
+        let material = material.ok_or("the material no longer exists")?;
         let bytes = azulejo::models::read_bytes(path).map_err(|e| e.to_string())?;
         let file = apply_file(&bytes, path)?;
         let new = with_description(material, file.description).map_err(|e| e.to_string())?;
@@ -331,7 +330,7 @@ impl Workbench {
         Ok(())
     }
 
-    fn take_drops(&mut self, context: &egui::Context) {
+    fn open_dropped_files(&mut self, context: &egui::Context) {
         let dropped = context.input(|i| i.raw.dropped_files.clone());
         let paths: Vec<_> = dropped.iter().map(|f| f.path().to_owned()).collect();
         if paths.is_empty() {

@@ -104,18 +104,18 @@ fn sources_are_understood() {
 fn every_text_of_the_window_is_in_a_table() {
     let table = table();
     let mut missing = BTreeSet::new();
-    let mut said = 0;
+    let mut count = 0;
     for (path, source) in sources() {
         for (code, text) in literals(&source) {
             if code.ends_with("tr(") {
-                said += 1;
+                count += 1;
                 if !table.contains_key(text.as_str()) {
                     missing.insert(format!("{}: {text}", path.display()));
                 }
             }
         }
     }
-    assert!(said > 200, "only {said} texts were found");
+    assert!(count > 200, "only {count} texts were found");
     let named = ACTIONS.iter().map(|a| a.label);
     let named = named.chain(COLORS.iter().map(|(name, _)| *name));
     missing.extend(named.filter(|n| !table.contains_key(n)).map(str::to_owned));

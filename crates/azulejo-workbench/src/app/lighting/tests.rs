@@ -214,7 +214,7 @@ fn what_a_patch_sees_is_summed_by_object() {
     let pick = on_the_floor(&app);
     app.execute(Command::FormFactorsFrom(pick));
     wait_until(&mut app, "it sees nothing", |a| a.jobs().is_empty());
-    let seen = app.lighting.seen.as_ref().expect("form factors");
+    let seen = app.lighting.form_factors.as_ref().expect("form factors");
     let sum: f64 = seen.objects.iter().map(|o| o.1).sum();
     assert!((sum - seen.sum).abs() < 1e-9, "{sum} {}", seen.sum);
     assert!(seen.objects.is_sorted_by(|a, b| a.1 >= b.1));

@@ -237,7 +237,7 @@ fn check_app(app: &App) {
         "{selection:?}"
     );
     if let Some((id, faces)) = &selection.faces {
-        let item = app.document.item(*id).expect("faces of something");
+        let item = app.document.object(*id).expect("faces of something");
         let Shape::Mesh(mesh) = &*item.shape else {
             panic!("faces of what has none: {selection:?}")
         };
@@ -498,7 +498,7 @@ fn number_of(app: &App, name: &str) -> u32 {
 }
 
 fn material_of(app: &App, id: ItemId) -> &str {
-    let material = app.document.item(id).unwrap().materials()[0];
+    let material = app.document.object(id).unwrap().materials()[0];
     &app.document.materials[material as usize].name
 }
 
@@ -546,7 +546,7 @@ fn copies_of_a_shape_share_it_after_materials_went() {
     check_app(&app);
     let used = app.document.used_materials();
     assert_eq!(used.len(), app.document.materials.len());
-    let shape = |id| &app.document.item(id).unwrap().shape;
+    let shape = |id| &app.document.object(id).unwrap().shape;
     assert!(Arc::ptr_eq(shape(ItemId(3)), shape(copy)));
     assert_eq!(material_of(&app, copy), "used");
     edit(&mut app, Edit::DeleteUnusedMaterials);

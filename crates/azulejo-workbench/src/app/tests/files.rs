@@ -196,7 +196,7 @@ fn what_cannot_be_written_is_told_and_stays_a_change() {
     let file = folder.path("file");
     std::fs::write(&file, "").unwrap();
     std::fs::create_dir(folder.path("a.grf")).unwrap();
-    for (path, said) in [
+    for (path, expected) in [
         (folder.path("a.grf"), "a.grf"),
         (folder.path("none/b.grf"), "b.grf"),
         (file.join("c.grf"), "c.grf"),
@@ -205,7 +205,7 @@ fn what_cannot_be_written_is_told_and_stays_a_change() {
     ] {
         app.messages.clear();
         run(&mut app, Command::SaveAs(path));
-        check_error(&app, said);
+        check_error(&app, expected);
         assert!(app.is_changed());
         assert_eq!(app.file, own);
     }

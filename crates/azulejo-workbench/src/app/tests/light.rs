@@ -152,11 +152,11 @@ fn form_factors_are_found_and_forgotten_with_an_edit() {
     };
     run(&mut app, Command::FormFactorsFrom(pick));
     check_no_error(&app);
-    let seen = app.lighting.seen.as_ref().expect("factors");
+    let seen = app.lighting.form_factors.as_ref().expect("factors");
     assert!(seen.sum > 0.0 && seen.sum <= 1.0 + 1e-6, "{}", seen.sum);
     assert_eq!(seen.patches.faces.len(), seen.factors.len());
     edit(&mut app, Edit::Rename(ItemId(1), "ground".into()));
-    assert!(app.lighting.seen.is_none());
+    assert!(app.lighting.form_factors.is_none());
     let nowhere = crate::command::SurfacePick {
         position: glam::DVec3::splat(1e3),
         ..pick

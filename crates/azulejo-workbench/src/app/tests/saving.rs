@@ -75,6 +75,6 @@ fn light_of_a_part_is_not_lost_without_a_word() {
     check_no_error(&app);
     assert!(app.lighting.solution.is_none());
     run(&mut app, Command::SaveAs(folder.path("b.grf")));
-    let said = "saved without the light stored in the file";
-    assert!(last(&app).ends_with(said), "{}", last(&app));
+    let expected = "saved without the light stored in the file";
+    assert!(last(&app).ends_with(expected), "{}", last(&app));
 }

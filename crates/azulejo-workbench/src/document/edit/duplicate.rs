@@ -42,7 +42,7 @@ impl SceneDocument {
     }
 
     /// `name` with the first number that makes it unique among objects, lights and cameras.
-    pub(super) fn fresh_name(&self, name: &str) -> String {
+    pub(super) fn unique_name(&self, name: &str) -> String {
         UniqueNames::of(self).fresh(name)
     }
 

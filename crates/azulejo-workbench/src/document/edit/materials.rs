@@ -32,7 +32,7 @@ impl RenumberedShape {
 
 impl SceneDocument {
     /// `name` with the first number that makes it unique among materials.
-    pub fn fresh_material_name(&self, name: &str) -> String {
+    pub fn unique_material_name(&self, name: &str) -> String {
         UniqueNames::among(self.materials.iter().map(|m| &m.name)).fresh(name)
     }
 

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 impl SceneDocument {
-    pub(super) fn item_mut(&mut self, id: ItemId) -> Option<&mut SceneObject> {
+    pub(super) fn object_mut(&mut self, id: ItemId) -> Option<&mut SceneObject> {
         let at = self.objects.binary_search_by_key(&id, |i| i.id).ok()?;
         self.objects.get_mut(at).map(Arc::make_mut)
     }
@@ -18,7 +18,7 @@ impl SceneDocument {
         if name.chars().any(char::is_control) {
             return refuse("the name contains control characters, expected one line of text");
         }
-        if let Some(item) = self.item_mut(id) {
+        if let Some(item) = self.object_mut(id) {
             item.name = name;
         } else if let Some(lamp) = self.lights.iter_mut().find(|l| l.id == id) {
             lamp.light.name = name;
@@ -100,11 +100,11 @@ impl SceneDocument {
         Ok(())
     }
 
-    pub(super) fn place(&mut self, id: ItemId, placement: &DAffine3) -> Edited {
+    pub(super) fn set_placement(&mut self, id: ItemId, placement: &DAffine3) -> Edited {
         if !is_placement(placement) {
             return refuse("the object's transform is singular, expected factors other than 0");
         }
-        let Some(mut item) = self.item(id).cloned() else {
+        let Some(mut item) = self.object(id).cloned() else {
             return missing("object");
         };
         item.placement = *placement;
@@ -115,7 +115,7 @@ impl SceneDocument {
     fn replace_item(&mut self, item: SceneObject) -> Edited {
         self.check_placed([&item])?;
         let id = item.id;
-        if let Some(old) = self.item_mut(id) {
+        if let Some(old) = self.object_mut(id) {
             *old = item;
         }
         self.rtrace = None;
@@ -170,16 +170,16 @@ impl SceneDocument {
     pub(super) fn add_shape(&mut self, new: &NewShape) -> Edited {
         let mut made = self.clone();
         let (name, shape) = new.make(&mut made)?;
-        let name = self.fresh_name(&name);
+        let name = self.unique_name(&name);
         let id = made.push_shape(name, shape, None);
-        made.check_placed(made.item(id))?;
+        made.check_placed(made.object(id))?;
         made.rtrace = None;
         *self = made;
         Ok(vec![id])
     }
 
     pub(super) fn set_shape(&mut self, id: ItemId, shape: &Arc<Shape>) -> Edited {
-        let Some(mut item) = self.item(id).cloned() else {
+        let Some(mut item) = self.object(id).cloned() else {
             return missing("object");
         };
         let alone = self.with_any_materials(vec![Object::new("", Shape::clone(shape))]);
@@ -219,7 +219,7 @@ impl SceneDocument {
         material: MaterialId,
     ) -> Edited {
         self.known_material(material)?;
-        let Some(item) = self.item(id) else {
+        let Some(item) = self.object(id) else {
             return missing("object");
         };
         let Shape::Mesh(mesh) = &*item.shape else {
@@ -228,7 +228,7 @@ impl SceneDocument {
         if faces.iter().any(|&f| f as usize >= mesh.faces.len()) {
             return missing("face");
         }
-        if let Some(item) = self.item_mut(id) {
+        if let Some(item) = self.object_mut(id) {
             item.change_shape(|shape| {
                 if let Shape::Mesh(mesh) = shape {
                     for &face in faces {
@@ -269,12 +269,12 @@ mod tests {
     #[test]
     fn what_moves_together_is_checked_together() {
         let (mut document, ids) = crowd();
-        let moved = ids.iter().filter_map(|&id| document.item(id));
+        let moved = ids.iter().filter_map(|&id| document.object(id));
         let alone = document.placed_alone(moved).unwrap();
         // The two meshes are represented by their bounding boxes.
         assert_eq!((alone.objects.len(), alone.materials.len()), (40, 50));
         let meshes = [ItemId(1), ItemId(2)].into_iter();
-        let meshes = meshes.filter_map(|id| document.item(id));
+        let meshes = meshes.filter_map(|id| document.object(id));
         assert_eq!(document.placed_alone(meshes).unwrap(), Default::default());
 
         let away = DAffine3::from_translation(DVec3::X * f64::MAX);

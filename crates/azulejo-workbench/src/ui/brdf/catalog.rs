@@ -77,7 +77,7 @@ pub(super) fn example(info: &ModelInfo, k: usize) -> Option<Model> {
 
 /// Another model with the parameters that both have, where valid; the others come from its first
 /// example.
-pub(super) fn switched(old: &Model, info: &'static ModelInfo) -> Model {
+pub(super) fn converted(old: &Model, info: &'static ModelInfo) -> Model {
     let example = example(info, 0).unwrap_or_default();
     let old_info = find(&old.name).ok();
     let mut model = example.clone();
@@ -113,7 +113,7 @@ pub(super) fn set(model: &mut Model, info: &ParameterInfo, value: Option<Value>)
 }
 
 /// The default value of a parameter.
-pub(super) fn fallback(model: &Model, info: &ParameterInfo) -> Value {
+pub(super) fn default_value(model: &Model, info: &ParameterInfo) -> Value {
     let exemplary = || {
         let models = find(&model.name).ok()?;
         let examples = (0..models.examples.len()).filter_map(|k| example(models, k));
@@ -222,7 +222,7 @@ mod tests {
     fn every_model_follows_every_other() {
         for old in MODELS {
             for info in MODELS {
-                let model = switched(&example(old, 0).unwrap(), info);
+                let model = converted(&example(old, 0).unwrap(), info);
                 let arguments = Brdf::new(Description::Model(model.clone()));
                 assert!(arguments.is_ok(), "{} to {model}: {arguments:?}", old.name);
             }
@@ -235,7 +235,7 @@ mod tests {
             let Description::Model(old) = old.parse().unwrap() else {
                 panic!("{old}")
             };
-            assert_eq!(switched(&old, find(name).unwrap()).to_string(), expected);
+            assert_eq!(converted(&old, find(name).unwrap()).to_string(), expected);
         };
         check(
             "blinn kd = (0.1, 0.2, 0.3) ks = 0.5 n = 77",

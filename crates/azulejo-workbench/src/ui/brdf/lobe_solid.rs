@@ -45,7 +45,7 @@ pub(super) fn draw(
     let painter = ui.painter_at(response.rect);
     let eye = OrbitCamera::new(view.orbit, response.rect);
     painter.extend(eye.floor(grid(ui)));
-    painter.add(eye.solid(&grown(body, view, top), color));
+    painter.add(eye.solid(&lobe_mesh(body, view, top), color));
     painter.extend(eye.light(body.light, ui.visuals().strong_text_color()));
     if brightness(body.mirrored) > 5e-4 {
         let away = DVec3::new(-body.light.x, -body.light.y, body.light.z);
@@ -65,7 +65,7 @@ pub(super) fn draw(
 }
 
 /// The largest value of a lobe.
-pub(super) fn top(view: &LobeView, body: &LobeSurface) -> f64 {
+pub(super) fn largest_value(view: &LobeView, body: &LobeSurface) -> f64 {
     let all = body.rings.iter().flatten();
     let values = all.map(|(w, f)| view.value(brightness(*f), w.z));
     values.filter(|v| v.is_finite()).fold(0.0, f64::max)
@@ -87,7 +87,7 @@ fn turn(ui: &Ui, response: &egui::Response, orbit: &mut [f32; 2]) {
 }
 
 /// The surface of the lobe in space.
-fn grown(body: &LobeSurface, view: &LobeView, top: f64) -> Vec<Vec<DVec3>> {
+fn lobe_mesh(body: &LobeSurface, view: &LobeView, top: f64) -> Vec<Vec<DVec3>> {
     let point = |&(w, f): &(DVec3, _)| w * view.share(view.value(brightness(f), w.z), top);
     body.rings
         .iter()

@@ -191,7 +191,7 @@ impl BrdfEditor {
                 ..BrdfEditor::default()
             };
         }
-        if !self.kind.suits(shown.material) {
+        if !self.kind.is_compatible(shown.material) {
             self.kind = SurfaceKind::of(shown.material);
         }
         match &shown.material.brdf {
@@ -251,7 +251,7 @@ impl BrdfEditor {
         if let Some(draft) = self.draft.take() {
             self.left = Some(draft.description);
         }
-        kind.give(material);
+        kind.convert(material);
         if kind == SurfaceKind::Model {
             let matt = Value::from(material.diffuse);
             let matt = || Description::model("diffuse", [("kd", matt)]);

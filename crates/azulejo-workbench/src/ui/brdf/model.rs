@@ -1,6 +1,6 @@
 //! A description: its models and their parameters.
 
-use super::catalog::{GROUPS, example, switched};
+use super::catalog::{GROUPS, converted, example};
 use super::fields::{NumberRange, SHARE, number};
 use super::parameter::parameters;
 use super::theme::{notice, row};
@@ -122,7 +122,7 @@ fn choices(ui: &mut Ui, language: Language, model: &mut Model) {
             let entry = entry.accessible_name(info.title);
             let about = format!("{}\n{}", info.name, info.paper);
             if entry.on_hover_text(about.trim_end()).clicked() && !info.is_called(&old.name) {
-                *model = switched(&old, info);
+                *model = converted(&old, info);
             }
         }
     }

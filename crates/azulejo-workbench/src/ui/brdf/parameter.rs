@@ -1,6 +1,6 @@
 //! The parameters of a model.
 
-use super::catalog::{self, FresnelChoice, as_color, fallback, set};
+use super::catalog::{self, FresnelChoice, as_color, default_value, set};
 use super::fields::{NumberRange, color, number};
 use super::theme::row;
 use crate::words::Language;
@@ -46,7 +46,7 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
                 return set(model, info, None);
             }
         }
-        let old = given.clone().unwrap_or_else(|| fallback(model, info));
+        let old = given.clone().unwrap_or_else(|| default_value(model, info));
         let mut new = old.clone();
         value(ui, language, name, info, &mut new);
         // Defaults that were not changed are not written.
@@ -163,7 +163,7 @@ fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Par
     let old = model
         .value(info.name)
         .cloned()
-        .unwrap_or_else(|| fallback(model, info));
+        .unwrap_or_else(|| default_value(model, info));
     let mut new = old.clone();
     row(ui, info.name, &about(language, info), |ui, name| {
         value(ui, language, name, info, &mut new)

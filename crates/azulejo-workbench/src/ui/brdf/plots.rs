@@ -21,7 +21,7 @@ pub(super) fn show(
 ) {
     // With a common scale the larger of two lobes is drawn larger.
     let bodies = sides.iter().filter_map(|s| s.lobes.found());
-    let top = bodies.map(|(_, lobes)| lobe_solid::top(view, &lobes.body));
+    let top = bodies.map(|(_, lobes)| lobe_solid::largest_value(view, &lobes.body));
     let top = top.fold(f64::MIN_POSITIVE, f64::max);
     for (k, side) in sides.iter_mut().enumerate() {
         if names.len() > 1 {

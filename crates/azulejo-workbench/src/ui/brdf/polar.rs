@@ -44,7 +44,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&
         .include_y(1.17)
         .label_formatter(|at| dial.words(at, name, unit));
     let shown = plot.show(ui, |plot| {
-        dial.paper(plot);
+        dial.draw_axes(plot);
         for (slices, is_dashed) in models.iter().zip([false, true]) {
             for (k, slice) in slices.iter().enumerate().rev() {
                 dial.slice(plot, slice, k, is_dashed);
@@ -121,7 +121,7 @@ impl PolarAxes<'_> {
     }
 
     /// Spokes, rings with their values, and the surface.
-    fn paper(&self, plot: &mut PlotUi) {
+    fn draw_axes(&self, plot: &mut PlotUi) {
         for k in -2..=2 {
             self.line(
                 plot,
@@ -221,7 +221,7 @@ impl PolarAxes<'_> {
         };
         let share = position.x.hypot(position.y);
         let angle = position.x.atan2(position.y).to_degrees();
-        let value = self.view.unshare(share, self.top);
+        let value = self.view.value_at(share, self.top);
         (!plot_name.is_empty()).then(|| {
             format!(
                 "{plot_name}, {angle:.0}°\n{quantity} = {} {unit}",

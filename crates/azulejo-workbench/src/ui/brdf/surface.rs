@@ -39,7 +39,7 @@ impl SurfaceKind {
 
     /// Whether a material may be edited as this kind: a black one is a dark mirror as well as a
     /// dark wall, and the fields must not change while a value is dragged to zero.
-    pub fn suits(self, material: &Material) -> bool {
+    pub fn is_compatible(self, material: &Material) -> bool {
         let plain = material.dielectric.is_none() && material.brdf.is_none();
         match self {
             SurfaceKind::Matt => plain && material.mirror.is_black(),
@@ -61,7 +61,7 @@ impl SurfaceKind {
 
     /// Converts a material to this kind, keeping as much as possible; a reflection model is left to
     /// the caller.
-    pub fn give(self, material: &mut Material) {
+    pub fn convert(self, material: &mut Material) {
         let color = |c: Rgb, other: f64| if c.is_black() { Rgb::grey(other) } else { c };
         let (diffuse, mirror) = (material.diffuse, material.mirror);
         (material.dielectric, material.brdf) = (None, None);
@@ -243,9 +243,9 @@ mod tests {
                 SurfaceKind::Glass,
             ] {
                 let mut material = material.clone();
-                kind.give(&mut material);
+                kind.convert(&mut material);
                 assert_eq!(SurfaceKind::of(&material), kind);
-                assert!(kind.suits(&material));
+                assert!(kind.is_compatible(&material));
                 assert!(material.limit_reflectance(), "{kind:?} of {material:?}");
             }
         }
@@ -254,7 +254,9 @@ mod tests {
     #[test]
     fn a_dark_mirror_stays_one() {
         let black = Material::default();
-        assert!(SurfaceKind::Mirror.suits(&black) && SurfaceKind::Matt.suits(&black));
-        assert!(!SurfaceKind::Mirror.suits(&Material::diffuse("", Rgb::WHITE)));
+        assert!(
+            SurfaceKind::Mirror.is_compatible(&black) && SurfaceKind::Matt.is_compatible(&black)
+        );
+        assert!(!SurfaceKind::Mirror.is_compatible(&Material::diffuse("", Rgb::WHITE)));
     }
 }

@@ -394,8 +394,11 @@ fn all_words_of_the_models_are_translated() {
         for parameter in model.all_parameters() {
             for words in [parameter.about, parameter.unit] {
                 let is_symbol = words.len() < 6 && words != "radii";
-                let said = Language::Spanish.tr(words);
-                assert!(is_symbol || said != words, "{words:?} has no translation");
+                let translated = Language::Spanish.tr(words);
+                assert!(
+                    is_symbol || translated != words,
+                    "{words:?} has no translation"
+                );
             }
         }
     }

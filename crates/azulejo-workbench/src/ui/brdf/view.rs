@@ -83,7 +83,7 @@ impl LobeView {
     }
 
     /// The value at a fraction of the radius: the inverse of `share`.
-    pub fn unshare(&self, share: f64, top: f64) -> f64 {
+    pub fn value_at(&self, share: f64, top: f64) -> f64 {
         match self.scale {
             RadialScale::Linear => share * top,
             RadialScale::Logarithmic => top * 10f64.powf((share - 1.0) * DECADES),

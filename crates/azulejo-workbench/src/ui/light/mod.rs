@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
         section(ui, cx.tr("Statistics"), |ui| report::show(ui, cx, report));
     }
     let pins = section(ui, cx.tr("Probes"), |ui| probes::show(ui, cx));
-    if let Some(seen) = &cx.app.lighting.seen {
+    if let Some(seen) = &cx.app.lighting.form_factors {
         section(ui, cx.tr("Form factors of a patch"), |ui| {
             factors::show(ui, cx, seen)
         });

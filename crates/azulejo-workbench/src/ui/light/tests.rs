@@ -307,7 +307,7 @@ fn probes_are_pinned_measured_and_removed() {
 fn form_factors_are_listed_by_object() {
     let mut app = cornell();
     let ids: Vec<_> = app.document.objects.iter().map(|i| i.id).collect();
-    app.lighting.seen = Some(PatchFormFactors {
+    app.lighting.form_factors = Some(PatchFormFactors {
         number: 1,
         item: ids[0],
         patches: Arc::new(Mesh::default()),

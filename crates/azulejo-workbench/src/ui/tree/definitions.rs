@@ -167,12 +167,12 @@ mod tests {
     /// Labels and users.
     fn of(document: &SceneDocument) -> Vec<(String, Vec<u64>)> {
         let all = super::of(document, Language::English);
-        let things = all.into_iter().flat_map(|(_, things)| things);
+        let entries = all.into_iter().flat_map(|(_, entries)| entries);
         let ids = |leaf: TreeLeaf| match leaf {
             TreeLeaf::Definition(users) => users.iter().map(|id| id.0).collect(),
             _ => panic!("{leaf:?}"),
         };
-        things.map(|t| (t.label, ids(t.leaf))).collect()
+        entries.map(|t| (t.label, ids(t.leaf))).collect()
     }
 
     #[test]

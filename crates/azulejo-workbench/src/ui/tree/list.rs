@@ -62,7 +62,7 @@ impl TreeList {
             if of.revision == app.revision() {
                 return false;
             }
-            is_new = !reads_alike(&of.document, &app.document);
+            is_new = !have_same_rows(&of.document, &app.document);
         }
         self.made_of = Some(ListKey {
             document: app.document.clone(),
@@ -124,7 +124,7 @@ impl TreeList {
 
 /// Whether two documents have the same rows. Dragging an object changes the document in every
 /// frame, but no row.
-fn reads_alike(a: &SceneDocument, b: &SceneDocument) -> bool {
+fn have_same_rows(a: &SceneDocument, b: &SceneDocument) -> bool {
     let materials = all(&a.materials, &b.materials, |a, b| {
         Arc::ptr_eq(a, b) || (&a.name, &a.textures) == (&b.name, &b.textures)
     });
@@ -204,8 +204,8 @@ mod tests {
             Edit::Assign(vec![ball], 0),
             Edit::Delete(vec![view]),
         ] {
-            let said = format!("{edit:?}");
-            assert_eq!(makings(&mut app, &mut list, edit), 1, "{said}");
+            let message = format!("{edit:?}");
+            assert_eq!(makings(&mut app, &mut list, edit), 1, "{message}");
         }
         app.execute(Command::Undo);
         list.follow(&app, "", Language::English);
@@ -218,8 +218,8 @@ mod tests {
     fn another_picture_is_another_row() {
         let mut other = sample();
         other.textures[0] = Arc::new(Texture::default());
-        assert!(reads_alike(&other.clone(), &other));
-        assert!(!reads_alike(&sample(), &other));
+        assert!(have_same_rows(&other.clone(), &other));
+        assert!(!have_same_rows(&sample(), &other));
     }
 
     #[test]

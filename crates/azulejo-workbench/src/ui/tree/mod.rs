@@ -108,7 +108,7 @@ fn row(
             TreeLeaf::Material(id) => material(ui, cx, &row.label, *id),
             TreeLeaf::Definition(users) => definition(ui, cx, &row.label, users),
             TreeLeaf::Item(id) | TreeLeaf::Light(id) | TreeLeaf::Camera(id) => {
-                thing(ui, cx, row, *id, list.is_chosen(at), rename);
+                entry(ui, cx, row, *id, list.is_chosen(at), rename);
             }
         }
         None
@@ -195,7 +195,7 @@ fn definition(ui: &mut Ui, cx: &mut PanelContext, label: &str, users: &[ItemId])
     }
 }
 
-fn thing(
+fn entry(
     ui: &mut Ui,
     cx: &mut PanelContext,
     row: &TreeRow,
@@ -222,7 +222,7 @@ fn thing(
     };
     let response = ui.selectable_label(is_chosen, label);
     if response.double_clicked() {
-        match cx.app.document.viewpoint(id) {
+        match cx.app.document.camera(id) {
             Some(view) => {
                 let mut look = cx.app.view.clone();
                 look.camera = view.camera.clone();

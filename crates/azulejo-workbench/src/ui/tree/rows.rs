@@ -61,7 +61,7 @@ pub(super) struct TreeItem {
 #[derive(Default)]
 struct GroupNode {
     groups: BTreeMap<String, GroupNode>,
-    things: Vec<TreeItem>,
+    entries: Vec<TreeItem>,
 }
 
 /// The position at which rows are inserted.
@@ -73,15 +73,15 @@ struct ListPosition {
 }
 
 impl GroupNode {
-    fn of(things: Vec<TreeItem>) -> GroupNode {
+    fn of(entries: Vec<TreeItem>) -> GroupNode {
         GroupNode {
             groups: BTreeMap::new(),
-            things,
+            entries,
         }
     }
 
     fn is_empty(&self) -> bool {
-        self.groups.is_empty() && self.things.is_empty()
+        self.groups.is_empty() && self.entries.is_empty()
     }
 
     /// Inserts an item at its path.
@@ -96,7 +96,7 @@ impl GroupNode {
                 _ => break,
             }
         }
-        node.things.push(TreeItem {
+        node.entries.push(TreeItem {
             label: rest.to_owned(),
             leaf,
             shown: Some(shown),
@@ -109,15 +109,15 @@ impl GroupNode {
         for (name, node) in self.groups {
             shown = either(shown, node.list_as(&name, position, rows));
         }
-        for thing in self.things {
-            shown = either(shown, thing.shown);
+        for entry in self.entries {
+            shown = either(shown, entry.shown);
             rows.push(TreeRow {
                 depth: position.depth,
-                label: short(&thing.label),
-                leaf: thing.leaf,
+                label: short(&entry.label),
+                leaf: entry.leaf,
                 parent: position.parent,
                 end: rows.len() + 1,
-                shown: thing.shown,
+                shown: entry.shown,
             });
         }
         shown
@@ -185,13 +185,13 @@ pub(super) fn rows(document: &SceneDocument, filter: &str, language: Language) -
     let mut lists = lists(document, &matches, language);
     lists.sort_by_key(|(title, _)| *title);
     let shared = definitions::of(document, language);
-    let shared = shared.into_iter().map(|(title, mut things)| {
-        things.retain(|thing| matches(&thing.label));
-        (title.to_owned(), GroupNode::of(things))
+    let shared = shared.into_iter().map(|(title, mut entries)| {
+        entries.retain(|entry| matches(&entry.label));
+        (title.to_owned(), GroupNode::of(entries))
     });
     let shared = GroupNode {
         groups: shared.filter(|(_, node)| !node.is_empty()).collect(),
-        things: Vec::new(),
+        entries: Vec::new(),
     };
     lists.push((language.tr("Definitions"), shared));
     for (title, node) in lists.into_iter().filter(|(_, node)| !node.is_empty()) {
@@ -229,7 +229,7 @@ fn lists(
     matches: &impl Fn(&str) -> bool,
     language: Language,
 ) -> Vec<(&'static str, GroupNode)> {
-    let thing = |name: &str, leaf: TreeLeaf, shown: Option<bool>| {
+    let entry = |name: &str, leaf: TreeLeaf, shown: Option<bool>| {
         matches(name).then(|| TreeItem {
             label: name.to_owned(),
             leaf,
@@ -238,12 +238,12 @@ fn lists(
     };
     let lights = document.lights.iter();
     let lights =
-        lights.filter_map(|l| thing(&l.light.name, TreeLeaf::Light(l.id), Some(!l.hidden)));
+        lights.filter_map(|l| entry(&l.light.name, TreeLeaf::Light(l.id), Some(!l.hidden)));
     let cameras = document.cameras.iter();
     let cameras =
-        cameras.filter_map(|c| thing(&c.camera.name, TreeLeaf::Camera(c.id), Some(!c.hidden)));
+        cameras.filter_map(|c| entry(&c.camera.name, TreeLeaf::Camera(c.id), Some(!c.hidden)));
     let materials = (0..).zip(&document.materials);
-    let materials = materials.filter_map(|(k, m)| thing(&m.name, TreeLeaf::Material(k), None));
+    let materials = materials.filter_map(|(k, m)| entry(&m.name, TreeLeaf::Material(k), None));
     vec![
         (language.tr("Lights"), GroupNode::of(lights.collect())),
         (language.tr("Cameras"), GroupNode::of(cameras.collect())),

@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct ViewportCache {
     entries: Vec<CachedMesh>,
     textures: HashMap<*const Texture, (u64, Arc<Texture>)>,
-    seen: Option<(u64, Arc<Mesh>, Vec<f32>)>,
+    form_factors: Option<(u64, Arc<Mesh>, Vec<f32>)>,
     backdrop: Option<(u64, Arc<Image>)>,
     next: u64,
 }
@@ -76,7 +76,7 @@ impl CachedMesh {
 
     /// The face of the model that a ray hits, where the solver's patches are displayed.
     pub fn model_face(&self, app: &App, ray: &Ray) -> Option<usize> {
-        let item = app.document.item(self.id).filter(|_| self.is_lit)?;
+        let item = app.document.object(self.id).filter(|_| self.is_lit)?;
         let Shape::Mesh(mesh) = &*item.shape else {
             return None;
         };
@@ -90,7 +90,7 @@ impl CachedMesh {
     /// Irradiance where a ray hits the solved shape of the object, while another shape of it is
     /// displayed.
     pub fn light_beneath(&self, app: &App, ray: &Ray) -> Option<(Rgb, Option<Rgb>)> {
-        let item = app.document.item(self.id)?;
+        let item = app.document.object(self.id)?;
         let lit = app.lighting.solution.as_ref()?.shown(item)?;
         let mesh = display_mesh(lit, self.chord_error, true);
         let hit = pick(&[MeshInstance::new(0, &mesh)], ray, false)?;
@@ -137,7 +137,7 @@ impl ViewportCache {
             self.entries.push(entry);
         }
         self.keep_textures(app);
-        self.keep_seen(app);
+        self.update_form_factors(app);
     }
 
     fn entry(
@@ -205,17 +205,22 @@ impl ViewportCache {
         }
     }
 
-    fn keep_seen(&mut self, app: &App) {
-        let Some(seen) = &app.lighting.seen else {
-            self.seen = None;
+    fn update_form_factors(&mut self, app: &App) {
+        let Some(seen) = &app.lighting.form_factors else {
+            self.form_factors = None;
             return;
         };
-        let is_same = self.seen.as_ref().is_some_and(|(_, mesh, values)| {
+        let is_same = self.form_factors.as_ref().is_some_and(|(_, mesh, values)| {
             Arc::ptr_eq(mesh, &seen.patches) && values.len() == seen.factors.len()
         });
-        if !is_same || self.seen.as_ref().is_some_and(|s| s.0 != seen.number) {
+        if !is_same
+            || self
+                .form_factors
+                .as_ref()
+                .is_some_and(|s| s.0 != seen.number)
+        {
             let values = seen.factors.iter().map(|&f| f as f32).collect();
-            self.seen = Some((seen.number, Arc::clone(&seen.patches), values));
+            self.form_factors = Some((seen.number, Arc::clone(&seen.patches), values));
         }
     }
 
@@ -249,7 +254,7 @@ impl ViewportCache {
     /// The meshes to draw, in the order of [`entries`](ViewportCache::entries); if form factors are
     /// shown, their patches replace everything else.
     pub fn drawn<'a>(&'a self, app: &'a App, shows_factors: bool) -> Vec<MeshInstance<'a>> {
-        if shows_factors && let Some((number, mesh, values)) = &self.seen {
+        if shows_factors && let Some((number, mesh, values)) = &self.form_factors {
             // Keys of objects count up from 1, those of patches down from the maximum.
             let mut drawn = MeshInstance::new(u64::MAX - number, mesh);
             drawn.face_values = Some(FaceValues {

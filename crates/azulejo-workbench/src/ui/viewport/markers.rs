@@ -45,7 +45,7 @@ pub fn overlay(app: &App) -> Overlay {
 /// Marks selected faces of the model on the patches that they were divided into.
 fn chosen_faces(overlay: &mut Overlay, app: &App) {
     let Some((item, faces)) = (app.selection.faces.as_ref())
-        .and_then(|(id, faces)| Some((app.document.item(*id)?, faces)))
+        .and_then(|(id, faces)| Some((app.document.object(*id)?, faces)))
     else {
         return;
     };

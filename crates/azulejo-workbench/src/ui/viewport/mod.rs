@@ -114,7 +114,7 @@ impl Viewport {
     }
 
     /// The surface point under the pointer.
-    pub fn pointed_place(&self) -> Option<SurfacePick> {
+    pub fn pointed_surface(&self) -> Option<SurfacePick> {
         self.patch_at(&self.pointed?)
     }
 
@@ -192,7 +192,7 @@ impl Viewport {
             size: self.size,
             revision: app.revision(),
             selection: app.selection.clone(),
-            seen: app.lighting.seen.as_ref().map(|s| s.number),
+            seen: app.lighting.form_factors.as_ref().map(|s| s.number),
             scale,
         };
         let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
@@ -275,7 +275,7 @@ impl Viewport {
                 Shading::FalseColor if app.lighting.solution.is_some() => {
                     legend::paint(ui.painter(), rect, &scale(app), irradiance_unit(app));
                 }
-                Shading::FormFactors if app.lighting.seen.is_some() => {
+                Shading::FormFactors if app.lighting.form_factors.is_some() => {
                     legend::paint(ui.painter(), rect, &scale(app), "F");
                 }
                 _ => {}
@@ -307,7 +307,7 @@ impl Viewport {
             None
         } else if self.pins_next {
             Some(cx.tr("Click the point to pin a probe at; Escape cancels."))
-        } else if shading == Shading::FormFactors && lighting.seen.is_none() {
+        } else if shading == Shading::FormFactors && lighting.form_factors.is_none() {
             Some(cx.tr("Click a surface to display its form factors."))
         } else if shading.shows_light() && lighting.solution.is_none() {
             Some(cx.tr("Not solved yet: press F5."))
@@ -339,7 +339,11 @@ impl Viewport {
 fn scale(app: &App) -> ColorScale {
     let colors = &app.view.false_color;
     if app.view.shading == Shading::FormFactors {
-        let factors = app.lighting.seen.iter().flat_map(|s| s.factors.iter());
+        let factors = app
+            .lighting
+            .form_factors
+            .iter()
+            .flat_map(|s| s.factors.iter());
         let high = factors.fold(0.0, |a: f64, &b| a.max(b)).max(1e-9);
         return ColorScale {
             map: colors.map,

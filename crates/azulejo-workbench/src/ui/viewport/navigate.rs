@@ -28,7 +28,7 @@ pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (ModelView, bool) {
     let is_held = held.any();
     if is_held {
         let reach = app.document.bounds(None).diagonal().max(1e-6);
-        held.carry(&mut view, reach, up);
+        held.move_view(&mut view, reach, up);
     }
     (view, is_held)
 }
@@ -126,7 +126,7 @@ impl HeldKeys {
     }
 
     /// Moves the view; `reach` is the size of the model.
-    fn carry(&self, view: &mut ModelView, reach: f64, up: DVec3) {
+    fn move_view(&self, view: &mut ModelView, reach: f64, up: DVec3) {
         let dt = self.seconds;
         if self.arrows != (0.0, 0.0) {
             let (x, y) = (self.arrows.0 * dt, self.arrows.1 * dt);

@@ -1,7 +1,6 @@
 //! The rendered image in the viewport.
 
 use crate::app::App;
-use crate::ui::dialogs::pixels;
 use azulejo::scene::Image;
 use egui::{Color32, Rect, TextureHandle, TextureOptions, Ui, Vec2};
 use std::sync::Arc;
@@ -61,6 +60,13 @@ impl RenderTexture {
         }
         self.made_of = Some((Arc::clone(image), exposure));
     }
+}
+
+/// An image as displayed by egui.
+fn pixels(image: &Image, exposure: Option<f64>) -> Arc<egui::ColorImage> {
+    let bytes = crate::app::shown(image, exposure);
+    let size = [image.width as usize, image.height as usize];
+    Arc::new(egui::ColorImage::from_rgb(size, &bytes))
 }
 
 #[cfg(test)]

@@ -74,7 +74,7 @@ impl ViewportTexture {
         stamp: DrawStamp,
         frame: &ViewportFrame,
     ) -> Result<(), DeviceLost> {
-        let is_smooth = self.smooths(ui, &stamp, frame);
+        let is_smooth = self.wants_antialiasing(ui, &stamp, frame);
         let drawing = LastDrawing {
             stamp,
             is_dark: ui.visuals().dark_mode,
@@ -112,7 +112,7 @@ impl ViewportTexture {
 
     /// Whether to use antialiasing: always with a GPU; with a software driver once the view is
     /// still, because it takes three times as long.
-    fn smooths(&self, ui: &Ui, stamp: &DrawStamp, frame: &ViewportFrame) -> bool {
+    fn wants_antialiasing(&self, ui: &Ui, stamp: &DrawStamp, frame: &ViewportFrame) -> bool {
         if !self.renderer.is_software() {
             return true;
         }

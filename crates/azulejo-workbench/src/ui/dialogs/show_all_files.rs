@@ -1,6 +1,6 @@
 //! A checkbox beside the file dialog that shows files with unknown extensions too.
 
-use super::panel_context::PanelContext;
+use crate::ui::panel_context::PanelContext;
 use egui::{Area, Context, Frame, Id, Order};
 use egui_file::FileDialog;
 use std::path::Path;

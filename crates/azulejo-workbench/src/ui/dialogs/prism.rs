@@ -1,9 +1,9 @@
 //! The dialog for a prism.
 
-use super::inputs;
-use super::panel_context::PanelContext;
 use crate::command::{Command, FileRequest, PrismBase};
 use crate::document::SIDES;
+use crate::ui::inputs;
+use crate::ui::panel_context::PanelContext;
 use egui::{DragValue, Grid, Id, Modal, Ui};
 use std::path::{Path, PathBuf};
 

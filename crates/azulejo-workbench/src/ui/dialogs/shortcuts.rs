@@ -1,0 +1,105 @@
+//! The list of keyboard and mouse shortcuts.
+
+use crate::ui::actions::{ACTIONS, Menu};
+use crate::ui::panel_context::PanelContext;
+use egui::{Grid, Id, Modal, Ui};
+
+/// Draws the list of shortcuts while it is open.
+pub(super) fn show(ui: &Ui, cx: &PanelContext, is_open: &mut bool) {
+    if !*is_open {
+        return;
+    }
+    let mut is_done = false;
+    let modal = Modal::new(Id::unique("keys")).show(ui.ctx(), |ui| {
+        ui.set_width(640.0);
+        ui.heading(cx.tr("Keyboard and mouse"));
+        egui::ScrollArea::vertical()
+            .max_height(460.0)
+            .show(ui, |ui| {
+                mouse_help(ui, cx);
+                key_help(ui, cx);
+            });
+        is_done = ui.button(cx.tr("Close")).clicked();
+    });
+    *is_open = !(is_done || modal.should_close());
+}
+
+fn mouse_help(ui: &mut Ui, cx: &PanelContext) {
+    let rows = [
+        (cx.tr("Drag"), cx.tr("orbit around the middle of the view")),
+        (
+            cx.tr("Right or middle drag, or Shift and drag"),
+            cx.tr("pan the view"),
+        ),
+        (cx.tr("Wheel, or Ctrl and drag"), cx.tr("zoom")),
+        (
+            cx.tr("Click"),
+            cx.tr("select an object; with Ctrl, one more; with Alt, a face"),
+        ),
+        (cx.tr("Double click"), cx.tr("frame the object")),
+        (
+            cx.tr("W A S D, R F"),
+            cx.tr("fly forward, left, back, right, up, down"),
+        ),
+        (cx.tr("Drag while flying"), cx.tr("look around")),
+        (cx.tr("Arrows"), cx.tr("turn the camera")),
+        (cx.tr("Shift + arrows"), cx.tr("orbit around the model")),
+        (cx.tr("Ctrl + arrows"), cx.tr("pan the view")),
+        ("+ −", cx.tr("zoom")),
+        (
+            cx.tr("Enter, with the viewport in focus"),
+            cx.tr("a click in the middle of it; with Alt, on a face"),
+        ),
+        (
+            cx.tr("Drag an arrow of the selection"),
+            cx.tr("move it along the axis"),
+        ),
+    ];
+    Grid::new("mouse")
+        .num_columns(2)
+        .striped(true)
+        .show(ui, |ui| {
+            for (what, does) in rows {
+                ui.strong(what);
+                ui.label(does);
+                ui.end_row();
+            }
+        });
+}
+
+/// Two columns of menus with their shortcuts.
+fn key_help(ui: &mut Ui, cx: &PanelContext) {
+    let half = Menu::ALL.len() / 2;
+    ui.columns(2, |columns| {
+        for (column, menus) in columns
+            .iter_mut()
+            .zip([&Menu::ALL[..half], &Menu::ALL[half..]])
+        {
+            key_column(column, cx, menus);
+        }
+    });
+}
+
+fn key_column(ui: &mut Ui, cx: &PanelContext, menus: &[Menu]) {
+    for &menu in menus {
+        let keyed: Vec<_> = (ACTIONS.iter())
+            .filter(|a| a.menu == menu && a.key.is_some())
+            .collect();
+        if keyed.is_empty() {
+            continue;
+        }
+        ui.add_space(8.0);
+        ui.strong(menu.label(cx.language));
+        Grid::new(("keys", menu.label(cx.language)))
+            .num_columns(2)
+            .striped(true)
+            .show(ui, |ui| {
+                for action in keyed {
+                    let key = action.key.map(|k| ui.ctx().format_shortcut(&k));
+                    ui.monospace(key.unwrap_or_default());
+                    ui.label(cx.tr(action.label));
+                    ui.end_row();
+                }
+            });
+    }
+}
