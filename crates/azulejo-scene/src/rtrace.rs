@@ -1,27 +1,27 @@
-//! What RTRACE's shading reads in a scene, kept beside the physical materials.
+//! Parameters of RTRACE's shading, kept beside the physical materials.
 //!
-//! SFF and SCN scenes were made for one program's look: lights that do not fall with the square
-//! of the distance, surfaces whose mirror and highlight are one number, textures in space. The
-//! physical scene translates what it can; this keeps the numbers as they are in the file, for
-//! pictures as they were.
+//! SFF and SCN scenes were made for one program's shading: lights that do not fall off with the
+//! square of the distance, surfaces with one number for mirror and highlight, solid textures. The
+//! physical scene translates what it can; this keeps the file's parameters, to reproduce the
+//! original images.
 
 use crate::Rgb;
 use glam::{DMat4, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A scene as RTRACE sees it. Geometry is the [`Scene`](crate::Scene)'s own.
+/// RTRACE's parameters of a scene. The geometry is the [`Scene`](crate::Scene)'s own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rtrace {
-    /// Where from, where to, and up.
+    /// Position of the viewer.
     pub eye: DVec3,
-    /// The point looked at: its distance sets how fast everything fades.
+    /// The target; its distance from the viewer scales the fading of lights.
     pub look: DVec3,
-    /// Up in the picture; not parallel to the gaze.
+    /// Up direction of the image; not parallel to the view direction.
     pub up: DVec3,
     /// Half the horizontal and half the vertical aperture, radians.
     pub half_angles: [f64; 2],
-    /// What rays see that meet nothing.
+    /// Colour of rays that hit nothing.
     pub background: Rgb,
     /// Ambient light.
     pub ambient: Rgb,
@@ -29,9 +29,9 @@ pub struct Rtrace {
     pub lights: Vec<RtraceLight>,
     /// Surfaces in the order of the file.
     pub surfaces: Vec<RtraceSurface>,
-    /// For each material of the scene, in their order: what RTRACE knows of the objects made of
-    /// it. Materials of the scene beyond these are those of lamps, which RTRACE does not show:
-    /// bodies in the place of its extended and planar lights.
+    /// RTRACE's properties of each material of the scene, in their order. Further materials of the
+    /// scene belong to lamps, which RTRACE does not render: bodies that replace its extended and
+    /// planar lights.
     pub materials: Vec<RtraceMaterial>,
     /// Meshes whose surface changes between corners: by object, three surfaces (indices into
     /// `surfaces`) for each face, which is a triangle.
@@ -41,11 +41,11 @@ pub struct Rtrace {
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RtraceLight {
-    /// Where it is; the centre of an extended or planar one.
+    /// Position; the centre of an extended or planar light.
     pub position: DVec3,
     /// Brightness, not negative.
     pub brightness: Rgb,
-    /// For each channel: whether it fades with distance.
+    /// Whether each channel fades with distance.
     pub fades: [bool; 3],
     /// Its shape.
     pub kind: RtraceLightKind,
@@ -54,9 +54,9 @@ pub struct RtraceLight {
 /// Shapes of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RtraceLightKind {
-    /// A point that shines everywhere.
+    /// A point that emits in all directions.
     Point,
-    /// A point that shines into a cone.
+    /// A point that emits into a cone.
     Spot {
         /// Unit direction of its axis.
         direction: DVec3,
@@ -90,7 +90,7 @@ pub struct RtraceSurface {
     pub is_emitter: bool,
     /// Whether no shadow falls on it.
     pub is_unshadowed: bool,
-    /// What became of the file's numbers by its own rules (clamped, derived).
+    /// Kd, derived from the file's numbers by RTRACE's rules.
     pub diffuse: Rgb,
     /// Ks: mirror and highlight.
     pub specular: Rgb,
@@ -145,7 +145,7 @@ impl Default for RtraceSource {
     }
 }
 
-/// What RTRACE knows of a material of the scene.
+/// RTRACE's properties of a material of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RtraceMaterial {
     /// Index into the surfaces.
@@ -158,17 +158,17 @@ pub struct RtraceMaterial {
     pub section_textures: Vec<RtraceTexture>,
 }
 
-/// A texture and where it is.
+/// A texture with its transform.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RtraceTexture {
-    /// Takes a point to the texture's own space: the inverse of the file's matrix, with its
-    /// perspective row. The point that results goes on to the next texture.
+    /// Maps a point to texture space: the inverse of the file's matrix, with its perspective row.
+    /// The next texture starts from the resulting point.
     pub texture_from_point: DMat4,
     /// The file's matrix, all zero for none, for writing it again.
     pub matrix: DMat4,
-    /// Name of the colour map or picture as the file has it; empty for none.
+    /// Name of the colour map or image as the file has it; empty for none.
     pub file: String,
-    /// What it does there.
+    /// Its kind with the parameters.
     pub kind: RtraceTextureKind,
 }
 
@@ -255,7 +255,7 @@ pub enum RtraceTextureKind {
     ImageMap {
         turbulence: f64,
         tiles: bool,
-        /// Which coordinates run along the picture and up it: 0, 1 or 2 for x, y, z.
+        /// The coordinates along the image's columns and rows: 0, 1 or 2 for x, y, z.
         axes: [u8; 2],
         /// The file's bytes divided by 255, no gamma taken out; 2 × 2 pixels or more.
         image: Arc<crate::Image>,

@@ -1,4 +1,4 @@
-//! What an object is made of: a mesh, or an exact shape.
+//! Shapes: meshes, and primitives with their parameterisation.
 
 use crate::math::{Aabb, normal_matrix};
 use crate::{Exact, MaterialId, Mesh, Rgb};
@@ -10,9 +10,9 @@ use std::f64::consts::{PI, TAU};
 pub enum Shape {
     /// Polygons.
     Mesh(Mesh),
-    /// A sphere, cylinder, cone, box or parallelogram, exact at any distance.
+    /// A sphere, cylinder, cone, box or parallelogram, not tessellated.
     Primitive(Primitive),
-    /// Prisms, patches, and what set operations make of solids.
+    /// Prisms, patches and constructive solid geometry.
     Exact(Exact),
 }
 

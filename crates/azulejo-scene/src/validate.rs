@@ -1,4 +1,4 @@
-//! The promises of a scene, checked.
+//! Validation of scenes.
 
 mod exact;
 mod rtrace;
@@ -7,7 +7,7 @@ use crate::{Attribute, LightKind, Material, Mesh, Object, Primitive, PrimitiveKi
 use glam::DVec3;
 use std::fmt;
 
-/// The first promise that a scene breaks: where, and what.
+/// The first violation found in a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Invalid {
     /// Which part, as a path: `objects[3] "floor": faces[7]`.
@@ -38,28 +38,28 @@ fn ensure(holds: bool, place: impl FnOnce() -> String, problem: impl FnOnce() ->
 }
 
 impl Scene {
-    /// Checks every promise on which the passes rely:
+    /// Checks all invariants on which the passes rely:
     ///
     /// 1. Every index is in range: corners into positions, attributes into their values, faces
     ///    and primitives into materials, materials into textures.
     /// 2. Every face has three or more corners and one material; per-vertex lists are empty or
     ///    as long as the positions, per-face lists as long as the faces.
-    /// 3. Every number is finite. Reflectances are in 0..=1; `diffuse + mirror`, with what glossy
-    ///    lobes reflect of even light, is at most 1;
-    ///    emission, irradiance and intensities are not negative.
+    /// 3. Every number is finite. Reflectances are in 0..=1; `diffuse + mirror`, with the
+    ///    albedo of glossy lobes, is at most 1; emission, irradiance and intensities are not
+    ///    negative.
     /// 4. Normals have length 1 (to 1e-3) or are absent; so have the directions of lights.
     /// 5. Primitives' maps are invertible, cone tops in 0..=1, `ior > 0`, units > 0.
-    ///    Prisms' figures are finite and their maps invertible; both sides of a set operation hold
-    ///    something, all of it closed; meshes in it are of one material, and every edge of theirs
-    ///    has two faces; operations nest at most 256 deep. A proxy mesh has its solids' materials only.
+    ///    Prisms' figures are finite and their maps invertible; both operands of a set operation
+    ///    are closed and not empty; meshes in them have one material and two faces at every edge;
+    ///    operations nest at most 256 deep. A proxy mesh has only materials of its solids.
     /// 6. A camera's eye, target and up span a plane; its field of view is in 0..π.
     /// 7. Background and fog are not negative; fog has a visibility > 0.
-    /// 8. RTRACE's numbers, if there are any, name surfaces that exist and span a picture.
+    /// 8. RTRACE's parameters, if any, refer to existing surfaces and define a view.
     ///
-    /// Degenerate faces (no area) are allowed: they see nothing, and nothing sees them.
+    /// Degenerate faces (no area) are allowed: they neither send nor receive light.
     ///
     /// # Errors
-    /// The first broken promise.
+    /// The first violation.
     pub fn validate(&self) -> Result<(), Invalid> {
         let units = self.units.metres();
         ensure(

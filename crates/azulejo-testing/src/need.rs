@@ -51,7 +51,7 @@ impl Need {
                 "Install the driver of the graphics card, or Mesa's software drivers (Debian and \
                  Ubuntu: apt install mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri)."
             }
-            Need::Embree => "Install Embree 3 or 4 (Debian and Ubuntu: apt install libembree4-4).",
+            Need::Embree => "Install Embree 3 or 4 (Debian and Ubuntu: apt install libembree-dev).",
             Need::Fonts => {
                 "Install the fonts (Debian and Ubuntu: apt install fonts-dejavu-core \
                  fonts-dejavu-extra fonts-urw-base35)."

@@ -168,7 +168,7 @@ mod tests {
         DVec3::new(sin, 0.0, cos)
     }
 
-    /// What a scan with light and eye in one place sees is the first surface, ρ_fs.
+    /// A scan with light and viewer in one position measures the first surface, ρ_fs.
     #[test]
     fn a_zero_bistatic_scan_shows_the_facets() {
         let text = "beard_maxwell sigma = 0.3 eta = 1.65 tau = 15 omega = 40";

@@ -99,7 +99,7 @@ impl ParameterInfo {
         }
     }
 
-    /// One that need not be given; the model says what holds then.
+    /// One that may be omitted; the model defines its default.
     pub(super) const fn optional(self) -> Self {
         ParameterInfo {
             is_needed: false,

@@ -1,21 +1,21 @@
-//! The promises of exact shapes.
+//! Validation of exact shapes.
 
 use super::{Check, Invalid, ensure, validate_mesh, validate_primitive};
 use crate::{BicubicPatch, Curve, Exact, Figure, MaterialId, Mesh, PrimitiveKind, Prism, Solid};
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// Set operations nest no deeper: what walks them recurses.
+/// Largest nesting depth of set operations: their traversal recurses.
 const DEEPEST: usize = 256;
 
 /// Checks the exact shapes of one scene.
 pub(super) struct Checker {
     materials: usize,
-    /// Figures that were found good: a page of text shares a few.
+    /// Figures already validated: a page of text shares a few.
     good: HashSet<*const Figure>,
 }
 
-/// `check`, its place one level deeper.
+/// The error of `check` with its path one level deeper.
 fn inside(level: impl FnOnce() -> String, check: Check) -> Check {
     check.map_err(|e| Invalid {
         place: format!("{}: {}", level(), e.place),
@@ -24,7 +24,7 @@ fn inside(level: impl FnOnce() -> String, check: Check) -> Check {
 }
 
 impl Checker {
-    /// For a scene of so many materials.
+    /// A checker for a scene with that many materials.
     pub fn new(materials: usize) -> Checker {
         Checker {
             materials,
@@ -82,7 +82,7 @@ impl Checker {
         }
     }
 
-    /// One side of a set operation.
+    /// Checks one operand of a set operation.
     fn validate_side(&mut self, side: &str, solids: &[Solid], depth: usize) -> Check {
         ensure(
             !solids.is_empty(),
@@ -161,8 +161,8 @@ fn validate_closed(solid: &Solid) -> Check {
 }
 
 impl Solid {
-    /// What is open in a solid, in words; `None` for one that has an inside, as set operations
-    /// demand. A shell counts as closed: its pieces close it together.
+    /// The open part of a solid, in words; `None` for one that has an inside, as set operations
+    /// require. A shell counts as closed: its pieces close it together.
     pub fn open_part(&self) -> Option<&'static str> {
         match self {
             Solid::Primitive(p) => match p.kind {

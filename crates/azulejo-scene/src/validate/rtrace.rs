@@ -1,4 +1,4 @@
-//! The promises of RTRACE's numbers.
+//! Validation of RTRACE's parameters.
 
 use super::{Check, ensure};
 use crate::rtrace::{

@@ -25,7 +25,7 @@ pub struct ChiSquare {
     pub samples: u32,
     /// Share of them that was lost below the surface.
     pub lost: f64,
-    /// What the density says is lost: 1 less its integral.
+    /// The fraction that the density predicts to be lost: 1 less its integral.
     pub lost_expected: f64,
     /// Σ (found − expected)²/expected.
     pub statistic: f64,

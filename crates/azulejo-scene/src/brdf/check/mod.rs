@@ -63,7 +63,7 @@ pub struct Angle {
     pub theta: f64,
     /// Directional albedo by quadrature, perfect specular reflection included.
     pub albedo: Rgb,
-    /// Whether samples lie where the density says.
+    /// Whether samples follow the density.
     pub sampling: ChiSquare,
     /// Statistics of the sample weights.
     pub weights: Weights,

@@ -139,7 +139,7 @@ fn rgl_tables_are_near_their_models() {
     check(&whole[8..13], 0.3, 0.5);
 }
 
-/// Samples fall where their density says, in every cell of a grid over the hemisphere.
+/// Samples follow their density in every cell of a grid over the hemisphere.
 #[test]
 fn samples_follow_their_density() {
     let facets = Ggx { ax: 0.3, ay: 0.5 };

@@ -2,7 +2,7 @@
 
 use super::{brdf, direction};
 
-/// What a row says, compared with what its model gives.
+/// Compares the value of a row with that of its model.
 fn check(row: &str) {
     let cells: Vec<&str> = row.split('\t').collect();
     let [id, model, parameters, angles @ .., expected] = &cells[..] else {
