@@ -3,7 +3,7 @@
 use crate::patch::{Patches, RefinedShape};
 use crate::row::side;
 use azulejo_scene::{Material, Mesh, Rgb, Scene};
-use azulejo_trace::{Arrival, DiffuseLight, Glow, KernelHit, REPLICATES, Surfaces};
+use azulejo_trace::{DiffuseHit, DiffuseLight, KernelHit, OutgoingRadiosity, REPLICATES, Surfaces};
 use glam::DVec2;
 
 /// From nearer than this share of its diameter a patch is too coarse to be looked at. Half of it
@@ -18,7 +18,7 @@ pub struct PatchLight<'a> {
     reflectance: &'a [Rgb],
     reflected: Vec<[[f32; 3]; REPLICATES]>,
     /// Distance from which each diffuse patch may be looked at, zero for the others.
-    grain: Vec<f32>,
+    footprint: Vec<f32>,
 }
 
 impl<'a> PatchLight<'a> {
@@ -31,43 +31,43 @@ impl<'a> PatchLight<'a> {
     ) -> PatchLight<'a> {
         let of_side =
             |s: usize| std::array::from_fn(|r| solutions[r % solutions.len()][s].to_f32());
-        let grain = |p: usize| {
+        let footprint = |p: usize| {
             if reflectance[p].is_black() {
                 0.0
             } else {
                 (COARSE * patches.diameter(p)) as f32
             }
         };
-        let grain = (0..patches.len()).map(grain).collect();
+        let footprint = (0..patches.len()).map(footprint).collect();
         PatchLight {
             surfaces,
             patches,
             reflectance,
-            grain,
+            footprint,
             reflected: (0..2 * patches.len()).map(of_side).collect(),
         }
     }
 
     /// The same read from any distance: gathering anew from near hits would add bounces, and is
     /// wrong where their number is limited.
-    pub fn without_grain(self) -> PatchLight<'a> {
+    pub fn without_footprint(self) -> PatchLight<'a> {
         PatchLight {
-            grain: vec![0.0; self.grain.len()],
+            footprint: vec![0.0; self.footprint.len()],
             ..self
         }
     }
 }
 
 impl DiffuseLight for PatchLight<'_> {
-    fn glow(&self, at: &Arrival, replicate: usize) -> Glow {
+    fn outgoing(&self, at: &DiffuseHit, replicate: usize) -> OutgoingRadiosity {
         let patch = self.patches.locate_hit(self.surfaces, &at.hit);
-        Glow {
+        OutgoingRadiosity {
             radiosity: self.reflected[side(patch, at.front) as usize][replicate],
-            grain: self.grain[patch as usize],
+            footprint: self.footprint[patch as usize],
         }
     }
 
-    fn reflectance(&self, at: &Arrival) -> Rgb {
+    fn reflectance(&self, at: &DiffuseHit) -> Rgb {
         self.reflectance[self.patches.locate_hit(self.surfaces, &at.hit) as usize]
     }
 }

@@ -12,7 +12,7 @@ use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
-use azulejo_trace::{Gatherer, Glints, KernelHit, REPLICATES, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, KernelHit, NextEvent, REPLICATES, Surfaces, Tracer};
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -133,7 +133,7 @@ pub(crate) struct Work {
     /// Rays that are about to be followed.
     pub paths: Vec<Path>,
     scratch: Scratch,
-    glints: Glints,
+    next_event: NextEvent,
     /// What they have met.
     pub tally: Tally,
 }
@@ -199,7 +199,7 @@ impl<'a> RayEstimator<'a> {
         spare.unwrap_or_else(|| Work {
             paths: Vec::new(),
             scratch: Scratch::default(),
-            glints: Glints::default(),
+            next_event: NextEvent::default(),
             tally: Tally::new(2 * self.patches.len()),
         })
     }
@@ -227,7 +227,7 @@ impl<'a> RayEstimator<'a> {
         let Work {
             paths,
             scratch,
-            glints,
+            next_event,
             tally,
         } = work;
         follow(surfaces, paths, scratch, chances, |path, event| {
@@ -249,7 +249,7 @@ impl<'a> RayEstimator<'a> {
                     }
                     row.stray[replicate] +=
                         weight * self.gatherer.stray_exitance(path, &hit, front);
-                    glints.add(self.gatherer, path, &hit, 0, chances);
+                    next_event.add(self.gatherer, path, &hit, 0, chances);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.hit_patches.at(&hit);
                         tally.add(side(patch, front), order(path.via), weight);
@@ -257,7 +257,7 @@ impl<'a> RayEstimator<'a> {
                 }
             }
         });
-        glints.settle(self.gatherer, |_, found| {
+        next_event.resolve(self.gatherer, |_, found| {
             row.stray[replicate] += found * scale
         });
     }

@@ -151,7 +151,7 @@ impl<'a> Solved<'a> {
             &self.found.solutions,
         );
         if pass.bounces.is_some() {
-            light.without_grain()
+            light.without_footprint()
         } else {
             light
         }

@@ -13,6 +13,18 @@ use glam::DVec3;
 /// later interfaces choose one branch, or the number of paths would double each time.
 pub const SPLIT_DEPTH: u32 = 2;
 
+/// Shadow rays end this share of their length before the light, so that they do not hit it.
+const SHADOW_END: f64 = 1.0 - 1e-4;
+
+/// The ray that tests whether anything stands between two points.
+pub fn shadow_ray(tracer: &Tracer, from: DVec3, to: DVec3) -> KernelRay {
+    let ray = Ray {
+        t_max: SHADOW_END,
+        ..Ray::between(from, to)
+    };
+    tracer.kernel_ray(&ray)
+}
+
 /// The point where a ray hits a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction {

@@ -52,11 +52,11 @@ mod tracer;
 mod triangle;
 
 pub use gather::{
-    Arrival, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
-    Gatherer, Glints, Glow, Places, RAYS_PER_FORMULA, REPLICATES,
+    DiffuseHit, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
+    Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SurfaceSamples,
 };
 pub use kernels::Kernel;
 pub use progress::{Cancelled, Measure, Measured, Progress};
 pub use ray::{Hit, Item, KernelHit, KernelRay};
-pub use surfaces::Surfaces;
+pub use surfaces::{MeshTriangles, Surfaces};
 pub use tracer::{Instance, Tracer};
