@@ -19,9 +19,9 @@ use rayon::prelude::*;
 /// Number of surfaces after which roulette may end a path.
 const ROULETTE_DEPTH: u32 = 4;
 
-/// Weighs a path against the whole light, not against 1% of it as the two passes do: the
-/// reference follows many long paths, and spends least per unit of variance so. Paths survive
-/// with less than certainty, so that those in white rooms end too.
+/// Starts at the full weight of a path, not at 1% of it as in the two passes: paths scatter at
+/// every surface here, and would be several times longer. No path survives with certainty, so that
+/// those in white rooms end too.
 const ROULETTE: Roulette = Roulette {
     below: 1.0,
     most: 0.98,

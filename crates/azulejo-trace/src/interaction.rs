@@ -93,7 +93,9 @@ impl SurfaceInteraction {
             (fresnel::split(direction, normal, eta), eta * eta)
         };
         DielectricInterface {
-            split,
+            reflectance: split.reflectance,
+            reflected: split.reflected,
+            refracted: split.refracted,
             mirror,
             transmittance: glass.transmittance,
             compression,
@@ -135,8 +137,15 @@ impl Continuation {
 /// The surface of a transparent body, or a thin pane, as one ray meets it.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricInterface {
-    split: fresnel::Split,
+    /// Fresnel reflectance.
+    reflectance: f64,
+    /// Mirrored direction.
+    reflected: DVec3,
+    /// Direction of what passes; `None` at total reflection.
+    refracted: Option<DVec3>,
+    /// Scales what is mirrored.
     mirror: Rgb,
+    /// Scales what passes.
     transmittance: Rgb,
     /// The square of the ratio of indices: refraction conserves L/n², so radiance that arrives
     /// from the far side is divided by it. 1 for a pane, which has the same medium on both sides.
@@ -146,16 +155,14 @@ pub struct DielectricInterface {
 impl DielectricInterface {
     /// What is mirrored.
     pub fn reflected(&self) -> Continuation {
-        let share = self.mirror * self.split.reflectance;
-        Continuation::specular(self.split.reflected, share)
+        Continuation::specular(self.reflected, self.mirror * self.reflectance)
     }
 
     /// What passes; `None` at total reflection.
     pub fn refracted(&self) -> Option<Continuation> {
-        let passed = (1.0 - self.split.reflectance) / self.compression;
+        let passed = (1.0 - self.reflectance) / self.compression;
         let share = self.transmittance * passed;
-        let refracted = self.split.refracted?;
-        Some(Continuation::specular(refracted, share))
+        Some(Continuation::specular(self.refracted?, share))
     }
 
     /// Where a path continues that has passed `depth` interfaces: both ways if that is less than
@@ -175,16 +182,15 @@ impl DielectricInterface {
 
     /// One of the two directions, by a number in 0..1.
     pub fn chosen(&self, chance: f64) -> Continuation {
-        let reflectance = self.split.reflectance;
         match self.refracted() {
-            Some(refracted) if chance >= reflectance => refracted.over(1.0 - reflectance),
-            _ => Continuation::specular(self.split.reflected, self.mirror),
+            Some(refracted) if chance >= self.reflectance => refracted.over(1.0 - self.reflectance),
+            _ => Continuation::specular(self.reflected, self.mirror),
         }
     }
 
     /// The share that the interface neither mirrors nor passes.
     pub fn absorbed(&self) -> Rgb {
-        let passed = self.transmittance * (1.0 - self.split.reflectance);
+        let passed = self.transmittance * (1.0 - self.reflectance);
         Rgb::WHITE - self.reflected().weight - passed
     }
 }
