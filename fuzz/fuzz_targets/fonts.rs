@@ -1,8 +1,8 @@
 //! Any bytes as a typeface, and text set in it: what is converted must be written and read.
 #![no_main]
 
-use azulejo_formats::ppf;
-use azulejo_formats::typeface::Typeface;
+use azulejo_formats::outline::ppf;
+use azulejo_formats::outline::typeface::Typeface;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

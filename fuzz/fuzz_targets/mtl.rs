@@ -2,7 +2,8 @@
 //! but for names that no line can hold.
 #![no_main]
 
-use azulejo_formats::{Memory, obj, png};
+use azulejo_formats::picture::png;
+use azulejo_formats::{Memory, obj};
 use azulejo_scene::{Material, Rgb, Scene};
 use libfuzzer_sys::fuzz_target;
 

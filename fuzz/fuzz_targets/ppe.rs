@@ -2,7 +2,7 @@
 //! with blanks in them, which no font has.
 #![no_main]
 
-use azulejo_formats::ppe;
+use azulejo_formats::outline::ppe;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

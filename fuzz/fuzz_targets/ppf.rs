@@ -1,7 +1,7 @@
 //! Any bytes as a PPF font: what is read must come back the same after writing.
 #![no_main]
 
-use azulejo_formats::ppf;
+use azulejo_formats::outline::ppf;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -1,19 +1,20 @@
 //! Any bytes as a drawing in SVG or DXF: its figures must make a valid scene.
 #![no_main]
 
-use azulejo_formats::{ReadOptions, drawing};
+use azulejo_formats::outline::Filled;
+use azulejo_formats::{ReadOptions, read_drawing};
 use azulejo_scene::{Exact, Material, Object, Prism, Scene, Shape, Solid};
 use libfuzzer_sys::fuzz_target;
 use std::sync::Arc;
 
 fuzz_target!(|bytes: &[u8]| {
     let options = ReadOptions::in_proportion(bytes.len());
-    let Ok(drawing) = drawing::read(bytes, "fuzz", &options) else {
+    let Ok(drawing) = read_drawing(bytes, "fuzz", &options) else {
         return;
     };
     let mut scene = Scene::default();
     scene.add_material(Material::default());
-    let prism = |shape: drawing::Filled| {
+    let prism = |shape: Filled| {
         Solid::Prism(Prism {
             figure: Arc::new(shape.figure),
             world_from_figure: Default::default(),

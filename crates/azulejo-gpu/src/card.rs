@@ -60,7 +60,7 @@ impl Card {
     /// Looks for a card and opens it. Software drivers count; see [`Card::is_software`].
     ///
     /// # Errors
-    /// [`DrawError::Missing`]: no adapter, or none that can do this; says which there are and
+    /// [`DrawError::Missing`]: no adapter, or none that can do this; names those there are and
     /// what to install.
     pub fn open(backend: Backend) -> Result<Card, DrawError> {
         Card::open_within(backend, |limits| limits)
@@ -204,22 +204,22 @@ fn note(lost: &Mutex<Option<String>>, why: String) {
     lost.get_or_insert(why);
 }
 
-/// A place where the device's end, and errors that nobody expected, are noted; without listeners
+/// Records the loss of the device, and errors that nobody expected; without listeners
 /// wgpu would panic.
 fn listen(device: &wgpu::Device) -> Arc<Mutex<Option<String>>> {
     let lost = Arc::new(Mutex::new(None));
-    let place = lost.clone();
+    let slot = lost.clone();
     device.set_device_lost_callback(move |reason, message| {
-        note(&place, format!("{message} ({reason:?})"));
+        note(&slot, format!("{message} ({reason:?})"));
     });
-    let place = lost.clone();
+    let slot = lost.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-        note(&place, error.to_string());
+        note(&slot, error.to_string());
     }));
     lost
 }
 
-/// The interfaces to look through, if the environment asks for `variable`.
+/// The interfaces to search, if `variable` is the environment's choice.
 fn wanted(backend: Backend, variable: Option<String>) -> Result<wgpu::Backends, DrawError> {
     let ours = wgpu::Backends::VULKAN | wgpu::Backends::GL;
     match backend {
@@ -281,7 +281,7 @@ fn can_draw(adapter: &wgpu::Adapter) -> bool {
     .all(|format| usages(format).contains(wgpu::TextureUsages::RENDER_ATTACHMENT))
 }
 
-/// What is said if there is no adapter: what was looked for, what is there, what to do.
+/// The message if there is no adapter: what was looked for, what is there, what to do.
 fn missing(wanted: wgpu::Backends) -> String {
     let looked_for = match wanted {
         w if w == wgpu::Backends::VULKAN => "Vulkan",

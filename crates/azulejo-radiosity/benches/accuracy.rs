@@ -7,6 +7,7 @@
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 mod truth;
+#[path = "../../azulejo-factors/benches/usage/mod.rs"]
 mod usage;
 
 use azulejo_radiosity::{FirstPass, PointNormal, probe};

@@ -7,6 +7,7 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
+#[path = "../../azulejo-factors/benches/usage/mod.rs"]
 mod usage;
 
 use azulejo_radiosity::{FirstPass, PatchRadiosity, PatchSize, radiosity};

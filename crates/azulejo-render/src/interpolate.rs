@@ -96,7 +96,7 @@ impl<'a> Interpolator<'a> {
     /// Where the irradiance at the hit of a ray is read.
     pub fn lookup(&self, ray: &KernelRay, hit: &KernelHit) -> IrradianceLookup<'a> {
         let item = &self.items[hit.item as usize];
-        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+        let [u, v] = hit.uv().map(f64::from);
         let source = match &self.scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) => IrradianceSource::Mesh(mesh, Weights::on_face(item, u, v)),
             Shape::Primitive(p) => IrradianceSource::Primitive(p, item.start as usize, u, v),
@@ -133,7 +133,8 @@ impl<'a> Interpolator<'a> {
             return None;
         };
         let normals = mesh.normals.as_ref()?;
-        let weights = Weights::on_face(item, f64::from(hit.u), f64::from(hit.v));
+        let [u, v] = hit.uv().map(f64::from);
+        let weights = Weights::on_face(item, u, v);
         let pairs = weights.corners.iter().zip(weights.weights);
         let sum: DVec3 = pairs
             .map(|(&c, w)| w * normals.at(c, mesh.faces.corners[c]))
@@ -151,7 +152,8 @@ impl<'a> Interpolator<'a> {
             Shape::Mesh(mesh) if !(mesh.colors.is_empty() && material.textures.is_empty()) => mesh,
             _ => return material.diffuse,
         };
-        let weights = Weights::on_face(item, f64::from(hit.u), f64::from(hit.v));
+        let [u, v] = hit.uv().map(f64::from);
+        let weights = Weights::on_face(item, u, v);
         let color = if mesh.colors.is_empty() {
             Rgb::WHITE
         } else {

@@ -34,6 +34,8 @@ mod mesh;
 mod patch;
 mod place;
 mod prism;
+pub mod quadrature;
+pub mod random;
 mod rgb;
 pub mod rtrace;
 mod scene;

@@ -12,7 +12,7 @@ const MOST_MEASURES: usize = 4096;
 /// Counts work, holds it and stops it; shared between the worker threads and whoever watches.
 ///
 /// A worker calls [`advance`](Progress::advance) once per patch row or tile: that counts, waits
-/// while the work is paused, and asks whether to go on. A watcher reads [`done`](Progress::done),
+/// while the work is paused, and returns an error once it is cancelled. A watcher reads [`done`](Progress::done),
 /// [`total`](Progress::total), [`stage`](Progress::stage) and what was
 /// [measured](Progress::take_measures), and calls [`pause`](Progress::pause),
 /// [`resume`](Progress::resume) and [`cancel`](Progress::cancel).
@@ -92,14 +92,14 @@ impl Progress {
         Progress::default()
     }
 
-    /// Begins a stage of `total` steps; `stage` is a short verb for people ("form factors").
+    /// Begins a stage of `total` steps; `stage` is a short description for the user ("form factors").
     pub fn begin(&self, stage: &str, total: u64) {
         stage.clone_into(&mut lock(&self.stage));
         self.done.store(0, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
 
-    /// Counts `steps` and says whether to go on; waits for that while the work is
+    /// Counts `steps` and returns an error once the work is cancelled; waits for that while the work is
     /// [paused](Progress::pause).
     ///
     /// # Errors
@@ -146,7 +146,7 @@ impl Progress {
         self.paused.store(true, Ordering::Relaxed);
     }
 
-    /// Lets paused work go on.
+    /// Lets paused work continue.
     pub fn resume(&self) {
         let mut clock = lock(&self.clock);
         if let Some(since) = clock.paused.take() {

@@ -3,7 +3,7 @@
 //! `cargo run --release --example journey` reads a small room from text, solves its light,
 //! writes it as GRF with the irradiance on its vertices, and draws it.
 
-use azulejo::formats::{Memory, grf, obj, png};
+use azulejo::formats::{Memory, grf, obj, picture::png};
 use azulejo::radiosity::{self, FirstPass};
 use azulejo::render::{self, SecondPass, Tone, auto_exposure, tone_map};
 use azulejo::scene::Camera;

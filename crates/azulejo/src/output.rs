@@ -34,11 +34,11 @@ static DRAFTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 pub struct Output {
     /// As the user named it.
     path: PathBuf,
-    place: Place,
+    target: OutputTarget,
 }
 
 #[derive(Debug)]
-enum Place {
+enum OutputTarget {
     Stdout,
     /// A terminal, a pipe, `/dev/null`: must not be replaced by a file.
     Device,
@@ -50,13 +50,13 @@ enum Place {
 #[derive(Debug)]
 pub struct Draft {
     output: PathBuf,
-    writer: Option<BufWriter<Sink>>,
+    writer: Option<BufWriter<DraftSink>>,
     /// The draft and its target, for a regular file.
     rename: Option<(PathBuf, PathBuf)>,
 }
 
 #[derive(Debug)]
-enum Sink {
+enum DraftSink {
     Stdout(io::Stdout),
     File(File),
 }
@@ -102,16 +102,16 @@ impl Output {
     /// # Errors
     /// [`OutputError::File`]: a directory, a folder that is not there or may not be written.
     pub fn check(path: &Path) -> Result<Output, OutputError> {
-        let place = if path == Path::new("-") {
-            Place::Stdout
+        let target = if path == Path::new("-") {
+            OutputTarget::Stdout
         } else {
-            place_of(path).map_err(|e| failed(path, e))?
+            target_of(path).map_err(|e| failed(path, e))?
         };
         let output = Output {
             path: path.to_owned(),
-            place,
+            target,
         };
-        if let Place::File(_) = output.place {
+        if let OutputTarget::File(_) = output.target {
             // Making and dropping an empty draft shows what the folder's permissions do not.
             drop(output.draft()?);
         }
@@ -120,14 +120,14 @@ impl Output {
 
     /// Whether this is standard output.
     pub fn is_stdout(&self) -> bool {
-        matches!(self.place, Place::Stdout)
+        matches!(self.target, OutputTarget::Stdout)
     }
 
     /// The regular file that is or will be there, behind symbolic links if there are any.
     pub fn file(&self) -> Option<&Path> {
-        match &self.place {
-            Place::File(path) => Some(path),
-            Place::Stdout | Place::Device => None,
+        match &self.target {
+            OutputTarget::File(path) => Some(path),
+            OutputTarget::Stdout | OutputTarget::Device => None,
         }
     }
 
@@ -142,15 +142,15 @@ impl Output {
     /// As [`check`](Output::check).
     pub fn draft(&self) -> Result<Draft, OutputError> {
         let failed = |e: io::Error| failed(&self.path, e);
-        let (sink, rename) = match &self.place {
-            Place::Stdout => (Sink::Stdout(io::stdout()), None),
-            Place::Device => {
+        let (sink, rename) = match &self.target {
+            OutputTarget::Stdout => (DraftSink::Stdout(io::stdout()), None),
+            OutputTarget::Device => {
                 let file = OpenOptions::new().write(true).open(&self.path);
-                (Sink::File(file.map_err(failed)?), None)
+                (DraftSink::File(file.map_err(failed)?), None)
             }
-            Place::File(target) => {
+            OutputTarget::File(target) => {
                 let (file, draft) = create_beside(target).map_err(failed)?;
-                (Sink::File(file), Some((draft, target.clone())))
+                (DraftSink::File(file), Some((draft, target.clone())))
             }
         };
         Ok(Draft {
@@ -175,19 +175,19 @@ impl Output {
     }
 }
 
-fn place_of(path: &Path) -> io::Result<Place> {
+fn target_of(path: &Path) -> io::Result<OutputTarget> {
     if path.file_name().is_none() {
         return Err(io::ErrorKind::IsADirectory.into());
     }
     match fs::metadata(path) {
         Ok(meta) if meta.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-        Ok(meta) if !meta.is_file() => Ok(Place::Device),
+        Ok(meta) if !meta.is_file() => Ok(OutputTarget::Device),
         Ok(meta) if meta.permissions().readonly() => Err(io::Error::new(
             io::ErrorKind::PermissionDenied,
             "the file is read-only",
         )),
-        Ok(_) => Ok(Place::File(fs::canonicalize(path)?)),
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(Place::File(path.to_owned())),
+        Ok(_) => Ok(OutputTarget::File(fs::canonicalize(path)?)),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(OutputTarget::File(path.to_owned())),
         Err(e) => Err(e),
     }
 }
@@ -268,8 +268,8 @@ impl Draft {
             .into_inner()
             .map_err(io::IntoInnerError::into_error)?
         {
-            Sink::Stdout(mut stdout) => stdout.flush(),
-            Sink::File(file) => {
+            DraftSink::Stdout(mut stdout) => stdout.flush(),
+            DraftSink::File(file) => {
                 let Some((_, target)) = &self.rename else {
                     return Ok(());
                 };
@@ -295,18 +295,18 @@ impl Write for Draft {
     }
 }
 
-impl Write for Sink {
+impl Write for DraftSink {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Sink::Stdout(out) => out.write(bytes),
-            Sink::File(file) => file.write(bytes),
+            DraftSink::Stdout(out) => out.write(bytes),
+            DraftSink::File(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Sink::Stdout(out) => out.flush(),
-            Sink::File(file) => file.flush(),
+            DraftSink::Stdout(out) => out.flush(),
+            DraftSink::File(file) => file.flush(),
         }
     }
 }

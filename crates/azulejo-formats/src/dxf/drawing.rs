@@ -2,22 +2,11 @@
 //! own coordinates, nothing of it placed yet.
 
 use super::color::{Color, FOREGROUND, Paint};
+use super::ids::{BlockId, LayerId, LookId};
 use super::surfaces::Surfaces;
 use azulejo_scene::{Camera, Light};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
-
-/// Index of a layer in [`Drawing::layers`].
-pub(super) type LayerId = u32;
-
-/// Index of a look in [`Drawing::looks`]. The meshes of a block carry it in place of materials.
-pub(super) type LookId = u32;
-
-/// Index of a block in [`Drawing::blocks`].
-pub(super) type BlockId = u32;
-
-/// The block that is the drawing itself.
-pub(super) const MODEL_SPACE: BlockId = 0;
 
 /// One file.
 #[derive(Debug)]

@@ -2,7 +2,8 @@
 
 use super::axes::world_from_entity;
 use super::curve::{ellipse, is_full, sweep};
-use super::drawing::{Insert, LookId};
+use super::drawing::Insert;
+use super::ids::LookId;
 use super::light::light;
 use super::mesh_entity::Cage;
 use super::outline::{Outline, Vertex};
@@ -11,7 +12,7 @@ use super::polyline::{Kind, Polyline};
 use super::record::Record;
 use super::surfaces::{Corners, LayerMesh, Line};
 use crate::ReadError;
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use glam::{DMat3, DVec2, DVec3};
 
 /// Most vertices and corners of an extruded circle.

@@ -6,14 +6,14 @@ use super::parse::position;
 use super::record::{Record, Records};
 use super::spline;
 use super::units;
-use crate::drawing::{Drawing, Filled};
-use crate::options::Budget;
-use crate::pen::{Ellipse, Pen};
-use crate::text::{shortened, text, without_utf16};
-use crate::warnings::Warnings;
+use crate::outline::pen::{Ellipse, Pen};
+use crate::outline::{Drawing, Filled};
+use crate::reading::options::Budget;
+use crate::reading::text::{shortened, text, without_utf16};
+use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, ReadOptions};
 use azulejo_scene::{Figure, FillRule};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2};
 use std::collections::HashMap;
 
 /// Reads the closed polylines, circles, ellipses and splines of a drawing's model space as plane
@@ -354,19 +354,4 @@ fn bulged(pen: &mut Pen, to: DVec2, bulge: f64) {
         y: out.perp(),
     };
     pen.arc_to(circle, 0.0, 2.0 * half, to);
-}
-
-/// Flat points of a record: x of `code`, y of ten more.
-pub(super) fn points(record: &Record, code: i16) -> Vec<DVec3> {
-    let mut points: Vec<DVec3> = Vec::new();
-    for pair in &record.pairs {
-        let number = || record.finite(pair.value).unwrap_or(0.0);
-        match (pair.code - code, points.last_mut()) {
-            (0, _) => points.push(DVec3::new(number(), 0.0, 0.0)),
-            (10, Some(point)) => point.y = number(),
-            (20, Some(point)) => point.z = number(),
-            _ => {}
-        }
-    }
-    points
 }

@@ -1,6 +1,6 @@
 //! MESH: polygons over shared vertices, which AutoCAD can subdivide into a smooth surface.
 
-use super::drawing::LookId;
+use super::ids::LookId;
 use super::record::Record;
 use super::surfaces::LayerMesh;
 use glam::DVec3;

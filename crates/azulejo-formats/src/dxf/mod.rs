@@ -13,6 +13,7 @@ mod drawing;
 mod entities;
 mod figures;
 mod finish;
+mod ids;
 mod light;
 mod mesh_entity;
 mod outline;
@@ -29,8 +30,8 @@ mod tests;
 
 mod units;
 
-use crate::text::without_utf16;
-use crate::warnings::Warnings;
+use crate::reading::text::without_utf16;
+use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Units, Up};
 use project::Project;

@@ -2,7 +2,7 @@
 
 use super::axes::world_from_entity;
 use super::curve::{Station, bulged};
-use super::drawing::LookId;
+use super::ids::LookId;
 use super::surfaces::{LayerMesh, Line};
 use glam::{DMat3, DVec2, DVec3};
 

@@ -28,7 +28,7 @@ impl<'a> Value<'a> {
         match self {
             Value::Text(text) => {
                 let text = text.trim_ascii();
-                let number = crate::number::parse(text)?;
+                let number = crate::reading::number::parse(text)?;
                 (number.length == text.len()).then_some(number.value)
             }
             Value::Real(value) => Some(value),

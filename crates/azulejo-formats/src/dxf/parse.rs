@@ -1,14 +1,15 @@
 //! From the records of a file to a [`Drawing`]: sections, tables, blocks.
 
 use super::color::{Color, Paint};
-use super::drawing::{Block, BlockId, Drawing, Finish, Layer, LayerId, Look, LookId, MODEL_SPACE};
+use super::drawing::{Block, Drawing, Finish, Layer, Look};
+use super::ids::{BlockId, LayerId, LookId, MODEL_SPACE};
 use super::pairs::{Damage, Encoding};
 use super::polyline::Polyline;
 use super::record::{Record, Records};
 use super::{camera, units};
-use crate::options::Budget;
-use crate::text::{shortened, text};
-use crate::warnings::Warnings;
+use crate::reading::options::Budget;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, ReadOptions};
 use std::collections::HashMap;
 

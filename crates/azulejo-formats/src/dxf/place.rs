@@ -1,14 +1,15 @@
 //! From drawings to a scene: every INSERT becomes a copy of its block.
 
 use super::color::{Color, FOREGROUND, Paint};
-use super::drawing::{Block, Drawing, Finish, Insert, Layer, LayerId, Look, LookId};
+use super::drawing::{Block, Drawing, Finish, Insert, Layer, Look};
 use super::finish::material;
+use super::ids::{LayerId, LookId};
 use super::light::placed;
 use super::project::{Node, Project};
 use super::surfaces::LayerMesh;
-use crate::materials::Materials;
-use crate::text::shortened;
-use crate::warnings::Warnings;
+use crate::reading::text::shortened;
+use crate::reading::warnings::Warnings;
+use crate::surface::materials::Materials;
 use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape};
 use glam::DAffine3;
 use std::collections::HashMap;

@@ -2,7 +2,8 @@
 //! columns, and meshes of any faces.
 
 use super::color::Color;
-use super::drawing::{Look, LookId};
+use super::drawing::Look;
+use super::ids::LookId;
 use super::outline::{Outline, Vertex};
 use super::record::Record;
 use super::surfaces::{Corners, LayerMesh};

@@ -1,13 +1,15 @@
 //! A drawing with all that it refers to: which block is in which, and how much they unfold to.
 
-use super::drawing::{Block, BlockId, Drawing, Insert, MODEL_SPACE};
+use super::drawing::{Block, Drawing, Insert};
+use super::ids::{BlockId, MODEL_SPACE};
 use super::pairs::Pairs;
 use super::parse::{parse, position};
-use crate::files::beside;
-use crate::options::Budget;
-use crate::text::{shortened, without_utf16};
-use crate::warnings::Warnings;
-use crate::{FileError, Files, Format, ReadError, ReadOptions, detect};
+use crate::reading::detect::{Format, detect};
+use crate::reading::files::beside;
+use crate::reading::options::Budget;
+use crate::reading::text::{shortened, without_utf16};
+use crate::reading::warnings::Warnings;
+use crate::{FileError, Files, ReadError, ReadOptions};
 use std::borrow::Cow;
 use std::collections::HashMap;
 

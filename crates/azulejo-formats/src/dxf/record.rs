@@ -1,7 +1,7 @@
 //! Records: what stands between one group of code 0 and the next, such as an entity.
 
 use super::pairs::{Pair, Pairs, Value};
-use crate::text::text;
+use crate::reading::text::text;
 use glam::DVec3;
 use std::borrow::Cow;
 use std::cell::Cell;

@@ -1,8 +1,7 @@
 //! SPLINE: B-splines in Bézier pieces.
 
-use super::figures::points;
 use super::record::Record;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// The cubic pieces of a closed, flat spline of degree 1 to 3, one after the other, or why there
 /// are none.
@@ -88,6 +87,21 @@ fn blossom(
         }
     }
     points[degree]
+}
+
+/// Flat points of a record: x of `code`, y of ten more.
+fn points(record: &Record, code: i16) -> Vec<DVec3> {
+    let mut points: Vec<DVec3> = Vec::new();
+    for pair in &record.pairs {
+        let number = || record.finite(pair.value).unwrap_or(0.0);
+        match (pair.code - code, points.last_mut()) {
+            (0, _) => points.push(DVec3::new(number(), 0.0, 0.0)),
+            (10, Some(point)) => point.y = number(),
+            (20, Some(point)) => point.z = number(),
+            _ => {}
+        }
+    }
+    points
 }
 
 #[cfg(test)]

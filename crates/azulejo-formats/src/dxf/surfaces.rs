@@ -1,6 +1,6 @@
 //! The surfaces of a block: one mesh per layer, in the block's coordinates.
 
-use super::drawing::{LayerId, LookId};
+use super::ids::{LayerId, LookId};
 use azulejo_scene::Mesh;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;

@@ -4,7 +4,7 @@ use super::material::Surface;
 use super::mesh::{Builder, Fault, Pose, lost, skipped};
 use super::skin::Joints;
 use super::vertices::Vertices;
-use crate::options::Exhausted;
+use crate::reading::options::Exhausted;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::normal_matrix;
 use glam::{DVec2, DVec3};

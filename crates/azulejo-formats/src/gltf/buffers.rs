@@ -2,7 +2,7 @@
 
 use super::meshopt;
 use super::uri::{self, Uri};
-use crate::text::shortened;
+use crate::reading::text::shortened;
 use crate::{Files, ReadOptions};
 use gltf_json::buffer::View;
 use gltf_json::{Buffer, Index, Root};

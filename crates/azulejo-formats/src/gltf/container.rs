@@ -1,7 +1,7 @@
 //! The outer shape of a file: JSON text alone, or the chunks of a GLB.
 
 use super::said::Said;
-use crate::bytes::Bytes;
+use crate::reading::bytes::Bytes;
 use crate::{Position, ReadError};
 
 /// What a file is made of.
@@ -109,7 +109,7 @@ fn without_padding(json: &[u8]) -> &[u8] {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::warnings::Warnings;
+    use crate::reading::warnings::Warnings;
 
     /// A GLB of these chunks, without padding.
     pub fn glb_of(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {

@@ -3,7 +3,7 @@
 use super::container::Container;
 use super::said::Said;
 use crate::ReadError;
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use gltf_json::validation::{Checked, Error, Validate};
 use gltf_json::{Path, Root, mesh::Semantic};
 
@@ -200,7 +200,7 @@ mod tests {
         };
         match (parse(&container, "a.gltf", &mut said), expected) {
             (Ok(_), Ok(warned)) => {
-                let mut warnings = crate::warnings::Warnings::default();
+                let mut warnings = crate::reading::warnings::Warnings::default();
                 said.report("a.gltf", &mut warnings);
                 assert_eq!(warnings.finish("a.gltf").len(), warned, "{json}");
             }

@@ -1,8 +1,9 @@
 //! What glTF cannot hold.
 
 use super::write_material::is_one_colour;
-use crate::gloss::{gltf_mr, is_repainted};
-use crate::tessellate::exact_counts;
+use crate::surface::gloss::is_repainted;
+use crate::surface::model::gltf_mr;
+use crate::surface::tessellate::exact_counts;
 use azulejo_scene::{LightKind, Material, Mesh, Rgb, Scene, Shape};
 
 /// What [`write()`](super::write()) would leave out of a scene, or change, in words: "2 lights".

@@ -7,8 +7,8 @@ use super::said::Said;
 use super::skin::Joints;
 use super::topology;
 use super::vertices::{Vertices, finish};
-use crate::options::{Budget, Exhausted};
-use azulejo_scene::{Attribute, Mesh};
+use crate::reading::options::{Budget, Exhausted};
+use azulejo_scene::Mesh;
 use gltf_json::Index;
 use gltf_json::accessor::Accessor;
 use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
@@ -197,9 +197,4 @@ pub(super) fn skipped(message: &str) -> Fault {
 /// A primitive whose numbers are not there.
 pub(super) fn lost(fault: String) -> String {
     format!("{LOST}{fault}")
-}
-
-/// Values per vertex, if there are any.
-pub(super) fn per_vertex<T: Copy>(values: Vec<T>) -> Option<Attribute<T>> {
-    (!values.is_empty()).then(|| Attribute::per_vertex(values))
 }

@@ -1,7 +1,7 @@
 //! Decoders of `EXT_meshopt_compression` (Kapoulkine and Rock, 2021; appendices A and B of the
 //! extension's specification), for the numbers of vertices and for their indices.
 
-use crate::bytes::Bytes;
+use crate::reading::bytes::Bytes;
 use gltf_json::Value;
 use gltf_json::buffer::View;
 

@@ -10,6 +10,7 @@ mod buffers;
 mod container;
 mod document;
 mod irradiance;
+mod json_parts;
 mod losses;
 mod material;
 mod mesh;
@@ -32,7 +33,7 @@ mod write_mesh;
 pub use losses::losses;
 pub use write::{write, write_json};
 
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use accessor::Data;
 use azulejo_scene::{Scene, Units, Up};

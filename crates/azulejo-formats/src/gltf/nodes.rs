@@ -1,6 +1,5 @@
 //! The tree of nodes: which hangs on which, and where they stand.
 
-use super::skin::affine;
 use crate::ReadError;
 use glam::{DAffine3, DQuat, DVec3};
 use gltf_json::{Node, Root};
@@ -145,6 +144,12 @@ pub(super) fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DA
         false => DQuat::IDENTITY,
     };
     DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+}
+
+/// An affine map of a matrix of four columns, whose last row says nothing.
+pub(super) fn affine(m: [f64; 16]) -> DAffine3 {
+    let column = |k: usize| DVec3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
+    DAffine3::from_cols(column(0), column(1), column(2), column(3))
 }
 
 /// Whether what a map places is somewhere.

@@ -2,7 +2,7 @@
 
 use super::accessor::Data;
 use super::uri::{self, Uri};
-use crate::textures::Textures;
+use crate::surface::textures::Textures;
 use crate::{Files, picture};
 use azulejo_scene::{Image, Rgb, Texture, TextureId};
 use gltf_json::{Index, Root};

@@ -1,7 +1,7 @@
 //! What was said about a file while it was read: each message once, with its first place.
 
 use crate::Position;
-use crate::warnings::Warnings;
+use crate::reading::warnings::Warnings;
 use std::collections::HashMap;
 
 /// Different messages kept apart, which is more than anybody is shown.

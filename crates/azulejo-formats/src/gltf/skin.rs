@@ -1,7 +1,7 @@
 //! Skins: vertices that hang on joints, at rest.
 
 use super::accessor::Data;
-use super::nodes::{Tree, is_usable};
+use super::nodes::{Tree, affine, is_usable};
 use glam::{DAffine3, DMat3, DVec3};
 use gltf_json::Index;
 use gltf_json::skin::Skin;
@@ -67,9 +67,3 @@ const ZERO: DAffine3 = DAffine3 {
     matrix3: DMat3::ZERO,
     translation: DVec3::ZERO,
 };
-
-/// An affine map of a matrix of four columns, whose last row says nothing.
-pub(super) fn affine(m: [f64; 16]) -> DAffine3 {
-    let column = |k: usize| DVec3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
-    DAffine3::from_cols(column(0), column(1), column(2), column(3))
-}

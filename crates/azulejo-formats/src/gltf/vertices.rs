@@ -1,7 +1,6 @@
 //! Vertices of a mesh under construction, and what a mesh makes of them.
 
 use super::irradiance::Stored;
-use super::mesh::per_vertex;
 use azulejo_scene::{Attribute, Mesh, Rgb};
 use glam::{DVec2, DVec3};
 
@@ -202,4 +201,9 @@ fn with_face_normals(mesh: &Mesh, mut values: Vec<DVec3>) -> Attribute<DVec3> {
         values,
         corners: Some(corners),
     }
+}
+
+/// Values per vertex, if there are any.
+fn per_vertex<T: Copy>(values: Vec<T>) -> Option<Attribute<T>> {
+    (!values.is_empty()).then(|| Attribute::per_vertex(values))
 }

@@ -1,10 +1,11 @@
 //! Scenes to glTF.
 
 use super::irradiance;
+use super::json_parts::{factor_and_strength, named};
 use super::pack::Pack;
 use super::write_material::Materials;
 use super::write_mesh;
-use azulejo_scene::{Camera, Light, LightKind, Object, Rgb, Scene, Units, Up};
+use azulejo_scene::{Camera, Light, LightKind, Object, Scene, Units, Up};
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::{Map, Value, json};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
@@ -241,15 +242,6 @@ fn above_all(units: &Units) -> Option<Value> {
     (!node.is_empty()).then(|| node.into())
 }
 
-/// An object with a name, unless the name is empty.
-pub(super) fn named(name: &str) -> Map<String, Value> {
-    let mut json = Map::new();
-    if !name.is_empty() {
-        json.insert("name".into(), json!(name));
-    }
-    json
-}
-
 /// Places a node that looks along its −z axis.
 fn place(node: &mut Map<String, Value>, position: DVec3, direction: Option<DVec3>, up: DVec3) {
     if position != DVec3::ZERO {
@@ -268,14 +260,4 @@ fn cone(inner: f64, outer: f64) -> Value {
     let outer = outer.clamp(1e-6, FRAC_PI_2);
     let inner = inner.min(outer * (1.0 - 1e-6));
     json!({ "innerConeAngle": inner, "outerConeAngle": outer })
-}
-
-/// A colour as a factor, whose largest channel is 1, and a strength.
-pub(super) fn factor_and_strength(colour: Rgb) -> (Rgb, f64) {
-    let most = colour.max_channel();
-    if most > 0.0 {
-        (colour.map(|c| c / most), most)
-    } else {
-        (Rgb::WHITE, 0.0)
-    }
 }

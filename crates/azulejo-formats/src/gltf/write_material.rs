@@ -1,11 +1,11 @@
 //! Materials and pictures to glTF.
 
+use super::json_parts::{factor_and_strength, named};
 use super::pack::Pack;
 use super::uri;
-use super::write::{factor_and_strength, named};
-use crate::gloss::{gltf_mr, model_of, slope};
-use crate::picture::srgb_bytes;
-use crate::png;
+use crate::picture::png;
+use crate::picture::srgb::srgb_bytes;
+use crate::surface::model::{gltf_mr, model_of, slope};
 use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, Texture};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeSet, HashMap};

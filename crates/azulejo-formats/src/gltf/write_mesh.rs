@@ -4,7 +4,7 @@ use super::irradiance::Stored;
 use super::pack::Pack;
 use super::vertices::is_unit;
 use super::write_material::Materials;
-use crate::tessellate::lit_mesh_of;
+use crate::surface::tessellate::lit_mesh_of;
 use azulejo_scene::{Attribute, MaterialId, Mesh, Object};
 use glam::DVec3;
 use serde_json::{Map, Value, json};

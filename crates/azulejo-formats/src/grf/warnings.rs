@@ -1,17 +1,17 @@
-//! Warnings, each said once with a count.
+//! Warnings, each listed once with a count.
 
-use super::document::{Place, Sources};
+use super::document::{GrfSources, SourcePosition};
 use crate::{Position, Warning};
 
-/// Different messages that are kept; a file that earns more is past reading.
+/// Maximum number of distinct messages.
 const MOST: usize = 100;
 
-/// What was mended, skipped or guessed so far.
+/// The warnings so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Warnings(Vec<Warning>);
 
 impl Warnings {
-    /// Counts a message that was said before; `false` if it is new.
+    /// Counts a repeated message; `false` if it is new.
     pub fn counts(&mut self, message: &str) -> bool {
         self.counts_many(message, 1)
     }
@@ -25,18 +25,24 @@ impl Warnings {
         self.0.len() > MOST
     }
 
-    /// Says a message.
-    pub fn add(&mut self, sources: &Sources, place: Place, message: String) {
+    /// Adds a warning.
+    pub fn add(&mut self, sources: &GrfSources, place: SourcePosition, message: String) {
         self.add_many(sources, place, message, 1);
     }
 
-    /// Says a message about several things, or about none.
-    pub fn add_many(&mut self, sources: &Sources, place: Place, message: String, count: usize) {
+    /// Adds a warning with a count, which may be 0.
+    pub fn add_many(
+        &mut self,
+        sources: &GrfSources,
+        place: SourcePosition,
+        message: String,
+        count: usize,
+    ) {
         if count == 0 || self.counts_many(&message, count) {
             return;
         }
         let message = if self.0.len() == MOST {
-            "there are more kinds of warning than are listed".to_owned()
+            "further warnings, not listed".to_owned()
         } else {
             message
         };

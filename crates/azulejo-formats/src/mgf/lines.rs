@@ -1,21 +1,22 @@
-//! The statements of a text file and their words, for MGF.
+//! Statements of a text file and their words, for MGF.
 //!
 //! A line is a statement. A backslash at the end of a line continues it, also in comments. A word
 //! that begins with `#` begins a comment.
 
-use crate::text::text;
-use crate::{Position, number};
+use crate::Position;
+use crate::reading::number;
+use crate::reading::text::text;
 
-/// A place in the bytes of a text file, between two statements.
+/// A cursor over the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]
-pub(super) struct Lines<'a> {
+pub(super) struct MgfLines<'a> {
     bytes: &'a [u8],
-    here: Mark,
+    here: StatementMark,
 }
 
-/// A place to come back to, or to complain about.
+/// A position to return to, or to report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Mark {
+pub(super) struct StatementMark {
     at: usize,
     line: u32,
 }
@@ -30,38 +31,38 @@ fn is_line_end(b: u8) -> bool {
     matches!(b, b'\n' | b'\r')
 }
 
-impl<'a> Lines<'a> {
-    /// The start of a text.
-    pub fn new(bytes: &'a [u8]) -> Lines<'a> {
+impl<'a> MgfLines<'a> {
+    /// A cursor at the start of a text.
+    pub fn new(bytes: &'a [u8]) -> MgfLines<'a> {
         let mark = b"\xef\xbb\xbf";
         let at = if bytes.starts_with(mark) { 3 } else { 0 };
-        Lines {
+        MgfLines {
             bytes,
-            here: Mark { at, line: 1 },
+            here: StatementMark { at, line: 1 },
         }
     }
 
-    /// The place behind the last statement.
-    pub fn mark(&self) -> Mark {
+    /// The position after the last statement.
+    pub fn mark(&self) -> StatementMark {
         self.here
     }
 
-    /// Goes back to a place of this text.
-    pub fn return_to(&mut self, mark: Mark) {
+    /// Returns to a position in this text.
+    pub fn return_to(&mut self, mark: StatementMark) {
         self.here = mark;
     }
 
-    /// Line and column of a place. Takes time in proportion to the column.
-    pub fn position(&self, mark: Mark) -> Position {
+    /// Line and column of a position. Takes time proportional to the column.
+    pub fn position(&self, mark: StatementMark) -> Position {
         let before = &self.bytes[..mark.at];
         let line_start = before.iter().rposition(|&b| is_line_end(b));
         let column = &before[line_start.map_or(0, |i| i + 1)..];
         Position::Line(mark.line, text(column).chars().count() as u32 + 1)
     }
 
-    /// Puts the words of the next statement, one at least, into `words`, and says where it
-    /// begins; `None` at the end of the text.
-    pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<Mark> {
+    /// Reads the words of the next statement, at least one, into `words`, and returns its position;
+    /// `None` at the end of the text.
+    pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<StatementMark> {
         words.clear();
         let mut start = self.here;
         loop {
@@ -139,7 +140,7 @@ mod tests {
     use super::*;
 
     fn check(source: &str, expected: &[&str]) {
-        let (mut lines, mut words) = (Lines::new(source.as_bytes()), Vec::new());
+        let (mut lines, mut words) = (MgfLines::new(source.as_bytes()), Vec::new());
         let mut found = Vec::new();
         while let Some(mark) = lines.next(&mut words) {
             let Position::Line(line, column) = lines.position(mark) else {
@@ -167,7 +168,7 @@ mod tests {
 
     #[test]
     fn places_can_be_returned_to() {
-        let (mut lines, mut words) = (Lines::new(b"a\nb\n\nc"), Vec::new());
+        let (mut lines, mut words) = (MgfLines::new(b"a\nb\n\nc"), Vec::new());
         lines.next(&mut words);
         let mark = lines.mark();
         lines.next(&mut words);

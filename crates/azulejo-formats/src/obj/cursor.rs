@@ -4,8 +4,9 @@
 //! that begins with `#` begins a comment, which no backslash continues, because comments hold
 //! Windows paths. Names are UTF-8 or, failing that, Latin-1.
 
-use crate::text::{shortened, text};
-use crate::{Position, ReadError, number};
+use crate::reading::number;
+use crate::reading::text::{shortened, text};
+use crate::{Position, ReadError};
 
 /// A place in the bytes of a text file.
 #[derive(Clone, Debug)]

@@ -11,6 +11,7 @@ mod cursor;
 mod free_form;
 mod mtl;
 mod placement;
+mod raw;
 mod read;
 #[cfg(test)]
 mod tests;

@@ -2,11 +2,11 @@
 
 use super::cursor::Cursor;
 use super::placement::Placement;
-use crate::gloss::Gloss;
-use crate::phong::Highlight;
-use crate::text::{shortened, text};
-use crate::textures::Textures;
-use crate::warnings::Warnings;
+use crate::reading::text::{shortened, text};
+use crate::reading::warnings::Warnings;
+use crate::surface::gloss::Gloss;
+use crate::surface::phong::Highlight;
+use crate::surface::textures::Textures;
 use crate::{Files, Loaded, ReadError};
 use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, TextureId};
 use glam::DVec2;

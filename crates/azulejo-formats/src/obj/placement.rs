@@ -1,6 +1,5 @@
 //! How a picture lies on a surface: the options `-s` and `-o`, moved into texture coordinates.
 
-use super::mtl::Library;
 use azulejo_scene::{Attribute, MaterialId, Mesh};
 use glam::DVec2;
 use std::collections::HashMap;
@@ -31,8 +30,8 @@ impl Placement {
 }
 
 /// Moves the texture coordinates of faces whose material places its picture.
-pub(super) fn place(mesh: &mut Mesh, library: &Library) {
-    let placement = |m: &MaterialId| library.placement(*m);
+pub(super) fn place(mesh: &mut Mesh, placement_of: impl Fn(MaterialId) -> Option<Placement>) {
+    let placement = |m: &MaterialId| placement_of(*m);
     let mut materials = mesh.face_materials.iter();
     if !materials.any(|m| placement(m).is_some()) {
         return;

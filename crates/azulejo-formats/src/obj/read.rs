@@ -2,61 +2,22 @@
 
 use super::assemble::assemble;
 use super::cursor::Cursor;
-use super::free_form::{FreeForm, Tessellated};
+use super::free_form::FreeForm;
 use super::mtl::Library;
-use crate::options::Budget;
-use crate::picture::linear_from_srgb;
-use crate::text::{shortened, text, without_utf16};
-use crate::textures::one_spelling;
-use crate::warnings::Warnings;
+use super::raw::{NONE, Part, Raw};
+use crate::picture::srgb::linear_from_srgb;
+use crate::reading::options::Budget;
+use crate::reading::text::{shortened, text, without_utf16};
+use crate::reading::warnings::Warnings;
+use crate::surface::textures::one_spelling;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
-use azulejo_scene::{Faces, Rgb};
+use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
-
-/// "No such index": a corner without texture coordinate or normal, a face without material.
-///
-/// No real index reaches it, because [`LARGEST`] bounds the file.
-pub(super) const NONE: u32 = u32::MAX;
 
 /// Largest file in bytes. Every vertex, corner and face takes at least two bytes, so that
 /// indices fit 32 bits with room to spare.
 const LARGEST: u64 = 4 << 30;
-
-/// What an OBJ file says, in its own order and with its own numbering, from zero.
-#[derive(Debug, Default)]
-pub(super) struct Raw {
-    pub positions: Vec<DVec3>,
-    /// Colours of the vertices up to the last that has one.
-    pub colors: Vec<Option<Rgb>>,
-    /// Weights of the vertices up to the last whose weight is not 1.
-    pub weights: Vec<f64>,
-    pub uvs: Vec<DVec2>,
-    /// Unit length, or zero for one that cannot be used.
-    pub normals: Vec<DVec3>,
-    pub faces: Faces,
-    /// Texture coordinate of each corner or [`NONE`]; empty when no corner has one.
-    pub corner_uvs: Vec<u32>,
-    /// Normal of each corner or [`NONE`]; empty when no corner has one.
-    pub corner_normals: Vec<u32>,
-    /// Index into `material_names`, or [`NONE`].
-    pub face_materials: Vec<u32>,
-    /// Smoothing group of each face; empty as long as all are 0.
-    pub smoothing: Vec<u32>,
-    pub material_names: Vec<String>,
-    /// Where each `o` and each `g` begins.
-    pub parts: Vec<Part>,
-    /// Free-form surfaces, in the order of their parts.
-    pub surfaces: Vec<Tessellated>,
-}
-
-/// The faces from `first_face` to that of the next part.
-#[derive(Debug)]
-pub(super) struct Part {
-    /// `o`, `g`, or `o/g`.
-    pub name: String,
-    pub first_face: usize,
-}
 
 /// Reads a Wavefront OBJ file. `name` stands in messages; `files` gives the material libraries
 /// and pictures, by their names relative to the model.

@@ -1,8 +1,8 @@
 //! Rules of OBJ and MTL, each by a small file.
 
 use super::read;
-use crate::gloss::gltf_mr;
-use crate::phong::{Angle, Highlight};
+use crate::surface::model::gltf_mr;
+use crate::surface::phong::{Angle, Highlight};
 use crate::{Format, Loaded, Memory, Position, detect};
 use azulejo_scene::{Material, Mesh, Rgb, Shape};
 use glam::{DVec2, DVec3};
@@ -332,7 +332,7 @@ fn colours_from_zbrush() {
     assert_eq!(painted.colors, expected);
     let lines = "#MRGB 00808080\n#MRGB 00ffffff\n";
     let tail = only_mesh(format!("{SQUARE}f 1 2 3 4\n{lines}"));
-    let linear = f64::from(crate::picture::linear_from_srgb(128.0 / 255.0));
+    let linear = f64::from(crate::picture::srgb::linear_from_srgb(128.0 / 255.0));
     assert_eq!(
         tail.colors,
         [Rgb::WHITE, Rgb::WHITE, Rgb::grey(linear), Rgb::WHITE]
@@ -630,7 +630,7 @@ fn an_error_in_a_library_says_who_asked() {
 #[test]
 fn pictures() {
     let mut png = Vec::new();
-    crate::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
+    crate::picture::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
     let files = Memory::new()
         .with("sub/m.mtl", "newmtl m\nmap_Kd -s 1 1 1 -o 0.5 -clamp on -mm 0 1 a b.png\nnewmtl n\nmap_Kd ./top.png\nnewmtl q\nmap_Kd .\\a b.png\nmap_Kd no.png\n")
         .with("sub/a b.png", png.clone())

@@ -1,8 +1,9 @@
 //! Scenes to OBJ and MTL.
 
-use crate::gloss::{gltf_mr, is_repainted};
-use crate::phong::{Angle, Highlight};
-use crate::tessellate::{self, mesh_of};
+use crate::surface::gloss::is_repainted;
+use crate::surface::model::gltf_mr;
+use crate::surface::phong::{Angle, Highlight};
+use crate::surface::tessellate::{self, mesh_of};
 use azulejo_scene::{Attribute, Material, Mesh, Object, Rgb, Scene, Shape};
 use std::collections::HashSet;
 use std::fmt;
@@ -294,7 +295,7 @@ fn unique_names(materials: &[Material]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gloss::Gloss;
+    use crate::surface::gloss::Gloss;
     use crate::{Memory, obj};
     use azulejo_scene::{Dielectric, Light, LightKind, Primitive, Texture};
     use glam::{DVec2, DVec3};

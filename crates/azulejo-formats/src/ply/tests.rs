@@ -90,9 +90,12 @@ fn binary_square(big: bool) -> Vec<u8> {
         .replace("property float z", "property char z")
         .replace("uchar int", "ushort uint");
     let mut bytes = header.into_bytes();
-    let mut put = |number: &[u8]| match big {
-        true => bytes.extend(number.iter().rev()),
-        false => bytes.extend(number),
+    let mut put = |number: &[u8]| {
+        if big {
+            bytes.extend(number.iter().rev())
+        } else {
+            bytes.extend(number)
+        }
     };
     for [x, y] in [[0, 0], [1, 0], [1, 1], [0, 1u8]] {
         put(&f32::from(x).to_le_bytes());
@@ -380,7 +383,7 @@ fn corners_with_texture_coordinates() {
         )
         .replace("4 0 1 2 3", "3 0 1 2 6 0 0 1 0 1 1 1\n3 0 2 3 4 9 9 9 9 0");
     let mut png = Vec::new();
-    crate::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
+    crate::picture::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
     let loaded = load_with(text.as_bytes(), &Memory::new().with("B.png", png));
     check_warnings(
         &loaded,

@@ -1,13 +1,13 @@
 //! Small scenes, and what the original made of larger ones.
 
 use super::{document, read};
-use crate::sff::document::{Document, Sources};
+use crate::reading::warnings::Warnings;
+use crate::sff::document::{SffDocument, SffSources};
 use crate::sff::print::print;
-use crate::warnings::Warnings;
 use crate::{Memory, ReadOptions};
 
-fn translated(text: &[u8]) -> Result<Document, String> {
-    let mut sources = Sources::default();
+fn translated(text: &[u8]) -> Result<SffDocument, String> {
+    let mut sources = SffSources::default();
     sources.add("a.scn", text);
     let options = ReadOptions::default();
     let mut warnings = Warnings::default();
@@ -33,13 +33,11 @@ fn same_record(a: &str, b: &str) -> bool {
 }
 
 #[test]
-#[allow(clippy::print_stderr)]
 fn as_the_original_translated() {
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return;
     };
-    let folder = std::path::Path::new(&data).join("corpus/sff");
+    let folder = data.join("corpus/sff");
     for name in ["example1", "csgdemo"] {
         let scene = std::fs::read(folder.join(format!("scenes/{name}.scn"))).expect("a scene");
         let expected = folder.join(format!("expected_sff/{name}.sff"));

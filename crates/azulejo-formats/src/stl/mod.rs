@@ -1,16 +1,16 @@
-//! Stereolithography, `.stl`, as text or binary.
+//! Stereolithography, `.stl`, ASCII or binary.
 //!
-//! What is read: solids of facets, each solid one object, its equal positions made one; colours
-//! of binary facets as VisCAM and Magics write them. `docs/formats/stl.md` says more.
+//! Each solid becomes one object, with equal positions merged; binary facets can have colours as
+//! written by VisCAM and Magics. `docs/formats/stl.md` has the details.
 
 mod ascii;
 mod binary;
 #[cfg(test)]
 mod tests;
 
-use crate::options::check_length;
-use crate::warnings::Warnings;
-use crate::weld::Welder;
+use crate::reading::options::check_length;
+use crate::reading::warnings::Warnings;
+use crate::surface::weld::Welder;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
 use glam::DVec3;
@@ -18,10 +18,10 @@ use glam::DVec3;
 /// Reflectance of facets without a colour.
 const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
-/// Reads a model. `name` stands in messages; STL names no other files and takes no options.
+/// Reads a model. `name` is used in messages; STL refers to no other files and has no options.
 ///
 /// # Errors
-/// Text with a coordinate that is no number, and bytes too few for a binary file.
+/// Text with a coordinate that is not a number, and too few bytes for a binary file.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -30,9 +30,10 @@ pub fn read(
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
     let mut warnings = Warnings::default();
-    let mut scene = match is_text(bytes) {
-        true => ascii::read(bytes, name, &mut warnings)?,
-        false => binary::read(bytes, name, &mut warnings)?,
+    let mut scene = if is_text(bytes) {
+        ascii::read(bytes, name, &mut warnings)?
+    } else {
+        binary::read(bytes, name, &mut warnings)?
     };
     if scene.objects.is_empty() {
         warnings.add_whole(name, "no facets: the scene is empty");
@@ -47,8 +48,8 @@ pub fn read(
     })
 }
 
-/// Whether bytes are the text format. Binary files may begin with `solid` too: then their length
-/// is what their count of triangles says, or there is no text behind.
+/// Whether this is the ASCII format. Binary files may begin with `solid`, too: then their length
+/// matches their count of triangles, or no text follows.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let start = start.trim_ascii_start();
@@ -58,33 +59,33 @@ fn is_text(bytes: &[u8]) -> bool {
 }
 
 /// A solid under construction.
-struct Solid {
+struct StlSolid {
     name: String,
     welder: Welder,
     faces: Faces,
     face_materials: Vec<MaterialId>,
 }
 
-impl Solid {
-    /// A solid with room for about so many triangles.
-    fn new(name: String, triangles: usize) -> Solid {
+impl StlSolid {
+    /// A solid with capacity for about this many triangles.
+    fn new(name: String, triangles: usize) -> StlSolid {
         let mut faces = Faces::default();
         faces.starts.reserve(triangles);
         faces.corners.reserve(3 * triangles);
-        Solid {
+        StlSolid {
             name,
-            // Around a vertex of a closed surface there are six triangles.
+            // Around a vertex of a closed surface there are six triangles on average.
             welder: Welder::new(triangles / 2),
             faces,
             face_materials: Vec::with_capacity(triangles),
         }
     }
 
-    /// Appends a polygon, or says why not.
+    /// Appends a polygon, or returns why it is skipped.
     #[inline]
     fn facet(&mut self, corners: &[DVec3], material: MaterialId) -> Result<(), &'static str> {
         if corners.len() < 3 {
-            return Err("facet of fewer than three vertices: skipped");
+            return Err("facet with fewer than three vertices: skipped");
         }
         if !corners.iter().all(|c| c.is_finite()) {
             return Err("facet with a vertex that is not finite: skipped");

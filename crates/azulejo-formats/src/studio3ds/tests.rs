@@ -1,5 +1,5 @@
 use super::read;
-use crate::phong::Highlight;
+use crate::surface::phong::Highlight;
 use crate::{Loaded, Memory, ReadOptions};
 use azulejo_scene::{LightKind, Mesh, Rgb, Shape, Up};
 use glam::{DVec2, DVec3};
@@ -308,7 +308,7 @@ fn pictured(called: &str, entries: &[Vec<u8>]) -> Vec<u8> {
 #[test]
 fn pictures_and_their_places() {
     let mut png = Vec::new();
-    crate::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
+    crate::picture::png::write(1, 1, &[255, 0, 0], &mut png).unwrap();
     let files = Memory::new().with("wood.png", png);
     let plain = pictured("plain", &[]);
     let scaled = pictured(

@@ -25,15 +25,15 @@ fn floor_with(kind: &str, corners: &str, more: &str) -> String {
 const WINDOW: &str = "5 6 7 8";
 const TURNED: &str = "8 7 6 5";
 
-fn mirrored(text: &str) -> Result<(Document, Vec<Warning>), ReadError> {
-    Document::read(text.as_bytes(), "a.vs3", &ReadOptions::default())
+fn mirrored(text: &str) -> Result<(View3dDocument, Vec<Warning>), ReadError> {
+    View3dDocument::read(text.as_bytes(), "a.vs3", &ReadOptions::default())
 }
 
-fn model_of(document: &Document) -> Model {
-    Model::new(document, "a.vs3").unwrap()
+fn model_of(document: &View3dDocument) -> View3dModel {
+    View3dModel::new(document, "a.vs3").unwrap()
 }
 
-fn document(text: &str) -> Document {
+fn document(text: &str) -> View3dDocument {
     mirrored(text).unwrap().0
 }
 
@@ -58,12 +58,15 @@ fn mesh(scene: &Scene, object: usize) -> &Mesh {
 fn a_file_is_mirrored() {
     let d = document(SQUARES);
     assert_eq!(d.title, "two squares");
-    assert_eq!((d.controls.eps, d.controls.out), (1e-5, Layout::Binary));
+    assert_eq!(
+        (d.controls.eps, d.controls.out),
+        (1e-5, MatrixLayout::Binary)
+    );
     assert_eq!((d.vertices.len(), d.surfaces.len()), (10, 3));
     let s = &d.surfaces[2];
     assert_eq!((s.base, s.combined, s.emissivity), (0, 2, 0.8));
     assert_eq!((s.name.as_str(), s.line), ("upB", 16));
-    assert_eq!(s.outline, Outline::Vertices(vec![9, 10, 7, 6]));
+    assert_eq!(s.outline, SurfaceOutline::Vertices(vec![9, 10, 7, 6]));
     assert_eq!(messages(SQUARES), [""; 0]);
 }
 
@@ -123,7 +126,7 @@ fn placed_shapes_stand_where_their_angles_say() {
     );
     assert_eq!(corners(2), [[1., 0., 1.], [0., 0., 1.], [0., 1., 1.]]);
     assert_eq!(corners(3)[1], [0.0, 0.6, 0.5]);
-    assert_eq!(d.surfaces[3].kind, Kind::Obstruction);
+    assert_eq!(d.surfaces[3].kind, SurfaceKind::Obstruction);
 }
 
 #[test]
@@ -311,7 +314,7 @@ fn too_many_in_one_base_are_refused() {
         .map(|k| format!("S {k} 5 6 7 8 1 0 .9 a\n"))
         .collect();
     let text = floor_with("S", WINDOW, &more);
-    let error = Model::new(&document(&text), "a.vs3")
+    let error = View3dModel::new(&document(&text), "a.vs3")
         .unwrap_err()
         .to_string();
     assert!(
@@ -356,10 +359,11 @@ fn a_window_may_hold_a_window() {
     }
 }
 
-fn written(scene: &Scene) -> Document {
+fn written(scene: &Scene) -> View3dDocument {
     let mut text = Vec::new();
     write(scene, &mut text).unwrap();
-    let (document, warnings) = Document::read(&text, "w.vs3", &ReadOptions::default()).unwrap();
+    let (document, warnings) =
+        View3dDocument::read(&text, "w.vs3", &ReadOptions::default()).unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
     document
 }

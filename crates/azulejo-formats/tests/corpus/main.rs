@@ -12,7 +12,7 @@ mod counts;
 mod rules;
 mod truth;
 
-use azulejo_formats::{Folder, Loaded, ReadError, grf};
+use azulejo_formats::{Folder, ReadError, RecognisedModel, grf};
 use counts::Counts;
 use rules::{Exception, Expected, Quantity, Rules};
 use std::path::Path;
@@ -24,11 +24,10 @@ fn main() -> ExitCode {
     if words.iter().any(|w| w == "--list") {
         return ExitCode::SUCCESS;
     }
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        println!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return ExitCode::SUCCESS;
     };
-    let corpus = Path::new(&data).join("corpus");
+    let corpus = data.join("corpus");
     let parts: Vec<&str> = words
         .iter()
         .map(String::as_str)
@@ -41,9 +40,10 @@ fn main() -> ExitCode {
         .filter_map(|row| Some(check(&corpus, row, rules::of(row.path())?)))
         .collect();
     print(&lines);
-    match lines.iter().all(|line| line.result != Outcome::Differs) {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::FAILURE,
+    if lines.iter().all(|line| line.result != Outcome::Differs) {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
     }
 }
 
@@ -91,7 +91,7 @@ fn check(corpus: &Path, row: &Row, rules: &Rules) -> Line {
     line
 }
 
-fn read(path: &Path, allowed: Option<std::path::PathBuf>) -> Result<Loaded, ReadError> {
+fn read(path: &Path, allowed: Option<std::path::PathBuf>) -> Result<RecognisedModel, ReadError> {
     let bytes = std::fs::read(path).expect("a readable file");
     let name = path.file_name().expect("a file name").to_string_lossy();
     let mut folder = Folder::of_model(path);
@@ -121,7 +121,13 @@ impl Line {
         }
     }
 
-    fn accepted(&mut self, loaded: &Loaded, row: &Row, rules: &Rules, exceptions: &[&Exception]) {
+    fn accepted(
+        &mut self,
+        loaded: &RecognisedModel,
+        row: &Row,
+        rules: &Rules,
+        exceptions: &[&Exception],
+    ) {
         let counts = Counts::of(&loaded.scene);
         self.warnings = loaded.warnings.len();
         if let Err(invalid) = loaded.scene.validate() {
@@ -167,7 +173,7 @@ impl Line {
 }
 
 /// Size of the scene as GRF, the last column of Table 1 of *Wannabe Amazing* (2001).
-fn grf_size(loaded: &Loaded) -> u64 {
+fn grf_size(loaded: &RecognisedModel) -> u64 {
     let mut written = Vec::new();
     grf::write(&loaded.scene, &mut written).expect("memory takes all");
     written.len() as u64

@@ -1,8 +1,8 @@
 //! MGF scenes that people have made: their light, and what they have of each kind.
 
-use crate::data;
 use azulejo_formats::{Folder, Loaded, Memory, ReadOptions, mgf};
 use azulejo_scene::{Material, MaterialId, PrimitiveKind, Scene, Shape};
+use azulejo_testing::data;
 use std::f64::consts::PI;
 use std::path::Path;
 

@@ -1,11 +1,11 @@
 //! OBJ scenes whose content is known; `tests/corpus` compares the rest with other programs.
 
-use crate::data;
-use azulejo_formats::{Folder, Loaded, ReadError, camera_json};
+use azulejo_formats::{Folder, ReadError, RecognisedModel, camera_json};
 use azulejo_scene::{LightKind, Mesh, Object, Rgb, Shape};
+use azulejo_testing::data;
 use std::path::Path;
 
-fn read(path: &Path) -> Result<Loaded, ReadError> {
+fn read(path: &Path) -> Result<RecognisedModel, ReadError> {
     let bytes = std::fs::read(path).expect("a readable file");
     let name = path.file_name().expect("a file name").to_string_lossy();
     let loaded = azulejo_formats::read(&bytes, &name, &Folder::of_model(path))?;
@@ -21,7 +21,7 @@ fn mesh(object: &Object) -> &Mesh {
 }
 
 /// Sums of vertices, faces and triangles.
-fn count(loaded: &Loaded) -> [usize; 3] {
+fn count(loaded: &RecognisedModel) -> [usize; 3] {
     let meshes = || loaded.scene.objects.iter().map(mesh);
     [
         meshes().map(|m| m.positions.len()).sum(),

@@ -1,9 +1,9 @@
 //! OpenFlight files that people have made, at all levels of detail, against OpenSceneGraph, which
 //! imports all.
 
-use crate::data;
 use azulejo_formats::{Folder, Lod, ReadOptions, openflight};
 use azulejo_scene::Shape;
+use azulejo_testing::data;
 use std::path::Path;
 
 /// Path and number of triangles of each OpenFlight file in the table of what programs found.

@@ -1,9 +1,9 @@
 //! Table 1 of *Wannabe Amazing* (Montes, Ureña, Revelles, Lastra, 2001): the models of it that can
 //! still be had must have the counts that it prints, and become a GRF no larger than the paper's.
 
-use crate::data;
 use azulejo_formats::{Folder, grf, read};
 use azulejo_scene::Shape;
+use azulejo_testing::data;
 
 fn check(path: &str, vertices: usize, faces: usize, kilobytes: usize) -> usize {
     let Some(data) = data() else { return 0 };

@@ -1,11 +1,10 @@
 //! Typefaces: outlines, shaping, conversion, and files that lie.
 
 use crate::tiny_font;
-use azulejo_formats::typeface::{SettingError, Typeface};
-use azulejo_formats::{ppe, ppf};
+use azulejo_formats::outline::typeface::{SettingError, Typeface};
+use azulejo_formats::outline::{ppe, ppf};
 use azulejo_scene::{FillRule, Line};
 use glam::DVec2;
-use std::path::Path;
 use std::sync::Arc;
 
 fn tiny() -> Typeface {
@@ -24,16 +23,9 @@ fn pens(line: &Line) -> Vec<f64> {
 }
 
 /// A typeface of the machine's, where it has it.
-#[allow(clippy::print_stderr)]
 fn installed(path: &str) -> Option<Typeface> {
-    let path = Path::new("/usr/share/fonts").join(path);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(Typeface::read(&bytes, &path.to_string_lossy(), 0).unwrap()),
-        Err(_) => {
-            eprintln!("skipped: there is no {}", path.display());
-            None
-        }
-    }
+    let bytes = azulejo_testing::font(path)?;
+    Some(Typeface::read(&bytes, path, 0).unwrap())
 }
 
 #[test]

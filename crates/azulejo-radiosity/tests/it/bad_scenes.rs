@@ -1,14 +1,14 @@
 //! Scenes that are odd or impossible: no panic, no hang, no value that is not a number.
 
 use crate::rooms::*;
-use azulejo_radiosity::{FirstPass, Light, PatchSize, SolveError, probe, solve};
+use azulejo_radiosity::{FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{LightKind, Mesh, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3, dvec3};
 use std::time::{Duration, Instant};
 
-fn run(scene: &Scene, pass: &FirstPass) -> Result<Light, SolveError> {
+fn run(scene: &Scene, pass: &FirstPass) -> Result<LightSolution, SolveError> {
     solve(scene, &Tracer::new(scene), pass, &Progress::new())
 }
 
@@ -19,7 +19,7 @@ fn small() -> FirstPass {
     }
 }
 
-fn values(light: &Light) -> Vec<Rgb> {
+fn values(light: &LightSolution) -> Vec<Rgb> {
     let of = |o: &ObjectIrradiance| match o {
         ObjectIrradiance::Vertices { irradiance, error } => [&irradiance[..], error].concat(),
         ObjectIrradiance::Refined(mesh) => [&mesh.irradiance[..], &mesh.irradiance_error].concat(),

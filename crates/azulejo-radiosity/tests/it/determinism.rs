@@ -1,7 +1,7 @@
 //! The same to the bit for any number of threads; ends when told to.
 
 use crate::rooms::*;
-use azulejo_radiosity::{Estimate, FirstPass, Light, PatchSize, SolveError, probe, solve};
+use azulejo_radiosity::{Estimate, FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_trace::{Progress, Tracer};
@@ -14,7 +14,7 @@ fn pass() -> FirstPass {
     }
 }
 
-fn solved(scene: &Scene, pass: &FirstPass, threads: usize) -> Light {
+fn solved(scene: &Scene, pass: &FirstPass, threads: usize) -> LightSolution {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

@@ -1,10 +1,8 @@
 //! Exact shapes in the first pass: prisms, text, set operations.
 
 use crate::rooms::*;
-use azulejo_radiosity::{
-    FirstPass, FormFactorOptions, PatchSize, Patches, PointNormal, SolveError, faceted,
-    form_factors, probe, solve,
-};
+use azulejo_factors::{FormFactorOptions, faceted, form_factors};
+use azulejo_radiosity::{FirstPass, PatchSize, Patches, PointNormal, SolveError, probe, solve};
 use azulejo_scene::{
     Contour, Csg, Curve, Exact, Figure, FillRule, Material, Mesh, Object, Operation, Primitive,
     PrimitiveKind, Prism, Scene, Shape, Solid, TriangleTree,

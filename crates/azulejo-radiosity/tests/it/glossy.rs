@@ -2,7 +2,8 @@
 //! nearly one.
 
 use crate::rooms::*;
-use azulejo_radiosity::{Engine, FirstPass, Hemicube, PatchSize, PointNormal, probe, solve};
+use azulejo_factors::Hemicube;
+use azulejo_radiosity::{Engine, FirstPass, PatchSize, PointNormal, probe, solve};
 use azulejo_scene::brdf::{Brdf, Description};
 use azulejo_scene::{Light, LightKind, Material, Rgb, Scene};
 use azulejo_trace::{Progress, Tracer};

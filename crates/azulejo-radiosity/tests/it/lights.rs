@@ -553,9 +553,10 @@ fn light_without_area_is_in_the_balance() {
 fn a_plate_may_emit_from_both_sides() {
     for turned in [false, true] {
         let mut scene = Scene::default();
-        let (a, b) = match turned {
-            false => (DVec3::X, DVec3::Y),
-            true => (DVec3::Y, DVec3::X),
+        let (a, b) = if turned {
+            (DVec3::Y, DVec3::X)
+        } else {
+            (DVec3::X, DVec3::Y)
         };
         let lamp = Material {
             emits_back: true,

@@ -1,8 +1,8 @@
 //! Light by way of mirrors, plane and curved, one and many, against closed forms.
 
 use crate::rooms::*;
-use azulejo_radiosity::rays::RayEstimator;
-use azulejo_radiosity::row::{Columns, Entries, side};
+use azulejo_factors::rays::RayEstimator;
+use azulejo_factors::row::{Columns, Entries, side};
 use azulejo_radiosity::{FirstPass, PatchSize, Patches, PointNormal};
 use azulejo_scene::{Material, Object, Primitive, Scene, Shape};
 use azulejo_trace::lambert::{clip_to_window, mirror_polygon, point_to_polygon};
@@ -103,7 +103,7 @@ fn check_lit(what: &str, scene: &Scene, floor: usize, lamp: usize, truth: f64) {
         ..rays(1 << 10)
     };
     let solved = Matrix::solve(scene, &fine);
-    let floor = solved.patches.patches_of_face(azulejo_radiosity::FaceId {
+    let floor = solved.patches.patches_of_face(azulejo_factors::FaceId {
         object: 0,
         face: floor as u32,
     });

@@ -2,7 +2,7 @@
 //! Image Processing 18, 1982.
 
 use super::leaf::{Boundary, ExactLeaf};
-use crate::primitive::Line;
+use super::line::Line3;
 use azulejo_scene::Operation;
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
@@ -30,7 +30,7 @@ pub(crate) struct Node {
 
 #[derive(Clone, Debug)]
 pub(crate) enum NodeKind {
-    /// A closed shape, by its place among the leaves.
+    /// A closed shape, by its index among the leaves.
     Leaf(u32),
     /// Pieces that close a volume together.
     Shell(Vec<Node>),
@@ -43,7 +43,7 @@ pub(crate) enum NodeKind {
 
 impl Node {
     /// The union of several parts, halved again and again where they are far apart: a ray at a
-    /// page of letters looks at a few of them.
+    /// page of letters visits a few of them.
     pub(crate) fn union(mut parts: Vec<Node>) -> Node {
         let boxes = parts.iter().map(|n| n.bounds);
         let bounds = boxes.fold(Aabb::EMPTY, Aabb::union);
@@ -75,7 +75,7 @@ const SEAM: f64 = 1e-6;
 
 impl Tree {
     /// All boundaries of the solid on a line, in order, in and out by turns.
-    pub(crate) fn boundaries(&self, line: &Line) -> Vec<Boundary> {
+    pub(crate) fn boundaries(&self, line: &Line3) -> Vec<Boundary> {
         let mut out = Vec::new();
         let pass = Pass {
             leaves: &self.leaves,
@@ -92,14 +92,14 @@ impl Tree {
 /// in and out by turns, and leaves what was there.
 struct Pass<'a> {
     leaves: &'a [TreeLeaf],
-    line: &'a Line,
+    line: &'a Line3,
     inverse: DVec3,
     sliver: f64,
 }
 
 impl Pass<'_> {
     fn node(&self, node: &Node, out: &mut Vec<Boundary>) {
-        if !is_met(&node.bounds, self.line.origin, self.inverse) {
+        if !may_be_crossed(&node.bounds, self.line.origin, self.inverse) {
             return;
         }
         match &node.kind {
@@ -126,26 +126,26 @@ impl Pass<'_> {
         self.leaves[leaf as usize].shape.all(self.line, leaf, out);
     }
 
-    /// Pairs the meetings with all pieces.
+    /// Pairs the hits with all pieces.
     fn shell(&self, pieces: &[Node], out: &mut Vec<Boundary>) {
         let first = out.len();
         for piece in pieces {
             self.node(piece, out);
         }
-        out[first..].sort_by(|a, b| a.meeting.t.total_cmp(&b.meeting.t));
+        out[first..].sort_by(|a, b| a.hit.t.total_cmp(&b.hit.t));
         if (out.len() - first) % 2 == 1 {
             let extra = self.doubled(&out[first..]).unwrap_or(out.len() - first - 1);
             out.remove(first + extra);
         }
         for (k, boundary) in out[first..].iter_mut().enumerate() {
-            boundary.meeting.enters = k % 2 == 0;
+            boundary.hit.enters = k % 2 == 0;
         }
     }
 
-    /// Which of a shell's meetings happened twice, in two pieces that touch.
-    fn doubled(&self, meetings: &[Boundary]) -> Option<usize> {
-        let gap = |k: &usize| meetings[*k].meeting.t - meetings[k - 1].meeting.t;
-        let seams = (1..meetings.len()).filter(|&k| meetings[k].leaf != meetings[k - 1].leaf);
+    /// Which of a shell's hits happened twice, in two pieces that touch.
+    fn doubled(&self, hits: &[Boundary]) -> Option<usize> {
+        let gap = |k: &usize| hits[*k].hit.t - hits[k - 1].hit.t;
+        let seams = (1..hits.len()).filter(|&k| hits[k].leaf != hits[k - 1].leaf);
         let nearest = seams.min_by(|a, b| gap(a).total_cmp(&gap(b)))?;
         (gap(&nearest) * self.line.direction.length() < SEAM).then_some(nearest)
     }
@@ -161,7 +161,7 @@ impl Pass<'_> {
         let mut inside = [false; 2];
         let mut is_in = false;
         loop {
-            let (ta, tb) = (a.peek().map(|m| m.meeting.t), b.peek().map(|m| m.meeting.t));
+            let (ta, tb) = (a.peek().map(|m| m.hit.t), b.peek().map(|m| m.hit.t));
             let side = match (ta, tb) {
                 (None, None) => break,
                 (Some(_), None) => 0,
@@ -186,7 +186,7 @@ impl Pass<'_> {
     /// Appends a boundary, or takes the last one away where the two enclose a sliver.
     fn push(&self, first: usize, boundary: &Boundary, out: &mut Vec<Boundary>) {
         let last = out[first..].last();
-        if last.is_some_and(|l| boundary.meeting.t - l.meeting.t <= self.sliver) {
+        if last.is_some_and(|l| boundary.hit.t - l.hit.t <= self.sliver) {
             out.pop();
         } else {
             out.push(*boundary);
@@ -194,8 +194,8 @@ impl Pass<'_> {
     }
 }
 
-/// Whether a line may meet a box, widened by far more than rounding.
-fn is_met(bounds: &Aabb, origin: DVec3, inverse: DVec3) -> bool {
+/// Whether a line may cross a box, widened by far more than rounding.
+fn may_be_crossed(bounds: &Aabb, origin: DVec3, inverse: DVec3) -> bool {
     let margin = DVec3::splat(1e-9 * (1.0 + origin.abs().max_element()));
     let (a, b) = (bounds.min - margin - origin, bounds.max + margin - origin);
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);

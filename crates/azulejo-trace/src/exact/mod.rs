@@ -6,25 +6,28 @@
 
 mod csg;
 mod leaf;
+mod line;
 mod mesh;
 mod outline;
 mod patch;
+mod primitive;
 mod prism;
+mod triangle;
 
-pub(crate) use leaf::{Meeting, ResolvedLeaf, facing};
-pub(crate) use outline::{Crossing, Line2, Outline};
+pub(crate) use line::Line3;
+pub(crate) use primitive::ExactPrimitive;
+pub(crate) use triangle::point_on_triangle;
 
-use crate::assemble::{LocalFrame, double};
-use crate::kernel::is_better;
-use crate::placed::ResolvedPoint;
-use crate::primitive::{ExactPrimitive, Line};
-use crate::ray::{KernelHit, KernelRay};
+use crate::frame::LocalFrame;
+use crate::hit::ResolvedPoint;
+use crate::kernel::{KernelHit, KernelRay, SolidPart};
 use azulejo_scene::figure::Rectangle;
 use azulejo_scene::math::{Aabb, Ray};
 use azulejo_scene::{BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
 use csg::{Node, NodeKind, Tree, TreeLeaf};
 use glam::DAffine3;
-use leaf::{Boundary, ExactLeaf, Span};
+use leaf::{Boundary, ExactLeaf, LeafHit, Span};
+use outline::Outline;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -33,7 +36,7 @@ use std::sync::Arc;
 pub(crate) struct PlacedExact {
     pub object: u32,
     pub first_item: u32,
-    /// The place of its first leaf among those of the object.
+    /// The index of its first leaf among those of the object.
     pub first_leaf: u32,
     solid: ExactSolid,
 }
@@ -50,22 +53,22 @@ enum ExactSolid {
 
 impl PlacedExact {
     pub(crate) fn closest(&self, ray: &KernelRay, hit: &mut KernelHit) {
-        let line = Line::of(ray);
+        let line = Line3::of(ray);
         let span = Span {
             first: f64::from(ray.t_min.max(0.0)),
             last: f64::from(hit.t),
         };
-        let Some(Boundary { meeting, leaf }) = self.solid.first(&line, span) else {
+        let Some(Boundary { hit: first, leaf }) = self.solid.first(&line, span) else {
             return;
         };
-        let (t, item) = (meeting.t as f32, self.first_item + leaf);
-        if is_better(t, item, hit) {
-            *hit = KernelHit {
-                t,
-                item,
-                u: f32::from_bits(meeting.part << 1 | u32::from(meeting.enters)),
-                v: meeting.parameter,
+        let (t, item) = (first.t as f32, self.first_item + leaf);
+        if hit.is_after(t, item) {
+            let at = SolidPart {
+                part: first.part,
+                parameter: first.parameter,
+                enters: first.enters,
             };
+            *hit = KernelHit::on_solid(t, item, at);
         }
     }
 
@@ -74,28 +77,32 @@ impl PlacedExact {
             first: f64::from(ray.t_min.max(0.0)),
             last: f64::from(t_max),
         };
-        self.solid.any(&Line::of(ray), span)
+        self.solid.any(&Line3::of(ray), span)
     }
 
     pub(crate) fn resolve(&self, frame: &LocalFrame, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
-        let line = Line {
+        let line = Line3 {
             origin: frame.point(ray.origin),
             direction: frame.vector(ray.direction),
         };
-        let packed = hit.u.to_bits();
-        let meeting = Meeting {
+        let SolidPart {
+            part,
+            parameter,
+            enters,
+        } = hit.solid_part();
+        let on_leaf = LeafHit {
             t: f64::from(hit.t),
-            part: packed >> 1,
-            parameter: hit.v,
-            enters: packed & 1 == 1,
+            part,
+            parameter,
+            enters,
         };
         let (leaf, is_turned) = self.solid.leaf(hit.item - self.first_item);
-        let at = leaf.resolve(&line, &meeting);
+        let at = leaf.resolve(&line, &on_leaf);
         ResolvedPoint {
             t: at.t,
             u: at.u,
             v: at.v,
-            part: leaf.part(&meeting),
+            part: leaf.part(&on_leaf),
             position: frame.world_point(at.position),
             normal: if is_turned { -at.normal } else { at.normal },
         }
@@ -103,20 +110,20 @@ impl PlacedExact {
 }
 
 impl ExactSolid {
-    fn first(&self, line: &Line, span: Span) -> Option<Boundary> {
+    fn first(&self, line: &Line3, span: Span) -> Option<Boundary> {
         match self {
             ExactSolid::Leaf(leaf) => {
-                let meeting = leaf.first(line, span)?;
-                Some(Boundary { meeting, leaf: 0 })
+                let hit = leaf.first(line, span)?;
+                Some(Boundary { hit, leaf: 0 })
             }
             ExactSolid::Tree(tree) => {
                 let boundaries = tree.boundaries(line);
-                boundaries.into_iter().find(|b| span.holds(b.meeting.t))
+                boundaries.into_iter().find(|b| span.holds(b.hit.t))
             }
         }
     }
 
-    fn any(&self, line: &Line, span: Span) -> bool {
+    fn any(&self, line: &Line3, span: Span) -> bool {
         match self {
             ExactSolid::Leaf(leaf) => leaf.any(line, span),
             ExactSolid::Tree(_) => self.first(line, span).is_some(),
@@ -135,16 +142,7 @@ impl ExactSolid {
     }
 }
 
-impl Line {
-    fn of(ray: &KernelRay) -> Line {
-        Line {
-            origin: double(ray.origin),
-            direction: double(ray.direction),
-        }
-    }
-}
-
-/// Figures made ready for rays, each once however many prisms share it.
+/// Figures prepared for rays, each once however many prisms share it.
 #[derive(Default)]
 pub(crate) struct Outlines(HashMap<*const Figure, Arc<Outline>>);
 

@@ -1,7 +1,7 @@
-//! A plane figure made ready for lines: which of its curves does one cross, and how often do its
+//! A plane figure prepared for lines: which of its curves does one cross, and how often do its
 //! contours go around a point?
 
-use crate::simd;
+use crate::kernel::{Vectorised, vectorised};
 use azulejo_scene::figure::{Rectangle, Segment, bernstein, crossings};
 use azulejo_scene::{Contour, Figure, FillRule};
 use glam::DVec2;
@@ -21,7 +21,7 @@ const SLIVER: f64 = 1e-10;
 ///
 /// A line has two sides, and points on it belong to one of them. Whatever lies between the ends
 /// of a run, the contour crosses the line as often (counted by direction) as the sides of the
-/// run's two ends say; so a run that is wholly ahead of what matters need not be looked into.
+/// run's two ends say; so a run that is wholly ahead of what matters need not be visited.
 /// Sides are taken at the joints of curves alone, by the one expression [`Line2::side`]: both
 /// neighbours agree on it, and all crossings of a closed contour add up to nothing whatever
 /// rounding does. A line that goes in comes out.
@@ -39,7 +39,7 @@ pub(crate) struct Outline {
     root: Option<u32>,
 }
 
-/// Four runs side by side. Those that are not there hold NaN, which no line meets.
+/// Four runs side by side. Those that are not there hold NaN, which no line crosses.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 struct Node {
@@ -123,8 +123,8 @@ impl Line2 {
 }
 
 /// What a line does with the four runs of a node, one bit per run.
-struct Met {
-    /// Runs to look into.
+struct RunsCrossed {
+    /// Runs to visit.
     open: u32,
     /// Crossings, by direction, of the runs that are wholly ahead.
     beyond: i32,
@@ -203,9 +203,10 @@ impl Outline {
             bounds: (runs.iter()).fold(Rectangle::EMPTY, |b, r| b.union(r.bounds)),
             start: runs[0].start,
             // Several whole contours have no ends: what goes around comes back.
-            end: match runs.iter().all(|r| r.start == r.end) {
-                true => runs[0].start,
-                false => runs[runs.len() - 1].end,
+            end: if runs.iter().all(|r| r.start == r.end) {
+                runs[0].start
+            } else {
+                runs[runs.len() - 1].end
             },
             child: self.nodes.len() as u32 - 1,
         }
@@ -222,12 +223,17 @@ impl Outline {
         range: [f64; 2],
         visit: impl FnMut(Crossing) -> Option<f64>,
     ) -> i32 {
-        simd::cross(self, line, range, visit)
+        vectorised(CrossLine {
+            outline: self,
+            line,
+            range,
+            visit,
+        })
     }
 
     /// [`cross`](Outline::cross), for whichever instructions it is compiled with.
     #[inline(always)]
-    pub(crate) fn cross_here(
+    fn cross_here(
         &self,
         line: &Line2,
         [s0, mut s1]: [f64; 2],
@@ -298,7 +304,7 @@ impl Outline {
             return [Some(crossing(f64::INFINITY, 1.0, sense)), None, None];
         }
         if child & STRAIGHT != 0 {
-            // Its inner control points follow by rounding: the ends alone tell.
+            // Its inner control points follow by rounding: only the ends are exact.
             let sense = i32::from(sides[3]) - i32::from(sides[0]);
             let t = (d[0] / (d[0] - d[3])).clamp(0.0, 1.0);
             let at = crossing(s[0] + t * (s[3] - s[0]), t, sense);
@@ -306,6 +312,23 @@ impl Outline {
         }
         let root = |(t, sense): (f64, i32)| crossing(bernstein(s, t), t, sense);
         crossings(d).map(|r| r.map(root))
+    }
+}
+
+/// [`Outline::cross`] as work that gains from testing the four runs of a node side by side.
+struct CrossLine<'a, V> {
+    outline: &'a Outline,
+    line: &'a Line2,
+    range: [f64; 2],
+    visit: V,
+}
+
+impl<V: FnMut(Crossing) -> Option<f64>> Vectorised for CrossLine<'_, V> {
+    type Output = i32;
+
+    #[inline(always)]
+    fn run(self) -> i32 {
+        (self.outline).cross_here(self.line, self.range, self.visit)
     }
 }
 
@@ -333,13 +356,13 @@ impl Node {
     /// The extremes of distance are those at two corners of the rectangle, by the expressions
     /// that points are measured with: no point of the run comes out beyond them.
     #[inline(always)]
-    fn meet(&self, line: &Line2, [s0, s1]: [f64; 2]) -> Met {
+    fn meet(&self, line: &Line2, [s0, s1]: [f64; 2]) -> RunsCrossed {
         let (n, u) = (line.normal, line.direction);
         let (nx, ny) = (usize::from(n.x < 0.0), usize::from(n.y < 0.0));
         let (ux, uy) = (usize::from(u.x < 0.0), usize::from(u.y < 0.0));
         let x = |side: usize| &self.sides[side];
         let y = |side: usize| &self.sides[2 + side];
-        let mut met = Met { open: 0, beyond: 0 };
+        let mut met = RunsCrossed { open: 0, beyond: 0 };
         let (mut open, mut ahead) = ([false; WIDTH], [false; WIDTH]);
         for k in 0..WIDTH {
             let low = n.x * x(nx)[k] + n.y * y(ny)[k] - line.offset;
@@ -406,9 +429,10 @@ mod tests {
             Some(f64::INFINITY)
         };
         let half = [0.0, f64::INFINITY];
-        match plain {
-            true => outline.cross_here(line, half, list),
-            false => outline.cross(line, half, list),
+        if plain {
+            outline.cross_here(line, half, list)
+        } else {
+            outline.cross(line, half, list)
         };
         found
     }

@@ -1,6 +1,7 @@
 //! Letters and where they stand: from the data folder, or made up.
 
-use azulejo_formats::{Folder, obj, ppf};
+use azulejo_formats::outline::ppf;
+use azulejo_formats::{Folder, obj};
 use azulejo_scene::{
     Camera, Contour, Curve, Exact, Figure, FillRule, Material, Object, Primitive, Prism, Rgb,
     Scene, Shape, Solid,

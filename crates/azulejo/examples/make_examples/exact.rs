@@ -1,7 +1,8 @@
 //! Scenes of exact shapes: letters in space, and what set operations make.
 
 use super::add;
-use azulejo::formats::{ReadError, ppe, ppf};
+use azulejo::formats::ReadError;
+use azulejo::formats::outline::{ppe, ppf};
 use azulejo::scene::{
     Camera, Csg, Encoding, Exact, Font, Material, MaterialId, Object, Operation, Primitive,
     PrimitiveKind, Rgb, Scene, Shape, Solid, TextFrame,
@@ -11,8 +12,8 @@ use std::error::Error;
 
 /// The typeface that comes with the examples, and its encoding.
 fn typeface() -> Result<(Font, Encoding), ReadError> {
-    let font = include_bytes!("../../../../examples/fonts/dejavu-serif.ppf");
-    let encoding = include_bytes!("../../../../examples/fonts/latin.ppe");
+    let font = azulejo::typeface::DEJAVU_SERIF;
+    let encoding = azulejo::typeface::LATIN;
     let (font, _) = ppf::read(font, "dejavu-serif.ppf")?;
     let (encoding, _) = ppe::read(encoding, "latin.ppe")?;
     Ok((font, encoding))

@@ -84,9 +84,10 @@ pub fn branch_name(path: &Path, is_taken: impl Fn(&str) -> bool) -> String {
 /// Puts everything that has a name under a branch: `table` becomes `branch/table`.
 pub fn name_branch(scene: &mut Scene, branch: &str) {
     let under = |name: &mut String| {
-        let path = match name.is_empty() {
-            true => branch.to_owned(),
-            false => format!("{branch}/{name}"),
+        let path = if name.is_empty() {
+            branch.to_owned()
+        } else {
+            format!("{branch}/{name}")
         };
         *name = path;
     };

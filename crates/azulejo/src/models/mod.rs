@@ -25,8 +25,9 @@ mod pictures;
 mod reading;
 mod written;
 
+pub use azulejo_formats::RecognisedModel;
 pub use merging::{Change, branch_name, changes, name_branch};
-pub use reading::{MAX_FILE, MAX_STREAM, Model, ReadFailure, Reading, read, read_bytes};
+pub use reading::{MAX_FILE, MAX_STREAM, ReadFailure, Reading, read, read_bytes};
 pub use written::{
     FORMATS, ModelOutput, WriteFailure, WrittenFormat, by_extension, write, write_copy,
 };

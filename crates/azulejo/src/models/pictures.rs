@@ -1,6 +1,7 @@
 //! Pictures of a model that is written elsewhere than where they are.
 
-use azulejo_formats::{Files, Folder, hdr, png, read_picture};
+use azulejo_formats::picture::{hdr, png};
+use azulejo_formats::{Files, Folder, read_picture};
 use azulejo_scene::{Image, Scene, Texture};
 use std::fs;
 use std::io;
@@ -88,9 +89,12 @@ fn plain_name(path: &str) -> String {
     const MOST: usize = 60;
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-    let plain = |c: char| match c.is_ascii_alphanumeric() || c == '_' {
-        true => c,
-        false => '-',
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '_' {
+            c
+        } else {
+            '-'
+        }
     };
     let name: String = stem.chars().take(MOST).map(plain).collect();
     match name.trim_matches('-') {

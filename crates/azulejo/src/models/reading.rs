@@ -1,8 +1,7 @@
 //! One model from its file.
 
 use crate::files::Refused;
-use azulejo_formats::{FileError, Files, Folder, Format, Loaded, ReadError, ReadOptions, Warning};
-use azulejo_scene::Scene;
+use azulejo_formats::{FileError, Files, Folder, ReadError, ReadOptions, RecognisedModel};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
 use std::fs::{self, File};
@@ -25,17 +24,6 @@ pub struct Reading {
     /// A folder in which files that it names are looked for when they are not in its own: that of
     /// the model which this is a copy of.
     pub home: Option<PathBuf>,
-}
-
-/// A model that was read.
-#[derive(Clone, Debug)]
-pub struct Model {
-    /// Valid, in the axes and the unit of its file.
-    pub scene: Scene,
-    /// What was skipped, mended or guessed.
-    pub warnings: Vec<Warning>,
-    /// What it was.
-    pub format: Format,
 }
 
 /// Why there is no model, or no file to look for one in. `Display` says it to a person.
@@ -80,38 +68,34 @@ impl From<Cancelled> for ReadFailure {
 ///
 /// # Errors
 /// [`ReadFailure`].
-pub fn read(path: &Path, reading: &Reading, progress: &Progress) -> Result<Model, ReadFailure> {
+pub fn read(
+    path: &Path,
+    reading: &Reading,
+    progress: &Progress,
+) -> Result<RecognisedModel, ReadFailure> {
     let bytes = read_file(path, progress)?;
     progress.begin("parsing", 0);
     progress.advance(0)?;
-    let around = Surroundings::of(path, reading, progress);
+    let around = CancellableFiles::of(path, reading, progress);
     let name = path.to_string_lossy();
-    let content = ReadFailure::Content;
     let read = azulejo_formats::read_with(&bytes, &name, &around, &reading.options);
     // What a reader makes of files that it was not given is no reason.
     progress.advance(0)?;
-    let Loaded { scene, warnings } = read.map_err(content)?;
-    let format = azulejo_formats::recognise(&bytes, &name)
-        .map_err(|e| content(ReadError::whole(name, e.looks_like, "a model")))?;
-    Ok(Model {
-        scene,
-        warnings,
-        format,
-    })
+    read.map_err(ReadFailure::Content)
 }
 
 /// The files around a model, as long as nobody cancels.
-struct Surroundings<'a> {
+struct CancellableFiles<'a> {
     own: Folder,
     home: Option<Folder>,
     progress: &'a Progress,
 }
 
-impl<'a> Surroundings<'a> {
-    fn of(path: &Path, reading: &Reading, progress: &'a Progress) -> Surroundings<'a> {
+impl<'a> CancellableFiles<'a> {
+    fn of(path: &Path, reading: &Reading, progress: &'a Progress) -> CancellableFiles<'a> {
         let own = Folder::of_model(path);
         let own = (reading.allow.iter()).fold(own, |folder, more| folder.allow(more));
-        Surroundings {
+        CancellableFiles {
             own,
             home: reading.home.as_ref().map(Folder::new),
             progress,
@@ -119,7 +103,7 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-impl Files for Surroundings<'_> {
+impl Files for CancellableFiles<'_> {
     fn read(&self, name: &str) -> Result<Vec<u8>, FileError> {
         if self.progress.is_cancelled() {
             return Err(FileError::Io(io::ErrorKind::Interrupted.into()));
@@ -141,13 +125,16 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadFailure> {
 
 /// The same, told of in bytes and given up when it is cancelled.
 fn read_file(path: &Path, progress: &Progress) -> Result<Vec<u8>, ReadFailure> {
-    let failed = |error: io::Error| match progress.is_cancelled() {
-        true => ReadFailure::Cancelled,
-        false => ReadFailure::File(Refused {
-            deed: "read",
-            path: path.to_owned(),
-            error,
-        }),
+    let failed = |error: io::Error| {
+        if progress.is_cancelled() {
+            ReadFailure::Cancelled
+        } else {
+            ReadFailure::File(Refused {
+                deed: "read",
+                path: path.to_owned(),
+                error,
+            })
+        }
     };
     if path == Path::new("-") {
         return limited(io::stdin().lock(), 0, MAX_STREAM, progress).map_err(failed);
@@ -227,7 +214,7 @@ mod tests {
         assert!(progress.done() < 1 << 24 && progress.total() == 1 << 30);
         // No further file is read for a model that nobody waits for.
         let progress = Progress::new();
-        let around = Surroundings::of(Path::new("a.obj"), &Reading::default(), &progress);
+        let around = CancellableFiles::of(Path::new("a.obj"), &Reading::default(), &progress);
         progress.cancel();
         let read = around.read("a.mtl");
         assert!(matches!(read, Err(FileError::Io(_))), "{read:?}");

@@ -18,12 +18,12 @@ pub struct WrittenFormat {
     pub extension: &'static str,
     /// Whether it holds the irradiance on the vertices.
     pub keeps_light: bool,
-    writer: Writer,
+    writer: ModelWriter,
     losses: fn(&Scene) -> Vec<String>,
 }
 
 #[derive(Debug)]
-enum Writer {
+enum ModelWriter {
     /// One file.
     One(fn(&Scene, &mut dyn Write) -> io::Result<()>),
     /// A file and one beside it, which has this extension and is named in the first.
@@ -45,49 +45,49 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "GRF",
         extension: "grf",
-        writer: Writer::Pictured(grf::write_with_pictures),
+        writer: ModelWriter::Pictured(grf::write_with_pictures),
         keeps_light: true,
         losses: grf::losses,
     },
     WrittenFormat {
         name: "OBJ",
         extension: "obj",
-        writer: Writer::Two("mtl", obj::write),
+        writer: ModelWriter::Two("mtl", obj::write),
         keeps_light: false,
         losses: obj::losses,
     },
     WrittenFormat {
         name: "glTF",
         extension: "glb",
-        writer: Writer::One(gltf::write),
+        writer: ModelWriter::One(gltf::write),
         keeps_light: true,
         losses: gltf::losses,
     },
     WrittenFormat {
         name: "glTF",
         extension: "gltf",
-        writer: Writer::Two("bin", gltf::write_json),
+        writer: ModelWriter::Two("bin", gltf::write_json),
         keeps_light: true,
         losses: gltf::losses,
     },
     WrittenFormat {
         name: "PLY",
         extension: "ply",
-        writer: Writer::One(ply::write),
+        writer: ModelWriter::One(ply::write),
         keeps_light: true,
         losses: ply::losses,
     },
     WrittenFormat {
         name: "SFF",
         extension: "sff",
-        writer: Writer::Several(sff::write),
+        writer: ModelWriter::Several(sff::write),
         keeps_light: false,
         losses: sff::losses,
     },
     WrittenFormat {
         name: "View3D",
         extension: "vs3",
-        writer: Writer::One(view3d::write),
+        writer: ModelWriter::One(view3d::write),
         keeps_light: false,
         losses: view3d::losses,
     },
@@ -201,7 +201,7 @@ impl ModelOutput {
     pub fn check(path: &Path) -> Result<ModelOutput, WriteFailure> {
         let format =
             by_extension(path).ok_or_else(|| WriteFailure::UnknownKind(path.to_owned()))?;
-        if let Writer::Two(extension, _) = format.writer {
+        if let ModelWriter::Two(extension, _) = format.writer {
             // Before the work begins; what is beside the model is written with it.
             Output::check(&path.with_extension(extension))?;
         }
@@ -217,12 +217,13 @@ impl ModelOutput {
     /// [`WriteFailure`].
     pub fn check_lit(path: &Path) -> Result<ModelOutput, WriteFailure> {
         let output = ModelOutput::check(path)?;
-        match output.format.keeps_light {
-            true => Ok(output),
-            false => Err(WriteFailure::NoPlaceForLight {
+        if output.format.keeps_light {
+            Ok(output)
+        } else {
+            Err(WriteFailure::NoPlaceForLight {
                 path: path.to_owned(),
                 format: output.format.name,
-            }),
+            })
         }
     }
 
@@ -255,10 +256,10 @@ impl ModelOutput {
     ) -> Result<Vec<String>, OutputError> {
         let mut losses = self.format.losses(scene);
         match &self.format.writer {
-            Writer::Pictured(write) if self.model.file().is_some() => {
+            ModelWriter::Pictured(write) if self.model.file().is_some() => {
                 self.write_pictured(*write, scene, home, progress)?;
             }
-            Writer::Pictured(write) => {
+            ModelWriter::Pictured(write) => {
                 // There is no place beside a pipe.
                 let names: Vec<String> = scene.textures.iter().map(|t| t.path.clone()).collect();
                 let write = |out: &mut dyn Write| write(scene, &names, out);
@@ -266,9 +267,9 @@ impl ModelOutput {
                 let loaded = scene.textures.iter().filter(|t| t.image.is_some()).count();
                 losses.extend((loaded > 0).then(|| format!("the pixels of {loaded} pictures")));
             }
-            Writer::One(write) => self.model.write(progress, |out| write(scene, out))?,
-            Writer::Several(write) => self.write_several(*write, scene, progress)?,
-            Writer::Two(extension, write) => {
+            ModelWriter::One(write) => self.model.write(progress, |out| write(scene, out))?,
+            ModelWriter::Several(write) => self.write_several(*write, scene, progress)?,
+            ModelWriter::Two(extension, write) => {
                 let companion = Output::check(&self.model.path().with_extension(extension))?;
                 let name = companion.path().file_name().unwrap_or_default();
                 let (mut first, mut second) = (self.model.draft()?, companion.draft()?);

@@ -2,7 +2,7 @@
 
 use super::super::read_figures;
 use crate::ReadOptions;
-use crate::drawing::Drawing;
+use crate::outline::Drawing;
 use glam::DVec2;
 use std::f64::consts::PI;
 

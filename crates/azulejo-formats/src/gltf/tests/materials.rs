@@ -1,8 +1,8 @@
 //! Metallic-roughness and its extensions.
 
 use super::{read, triangle};
-use crate::gloss::gltf_mr;
-use crate::png;
+use crate::picture::png;
+use crate::surface::model::gltf_mr;
 use azulejo_scene::{Dielectric, Material, Rgb, Scene};
 use glam::DVec2;
 

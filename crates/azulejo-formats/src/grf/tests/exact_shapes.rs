@@ -54,9 +54,10 @@ fn curve() -> impl Strategy<Value = Curve> {
 fn figure() -> impl Strategy<Value = Arc<Figure>> {
     let contour = vec(curve(), 0..5).prop_map(|curves| Contour { curves });
     (vec(contour, 0..3), any::<bool>()).prop_map(|(contours, winds)| {
-        let rule = match winds {
-            true => FillRule::NonZero,
-            false => FillRule::EvenOdd,
+        let rule = if winds {
+            FillRule::NonZero
+        } else {
+            FillRule::EvenOdd
         };
         Arc::new(Figure { contours, rule })
     })

@@ -132,10 +132,7 @@ proptest! {
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
         solids in any::<bool>()
     ) {
-        let text = match solids {
-            true => format!("{FIGURES}{SOLIDS}end def"),
-            false => EVERYTHING.to_owned(),
-        };
+        let text = if solids { format!("{FIGURES}{SOLIDS}end def") } else { EVERYTHING.to_owned() };
         let mut bytes = text.into_bytes();
         for (at, byte) in edits {
             let at = at.index(bytes.len());

@@ -85,7 +85,7 @@ fn exact_shapes_take_their_skins_along() {
 fn included_objects_become_part_of_the_document() {
     let files = Memory::new().with("cube.grf", CUBE);
     let text = "transform scale (2, 2, 2) begin include \"cube.grf\" end";
-    let (mut document, _) = Document::parse(text.as_bytes(), "test.grf", &files).unwrap();
+    let (mut document, _) = GrfDocument::parse(text.as_bytes(), "test.grf", &files).unwrap();
     let solved = lit(document.resolve().unwrap().scene);
     assert!(document_text(&document).contains("include"));
     assert!(document.set_irradiance(&solved));

@@ -9,7 +9,7 @@ mod round_trip;
 mod rules;
 mod solids;
 
-use super::{Document, read, write};
+use super::{GrfDocument, read, write};
 use crate::{Loaded, Memory};
 use azulejo_scene::{Mesh, Scene, Shape};
 
@@ -115,13 +115,13 @@ fn written(scene: &Scene) -> String {
     String::from_utf8(out).unwrap()
 }
 
-fn document(text: &str) -> Document {
-    Document::parse(text.as_bytes(), "test.grf", &Memory::new())
+fn document(text: &str) -> GrfDocument {
+    GrfDocument::parse(text.as_bytes(), "test.grf", &Memory::new())
         .unwrap_or_else(|e| panic!("{e}"))
         .0
 }
 
-fn document_text(document: &Document) -> String {
+fn document_text(document: &GrfDocument) -> String {
     let mut out = Vec::new();
     document.write(&mut out).unwrap();
     String::from_utf8(out).unwrap()

@@ -99,13 +99,11 @@ fn corners_that_disagree_split_their_vertex() {
 
 /// Models that people made: as GRF they keep their faces, and from then on every bit.
 #[test]
-#[allow(clippy::print_stderr)]
 fn models_from_elsewhere() {
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return;
     };
-    let folders = ["scenes", "corpus/obj"].map(|f| std::path::Path::new(&data).join(f));
+    let folders = ["scenes", "corpus/obj"].map(|f| data.join(f));
     let mut count = 0;
     for folder in folders {
         let files = crate::Folder::new(&folder);
@@ -313,9 +311,10 @@ fn primitive(materials: u32) -> impl Strategy<Value = Shape> {
                 matrix3: DMat3::from_cols(x, y, z),
                 translation: at,
             };
-            match is_plain {
-                true => Primitive::parallelogram(at, x, y, material),
-                false => Primitive::new(kind, map, material),
+            if is_plain {
+                Primitive::parallelogram(at, x, y, material)
+            } else {
+                Primitive::new(kind, map, material)
             }
         })
         .prop_filter("flat", |p| {

@@ -373,7 +373,7 @@ fn every_line_end_and_encoding() {
 #[test]
 fn textures_are_loaded_or_warned_of() {
     let mut png = Vec::new();
-    crate::png::write(2, 1, &[0, 0, 0, 255, 255, 255], &mut png).unwrap();
+    crate::picture::png::write(2, 1, &[0, 0, 0, 255, 255, 255], &mut png).unwrap();
     let files = Memory::new()
         .with("a.png", png)
         .with("b.png", *b"no picture");

@@ -2,7 +2,7 @@
 
 use super::basis::Basis;
 use super::surface::{Lines, Refused, divided, whole_pieces};
-use crate::options::Budget;
+use crate::reading::options::Budget;
 use glam::{DVec2, DVec3};
 
 /// In how many parts a span is looked at to learn how it bends, for each degree.

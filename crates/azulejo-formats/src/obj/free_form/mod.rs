@@ -13,7 +13,7 @@ mod tessellate;
 mod tests;
 
 use super::read::Reader;
-use crate::text::{shortened, text};
+use crate::reading::text::{shortened, text};
 use crate::{Position, ReadError};
 use azulejo_scene::{MaterialId, Mesh};
 use basis::{Basis, Kind, MOST_DEGREE};
@@ -128,7 +128,7 @@ impl FreeForm {
         &self,
         element: &Element,
         lines: &Lines,
-        budget: &mut crate::options::Budget,
+        budget: &mut crate::reading::options::Budget,
     ) -> Result<Loops, Refused> {
         let mut region = Loops::new();
         for pieces in &element.loops {
@@ -331,7 +331,7 @@ impl Reader<'_> {
             let Some(&point) = self.raw.positions.get(vertex as usize) else {
                 return Err(self.out_of_range(i64::from(vertex) + 1, start));
             };
-            if normal != super::read::NONE {
+            if normal != super::raw::NONE {
                 self.warn("normals of a surface's control points: not used, it has its own");
             }
             net.points.push(point);

@@ -1,7 +1,7 @@
 //! Regions of the plane between closed loops, cut along the lines of a grid.
 
 use super::surface::Refused;
-use crate::options::Budget;
+use crate::reading::options::Budget;
 use earcut::Earcut;
 use glam::DVec2;
 

@@ -1,7 +1,7 @@
 //! Points of free-form surfaces, and how finely they are divided.
 
 use super::basis::{Basis, Weights};
-use crate::options::{Budget, Exhausted};
+use crate::reading::options::{Budget, Exhausted};
 use azulejo_scene::math::Aabb;
 use glam::{DVec2, DVec3, DVec4};
 

@@ -2,7 +2,7 @@
 
 use super::region::{Loops, cells};
 use super::surface::{Lines, Refused, Sample, Surface, Technique};
-use crate::options::Budget;
+use crate::reading::options::Budget;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;

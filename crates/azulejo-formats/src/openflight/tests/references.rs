@@ -9,8 +9,8 @@ use azulejo_scene::{Rgb, Up};
 const ORIGIN: [f64; 3] = [0.0; 3];
 const OWN: u32 = u32::MAX;
 
-fn reference(name: &str, flags: u32) -> Record {
-    Record::new(EXTERNAL_REFERENCE, 216)
+fn reference(name: &str, flags: u32) -> FltRecord {
+    FltRecord::new(EXTERNAL_REFERENCE, 216)
         .text(4, name)
         .u32(208, flags)
 }
@@ -166,8 +166,8 @@ fn units_become_those_of_the_root() {
 }
 
 /// A colour palette whose first colour is `abgr`.
-fn colors(abgr: u32) -> Record {
-    Record::new(COLOR_PALETTE, 132 + 8).u32(132, abgr)
+fn colors(abgr: u32) -> FltRecord {
+    FltRecord::new(COLOR_PALETTE, 132 + 8).u32(132, abgr)
 }
 
 #[test]
@@ -177,9 +177,10 @@ fn palettes_are_the_files_own_or_the_referring_files() {
             .add(colors(0xff00_ff00))
             .face(face().u32(44, 0).u32(68, 127));
         let root = Flt::of(header(revision)).square();
-        let root = match with_palette {
-            true => root.add(colors(0xff00_00ff)),
-            false => root,
+        let root = if with_palette {
+            root.add(colors(0xff00_00ff))
+        } else {
+            root
         };
         let files = Memory::new().with("b.flt", part.0);
         let loaded = load(root.add(reference("b.flt", flags)), &files);

@@ -3,8 +3,8 @@
 use super::super::opcode::*;
 use super::writer::*;
 use super::{check_warned, load, load_with, only_mesh, said};
-use crate::gloss::Gloss;
-use crate::phong::Highlight;
+use crate::surface::gloss::Gloss;
+use crate::surface::phong::Highlight;
 use crate::{Memory, ReadOptions};
 use azulejo_scene::{Material, Rgb};
 use glam::{DVec2, DVec3};
@@ -13,7 +13,7 @@ const ORIGIN: [f64; 3] = [0.0; 3];
 const WHITE: u32 = 0xffff_ffff;
 
 /// A triangle of three vertex records, which are `size` bytes each.
-fn triangle(vertices: [Record; 3]) -> Flt {
+fn triangle(vertices: [FltRecord; 3]) -> Flt {
     let size = vertices[0].0.len() as u32;
     Flt::of(header(1600))
         .palette(vertices.to_vec())
@@ -23,11 +23,11 @@ fn triangle(vertices: [Record; 3]) -> Flt {
 
 #[test]
 fn vertices_of_every_kind() {
-    let at = |opcode, length| move |x, y| Record::new(opcode, length).doubles(8, &[x, y, 0.0]);
-    let of = |make: &dyn Fn(f64, f64) -> Record| {
+    let at = |opcode, length| move |x, y| FltRecord::new(opcode, length).doubles(8, &[x, y, 0.0]);
+    let of = |make: &dyn Fn(f64, f64) -> FltRecord| {
         only_mesh(triangle([make(0.0, 0.0), make(1.0, 0.0), make(0.0, 1.0)]))
     };
-    let normal = |r: Record| r.singles(32, &[0.0, 3.0, 4.0]);
+    let normal = |r: FltRecord| r.singles(32, &[0.0, 3.0, 4.0]);
     let up = DVec3::new(0.0, 0.6, 0.8);
 
     let c = of(&at(VERTEX_C, 40));
@@ -45,7 +45,7 @@ fn vertices_of_every_kind() {
 
 #[test]
 fn vertices_without_a_normal_get_the_faces() {
-    let with_normal = |x: f64| Record::new(VERTEX_CN, 56).doubles(8, &[x, x * x, 0.0]);
+    let with_normal = |x: f64| FltRecord::new(VERTEX_CN, 56).doubles(8, &[x, x * x, 0.0]);
     let tilted = with_normal(1.0).singles(32, &[1.0, 0.0, 0.0]);
     let broken = with_normal(2.0).singles(32, &[f32::NAN, 0.0, 0.0]);
     let mesh = only_mesh(triangle([with_normal(0.0), tilted, broken]));
@@ -107,19 +107,19 @@ fn faces_that_are_no_surfaces_are_left_out() {
 #[test]
 fn sub_faces_are_kept() {
     let decal = |f: Flt| {
-        f.add(Record::new(PUSH_SUBFACE, 4))
+        f.add(FltRecord::new(PUSH_SUBFACE, 4))
             .face(face())
-            .add(Record::new(POP_SUBFACE, 4))
+            .add(FltRecord::new(POP_SUBFACE, 4))
     };
     let behind = decal(
         Flt::new()
             .add(object("o"))
-            .add(Record::new(PUSH, 4))
+            .add(FltRecord::new(PUSH, 4))
             .face(face()),
     );
     let inside = Flt::new()
         .add(object("o"))
-        .add(Record::new(PUSH, 4))
+        .add(FltRecord::new(PUSH, 4))
         .add(face())
         .with(|f| f.add(vertex_list(&CORNERS)).face(face()));
     let warning = (
@@ -127,15 +127,15 @@ fn sub_faces_are_kept() {
         1,
     );
     for flt in [behind, inside] {
-        let flt = flt.face(face()).add(Record::new(POP, 4));
+        let flt = flt.face(face()).add(FltRecord::new(POP, 4));
         check_warned(flt, &[("o", &[ORIGIN, ORIGIN, ORIGIN])], &[warning]);
     }
 }
 
 /// The one material of a face, and the warnings.
 fn check_material(
-    palettes: &[Record],
-    face: Record,
+    palettes: &[FltRecord],
+    face: FltRecord,
     expected: Material,
     warnings: &[(&str, usize)],
 ) {
@@ -143,9 +143,9 @@ fn check_material(
 }
 
 fn check_material_of(
-    header: Record,
-    palettes: &[Record],
-    face: Record,
+    header: FltRecord,
+    palettes: &[FltRecord],
+    face: FltRecord,
     expected: Material,
     warnings: &[(&str, usize)],
 ) {
@@ -173,8 +173,8 @@ fn matt(r: f64, g: f64, b: f64) -> Material {
 }
 
 /// A palette of two colours.
-fn colors() -> Record {
-    Record::new(COLOR_PALETTE, 140)
+fn colors() -> FltRecord {
+    FltRecord::new(COLOR_PALETTE, 140)
         .u32(132, 0xff00_00ff)
         .u32(136, 0xff00_ff80)
 }
@@ -231,15 +231,15 @@ fn colors_of_faces() {
     check_material_of(header(1500), &[colors()], old, green, &[]);
 }
 
-fn material() -> Record {
-    Record::new(MATERIAL_PALETTE, 84)
+fn material() -> FltRecord {
+    FltRecord::new(MATERIAL_PALETTE, 84)
         .u32(4, 2)
         .text(8, "brick")
         .singles(36, &[0.5, 0.25, 1.0])
         .singles(76, &[1.0])
 }
 
-fn lit() -> Record {
+fn lit() -> FltRecord {
     face().u16(30, 2).u8(48, 2)
 }
 
@@ -300,7 +300,7 @@ fn materials_glow_and_shine() {
 #[test]
 fn the_old_material_palette_has_all_in_one() {
     let at = 4 + 184 * 3;
-    let old = Record::new(OLD_MATERIAL_PALETTE, 4 + 184 * 64)
+    let old = FltRecord::new(OLD_MATERIAL_PALETTE, 4 + 184 * 64)
         .singles(at + 12, &[0.5, 0.25, 1.0])
         .singles(at + 52, &[1.0])
         .text(at + 60, "clay");
@@ -338,7 +338,7 @@ fn transparency_is_opaque() {
 #[test]
 fn pictures_are_named() {
     let texture = |index, name: &str| {
-        Record::new(TEXTURE_PALETTE, 216)
+        FltRecord::new(TEXTURE_PALETTE, 216)
             .text(4, name)
             .u32(204, index)
     };
@@ -405,20 +405,20 @@ fn colours_of_vertices() {
 }
 
 impl Flt {
-    fn with_face(self, face: Record, list: &Record) -> Flt {
+    fn with_face(self, face: FltRecord, list: &FltRecord) -> Flt {
         self.add(face).with(|f| f.add(list.clone()))
     }
 }
 
 /// A pool of `count` vertices with all attributes, on a parabola.
-fn pool(count: u32) -> Record {
+fn pool(count: u32) -> FltRecord {
     let attributes = 0b1111_1100 << 24;
-    let record = Record::new(LOCAL_VERTEX_POOL, 12)
+    let record = FltRecord::new(LOCAL_VERTEX_POOL, 12)
         .u32(4, count)
         .u32(8, attributes);
     (0..count).fold(record, |record, k| {
         let x = f64::from(k);
-        let vertex = Record::new(0, 60)
+        let vertex = FltRecord::new(0, 60)
             .doubles(0, &[x, x * x, 0.0])
             .u32(24, 127)
             .u32(28, 0xff00_0000 | k)
@@ -428,8 +428,8 @@ fn pool(count: u32) -> Record {
     })
 }
 
-fn primitive(kind: u16, size: u16, indices: &[u32]) -> Record {
-    let record = Record::new(MESH_PRIMITIVE, 12)
+fn primitive(kind: u16, size: u16, indices: &[u32]) -> FltRecord {
+    let record = FltRecord::new(MESH_PRIMITIVE, 12)
         .u16(4, kind)
         .u16(6, size)
         .u32(8, indices.len() as u32);
@@ -438,7 +438,7 @@ fn primitive(kind: u16, size: u16, indices: &[u32]) -> Record {
     })
 }
 
-fn check_mesh(primitives: &[Record], expected: &[&[u32]]) {
+fn check_mesh(primitives: &[FltRecord], expected: &[&[u32]]) {
     let flt = Flt::new().add(object("o")).with(|f| {
         f.add(mesh())
             .add(pool(6))
@@ -485,10 +485,14 @@ fn meshes_have_attributes() {
 
 #[test]
 fn a_pool_may_have_positions_alone() {
-    let record = Record::new(LOCAL_VERTEX_POOL, 12).u32(4, 3).u32(8, 1 << 31);
+    let record = FltRecord::new(LOCAL_VERTEX_POOL, 12)
+        .u32(4, 3)
+        .u32(8, 1 << 31);
     let pool = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
         .iter()
-        .fold(record, |r, p| r.more(&Record::new(0, 24).doubles(0, p).0));
+        .fold(record, |r, p| {
+            r.more(&FltRecord::new(0, 24).doubles(0, p).0)
+        });
     let flt = Flt::new()
         .add(mesh())
         .add(pool)
@@ -501,7 +505,7 @@ fn a_pool_may_have_positions_alone() {
 #[test]
 fn damaged_meshes_are_said() {
     let promising = pool(3).u32(4, 9);
-    let colours_only = Record::new(LOCAL_VERTEX_POOL, 12).u32(8, 1 << 30);
+    let colours_only = FltRecord::new(LOCAL_VERTEX_POOL, 12).u32(8, 1 << 30);
     let flt = Flt::new()
         .add(mesh())
         .add(promising)
@@ -532,10 +536,10 @@ fn continuations_join() {
     let whole = pool(6);
     let (first, second) = whole.0.split_at(100);
     let (second, third) = second.split_at(60);
-    let piece = |bytes: &[u8]| Record::new(CONTINUATION, 4).more(bytes);
+    let piece = |bytes: &[u8]| FltRecord::new(CONTINUATION, 4).more(bytes);
     let flt = Flt::new()
         .add(mesh())
-        .add(Record(first.to_vec()).u16(2, 100))
+        .add(FltRecord(first.to_vec()).u16(2, 100))
         .add(piece(second))
         .add(piece(third))
         .with(|f| f.add(primitive(4, 1, &[0, 1, 2, 3, 4, 5])));

@@ -1,8 +1,8 @@
 //! VRML97 and X3D, by small files of our own.
 
+mod appearances;
 mod broken;
 mod groups;
-mod looks;
 mod prototypes;
 mod shapes;
 
@@ -20,9 +20,10 @@ fn load_with(text: &str, files: &dyn Files, options: &ReadOptions) -> (Scene, Ve
 
 /// Reads what stands behind the header of VRML97, or a whole file.
 fn load(text: &str) -> (Scene, Vec<String>) {
-    let header = match text.starts_with(['#', '<']) {
-        true => "",
-        false => "#VRML V2.0 utf8\n",
+    let header = if text.starts_with(['#', '<']) {
+        ""
+    } else {
+        "#VRML V2.0 utf8\n"
     };
     let files = Memory::new();
     load_with(&format!("{header}{text}"), &files, &ReadOptions::default())

@@ -1,6 +1,6 @@
 //! VRML 1.0 as a whole.
 
-use crate::phong::{Angle, Highlight};
+use crate::surface::phong::{Angle, Highlight};
 use crate::vrml::read;
 use crate::{Files, Loaded, Lod, Memory, ReadOptions};
 use azulejo_scene::{LightKind, Material, Mesh, Object, Rgb, Shape};

@@ -163,12 +163,11 @@ pub fn agrees(
 }
 
 fn equal(quantity: Quantity, found: usize, expected: usize, source: &str) -> Result<(), String> {
-    match found == expected {
-        true => Ok(()),
-        false => {
-            let name = format!("{quantity:?}").to_lowercase();
-            Err(format!("{name} {found}, {source} says {expected}"))
-        }
+    if found == expected {
+        Ok(())
+    } else {
+        let name = format!("{quantity:?}").to_lowercase();
+        Err(format!("{name} {found}, {source} says {expected}"))
     }
 }
 
@@ -187,8 +186,9 @@ fn same_box(counts: &Counts, expected: [[f64; 3]; 2], source: &str) -> Result<()
     let size = counts.bounds.diagonal();
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-4 * size + 1e-5 * a.abs();
     let pairs = found.iter().flatten().zip(expected.iter().flatten());
-    match !counts.bounds.is_empty() && pairs.into_iter().all(|(&a, &b)| near(a, b)) {
-        true => Ok(()),
-        false => Err(format!("bounds {found:?}, {source} says {expected:?}")),
+    if !counts.bounds.is_empty() && pairs.into_iter().all(|(&a, &b)| near(a, b)) {
+        Ok(())
+    } else {
+        Err(format!("bounds {found:?}, {source} says {expected:?}"))
     }
 }

@@ -1,0 +1,13 @@
+//! Indices that blocks, layers and appearances of a drawing have.
+
+/// Index of a layer in `Drawing::layers`.
+pub(super) type LayerId = u32;
+
+/// Index of a look in `Drawing::looks`. The meshes of a block carry it in place of materials.
+pub(super) type LookId = u32;
+
+/// Index of a block in `Drawing::blocks`.
+pub(super) type BlockId = u32;
+
+/// The block that is the drawing itself.
+pub(super) const MODEL_SPACE: BlockId = 0;

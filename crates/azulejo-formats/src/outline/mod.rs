@@ -1,0 +1,14 @@
+//! Flat outlines: fonts and their encodings, typefaces, drawings.
+//!
+//! They end in a [`Figure`](azulejo_scene::Figure) or a [`Font`](azulejo_scene::Font), not in a
+//! scene.
+
+pub(crate) mod drawing;
+pub(crate) mod pen;
+pub mod ppe;
+pub mod ppf;
+pub mod svg;
+#[cfg(feature = "fonts")]
+pub mod typeface;
+
+pub use drawing::{Drawing, Filled};

@@ -1,0 +1,65 @@
+//! SVG drawings: what is filled in them.
+//!
+//! Paths and basic shapes become [`Figure`](azulejo_scene::Figure)s, with all transforms applied,
+//! y turned up, and arcs as cubic curves. Strokes, text and pictures are left out and counted.
+//! `docs/formats/svg.md` says how every element is understood.
+
+mod path;
+mod shapes;
+mod style;
+mod style_sheet;
+#[cfg(test)]
+mod tests;
+mod values;
+mod walk;
+
+use crate::outline::drawing::Drawing;
+use crate::reading::text::text;
+use crate::{ReadError, ReadOptions};
+use roxmltree::{Document, ParsingOptions};
+
+/// Reads a drawing. `name` stands in messages.
+///
+/// # Errors
+/// XML that is not well-formed or declares entities, another element than `svg`, and a drawing
+/// that unfolds to more than `options` allow. Anything less is left out with a warning.
+pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
+    let text = text(bytes);
+    if let Some(at) = text.find("<!ENTITY") {
+        // One entity may stand for a megabyte, and be named a million times.
+        let (found, expected) = ("XML that declares entities of its own", "SVG without them");
+        return Err(ReadError::at_byte(name, at as u64, found, expected));
+    }
+    let parsing = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    let xml = Document::parse_with_options(&text, parsing).map_err(|e| {
+        let place = e.pos();
+        let found = format!("XML that is not well-formed ({e})");
+        ReadError::at_line(name, &text, place.row, place.col, found, "an SVG drawing")
+    })?;
+    let root = xml.root_element();
+    if root.tag_name().name() != "svg" {
+        let found = format!(
+            "the element {}",
+            crate::reading::text::shortened(root.tag_name().name())
+        );
+        return Err(ReadError::whole(name, found, "the element svg"));
+    }
+    walk::read(&xml, name, options)
+}
+
+/// Whether bytes are XML with an element `svg` near its beginning.
+pub(crate) fn is_svg(bytes: &[u8]) -> bool {
+    const LOOKED_AT: usize = 1 << 14;
+    let head = &bytes[..bytes.len().min(LOOKED_AT)];
+    let start = head
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(head)
+        .trim_ascii_start();
+    let mut words = head
+        .windows(5)
+        .filter(|w| w.starts_with(b"<svg") || w.ends_with(b":svg"));
+    start.starts_with(b"<") && words.next().is_some()
+}

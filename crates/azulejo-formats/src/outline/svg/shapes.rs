@@ -1,0 +1,105 @@
+//! Basic shapes: rectangles, circles, ellipses, polygons.
+
+use super::path::{self, Outcome};
+use super::values::{Scanner, length};
+use crate::outline::pen::{Ellipse, Pen};
+use glam::DVec2;
+use roxmltree::Node;
+use std::f64::consts::FRAC_PI_2;
+
+/// Draws the outline of a shape; `None` for elements that are none, or lack what they need.
+pub(super) fn draw(element: Node, pen: &mut Pen) -> Option<Outcome> {
+    let value = |name: &str| match element.attribute(name) {
+        Some(text) => length(text).map(|(value, _)| value),
+        None => Some(0.0),
+    };
+    match element.tag_name().name() {
+        "path" => return Some(path::draw(element.attribute("d").unwrap_or(""), pen)),
+        "rect" => {
+            let corner = DVec2::new(value("x")?, value("y")?);
+            let size = DVec2::new(value("width")?, value("height")?);
+            if size.min_element() > 0.0 {
+                rectangle(corner, size, radii(element, size)?, pen);
+            }
+        }
+        "circle" | "ellipse" => {
+            let radii = match element.attribute("r") {
+                Some(_) => DVec2::splat(value("r")?),
+                None => DVec2::new(value("rx")?, value("ry")?),
+            };
+            if radii.min_element() > 0.0 {
+                let centre = DVec2::new(value("cx")?, value("cy")?);
+                pen.ellipse(upright(centre, radii));
+            }
+        }
+        "polygon" => return Some(polygon(element, true, pen)),
+        "polyline" => return Some(polygon(element, false, pen)),
+        _ => return None,
+    }
+    Some(Outcome::default())
+}
+
+fn upright(centre: DVec2, radii: DVec2) -> Ellipse {
+    Ellipse {
+        centre,
+        x: DVec2::new(radii.x, 0.0),
+        y: DVec2::new(0.0, radii.y),
+    }
+}
+
+/// Radii of a rectangle's corners: one stands for both, and they fill no more than the sides.
+fn radii(element: Node, size: DVec2) -> Option<DVec2> {
+    let radius = |name: &str| match element.attribute(name) {
+        Some(text) if text.trim() != "auto" => length(text).map(|(r, _)| Some(r.max(0.0))),
+        _ => Some(None),
+    };
+    let (x, y) = (radius("rx")?, radius("ry")?);
+    let both = DVec2::new(x.or(y).unwrap_or(0.0), y.or(x).unwrap_or(0.0));
+    Some(both.min(0.5 * size))
+}
+
+fn rectangle(corner: DVec2, size: DVec2, radii: DVec2, pen: &mut Pen) {
+    let is_round = radii.min_element() > 0.0;
+    let radii = if is_round { radii } else { DVec2::ZERO };
+    // From the top left, y down: the sides, and the corner that ends each.
+    let turns = [(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)].map(DVec2::from);
+    pen.move_to(corner + DVec2::new(radii.x, 0.0));
+    for (k, toward) in turns.into_iter().enumerate() {
+        let along = DVec2::from([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][k]);
+        let next = along.perp();
+        let at = corner + size * toward;
+        let side_end = at - radii * along;
+        if side_end != pen.at() {
+            pen.line_to(side_end);
+        }
+        if is_round {
+            let centre = at - radii * along + radii * next;
+            let start = -FRAC_PI_2 + FRAC_PI_2 * k as f64;
+            pen.arc_to(upright(centre, radii), start, FRAC_PI_2, at + radii * next);
+        }
+    }
+    pen.close();
+}
+
+/// Lines through points; an odd number at the end is damage.
+fn polygon(element: Node, is_closed: bool, pen: &mut Pen) -> Outcome {
+    let mut points = Scanner::new(element.attribute("points").unwrap_or(""));
+    let mut is_cut = false;
+    let mut count = 0;
+    while points.peek().is_some() {
+        let Some(point) = points.point() else {
+            is_cut = true;
+            break;
+        };
+        match count {
+            0 => pen.move_to(point),
+            _ => pen.line_to(point),
+        }
+        count += 1;
+    }
+    let comes_back = pen.close();
+    Outcome {
+        open: usize::from(!is_closed && !comes_back && count > 0),
+        is_cut,
+    }
+}

@@ -1,0 +1,233 @@
+use super::*;
+use crate::outline::drawing::Filled;
+use azulejo_scene::{FillRule, Rgb};
+use glam::DVec2;
+
+fn drawing(content: &str) -> Drawing {
+    let text =
+        format!("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 100 100'>{content}</svg>");
+    read(text.as_bytes(), "a.svg", &ReadOptions::default()).unwrap()
+}
+
+/// The only shape of a drawing without warnings.
+fn only(content: &str) -> Filled {
+    let drawing = drawing(content);
+    let said: Vec<String> = drawing.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!((drawing.shapes.len(), said), (1, Vec::new()), "{content}");
+    drawing.shapes.into_iter().next().unwrap()
+}
+
+fn check_warning(content: &str, shapes: usize, message: &str) {
+    let drawing = drawing(content);
+    assert_eq!(drawing.shapes.len(), shapes, "{content}");
+    let said: Vec<&str> = drawing.warnings.iter().map(|w| &*w.message).collect();
+    assert_eq!(said, [message], "{content}");
+}
+
+#[test]
+fn shapes_have_their_areas() {
+    let check = |content: &str, area: f64| {
+        let found = only(content).figure.signed_area().abs();
+        assert!(
+            (found - area).abs() < 1e-4 * area.max(1.0),
+            "{content} {found} {area}"
+        );
+    };
+    let pi = std::f64::consts::PI;
+    check("<rect x='1' y='2' width='3' height='4'/>", 12.0);
+    check("<rect width='1in' height='96'/>", 96.0 * 96.0);
+    check("<rect width='6' height='4' rx='1'/>", 24.0 - (4.0 - pi));
+    check("<rect width='6' height='4' rx='9' ry='9'/>", pi * 6.0);
+    check("<circle cx='50' cy='50' r='10'/>", 100.0 * pi);
+    check("<ellipse rx='10' ry='5'/>", 50.0 * pi);
+    check("<polygon points='0,0 4,0 4,3'/>", 6.0);
+    check("<polyline points='0,0 4,0 4,3 0,0'/>", 6.0);
+    check("<path d='M0 0h4v3z'/>", 6.0);
+    check(
+        "<g transform='scale(2)'><g transform='rotate(30)'><path d='M0 0h4v3z'/></g></g>",
+        24.0,
+    );
+}
+
+#[test]
+fn y_points_up_from_the_lower_left() {
+    let corner = only("<rect x='10' y='80' width='5' height='20'/>")
+        .figure
+        .bounds();
+    assert_eq!(
+        (corner.min, corner.max),
+        (DVec2::new(10.0, 0.0), DVec2::new(15.0, 20.0))
+    );
+    let text = "<svg height='50' width='9'><rect y='40' width='1' height='10'/></svg>";
+    let drawing = read(text.as_bytes(), "a.svg", &ReadOptions::default()).unwrap();
+    assert_eq!(drawing.shapes[0].figure.bounds().min, DVec2::ZERO);
+}
+
+#[test]
+fn units_are_known_where_the_drawing_has_a_size() {
+    let check = |attributes: &str, metres: Option<f64>| {
+        let text = format!("<svg {attributes}/>");
+        let drawing = read(text.as_bytes(), "a.svg", &ReadOptions::default()).unwrap();
+        let close = |(a, b): (f64, f64)| (a - b).abs() < 1e-12;
+        assert_eq!(
+            drawing.metres_per_unit.is_some(),
+            metres.is_some(),
+            "{attributes}"
+        );
+        assert!(
+            drawing.metres_per_unit.zip(metres).is_none_or(close),
+            "{attributes}"
+        );
+    };
+    check("", None);
+    check("width='100' viewBox='0 0 10 10'", None);
+    check(
+        "width='100mm' height='100mm' viewBox='0 0 50 50'",
+        Some(0.002),
+    );
+    check("width='1in'", Some(0.0254 / 96.0));
+}
+
+#[test]
+fn paint_is_inherited() {
+    let check = |content: &str, expected: Option<[f64; 3]>| {
+        let expected = expected.map(|[r, g, b]| Rgb::new(r, g, b));
+        assert_eq!(only(content).color, expected, "{content}");
+    };
+    let path = "<path d='M0 0h1v1z'";
+    check(&format!("{path}/>"), Some([0.0; 3]));
+    check(
+        &format!("<g fill='#f00'>{path}/></g>"),
+        Some([1.0, 0.0, 0.0]),
+    );
+    check(
+        &format!("<g fill='#f00'>{path} fill='lime'/></g>"),
+        Some([0.0, 1.0, 0.0]),
+    );
+    check(
+        &format!("{path} fill='red' style='fill: #00F;stroke:red'/>"),
+        Some([0.0, 0.0, 1.0]),
+    );
+    check(
+        &format!("<g color='red'>{path} fill='currentColor'/></g>"),
+        Some([1.0, 0.0, 0.0]),
+    );
+    let sheet = "<style>/* .a{fill:red} */ .a, .b { fill : #00ff00; } path{fill:red}</style>";
+    check(
+        &format!("{sheet}{path} class='x b'/>"),
+        Some([0.0, 1.0, 0.0]),
+    );
+    check(&format!("{sheet}{path}/>"), Some([1.0, 0.0, 0.0]));
+}
+
+#[test]
+fn fill_rules_are_kept() {
+    let star = "<path d='M0 3L2 -2L-3 1L3 1L-2 -2Z' ";
+    assert_eq!(only(&format!("{star}/>")).figure.rule, FillRule::NonZero);
+    let even_odd = only(&format!("<g fill-rule='evenodd'>{star}/></g>"));
+    assert_eq!(even_odd.figure.rule, FillRule::EvenOdd);
+}
+
+#[test]
+fn what_is_hidden_is_not_drawn() {
+    for content in [
+        "<g display='none'><path d='M0 0h1v1z'/></g>",
+        "<path visibility='hidden' d='M0 0h1v1z'/>",
+        "<path fill='none' d='M0 0h1v1z'/>",
+        "<path fill-opacity='0' d='M0 0h1v1z'/>",
+        "<defs><path d='M0 0h1v1z'/></defs>",
+        "<rect width='0' height='4'/>",
+        "<path d=''/>",
+        "<!-- --><title>t</title>",
+    ] {
+        let drawing = drawing(content);
+        assert_eq!(
+            (drawing.shapes.len(), drawing.warnings.len()),
+            (0, 0),
+            "{content}"
+        );
+    }
+}
+
+#[test]
+fn what_is_used_is_drawn_where_it_is_used() {
+    let defs = "<defs><g id='a'><rect id='r' width='1' height='1'/></g></defs>";
+    let check = |content: &str, min: [f64; 2]| {
+        let found = only(&format!("{defs}{content}")).figure.bounds().min;
+        assert_eq!(found, DVec2::from(min), "{content}");
+    };
+    check("<use href='#a'/>", [0.0, 99.0]);
+    check(
+        "<use href='#r' x='3' y='5' transform='scale(2)'/>",
+        [6.0, 88.0],
+    );
+    let link = "xmlns:x='http://www.w3.org/1999/xlink' x:href='#a'";
+    check(&format!("<use {link}/>"), [0.0, 99.0]);
+}
+
+#[test]
+fn what_is_left_out_is_said() {
+    check_warning("<text>a</text>", 0, "text: left out");
+    check_warning("<image/>", 0, "image: left out");
+    let stroked = "outline that is drawn but not filled: left out";
+    check_warning("<path fill='none' stroke='red' d='M0 0h1v1z'/>", 0, stroked);
+    check_warning(
+        "<path d='M0 0h1v1'/>",
+        1,
+        "open outline: closed by a straight line, as filling does",
+    );
+    let cut = "path or points that are not well-formed: drawn up to there";
+    check_warning("<path d='M0 0h1v1zX'/>", 1, cut);
+    check_warning("<polygon points='0 0 1 0 1 1 7'/>", 1, cut);
+    let paint = "paint that is not one plain colour: not kept";
+    check_warning("<path fill='url(#g)' d='M0 0h1v1z'/>", 1, paint);
+    check_warning("<g clip-path='url(#c)'/>", 0, "clip-path: not applied");
+    check_warning(
+        "<g transform='spin(3)'/>",
+        0,
+        "transform that is not well-formed: not applied",
+    );
+    check_warning(
+        "<rect width='50%' height='1'/>",
+        0,
+        "shape with a length in an unknown unit: left out",
+    );
+    check_warning(
+        "<use href='#no'/>",
+        0,
+        "use of what is not in the file: left out",
+    );
+    let deep = "use within use, more than 32 deep: left out";
+    check_warning("<g id='a'><use href='#a'/></g>", 0, deep);
+    let sheet = "rule of a style sheet for more than one class, id or element: not applied";
+    check_warning("<style>g > path {fill:red}</style>", 0, sheet);
+}
+
+#[test]
+fn other_files_are_refused() {
+    let check = |text: &str, message: &str| {
+        let error = read(text.as_bytes(), "a.svg", &ReadOptions::default()).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    };
+    check("<svg><g></svg>", "not well-formed");
+    check("<html/>", "expected the element svg");
+    check("<!DOCTYPE svg [<!ENTITY a 'b'>]><svg/>", "SVG without them");
+}
+
+#[test]
+fn small_files_do_not_unfold_without_end() {
+    let mut content = String::from("<g id='g0'><path d='M0 0h1v1z'/></g>");
+    for i in 1..30 {
+        let inner = format!("<use href='#g{}'/>", i - 1);
+        content += &format!("<g id='g{i}'>{inner}{inner}</g>");
+    }
+    let text = format!("<svg>{content}</svg>");
+    let options = ReadOptions::in_proportion(text.len());
+    assert!(read(text.as_bytes(), "a.svg", &options).is_err());
+}
+
+#[test]
+fn deep_files_do_not_overflow() {
+    let text = format!("<svg>{}{}</svg>", "<g>".repeat(900), "</g>".repeat(900));
+    assert!(read(text.as_bytes(), "a.svg", &ReadOptions::default()).is_ok());
+}

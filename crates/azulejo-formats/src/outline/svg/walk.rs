@@ -1,0 +1,298 @@
+//! From the elements of a document to its filled figures.
+
+use super::path::Outcome;
+use super::shapes;
+use super::style::{Paint, Style};
+use super::style_sheet::StyleSheet;
+use super::values::{Scanner, length, transform};
+use crate::outline::drawing::{Drawing, Filled};
+use crate::outline::pen::Pen;
+use crate::reading::options::Budget;
+use crate::reading::text::shortened;
+use crate::reading::warnings::Warnings;
+use crate::{Position, ReadError, ReadOptions};
+use azulejo_scene::{Curve, Figure};
+use glam::{DAffine2, DVec2};
+use roxmltree::{Document, Node};
+use std::collections::HashMap;
+
+/// `use` within `use`; deeper ones are left out, and with them those that hold themselves.
+const DEEPEST_USE: u32 = 32;
+
+/// Reads all that is filled.
+pub(super) fn read(
+    xml: &Document,
+    file: &str,
+    options: &ReadOptions,
+) -> Result<Drawing, ReadError> {
+    let ids = xml
+        .descendants()
+        .filter_map(|n| Some((n.attribute("id")?, n)));
+    let mut walk = Walk {
+        xml,
+        file,
+        warnings: Warnings::default(),
+        sheet: StyleSheet::new(xml),
+        // Of several elements with one id the first counts.
+        ids: ids.collect::<Vec<_>>().into_iter().rev().collect(),
+        budget: Budget::new(options),
+        shapes: Vec::new(),
+    };
+    let skipped = walk.sheet.not_applied;
+    let message = "rule of a style sheet for more than one class, id or element: not applied";
+    walk.warnings
+        .add_many(file, message.to_owned(), skipped, || Position::Whole);
+    let (map, metres_per_unit) = viewport(xml.root_element());
+    walk.all(map)?;
+    Ok(Drawing {
+        shapes: walk.shapes,
+        metres_per_unit,
+        warnings: walk.warnings.finish(file),
+    })
+}
+
+/// Turns y up, with the lower left corner of the view at the origin, and says how long a unit is,
+/// where the drawing has a size outside of screens.
+fn viewport(root: Node) -> (DAffine2, Option<f64>) {
+    const METRES: f64 = 0.0254 / 96.0;
+    let side = |name: &str| root.attribute(name).and_then(length);
+    let view = root
+        .attribute("viewBox")
+        .and_then(|v| Scanner::new(v).numbers());
+    let (left, bottom, view_width) = match view.as_deref() {
+        Some(&[x, y, width, height]) if width > 0.0 => (x, y + height, Some(width)),
+        _ => (0.0, side("height").map_or(0.0, |(height, _)| height), None),
+    };
+    let metres = match (side("width"), view_width) {
+        (Some((width, true)), Some(units)) if width > 0.0 => Some(METRES * width / units),
+        (Some((_, true)), None) => Some(METRES),
+        _ => None,
+    };
+    let map = DAffine2::from_cols_array(&[1.0, 0.0, 0.0, -1.0, -left, bottom]);
+    (map, metres)
+}
+
+struct Walk<'a, 'i> {
+    xml: &'a Document<'i>,
+    file: &'a str,
+    warnings: Warnings,
+    sheet: StyleSheet,
+    ids: HashMap<&'a str, Node<'a, 'i>>,
+    budget: Budget,
+    shapes: Vec<Filled>,
+}
+
+/// An element that is still to be drawn, and where.
+#[derive(Clone, Copy)]
+struct Site<'a, 'i> {
+    element: Node<'a, 'i>,
+    map: DAffine2,
+    style: Style,
+    /// How many `use` lead here.
+    depth: u32,
+}
+
+impl<'a, 'i> Walk<'a, 'i> {
+    /// Elements in their order, without recursion: files nest as deeply as they are long.
+    fn all(&mut self, map: DAffine2) -> Result<(), ReadError> {
+        let mut open = vec![Site {
+            element: self.xml.root_element(),
+            map,
+            style: Style::default(),
+            depth: 0,
+        }];
+        while let Some(site) = open.pop() {
+            self.budget.spend(1).map_err(|e| e.error(self.file))?;
+            let Some(style) = site.style.of(site.element, &self.sheet) else {
+                continue;
+            };
+            let map = site.map * self.own_map(site.element);
+            let site = Site { map, style, ..site };
+            self.note_ignored(site.element);
+            match site.element.tag_name().name() {
+                "svg" | "g" | "a" | "switch" | "symbol" => push_children(site, &mut open),
+                "use" => self.follow(site, &mut open),
+                "path" | "rect" | "circle" | "ellipse" | "polygon" | "polyline" => {
+                    self.fill(site)?;
+                }
+                name => self.left_out(name, site.element),
+            }
+        }
+        Ok(())
+    }
+
+    fn warn(&mut self, message: impl Into<String>, element: Node) {
+        let xml = self.xml;
+        self.warnings.add(self.file, message.into(), || {
+            let place = xml.text_pos_at(element.range().start);
+            Position::Line(place.row, place.col)
+        });
+    }
+
+    /// The element's own transform, and the place of one that has a place.
+    fn own_map(&mut self, element: Node) -> DAffine2 {
+        let map = match element.attribute("transform").map(transform) {
+            None => DAffine2::IDENTITY,
+            Some(Some(map)) => map,
+            Some(None) => {
+                self.warn("transform that is not well-formed: not applied", element);
+                DAffine2::IDENTITY
+            }
+        };
+        let is_placed = match element.tag_name().name() {
+            "use" => true,
+            "svg" => element != self.xml.root_element(),
+            _ => false,
+        };
+        let value = |name: &str| match is_placed {
+            true => element
+                .attribute(name)
+                .and_then(length)
+                .map_or(0.0, |(v, _)| v),
+            false => 0.0,
+        };
+        map * DAffine2::from_translation(DVec2::new(value("x"), value("y")))
+    }
+
+    /// Says what about an element has no effect here.
+    fn note_ignored(&mut self, element: Node) {
+        for name in ["clip-path", "mask", "filter"] {
+            if element.attribute(name).is_some_and(|v| v.trim() != "none") {
+                self.warn(format!("{name}: not applied"), element);
+            }
+        }
+        let is_inner = element != self.xml.root_element();
+        if is_inner && element.attribute("viewBox").is_some() {
+            self.warn("viewBox of an inner element: not applied", element);
+        }
+    }
+
+    fn follow(&mut self, site: Site<'a, 'i>, open: &mut Vec<Site<'a, 'i>>) {
+        const XLINK: &str = "http://www.w3.org/1999/xlink";
+        let element = site.element;
+        let link = element
+            .attribute("href")
+            .or(element.attribute((XLINK, "href")));
+        let target = link
+            .and_then(|l| l.trim().strip_prefix('#'))
+            .and_then(|id| self.ids.get(id));
+        match target {
+            Some(_) if site.depth == DEEPEST_USE => {
+                self.warn(
+                    format!("use within use, more than {DEEPEST_USE} deep: left out"),
+                    element,
+                );
+            }
+            Some(&target) => open.push(Site {
+                element: target,
+                depth: site.depth + 1,
+                ..site
+            }),
+            None => self.warn("use of what is not in the file: left out", element),
+        }
+    }
+
+    /// Elements that draw something else, or nothing.
+    fn left_out(&mut self, name: &str, element: Node) {
+        const SILENT: [&str; 16] = [
+            "defs",
+            "title",
+            "desc",
+            "metadata",
+            "style",
+            "script",
+            "clipPath",
+            "mask",
+            "filter",
+            "marker",
+            "pattern",
+            "linearGradient",
+            "radialGradient",
+            "view",
+            "animate",
+            "set",
+        ];
+        const SVG: &str = "http://www.w3.org/2000/svg";
+        let is_ours = element.tag_name().namespace().is_none_or(|n| n == SVG);
+        if is_ours && !SILENT.contains(&name) {
+            self.warn(format!("{}: left out", shortened(name)), element);
+        }
+    }
+
+    fn fill(&mut self, site: Site) -> Result<(), ReadError> {
+        let element = site.element;
+        if !site.style.is_visible {
+            return Ok(());
+        }
+        if site.style.fill == Paint::None {
+            if site.style.is_stroked {
+                self.warn("outline that is drawn but not filled: left out", element);
+            }
+            return Ok(());
+        }
+        let mut pen = Pen::default();
+        let Some(outcome) = shapes::draw(element, &mut pen) else {
+            self.warn("shape with a length in an unknown unit: left out", element);
+            return Ok(());
+        };
+        self.note(outcome, element);
+        let mut figure = pen.finish(site.style.rule);
+        self.budget
+            .spend(figure.curve_count() as u64)
+            .map_err(|e| e.error(self.file))?;
+        place(&mut figure, &site.map);
+        if figure.contours.is_empty() {
+            return Ok(());
+        }
+        if !figure.bounds().size().is_finite() {
+            self.warn("shape whose transforms overflow: left out", element);
+            return Ok(());
+        }
+        let color = match site.style.fill {
+            Paint::Color(color) => Some(color),
+            Paint::None | Paint::Other => None,
+        };
+        if color.is_none() {
+            self.warn("paint that is not one plain colour: not kept", element);
+        }
+        let name = element.attribute("id").unwrap_or_default();
+        self.shapes.push(Filled {
+            figure,
+            color,
+            name: name.to_owned(),
+        });
+        Ok(())
+    }
+
+    fn note(&mut self, outcome: Outcome, element: Node) {
+        if outcome.is_cut {
+            let message = "path or points that are not well-formed: drawn up to there";
+            self.warn(message, element);
+        }
+        for _ in 0..outcome.open.min(1) {
+            self.warn(
+                "open outline: closed by a straight line, as filling does",
+                element,
+            );
+        }
+    }
+}
+
+/// The last child first, so that the first is taken from the stack first.
+fn push_children<'a, 'i>(site: Site<'a, 'i>, open: &mut Vec<Site<'a, 'i>>) {
+    let children = site.element.children().rev().filter(Node::is_element);
+    open.extend(children.map(|element| Site { element, ..site }));
+}
+
+fn place(figure: &mut Figure, map: &DAffine2) {
+    let place = |p: &mut DVec2| *p = map.transform_point2(*p);
+    let curves = figure.contours.iter_mut().flat_map(|c| &mut c.curves);
+    curves.for_each(|curve| match curve {
+        Curve::Line { start } => place(start),
+        Curve::Cubic {
+            start,
+            control1,
+            control2,
+        } => [start, control1, control2].into_iter().for_each(place),
+    });
+}

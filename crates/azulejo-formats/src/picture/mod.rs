@@ -1,0 +1,28 @@
+//! Pictures: PNG, JPEG, Radiance HDR and OpenEXR, and what their readers share.
+
+pub(crate) mod error;
+pub mod exr;
+pub mod hdr;
+pub mod jpeg;
+pub mod png;
+pub(crate) mod srgb;
+
+pub use error::PictureError;
+
+use azulejo_scene::Image;
+use error::malformed;
+
+/// Reads a picture as linear light: PNG, JPEG or Radiance HDR, told apart by its content.
+///
+/// # Errors
+/// [`PictureError`]: another format, damaged, or larger than its bytes justify.
+pub fn decode(bytes: &[u8]) -> Result<Image, PictureError> {
+    match bytes {
+        [0xff, 0xd8, ..] => jpeg::read(bytes),
+        [b'#', b'?', ..] => hdr::read(bytes),
+        [0x89, b'P', b'N', b'G', ..] => png::read(bytes),
+        _ => Err(malformed(
+            "a picture that is none of PNG, JPEG and Radiance HDR",
+        )),
+    }
+}

@@ -1,0 +1,50 @@
+//! Bytes of text files as text.
+
+use std::borrow::Cow;
+
+/// UTF-16 becomes UTF-8, if a mark or plain letters stand at its start; anything else stays as
+/// it is.
+pub(crate) fn without_utf16(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let decode = |text: &[u8], unit: fn([u8; 2]) -> u16| {
+        let (pairs, _) = text.as_chunks::<2>();
+        let units = pairs.iter().map(|&pair| unit(pair));
+        let decoded = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+        decoded.collect::<String>().into_bytes().into()
+    };
+    match bytes {
+        [0xfe, 0xff, text @ ..] => decode(text, u16::from_be_bytes),
+        [0xff, 0xfe, text @ ..] => decode(text, u16::from_le_bytes),
+        [0, a, 0, b, 0, c, ..] if are_letters([*a, *b, *c]) => decode(bytes, u16::from_be_bytes),
+        [a, 0, b, 0, c, 0, ..] if are_letters([*a, *b, *c]) => decode(bytes, u16::from_le_bytes),
+        _ => bytes.into(),
+    }
+}
+
+/// Whether bytes may begin a text.
+fn are_letters(start: [u8; 3]) -> bool {
+    start
+        .iter()
+        .all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace())
+}
+
+/// Bytes as text: UTF-8 or, failing that, Latin-1.
+pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(s) => s.into(),
+        Err(_) => bytes.iter().map(|&b| b as char).collect(),
+    }
+}
+
+/// A word in quotes for a message, shortened.
+pub(crate) fn quoted(word: &[u8]) -> String {
+    format!("\"{}\"", shortened(&text(word)))
+}
+
+/// The first characters of a word for a message.
+pub(crate) fn shortened(word: &str) -> String {
+    const SHOWN: usize = 40;
+    match word.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &word[..end]),
+        None => word.to_owned(),
+    }
+}

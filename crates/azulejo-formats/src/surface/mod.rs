@@ -1,0 +1,11 @@
+//! What the formats share about surfaces: materials and their reflection models, textures, and
+//! the vertices, normals and polygons of meshes.
+
+pub(crate) mod gloss;
+pub(crate) mod materials;
+pub(crate) mod model;
+pub(crate) mod phong;
+pub(crate) mod smooth;
+pub(crate) mod tessellate;
+pub(crate) mod textures;
+pub(crate) mod weld;

@@ -1,0 +1,204 @@
+//! The pictures of a scene under construction, each once.
+
+use crate::reading::files::beside;
+use crate::reading::text::shortened;
+use crate::{FileError, Files, picture};
+use azulejo_scene::{Image, Texture, TextureId};
+use std::collections::HashMap;
+
+/// Most pixels that the pictures of one model may have together: 1.6 GB once they are decoded.
+const MOST_PIXELS: usize = 1 << 27;
+
+/// Pictures in the order in which they are first named; one file is one picture.
+#[derive(Debug, Default)]
+pub(crate) struct Textures {
+    list: Vec<Texture>,
+    known: HashMap<String, TextureId>,
+    pixels: usize,
+}
+
+impl Textures {
+    /// The index of the picture `name`, which stands in the file `of` (empty for the model
+    /// itself, else its name as the model's folder knows it), and what to warn of.
+    ///
+    /// The picture is looked for beside `of`, beside the model, and there without the folders of
+    /// its name, which are those of its author's machine. PNG, JPEG and Radiance HDR are loaded,
+    /// told apart by their content; one that cannot be had keeps its name, and the first to ask for
+    /// it hears why.
+    pub fn index(
+        &mut self,
+        of: &str,
+        name: &str,
+        files: &dyn Files,
+    ) -> (TextureId, Option<String>) {
+        let name = one_spelling(name);
+        let wanted = beside(of, &name);
+        if let Some(&known) = self.known.get(&wanted) {
+            return (known, None);
+        }
+        let (path, read) = find(&wanted, &name, files);
+        let (id, problem) = match self.known.get(&path) {
+            Some(&known) => (known, None),
+            None => {
+                self.known
+                    .insert(path.clone(), self.list.len() as TextureId);
+                self.embedded(path, read.map_err(|e| e.to_string()))
+            }
+        };
+        self.known.insert(wanted, id);
+        (id, problem)
+    }
+
+    /// Adds a picture that stands in the model's own file, under a name of its own, and says
+    /// what to warn of; `read` are its bytes, or why they cannot be had.
+    pub fn embedded(
+        &mut self,
+        name: String,
+        read: Result<Vec<u8>, String>,
+    ) -> (TextureId, Option<String>) {
+        let decode = |bytes: Vec<u8>| picture::decode(&bytes).map_err(|e| e.to_string());
+        let decoded = read.and_then(decode);
+        let image = decoded.and_then(|image| self.admit(image));
+        let shown = shortened(&name);
+        let said = |why| format!("picture \"{shown}\" is not shown: {why}");
+        let problem = image.as_ref().err().map(said);
+        let id = self.list.len() as TextureId;
+        self.list.push(Texture {
+            path: name,
+            image: image.ok(),
+        });
+        (id, problem)
+    }
+
+    /// Whether a picture's pixels are there.
+    pub fn is_loaded(&self, id: TextureId) -> bool {
+        self.list
+            .get(id as usize)
+            .is_some_and(|t| t.image.is_some())
+    }
+
+    /// Counts the pixels of one more picture.
+    fn admit(&mut self, image: Image) -> Result<Image, String> {
+        let pixels = self.pixels + image.pixels.len();
+        if pixels > MOST_PIXELS {
+            return Err(format!("the pictures have more than {MOST_PIXELS} pixels"));
+        }
+        self.pixels = pixels;
+        Ok(image)
+    }
+
+    /// Adds a picture whose pixels stand in the model as numbers, under a name of its own.
+    ///
+    /// # Errors
+    /// The pictures have too many pixels.
+    pub fn drawn(&mut self, name: String, image: Image) -> Result<TextureId, String> {
+        let image = Some(self.admit(image)?);
+        self.list.push(Texture { path: name, image });
+        Ok((self.list.len() - 1) as TextureId)
+    }
+
+    /// The pixels of a picture, if it could be had.
+    pub fn image(&self, id: TextureId) -> Option<&Image> {
+        self.list.get(id as usize)?.image.as_ref()
+    }
+
+    /// All of them, in the order of their indices.
+    pub fn into_list(self) -> Vec<Texture> {
+        self.list
+    }
+}
+
+/// The first of a picture's possible places where it is, with its bytes; or the first place and
+/// what is wrong there.
+fn find(wanted: &str, name: &str, files: &dyn Files) -> (String, Result<Vec<u8>, FileError>) {
+    let read = files.read(wanted);
+    if !matches!(read, Err(FileError::Missing | FileError::Outside)) {
+        return (wanted.to_owned(), read);
+    }
+    let base = name.rsplit('/').next().unwrap_or(name);
+    for other in [name, base] {
+        if other != wanted
+            && let Ok(bytes) = files.read(other)
+        {
+            return (other.to_owned(), Ok(bytes));
+        }
+    }
+    (wanted.to_owned(), read)
+}
+
+/// A file's name with `/` between folders and no `.` among them, so that a file is not read and
+/// kept again for every way to spell its name.
+pub(crate) fn one_spelling(name: &str) -> String {
+    let parts = name.split(['/', '\\']).filter(|p| !matches!(*p, "" | "."));
+    let path = parts.collect::<Vec<_>>().join("/");
+    if name.starts_with(['/', '\\']) {
+        format!("/{path}")
+    } else {
+        path
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Memory;
+    use crate::picture::hdr;
+
+    fn picture() -> Vec<u8> {
+        let image = Image {
+            width: 1,
+            height: 1,
+            pixels: vec![[0.5; 3]],
+        };
+        let mut bytes = Vec::new();
+        hdr::write(&image, &mut bytes).unwrap();
+        bytes
+    }
+
+    /// Asks for `names`, which stand in the file `of`: expects these indices, pictures, and
+    /// how many of them are missing.
+    fn check(of: &str, names: &[&str], indices: &[u32], paths: &[&str], missing: usize) {
+        let files = Memory::new()
+            .with("wood.hdr", picture())
+            .with("maps/tile.hdr", picture());
+        let mut textures = Textures::default();
+        let asked = names.iter().map(|n| textures.index(of, n, &files));
+        let (found, problems): (Vec<_>, Vec<_>) = asked.unzip();
+        assert_eq!(found, indices);
+        let list = textures.into_list();
+        let found: Vec<&str> = list.iter().map(|t| t.path.as_str()).collect();
+        assert_eq!(found, paths);
+        assert_eq!(problems.iter().flatten().count(), missing);
+        assert_eq!(list.iter().filter(|t| t.image.is_none()).count(), missing);
+    }
+
+    #[test]
+    fn one_file_is_one_picture() {
+        let names = [
+            "wood.hdr",
+            ".\\wood.hdr",
+            "C:\\art\\wood.hdr",
+            "maps\\tile.hdr",
+        ];
+        check("", &names, &[0, 0, 0, 1], &["wood.hdr", "maps/tile.hdr"], 0);
+        let names = ["tile.hdr", "maps/tile.hdr", "../wood.hdr", "wood.hdr"];
+        check(
+            "maps/a.mtl",
+            &names,
+            &[0, 0, 1, 1],
+            &["maps/tile.hdr", "wood.hdr"],
+            0,
+        );
+    }
+
+    #[test]
+    fn what_is_missing_keeps_its_name() {
+        check(
+            "",
+            &["a.jpg", "b/c.jpg", "a.jpg"],
+            &[0, 1, 0],
+            &["a.jpg", "b/c.jpg"],
+            2,
+        );
+    }
+}
