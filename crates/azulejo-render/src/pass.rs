@@ -80,7 +80,7 @@ pub fn render(
     let (width, height) = options.size;
     assert!(
         width.checked_mul(height).is_some(),
-        "a picture of {width} × {height} pixels is too large"
+        "an image of {width} × {height} pixels is too large"
     );
     let integrator = Integrator::new(scene, tracer, options);
     let film = Film {

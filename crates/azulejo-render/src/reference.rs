@@ -157,7 +157,7 @@ pub fn reference(
     let (width, height) = options.size;
     assert!(
         width.checked_mul(height).is_some(),
-        "a picture of {width} × {height} pixels is too large"
+        "an image of {width} × {height} pixels is too large"
     );
     let path_tracer = PathTracer::new(scene, tracer, options);
     let film = Film {

@@ -134,7 +134,7 @@ impl Continuation {
     }
 }
 
-/// The surface of a transparent body, or a thin pane, as one ray meets it.
+/// The surface of a transparent body, or a thin pane, as one ray hits it.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricInterface {
     /// Fresnel reflectance.
@@ -263,7 +263,7 @@ impl Roulette {
     }
 
     /// The probability with which a path of that weight survived, by which the survivor's weight
-    /// is divided; `None` if it ended. `chance` in 0..1 is drawn only where it matters.
+    /// is divided; `None` if it ended. `chance` in 0..1 is called only where it matters.
     pub fn survival(&self, weight: f64, chance: impl FnOnce() -> f64) -> Option<f64> {
         let odds = (weight / self.below).min(self.most);
         if odds >= 1.0 {

@@ -21,7 +21,7 @@ pub(super) fn color_at(map: &ColorMap, t: f64) -> Rgb {
 
 /// The image, interpolated bilinearly; `u` and `v` run from the lower right corner to the left and
 /// up, and repeat.
-pub(super) fn picture_at(image: &Image, u: f64, v: f64) -> Rgb {
+pub(super) fn image_at(image: &Image, u: f64, v: f64) -> Rgb {
     let along = |x: f64, pixels: u32| {
         let position = (1.0 - (x - x.floor())) * f64::from(pixels - 1);
         let first = (position as u32).min(pixels - 1);
@@ -55,12 +55,12 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_runs_to_the_left_and_up() {
+    fn an_image_runs_to_the_left_and_up() {
         let mut image = Image::new(2, 2);
         image.pixels[0] = [1.0; 3];
         image.pixels[3] = [0.5; 3];
         let check = |u, v, expected: f64| {
-            let found = picture_at(&image, u, v).g * 256.0 / 255.0;
+            let found = image_at(&image, u, v).g * 256.0 / 255.0;
             assert!((found - expected).abs() < 1e-6, "{u} {v}: {found}");
         };
         check(0.0, 0.0, 0.5);

@@ -163,7 +163,7 @@ pub fn render(
     let corners = (u64::from(width) + 1) * (u64::from(height) + 1);
     assert!(
         u32::try_from(corners).is_ok(),
-        "a picture of {width} × {height} pixels is too large"
+        "an image of {width} × {height} pixels is too large"
     );
     progress.begin("render", corners + u64::from(width) * u64::from(height));
     let lens = Lens::new(view);

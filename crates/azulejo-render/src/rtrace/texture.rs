@@ -1,6 +1,6 @@
 //! Textures that change colours and reflectances.
 
-use super::map::{color_at, picture_at};
+use super::map::{color_at, image_at};
 use super::noise::{Octaves, bands, noise, wave};
 use super::relief;
 use azulejo_scene::Rgb;
@@ -87,7 +87,7 @@ impl TexturedSurface {
                 let [u, v] = axes.map(|a| point[usize::from(a)]);
                 let is_on = |x: f64| *tiles || (0.0..=1.0).contains(&x);
                 if is_on(u) && is_on(v) {
-                    self.surface.color = picture_at(image, u, v);
+                    self.surface.color = image_at(image, u, v);
                 }
             }
             Gloss { k } => self.gloss(k * noise(*point)),
@@ -433,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_does_not_tile_stays_in_its_square() {
+    fn an_image_that_does_not_tile_stays_in_its_square() {
         let image = |tiles| {
             texture(ImageMap {
                 turbulence: 0.0,

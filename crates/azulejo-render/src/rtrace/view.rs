@@ -51,7 +51,7 @@ impl View {
         }
     }
 
-    /// The view of one eye of a pair, `separation` apart, that look at the same point.
+    /// The view of one eye of a pair, `separation` apart, that are directed at the same point.
     pub fn of_eye(self, side: Side, separation: f64) -> View {
         let right = (self.look - self.eye).cross(self.up).normalize_or_zero();
         let half = match side {
@@ -84,12 +84,12 @@ pub(super) struct Lens {
 
 impl Lens {
     pub fn new(view: &View) -> Lens {
-        let gaze = view.look - view.eye;
-        let forward = gaze.normalize();
+        let toward = view.look - view.eye;
+        let forward = toward.normalize();
         let right = forward.cross(view.up).normalize();
         let down = forward.cross(right);
         let [h, v] = view.half_angles.map(f64::tan);
-        let focus = view.focus.unwrap_or(gaze.length());
+        let focus = view.focus.unwrap_or(toward.length());
         let (width, height) = (2.0 * h * right, 2.0 * v * down);
         let across = width / f64::from(view.size.0);
         let down = height / f64::from(view.size.1);
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_spans_both_apertures() {
+    fn the_image_spans_both_apertures() {
         let lens = Lens::new(&view());
         let mut sampler = RaySampler::new(0, 0);
         let corner = lens.ray(0.0, 10.0, &mut sampler).direction;

@@ -6,7 +6,7 @@ use azulejo_scene::{Exact, Leaf, MaterialId, Mesh, PrimitiveKind, Rgb, Scene, Sh
 use azulejo_trace::{Hit, MeshTriangles, Tracer};
 use glam::DVec3;
 
-/// Hits whose distances differ by less, relatively, are in one place.
+/// Hits whose distances differ by less, relatively, are at the same point.
 const SAME: f64 = 1e-9;
 
 /// What RTRACE counts as one object: a primitive, a polygon of a mesh, a glyph, a set operation.

@@ -8,7 +8,7 @@ use azulejo_trace::{Cancelled, Progress, Tracer};
 use glam::DVec3;
 
 #[test]
-fn pictures_are_neither_mirrored_nor_upside_down() {
+fn images_are_neither_mirrored_nor_upside_down() {
     let mut scene = Scene::default();
     let colours = [
         (-1.0, 1.0, Rgb::new(1.0, 0.0, 0.0)),
@@ -134,7 +134,7 @@ fn odd_sizes_and_no_samples_are_drawn() {
 }
 
 #[test]
-fn a_cancelled_picture_stops() {
+fn a_cancelled_image_stops() {
     let (scene, eye) = gallery(6);
     let tracer = Tracer::new(&scene);
     let options = SecondPass {

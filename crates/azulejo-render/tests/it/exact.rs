@@ -76,7 +76,7 @@ fn as_mesh(scene: &Scene) -> Scene {
     scene
 }
 
-fn picture(scene: &Scene) -> Vec<Rgb> {
+fn pixels(scene: &Scene) -> Vec<Rgb> {
     scene.validate().expect("the test's scene is valid");
     let eye = camera(dvec3(2.0, 2.5, 5.0), DVec3::ZERO, 40.0);
     let options = SecondPass {
@@ -92,7 +92,7 @@ fn picture(scene: &Scene) -> Vec<Rgb> {
 
 /// Share of pixels that differ by more than `within` between a shape and its proxy mesh.
 fn differ(scene: &Scene, within: f64) -> f64 {
-    let (exact, polygons) = (picture(scene), picture(&as_mesh(scene)));
+    let (exact, polygons) = (pixels(scene), pixels(&as_mesh(scene)));
     assert!(exact.iter().filter(|p| !p.is_black()).count() > exact.len() / 12);
     let off = exact.iter().zip(&polygons).filter(|(a, b)| {
         let d = **a - **b;
@@ -102,7 +102,7 @@ fn differ(scene: &Scene, within: f64) -> f64 {
 }
 
 #[test]
-fn pictures_of_prisms_are_those_of_their_polygons() {
+fn images_of_prisms_are_those_of_their_polygons() {
     let light = |p: DVec3| Rgb::new(2.0 + p.x, 2.0 + p.y, 2.0 + p.z);
     let square = Figure::polygon([(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(DVec2::from));
     let oblique = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Y, dvec3(0.3, 0.2, 1.0)));

@@ -181,13 +181,13 @@ fn an_even_sky_shows_the_albedo() {
 }
 
 #[test]
-fn pictures_carry_their_errors() {
+fn images_carry_their_errors() {
     let mut scene = Scene::default();
     floor(&mut scene, "lewis n = 20 kd = 0.3 ks = 0.5");
     lamp(&mut scene);
     let tracer = Tracer::new(&scene);
     let eye = camera(DVec3::new(-2.0, -2.0, 1.5), DVec3::ZERO, 60.0);
-    let picture = |samples, seed| -> Reference {
+    let estimate = |samples, seed| -> Reference {
         let options = ReferencePass {
             size: (24, 16),
             samples_per_pixel: samples,
@@ -196,7 +196,7 @@ fn pictures_carry_their_errors() {
         };
         reference(&scene, &tracer, &eye, &options, &Progress::new()).unwrap()
     };
-    let (rough, fine) = (picture(64, 1), picture(4096, 2));
+    let (rough, fine) = (estimate(64, 1), estimate(4096, 2));
     let pairs = rough.image.pixels.iter().zip(&fine.image.pixels);
     let squares = pairs.zip(&rough.error.pixels).flat_map(|((a, b), e)| {
         let known = (0..3).filter(|&k| e[k] > 0.0);

@@ -131,9 +131,9 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                 });
             }
         }
-        let places: Vec<GatherPoint> = points.iter().map(|(p, _)| *p).collect();
-        let glimpses = gatherer.direct_light().single_sample(&places, seed ^ 0x51);
-        for ((contact, (_, weight)), e) in contacts.iter().zip(&points).zip(glimpses) {
+        let at: Vec<GatherPoint> = points.iter().map(|(p, _)| *p).collect();
+        let direct = gatherer.direct_light().single_sample(&at, seed ^ 0x51);
+        for ((contact, (_, weight)), e) in contacts.iter().zip(&points).zip(direct) {
             let sum =
                 &mut self.sums[contact.id as usize / REPLICATES][contact.id as usize % REPLICATES];
             (0..3).for_each(|k| sum[k] += weight[k] * e[k]);
