@@ -218,3 +218,93 @@ pub fn mis_weight(own: f64, other: f64) -> f64 {
     let (own, other) = (own * own, other * other);
     own / (own + other).max(f64::MIN_POSITIVE)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Tracer, interaction::shadow_ray};
+    use azulejo_scene::math::Ray;
+    use azulejo_scene::{Material, Mesh, Object, Primitive, Scene, Shape};
+
+    /// A polygon in a plane of constant z, by its corners.
+    fn polygon(scene: &mut Scene, z: f64, corners: &[[f64; 2]], material: u32) {
+        let mut mesh = Mesh {
+            positions: corners.iter().map(|c| DVec3::new(c[0], c[1], z)).collect(),
+            ..Mesh::default()
+        };
+        let face: Vec<u32> = (0..corners.len() as u32).collect();
+        mesh.push_face(&face, material);
+        scene.objects.push(Object::new("lamp", Shape::Mesh(mesh)));
+    }
+
+    /// Emitters of every shape around the origin: whole faces, a concave face in triangles, one
+    /// that emits from both sides, a parallelogram and a sphere.
+    fn lamps() -> Scene {
+        let mut scene = Scene::default();
+        let front = scene.add_material(Material::emitter("front", Rgb::new(1.0, 2.0, 3.0)));
+        let mut both = Material::emitter("both", Rgb::grey(2.0));
+        both.emits_back = true;
+        let both = scene.add_material(both);
+        let up = [[-1.0, -1.0], [1.0, -1.0], [1.5, 0.3], [0.0, 1.0]];
+        let down: Vec<[f64; 2]> = up.iter().rev().copied().collect();
+        polygon(&mut scene, 2.0, &down, front);
+        polygon(&mut scene, -3.0, &down, both);
+        let dart = [[4.0, 0.0], [6.0, -2.0], [5.0, 0.0], [6.0, 2.0]];
+        polygon(&mut scene, -1.0, &dart, front);
+        let corner = DVec3::new(-3.0, -1.0, -1.0);
+        let sheet = Primitive::parallelogram(corner, DVec3::Y, DVec3::Z, front);
+        let ball = Primitive::sphere(DVec3::new(0.0, 4.0, 0.0), 0.5, front);
+        for primitive in [sheet, ball] {
+            let shape = Shape::Primitive(primitive);
+            scene.objects.push(Object::new("lamp", shape));
+        }
+        scene
+    }
+
+    #[test]
+    fn rays_find_samples_with_the_density_of_the_samples() {
+        let scene = lamps();
+        let tracer = Tracer::new(&scene);
+        let surfaces = Surfaces::new(&scene, &tracer);
+        let lights = Lights::new(&surfaces);
+        let mut found = [0; 5];
+        for k in 0..4000 {
+            let u = [1, 2, 3].map(|d| f64::from(crate::sampling::uniform(&[k, d])));
+            let Some(sample) = lights.sample(&surfaces, DVec3::ZERO, u) else {
+                continue;
+            };
+            let mut blocked = Vec::new();
+            let shadow = shadow_ray(&tracer, DVec3::ZERO, sample.target);
+            tracer.any(&[shadow], &mut blocked);
+            if blocked[0] {
+                continue;
+            }
+            let ray = tracer.kernel_ray(&Ray::new(DVec3::ZERO, sample.direction));
+            let mut hits = Vec::new();
+            tracer.closest(&[ray], &mut hits);
+            let pdf = lights.pdf(&surfaces, &ray, &hits[0]);
+            let object = surfaces.item(hits[0].item).object as usize;
+            assert!(
+                (pdf - sample.pdf).abs() < 1e-3 * pdf,
+                "object {object}: {pdf} and {}",
+                sample.pdf
+            );
+            found[object] += 1;
+        }
+        assert!(found.iter().all(|&n| n > 50), "{found:?}");
+    }
+
+    #[test]
+    fn shares_are_those_of_power() {
+        let scene = lamps();
+        let tracer = Tracer::new(&scene);
+        let lights = Lights::new(&Surfaces::new(&scene, &tracer));
+        let shares = lights.flat.iter().map(|l| l.emission.share);
+        let shares = shares.chain(lights.curved.iter().map(|l| l.emission.share));
+        assert!((shares.sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((lights.ends.last().unwrap() - 1.0).abs() < 1e-12);
+        // Of equal polygons the one that emits from both sides has twice the power.
+        let [one, both] = [0, 1].map(|k: usize| lights.flat[k].emission.share);
+        assert!((both - 2.0 * one).abs() < 1e-12, "{one} {both}");
+    }
+}

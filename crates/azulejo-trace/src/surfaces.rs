@@ -244,3 +244,31 @@ impl ItemSurface {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_of_a_mesh_are_those_of_its_faces() {
+        let corner = |k: u32| {
+            let (sin, cos) = (0.7 * f64::from(k)).sin_cos();
+            DVec3::new(cos, sin, 0.0)
+        };
+        let mut mesh = Mesh {
+            positions: (0..9).map(corner).collect(),
+            ..Mesh::default()
+        };
+        for face in [&[0, 1, 2, 3, 4][..], &[2, 4, 6], &[0, 5, 3, 7], &[8, 1, 5]] {
+            mesh.push_face(face, 0);
+        }
+        let triangles = MeshTriangles::new(&mesh);
+        for face in 0..mesh.faces.len() {
+            let start = mesh.faces.starts[face];
+            for (k, expected) in (0..).zip(mesh.triangulate(face)) {
+                let found = triangles.corners_of(&mesh, face as u32, k);
+                assert_eq!(found, expected.map(|c| start + c), "face {face}");
+            }
+        }
+    }
+}
