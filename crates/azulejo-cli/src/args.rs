@@ -1,4 +1,4 @@
-//! What can be typed. Values are typed here; what they mean is for the commands to say.
+//! The command line as clap parses it. Values get their types here; the commands interpret them.
 
 use super::brdf::{BRDF_EXAMPLES, BrdfCommand};
 use super::engine::EngineArgs;
@@ -17,29 +17,29 @@ use std::time::Duration;
 
 /// Global illumination for the models people already have.
 ///
-/// A model goes in; irradiance on its vertices, pictures and measurements come out.
+/// Reads a model, computes the irradiance on its surfaces, and renders and measures it.
 #[derive(Debug, Parser)]
 #[command(name = "azulejo", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
-    /// How to do it.
+    /// The options of every command.
     #[command(flatten)]
     pub common: CommonArgs,
 }
 
-/// Switches of every command.
+/// Options of every command.
 #[derive(Clone, Copy, Debug, Args)]
-#[command(next_help_heading = "Everywhere")]
+#[command(next_help_heading = "General")]
 pub struct CommonArgs {
-    /// Print one JSON object on standard output instead of words
+    /// Print one JSON object on standard output instead of text
     #[arg(long, global = true)]
     pub json: bool,
-    /// Print nothing but errors: no progress, no warnings, no summary
+    /// Print errors only: no progress, warnings or summary
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Threads to work with [default: one per processor core]
+    /// Number of threads [default: one per processor core]
     #[arg(long, global = true, value_name = "N",
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -48,48 +48,48 @@ pub struct CommonArgs {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Say what is in a model
+    /// Show what a model contains
     #[command(after_help = INFO_EXAMPLES)]
     Info(InfoArgs),
-    /// Read models, merge them, write them in another format
+    /// Read models, merge them and write them in another format
     #[command(after_help = CONVERT_EXAMPLES)]
     Convert(ConvertArgs),
-    /// First pass: find the irradiance and write it onto the vertices
+    /// First pass: compute the irradiance on the vertices
     #[command(after_help = SOLVE_EXAMPLES)]
     Solve(SolveArgs),
-    /// Second pass: make a picture; solves first when the scene carries no irradiance
+    /// Second pass: render an image; solves first if the scene has no irradiance yet
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
-    /// Measure: irradiance at points, radiance or hits along rays
+    /// Measure irradiance at points, or radiance or hits along rays
     #[command(after_help = PROBE_EXAMPLES)]
     Probe(ProbeArgs),
-    /// Write the matrix of form factors between patches
+    /// Compute the matrix of form factors between patches
     #[command(after_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
-    /// Compare engines: run a suite of scenes and settings, and report times and errors
+    /// Compare form factor engines: run a suite of scenes and settings and report times and errors
     #[command(after_help = EXPERIMENT_EXAMPLES)]
     Experiment(ExperimentArgs),
-    /// Make solid letters of a text
+    /// Make solid letters from text
     #[command(after_help = TEXT_EXAMPLES)]
     Text(TextArgs),
-    /// Convert typefaces, and look at them
+    /// Convert fonts and draw specimen sheets
     #[command(after_help = FONT_EXAMPLES)]
     Font {
-        /// What to do with them
+        /// The subcommand
         #[command(subcommand)]
         command: FontCommand,
     },
-    /// Make a solid of a flat drawing, SVG or DXF
+    /// Extrude a drawing (SVG or DXF) to a solid
     #[command(after_help = EXTRUDE_EXAMPLES)]
     Extrude(ExtrudeArgs),
-    /// Reflection models: evaluate, draw, check and fit them
+    /// Evaluate, plot, check and fit reflection models
     #[command(after_help = BRDF_EXAMPLES)]
     Brdf {
-        /// What to do with them
+        /// The subcommand
         #[command(subcommand)]
         command: BrdfCommand,
     },
-    /// Open the workbench: a window to look at models, light them and save them
+    /// Open the workbench, a window to view, light and save models
     #[command(after_help = VIEW_EXAMPLES)]
     View(WorkbenchArgs),
     /// Print a completion script for a shell
@@ -98,7 +98,7 @@ pub enum Command {
         /// The shell
         shell: clap_complete::Shell,
     },
-    /// Write the manual pages into a folder
+    /// Write the manual pages to a folder
     #[command(after_help = MAN_EXAMPLES)]
     Man {
         /// An existing folder
@@ -107,27 +107,27 @@ pub enum Command {
     },
 }
 
-/// What the workbench is started with.
+/// `view`
 #[derive(Debug, Args)]
 pub struct WorkbenchArgs {
     /// Models to open
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
-    /// Play a list of steps, one a line
+    /// Run a script of steps, one per line
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub script: Option<PathBuf>,
-    /// Write a picture of the window, PNG, when all is loaded and the script is done, and end
+    /// Write a screenshot (PNG) once all is loaded and the script has run, and exit
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub screenshot: Option<PathBuf>,
-    /// Neither read nor write preferences and copies for recovery
+    /// Neither read nor write preferences and recovery files
     #[arg(long)]
     pub no_preferences: bool,
 }
 
-/// Which models to read.
+/// The models to read.
 #[derive(Debug, Args)]
 pub struct InputArgs {
-    /// Model files; several are merged into one scene. `-` is standard input
+    /// Model files, merged into one scene if several; `-` is standard input
     #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath)]
     pub scenes: Vec<PathBuf>,
     /// Add the point lights of a camera file (.json)
@@ -141,31 +141,31 @@ pub struct InputArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Reading")]
 pub struct ReadingArgs {
-    /// Where one of the models goes: FILE:translate=1,0,2,rotate=0,90,0,scale=2, done in the
-    /// order written (degrees about x, y, z; one scale or three), or fit=2 to give it that largest
-    /// side and stand it on the origin; also up=z and unit=mm for a model that does not say its
-    /// own, and name=lamp for its branch
+    /// Place a model: FILE:translate=1,0,2,rotate=0,90,0,scale=2, applied in the given order
+    /// (degrees about x, y, z; one scale factor or three). fit=2 scales the model to that largest
+    /// side and stands it on the origin; up=z and unit=mm override the file's axis and unit;
+    /// name=lamp names its branch in the scene
     #[arg(long, value_name = "FILE:HOW", value_parser = placement::parse)]
     pub place: Vec<Placement>,
-    /// Which axis points up in the scene; models with another are turned [default: that of the
-    /// first model]. For `render` also a direction X,Y,Z that points up in the picture alone
+    /// Up axis of the scene, to which models are rotated [default: that of the first model]. For
+    /// `render`, also a direction X,Y,Z that points up in the image only
     #[arg(long, value_name = "y|z", value_parser = values::up, allow_hyphen_values = true)]
     pub up: Option<UpArg>,
-    /// Unit of the scene's lengths: mm, cm, m, km, in, ft, or a number of metres; models that say
-    /// another are scaled [default: that of the first model]
+    /// Unit of length of the scene, to which models are scaled: mm, cm, m, km, in, ft, or a number
+    /// of metres [default: that of the first model]
     #[arg(long, value_name = "UNIT", value_parser = values::unit)]
     pub unit: Option<f64>,
-    /// Level of detail, where a model has several: finest, coarsest, all, or what is seen from a
-    /// distance
+    /// Level of detail of models that have several: finest, coarsest, all, or the one for a
+    /// viewing distance
     #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
     pub lod: Lod,
-    /// Fail when anything in a model had to be skipped or mended
+    /// Fail if anything in a model had to be skipped or repaired
     #[arg(long)]
     pub strict: bool,
-    /// Most vertices and corners that the instances and curves of a model may unfold to
+    /// Limit of the vertices and corners to which instances and curves of a model may expand
     #[arg(long, value_name = "N", default_value_t = ReadOptions::default().most_elements)]
     pub most_elements: u64,
-    /// Also read files from this folder when a model names them by `..` or an absolute path
+    /// Also read files in this folder that a model refers to by `..` or an absolute path
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub allow: Vec<PathBuf>,
 }
@@ -182,20 +182,20 @@ pub struct InfoArgs {
 pub struct ConvertArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Where to write, by extension: .grf, .obj (with its .mtl beside), .glb, .gltf or .ply; `-`
-    /// writes GRF to standard output
+    /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf, .ply or
+    /// .sff; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
 }
 
-/// How finely the surfaces are divided.
+/// The subdivision into patches.
 #[derive(Clone, Copy, Debug, Args)]
 #[group(multiple = false)]
 pub struct DivisionArgs {
-    /// About how many patches to divide the surfaces into
+    /// Approximate number of patches
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub patches: Option<u64>,
-    /// Longest edge of a patch, in scene units; 0 leaves faces whole
+    /// Longest edge of a patch, in scene units; 0 does not divide faces
     #[arg(long, value_name = "LENGTH", value_parser = values::not_negative)]
     pub patch_size: Option<f64>,
 }
@@ -206,27 +206,27 @@ pub struct DivisionArgs {
 pub struct FirstPassArgs {
     #[command(flatten)]
     pub division: DivisionArgs,
-    /// Stop when the estimated relative error of the irradiance (RMS) is below this: 1% or 0.01
-    /// [default without --rays: 3%, or what 2048 rays give]
+    /// Stop when the estimated relative error (RMS) of the irradiance is below this: 1% or 0.01
+    /// [default without --rays: 3%, with at most 2048 rays]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub error: Option<f64>,
-    /// Rays from each patch, and most from each vertex or point
+    /// Rays per patch, and at most as many per vertex or point
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
-    /// Stop refining after this time and keep what there is: 60s, 2m, 500ms
+    /// Stop refining after this time and keep the result so far: 60s, 2m, 500ms
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub time: Option<Duration>,
-    /// How often light is reflected diffusely [default: until it has converged]
+    /// Number of diffuse reflections [default: until converged]
     #[arg(long, value_name = "N")]
     pub bounces: Option<u32>,
-    /// Memory for the matrix of form factors; above it, the pass does without a matrix
+    /// Memory for the form factor matrix; a larger problem is solved without a matrix
     /// [default: half of the machine's]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     pub memory: Option<u64>,
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Write irradiance on the vertices as they are, without dividing faces
+    /// Write irradiance on the original vertices, without subdividing faces
     #[arg(long)]
     pub keep_mesh: bool,
     #[command(flatten)]
@@ -238,40 +238,40 @@ pub struct FirstPassArgs {
 pub struct SolveArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Where to write the scene with its light, by extension: .grf, .glb, .gltf or .ply; `-` writes
-    /// GRF to standard output
+    /// Output file for the scene with its irradiance, its format chosen by extension: .grf, .glb,
+    /// .gltf or .ply; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }
 
-/// How radiance becomes display light.
+/// Tone mapping curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ToneName {
-    /// Cut off above 1
+    /// Clip above 1
     Linear,
-    /// Compress luminance, keep colours (Reinhard et al. 2002)
+    /// Compress luminance, preserving colours (Reinhard et al. 2002)
     Reinhard,
-    /// A film's soft curve (Narkowicz 2015)
+    /// A curve like that of film (Narkowicz 2015)
     Filmic,
 }
 
-/// The viewpoint.
+/// The camera.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Viewpoint")]
+#[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
     /// A camera file (.json), or the name of one of the scene's cameras [default: the scene's
-    /// first camera, or a view of all of it]
+    /// first camera, or a view of the whole scene]
     #[arg(long, value_name = "FILE|NAME", value_hint = ValueHint::FilePath)]
     pub camera: Option<String>,
-    /// Where the viewer stands
+    /// Position of the camera
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub from: Option<DVec3>,
-    /// What the viewer looks at
+    /// Point that the camera looks at
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub at: Option<DVec3>,
-    /// Vertical field of view
+    /// Vertical field of view in degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
     pub fov: Option<f64>,
 }
@@ -281,8 +281,8 @@ pub struct CameraArgs {
 pub struct RenderArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Where to write, by extension: .png (for looking at), .exr or .hdr (linear radiance);
-    /// `-` writes PNG to standard output
+    /// Output image, its format chosen by extension: .png (tone mapped), .exr or .hdr (linear
+    /// radiance); `-` writes PNG to standard output
     #[arg(long, short, value_name = "IMAGE", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     #[command(flatten)]
@@ -295,72 +295,72 @@ pub struct RenderArgs {
     pub first_pass: FirstPassArgs,
 }
 
-/// Whose picture it is.
+/// What the image shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RenderStyle {
-    /// Light as it is
+    /// Physically based light
     Physical,
-    /// An SFF or SCN scene as RTRACE drew it
+    /// An SFF or SCN scene as RTRACE rendered it
     Rtrace,
 }
 
-/// RTRACE's options; the letters in brackets are its own.
+/// Options of RTRACE's look; the letters in parentheses are its own switches.
 #[derive(Clone, Copy, Debug, Args)]
-#[command(next_help_heading = "Look")]
+#[command(next_help_heading = "RTRACE")]
 pub struct RtraceArgs {
-    /// Light as it is, or an SFF or SCN scene as RTRACE drew it, for which the rest of these are
+    /// Physically based light, or an SFF or SCN scene as RTRACE rendered it; the other options
+    /// below require `rtrace`
     #[arg(long, value_name = "LOOK", value_enum, default_value_t = RenderStyle::Physical)]
     pub look: RenderStyle,
-    /// How surfaces shine (m): 0 Phong, 1 Strauss [default: 1]
+    /// Reflection model (m): 0 Phong, 1 Strauss [default: 1]
     #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
     pub look_model: Option<u8>,
-    /// Textures (t): 0 none, 1 those among the objects, 2 those in a section of their own
-    /// [default: 0]
+    /// Textures (t): 0 none, 1 inline with the objects, 2 from the texture section [default: 0]
     #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
     pub look_textures: Option<u8>,
-    /// Shadows (l): 0 opaque, 1 filtered by glass, 2 and light through glass [default: 0]
+    /// Shadows (l): 0 opaque, 1 filtered by glass, 2 also light through glass [default: 0]
     #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
     pub look_shadows: Option<u8>,
-    /// How often a pixel is halved, 0 to 3 (p) [default: 0]
+    /// Levels of pixel subdivision, 0 to 3 (p) [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=3))]
     pub look_levels: Option<u8>,
-    /// How much the corners of a pixel that is halved differ (A); below 0, their contrast
-    /// [default: 0.05]
+    /// Difference between the corners of a pixel above which it is subdivided (A); a negative value
+    /// is a contrast [default: 0.05]
     #[arg(long, value_name = "SHARE", value_parser = values::threshold,
           allow_hyphen_values = true)]
     pub look_threshold: Option<f64>,
-    /// Which pixels are halved (a): 0 again and again where they differ, 1 all at once where they
-    /// differ, 2 all at once everywhere [default: 0]
+    /// Which pixels are subdivided (a): 0 adaptively, level by level; 1 to the last level where the
+    /// corners differ; 2 all to the last level [default: 0]
     #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
     pub look_antialiasing: Option<u8>,
-    /// Look for objects inside a pixel that its corners do not see (i1): fine lines stay whole
+    /// Find objects inside a pixel that its corners miss (i1), which keeps fine lines whole
     #[arg(long)]
     pub look_all_objects: bool,
-    /// Most surfaces along a path (s) [default: 8]
+    /// Maximum number of surfaces along a path (s) [default: 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub look_depth: Option<u32>,
-    /// Paths end that carry less (S) [default: 1%]
+    /// Paths with less weight than this end (S) [default: 1%]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub look_cut: Option<f64>,
-    /// So many surfaces along a path gather their ambient light with rays (d) [default: 0]
+    /// Number of surfaces along a path that gather ambient light by rays (d) [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=64))]
     pub look_ambient_depth: Option<u32>,
-    /// Rays that gather ambient light (D) [default: 16]
+    /// Rays for ambient light (D) [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
     pub look_ambient_samples: Option<u32>,
-    /// Radius of the lens, in sizes of what the picture shows where it is sharp (P)
+    /// Radius of the lens, relative to the size of the image in the plane of focus (P)
     /// [default: 0, a pinhole]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub look_aperture: Option<f64>,
-    /// Distance at which the picture is sharp (F) [default: that of the point looked at]
+    /// Distance of the plane of focus (F) [default: that of the point looked at]
     #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
     pub look_focus: Option<f64>,
-    /// The picture of one of two eyes so far apart (v1 or v2, E): left=0.5, right=0.5
+    /// Stereo: the image of one eye, with the distance between both (v1 or v2, E), as in left=0.5
     #[arg(long, value_name = "SIDE=LENGTH", value_parser = values::eye)]
     pub look_eye: Option<(Side, f64)>,
 }
 
-/// The picture.
+/// The image.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub struct ImageArgs {
@@ -371,18 +371,18 @@ pub struct ImageArgs {
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub spp: Option<u32>,
-    /// Gather light at every hit with N rays instead of showing what the vertices carry
+    /// Final gathering: N rays at every hit instead of the irradiance of the vertices
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub gather: Option<u32>,
-    /// Trace paths by brute force instead of two passes: slow, without bias, with an error for
-    /// every pixel; what both passes are judged by
+    /// Path tracing instead of two passes: slow and unbiased, with a standard error for every
+    /// pixel; the reference for both passes
     #[arg(long, conflicts_with = "gather")]
     pub reference: bool,
-    /// Where to write the standard error of every pixel of a reference: .exr or .hdr
+    /// Image of the standard error of every pixel of a --reference: .exr or .hdr
     #[arg(long, value_name = "IMAGE", requires = "reference", value_hint = ValueHint::FilePath)]
     pub error_image: Option<PathBuf>,
-    /// Exposure of a PNG in stops: each doubles the brightness [default: chosen from the picture]
+    /// Exposure of a PNG in stops, each of which doubles the brightness [default: automatic]
     #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
     pub exposure: Option<f64>,
     /// Tone curve of a PNG
@@ -390,7 +390,7 @@ pub struct ImageArgs {
     pub tone: ToneName,
 }
 
-/// What to measure.
+/// The quantity to measure.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 pub struct ProbeSources {
@@ -413,11 +413,11 @@ pub struct ProbeArgs {
     pub input: InputArgs,
     #[command(flatten)]
     pub probes: ProbeSources,
-    /// Normals of the points, .npy (n x 3)
+    /// Normals of the points: .npy (n x 3)
     #[arg(long, value_name = "FILE", requires = "points", value_hint = ValueHint::FilePath)]
     pub normals: Option<PathBuf>,
-    /// Where to write: .npy (f64), or text under any other name; `-` writes text to standard
-    /// output [default: - without --json, nowhere with it]
+    /// Output file: .npy (f64), or text with any other extension; `-` writes text to standard
+    /// output [default: `-`, or none with --json]
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -427,23 +427,23 @@ pub struct ProbeArgs {
 /// `experiment`
 #[derive(Debug, Args)]
 pub struct ExperimentArgs {
-    /// The suite: scenes, engines, how often, compared with what (.toml)
+    /// The suite of scenes, engines and settings (.toml)
     #[arg(value_name = "SUITE", value_hint = ValueHint::FilePath)]
     pub suite: PathBuf,
-    /// Folder for the report; what was already done there is not done again
+    /// Folder of the report; tasks completed there before are not repeated
     #[arg(long, short, value_name = "FOLDER", value_hint = ValueHint::DirPath,
           required_unless_present = "list")]
     pub output: Option<PathBuf>,
-    /// Only say what there is to do
+    /// List the tasks and exit
     #[arg(long)]
     pub list: bool,
-    /// Only what has this in its name, as --list says it
+    /// Run only the tasks whose names, as in --list, contain this
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
-    /// Of each engine on each scene only the first setting, once
+    /// Run only the first setting of each engine on each scene, once
     #[arg(long)]
     pub quick: bool,
-    /// Do one task and print what it found: what the command starts for each
+    /// Run one task and print its records: how the command runs each task in a process of its own
     #[arg(long, value_name = "KEY", hide = true)]
     pub task: Option<String>,
 }
@@ -454,7 +454,7 @@ Examples:
   azulejo solve room.obj -o room.grf --error 1%
   azulejo render room.grf -o room.exr --size 1280x720 --spp 64
 
-Exit codes: 0 done, 1 failed (an old output file stays as it was), 2 misused.";
+Exit codes: 0 success, 1 failure (an existing output file is left unchanged), 2 usage error.";
 
 const INFO_EXAMPLES: &str = "\
 Examples:
@@ -489,8 +489,8 @@ Examples:
   azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
   azulejo probe room.obj --hits rays.f32 -o hits.npy --json
 
-Points give irradiance in red, green, blue and then its standard error, six numbers each. With
-emission in W/(sr·m²) irradiance is in W/m².";
+Each point gives six numbers: the irradiance in red, green and blue, and its standard error.
+Irradiance is in W/m² if emission is in W/(sr·m²).";
 
 const EXPERIMENT_EXAMPLES: &str = "\
 Examples:
@@ -503,7 +503,8 @@ Examples:
   azulejo view room.3ds lamp.glb
   azulejo view --script steps.txt --screenshot out.png
 
-The workbench is a program of its own beside this one. To build it, in azulejo's folder:
+The workbench is a separate program, azulejo-workbench, next to this one or on the PATH. To build it
+from azulejo's source:
   cargo build --release -p azulejo-workbench";
 
 const COMPLETIONS_EXAMPLES: &str = "\

@@ -1,4 +1,4 @@
-//! From where the picture is seen, and how large it is.
+//! The camera of an image, and the image's size.
 
 use super::args::CameraArgs;
 use super::failure::Failure;
@@ -9,12 +9,12 @@ use azulejo_scene::{Camera, Scene};
 use glam::DVec3;
 use std::path::Path;
 
-/// Picture size when neither the command line nor the camera says one.
+/// Image size if neither the command line nor the camera specifies one.
 const SIZE: (u32, u32) = (512, 512);
-/// More pixels than this are a slip of the finger, and more memory than most machines have.
+/// Largest number of pixels: more are a typing error, and need more memory than most machines have.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// The camera and the picture's size: what the command line says, else what the file says, else
+/// The camera and the size of the image: from the command line, otherwise from the scene, otherwise
 /// a view of the whole scene.
 pub fn choose(
     view: &CameraArgs,
@@ -69,7 +69,7 @@ pub fn by_name_or_file(name: &str, scene: &Scene) -> Result<Camera, Failure> {
 fn framing((width, height): (u32, u32), scene: &Scene) -> Result<Camera, Failure> {
     let bounds = scene.bounds();
     if bounds.is_empty() {
-        return Err(Failure::failed("the scene has no surfaces to look at"));
+        return Err(Failure::failed("the scene has no surfaces to view"));
     }
     let aspect = f64::from(width) / f64::from(height);
     Ok(Camera::framing(bounds, aspect, scene.units.up.axis()))
@@ -95,13 +95,13 @@ fn check(camera: &Camera) -> Result<(), Failure> {
     ))
 }
 
-/// Whether a picture has pixels, and not more than anybody wants.
+/// Refuses images without pixels, and very large ones.
 pub fn check_size((width, height): (u32, u32)) -> Result<(), Failure> {
     if (1..=MAX_PIXELS).contains(&(u64::from(width) * u64::from(height))) {
         return Ok(());
     }
     Err(Failure::misuse(format_args!(
-        "a picture of {width}x{height} pixels, expected 1 to {MAX_PIXELS} in all"
+        "an image of {width}x{height} pixels, expected 1 to {MAX_PIXELS} in total"
     )))
 }
 

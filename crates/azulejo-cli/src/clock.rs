@@ -1,8 +1,8 @@
-//! Seconds by the clock on the wall, seconds of the processor, memory.
+//! Wall-clock time, CPU time and peak memory of the process.
 
 use std::time::Instant;
 
-/// Measures from its creation on.
+/// Measures time since its creation.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     start: Instant,
@@ -10,7 +10,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Starts now.
+    /// Starts the measurement.
     pub fn start() -> Clock {
         Clock {
             start: Instant::now(),
@@ -18,12 +18,12 @@ impl Clock {
         }
     }
 
-    /// Seconds on the wall.
+    /// Elapsed wall-clock time, seconds.
     pub fn wall(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }
 
-    /// Seconds of all threads of the process; 0 where the system does not say.
+    /// CPU time of all threads of the process, seconds; 0 where the system does not provide it.
     pub fn cpu(&self) -> f64 {
         cpu_seconds() - self.cpu
     }
@@ -34,7 +34,7 @@ fn usage() -> Option<nix::sys::resource::Usage> {
     nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF).ok()
 }
 
-/// Processor seconds of the whole process so far.
+/// CPU time of the process so far, seconds.
 #[cfg(unix)]
 fn cpu_seconds() -> f64 {
     let seconds = |t: nix::sys::time::TimeVal| t.tv_sec() as f64 + t.tv_usec() as f64 * 1e-6;
@@ -46,7 +46,7 @@ fn cpu_seconds() -> f64 {
     0.0
 }
 
-/// Most bytes of memory that the process has held at once, where the system says.
+/// Peak memory of the process in bytes, where the system provides it.
 #[cfg(unix)]
 pub fn peak_memory() -> Option<u64> {
     // Kilobytes everywhere but on Apple's systems, which count bytes.
@@ -55,11 +55,11 @@ pub fn peak_memory() -> Option<u64> {
     } else {
         1024
     };
-    // A process inherits the account of the one that started it, but not its memory.
+    // `ru_maxrss` includes the peak of the parent process, from which it is inherited; VmHWM does not.
     own_peak().or_else(|| usage().map(|u| u.max_rss().max(0) as u64 * unit))
 }
 
-/// Most bytes that the memory of this program alone has held, where Linux says.
+/// Peak memory of this program alone in bytes, on Linux.
 #[cfg(unix)]
 fn own_peak() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
@@ -68,7 +68,7 @@ fn own_peak() -> Option<u64> {
     Some(kilobytes * 1024)
 }
 
-/// Most bytes of memory that the process has held at once, where the system says.
+/// Peak memory of the process in bytes, where the system provides it.
 #[cfg(not(unix))]
 pub fn peak_memory() -> Option<u64> {
     None
@@ -79,12 +79,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn work_costs_processor_time() {
+    fn work_takes_cpu_time() {
         let clock = Clock::start();
         let mut x = 1u64;
         while clock.cpu() < 0.02 {
             x = std::hint::black_box(x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
-            assert!(clock.wall() < 60.0, "the processor clock stands still");
+            assert!(clock.wall() < 60.0, "the CPU clock does not advance");
         }
         assert!(peak_memory().unwrap() > 100_000);
     }

@@ -1,4 +1,4 @@
-//! `convert`: models in, one model out.
+//! `convert`: reads models and writes them as one.
 
 use super::args::ConvertArgs;
 use super::failure::Failure;

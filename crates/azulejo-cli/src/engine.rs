@@ -1,4 +1,4 @@
-//! Who computes form factors: as it is typed, as the libraries take it, and what is said of it.
+//! The form factor engine: its options, its preparation, and its part of the report.
 
 use super::failure::Failure;
 use super::report::Report;
@@ -11,73 +11,76 @@ use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Where Embree's library is, if `--embree` does not say.
+/// Environment variable with the path of Embree's library, if `--embree` is not given.
 const EMBREE_VARIABLE: &str = "AZULEJO_EMBREE";
 
-/// Engines, and Embree, which is another kernel for the same rays.
+/// Engines. Embree is the ray engine with another ray tracing kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
-    /// Formulas where surfaces are flat and few enough to pair, else rays; says which, and why
+    /// Analytic for scenes of few flat surfaces, otherwise rays; the summary says which, and why
     Auto,
-    /// Rays from all over each patch, through mirrors and glass
+    /// Rays from random points of each patch, followed through mirrors and glass
     Rays,
     /// The same rays, traced by Embree
     Embree,
-    /// Pictures from each patch, drawn by the processor or a graphics card
+    /// Item buffers rendered from each patch, on the CPU or a graphics card
     Hemicube,
-    /// Pictures for what is seen straight, rays for what mirrors and glass show
+    /// Item buffers for direct visibility, rays for paths through mirrors and glass
     Hybrid,
-    /// Formulas for pairs of polygons, with exact shadows
+    /// Closed-form factors between polygons, with exact occlusion
     Analytic,
 }
 
-/// Graphics interfaces.
+/// Backends that render hemicubes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum GpuName {
-    /// A graphics card if there is one, else the processor
+    /// A graphics card if there is one, otherwise the CPU
     Auto,
-    /// The processor
+    /// The CPU
     Off,
-    /// By Vulkan
+    /// Vulkan
     Vulkan,
-    /// By OpenGL
+    /// OpenGL
     Gl,
 }
 
-/// Who computes form factors.
+/// The form factor engine.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Engine")]
 pub struct EngineArgs {
-    /// Who computes the form factors between patches
+    /// How form factors are computed
     #[arg(long, value_name = "ENGINE", value_enum, default_value_t = EngineName::Auto)]
     pub engine: EngineName,
-    /// Who draws the hemicubes of --engine hemicube and hybrid [default: auto]
-    #[arg(long, value_name = "WHO", value_enum)]
+    /// Backend that renders the hemicubes of --engine hemicube and hybrid [default: auto]
+    #[arg(long, value_name = "BACKEND", value_enum)]
     pub gpu: Option<GpuName>,
-    /// Pixels along the side of a hemicube, an even number [default: 128]
+    /// Resolution of a hemicube in pixels, an even number [default: 128]
     #[arg(long, value_name = "N", value_parser = values::resolution)]
     pub resolution: Option<u32>,
-    /// Points of each patch from which a hemicube is drawn, made a multiple of four [default: 16]
+    /// Hemicubes per patch, at different points; rounded up to a multiple of four [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub patch_points: Option<u32>,
-    /// Embree's library, for --engine embree and auto [default: AZULEJO_EMBREE, or where the system
-    /// finds it]
+    /// Path of Embree's library, for --engine embree and auto [default: the environment variable
+    /// AZULEJO_EMBREE, or the system's search path]
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
     pub embree: Option<PathBuf>,
 }
 
-/// What was typed, made ready.
+/// An engine with its kernel and devices loaded.
 pub struct PreparedEngine {
-    /// For the library's options.
+    /// The engine, as the libraries take it.
     pub engine: Engine,
-    /// Whether nothing but this kernel will do.
-    must_be_foreign: bool,
+    /// Whether to fail rather than to fall back to azulejo's own kernel.
+    requires_embree: bool,
     kernel: Kernel,
     notes: Vec<String>,
 }
 
 impl EngineArgs {
-    /// Loads what the engine needs, or says what is missing and how to get it.
+    /// Loads what the engine needs.
+    ///
+    /// # Errors
+    /// What is missing, and how to get it.
     pub fn prepare(&self) -> Result<PreparedEngine, Failure> {
         self.check()?;
         let mut notes = Vec::new();
@@ -91,29 +94,31 @@ impl EngineArgs {
         };
         Ok(PreparedEngine {
             engine,
-            must_be_foreign: self.engine == EngineName::Embree,
+            requires_embree: self.engine == EngineName::Embree,
             kernel,
             notes,
         })
     }
 
-    /// Refuses options that mean nothing to the engine.
+    /// Refuses options that the engine does not have.
     pub fn check(&self) -> Result<(), Failure> {
         let misuse = |option: &str, engines: &str| {
-            let message = format_args!("{option} has a meaning for --engine {engines} only");
+            let message = format_args!("{option} applies only to --engine {engines}");
             Err(Failure::misuse(message))
         };
-        let draws = matches!(self.engine, EngineName::Hemicube | EngineName::Hybrid);
+        let has_hemicubes = matches!(self.engine, EngineName::Hemicube | EngineName::Hybrid);
         match self {
             EngineArgs {
                 resolution: Some(_),
                 ..
-            } if !draws => misuse("--resolution", "hemicube and hybrid"),
+            } if !has_hemicubes => misuse("--resolution", "hemicube and hybrid"),
             EngineArgs {
                 patch_points: Some(_),
                 ..
-            } if !draws => misuse("--patch-points", "hemicube and hybrid"),
-            EngineArgs { gpu: Some(_), .. } if !draws => misuse("--gpu", "hemicube and hybrid"),
+            } if !has_hemicubes => misuse("--patch-points", "hemicube and hybrid"),
+            EngineArgs { gpu: Some(_), .. } if !has_hemicubes => {
+                misuse("--gpu", "hemicube and hybrid")
+            }
             EngineArgs {
                 embree: Some(_), ..
             } if !matches!(self.engine, EngineName::Embree | EngineName::Auto) => {
@@ -123,16 +128,16 @@ impl EngineArgs {
         }
     }
 
-    /// Embree where it is asked for; a path alone is a wish that may fail.
+    /// Embree if it is requested; without --engine embree it is optional.
     fn kernel(&self, notes: &mut Vec<String>) -> Result<Kernel, Failure> {
-        let is_asked_for = self.engine == EngineName::Embree;
-        if !is_asked_for && self.embree.is_none() {
+        let is_required = self.engine == EngineName::Embree;
+        if !is_required && self.embree.is_none() {
             return Ok(Kernel::Own);
         }
         let variable = std::env::var_os(EMBREE_VARIABLE).map(PathBuf::from);
         match load_embree(self.embree.clone().or(variable)) {
             Ok(kernel) => Ok(kernel),
-            Err(why) if is_asked_for => Err(Failure::failed(why)),
+            Err(why) if is_required => Err(Failure::failed(why)),
             Err(why) => {
                 notes.push(format!("own kernel instead of Embree: {why}"));
                 Ok(Kernel::Own)
@@ -155,20 +160,20 @@ impl EngineArgs {
     }
 }
 
-/// A real card if there is one; software drivers are slower than the processor by itself.
+/// A hardware graphics card if there is one; software drivers are slower than our own rasterizer.
 fn fastest_device(notes: &mut Vec<String>) -> HemicubeBackend {
     match open_card(GpuName::Auto) {
         Ok((card, false)) => return HemicubeBackend::Device(card),
         Ok((card, true)) => notes.push(format!(
-            "the processor draws, since {} is software too (--gpu vulkan or gl takes it)",
+            "hemicubes are rendered on the CPU: {} is a software driver (select it with --gpu vulkan or gl)",
             card.name()
         )),
-        Err(why) => notes.push(format!("the processor draws: {why}")),
+        Err(why) => notes.push(format!("hemicubes are rendered on the CPU: {why}")),
     }
     HemicubeBackend::Processor
 }
 
-/// A card, and whether it is software.
+/// A card, and whether its driver is software.
 #[cfg(feature = "gpu")]
 fn open_card(name: GpuName) -> Result<(Arc<dyn Device>, bool), String> {
     let backend = match name {
@@ -185,7 +190,7 @@ fn open_card(name: GpuName) -> Result<(Arc<dyn Device>, bool), String> {
 fn open_card(_: GpuName) -> Result<(Arc<dyn Device>, bool), String> {
     let how = "cargo build --release --features gpu";
     Err(format!(
-        "this azulejo was built without graphics cards: build it with \"{how}\""
+        "this azulejo was built without support for graphics cards: build it with \"{how}\""
     ))
 }
 
@@ -204,7 +209,7 @@ fn load_embree(_: Option<PathBuf>) -> Result<Kernel, String> {
     ))
 }
 
-/// The graphics card that `--gpu auto` would find.
+/// Name of the graphics card that `--gpu auto` would use.
 pub fn card_name() -> Result<String, String> {
     open_card(GpuName::Auto).map(|(card, _)| card.name())
 }
@@ -217,28 +222,28 @@ pub fn embree_version() -> Result<String, String> {
     loaded.map(|e| e.version()).map_err(|e| e.to_string())
 }
 
-/// Why there is no Embree.
+/// The reason why Embree is not available.
 #[cfg(not(feature = "embree"))]
 pub fn embree_version() -> Result<String, String> {
     load_embree(None).map(|_| String::new())
 }
 
 impl PreparedEngine {
-    /// What was not done as asked.
+    /// Deviations from what was requested.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// The scene made ready for rays.
+    /// A tracer of the scene, with the engine's kernel.
     pub fn tracer(&self, scene: &Scene) -> Result<Tracer, Failure> {
         let tracer = Tracer::with_kernel(scene, &self.kernel);
-        if self.must_be_foreign && tracer.kernel() == Kernel::Own {
-            return Err(Failure::failed("Embree has not enough memory"));
+        if self.requires_embree && tracer.kernel() == Kernel::Own {
+            return Err(Failure::failed("Embree ran out of memory"));
         }
         Ok(tracer)
     }
 
-    /// Says which engine ran, on what, and why.
+    /// Adds the engine that was used, its device, and why.
     pub fn describe(&self, ran: &EngineUsed, report: &mut Report) {
         let words = match ran.device.as_str() {
             "" => ran.name.clone(),

@@ -1,4 +1,4 @@
-//! Why a command stops, and with which exit code.
+//! Failures of commands, and their exit codes.
 
 use azulejo::files::{Refused, reason};
 use azulejo::models::{ReadFailure, WriteFailure};
@@ -9,31 +9,31 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// What ends a command before its work is done.
+/// Why a command stopped before its work was done.
 #[derive(Debug)]
 pub enum Failure {
-    /// The command line asks for something that has no meaning: exit code 2.
+    /// The command line is invalid: exit code 2.
     Misuse(String),
     /// The work failed: exit code 1.
     Failed(String),
     /// Ctrl-C: exit code 1.
     Cancelled,
-    /// Whoever read our output has seen enough: quiet, exit code 0.
+    /// The reader of our output has closed the pipe: silent, exit code 0.
     BrokenPipe,
 }
 
 impl Failure {
-    /// A failure of the work, in words.
+    /// The work failed with this message.
     pub fn failed(message: impl fmt::Display) -> Failure {
         Failure::Failed(message.to_string())
     }
 
-    /// A command line that has no meaning, in words.
+    /// The command line is invalid, with this message.
     pub fn misuse(message: impl fmt::Display) -> Failure {
         Failure::Misuse(message.to_string())
     }
 
-    /// The operating system refused something to do with a file.
+    /// The operating system refused an operation on a file; `what` is a verb.
     pub fn file(what: &str, path: &Path, error: &io::Error) -> Failure {
         match error.kind() {
             io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
@@ -45,7 +45,7 @@ impl Failure {
         }
     }
 
-    /// The number that the shell sees.
+    /// The process's exit code.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Failure::BrokenPipe => ExitCode::SUCCESS,
@@ -101,13 +101,13 @@ impl From<WriteFailure> for Failure {
     fn from(failure: WriteFailure) -> Failure {
         match failure {
             WriteFailure::Output(error) => error.into(),
-            // Both are about the name that was typed.
+            // The others are about the file name.
             other => Failure::misuse(other),
         }
     }
 }
 
-/// Errors of writing to standard output, where there is no path to name.
+/// Errors of writing to standard output, which has no path.
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Failure {
         Failure::file("write", Path::new("standard output"), &error)

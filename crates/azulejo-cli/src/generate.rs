@@ -1,4 +1,4 @@
-//! Shell completions and manual pages, made from the definition of the command line itself.
+//! Shell completions and manual pages, generated from the definition of the command line.
 
 use super::args::Cli;
 use super::failure::Failure;
@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Prints a completion script.
 pub fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
-    // Into memory first: clap panics when a pipe closes under it.
+    // Generated in memory, because clap panics if the pipe is closed.
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "azulejo", &mut script);
     Ok(io::stdout().write_all(&script)?)
@@ -23,7 +23,7 @@ pub fn manual(folder: &Path) -> Result<(), Failure> {
     pages(cli, folder)
 }
 
-/// The page of a command, and those of the commands in it.
+/// Writes the page of a command, and those of its subcommands.
 fn pages(command: clap::Command, folder: &Path) -> Result<(), Failure> {
     let inner = command.get_subcommands().filter(|c| c.get_name() != "help");
     inner.cloned().try_for_each(|c| pages(c, folder))?;

@@ -13,21 +13,21 @@ use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-/// Objects that are listed for people; machines get all of them.
+/// Objects listed in the text; the JSON has all of them.
 const LISTED: usize = 20;
 
-/// What one object adds to the scene.
+/// The properties of one object.
 struct ObjectSummary<'s> {
     kind: &'static str,
-    /// What an exact shape that is more than a primitive is made of.
+    /// The parts of an exact shape, other than a primitive.
     inventory: Option<Inventory<'s>>,
-    /// Different materials.
+    /// Number of different materials.
     materials: usize,
     vertices: usize,
     faces: usize,
     triangles: usize,
     area: f64,
-    /// Emitted power per channel, W; `None` for an object that does not shine.
+    /// Emitted power per channel, W; `None` for an object that does not emit.
     power: Option<Rgb>,
     solved: bool,
 }
@@ -45,7 +45,7 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     viewpoints(&scene, &mut report);
     let solved = scene.is_solved();
     let words = if solved {
-        "carried by the vertices"
+        "stored on the vertices"
     } else {
         "not solved yet"
     };
@@ -55,7 +55,7 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// The files and their formats; machines get one name where there is one file.
+/// The files and their formats; in the JSON a single name if there is one file.
 fn source(input: &InputArgs, session: &Session, report: &mut Report) {
     let files: Vec<String> = input
         .scenes
@@ -77,13 +77,13 @@ fn source(input: &InputArgs, session: &Session, report: &mut Report) {
     }
 }
 
-/// What the readers skipped or mended; machines find it under `warnings`.
+/// What the readers skipped or repaired; the JSON has it in `warnings`.
 fn skipped(session: &Session, report: &mut Report) {
     if session.listed().is_empty() {
         return;
     }
     report.plain("");
-    report.plain("skipped or mended");
+    report.plain("skipped or repaired");
     session
         .listed()
         .iter()
@@ -105,7 +105,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
                 area += a;
                 power += emission(m) * (PI * a);
             }
-            let shines = mesh.face_materials.iter().any(|&m| !emission(m).is_black());
+            let emits = mesh.face_materials.iter().any(|&m| !emission(m).is_black());
             ObjectSummary {
                 kind: "mesh",
                 inventory: None,
@@ -114,7 +114,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
                 faces: mesh.faces.len(),
                 triangles: mesh.faces.triangle_count(),
                 area,
-                power: shines.then_some(power),
+                power: emits.then_some(power),
                 solved: !mesh.irradiance.is_empty(),
             }
         }
@@ -135,7 +135,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
                 triangles: 0,
                 area: skin.area(),
                 power: (!power.is_black()).then_some(power),
-                solved: exact.skin.is_some(),
+                solved: exact.proxy.is_some(),
             }
         }
         Shape::Primitive(p) => {
@@ -220,7 +220,7 @@ fn extent(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
     };
     let length = match scene.units.metres_per_unit {
         Some(metres) => format!("1 unit is {} m", short(metres)),
-        None => "lengths without a unit, taken as m".into(),
+        None => "lengths without unit, taken as m".into(),
     };
     let up = match scene.units.up {
         Up::Y => "y",

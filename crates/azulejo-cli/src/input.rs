@@ -10,13 +10,13 @@ use azulejo_formats::{ReadOptions, camera_json};
 use azulejo_scene::{Scene, Units};
 use std::path::{Path, PathBuf};
 
-/// Reads all models of a command, puts each in its place and merges them; says what was skipped.
+/// Reads all models of a command, places and merges them, and reports what was skipped.
 ///
-/// The first model's axes and unit become the scene's, unless the command line says others.
+/// The scene has the axes and unit of the first model, unless the command line specifies others.
 pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failure> {
-    if !session.makes_picture() && matches!(input.reading.up, Some(UpArg::Picture(_))) {
+    if !session.makes_image() && matches!(input.reading.up, Some(UpArg::Picture(_))) {
         return Err(Failure::misuse(
-            "--up: expected y or z; a direction is for pictures",
+            "--up: expected y or z; a direction applies to images only",
         ));
     }
     let mut placements = PlacementQueue::new(&input.reading.place, &input.scenes)?;
@@ -58,13 +58,10 @@ pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failu
 }
 
 fn unplaceable(path: &Path, problem: &impl std::fmt::Display) -> Failure {
-    Failure::Failed(format!(
-        "{}: cannot be placed so: {problem}",
-        path.display()
-    ))
+    Failure::Failed(format!("{}: invalid --place: {problem}", path.display()))
 }
 
-/// Units of the scene: what the command line says, else those there are.
+/// Units of the scene: from the command line, otherwise `units`.
 fn wanted_units(reading: &ReadingArgs, units: Units) -> Units {
     Units {
         metres_per_unit: reading.unit.or(units.metres_per_unit),
@@ -76,7 +73,7 @@ fn wanted_units(reading: &ReadingArgs, units: Units) -> Units {
     }
 }
 
-/// The branches of several models, each named by its file; one file alone has no branch.
+/// The branches of several models, each named after its file; a single model has no branch.
 fn branches(paths: &[PathBuf]) -> Vec<Option<String>> {
     if paths.len() == 1 {
         return vec![None];
@@ -89,7 +86,7 @@ fn branches(paths: &[PathBuf]) -> Vec<Option<String>> {
     names
 }
 
-/// Hands out placements: the first about a file for its first mention, and so on.
+/// The placements not yet used: those of a file apply to its occurrences in order.
 struct PlacementQueue<'a>(Vec<&'a Placement>);
 
 impl<'a> PlacementQueue<'a> {
@@ -112,7 +109,7 @@ impl<'a> PlacementQueue<'a> {
     }
 }
 
-/// Reads one model; says what was skipped.
+/// Reads one model and reports what was skipped.
 fn read_one(path: &Path, reading: &ReadingArgs, session: &mut Session) -> Result<Scene, Failure> {
     let how = models::Reading {
         options: ReadOptions {
@@ -129,7 +126,7 @@ fn read_one(path: &Path, reading: &ReadingArgs, session: &mut Session) -> Result
     match model.warnings.len() {
         0 => Ok(model.scene),
         n if reading.strict => Err(Failure::Failed(format!(
-            "{}: {n} kinds of things were skipped or mended, and --strict forbids it",
+            "{}: {n} warnings, which --strict turns into a failure",
             path.display()
         ))),
         _ => Ok(model.scene),

@@ -1,4 +1,4 @@
-//! Ctrl-C: stops within a second and leaves no half file.
+//! Ctrl-C: stops within a second and leaves no partial file.
 
 use super::failure::Failure;
 use azulejo::output;
@@ -7,13 +7,13 @@ use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How long the work may take to stop by itself before the process is ended under it.
+/// Time for the work to stop in an orderly way before the process exits.
 const PATIENCE: Duration = Duration::from_millis(700);
 
-/// Makes Ctrl-C (and a polite request to terminate) cancel `progress`.
+/// Makes SIGINT (Ctrl-C) and SIGTERM cancel `progress`.
 ///
-/// Most work polls its progress and ends in good order within milliseconds. Reading one huge
-/// file or building one huge tree may not: then the drafts are removed and the process ends.
+/// Most work polls its progress and ends within milliseconds. Reading one very large file or
+/// building its bounding volume hierarchy does not: then the drafts are removed and the process exits.
 pub fn install(progress: Arc<Progress>) -> Result<(), Failure> {
     let on_interrupt = move || {
         progress.cancel();
@@ -23,5 +23,5 @@ pub fn install(progress: Arc<Progress>) -> Result<(), Failure> {
         std::process::exit(1);
     };
     ctrlc::set_handler(on_interrupt)
-        .map_err(|e| Failure::failed(format_args!("cannot listen for Ctrl-C: {e}")))
+        .map_err(|e| Failure::failed(format_args!("cannot handle Ctrl-C: {e}")))
 }

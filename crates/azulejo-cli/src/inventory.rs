@@ -1,14 +1,14 @@
-//! What an exact shape is made of, for `info`.
+//! The parts of exact shapes, for `info`.
 
 use super::report::count;
 use azulejo_scene::{Exact, Figure, Leaf, Prism, Solid};
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// What exact shapes are made of. Figures that prisms share count once.
+/// Counts of the parts of exact shapes. Figures shared by prisms count once.
 #[derive(Default)]
 pub struct Inventory<'s> {
-    /// Solids that are not made of others.
+    /// Solids that are not composed of others.
     pub solids: usize,
     pub prisms: usize,
     primitives: usize,
@@ -24,7 +24,7 @@ pub struct Inventory<'s> {
 }
 
 impl<'s> Inventory<'s> {
-    /// That of one shape.
+    /// The parts of one shape.
     pub fn of(exact: &'s Exact) -> Inventory<'s> {
         let mut inventory = Inventory {
             is_one_line: true,
@@ -46,7 +46,7 @@ impl<'s> Inventory<'s> {
         }
     }
 
-    /// How many different figures there are.
+    /// Number of different figures.
     pub fn figures(&self) -> usize {
         self.figures.len()
     }
@@ -73,7 +73,7 @@ impl<'s> Inventory<'s> {
         }
     }
 
-    /// One word for a shape: `text` for prisms that differ in their place alone.
+    /// The kind of a shape: `text` for prisms that differ in position only.
     pub fn kind(&self, exact: &Exact) -> &'static str {
         match &exact.solids[..] {
             [Solid::Csg(_)] => "csg",
@@ -85,7 +85,7 @@ impl<'s> Inventory<'s> {
         }
     }
 
-    /// What is in the shape: "18 prisms of 12 figures".
+    /// The parts in words: "18 prisms of 12 figures".
     pub fn words(&self) -> String {
         let plural = |n: usize, one: &str| match n {
             1 => format!("1 {one}"),
@@ -115,7 +115,7 @@ impl<'s> Inventory<'s> {
     }
 }
 
-/// How many set operations a solid holds.
+/// Number of set operations in a solid.
 fn operations(solid: &Solid) -> usize {
     let all = |solids: &[Solid]| solids.iter().map(operations).sum::<usize>();
     match solid {

@@ -1,5 +1,8 @@
-//! The command line: what was typed ([`args`]), what it means (one module per command), and the
-//! libraries that do the work.
+//! The command line of azulejo, as a library: [`main`] is the program, [`parsers`] are the parsers
+//! of its input files.
+//!
+//! `args` defines the options with their types, one module per command interprets them, and the
+//! libraries below do the work.
 
 mod args;
 mod brdf;
@@ -39,12 +42,21 @@ use session::Session;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-/// Parses the command line, runs the command, says why it failed. 0 done, 1 failed, 2 misused.
+/// Parsers of input other than models, public for tests and fuzzing.
+pub mod parsers {
+    pub use crate::experiment::parse_suite;
+    pub use crate::npy::{Array, read as parse_npy};
+    pub use crate::points::{parse_points, parse_rays};
+}
+
+/// Parses the command line, runs the command, and prints why it failed, if it did.
+///
+/// Exit codes: 0 success, 1 failure, 2 usage error.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
-            // Help and version also come this way; a closed pipe is no reason to complain.
+            // Help and version are also printed here; a closed pipe is not an error.
             let _ = e.print();
             return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
         }
@@ -53,7 +65,7 @@ pub fn main() -> ExitCode {
     match run(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            complain(&failure, common);
+            print_failure(&failure, common);
             failure.exit_code()
         }
     }
@@ -87,8 +99,8 @@ fn run(cli: Cli) -> Result<(), Failure> {
     session.finish(report)
 }
 
-/// The error in words on standard error, and for machines as JSON where they look for it.
-fn complain(failure: &Failure, common: CommonArgs) {
+/// Prints the error on standard error, and with `--json` also as JSON on standard output.
+fn print_failure(failure: &Failure, common: CommonArgs) {
     if matches!(failure, Failure::BrokenPipe) {
         return;
     }

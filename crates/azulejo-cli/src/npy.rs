@@ -19,7 +19,7 @@ pub struct Array {
 /// Reads an array of f32 or f64.
 ///
 /// # Errors
-/// What was found and what was expected, in words.
+/// What was found and what was expected.
 pub fn read(bytes: &[u8]) -> Result<Array, String> {
     let (header, data) = split_header(bytes)?;
     let descr = quoted(entry(header, "descr")?)?;
@@ -50,7 +50,7 @@ pub fn read(bytes: &[u8]) -> Result<Array, String> {
     })
 }
 
-/// The header's dictionary as text, and the bytes behind it.
+/// The header's dictionary as text, and the bytes after it.
 fn split_header(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
     let cut = || "the header is cut short".to_string();
     let rest = bytes
@@ -73,7 +73,7 @@ fn split_header(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
     Ok((header, data))
 }
 
-/// What stands behind a key of the header's dictionary.
+/// The text after a key of the header's dictionary.
 fn entry<'a>(header: &'a str, key: &str) -> Result<&'a str, String> {
     ['\'', '"']
         .iter()
@@ -140,7 +140,7 @@ fn decode(bytes: &[u8], big_endian: bool) -> f64 {
     }
 }
 
-/// Reorders values whose first index is fastest.
+/// Reorders values from Fortran order, in which the first index varies fastest.
 fn from_fortran(shape: Vec<usize>, values: Vec<f64>) -> Array {
     let mut out = vec![0.0; values.len()];
     let mut index = vec![0; shape.len()];
@@ -182,22 +182,22 @@ element!(f64, "<f8");
 element!(i32, "<i4");
 element!(i64, "<i8");
 
-/// Writes an array in C order; `values` has as many entries as `shape` says.
+/// Writes an array in C order; the length of `values` is the product of `shape`.
 pub fn write<T: Element>(shape: &[usize], values: &[T], out: &mut dyn Write) -> io::Result<()> {
     write_header(T::DESCR, shape, out)?;
     values.iter().try_for_each(|v| v.write(out))
 }
 
-/// Writes a lone byte string, as `np.save(np.array(b"csr"))` does.
+/// Writes a scalar byte string, as `np.save(np.array(b"csr"))` does.
 pub fn write_bytes(text: &[u8], out: &mut dyn Write) -> io::Result<()> {
     write_header(&format!("|S{}", text.len()), &[], out)?;
     out.write_all(text)
 }
 
-/// Writes an array of texts, all as wide as the longest: `<U`, UTF-32 with zeros behind.
+/// Writes an array of strings, padded to the longest: `<U`, UTF-32 with trailing zeros.
 pub fn write_texts(texts: &[String], out: &mut dyn Write) -> io::Result<()> {
     let width = texts.iter().map(|t| t.chars().count()).max().unwrap_or(0);
-    // NumPy has no texts of width 0.
+    // NumPy has no strings of width 0.
     let width = width.max(1);
     write_header(&format!("<U{width}"), &[texts.len()], out)?;
     for text in texts {
@@ -209,7 +209,7 @@ pub fn write_texts(texts: &[String], out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes what stands before the data; the data follows in C order.
+/// Writes the header, after which the data follows in C order.
 pub fn write_header(descr: &str, shape: &[usize], out: &mut dyn Write) -> io::Result<()> {
     let axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
     let shape = match shape.len() {

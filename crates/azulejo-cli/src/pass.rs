@@ -1,4 +1,4 @@
-//! The first pass as the command line runs it: options, solution, summary.
+//! The first pass: its options, solution and summary.
 
 use super::args::{DivisionArgs, FirstPassArgs};
 use super::engine::PreparedEngine;
@@ -10,13 +10,13 @@ use azulejo_radiosity::{EnergyBalance, FirstPass, LightSolution, Method, PatchSi
 use azulejo_scene::{Rgb, Scene, Units};
 use azulejo_trace::Tracer;
 
-/// How finely to divide, as the library takes it; `None` leaves it to the library.
+/// The patch size for the library; `None` if the command line does not specify one.
 pub fn patch_size(division: &DivisionArgs) -> Option<PatchSize> {
     let count = division.patches.map(|n| PatchSize::Count(n as usize));
     count.or(division.patch_size.map(PatchSize::Edge))
 }
 
-/// The library's options from the command line's.
+/// The library's options.
 pub fn options(args: &FirstPassArgs, prepared: &PreparedEngine) -> FirstPass {
     FirstPass {
         size: patch_size(&args.division).unwrap_or(FirstPass::default().size),
@@ -45,7 +45,7 @@ pub fn solve(
         .map_err(failure)
 }
 
-/// Why the library gave up, as a failure of the command.
+/// An error of the solver as a failure of the command.
 pub fn failure(error: impl Into<SolveError>) -> Failure {
     match error.into() {
         SolveError::Cancelled => Failure::Cancelled,
@@ -53,12 +53,12 @@ pub fn failure(error: impl Into<SolveError>) -> Failure {
     }
 }
 
-/// The unit of power that goes with a scene's light.
+/// The unit of power in a scene.
 pub fn power_unit(units: Units) -> &'static str {
     if units.photometric { "lm" } else { "W" }
 }
 
-/// What the first pass did and how good its answer is.
+/// Adds what the first pass did, and the error of its result.
 pub fn describe(
     pass: &azulejo_radiosity::Report,
     prepared: &PreparedEngine,
@@ -120,14 +120,14 @@ pub fn describe(
     );
 }
 
-/// Where the emitted power went, in W or lm and as shares.
+/// Adds the energy balance, in W or lm and as shares.
 fn energy(balance: &EnergyBalance, units: Units, report: &mut Report) {
     let emitted = balance.emitted.mean();
     let share = |power: Rgb| percent(power.mean() / emitted.max(f64::MIN_POSITIVE));
     report.line(
         "energy",
         format!(
-            "{} {} emitted, {} absorbed, {} escaped, {} not accounted for",
+            "{} {} emitted, {} absorbed, {} escaped, {} unaccounted for",
             triple(balance.emitted.to_array()),
             power_unit(units),
             share(balance.absorbed),
@@ -138,7 +138,7 @@ fn energy(balance: &EnergyBalance, units: Units, report: &mut Report) {
     if balance.is_off() {
         report.line(
             "caution",
-            "the energy does not add up: ask for a smaller error, more rays or more time",
+            "the energy balance is off: request a smaller error, more rays or more time",
         );
     }
     report.value("emitted", numbers(balance.emitted.to_array()));

@@ -1,4 +1,4 @@
-//! `--place FILE:translate=1,0,2,rotate=0,90,0,scale=2`: where one of several models goes.
+//! `--place FILE:translate=1,0,2,rotate=0,90,0,scale=2`: the placement of a model.
 
 use super::values;
 use azulejo_scene::Up;
@@ -6,16 +6,16 @@ use azulejo_scene::math::Aabb;
 use glam::{DAffine3, DMat3, DVec3};
 use std::path::Path;
 
-/// Where a model goes, and what it does not say of itself.
+/// The placement of a model, with overrides of its axis, unit and name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
-    /// The file as it was typed.
+    /// The file as given on the command line.
     pub file: String,
-    /// What brings it to its place, in the scene's axes and unit, the first step first.
+    /// The steps in order, in the scene's axes and unit.
     pub steps: Vec<PlacementStep>,
-    /// Its up axis, whatever its format's convention.
+    /// Its up axis, overriding that of the file or format.
     pub up: Option<Up>,
-    /// Its unit in metres, whatever it says.
+    /// Its unit in metres, overriding that of the file.
     pub unit: Option<f64>,
     /// The name of its branch.
     pub name: Option<String>,
@@ -26,12 +26,12 @@ pub struct Placement {
 pub enum PlacementStep {
     /// An affine map.
     Map(DAffine3),
-    /// To this largest side, standing on the origin.
+    /// Scales to this largest side, and stands the model on the origin.
     Fit(f64),
 }
 
 impl Placement {
-    /// The map that the steps make of a model with `bounds` in a scene where `up` is up.
+    /// The map of all steps, for a model with `bounds` in a scene with the up axis `up`.
     pub fn scene_from_model(&self, bounds: Aabb, up: Up) -> DAffine3 {
         let mut map = DAffine3::IDENTITY;
         for step in &self.steps {
@@ -44,14 +44,14 @@ impl Placement {
         map
     }
 
-    /// Whether it is about the file at `path`, by the whole path or by the file's name.
+    /// Whether it applies to the file at `path`, by its path or its name.
     pub fn is_about(&self, path: &Path) -> bool {
         Path::new(&self.file) == path || path.file_name().is_some_and(|n| n == &*self.file)
     }
 }
 
-/// Reads `FILE:key=value,...`. A value goes on over its commas until the next key; the file may
-/// hold colons.
+/// Parses `FILE:key=value,...`. A value extends over commas to the next key; the file name may
+/// contain colons.
 pub fn parse(text: &str) -> Result<Placement, String> {
     let (file, how) = KEYS
         .iter()
@@ -77,10 +77,10 @@ pub fn parse(text: &str) -> Result<Placement, String> {
     Ok(placement)
 }
 
-/// The keys, with which an entry begins.
+/// The keys with which entries start.
 const KEYS: [&str; 7] = ["translate", "rotate", "scale", "fit", "up", "unit", "name"];
 
-/// The keys and their values, commas within included.
+/// The keys with their values, which may contain commas.
 fn entries(how: &str) -> Result<Vec<(&str, String)>, String> {
     let mut entries: Vec<(&str, String)> = Vec::new();
     for piece in how.split(',') {
@@ -103,7 +103,7 @@ impl Placement {
             "rotate" => PlacementStep::Map(DAffine3::from_mat3(rotation(values::vector(value)?))),
             "scale" => PlacementStep::Map(DAffine3::from_scale(scale(value)?)),
             "fit" => match values::not_negative(value)? {
-                0.0 => return Err("nothing fits into 0".into()),
+                0.0 => return Err("fit is 0, expected more than 0".into()),
                 side => PlacementStep::Fit(side),
             },
             "up" => {
@@ -125,7 +125,7 @@ impl Placement {
     }
 }
 
-/// The box around a box under a map.
+/// The bounds of a box under a map.
 fn mapped(bounds: Aabb, map: &DAffine3) -> Aabb {
     if bounds.is_empty() {
         return bounds;
@@ -138,7 +138,7 @@ fn mapped(bounds: Aabb, map: &DAffine3) -> Aabb {
     Aabb::around((0..8).map(corner))
 }
 
-/// Scales a box to a largest side and puts the middle of its ground on the origin.
+/// Scales a box to a largest side and moves the centre of its base to the origin.
 fn fit(bounds: Aabb, side: f64, up: Up) -> DAffine3 {
     let largest = bounds.size().max_element();
     if bounds.is_empty() || largest <= 0.0 {
@@ -150,7 +150,7 @@ fn fit(bounds: Aabb, side: f64, up: Up) -> DAffine3 {
     scale * DAffine3::from_translation(-ground)
 }
 
-/// Turns about x, then y, then z, degrees, as GRF's `rotation` does.
+/// Rotations about x, then y, then z, in degrees, as GRF's `rotation`.
 fn rotation(degrees: DVec3) -> DMat3 {
     let [x, y, z] = degrees.to_array().map(f64::to_radians);
     DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x)
@@ -162,7 +162,7 @@ fn scale(value: &str) -> Result<DVec3, String> {
         Err(_) => values::vector(value)?,
     };
     if factors.to_array().contains(&0.0) {
-        Err("a scale of 0 leaves nothing".into())
+        Err("scale is 0, expected another number".into())
     } else {
         Ok(factors)
     }
@@ -173,7 +173,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_done_in_the_order_written() {
+    fn steps_are_applied_in_order() {
         let place = parse("a:b.obj:scale=2,rotate=0,0,90,translate=1,0,0").unwrap();
         assert_eq!(place.file, "a:b.obj");
         let map = place.scene_from_model(Aabb::EMPTY, Up::Y);
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_model_does_not_say() {
+    fn axis_unit_and_name() {
         let place = parse("a.3ds:up=y,unit=cm,name=lamp").unwrap();
         assert_eq!((place.up, place.unit), (Some(Up::Y), Some(0.01)));
         assert_eq!(place.name.as_deref(), Some("lamp"));
@@ -213,14 +213,14 @@ mod tests {
     }
 
     #[test]
-    fn slips_are_refused() {
+    fn errors_are_reported() {
         for (text, said) in [
             ("a.obj", "expected FILE:"),
             ("a.obj:move=1,2,3", "expected FILE:"),
-            ("a.obj:scale=0", "leaves nothing"),
-            ("a.obj:fit=0", "nothing fits"),
+            ("a.obj:scale=0", "scale is 0"),
+            ("a.obj:fit=0", "fit is 0"),
             ("a.obj:translate=1,2", "2 numbers"),
-            ("a.obj:up=x", "no up axis"),
+            ("a.obj:up=x", "not an up axis"),
             ("a.obj:scale=1,turn=3", "unknown \"turn\""),
         ] {
             let error = parse(text).unwrap_err();

@@ -12,21 +12,35 @@ use std::path::Path;
 
 /// Reads points and their normals: text, `.npy` n×6, or two `.npy` of n×3.
 ///
-/// Normals are brought to length 1.
+/// Normals are normalized.
 pub fn read_points(points: &Path, normals: Option<&Path>) -> Result<Vec<PointNormal>, Failure> {
     let bytes = models::read_bytes(points)?;
-    let rows = match normals {
-        Some(path) => paired(
-            named(points, table(&bytes, 3))?,
-            named(path, table(&models::read_bytes(path)?, 3))?,
-            path,
-        )?,
-        None => named(points, table(&bytes, 6))?,
-    };
+    match normals {
+        Some(path) => {
+            let rows = paired(
+                named(points, table(&bytes, 3))?,
+                named(path, table(&models::read_bytes(path)?, 3))?,
+                path,
+            )?;
+            named(points, points_of(&rows))
+        }
+        None => named(points, parse_points(&bytes)),
+    }
+}
+
+/// Parses points with normals: text, or `.npy` n×6. Normals are normalized.
+///
+/// # Errors
+/// What is wrong, and in which line or row.
+pub fn parse_points(bytes: &[u8]) -> Result<Vec<PointNormal>, String> {
+    points_of(&table(bytes, 6)?)
+}
+
+/// Rows of six numbers as points.
+fn points_of(rows: &[f64]) -> Result<Vec<PointNormal>, String> {
     let point =
         |(i, row): (usize, &[f64])| point_normal(row).map_err(|e| format!("point {i}: {e}"));
-    let all = rows.chunks_exact(6).enumerate().map(point).collect();
-    named(points, all)
+    rows.chunks_exact(6).enumerate().map(point).collect()
 }
 
 fn named<T>(path: &Path, result: Result<T, String>) -> Result<T, Failure> {
@@ -71,7 +85,7 @@ fn table(bytes: &[u8], columns: usize) -> Result<Vec<f64>, String> {
     }
 }
 
-/// Numbers between blanks or commas, one row per line; `#` begins a comment.
+/// Numbers separated by blanks or commas, one row per line; `#` starts a comment.
 fn text_table(bytes: &[u8], columns: usize) -> Result<Vec<f64>, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "neither text nor .npy".to_string())?;
     let mut values = Vec::new();
@@ -102,10 +116,14 @@ fn text_table(bytes: &[u8], columns: usize) -> Result<Vec<f64>, String> {
 /// Reads rays: eight little-endian f32 each, origin, tmin, direction, tmax.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray>, Failure> {
     let bytes = models::read_bytes(path)?;
-    named(path, rays(&bytes))
+    named(path, parse_rays(&bytes))
 }
 
-fn rays(bytes: &[u8]) -> Result<Vec<Ray>, String> {
+/// Parses rays: eight little-endian f32 each, origin, tmin, direction, tmax.
+///
+/// # Errors
+/// What is wrong, and in which ray.
+pub fn parse_rays(bytes: &[u8]) -> Result<Vec<Ray>, String> {
     let (records, rest) = bytes.as_chunks::<32>();
     if !rest.is_empty() {
         return Err(format!(
@@ -141,7 +159,7 @@ fn ray(record: &[u8; 32]) -> Result<Ray, String> {
     Ok(ray)
 }
 
-/// Writes rows of `columns` numbers: `.npy` when the name says so, text otherwise.
+/// Writes rows of `columns` numbers, as `.npy` if that is the extension, otherwise as text.
 pub fn write_rows(
     output: &Output,
     columns: usize,
@@ -202,17 +220,20 @@ mod tests {
     #[test]
     fn rays_are_eight_floats() {
         let good = bytes([1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 1.0, f32::INFINITY]);
-        let read = rays(&good).unwrap();
+        let read = parse_rays(&good).unwrap();
         assert_eq!(read[0].at(2.0), DVec3::new(1.0, 2.0, 5.0));
         assert_eq!((read[0].t_min, read[0].t_max), (0.5, f64::INFINITY));
-        assert!(rays(&good[..31]).unwrap_err().contains("31 bytes"));
+        assert!(parse_rays(&good[..31]).unwrap_err().contains("31 bytes"));
         for bad in [
             [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
             [f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0],
             [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0],
             [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, f32::NAN],
         ] {
-            assert!(rays(&bytes(bad)).unwrap_err().contains("ray 0"), "{bad:?}");
+            assert!(
+                parse_rays(&bytes(bad)).unwrap_err().contains("ray 0"),
+                "{bad:?}"
+            );
         }
     }
 }

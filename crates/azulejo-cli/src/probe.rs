@@ -1,4 +1,4 @@
-//! `probe`: what a scene does at given points and along given rays.
+//! `probe`: irradiance at points, and radiance or hits along rays.
 
 use super::args::ProbeArgs;
 use super::clock::Clock;
@@ -21,7 +21,7 @@ const IRRADIANCE: usize = 6;
 const RADIANCE: usize = 3;
 /// Columns of a hit: t, object, triangle, u, v.
 const HIT: usize = 5;
-/// Rays between two looks at the progress.
+/// Rays between two polls of the progress.
 const BATCH: usize = 4096;
 
 /// ProbeResults of numbers to be written.
@@ -61,10 +61,10 @@ fn build(scene: &Scene, prepared: &PreparedEngine, report: &mut Report) -> Resul
     Ok(tracer)
 }
 
-/// Reports one part of the work: seconds on the wall and of the processor.
+/// Adds wall-clock and CPU time of a part of the work.
 fn spent(label: &str, key: &str, clock: Clock, report: &mut Report) {
     let (wall, cpu) = (clock.wall(), clock.cpu());
-    let words = format!("{}, {} of processor time", seconds(wall), seconds(cpu));
+    let words = format!("{}, {} of CPU time", seconds(wall), seconds(cpu));
     report.line(label, words);
     report.value(&format!("{key}_seconds"), number(wall));
     report.value(&format!("{key}_cpu_seconds"), number(cpu));
@@ -157,7 +157,7 @@ fn hits(
     })
 }
 
-/// The first meeting of each ray, in their order.
+/// The closest hit of each ray, in their order.
 fn trace(tracer: &Tracer, rays: &[Ray], progress: &Progress) -> Result<Vec<KernelHit>, Cancelled> {
     progress.begin("tracing", rays.len() as u64);
     let parts: Result<Vec<Vec<KernelHit>>, Cancelled> = rays

@@ -1,4 +1,4 @@
-//! The progress bar: stage, share done, rate, time left; on a terminal only.
+//! The progress bar on terminals: stage, share done, rate, remaining time.
 
 use azulejo_trace::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -6,17 +6,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// How often the bar is drawn again.
+/// Interval at which the bar is redrawn.
 const FRAME: Duration = Duration::from_millis(100);
 
 const TEMPLATE: &str = "{msg:>16} [{bar:30}] {percent:>3}%  {per_sec}, {eta} left";
 
-/// Does `work` while another thread draws what `progress` says.
+/// Runs `work` while another thread draws the progress bar.
 pub fn with_bar<T>(progress: &Progress, work: impl FnOnce(&Progress) -> T) -> T {
     let finished = AtomicBool::new(false);
     thread::scope(|scope| {
         let painter = scope.spawn(|| paint(progress, &finished));
-        // Dropped also when the work panics: the scope would wait for the painter forever.
+        // Also dropped if the work panics: otherwise the scope would wait for the painter forever.
         let _finish = StopOnDrop {
             finished: &finished,
             painter: painter.thread().clone(),
@@ -46,7 +46,7 @@ fn paint(progress: &Progress, finished: &AtomicBool) {
     while !finished.load(Ordering::Relaxed) {
         let now = progress.stage();
         if now != stage {
-            // A new stage has its own rate: the old one would spoil the time left.
+            // A new stage has its own rate; the old one would distort the estimate.
             bar.reset();
             bar.set_message(now.clone());
             stage = now;

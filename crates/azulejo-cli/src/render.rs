@@ -1,4 +1,4 @@
-//! `render`: the second pass, from scene to picture; or one by brute force.
+//! `render`: the second pass, or the path tracer that serves as its reference.
 
 use super::args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
 use super::failure::Failure;
@@ -12,7 +12,7 @@ use azulejo_scene::{Image, Scene};
 use azulejo_trace::Tracer;
 use std::path::Path;
 
-/// How a picture is written.
+/// File formats of images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ImageFormat {
     Png,
@@ -28,12 +28,12 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let errors = args.picture.error_image.as_deref().map(errors_of);
     let errors = errors.transpose()?;
     session.claim_stdout(output.is_stdout())?;
-    session.set_makes_picture();
+    session.set_makes_image();
     let mut scene = input::read_all(&args.input, session)?;
     let mut report = Report::default();
     let image = match args.look.look {
         RenderStyle::Physical if args.picture.reference => {
-            truth(&scene, args, errors.as_ref(), session, &mut report)?
+            render_reference(&scene, args, errors.as_ref(), session, &mut report)?
         }
         RenderStyle::Physical => physical(&mut scene, args, session, &mut report)?,
         RenderStyle::Rtrace => rtrace::draw(&scene, args, session)?,
@@ -48,7 +48,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     Ok(report)
 }
 
-/// Solves the scene if it carries no light yet, and draws it.
+/// Solves the scene if it has no irradiance yet, and renders it.
 fn physical(
     scene: &mut Scene,
     args: &RenderArgs,
@@ -65,12 +65,12 @@ fn physical(
     Ok(image)
 }
 
-/// Samples per pixel where nobody says: enough to look at, and to know the error of.
+/// Default samples per pixel: enough for an image, and for a reference with a known error.
 const SAMPLES: u32 = 16;
 const REFERENCE_SAMPLES: u32 = 256;
 
-/// Draws the scene by brute force, and writes the errors if they are wanted.
-fn truth(
+/// Renders the scene by path tracing, and writes its error image if requested.
+fn render_reference(
     scene: &Scene,
     args: &RenderArgs,
     errors: Option<&(Output, ImageFormat)>,
@@ -91,7 +91,7 @@ fn truth(
     })?;
     let error = found.relative_error();
     let words = format!(
-        "{} relative RMSE expected, from the pixels' standard errors",
+        "{} relative RMSE, estimated from the pixels' standard errors",
         percent(error)
     );
     report.fact("error", number(error), "error", words);
@@ -101,18 +101,18 @@ fn truth(
     Ok(found.image)
 }
 
-/// Where errors go, and how: they are numbers, not for looking at.
+/// The output and format of an error image; a PNG could not hold its values.
 fn errors_of(path: &Path) -> Result<(Output, ImageFormat), Failure> {
     match format_of(path)? {
         ImageFormat::Png => Err(Failure::misuse(format_args!(
-            "{}: errors are written as numbers, expected .exr or .hdr",
+            "{}: an error image needs a format of linear values, expected .exr or .hdr",
             path.display()
         ))),
         format => Ok((Output::check(path)?, format)),
     }
 }
 
-/// Makes sure that the scene carries light, and prepares it for tracing.
+/// Solves the scene unless it is solved, and returns its tracer.
 fn lit(
     scene: &mut Scene,
     args: &RenderArgs,
@@ -129,7 +129,7 @@ fn lit(
     let light = pass::solve(scene, &tracer, &args.first_pass, &prepared, session)?;
     pass::describe(&light.report, &prepared, scene.units, report);
     scene.set_irradiance(light.irradiance);
-    // The refined mesh has other faces than the one that was traced so far.
+    // The subdivided mesh has other faces than the one of the first tracer.
     prepared.tracer(scene)
 }
 
@@ -143,7 +143,7 @@ fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
         "exr" => Ok(ImageFormat::Exr),
         "hdr" => Ok(ImageFormat::Hdr),
         _ => Err(Failure::misuse(format_args!(
-            "{}: unknown kind of picture, expected .png, .exr or .hdr",
+            "{}: unknown image format, expected .png, .exr or .hdr",
             path.display()
         ))),
     }
@@ -167,7 +167,7 @@ fn tone(name: ToneName) -> Tone {
     }
 }
 
-/// Writes radiance, or errors of it.
+/// Writes an image of linear values.
 fn write_linear(
     image: &Image,
     format: ImageFormat,
@@ -206,7 +206,7 @@ fn write(
             let stops = factor.log2();
             let words = match args.picture.exposure {
                 Some(_) => format!("{} stops", short(stops)),
-                None => format!("{} stops, chosen from the picture", short(stops)),
+                None => format!("{} stops, automatic", short(stops)),
             };
             report.fact("exposure", number(stops), "exposure", words);
             let pixels = azulejo_render::tone_map(image, factor, tone(args.picture.tone));

@@ -1,9 +1,9 @@
-//! What a command found out, for people and for machines.
+//! The summary of a command, as text and as JSON.
 
 use serde_json::{Map, Value};
 use std::io::{self, Write};
 
-/// Facts in order: a label and words for people, a key and a value for machines.
+/// Results in order, each with a label and text, a key and a JSON value, or both.
 #[derive(Debug, Default)]
 pub struct Report {
     lines: Vec<ReportLine>,
@@ -17,7 +17,7 @@ enum ReportLine {
 }
 
 impl Report {
-    /// Adds a fact for both.
+    /// Adds a result to the text and to the JSON.
     pub fn fact(
         &mut self,
         key: &str,
@@ -29,23 +29,23 @@ impl Report {
         self.line(label, words);
     }
 
-    /// Adds a fact for machines alone.
+    /// Adds a result to the JSON only.
     pub fn value(&mut self, key: &str, value: impl Into<Value>) {
         self.values.insert(key.to_owned(), value.into());
     }
 
-    /// Adds a line for people alone.
+    /// Adds a line to the text only.
     pub fn line(&mut self, label: &str, words: impl Into<String>) {
         self.lines
             .push(ReportLine::Labelled(label.to_owned(), words.into()));
     }
 
-    /// Adds a line without a label for people alone.
+    /// Adds a line without label to the text only.
     pub fn plain(&mut self, words: impl Into<String>) {
         self.lines.push(ReportLine::Plain(words.into()));
     }
 
-    /// Writes the lines, labels and words in two aligned columns.
+    /// Writes the text: labels and values in two aligned columns.
     pub fn write_lines(&self, out: &mut dyn Write) -> io::Result<()> {
         let label_width = |line: &ReportLine| match line {
             ReportLine::Labelled(label, _) => label.chars().count(),
@@ -67,7 +67,7 @@ impl Report {
     }
 }
 
-/// A JSON number, or null for what JSON cannot say.
+/// A JSON number, or null for infinities and NaN.
 pub fn number(x: f64) -> Value {
     serde_json::Number::from_f64(x).map_or(Value::Null, Value::Number)
 }
@@ -77,7 +77,7 @@ pub fn numbers(xs: [f64; 3]) -> Value {
     Value::Array(xs.map(number).to_vec())
 }
 
-/// A count with its thousands apart: `1,234,567`.
+/// A count with thousands separators: `1,234,567`.
 pub fn count(n: impl TryInto<u64>) -> String {
     let digits = n.try_into().unwrap_or(u64::MAX).to_string();
     let mut out = String::with_capacity(digits.len() + digits.len() / 3);
@@ -90,7 +90,7 @@ pub fn count(n: impl TryInto<u64>) -> String {
     out
 }
 
-/// A number to a few digits, plain where that is short: `0.0123`, `15.6`, `1.2e-9`.
+/// A number to four digits, without exponent where that is short: `0.0123`, `15.6`, `1.200e-9`.
 pub fn short(x: f64) -> String {
     let magnitude = x.abs();
     if magnitude != 0.0 && !(1e-4..1e7).contains(&magnitude) {
@@ -119,7 +119,7 @@ pub fn percent(share: f64) -> String {
 /// Seconds: `0.153 s`, `2 min 5 s`.
 pub fn seconds(s: f64) -> String {
     if s < 120.0 {
-        // Clocks say no more than milliseconds that anyone could rely on.
+        // Clocks are not reliable below milliseconds.
         return format!("{} s", short((s * 1e3).round() * 1e-3));
     }
     let whole = s.round() as u64;
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_for_people() {
+    fn numbers_are_short() {
         assert_eq!(count(0usize), "0");
         assert_eq!(count(999u32), "999");
         assert_eq!(count(1_234_567u64), "1,234,567");

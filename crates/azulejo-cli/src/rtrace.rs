@@ -1,4 +1,4 @@
-//! `render --look rtrace`: what was typed for RTRACE's own look, and its picture.
+//! `render --look rtrace`: renders as RTRACE did, with its options.
 
 use super::args::{RenderArgs, RenderStyle, RtraceArgs};
 use super::camera;
@@ -10,15 +10,15 @@ use azulejo_render::rtrace::{
 };
 use azulejo_scene::{Image, Rtrace, Scene};
 
-/// Picture size when neither the command line nor the scene says one: RTRACE's.
+/// RTRACE's image size, if neither the command line nor the scene specifies one.
 const SIZE: (u32, u32) = (256, 256);
 
-/// Refuses options of one look that are given with the other.
+/// Refuses options that do not apply to the chosen look.
 pub fn check(args: &RenderArgs) -> Result<(), Failure> {
     if args.look.look == RenderStyle::Physical {
         return match args.look.given() {
             Some(name) => Err(Failure::misuse(format_args!(
-                "--{name} is for RTRACE's look: add --look rtrace"
+                "--{name} requires --look rtrace"
             ))),
             None => Ok(()),
         };
@@ -30,17 +30,17 @@ pub fn check(args: &RenderArgs) -> Result<(), Failure> {
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) => Err(Failure::misuse(format_args!(
-            "--{name} has no meaning with --look rtrace, which shows RTRACE's values as they are"
+            "--{name} does not apply to --look rtrace, which shows RTRACE's values unchanged"
         ))),
         None => Ok(()),
     }
 }
 
-/// Draws the scene as RTRACE does.
+/// Renders the scene as RTRACE does.
 pub fn draw(scene: &Scene, args: &RenderArgs, session: &Session) -> Result<Image, Failure> {
     let Some(numbers) = &scene.rtrace else {
         return Err(Failure::failed(
-            "--look rtrace needs the surfaces and lights of an SFF or SCN scene, read alone and \
+            "--look rtrace needs the surfaces and lights of a single SFF or SCN scene that is \
              neither moved nor scaled; this scene has none",
         ));
     };
@@ -51,8 +51,8 @@ pub fn draw(scene: &Scene, args: &RenderArgs, session: &Session) -> Result<Image
     Ok(image)
 }
 
-/// The scene's view, changed by what the command line says. A field of view that is given there
-/// makes pixels square.
+/// The scene's view with the changes of the command line. If that specifies a field of view, pixels
+/// are square.
 fn view(scene: &Scene, numbers: &Rtrace, args: &RenderArgs) -> Result<View, Failure> {
     let given = &args.view;
     let camera = match &given.camera {
@@ -129,7 +129,7 @@ fn options(look: &RtraceArgs) -> Options {
 }
 
 impl RtraceArgs {
-    /// The first of RTRACE's options that was given.
+    /// The name of the first RTRACE option on the command line.
     fn given(&self) -> Option<&'static str> {
         let given = [
             ("look-model", self.look_model.is_some()),

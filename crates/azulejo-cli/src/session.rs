@@ -1,4 +1,4 @@
-//! What every command works with: switches, progress, warnings, and how it speaks.
+//! What all commands share: general options, progress, warnings and output of the summary.
 
 use super::args::CommonArgs;
 use super::clock::{self, Clock};
@@ -23,14 +23,14 @@ pub struct Session {
     progress: Arc<Progress>,
     clock: Clock,
     warnings: Vec<Value>,
-    /// Warnings in words, where a command lists them in its result.
+    /// The warnings as text, for commands that list them in their result.
     listed: Option<Vec<String>>,
     formats: Vec<Format>,
-    makes_picture: bool,
+    makes_image: bool,
 }
 
 impl Session {
-    /// Starts the clocks, sets up the threads and listens for Ctrl-C.
+    /// Starts the clock, sets up the threads and installs the handler of Ctrl-C.
     pub fn start(common: CommonArgs) -> Result<Session, Failure> {
         let progress = Arc::new(Progress::new());
         interrupt::install(Arc::clone(&progress))?;
@@ -46,11 +46,11 @@ impl Session {
             warnings: Vec::new(),
             listed: None,
             formats: Vec::new(),
-            makes_picture: false,
+            makes_image: false,
         })
     }
 
-    /// Whether results are for machines.
+    /// Whether results are printed as JSON.
     pub fn json(&self) -> bool {
         self.json
     }
@@ -63,35 +63,35 @@ impl Session {
     /// Refuses to mix a result with JSON when both would go to standard output.
     pub fn claim_stdout(&self, result_goes_there: bool) -> Result<(), Failure> {
         if self.json && result_goes_there {
-            let message = "both --json and the output would go to standard output";
+            let message = "--json and the output cannot both go to standard output";
             return Err(Failure::misuse(message));
         }
         Ok(())
     }
 
-    /// Counts and stops the work.
+    /// The progress of the work, through which it is cancelled.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }
 
-    /// Lets refinement end after `time`, counted from now.
+    /// Ends refinement after `time` from now.
     pub fn limit_time(&self, time: Option<Duration>) {
         if let Some(end) = time.and_then(|t| Instant::now().checked_add(t)) {
             self.progress.set_deadline(end);
         }
     }
 
-    /// Writes a scene whole or not at all; says what of it the format does not keep.
+    /// Writes a scene atomically, and reports what the format cannot represent.
     pub fn write(&mut self, scene: &Scene, output: &ModelOutput) -> Result<(), Failure> {
         let losses = output.write(scene, &self.progress)?;
         if !losses.is_empty() {
             let (name, losses) = (output.format().name, losses.join(", "));
-            self.note(&format!("{name} does not keep all: {losses}"));
+            self.note(&format!("{name} does not keep everything: {losses}"));
         }
         Ok(())
     }
 
-    /// Does long work under a progress bar, if a person is watching.
+    /// Runs long work under a progress bar, if standard error is a terminal.
     pub fn with_progress<T>(&self, work: impl FnOnce(&Progress) -> T) -> T {
         if !self.quiet && io::stderr().is_terminal() {
             progress_bar::with_bar(&self.progress, work)
@@ -100,7 +100,7 @@ impl Session {
         }
     }
 
-    /// Says once what a reader skipped or mended.
+    /// Reports what a reader skipped or repaired.
     pub fn warn(&mut self, warning: &Warning) {
         let value = json!({
             "file": warning.file,
@@ -111,27 +111,27 @@ impl Session {
         self.record(value, warning);
     }
 
-    /// From now on keeps warnings for [`listed`](Session::listed) instead of printing them.
+    /// Collects later warnings for [`listed`](Session::listed) instead of printing them.
     pub fn list_warnings(&mut self) {
         self.listed = Some(Vec::new());
     }
 
-    /// The warnings that were kept.
+    /// The collected warnings.
     pub fn listed(&self) -> &[String] {
         self.listed.as_deref().unwrap_or_default()
     }
 
-    /// Says that the command makes a picture, in which a direction may be up.
-    pub fn set_makes_picture(&mut self) {
-        self.makes_picture = true;
+    /// Declares that the command makes an image, for which `--up` may be a direction.
+    pub fn set_makes_image(&mut self) {
+        self.makes_image = true;
     }
 
-    /// Whether the command makes a picture.
-    pub fn makes_picture(&self) -> bool {
-        self.makes_picture
+    /// Whether the command makes an image.
+    pub fn makes_image(&self) -> bool {
+        self.makes_image
     }
 
-    /// Remembers the format of a model.
+    /// Records the format of a model.
     pub fn has_read(&mut self, format: Format) {
         self.formats.push(format);
     }
@@ -141,19 +141,19 @@ impl Session {
         &self.formats
     }
 
-    /// Says to people how the work stands, while it goes on.
+    /// Prints a message on the state of the work.
     pub fn say(&self, message: &str) {
         if !self.json && !self.quiet {
             let _ = writeln!(io::stderr(), "{message}");
         }
     }
 
-    /// Says something about the run that no file is to blame for.
+    /// Reports a warning that does not concern a file.
     pub fn note(&mut self, message: &str) {
         self.record(json!({ "message": message, "count": 1 }), message);
     }
 
-    /// Says what was done, where no progress bar says it.
+    /// Prints a message on completed work, unless there is a progress bar.
     pub fn tell(&self, words: &str) {
         if !self.json && !self.quiet && !io::stderr().is_terminal() {
             let _ = writeln!(io::stderr(), "{words}");
@@ -167,13 +167,13 @@ impl Session {
             return;
         }
         if !self.json && !self.quiet {
-            // Standard error may be closed; a warning is not worth failing for.
+            // Standard error may be closed; that is no reason to fail.
             let _ = writeln!(io::stderr(), "warning: {words}");
         }
     }
 
-    /// Ends a command whose result is a file: the summary goes to standard error, where it
-    /// cannot mix with the result.
+    /// Ends a command whose result is a file: the summary goes to standard error, because the
+    /// result may go to standard output.
     pub fn finish(self, mut report: Report) -> Result<(), Failure> {
         self.costs(&mut report);
         if self.json {
@@ -185,7 +185,7 @@ impl Session {
         Ok(())
     }
 
-    /// Ends a command whose result is what it prints.
+    /// Ends a command whose result is the report.
     pub fn print(self, mut report: Report) -> Result<(), Failure> {
         if self.json {
             self.costs(&mut report);
@@ -196,12 +196,12 @@ impl Session {
         Ok(out.flush()?)
     }
 
-    /// What the whole run has cost so far.
+    /// Adds time and memory of the run.
     fn costs(&self, report: &mut Report) {
         let (wall, cpu) = (self.clock.wall(), self.clock.cpu());
         let threads = rayon::current_num_threads();
         let mut words = format!(
-            "{}, {} of processor time on {threads} thread{}",
+            "{}, {} of CPU time on {threads} thread{}",
             report::seconds(wall),
             report::seconds(cpu),
             if threads == 1 { "" } else { "s" }

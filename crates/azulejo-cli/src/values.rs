@@ -1,4 +1,4 @@
-//! Values as people type them: `1%`, `60s`, `4G`, `640x480`, `1,2,3`.
+//! Parsers of option values: `1%`, `60s`, `4G`, `640x480`, `1,2,3`.
 
 use azulejo_formats::Lod;
 use azulejo_render::rtrace::Side;
@@ -6,7 +6,7 @@ use azulejo_scene::Up;
 use glam::DVec3;
 use std::time::Duration;
 
-/// The longest picture side; more is a slip of the finger, not a picture.
+/// Largest width and height of an image; more is a typing error.
 const MAX_SIDE: u32 = 65_536;
 
 fn number(text: &str) -> Result<f64, String> {
@@ -42,7 +42,7 @@ pub fn fraction(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Pixels along a hemicube: even, 2 to 4096.
+/// The resolution of a hemicube: even, 2 to 4096.
 pub fn resolution(text: &str) -> Result<u32, String> {
     match text.trim().parse::<u32>() {
         Ok(n) if n % 2 == 0 && (2..=4096).contains(&n) => Ok(n),
@@ -58,12 +58,12 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// One of two eyes and how far they are apart: `left=0.5`.
+/// One eye of a stereo pair with their distance: `left=0.5`.
 pub fn eye(text: &str) -> Result<(Side, f64), String> {
     match text.split_once('=') {
         Some(("left", apart)) => Ok((Side::Left, positive(apart)?)),
         Some(("right", apart)) => Ok((Side::Right, positive(apart)?)),
-        _ => Err("expected left or right and a length, as in left=0.5".into()),
+        _ => Err("expected left or right with a distance, as in left=0.5".into()),
     }
 }
 
@@ -75,7 +75,7 @@ pub fn threshold(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Splits `60s` into its number and its unit, which may be empty.
+/// Splits `60s` into number and unit, which may be empty.
 fn with_unit(text: &str) -> Result<(f64, &str), String> {
     let unit = text
         .rfind(|c: char| c.is_ascii_digit() || c == '.')
@@ -120,7 +120,7 @@ pub fn bytes(text: &str) -> Result<u64, String> {
     }
 }
 
-/// A picture size in pixels: `640x480`.
+/// An image size in pixels: `640x480`.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
     let side = |t: &str| {
         t.trim()
@@ -153,22 +153,22 @@ pub fn degrees(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What `--up` says: an axis of the scene, or only of the picture.
+/// The value of `--up`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UpArg {
     /// The scene's up axis.
     Scene(Up),
-    /// A direction that points up in the picture.
+    /// A direction that points up in the image.
     Picture(DVec3),
 }
 
-/// An axis, `y` or `z`, or a direction for the picture alone, `0,1,1`.
+/// An axis, `y` or `z`, or a direction for the image only, `0,1,1`.
 pub fn up(text: &str) -> Result<UpArg, String> {
     match axis(text) {
         Ok(up) => Ok(UpArg::Scene(up)),
         Err(_) => vector(text)
             .map(UpArg::Picture)
-            .map_err(|_| "expected y or z, or for a picture a direction as in 0,1,1".into()),
+            .map_err(|_| "expected y or z, or for an image a direction as in 0,1,1".into()),
     }
 }
 
@@ -177,7 +177,7 @@ pub fn axis(text: &str) -> Result<Up, String> {
     match text.trim() {
         "y" | "Y" => Ok(Up::Y),
         "z" | "Z" => Ok(Up::Z),
-        other => Err(format!("\"{other}\" is no up axis, expected y or z")),
+        other => Err(format!("\"{other}\" is not an up axis, expected y or z")),
     }
 }
 
@@ -195,13 +195,14 @@ pub fn unit(text: &str) -> Result<f64, String> {
         "yd" => 0.9144,
         "mi" => 1609.344,
         "nmi" => 1852.0,
-        other => number(other)
-            .map_err(|e| format!("{e} of metres, nor mm, cm, dm, m, km, in, ft, yd, mi or nmi"))?,
+        other => number(other).map_err(|e| {
+            format!("{e} of metres or one of mm, cm, dm, m, km, in, ft, yd, mi, nmi")
+        })?,
     };
     if metres > 0.0 {
         Ok(metres)
     } else {
-        Err(format!("a unit of {metres} m, expected more than 0"))
+        Err(format!("the unit is {metres} m, expected more than 0"))
     }
 }
 
@@ -268,7 +269,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn readers_are_told_how() {
+    fn units_axes_and_levels_of_detail() {
         check(up, "z", UpArg::Scene(Up::Z));
         check(up, "0,1,1", UpArg::Picture(DVec3::new(0.0, 1.0, 1.0)));
         refuse(up, &["", "x", "w", "1,2"]);

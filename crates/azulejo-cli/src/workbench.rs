@@ -1,7 +1,6 @@
-//! `view`: starts the workbench, which is a program of its own.
+//! `view`: starts the workbench.
 //!
-//! Its window needs hundreds of crates that nobody else does, so it is not part of this program;
-//! who has built it has it beside this one.
+//! It depends on hundreds of crates for its window, so it is a program of its own.
 
 use super::args::WorkbenchArgs;
 use super::failure::Failure;
@@ -10,25 +9,25 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Its name without what the system puts behind programs.
+/// Its name, without the extension of programs.
 const PROGRAM: &str = "azulejo-workbench";
 
-/// Runs the workbench until its window is closed; its failure is this command's.
+/// Runs the workbench until its window is closed; fails if it fails.
 pub fn run(args: &WorkbenchArgs) -> Result<(), Failure> {
     let program = find().ok_or_else(|| Failure::Failed(advice(args)))?;
     let status = Command::new(&program).args(arguments(args)).status();
     let status = status.map_err(|e| Failure::file("start", &program, &e))?;
     match status.code() {
         Some(0) => Ok(()),
-        // It has said why.
+        // It has printed the reason.
         Some(code) => Err(Failure::Failed(format!(
-            "the workbench ended with status {code}"
+            "the workbench exited with status {code}"
         ))),
         None => Err(Failure::failed("the workbench was killed")),
     }
 }
 
-/// The workbench beside this program, or where the system looks for programs.
+/// The workbench next to this program, or on the PATH.
 fn find() -> Option<PathBuf> {
     let name = format!("{PROGRAM}{EXE_SUFFIX}");
     let own = std::env::current_exe().ok();
@@ -38,7 +37,7 @@ fn find() -> Option<PathBuf> {
     beside.into_iter().chain(others).find(|p| p.is_file())
 }
 
-/// What the workbench is given: the same words.
+/// The arguments of the workbench.
 fn arguments(args: &WorkbenchArgs) -> Vec<OsString> {
     let mut words = Vec::new();
     for (option, value) in [
@@ -52,7 +51,7 @@ fn arguments(args: &WorkbenchArgs) -> Vec<OsString> {
     if args.no_preferences {
         words.push("--no-preferences".into());
     }
-    // A file whose name begins with a dash is a file all the same.
+    // File names may start with a dash.
     words.push("--".into());
     words.extend(args.files.iter().map(|f| f.clone().into_os_string()));
     words
@@ -64,8 +63,8 @@ fn advice(args: &WorkbenchArgs) -> String {
         .filter(|w| w != "--")
         .collect();
     format!(
-        "there is no {PROGRAM} beside this program or on the PATH; in azulejo's folder: \
-         cargo run --release -p {PROGRAM} -- {}",
+        "there is no {PROGRAM} next to this program or on the PATH; to build and run it from \
+         azulejo's source: cargo run --release -p {PROGRAM} -- {}",
         words.join(" ")
     )
 }

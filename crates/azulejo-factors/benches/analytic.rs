@@ -1,8 +1,8 @@
-//! The analytic engine on a closed room: `cargo bench -p azulejo-radiosity --bench analytic
+//! The analytic engine on a closed room: `cargo bench -p azulejo-factors --bench analytic
 //! [-- facets...]`, by default about 500, 2,000, 5,000 and 20,000.
 //!
-//! Every row of exact factors sums to 1, so that sums tell the error, with nothing restored.
-//! Beside it the figures of View3D 4.0 (eps 1e-4, one core, CPU seconds) on such a room.
+//! Every row of exact factors sums to 1, so the sums show the error, without closure. Beside it are
+//! figures of View3D 4.0 (eps 1e-4, one core, CPU seconds) on such a room.
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 

@@ -1,6 +1,6 @@
-//! Form factors against known truths, and what a room of 10,000 patches costs.
+//! Form factors against known truths, and the cost of a room of 10,000 patches.
 //!
-//! `cargo bench -p azulejo-radiosity --bench form_factors [-- rays]`.
+//! `cargo bench -p azulejo-factors --bench form_factors [-- rays]`.
 
 // Printing is what a bench is for.
 #![allow(clippy::print_stdout)]
@@ -88,7 +88,7 @@ fn room(rays: u32) {
     }
 }
 
-/// A sphere from inside, as noisy rays would see it: S_ij = A_i A_j / A, off by up to 2%.
+/// A sphere from inside, with the noise of rays: S_ij = A_i A_j / A, off by up to 2%.
 fn dense(n: usize) {
     let share = 1.0 / (n * n) as f64;
     let noise = |i: usize, j: usize| {

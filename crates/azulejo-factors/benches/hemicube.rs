@@ -1,6 +1,6 @@
-//! Hemicubes per second of the processor, beside rays.
+//! Hemicubes per second on the processor, compared with rays.
 //!
-//! `cargo bench -p azulejo-radiosity --bench hemicube -- [rooms] [mirrors]`; both without words.
+//! `cargo bench -p azulejo-factors --bench hemicube -- [rooms] [mirrors]`; both without arguments.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 #[path = "drawing/mod.rs"]

@@ -83,7 +83,7 @@ fn report(name: &str, shapes: &[Shape], count: usize) {
 
 const CALLS: u32 = 4_000_000;
 
-/// Numbers that jump about, as the hits of a diffuse patch do.
+/// Random order of lookups, as the hits of a diffuse patch have it.
 fn scattered() -> impl FnMut() -> u32 {
     let mut state = 1u64;
     move || {
@@ -127,7 +127,7 @@ fn sample_nanoseconds(patches: &Patches) -> f64 {
     })
 }
 
-/// Nanoseconds per item; the fastest of many batches, since other programs only slow one down.
+/// Nanoseconds per item; the fastest of many batches, because other programs only slow one down.
 fn fastest<T>(items: &[T], mut each: impl FnMut(&T)) -> f64 {
     let batches = items.chunks(20_000).map(|batch| {
         let start = Instant::now();

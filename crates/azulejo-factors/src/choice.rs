@@ -99,11 +99,11 @@ impl EngineChoice {
             return (Engine::Analytic, why);
         }
         let why = if is_possible {
-            format!("rays, because about {rays:.0} of each patch promise the error soonest")
+            format!("rays, because about {rays:.0} of each patch reach the error soonest")
         } else if self.is_specular {
-            "rays, because mirrors, glass and gloss are followed".to_owned()
+            "rays, because there are mirrors, glass or gloss".to_owned()
         } else {
-            "rays, because curved surfaces are sampled as they are".to_owned()
+            "rays, because there are curved surfaces".to_owned()
         };
         (Engine::Rays, why)
     }

@@ -163,7 +163,7 @@ impl<'a> Estimator<'a> {
     }
 
     /// Whether all entries of a row share a handful of viewpoints.
-    pub(crate) fn is_drawn(&self) -> bool {
+    pub(crate) fn shares_viewpoints(&self) -> bool {
         matches!(self, Estimator::Hemicube(_))
     }
 

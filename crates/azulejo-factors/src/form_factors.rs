@@ -8,7 +8,7 @@
 //! 5. [`FormFactors::close`] enforces closure: changes entries within their errors so that no
 //!    light is missing.
 //!
-//! [`form_factors`] does all of it, in this order. [`FormFactors::grouped`] and
+//! [`form_factors()`] does all of it, in this order. [`FormFactors::grouped`] and
 //! [`FormFactors::truncate`] derive smaller matrices, [`FormFactors::interchange`] one that
 //! includes all reflections. [`form_factors_from`] computes a single row.
 
@@ -220,11 +220,11 @@ impl<'a> PreparedPlan<'a> {
     ) -> Result<FormFactors, FactorsError> {
         let mut factors = self.estimate(journal, progress)?;
         self.describe(&mut factors);
-        factors.is_closed = factors.keeps_its_light();
+        factors.is_closed = factors.loses_no_light();
         if self.plan.is_to_close(&mut factors, self.materials()) {
             factors.close(progress)?;
         }
-        factors.find_row_errors();
+        factors.update_row_errors();
         Ok(factors)
     }
 

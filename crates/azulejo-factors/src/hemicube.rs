@@ -148,10 +148,10 @@ impl<'a> HemicubeEstimator<'a> {
         if listed > 0 {
             notes.push(match self.mirrors {
                 MirrorHandling::Windows => format!(
-                    "light goes on by rays from the pixels of {listed} patches of curved mirrors or glass"
+                    "rays continue from the pixels of {listed} patches of curved mirrors or glass"
                 ),
                 MirrorHandling::Rays => {
-                    format!("light goes on by rays from the pixels of {listed} specular patches")
+                    format!("rays continue from the pixels of {listed} specular patches")
                 }
             });
         }

@@ -1,6 +1,6 @@
 //! Form factors: the share of the light leaving one patch that arrives at another.
 //!
-//! [`form_factors`] divides a scene into [`Patches`] and computes the matrix between all of them,
+//! [`form_factors()`] divides a scene into [`Patches`] and computes the matrix between all of them,
 //! each entry with its standard error; [`form_factors_from`] computes one row. An extended form
 //! factor counts light that arrives directly, by mirrors or through glass. Nothing here solves for
 //! light: `azulejo-radiosity` does, from the rows that an [`Estimator`](engine::Estimator) returns.

@@ -125,7 +125,7 @@ impl<'a> HitPatches<'a> {
 pub struct RayEstimator<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
-    starts: RowSampler<'a>,
+    sampler: RowSampler<'a>,
     hit_patches: HitPatches<'a>,
     per_replicate: usize,
     seed: u32,
@@ -157,7 +157,7 @@ impl<'a> RayEstimator<'a> {
         RayEstimator {
             gatherer,
             patches,
-            starts: RowSampler::new(gatherer.surfaces().tracer, patches, per_replicate, seed),
+            sampler: RowSampler::new(gatherer.surfaces().tracer, patches, per_replicate, seed),
             hit_patches: HitPatches::new(gatherer.surfaces(), patches),
             per_replicate,
             seed,
@@ -193,7 +193,7 @@ impl<'a> RayEstimator<'a> {
         for replicate in 0..REPLICATES {
             for first in (0..all).step_by(BATCH) {
                 let stretch = first..(first + BATCH).min(all);
-                self.starts
+                self.sampler
                     .fill(side, replicate, stretch, share, &mut work.paths);
                 let chances = hash(&[self.seed, side, replicate as u32, first as u32]);
                 self.follow(&mut work, chances, (replicate, 1.0), &mut row);

@@ -22,7 +22,7 @@ pub struct Atlas {
 pub type Rectangle = [u32; 4];
 
 impl Atlas {
-    /// As many tiles as `pixels` suffice for, and the limits allow; at least one.
+    /// As many tiles as `pixels` and the limits allow; at least one.
     ///
     /// # Errors
     /// [`DrawError::TooLarge`]: not even one.

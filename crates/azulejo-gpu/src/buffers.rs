@@ -38,14 +38,14 @@ pub struct Buffers {
 }
 
 /// Views that the card is drawing.
-struct Drawn {
+struct PendingViews {
     traversals: Vec<ViewTraversal>,
     submission: wgpu::SubmissionIndex,
-    answer: Answer,
+    readback: Readback,
 }
 
 /// What will be read back of them.
-enum Answer {
+enum Readback {
     Pixels(Vec<Mapping>),
     Sums(Mapping),
 }
@@ -112,7 +112,7 @@ impl Buffers {
     }
 
     /// Sends views to the card.
-    fn begin(&self, target: &mut Target, views: &[View]) -> Drawn {
+    fn begin(&self, target: &mut Target, views: &[View]) -> PendingViews {
         let context = self.context();
         let traversal =
             |(tile, view)| ViewTraversal::new(tile, HemicubeView::new(view, &self.mesh.local));
@@ -125,39 +125,39 @@ impl Buffers {
         let drawings: Vec<_> = drawings.into_iter().flatten().collect();
         target.draw(&self.shared, &self.mesh, &drawings, DrawInto::Faces);
         let ups: Vec<[f32; 4]> = traversals.iter().map(|g| g.up(&context)).collect();
-        let (submission, answer) = match target.add_up(&self.shared, &ups) {
-            Some((submission, sums)) => (submission, Answer::Sums(sums)),
+        let (submission, readback) = match target.add_up(&self.shared, &ups) {
+            Some((submission, sums)) => (submission, Readback::Sums(sums)),
             None => {
                 let tiles: Vec<u32> = traversals.iter().map(|g| g.tile).collect();
                 let (submission, pixels) = target.read_back(&self.shared, &tiles);
-                (submission, Answer::Pixels(pixels))
+                (submission, Readback::Pixels(pixels))
             }
         };
-        Drawn {
+        PendingViews {
             traversals,
             submission,
-            answer,
+            readback,
         }
     }
 
     /// Reads what was drawn, and draws behind mirrors, level by level, until nothing is left.
-    fn finish(&self, target: &mut Target, drawn: Drawn) -> Result<Vec<Seen>, DrawError> {
-        let Drawn {
+    fn finish(&self, target: &mut Target, drawn: PendingViews) -> Result<Vec<Seen>, DrawError> {
+        let PendingViews {
             mut traversals,
             submission,
-            answer,
+            readback,
         } = drawn;
         self.shared.wait(submission)?;
         let context = self.context();
-        match answer {
-            Answer::Pixels(pixels) => self.read(
+        match readback {
+            Readback::Pixels(pixels) => self.read(
                 pixels,
                 &mut traversals.iter_mut(),
                 |tally, traversal, pixels| {
                     traversal.read_all(&context, pixels, Some(tally));
                 },
             )?,
-            Answer::Sums(sums) => self.read_sums(target, sums, &mut traversals)?,
+            Readback::Sums(sums) => self.read_sums(target, sums, &mut traversals)?,
         }
         while traversals.iter().any(ViewTraversal::has_windows) {
             self.next_level(target, &mut traversals)?;
@@ -282,7 +282,7 @@ impl Buffers {
 
 impl ItemBuffers for Buffers {
     fn batch(&self) -> usize {
-        // One atlas to draw, one to read, and again.
+        // One atlas to draw, one to read, and as many again.
         4 * self.atlas.tiles as usize
     }
 
@@ -293,7 +293,7 @@ impl ItemBuffers for Buffers {
         let [one, other] = &mut *targets;
         let (mut now, mut last) = (one, other);
         let mut all = Vec::with_capacity(views.len());
-        let mut drawing: Option<Drawn> = None;
+        let mut drawing: Option<PendingViews> = None;
         for part in views.chunks(self.atlas.tiles as usize) {
             let next = self.begin(now, part);
             if let Some(drawn) = drawing.replace(next) {
@@ -357,8 +357,8 @@ fn targets(shared: &Shared, wanted: &mut TargetOptions) -> Result<[Target; 2], D
     }
 }
 
-/// Does something with each item, on as many threads as rayon has. Not on rayon's own: one of
-/// those, waiting here, might take up another drawing and wait for the card that it holds itself.
+/// Processes each item, on as many threads as rayon has. Not on rayon's own: one of those, waiting
+/// here, might start another drawing and wait for the card that it holds itself.
 fn side_by_side<T: Send, S, R: Send>(
     items: &mut [T],
     start: impl Fn() -> S + Sync,

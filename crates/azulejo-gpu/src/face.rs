@@ -25,14 +25,14 @@ pub struct FaceDrawing {
 
 /// Columns and rows of a face.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Region {
+pub struct FaceRegion {
     pub columns: Range<u32>,
     pub rows: Range<u32>,
 }
 
-impl Region {
+impl FaceRegion {
     /// No pixel yet.
-    pub const EMPTY: Region = Region {
+    pub const EMPTY: FaceRegion = FaceRegion {
         columns: Range {
             start: u32::MAX,
             end: 0,
@@ -44,8 +44,8 @@ impl Region {
     };
 
     /// All of a face.
-    pub fn whole(resolution: u32, face: usize) -> Region {
-        Region {
+    pub fn whole(resolution: u32, face: usize) -> FaceRegion {
+        FaceRegion {
             columns: 0..resolution,
             rows: 0..if face == 0 {
                 resolution
@@ -71,7 +71,7 @@ pub fn face_drawing(
     atlas: &Atlas,
     view: &HemicubeView,
     (tile, face): (u32, usize),
-    region: &Region,
+    region: &FaceRegion,
     window: u32,
 ) -> FaceDrawing {
     let axes = view.face_axes(face);

@@ -119,7 +119,7 @@ impl Mesh {
     }
 }
 
-/// How a corner lies in its buffer.
+/// The layout of a corner in its buffer.
 pub fn layout() -> wgpu::VertexBufferLayout<'static> {
     const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
         wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x4, 2 => Uint32x2];
@@ -145,7 +145,7 @@ struct Prepared {
 /// Facets in the order in which they are drawn: near ones together, and of those at one point the
 /// lowest patch first, which wins where they are equally deep.
 fn prepared(sound: &[&Facet], local: &UnitCube, optics: &[PatchOptics]) -> Vec<Prepared> {
-    let mut planes = Planes::default();
+    let mut planes = CardPlanes::default();
     let mut facets = Vec::with_capacity(sound.len());
     for t in sound {
         let corners = t.corners.map(|c| local.point(c));
@@ -167,13 +167,13 @@ fn prepared(sound: &[&Facet], local: &UnitCube, optics: &[PatchOptics]) -> Vec<P
     facets
 }
 
-/// Planes of facets, each once.
+/// The planes of all facets, each once.
 #[derive(Default)]
-struct Planes {
+struct CardPlanes {
     known: HashMap<[i64; 4], [f32; 4]>,
 }
 
-impl Planes {
+impl CardPlanes {
     /// The plane through three corners, and whether they turn counter-clockwise about its
     /// normal; `None` if they span none.
     fn of(&mut self, [a, b, c]: [DVec3; 3]) -> Option<([f32; 4], bool)> {
@@ -203,7 +203,7 @@ impl Planes {
     }
 }
 
-/// Bits of the three coordinates by turns.
+/// The bits of the three coordinates, interleaved.
 fn morton_code(p: DVec3) -> u64 {
     const BITS: u32 = 20;
     let cells = f64::from(1u32 << BITS);
@@ -269,11 +269,11 @@ struct Clusters {
     size: u32,
     count: u32,
     /// Node k has the children 2k + 1 and 2k + 2, which share its clusters by halves.
-    nodes: Vec<Bounds>,
+    nodes: Vec<ClusterBounds>,
 }
 
 #[derive(Clone, Copy)]
-struct Bounds {
+struct ClusterBounds {
     centre: DVec3,
     half: DVec3,
 }
@@ -281,7 +281,7 @@ struct Bounds {
 impl Clusters {
     fn new(facets: &[Prepared], size: u32) -> Clusters {
         let count = facets.len().div_ceil(size as usize);
-        let nothing = Bounds {
+        let nothing = ClusterBounds {
             centre: DVec3::ZERO,
             half: DVec3::ZERO,
         };
@@ -312,7 +312,7 @@ impl Clusters {
             let b = self.enclose(facets, 2 * node + 2, right);
             [a[0].min(b[0]), a[1].max(b[1])]
         };
-        self.nodes[node] = Bounds {
+        self.nodes[node] = ClusterBounds {
             centre: 0.5 * (low + high),
             half: 0.5 * (high - low) + BOX_SLACK,
         };
@@ -384,7 +384,7 @@ impl Cone {
         Cone { planes }
     }
 
-    fn containment(&self, bounds: &Bounds) -> Containment {
+    fn containment(&self, bounds: &ClusterBounds) -> Containment {
         let mut found = Containment::Inside;
         for plane in &self.planes {
             let middle = plane.normal.dot(bounds.centre) - plane.offset;

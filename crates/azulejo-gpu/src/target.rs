@@ -21,7 +21,7 @@ pub struct Target {
     /// Nearness of what the pixels show, if wanted.
     nearness: Option<wgpu::Texture>,
     depth: wgpu::TextureView,
-    windows: Option<Windows>,
+    windows: Option<WindowNumbers>,
     /// Where pixels are read back, sides and nearness.
     back: Vec<wgpu::Buffer>,
     faces: Faces,
@@ -29,7 +29,7 @@ pub struct Target {
 }
 
 /// Which window each pixel belongs to.
-struct Windows {
+struct WindowNumbers {
     texture: wgpu::Texture,
     group: wgpu::BindGroup,
 }
@@ -96,7 +96,7 @@ impl Target {
                 atlas: wanted.atlas,
                 nearness: wanted.nearness.then(|| numbers(used | read)),
                 depth: depth.create_view(&wgpu::TextureViewDescriptor::default()),
-                windows: wanted.windows.then(|| Windows::new(shared, size)),
+                windows: wanted.windows.then(|| WindowNumbers::new(shared, size)),
                 back: (0..1 + usize::from(wanted.nearness)).map(back).collect(),
                 faces: Faces::new(shared, MOST_DRAWINGS.min(8 * tiles as usize)),
                 sums,
@@ -291,8 +291,8 @@ impl Target {
     }
 }
 
-impl Windows {
-    fn new(shared: &Shared, size: wgpu::Extent3d) -> Windows {
+impl WindowNumbers {
+    fn new(shared: &Shared, size: wgpu::Extent3d) -> WindowNumbers {
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
         let texture = texture(&shared.device, size, NUMBERS, usage);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -304,7 +304,7 @@ impl Windows {
                 resource: wgpu::BindingResource::TextureView(&view),
             }],
         });
-        Windows { texture, group }
+        WindowNumbers { texture, group }
     }
 }
 
@@ -451,9 +451,10 @@ impl Mapping {
 }
 
 fn operations<T>(empty: T, empties: bool) -> wgpu::Operations<T> {
-    let load = match empties {
-        true => wgpu::LoadOp::Clear(empty),
-        false => wgpu::LoadOp::Load,
+    let load = if empties {
+        wgpu::LoadOp::Clear(empty)
+    } else {
+        wgpu::LoadOp::Load
     };
     wgpu::Operations {
         load,

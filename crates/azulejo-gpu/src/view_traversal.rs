@@ -2,7 +2,7 @@
 //! are drawn next, level by level.
 
 use crate::atlas::{Atlas, FACES};
-use crate::face::{FaceDrawing, Region, face_drawing};
+use crate::face::{FaceDrawing, FaceRegion, face_drawing};
 use crate::mesh::Mesh;
 use crate::tally::{Shares, Tally};
 use crate::target::NOTHING;
@@ -36,7 +36,7 @@ pub struct Pixels<'a> {
 }
 
 /// Pixels that show one reflected world.
-struct Window {
+struct WindowPixels {
     view: HemicubeView,
     /// Its pixels, among those of the level.
     pixels: Range<usize>,
@@ -53,7 +53,7 @@ pub struct ViewTraversal {
     seen: Seen,
     /// Mirrors on the way.
     depth: u32,
-    windows: Vec<Window>,
+    windows: Vec<WindowPixels>,
     /// Pixels of the windows, sorted in each.
     pixels: Vec<u32>,
     /// Windows opened so far.
@@ -84,7 +84,7 @@ impl ViewTraversal {
     /// The faces of the world as it is seen without mirrors.
     pub fn straight(&self, context: &ViewContext) -> Vec<FaceDrawing> {
         let face = |face| {
-            let region = Region::whole(context.atlas.resolution, face);
+            let region = FaceRegion::whole(context.atlas.resolution, face);
             let target = (self.tile, face);
             face_drawing(context.mesh, context.atlas, &self.view, target, &region, 0)
         };
@@ -173,7 +173,7 @@ impl ViewTraversal {
                 }
                 let first = self.pixels.len();
                 self.pixels.extend(group.iter().map(|&(_, p)| p));
-                self.windows.push(Window {
+                self.windows.push(WindowPixels {
                     view,
                     pixels: first..self.pixels.len(),
                     share: strongest * share,
@@ -213,7 +213,7 @@ impl ViewTraversal {
             numbers: vec![0; ((last + 1 - first) * n) as usize],
         };
         for (number, window) in (1..).zip(&self.windows) {
-            let mut regions = [const { Region::EMPTY }; FACES];
+            let mut regions = [const { FaceRegion::EMPTY }; FACES];
             for &p in &self.pixels[window.pixels.clone()] {
                 request.numbers[(p - first * n) as usize] = number;
                 let (face, column, row) = context.atlas.locate(p);

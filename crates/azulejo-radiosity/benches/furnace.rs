@@ -1,5 +1,5 @@
-//! Furnaces: closed rooms that glow alike everywhere, whose radiosity is known whatever the form
-//! factors are. `cargo bench -p azulejo-radiosity --bench furnace`.
+//! Furnaces: closed rooms with uniform light, whose radiosity is known whatever the form factors.
+//! `cargo bench -p azulejo-radiosity --bench furnace`.
 //!
 //! With exitance M, diffuse reflectance ρ and mirror reflectance σ on every wall, irradiance is
 //! H = M/(1 − ρ − σ) and radiosity B = M + ρ H.

@@ -1,6 +1,6 @@
 //! The first pass: from a scene to irradiance, once for all viewpoints.
 //!
-//! [`solve()`] divides the faces into [`Patches`](azulejo_factors::Patches), computes the extended
+//! [`solve()`] divides the faces into [`Patches`], computes the extended
 //! form factors between them with `azulejo-factors`, solves the radiosity system, and gathers
 //! irradiance at the vertices; [`probe`] gathers it at any points. Results carry standard errors
 //! and are the same to the bit for any number of threads.

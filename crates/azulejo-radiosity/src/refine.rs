@@ -86,7 +86,7 @@ pub fn refine(
     let refiner = Refiner {
         gatherer,
         patches,
-        starts: RowSampler::new(tracer, patches, most, seed),
+        sampler: RowSampler::new(tracer, patches, most, seed),
         hit_patches: HitPatches::new(gatherer.surfaces(), patches),
         seed,
         reference: coarse.mean().iter().map(|r| r.to_f32()).collect(),
@@ -170,7 +170,7 @@ struct RefinementTask {
 struct Refiner<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
-    starts: RowSampler<'a>,
+    sampler: RowSampler<'a>,
     hit_patches: HitPatches<'a>,
     seed: u32,
     /// R₀ per side.
@@ -252,7 +252,7 @@ impl Refiner<'_> {
         for (replicate, sum) in sums.iter_mut().enumerate() {
             for first in (from..to).step_by(BATCH) {
                 let stretch = first..(first + BATCH).min(to);
-                self.starts
+                self.sampler
                     .fill(task.side, replicate, stretch, share, paths);
                 let chances = hash(&[self.seed, task.side, replicate as u32, first as u32]);
                 follow(surfaces, paths, scratch, chances, |path, event| {

@@ -143,9 +143,9 @@ impl From<Cancelled> for SolveError {
 impl fmt::Display for SolveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            SolveError::NoLight => {
-                f.write_str("nothing in the scene shines: add a light, or a material that emits")
-            }
+            SolveError::NoLight => f.write_str(
+                "nothing in the scene emits light: add a light, or a material that emits",
+            ),
             SolveError::NoSurface => FactorsError::NoSurface.fmt(f),
             SolveError::Cancelled => FactorsError::Cancelled.fmt(f),
             SolveError::Factors(error) => error.fmt(f),
@@ -274,11 +274,11 @@ fn solve_for(
     let solved = SolvedPatches::new(&proxy, pass, progress, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
-    reporter.show_patches(&solved.patches, &solved.found);
+    reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(
         scene,
         &solved.patches,
-        &solved.found.incident,
+        &solved.solution.incident,
         pass.keep_mesh,
     );
     let light = solved.light(pass);

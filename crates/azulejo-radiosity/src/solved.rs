@@ -59,7 +59,7 @@ pub(crate) struct SolvedPatches<'a> {
     pub gatherer: Gatherer<'a>,
     pub patches: Patches,
     reflectance: Vec<Rgb>,
-    pub found: RadiositySolution,
+    pub solution: RadiositySolution,
     spent: RefinementWork,
     method: Method,
     engine_used: EngineUsed,
@@ -95,11 +95,11 @@ impl<'a> SolvedPatches<'a> {
             rays,
             seed,
         };
-        let (found, spent, method, engine_used) = if expected <= pass.memory {
-            let (found, spent, engine_used) = parts.matrix(pass, progress, watch)?;
-            (found, spent, Method::Matrix, engine_used)
+        let (solution, spent, method, engine_used) = if expected <= pass.memory {
+            let (solution, spent, engine_used) = parts.matrix(pass, progress, watch)?;
+            (solution, spent, Method::Matrix, engine_used)
         } else {
-            let found = stochastic::solve(
+            let solution = stochastic::solve(
                 &gatherer,
                 &patches,
                 &reflectance,
@@ -109,18 +109,18 @@ impl<'a> SolvedPatches<'a> {
                 progress,
             )?;
             (
-                found,
+                solution,
                 RefinementWork::default(),
                 Method::Stochastic,
                 parts.shot(pass, expected),
             )
         };
-        progress.measured(Measure::PatchError(found.error(&patches)));
+        progress.measured(Measure::PatchError(solution.error(&patches)));
         Ok(SolvedPatches {
             gatherer,
             patches,
             reflectance,
-            found,
+            solution,
             spent,
             method,
             engine_used,
@@ -131,7 +131,7 @@ impl<'a> SolvedPatches<'a> {
     fn radiosity(&self) -> Vec<Estimate> {
         let materials = &self.gatherer.surfaces().scene.materials;
         let estimate = |s: usize| {
-            let solutions = &self.found.solutions;
+            let solutions = &self.solution.solutions;
             let of = |r: usize| solutions[r % solutions.len()][s];
             let reflected = Gathered {
                 replicates: std::array::from_fn(of),
@@ -151,7 +151,7 @@ impl<'a> SolvedPatches<'a> {
             self.gatherer.surfaces(),
             &self.patches,
             &self.reflectance,
-            &self.found.solutions,
+            &self.solution.solutions,
         );
         if pass.bounces.is_some() {
             light.without_footprint()
@@ -168,14 +168,14 @@ impl<'a> SolvedPatches<'a> {
             engine_used: self.engine_used.clone(),
             patches: self.patches.len(),
             points: gathering.gathered.len(),
-            patch_rays: self.found.rays,
+            patch_rays: self.solution.rays,
             refined_rows: self.spent.rows,
-            patch_error: self.found.error(&self.patches),
+            patch_error: self.solution.error(&self.patches),
             point_rays: gathering.rays_per_point(),
-            bytes: self.found.bytes,
-            iterations: self.found.convergence.iterations,
-            residual: self.found.convergence.residual,
-            balance: self.found.balance.scaled(square_metres),
+            bytes: self.solution.bytes,
+            iterations: self.solution.convergence.iterations,
+            residual: self.solution.convergence.residual,
+            balance: self.solution.balance.scaled(square_metres),
             error: gathering.relative_error(),
         }
     }

@@ -38,7 +38,7 @@ pub struct Unknown {
     pub external: Rgb,
     /// Shares of what leaves this side that are absorbed, escape, or are cut off; zero without a
     /// row.
-    pub fates: [Rgb; 3],
+    pub outcomes: [Rgb; 3],
 }
 
 /// The rows of all unknowns, or as many as time allowed.
@@ -286,9 +286,10 @@ impl System {
             b.emitted += u.exitance * u.area + u.external * u.area;
             // Light of no patch is absorbed by its first surface here; the rest is absorbed by
             // rows.
-            b.absorbed += leaving * u.fates[0] + u.external * (Rgb::WHITE - u.reflectance) * u.area;
-            b.escaped += leaving * u.fates[1];
-            b.cut += leaving * u.fates[2];
+            b.absorbed +=
+                leaving * u.outcomes[0] + u.external * (Rgb::WHITE - u.reflectance) * u.area;
+            b.escaped += leaving * u.outcomes[1];
+            b.cut += leaving * u.outcomes[2];
         }
         b
     }
@@ -311,7 +312,7 @@ impl Unknown {
             direct: light.lamps.replicates.map(|e| e + light.lights),
             stray: [Rgb::BLACK; REPLICATES],
             external: light.lights,
-            fates: [Rgb::BLACK; 3],
+            outcomes: [Rgb::BLACK; 3],
         }
     }
 
@@ -333,7 +334,7 @@ impl Unknown {
         let share = 1.0 / REPLICATES as f64;
         let pattern = |e: &Entry| lost((e.side / 2) as usize) * e.weight * share;
         let patterns: Rgb = row.entries.iter().flatten().map(pattern).sum();
-        self.fates = [row.absorbed + patterns, row.all_escaped(), row.cut];
+        self.outcomes = [row.absorbed + patterns, row.all_escaped(), row.cut];
     }
 }
 
@@ -511,7 +512,7 @@ mod tests {
             direct: [Rgb::WHITE; REPLICATES],
             stray: [Rgb::BLACK; REPLICATES],
             external: Rgb::BLACK,
-            fates: [Rgb::BLACK; 3],
+            outcomes: [Rgb::BLACK; 3],
         }
     }
 

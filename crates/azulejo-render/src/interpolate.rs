@@ -171,7 +171,10 @@ impl<'a> IrradianceProxy<'a> {
         let Shape::Exact(exact) = shape else {
             return None;
         };
-        let mesh = exact.skin.as_deref().filter(|m| !m.irradiance.is_empty())?;
+        let mesh = exact
+            .proxy
+            .as_deref()
+            .filter(|m| !m.irradiance.is_empty())?;
         let tree = TriangleTree::new(mesh);
         let item = |k: u32| {
             let triangle = tree.triangle(k);

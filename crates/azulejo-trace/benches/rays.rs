@@ -82,7 +82,7 @@ fn measure(
         let seconds = cpu_seconds(|| tracer = Some(Tracer::new(scene)));
         (tracer.expect("built"), seconds)
     });
-    let soup = Soup::new(scene, &tracer);
+    let soup = TriangleSoup::new(scene, &tracer);
     let millions = soup.triangles.len() as f64 * 1e-6;
     println!("{name}: {} triangles", soup.triangles.len());
     println!("  build azulejo        {:7.2}", millions / seconds);
@@ -181,15 +181,15 @@ fn differing(ours: &[KernelHit], theirs: &[KernelHit]) -> usize {
 
 /// A scene's triangles in the tracer's own coordinates and in the order of its items, so that
 /// both tracers get the same numbers.
-struct Soup {
+struct TriangleSoup {
     vertices: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     corners: Vec<[DVec3; 3]>,
 }
 
-impl Soup {
-    fn new(scene: &Scene, tracer: &Tracer) -> Soup {
-        let mut soup = Soup {
+impl TriangleSoup {
+    fn new(scene: &Scene, tracer: &Tracer) -> TriangleSoup {
+        let mut soup = TriangleSoup {
             vertices: Vec::new(),
             triangles: Vec::new(),
             corners: Vec::new(),
@@ -223,7 +223,7 @@ impl Soup {
     }
 }
 
-fn rays(tracer: &Tracer, soup: &Soup, start: Start) -> Rays {
+fn rays(tracer: &Tracer, soup: &TriangleSoup, start: Start) -> Rays {
     if start == Start::Primary {
         let size = 701;
         let at = |k: usize| (k as f64 + 0.5) / f64::from(size) - 0.5;
@@ -274,7 +274,7 @@ mod rival {
         Embree::load(None).map_err(|error| error.to_string())
     }
 
-    pub fn build(embree: &Embree, soup: &super::Soup, robust: bool) -> Option<EmbreeScene> {
+    pub fn build(embree: &Embree, soup: &super::TriangleSoup, robust: bool) -> Option<EmbreeScene> {
         let triangle = |k: usize| {
             let corners = soup.triangles[k].map(|v| soup.vertices[v as usize]);
             (corners, k as u32)
@@ -296,7 +296,7 @@ mod rival {
         Err("Embree's rows need `--features embree`, and Embree installed".to_owned())
     }
 
-    pub fn build(embree: &Embree, _: &super::Soup, _: bool) -> Option<EmbreeScene> {
+    pub fn build(embree: &Embree, _: &super::TriangleSoup, _: bool) -> Option<EmbreeScene> {
         match *embree {}
     }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// What an item number of a [`KernelHit`] means.
+/// What an item number of a [`KernelHit`](crate::KernelHit) means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
     /// Index of the object in its scene: the instance's scene if there is an instance.
@@ -47,7 +47,7 @@ pub struct Hit {
     pub normal: DVec3,
     /// Whether the ray arrives at the front.
     pub entering: bool,
-    /// The item's number, as in [`KernelHit`].
+    /// The item's number, as in [`KernelHit`](crate::KernelHit).
     pub item: u32,
     /// Index of the instance, if the item belongs to one.
     pub instance: Option<u32>,

@@ -1,8 +1,8 @@
-//! Files that appear whole or not at all.
+//! Files that are written atomically.
 //!
-//! An [`Output`] is checked before the work begins and written after it: into a draft beside the
-//! target, which takes the target's place in one step. Whatever goes wrong on the way, an old
-//! file stays as it was and no half file is left behind.
+//! An [`Output`] is checked before the work begins and written after it: to a draft next to the
+//! target, which is then renamed over the target. If anything fails, an existing file is left
+//! unchanged and no partial file remains.
 //!
 //! ```
 //! use azulejo::{output::Output, trace::Progress};
@@ -25,14 +25,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The drafts that exist now, so that an interrupt can remove them. Whoever holds the lock is
-/// the only one who may put drafts in their places.
+/// The existing drafts, so that an interrupt can remove them. Only the holder of the lock may rename
+/// drafts.
 static DRAFTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A place where a result can be written.
+/// An output file, standard output, or a device.
 #[derive(Debug)]
 pub struct Output {
-    /// As the user named it.
+    /// As given by the user.
     path: PathBuf,
     target: OutputTarget,
 }
@@ -40,9 +40,9 @@ pub struct Output {
 #[derive(Debug)]
 enum OutputTarget {
     Stdout,
-    /// A terminal, a pipe, `/dev/null`: must not be replaced by a file.
+    /// A terminal, a pipe or `/dev/null`, which must not be replaced by a file.
     Device,
-    /// A regular file that is or will be there, behind symbolic links if there are any.
+    /// A regular file, existing or not, with symbolic links resolved.
     File(PathBuf),
 }
 
@@ -61,11 +61,11 @@ enum DraftSink {
     File(File),
 }
 
-/// Why nothing was written. `Display` says it to a person.
+/// Why nothing was written.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The caller cancelled before the file took its place.
+    /// Cancelled before the file was in place.
     Cancelled,
     /// The file could not be written: no room, no permission, no such folder.
     File(Refused),
@@ -112,7 +112,7 @@ impl Output {
             target,
         };
         if let OutputTarget::File(_) = output.target {
-            // Making and dropping an empty draft shows what the folder's permissions do not.
+            // Permissions alone do not tell whether a file can be created.
             drop(output.draft()?);
         }
         Ok(output)
@@ -123,7 +123,7 @@ impl Output {
         matches!(self.target, OutputTarget::Stdout)
     }
 
-    /// The regular file that is or will be there, behind symbolic links if there are any.
+    /// The path of the regular file, existing or not, with symbolic links resolved.
     pub fn file(&self) -> Option<&Path> {
         match &self.target {
             OutputTarget::File(path) => Some(path),
@@ -131,12 +131,12 @@ impl Output {
         }
     }
 
-    /// As the user named it.
+    /// The path as given by the user.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Begins to write; [`commit`] ends it.
+    /// Starts writing; [`commit`] completes it.
     ///
     /// # Errors
     /// As [`check`](Output::check).
@@ -160,10 +160,10 @@ impl Output {
         })
     }
 
-    /// Writes the whole file through `write` and puts it in its place.
+    /// Writes the file through `write` and moves it into place.
     ///
     /// # Errors
-    /// [`OutputError`]; what was there before is then untouched.
+    /// [`OutputError`]; an existing file is then unchanged.
     pub fn write(
         &self,
         progress: &Progress,
@@ -192,7 +192,7 @@ fn target_of(path: &Path) -> io::Result<OutputTarget> {
     }
 }
 
-/// A new file in the target's folder, under a name that nothing else has.
+/// Creates a file with a unique name in the target's folder.
 fn create_beside(target: &Path) -> io::Result<(File, PathBuf)> {
     static NUMBER: AtomicU32 = AtomicU32::new(0);
     let number = NUMBER.fetch_add(1, Ordering::Relaxed);
@@ -213,8 +213,8 @@ fn lock_drafts() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
         .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// Puts finished drafts in their places, all of them or none unless the disk itself fails
-/// between two renames. Nothing is put in place once `progress` is cancelled.
+/// Moves finished drafts into place: all of them or none, unless the disk fails between two renames.
+/// Nothing is moved once `progress` is cancelled.
 ///
 /// # Errors
 /// [`OutputError`].
@@ -223,7 +223,7 @@ pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), OutputE
         let finished = draft.finish();
         finished.map_err(|e| draft.error(e))?;
     }
-    // Whoever pauses the work must not be waited for with the lock in hand.
+    // A pause must not be waited for while holding the lock.
     progress.advance(0)?;
     let mut open = lock_drafts();
     if progress.is_cancelled() {
@@ -243,8 +243,8 @@ pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), OutputE
     Ok(())
 }
 
-/// Removes every draft and never lets go of the lock, so that none can be put in place later:
-/// for an interrupt that ends the process.
+/// Removes all drafts and keeps the lock, so that none can be moved into place later: for an
+/// interrupt that exits the process.
 pub fn abandon_all() {
     let drafts = lock_drafts();
     for draft in drafts.iter() {
@@ -259,7 +259,7 @@ impl Draft {
         failed(&self.output, error)
     }
 
-    /// Everything on the disk, with the permissions of the file that it will replace.
+    /// Flushes to disk, with the permissions of the file to be replaced.
     fn finish(&mut self) -> io::Result<()> {
         let Some(writer) = self.writer.take() else {
             return Ok(());
@@ -314,7 +314,7 @@ impl Write for DraftSink {
 impl Drop for Draft {
     fn drop(&mut self) {
         if let Some(writer) = self.writer.take() {
-            // What is still in the buffer belongs to a file that nobody will see.
+            // The buffered rest belongs to a file that is removed.
             drop(writer.into_parts());
         }
         if let Some((draft, _)) = self.rename.take() {
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_cannot_be_written_are_found_at_once() {
+    fn paths_that_cannot_be_written_are_refused_at_once() {
         let folder = folder("places");
         for bad in [
             folder.clone(),
@@ -390,7 +390,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_and_devices_stay_what_they_are() {
+    fn links_and_devices_are_preserved() {
         let folder = folder("links");
         let (real, link) = (folder.join("real"), folder.join("link"));
         fs::write(&real, "old").unwrap();

@@ -1,4 +1,4 @@
-//! What `brdf` takes.
+//! Arguments of `brdf`.
 
 use azulejo_scene::brdf::MODELS;
 use clap::builder::{PossibleValue, TypedValueParser};
@@ -9,16 +9,16 @@ use std::path::PathBuf;
 /// `brdf`
 #[derive(Debug, Subcommand)]
 pub enum BrdfCommand {
-    /// List the models, or what one of them takes
+    /// List the models, or the parameters of one
     #[command(after_help = LIST_EXAMPLES)]
     List(ListArgs),
-    /// Print what a model reflects from one direction in another
+    /// Evaluate a model for pairs of directions
     #[command(after_help = EVAL_EXAMPLES)]
     Eval(EvalArgs),
-    /// Draw a model: its lobes, what it reflects in all, and a sphere made of it
+    /// Plot a model: lobes, albedo, and a rendered sphere
     #[command(after_help = PLOT_EXAMPLES)]
     Plot(PlotArgs),
-    /// Test a model: reciprocity, energy, and its samples against their density
+    /// Test reciprocity, energy conservation and sampling of a model
     #[command(after_help = CHECK_EXAMPLES)]
     Check(CheckArgs),
     /// Fit a model to measured data, or to another model
@@ -26,20 +26,20 @@ pub enum BrdfCommand {
     Fit(FitArgs),
 }
 
-/// A model and its parameters.
+/// A model with its parameters.
 #[derive(Clone, Debug, Args)]
 pub struct ModelArgs {
     /// Name of a model (`azulejo brdf list`), `combination`, or a file: a description, MERL
     /// .binary, RGL .bsdf
     #[arg(value_name = "MODEL", value_parser = ModelName, hide_possible_values = true)]
     pub model: String,
-    /// Its parameters: a number, or a colour as in ks=0.9,0.6,0.3; of a combination: weight=0.7
-    /// MODEL key=value ... weight=0.3 MODEL key=value ...
+    /// Parameters: numbers, or colours as in ks=0.9,0.6,0.3. For a combination: weight=0.7 MODEL
+    /// key=value ... weight=0.3 MODEL key=value ...
     #[arg(value_name = "KEY=VALUE")]
     pub parameters: Vec<String>,
 }
 
-/// A name of a model or of a file. Any text will do; shells offer the names of the models.
+/// Parser of the name of a model or a file: accepts any text; shells complete names of models.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelName;
 
@@ -65,17 +65,17 @@ impl TypedValueParser for ModelName {
 /// `brdf list`
 #[derive(Debug, Args)]
 pub struct ListArgs {
-    /// Only this model, with all its parameters
+    /// Show this model with all its parameters
     #[arg(value_name = "MODEL", value_parser = ModelName, hide_possible_values = true)]
     pub model: Option<String>,
 }
 
-/// A direction: angles to the normal and from the tangent toward the bitangent, degrees.
+/// A direction in spherical coordinates, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionAngles {
-    /// To the normal, 0..=90.
+    /// Polar angle to the normal, 0..=90.
     pub theta: f64,
-    /// About it, from the tangent.
+    /// Azimuth, from the tangent towards the bitangent.
     pub phi: f64,
 }
 
@@ -105,8 +105,8 @@ impl std::str::FromStr for DirectionAngles {
 pub struct EvalArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Direction to the light: degrees to the normal, and about it from the tangent toward the
-    /// bitangent; may be repeated
+    /// Direction to the light: polar angle to the normal and azimuth from the tangent, in degrees;
+    /// can be repeated
     #[arg(
         long = "i",
         value_name = "THETA,PHI",
@@ -114,7 +114,7 @@ pub struct EvalArgs {
         allow_hyphen_values = true
     )]
     pub wi: Vec<DirectionAngles>,
-    /// Direction to the viewer, likewise: as many as --i, or one for all
+    /// Direction to the viewer, likewise; as many as --i, or one for all
     #[arg(
         long = "o",
         value_name = "THETA,PHI",
@@ -129,21 +129,21 @@ pub struct EvalArgs {
 pub struct PlotArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Where to write, by extension: .svg or .png
-    #[arg(long, short, value_name = "PICTURE", value_hint = ValueHint::FilePath)]
+    /// Output file: .svg or .png; `-` writes SVG to standard output
+    #[arg(long, short, value_name = "IMAGE", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// Draw another model beside it: "MODEL key=value ..."
+    /// Another model to compare with: "MODEL key=value ..."
     #[arg(long, value_name = "MODEL")]
     pub compare: Option<String>,
-    /// DirectionAngles of incidence of the lobes, degrees
+    /// Angles of incidence of the lobes, in degrees
     #[arg(long, value_name = "DEGREES", value_delimiter = ',', default_value = "0,30,60,80",
           value_parser = incidence)]
     pub angles: Vec<f64>,
-    /// Where the plane of incidence stands about the normal, degrees from the tangent
+    /// Azimuth of the plane of incidence, in degrees from the tangent
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true,
           value_parser = crate::values::finite)]
     pub phi: f64,
-    /// Width of a .png in pixels
+    /// Width of a PNG in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 960,
           value_parser = clap::value_parser!(u32).range(240..=7680))]
     pub width: u32,
@@ -162,7 +162,7 @@ fn incidence(text: &str) -> Result<f64, String> {
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Samples at each angle
+    /// Samples per angle
     #[arg(long, value_name = "N", default_value_t = 100_000,
           value_parser = clap::value_parser!(u32).range(1000..=100_000_000))]
     pub samples: u32,
@@ -173,18 +173,18 @@ pub struct CheckArgs {
 pub struct FitArgs {
     #[command(flatten)]
     pub target: ModelArgs,
-    /// The model to fit, with what is to stay as it is: ward_gmd, or "ward_gmd kd=0"
+    /// The model to fit, with parameters that are held fixed: ward_gmd, or "ward_gmd kd=0"
     #[arg(id = "fitted", long = "model", value_name = "MODEL", value_parser = ModelName, hide_possible_values = true)]
     pub model: String,
-    /// Where to write the fitted model as a description (.brdf); `-` is standard output
+    /// Output file for the description of the fitted model (.brdf); `-` is standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: Option<PathBuf>,
-    /// How many starting points to fit from; the best end counts
+    /// Number of starting points; the best result is kept
     #[arg(long, value_name = "N", default_value_t = 12,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub starts: u32,
-    /// Directions further from the normal than this do not count, degrees: measured data is
-    /// unreliable there
+    /// Largest polar angle of directions that are fitted, in degrees; measurements near grazing
+    /// angles are unreliable
     #[arg(long, value_name = "DEGREES", default_value_t = 80.0, value_parser = crate::values::degrees)]
     pub most_angle: f64,
 }
@@ -208,8 +208,8 @@ Examples:
   azulejo brdf eval gold.binary --i 30 --o 0 --o 30,180 --o 60,180
   azulejo brdf eval combination weight=0.5 diffuse kd=0.8 weight=0.5 lewis n=40 --i 30 --o 30,180
 
-Prints f_r in 1/sr for each pair of directions; for models that only mirror, the
-reflectance at the angle of --i. With --quiet the numbers alone.";
+Prints f_r in 1/sr for each pair of directions, or for perfect mirrors the reflectance at the
+angle of --i. --quiet prints the numbers only.";
 
 const PLOT_EXAMPLES: &str = "\
 Examples:
@@ -221,7 +221,7 @@ Examples:
   azulejo brdf check lewis kd=0.3 ks=0.4 n=10
   azulejo brdf check gold.binary --json
 
-Exit codes: 0 all that the model promises holds, 1 something does not, 2 misused.";
+Exit codes: 0 the model has all properties that it claims, 1 it does not, 2 usage error.";
 
 const FIT_EXAMPLES: &str = "\
 Examples:

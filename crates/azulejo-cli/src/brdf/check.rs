@@ -1,4 +1,4 @@
-//! `brdf check`: whether a model keeps what it promises.
+//! `brdf check`: tests whether a model has the properties that it claims.
 
 use super::args::CheckArgs;
 use super::model;
@@ -12,29 +12,29 @@ use azulejo_trace::Progress;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-/// Pairs of directions that are exchanged.
+/// Pairs of directions in the test of reciprocity.
 const PAIRS: u32 = 20_000;
 
-/// Larger relative differences are not rounding; those of models that are integrals are smaller.
+/// Relative differences above this are not rounding errors, also in models with quadrature.
 const SAME: f64 = 1e-9;
 
-/// What quadrature may leave of an albedo of 1.
+/// Largest albedo that is accepted: 1 with the error of quadrature.
 const BRIGHT: f64 = 1.0 + 1e-4;
 
-/// Samples that are as far from their density come by chance once in a hundred thousand.
+/// Smallest p-value of the χ² test that is accepted.
 const CHANCE: f64 = 1e-5;
 
-/// A mean further from its value, in standard errors, is not by chance.
+/// Largest deviation of a mean that is accepted, in standard errors.
 const FAR: f64 = 5.0;
 
-/// What a model promises, beside samples that follow their density.
+/// Properties that a model claims, besides samples that follow their density.
 #[derive(Clone, Copy)]
 struct ModelProperties {
     is_reciprocal: bool,
     is_energy_safe: bool,
 }
 
-/// One question with its answer.
+/// The result of one test.
 struct CheckResult {
     key: &'static str,
     label: &'static str,
@@ -43,7 +43,7 @@ struct CheckResult {
     words: String,
 }
 
-/// Runs `brdf check`; the second is what failed.
+/// Runs `brdf check`; the second value is the failure, if there is one.
 pub fn run(
     args: &CheckArgs,
     session: &mut Session,
@@ -98,7 +98,7 @@ fn measure(
     Ok((reciprocity, angles?))
 }
 
-/// Those of a model's row in the table; of a combination what all of its parts promise.
+/// The properties in the table of models; those of a combination are common to all of its parts.
 fn promises(description: &Description) -> ModelProperties {
     let of = |model: &Model| {
         find(&model.name).map_or(ModelProperties::NONE, |info| ModelProperties {
@@ -120,7 +120,7 @@ fn promises(description: &Description) -> ModelProperties {
 }
 
 impl ModelProperties {
-    /// Measurements promise nothing.
+    /// Measured data claims nothing.
     const NONE: ModelProperties = ModelProperties {
         is_reciprocal: false,
         is_energy_safe: false,
@@ -165,7 +165,7 @@ fn verdicts(
             is_promised: true,
             holds: chance.0 >= CHANCE,
             words: format!(
-                "χ²: the least likely has a chance of {}, at {}°",
+                "χ²: the smallest p-value is {}, at {}°",
                 short(chance.0),
                 chance.1
             ),
@@ -176,7 +176,7 @@ fn verdicts(
             is_promised: true,
             holds: -off.0 <= FAR,
             words: format!(
-                "samples weigh what is reflected, at most {:.1} standard errors off, at {}°",
+                "mean sample weights deviate from the albedo by at most {:.1} standard errors, at {}°",
                 -off.0, off.1
             ),
         },
@@ -187,7 +187,7 @@ fn say(verdict: &CheckResult, report: &mut Report) {
     let said = match (verdict.holds, verdict.is_promised) {
         (true, _) => "holds",
         (false, true) => "FAILS",
-        (false, false) => "does not hold, nor is it promised",
+        (false, false) => "does not hold, and is not claimed",
     };
     report.line(verdict.label, format!("{said}: {}", verdict.words));
     report.value(
@@ -200,11 +200,11 @@ fn say(verdict: &CheckResult, report: &mut Report) {
     );
 }
 
-/// What was found at each angle.
+/// Adds the results at each angle.
 fn table(angles: &[Angle], report: &mut Report) {
     report.line(
         "angle",
-        "albedo    samples' mean ± its error    χ² (cells)    chance      lost",
+        "albedo    mean weight ± its error       χ² (cells)   p-value      lost",
     );
     let mut rows = Vec::new();
     for angle in angles {

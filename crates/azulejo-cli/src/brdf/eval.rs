@@ -1,4 +1,4 @@
-//! `brdf eval`: numbers for pairs of directions.
+//! `brdf eval`: values of a model for pairs of directions.
 
 use super::args::{DirectionAngles, EvalArgs};
 use super::model::{self, direction};
@@ -9,12 +9,12 @@ use azulejo_scene::{Brdf, Rgb};
 use glam::DVec3;
 use serde_json::{Value, json};
 
-/// What is printed of a model.
+/// The quantity that is printed.
 #[derive(Clone, Copy, PartialEq)]
 enum EvaluatedQuantity {
     /// f_r, 1/sr.
     Brdf,
-    /// What is mirrored exactly: a number without a unit.
+    /// Reflectance of a perfect mirror, dimensionless.
     Reflectance,
 }
 
@@ -29,7 +29,7 @@ pub fn run(args: &EvalArgs, session: &mut Session) -> Result<Report, Failure> {
         EvaluatedQuantity::Reflectance => ("reflectance", ""),
     };
     if quantity == EvaluatedQuantity::Reflectance && !session.quiet() {
-        report.plain("What is mirrored exactly, at the angle of --i:");
+        report.plain("Reflectance of the perfect mirror at the angle of --i:");
     }
     let mut values = Vec::new();
     for (i, o) in pairs {
@@ -57,7 +57,7 @@ pub fn run(args: &EvalArgs, session: &mut Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// Directions in pairs: as many of both, or one for all.
+/// Pairs of directions: as many of both, or one for all.
 fn pairs(
     wi: &[DirectionAngles],
     wo: &[DirectionAngles],
@@ -67,14 +67,14 @@ fn pairs(
         (_, &[o]) => Ok(wi.iter().map(|&i| (i, o)).collect()),
         _ if wi.len() == wo.len() => Ok(std::iter::zip(wi, wo).map(|(&i, &o)| (i, o)).collect()),
         _ => Err(Failure::Misuse(format!(
-            "{} directions --i and {} --o, expected as many of both, or one for all",
+            "{} directions --i and {} --o, expected the same number of both, or one for all",
             wi.len(),
             wo.len()
         ))),
     }
 }
 
-/// Models that do nothing but mirror have no value in 1/sr.
+/// Perfect mirrors have no value in 1/sr.
 fn quantity(brdf: &Brdf) -> EvaluatedQuantity {
     let scattered = brdf.albedo(DVec3::Z) - brdf.mirror(1.0);
     if scattered.is_black() && !brdf.mirror(1.0).is_black() {
@@ -84,7 +84,7 @@ fn quantity(brdf: &Brdf) -> EvaluatedQuantity {
     }
 }
 
-/// Twelve digits, once where all channels are equal.
+/// Twelve digits; one number if all channels are equal.
 fn written(value: Rgb) -> String {
     if value.is_grey() {
         return digits(value.r);
@@ -92,7 +92,7 @@ fn written(value: Rgb) -> String {
     value.to_array().map(digits).join(" ")
 }
 
-/// A number to twelve digits, without zeros at its end.
+/// A number to twelve digits, without trailing zeros.
 fn digits(x: f64) -> String {
     let magnitude = x.abs();
     if magnitude != 0.0 && !(1e-4..1e9).contains(&magnitude) {

@@ -1,9 +1,9 @@
-//! `brdf list`: the models, and what each takes.
+//! `brdf list`: the models and their parameters.
 
 use super::args::ListArgs;
 use crate::failure::Failure;
 use crate::report::{Report, number};
-use azulejo_scene::brdf::{Info, Kind, MODELS, ParameterInfo, find};
+use azulejo_scene::brdf::{MODELS, ModelInfo, ParameterInfo, ParameterKind, find};
 use serde_json::{Value, json};
 
 /// Runs `brdf list`.
@@ -26,8 +26,8 @@ fn all(report: &mut Report) {
         );
     }
     report.plain(
-        "FRESNEL is one of eta=.. k=.., eta=.., metal=.., f0=.. tint=.., F=..; without it all is \
-         reflected.",
+        "FRESNEL is one of eta=.. k=.., eta=.., metal=.., f0=.. tint=.., F=..; without it the \
+         Fresnel reflectance is 1.",
     );
     report.value(
         "models",
@@ -35,7 +35,7 @@ fn all(report: &mut Report) {
     );
 }
 
-/// A parameter as it is typed: with its default, or with dots where there is none.
+/// A parameter as on the command line: with its default, or with dots if there is none.
 fn given(parameter: &ParameterInfo) -> String {
     match parameter.default {
         Some(default) => format!("{}={default}", parameter.name),
@@ -51,7 +51,7 @@ fn bracketed(names: &[String]) -> String {
     format!("({})", names.join(" "))
 }
 
-fn one(info: &'static Info, report: &mut Report) {
+fn one(info: &'static ModelInfo, report: &mut Report) {
     report.line("name", info.name);
     if !info.aliases.is_empty() {
         report.line("also", info.aliases.join(", "));
@@ -75,21 +75,21 @@ fn yes(it_is: bool) -> &'static str {
     if it_is { "yes" } else { "no" }
 }
 
-/// What a parameter does, its range, its default and its other names.
+/// Description, range, default and aliases of a parameter.
 fn explained(parameter: &ParameterInfo) -> String {
     let mut words = parameter.about.to_owned();
-    if parameter.kind != Kind::Word {
+    if parameter.kind != ParameterKind::Word {
         words += &format!(", {}..{}", parameter.least, parameter.most);
     }
     if !parameter.unit.is_empty() {
         words += &format!(" {}", parameter.unit);
     }
-    if parameter.kind == Kind::Color {
+    if parameter.kind == ParameterKind::Color {
         words += ", one number or three";
     }
     match parameter.default {
         Some(default) => words += &format!(" [default: {default}]"),
-        None if parameter.is_needed => words += " [must be given]",
+        None if parameter.is_needed => words += " [required]",
         None => {}
     }
     if !parameter.aliases.is_empty() {
@@ -98,7 +98,7 @@ fn explained(parameter: &ParameterInfo) -> String {
     words
 }
 
-fn described(info: &'static Info) -> Value {
+fn described(info: &'static ModelInfo) -> Value {
     let parameters: Vec<Value> = info.all_parameters().map(parameter).collect();
     json!({
         "name": info.name,
@@ -114,9 +114,9 @@ fn described(info: &'static Info) -> Value {
 
 fn parameter(info: &ParameterInfo) -> Value {
     let kind = match info.kind {
-        Kind::Number => "number",
-        Kind::Color => "color",
-        Kind::Word => "word",
+        ParameterKind::Number => "number",
+        ParameterKind::Color => "color",
+        ParameterKind::Word => "word",
     };
     json!({
         "name": info.name,

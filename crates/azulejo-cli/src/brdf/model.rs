@@ -1,4 +1,4 @@
-//! Models as people type them.
+//! Models on the command line.
 
 use super::args::{DirectionAngles, ModelArgs};
 use crate::failure::Failure;
@@ -7,18 +7,18 @@ use azulejo::models::read_bytes;
 use azulejo_formats::Folder;
 use azulejo_formats::brdf::LoadedBrdf;
 use azulejo_scene::Brdf;
-use azulejo_scene::brdf::{Description, Problem, find};
+use azulejo_scene::brdf::{BrdfError, Description, find};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The model that is meant: by name, or from a file.
+/// Reads a model, by name or from a file.
 pub fn read(args: &ModelArgs, session: &mut Session) -> Result<Brdf, Failure> {
     let description = describe(&args.model, &args.parameters, session)?;
     Brdf::new(description).map_err(|problem| refuse(&args.model, problem))
 }
 
-/// As [`read`], of one text: `name key=value ...`.
+/// As [`read`], from a single text: `name key=value ...`.
 pub fn read_text(text: &str, session: &mut Session) -> Result<Brdf, Failure> {
     let mut words = text.split_whitespace();
     let args = ModelArgs {
@@ -35,7 +35,7 @@ fn describe(
 ) -> Result<Description, Failure> {
     if is_file(name) {
         if let Some(parameter) = parameters.first() {
-            let message = format!("{name} is a file, which `{parameter}` cannot change");
+            let message = format!("{name} is a file, for which `{parameter}` cannot be set");
             return Err(Failure::Misuse(message));
         }
         return read_file(Path::new(name), session);
@@ -44,7 +44,7 @@ fn describe(
     text.parse().map_err(|problem| refuse(name, problem))
 }
 
-/// A model that a file holds; says what is doubtful in it.
+/// Reads the model of a file, and reports warnings about it.
 fn read_file(path: &Path, session: &mut Session) -> Result<Description, Failure> {
     let bytes = read_bytes(path)?;
     session.progress().advance(0)?;
@@ -58,17 +58,17 @@ fn read_file(path: &Path, session: &mut Session) -> Result<Description, Failure>
     })
 }
 
-/// Names of models come first: a file of the same name is meant as `./ward`.
+/// Names of models take precedence: a file of the same name is given as `./ward`.
 fn is_file(name: &str) -> bool {
     let is_model = name.eq_ignore_ascii_case("combination") || find(name).is_ok();
     !is_model && (name.contains(['/', '\\', '.']) || Path::new(name).exists())
 }
 
-/// A description that makes no model is a slip in what was typed.
-fn refuse(name: &str, problem: Problem) -> Failure {
+/// The failure for an invalid description.
+fn refuse(name: &str, problem: BrdfError) -> Failure {
     match problem {
-        Problem::UnknownModel { .. } => Failure::Misuse(format!(
-            "{problem}, and no file is called so; `azulejo brdf list` lists the models"
+        BrdfError::UnknownModel { .. } => Failure::Misuse(format!(
+            "{problem}, and there is no file of that name; `azulejo brdf list` lists the models"
         )),
         _ if is_file(name) => Failure::Failed(format!("{name}: {problem}")),
         _ => Failure::misuse(problem),
@@ -81,7 +81,7 @@ pub fn direction(DirectionAngles { theta, phi }: DirectionAngles) -> DVec3 {
     DVec3::new(st * cp, st * sp, ct)
 }
 
-/// A model in one line: its description, shortened where it is very long.
+/// A model in one line: its description.
 pub fn words(brdf: &Brdf) -> String {
     brdf.description().to_string()
 }

@@ -1,5 +1,5 @@
-//! The list of what was found, in the report's folder: one line of JSON for each record, appended
-//! when its task is done, read again by the next call.
+//! The results so far, in the report's folder: one line of JSON for each record, appended when its
+//! task is done and read by the next run.
 
 use super::record::{Outcome, TaskRecord};
 use crate::failure::Failure;
@@ -10,18 +10,18 @@ use std::path::{Path, PathBuf};
 /// The name of the file.
 const NAME: &str = "results.jsonl";
 
-/// What was found so far.
+/// The results so far.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     file: File,
-    /// The records, in the order found.
+    /// The records, in order.
     pub records: Vec<TaskRecord>,
 }
 
 impl Journal {
-    /// Opens the journal of a folder, or begins one. Records of other versions, lines that are cut
-    /// short and failures are left out: their tasks are done again.
+    /// Opens or creates the journal of a folder. Records of other versions, truncated lines and
+    /// failures are ignored: their tasks are repeated.
     pub fn open(folder: &Path) -> Result<Journal, Failure> {
         let path = folder.join(NAME);
         let failed = |e| Failure::file("write", &path, &e);
@@ -51,7 +51,7 @@ impl Journal {
         self.records.iter().any(|r| r.key == key)
     }
 
-    /// Adds what a task found, all of it or nothing.
+    /// Appends the records of a task.
     pub fn add(&mut self, records: Vec<TaskRecord>) -> Result<(), Failure> {
         let mut lines = String::new();
         for record in &records {
@@ -104,7 +104,7 @@ mod tests {
         journal.add(vec![found("b", failure)]).unwrap();
         let kept = journal.records[..1].to_vec();
         drop(journal);
-        // A line that a crash cut short spoils neither what was before nor what comes after.
+        // A line truncated by a crash affects neither the lines before nor those after.
         let path = folder.join(NAME);
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, text + "{\"key\":\"c\",\"vers").unwrap();

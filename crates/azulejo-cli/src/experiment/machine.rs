@@ -1,14 +1,14 @@
-//! What the numbers were measured on.
+//! The machine on which a suite runs.
 
 use crate::engine::{card_name, embree_version};
 use crate::report::bytes;
 use serde_json::{Value, json};
 
-/// The machine, as far as it says.
+/// Properties of the machine.
 pub struct MachineInfo {
     /// Model of the processor.
     pub processor: String,
-    /// Threads that work.
+    /// Number of threads.
     pub threads: usize,
     /// Memory in bytes.
     pub memory: Option<u64>,
@@ -19,8 +19,8 @@ pub struct MachineInfo {
 }
 
 impl MachineInfo {
-    /// Looks.
-    pub fn found() -> MachineInfo {
+    /// Detects the properties.
+    pub fn detect() -> MachineInfo {
         MachineInfo {
             processor: processor(),
             threads: rayon::current_num_threads(),
@@ -30,7 +30,7 @@ impl MachineInfo {
         }
     }
 
-    /// Names and words for people.
+    /// Names and values for the report.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let system = format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH);
         let or_why = |found: &Result<String, String>| match found {
@@ -51,7 +51,7 @@ impl MachineInfo {
         ]
     }
 
-    /// For machines.
+    /// As JSON.
     pub fn json(&self) -> Value {
         json!({
             "azulejo": env!("CARGO_PKG_VERSION"),
@@ -67,16 +67,16 @@ impl MachineInfo {
     }
 }
 
-/// Times of a build for debugging are not worth comparing.
+/// The kind of this build: times of a debug build are not comparable.
 fn build() -> &'static str {
     if cfg!(debug_assertions) {
-        "a build for development: times mean little"
+        "debug build: times are not meaningful"
     } else {
         "optimised build"
     }
 }
 
-/// The processor's model, where Linux tells it.
+/// The model of the processor, on Linux.
 fn processor() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     model(&text).unwrap_or_else(|| "unknown".to_owned())
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(found.as_deref(), Some("A CPU @ 2 GHz"));
         assert_eq!(model(""), None);
         assert!(
-            MachineInfo::found()
+            MachineInfo::detect()
                 .lines()
                 .iter()
                 .all(|(_, words)| !words.is_empty())

@@ -1,14 +1,14 @@
-//! What is measured of a matrix of form factors: how far it is from another, and how well it keeps
-//! the laws of light.
+//! Measures of a form factor matrix: its deviation from another, and its closure, reciprocity and
+//! energy balance.
 
 use azulejo_factors::reflectances;
 use azulejo_factors::{FormFactors, Patches};
 use azulejo_scene::{Rgb, Scene};
 
-/// A row: columns ascending, with their form factors.
+/// The entries of a row: columns, ascending, with their form factors.
 pub type SparseRow = Vec<(u32, f64)>;
 
-/// What light leaves and meets in each row of a matrix.
+/// Reflectance and exitance of the patches of a matrix.
 pub struct PatchSurfaces {
     /// Diffuse reflectance ρ_d.
     pub reflectance: Vec<Rgb>,
@@ -17,7 +17,7 @@ pub struct PatchSurfaces {
 }
 
 impl PatchSurfaces {
-    /// Of the fronts of all patches.
+    /// Those of the fronts of all patches.
     pub fn new(scene: &Scene, patches: &Patches) -> PatchSurfaces {
         let exitance = |p: usize| scene.materials[patches.material(p) as usize].exitance();
         PatchSurfaces {
@@ -136,8 +136,7 @@ pub fn reciprocity_error(factors: &FormFactors, rows: &[usize]) -> f64 {
     worst
 }
 
-/// Power that is emitted less what is absorbed or leaves the scene, relative to the former; `None`
-/// in the dark.
+/// Emitted power that is neither absorbed nor leaves the scene, as a share; `None` without emission.
 pub fn energy_error(
     factors: &FormFactors,
     surfaces: &PatchSurfaces,
@@ -182,7 +181,7 @@ mod tests {
     /// A furnace: M = 1 and ρ = 0.5 all over a closed room make B = 2 whatever the form factors,
     /// as long as rows sum to 1.
     #[test]
-    fn a_closed_room_keeps_its_light() {
+    fn a_closed_room_conserves_energy() {
         let mut scene = cube_room();
         for material in &mut scene.materials {
             material.diffuse = Rgb::grey(0.5);

@@ -1,18 +1,18 @@
-//! `experiment`: a suite of scenes and engines, each run in a process of its own, and the report
-//! about them.
+//! `experiment`: runs a suite of scenes and engines, each run in a process of its own, and writes
+//! a report.
 //!
-//! A process for each run keeps its times and its memory to itself: nothing that an earlier run
-//! left in memory, in the allocator or in a driver is counted. What a run finds is appended to the
-//! journal at once, so that a suite that is stopped goes on where it was.
+//! Separate processes keep the times and the memory of runs apart: nothing that an earlier run left
+//! in memory, in the allocator or in a driver is counted. The results of a run are appended to the
+//! journal at once, so that an interrupted suite resumes where it was.
 //!
 //! | module | what it does |
 //! |---|---|
-//! | `suite`, `spelling` | the suite's file, and what is wrong with it |
-//! | `plan` | tasks, with keys that say all they depend on |
-//! | `work` | one task: the child |
-//! | `metrics`, `reference` | what is measured, and against what |
-//! | `record`, `journal` | what is written down |
-//! | `machine` | what it was measured on |
+//! | `suite`, `spelling` | the suite's file, and messages on errors in it |
+//! | `plan` | tasks, with keys of all that their results depend on |
+//! | `work` | one task, in the child process |
+//! | `metrics`, `reference` | measures, and the reference data |
+//! | `record`, `journal` | results on disk |
+//! | `machine` | the machine |
 //! | `report` | tables and plots |
 
 mod journal;
@@ -41,6 +41,15 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use suite::{Suite, SuiteSource};
 
+/// Parses the text of a suite; its models are not read.
+///
+/// # Errors
+/// What is wrong, with line and column.
+pub fn parse_suite(text: &str) -> Result<(), String> {
+    let source = SuiteSource::new(Path::new("suite.toml"), text.to_owned());
+    source.parse().map(drop).map_err(|e| e.to_string())
+}
+
 /// Runs `experiment`; a child has no report.
 pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report>, Failure> {
     let (suite, source) = SuiteSource::read(&args.suite)?;
@@ -60,25 +69,25 @@ pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report
     };
     if plan.tasks.is_empty() {
         let name = args.only.as_deref().unwrap_or_default();
-        let message = format_args!("nothing to do has \"{name}\" in its name: see --list");
+        let message = format_args!("no task has \"{name}\" in its name: see --list");
         return Err(Failure::misuse(message));
     }
     std::fs::create_dir_all(folder).map_err(|e| Failure::file("create", folder, &e))?;
     let mut journal = Journal::open(folder)?;
-    let author = SuiteRunner {
+    let runner = SuiteRunner {
         suite: &suite,
         plan: &plan,
-        machine: MachineInfo::found(),
+        machine: MachineInfo::detect(),
         folder,
         name: &args.suite,
     };
     let did = session.with_progress(|progress| {
-        author.run_all(&mut journal, progress, &|words| session.tell(words))
+        runner.run_all(&mut journal, progress, &|words| session.tell(words))
     })?;
-    Ok(Some(author.summary(&journal, did)))
+    Ok(Some(runner.summary(&journal, did)))
 }
 
-/// What there is to do, for `--list`.
+/// The tasks, for `--list`.
 fn list(plan: &ExperimentPlan) -> Report {
     let mut report = Report::default();
     plan.tasks.iter().for_each(|t| report.plain(t.to_string()));
@@ -87,7 +96,7 @@ fn list(plan: &ExperimentPlan) -> Report {
     report
 }
 
-/// The child: does one task and prints its records.
+/// The child process: runs one task and prints its records.
 fn one(
     plan: &ExperimentPlan,
     key: &str,
@@ -107,7 +116,7 @@ fn one(
     Ok(out.flush()?)
 }
 
-/// Everything that a report needs to know.
+/// Runs the tasks of a suite and writes its report.
 struct SuiteRunner<'a> {
     suite: &'a Suite,
     plan: &'a ExperimentPlan,
@@ -116,7 +125,7 @@ struct SuiteRunner<'a> {
     name: &'a PathBuf,
 }
 
-/// Tasks that were done, and those that came to nothing.
+/// Numbers of completed and failed tasks.
 #[derive(Clone, Copy, Default)]
 struct TaskCounts {
     done: usize,
@@ -124,7 +133,7 @@ struct TaskCounts {
 }
 
 impl SuiteRunner<'_> {
-    /// Does what is not yet done; the report is written again after each task.
+    /// Runs the tasks that are not in the journal; the report is updated after each.
     fn run_all(
         &self,
         journal: &mut Journal,
@@ -156,7 +165,7 @@ impl SuiteRunner<'_> {
         Ok(count)
     }
 
-    /// Starts a child for a task and waits for what it finds. Its failure is a record, too.
+    /// Runs a task in a child process. Its failure is a record, too.
     fn run_one(&self, task: &Task, progress: &Progress) -> Result<Vec<TaskRecord>, Failure> {
         let key = task.key();
         let program = std::env::current_exe()
@@ -186,7 +195,7 @@ impl SuiteRunner<'_> {
                 reason,
             },
         };
-        match watch(child, limit, progress)? {
+        match wait_for(child, limit, progress)? {
             Ok(text) => {
                 let lines = text.lines().map(serde_json::from_str);
                 let records: Result<Vec<TaskRecord>, _> = lines.collect();
@@ -241,18 +250,18 @@ fn reason(record: &TaskRecord) -> Option<&String> {
     }
 }
 
-/// How often a child is looked at.
-const LOOK: Duration = Duration::from_millis(20);
+/// Interval at which a child is polled.
+const POLL: Duration = Duration::from_millis(20);
 
-/// Waits for a child: what it printed, or why it came to nothing. It is ended if the work is
-/// cancelled or the time is up.
-fn watch(
+/// Waits for a child, and returns its output or the reason of its failure. The child is killed if
+/// the work is cancelled or the time limit is exceeded.
+fn wait_for(
     child: Child,
     limit: Option<Duration>,
     progress: &Progress,
 ) -> Result<Result<String, String>, Failure> {
     let mut child = KillOnDrop(child);
-    // Pipes are emptied as they fill, else a child that prints much would wait forever.
+    // Pipes are drained meanwhile, otherwise a child that prints much would block forever.
     let stdout = child.0.stdout.take().map(drain);
     let stderr = child.0.stderr.take().map(drain);
     let text = |pipe: Option<std::thread::JoinHandle<String>>| {
@@ -275,17 +284,17 @@ fn watch(
                 let limit = limit.unwrap_or_default().as_secs_f64();
                 return Ok(Err(format!("took longer than {}", seconds(limit))));
             }
-            None => std::thread::sleep(LOOK),
+            None => std::thread::sleep(POLL),
         }
     }
 }
 
-/// A child that does not outlive its watcher.
+/// A child process that is killed when dropped.
 struct KillOnDrop(Child);
 
 impl Drop for KillOnDrop {
     fn drop(&mut self) {
-        // It may have ended by itself, which is no reason to complain.
+        // It may have exited already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

@@ -1,4 +1,4 @@
-//! What a suite means: the list of tasks, each with a key that says all it depends on.
+//! The tasks of a suite, each with a key of all that its result depends on.
 
 use super::suite::{EngineTable, OneOrMany, ReferenceTable, SceneTable, Suite, SuiteSource};
 use crate::engine::{EngineArgs, EngineName, GpuName};
@@ -11,20 +11,20 @@ use std::fmt;
 use std::path::PathBuf;
 use toml::Spanned;
 
-/// Everything that a suite asks for, in the order in which it is done.
+/// The tasks of a suite, in order.
 pub struct ExperimentPlan {
-    /// First the references, then runs, scene by scene, then truths.
+    /// For each scene its reference and its runs; then the scenes with known solutions.
     pub tasks: Vec<Task>,
 }
 
-/// A piece of work for a process of its own.
+/// Work for one child process.
 #[derive(Clone, Debug)]
 pub enum Task {
-    /// Computes what the runs of a scene are compared with.
+    /// Computes the reference of a scene, with this number of rows to keep.
     Reference(SceneChoice, EngineSetting, usize),
-    /// Computes a scene with an engine and compares.
+    /// Computes a scene with an engine and a seed, and compares with the reference.
     Run(SceneChoice, EngineSetting, u64),
-    /// Has an engine answer all scenes with known answers.
+    /// Computes all scenes with known solutions with an engine.
     Truths(EngineSetting),
 }
 
@@ -33,24 +33,24 @@ pub enum Task {
 pub struct SceneChoice {
     /// Its name in the report.
     pub name: String,
-    /// Where it comes from.
+    /// Its origin.
     pub origin: Origin,
-    /// Divided into about so many patches; `None` leaves faces whole.
+    /// Approximate number of patches; `None` does not divide faces.
     pub patches: Option<usize>,
 }
 
-/// Where a scene comes from.
+/// The origin of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Origin {
-    /// A model, and the checksum of its bytes.
+    /// A model file, and the checksum of its bytes.
     File(PathBuf, u32),
     /// The unit cube, seen from inside.
     Cube,
-    /// A room with a table and two boxes, of about so many facets.
+    /// A room with a table and two boxes; approximate number of facets.
     RoomWithTable(usize),
-    /// A box of 12,922 facets and so many mirrors, finer or coarser than usual.
+    /// A box of 12,922 facets; number of mirrors, and factor on the number of facets.
     CornellThesis(usize, f64),
-    /// A street of 61,795 facets under a sky, finer or coarser than usual.
+    /// A street of 61,795 facets under a sky; factor on the number of facets.
     Street(f64),
 }
 
@@ -59,22 +59,25 @@ pub enum Origin {
 pub struct EngineSetting {
     /// Its name in the report.
     pub name: String,
-    /// As the command line has it.
+    /// The engine's options, as on the command line.
     pub args: EngineArgs,
-    /// Rays per row, if the suite says.
+    /// Rays per row, if specified.
     pub rays: Option<u32>,
-    /// Whether formulas replace rays where they are better.
+    /// Whether closed forms replace rays where they are more accurate.
     pub formulas: bool,
-    /// Error of the sums of rows that formulas are to keep within, if the suite says.
+    /// Target for the error of row sums, if specified.
     pub accuracy: Option<f64>,
-    /// Which scenes have their rows made to add up.
+    /// Scenes in which closure is enforced.
     pub closure: Closure,
 }
 
 const GENERATORS: [&str; 4] = ["cube", "room_with_table", "cornell_thesis", "street"];
 
 impl ExperimentPlan {
-    /// Makes the tasks of a suite, or says what in it has no meaning.
+    /// The tasks of a suite.
+    ///
+    /// # Errors
+    /// What is invalid in the suite, with its position.
     pub fn new(suite: &Suite, source: &SuiteSource) -> Result<ExperimentPlan, Failure> {
         let scenes = suite.scene.iter().map(|s| choices(s, source));
         let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
@@ -113,7 +116,7 @@ impl ExperimentPlan {
         Ok(ExperimentPlan { tasks })
     }
 
-    /// One repetition, and of each engine on each scene only the first few samples.
+    /// Keeps only the first setting of each engine on each scene, with one repetition.
     pub fn quick(&mut self) {
         let mut seen = Vec::new();
         self.tasks.retain(|task| match task {
@@ -127,7 +130,7 @@ impl ExperimentPlan {
         });
     }
 
-    /// Only tasks in whose words `name` stands, and the references that they need.
+    /// Keeps only tasks with `name` in their names, and the references that they need.
     pub fn only(&mut self, name: &str) {
         let is_named = |task: &Task| task.to_string().contains(name);
         let needed: Vec<String> = self
@@ -143,7 +146,7 @@ impl ExperimentPlan {
     }
 }
 
-/// Engines name scenes that there are; no two scenes have one name.
+/// Scenes have different names, and engines refer to existing ones.
 fn check_names(suite: &Suite, source: &SuiteSource) -> Result<(), Failure> {
     let known: Vec<&str> = suite
         .scene
@@ -181,7 +184,10 @@ fn choices(table: &SceneTable, source: &SuiteSource) -> Result<Vec<SceneChoice>,
         let Some((_, name)) = extra.iter().find(|(is_extra, _)| *is_extra) else {
             return Ok(());
         };
-        let message = format_args!("\"{}\" has no `{name}` to choose", table.name.get_ref());
+        let message = format_args!(
+            "\"{}\" does not have a parameter `{name}`",
+            table.name.get_ref()
+        );
         Err(source.wrong(table.name.span().start, message))
     };
     if !(detail > 0.0 && detail <= 16.0) {
@@ -222,7 +228,7 @@ fn choices(table: &SceneTable, source: &SuiteSource) -> Result<Vec<SceneChoice>,
     Ok(origins.into_iter().map(choice).collect())
 }
 
-/// A model beside the suite.
+/// A model file, relative to the suite.
 fn model(file: &Spanned<String>, source: &SuiteSource) -> Result<Origin, Failure> {
     let folder = source.path.parent().unwrap_or(std::path::Path::new(""));
     let path = folder.join(file.get_ref());
@@ -283,7 +289,7 @@ fn check(args: &EngineArgs, rays: Option<u32>) -> Result<(), Failure> {
     }
 }
 
-/// A relative error that means something.
+/// Refuses relative errors outside of 0 to 1.
 fn accuracy(asked: Option<f64>) -> Result<(), Failure> {
     match asked {
         Some(a) if !(a > 0.0 && a <= 1.0) => Err(Failure::failed(format_args!(
@@ -335,7 +341,7 @@ fn closure(name: &Spanned<String>, source: &SuiteSource) -> Result<Closure, Fail
     }
 }
 
-/// A value of the command line by its name there.
+/// A value of the command line by its name.
 fn named<T: ValueEnum>(
     name: &Spanned<String>,
     what: &str,
@@ -353,7 +359,7 @@ fn named<T: ValueEnum>(
 }
 
 impl Task {
-    /// The scene that is computed, if it is one alone.
+    /// The scene that is computed, if it is a single one.
     pub fn scene(&self) -> Option<&SceneChoice> {
         match self {
             Task::Reference(scene, ..) | Task::Run(scene, ..) => Some(scene),
@@ -361,8 +367,7 @@ impl Task {
         }
     }
 
-    /// All that the result depends on, in words: a task that was done under this key need not be
-    /// done again.
+    /// All that the result depends on, as text: a task that was done under this key is not repeated.
     pub fn key(&self) -> String {
         match self {
             Task::Reference(scene, setting, rows) => {
@@ -380,7 +385,7 @@ impl Task {
     }
 }
 
-/// For people, and for what `--only` looks in.
+/// The name, in which `--only` searches.
 impl fmt::Display for Task {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -408,7 +413,7 @@ impl SceneChoice {
         format!("{} ({origin}{patches})", self.name)
     }
 
-    /// How many mirrors the suite chose.
+    /// Number of mirrors, if the suite specifies it.
     pub fn mirrors(&self) -> Option<usize> {
         match self.origin {
             Origin::CornellThesis(mirrors, _) => Some(mirrors),

@@ -1,4 +1,4 @@
-//! What is written down of every task, and read again.
+//! The results of tasks as they are stored in the journal.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,21 +14,21 @@ pub struct TaskRecord {
     pub outcome: Outcome,
 }
 
-/// What a task found.
+/// The result of a task.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// A matrix to compare with.
+    /// The matrix of a reference.
     Reference(RunRecord),
-    /// A matrix.
+    /// The matrix of a run.
     Run(RunRecord),
-    /// One answer of an engine whose truth is known.
+    /// The solution of one case whose exact solution is known.
     Truth(TruthRecord),
-    /// The task came to nothing, for this reason.
+    /// The task failed.
     Failure {
-        /// The task, for people.
+        /// Name of the task.
         task: String,
-        /// Why.
+        /// Reason of the failure.
         reason: String,
     },
 }
@@ -38,19 +38,19 @@ pub enum Outcome {
 pub struct RunRecord {
     /// Name of the scene.
     pub scene: String,
-    /// Mirrors, where the suite chose how many.
+    /// Number of mirrors, if the suite specifies it.
     pub mirrors: Option<usize>,
     /// Name of the engine in the report.
     pub engine: String,
-    /// Its settings, in words.
+    /// Its settings as text.
     pub setting: String,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// The engine that really ran.
+    /// The engine that was used.
     pub ran: String,
-    /// What did the work.
+    /// The device that was used.
     pub device: String,
-    /// Why this engine, and what was not done as asked.
+    /// Why this engine was used, and deviations from what was requested.
     pub notes: Vec<String>,
     /// Rows of the matrix.
     pub facets: usize,
@@ -58,63 +58,63 @@ pub struct RunRecord {
     pub entries: u64,
     /// Rays or pixels per row.
     pub samples: f64,
-    /// Seconds on the wall for all form factors, from the scene in memory.
+    /// Wall-clock time for all form factors, from the scene in memory, seconds.
     pub seconds: f64,
-    /// The same of all processors together.
+    /// The same in CPU time of all threads.
     pub cpu_seconds: f64,
-    /// Seconds on the wall for solving B = M + ρXB.
+    /// Wall-clock time for solving B = M + ρXB, seconds.
     pub solve_seconds: f64,
-    /// Most memory of the process when the form factors were done.
+    /// Peak memory of the process when the form factors were done, bytes.
     pub peak_bytes: Option<u64>,
     /// Mean relative row error, Σ|X − R|/ΣR.
     pub row_error_mean: Option<f64>,
     /// The largest.
     pub row_error_max: Option<f64>,
-    /// Mean relative row error that the engine itself expects.
+    /// Mean relative row error, as estimated by the engine.
     pub row_error_stated: f64,
     /// Mean relative error of B.
     pub b_error_mean: Option<f64>,
     /// The largest.
     pub b_error_max: Option<f64>,
-    /// Root of the mean square of what rows lack of 1.
+    /// Root mean square of the deviation of row sums from 1.
     pub closure_rms: f64,
-    /// The most that a row lacks.
+    /// The largest deviation.
     pub closure_max: f64,
-    /// Share of the matrix that was moved to make rows add up.
+    /// Share of the matrix that was moved to enforce closure.
     pub moved: f64,
     /// Largest difference of A_i X_ij and A_j X_ji, relative to the mean entry.
     pub reciprocity: f64,
-    /// Power that is not accounted for, relative.
+    /// Unaccounted power, relative.
     pub energy: Option<f64>,
 }
 
-/// One answer of an engine whose truth is known.
+/// The solution of one case whose exact solution is known.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct TruthRecord {
     /// Name of the engine in the report.
     pub engine: String,
-    /// Its settings, in words.
+    /// Its settings as text.
     pub setting: String,
-    /// The engine that really ran.
+    /// The engine that was used.
     pub ran: String,
     /// Name of the case.
     pub case: String,
-    /// What it is.
+    /// Description of the case.
     pub words: String,
-    /// Where its truth comes from.
+    /// Source of the exact solution.
     pub source: String,
-    /// What makes it difficult.
+    /// The difficulty that it tests.
     pub kind: String,
-    /// The engine's answer.
+    /// The engine's solution.
     pub value: f64,
-    /// The truth.
+    /// The exact solution.
     pub truth: f64,
-    /// What the truth leaves open.
+    /// Uncertainty of the exact solution.
     pub truth_error: f64,
     /// The engine's standard error.
     pub standard_error: f64,
-    /// How many of them the answer is off; `None` where an answer without error is wrong.
+    /// The error in standard errors; `None` if the standard error is zero and the error is not.
     pub standard_errors: Option<f64>,
-    /// Seconds on the wall.
+    /// Wall-clock time, seconds.
     pub seconds: f64,
 }

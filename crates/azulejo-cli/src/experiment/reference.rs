@@ -1,5 +1,5 @@
-//! The matrix that runs are compared with: some of its rows and its radiosities, kept in the
-//! report's folder as NumPy arrays.
+//! The reference that runs are compared with: some rows of its matrix and its radiosities, stored
+//! in the report's folder as NumPy arrays.
 
 use super::metrics::SparseRow;
 use crate::failure::Failure;
@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 /// Some rows of a matrix and all radiosities.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceData {
-    /// Which rows, ascending.
+    /// Indices of the rows, ascending.
     pub indices: Vec<usize>,
-    /// Those rows.
+    /// The rows.
     pub rows: Vec<SparseRow>,
     /// B of all rows, W/m².
     pub radiosity: Vec<Rgb>,
@@ -55,7 +55,7 @@ impl ReferenceData {
         Ok(())
     }
 
-    /// Reads what [`write`](ReferenceData::write) wrote; `count` rows were kept.
+    /// Reads the files of [`write`](ReferenceData::write), with `count` rows.
     pub fn read(folder: &Path, name: &str, count: usize) -> Result<ReferenceData, Failure> {
         let [rows, radiosity] = paths(folder, name);
         let (triples, b) = (read_triples(&rows)?, read_triples(&radiosity)?);

@@ -1,19 +1,19 @@
-//! Words for names that nobody knows, with the one that was perhaps meant.
+//! Messages for unknown names, with the most similar known one.
 
 use std::fmt::Write;
 
-/// `unknown engine "ray", did you mean "rays"? (rays, embree)`
+/// `unknown engine "ray", did you mean "rays"? (known: rays, embree)`
 pub fn unknown(what: &str, found: &str, known: &[&str]) -> String {
     let mut words = format!("unknown {what} \"{found}\"");
     if let Some(near) = nearest(found, known) {
         let _ = write!(words, ", did you mean \"{near}\"?");
     }
-    let _ = write!(words, " (there is {})", known.join(", "));
+    let _ = write!(words, " (known: {})", known.join(", "));
     words
 }
 
-/// Puts the nearest name before the list that ends a message of `serde`: "unknown field `a`,
-/// expected one of `b`, `c`".
+/// Inserts the nearest name into a message of `serde`: "unknown field `a`, expected one of `b`,
+/// `c`".
 pub fn with_hint(message: &str) -> String {
     let parts = message
         .split_once(", expected ")
@@ -39,14 +39,14 @@ pub fn with_hint(message: &str) -> String {
     }
 }
 
-/// The known name that differs in the fewest letters, if these are few.
+/// The known name at the smallest edit distance, if that is small.
 fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
     let far = |name: &&&str| distance(found, name);
     let near = known.iter().min_by_key(far)?;
     (distance(found, near) <= 1 + found.chars().count() / 3).then_some(*near)
 }
 
-/// Letters to insert, drop, replace or swap with their neighbour (Damerau 1964).
+/// Edit distance with transpositions (Damerau 1964).
 fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
@@ -75,14 +75,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_perhaps_meant() {
+    fn the_nearest_name_is_suggested() {
         assert_eq!(nearest("enigne", &["scene", "engine"]), Some("engine"));
         assert_eq!(nearest("rys", &["rays", "hybrid"]), Some("rays"));
         assert_eq!(nearest("xyzzy", &["rays", "hybrid"]), None);
         let said = unknown("engine", "ray", &["rays", "hybrid"]);
         assert_eq!(
             said,
-            "unknown engine \"ray\", did you mean \"rays\"? (there is rays, hybrid)"
+            "unknown engine \"ray\", did you mean \"rays\"? (known: rays, hybrid)"
         );
         assert_eq!(with_hint("missing field `name`"), "missing field `name`");
     }

@@ -1,4 +1,4 @@
-//! What a suite says: the tables of its file, and where in the file something is wrong.
+//! The file of a suite: its tables, and errors with their positions.
 
 use super::spelling;
 use crate::failure::Failure;
@@ -10,27 +10,27 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use toml::Spanned;
 
-/// A suite as it is written.
+/// A suite.
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Suite {
     /// Title of the report.
     pub title: String,
-    /// What it is about, in a few sentences.
+    /// Introduction of the report.
     #[serde(default)]
     pub about: String,
-    /// How often, how long.
+    /// Repetitions and time limit.
     #[serde(default)]
     pub run: RunTable,
-    /// What runs are compared with.
+    /// The reference that runs are compared with.
     pub reference: Option<ReferenceTable>,
-    /// Scenes to compute.
+    /// The scenes.
     #[serde(default)]
     pub scene: Vec<SceneTable>,
-    /// Engines to compute them.
+    /// The engines.
     #[serde(default)]
     pub engine: Vec<EngineTable>,
-    /// Whether every engine answers the scenes with known answers.
+    /// Whether every engine computes the scenes with known solutions.
     #[serde(default)]
     pub truths: bool,
 }
@@ -39,11 +39,11 @@ pub struct Suite {
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunTable {
-    /// How often each run is done, each time with another seed.
+    /// Number of repetitions of each run, with different seeds.
     pub repetitions: u32,
     /// Seed of the first repetition.
     pub seed: u64,
-    /// Longest time of one run; what takes longer is ended and reported so.
+    /// Time limit of one run; a run that takes longer is killed and reported as failed.
     pub timeout: Option<SuiteDuration>,
 }
 
@@ -69,9 +69,9 @@ pub struct ReferenceTable {
     pub resolution: Option<u32>,
     /// Points of each patch.
     pub patch_points: Option<u32>,
-    /// Error of the sums of rows that formulas are to keep within.
+    /// Target for the error of row sums, where formulas are used.
     pub accuracy: Option<f64>,
-    /// Rows that are kept and compared, evenly spread over the scene.
+    /// Number of rows to compare, evenly spread over the scene.
     #[serde(default = "ReferenceTable::default_rows")]
     pub rows: usize,
 }
@@ -88,19 +88,19 @@ impl ReferenceTable {
 pub struct SceneTable {
     /// Its name in the report.
     pub name: Spanned<String>,
-    /// A model, relative to the suite.
+    /// A model file, relative to the suite.
     pub file: Option<Spanned<String>>,
-    /// Or a generator.
+    /// Or the name of a generator.
     pub generator: Option<Spanned<String>>,
-    /// About how many facets the generator should make; several are several scenes.
+    /// Approximate number of facets to generate; a list makes several scenes.
     #[serde(default)]
     pub facets: OneOrMany<usize>,
-    /// How many facets are mirrors; several are several scenes.
+    /// Number of facets that are mirrors; a list makes several scenes.
     #[serde(default)]
     pub mirrors: OneOrMany<usize>,
-    /// How many times as many facets the generator should make as usual.
+    /// Factor on the generator's default number of facets.
     pub detail: Option<f64>,
-    /// About how many patches to divide the surfaces into; by default faces stay whole.
+    /// Approximate number of patches; by default faces are not divided.
     pub patches: Option<usize>,
 }
 
@@ -110,29 +110,29 @@ pub struct SceneTable {
 pub struct EngineTable {
     /// The engine, by the name of the command line.
     pub engine: Spanned<String>,
-    /// Its name in the report, if not that.
+    /// Its name in the report, if another.
     pub name: Option<String>,
-    /// Rays per row; several are several runs.
+    /// Rays per row; a list makes several runs.
     #[serde(default)]
     pub rays: OneOrMany<u32>,
     /// Pixels along the side of a hemicube.
     #[serde(default)]
     pub resolution: OneOrMany<u32>,
-    /// Points of each patch from which one is drawn.
+    /// Hemicubes per patch.
     #[serde(default)]
     pub patch_points: OneOrMany<u32>,
-    /// Who draws.
+    /// Backend that renders hemicubes.
     pub gpu: Option<Spanned<String>>,
-    /// Embree's library.
+    /// Path of Embree's library.
     pub embree: Option<PathBuf>,
-    /// Whether close pairs and lamps are computed by formula where that is better.
+    /// Whether close pairs and lamps are computed in closed form where that is more accurate.
     #[serde(default = "yes")]
     pub formulas: bool,
-    /// Error of the sums of rows that formulas are to keep within.
+    /// Target for the error of row sums, where formulas are used.
     pub accuracy: Option<f64>,
-    /// Which scenes have their rows made to add up: `never`, `closed` or `always`.
+    /// Scenes in which closure is enforced: `never`, `closed` or `always`.
     pub closure: Option<Spanned<String>>,
-    /// The scenes that it computes; all, if it does not say.
+    /// Names of the scenes it computes; all if empty.
     #[serde(default)]
     pub scenes: Vec<Spanned<String>>,
 }
@@ -141,7 +141,7 @@ fn yes() -> bool {
     true
 }
 
-/// One value or a list of them; nothing said is an empty list.
+/// One value or a list; empty if missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OneOrMany<T>(pub Vec<T>);
 
@@ -152,7 +152,7 @@ impl<T> Default for OneOrMany<T> {
 }
 
 impl<T: Copy> OneOrMany<T> {
-    /// The values, or one that says nothing.
+    /// The values, or a single `None`.
     pub fn options(&self) -> Vec<Option<T>> {
         if self.0.is_empty() {
             vec![None]
@@ -206,10 +206,10 @@ impl<'de> Deserialize<'de> for SuiteDuration {
     }
 }
 
-/// A suite with its text, so that errors can say where.
+/// The text of a suite, for errors with positions.
 #[derive(Clone, Debug)]
 pub struct SuiteSource {
-    /// Where it was read.
+    /// The file.
     pub path: PathBuf,
     text: String,
 }
@@ -218,22 +218,28 @@ impl SuiteSource {
     /// Reads a suite.
     pub fn read(path: &Path) -> Result<(Suite, SuiteSource), Failure> {
         let text = std::fs::read_to_string(path).map_err(|e| Failure::file("read", path, &e))?;
-        let source = SuiteSource {
-            path: path.to_owned(),
-            text,
-        };
+        let source = SuiteSource::new(path, text);
         let suite = source.parse()?;
         Ok((suite, source))
     }
 
-    fn parse(&self) -> Result<Suite, Failure> {
+    /// The text of a suite from `path`.
+    pub fn new(path: &Path, text: String) -> SuiteSource {
+        SuiteSource {
+            path: path.to_owned(),
+            text,
+        }
+    }
+
+    /// The tables of the suite.
+    pub fn parse(&self) -> Result<Suite, Failure> {
         toml::from_str(&self.text).map_err(|e| {
             let message = spelling::with_hint(e.message());
             self.wrong(e.span().map_or(0, |s| s.start), message)
         })
     }
 
-    /// The failure of what stands at a byte of the text.
+    /// An error at a byte of the text.
     pub fn wrong(&self, byte: usize, message: impl fmt::Display) -> Failure {
         let before = self.text.get(..byte).unwrap_or(&self.text);
         let line = 1 + before.matches('\n').count();
@@ -244,7 +250,7 @@ impl SuiteSource {
         ))
     }
 
-    /// The failure of a name that is none of those there are.
+    /// An error for an unknown name.
     pub fn unknown(&self, what: &str, found: &Spanned<String>, known: &[&str]) -> Failure {
         let message = spelling::unknown(what, found.get_ref(), known);
         self.wrong(found.span().start, message)

@@ -1,4 +1,4 @@
-//! One task, done in a process of its own: what the parent starts for each.
+//! One task, in its child process.
 
 use super::metrics::{self, PatchSurfaces};
 use super::plan::{EngineSetting, Origin, SceneChoice, Task};
@@ -16,7 +16,7 @@ use azulejo_scene::{Scene, synthetic};
 use azulejo_trace::Progress;
 use std::path::Path;
 
-/// Does the task; references lie in `folder`. `reference` is the one of the task's scene.
+/// Runs the task; `reference` is the reference task of its scene, with files in `folder`.
 pub fn run(
     task: &Task,
     reference: Option<&Task>,
@@ -51,16 +51,16 @@ pub fn run(
     Ok(found.into_iter().map(record).collect())
 }
 
-/// No run has this seed by accident: a reference must not share its noise.
+/// A seed that no run has by accident: runs must not share the noise of the reference.
 const REFERENCE_SEED: u64 = 0x7265_6665_7265_6e63;
 
-/// The name of a reference's files: its key, without what file systems dislike.
+/// Name of a reference's files: a checksum of its key, which is not a valid file name.
 fn file_name(task: &Task) -> String {
     let sum = crc32fast::hash(task.key().as_bytes());
     format!("reference-{sum:08x}")
 }
 
-/// Form factors and what they cost.
+/// Form factors, with the time and memory they took.
 struct ComputedMatrix {
     scene: Scene,
     choice: SceneChoice,
@@ -109,7 +109,7 @@ impl ComputedMatrix {
         })
     }
 
-    /// Its measures, and what of it may serve as a reference.
+    /// Its measures, and its data as a reference.
     fn measured(
         self,
         reference: Option<&ReferenceData>,
@@ -208,7 +208,7 @@ fn scene(origin: &Origin) -> Result<Scene, Failure> {
     })
 }
 
-/// Rays of all rows of a case together, where the suite says nothing: whole faces have 65,536.
+/// Default number of rays of all rows of a case together; undivided faces have 65,536 each.
 const TRUTH_RAYS: usize = 1 << 19;
 
 fn truths(setting: &EngineSetting, progress: &Progress) -> Result<Vec<Outcome>, Failure> {

@@ -1,4 +1,4 @@
-//! The matrix as NumPy and SciPy read it.
+//! The matrix as an archive for NumPy and SciPy.
 
 use super::NamedMatrix;
 use crate::npy::{self, Element};
@@ -8,18 +8,18 @@ use azulejo_factors::form_factors::RowRemainder;
 use std::io::{self, Write};
 use std::ops::Range;
 
-/// The arrays of the orders, beside `data` and `std_error`.
+/// Array names of the separate orders of reflection.
 const ORDERS: [[&str; 2]; 3] = [
     ["direct.npy", "direct_error.npy"],
     ["one_mirror.npy", "one_mirror_error.npy"],
     ["more_mirrors.npy", "more_mirrors_error.npy"],
 ];
 
-/// Writes what `scipy.sparse.load_npz` reads (`format`, `shape`, `indptr`, `indices`, `data`), and
-/// beside it one `std_error` per entry; per row `areas`, `row_error`, `sky`, `sky_error`, `ground`,
+/// Writes the arrays of `scipy.sparse.load_npz` (`format`, `shape`, `indptr`, `indices`, `data`);
+/// one `std_error` per entry; per row `areas`, `row_error`, `sky`, `sky_error`, `ground`,
 /// `ground_error`, `escaped` (sky and ground), `hidden`, `cut`, and `names` of groups, or
-/// `patch_face` (n × 2: object, face) and `patch_back` (1 for back sides) of patches. Orders that
-/// were kept apart are arrays like `data`, with a number for each of its entries.
+/// `patch_face` (n × 2: object, face) and `patch_back` (1 for back sides) of patches. Separate
+/// orders of reflection are arrays aligned with `data`.
 pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     let factors = matrix.factors;
     let rows = MatrixRows::new(factors);
@@ -28,7 +28,7 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     archive.add("shape.npy", |w| {
         npy::write(&[2], &[factors.len() as i64; 2], w)
     })?;
-    // SciPy wants both index arrays of one type, and works faster on the small one.
+    // SciPy requires both index arrays to have one type, and is faster with the smaller one.
     if i32::try_from(rows.entries().max(factors.len())).is_ok() {
         archive.add("indptr.npy", |w| list(&rows.starts, |&x| x as i32, w))?;
         archive.add("indices.npy", |w| rows.write(|(j, ..)| j as i32, w))?;
@@ -71,11 +71,11 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// The whole rows of a matrix, of which half is in memory.
+/// Complete rows of a matrix, of which one half is in memory.
 struct MatrixRows<'a> {
     factors: &'a FormFactors,
     blocks: Vec<Range<usize>>,
-    /// Where each row starts, and after the last where it ends.
+    /// The start of each row, and the end of the last.
     starts: Vec<usize>,
 }
 
@@ -110,7 +110,7 @@ impl MatrixRows<'_> {
         Ok(())
     }
 
-    /// The same of an order: zeros where it has no entry of its own.
+    /// The same for an order of reflection, with zeros where it has no entry.
     fn write_order<E: Element>(
         &self,
         order: usize,
@@ -130,7 +130,7 @@ impl MatrixRows<'_> {
     }
 }
 
-/// A one-dimensional array, converted entry by entry so that nothing is copied.
+/// Writes a one-dimensional array, converting entry by entry to avoid a copy.
 fn list<T, E: Element>(
     values: &[T],
     convert: impl Fn(&T) -> E,
@@ -202,7 +202,7 @@ mod tests {
         assert!(!found.contains_key("patch_face.npy"));
     }
 
-    /// Asks SciPy itself, where there is one.
+    /// Reads with SciPy, where Python has it.
     #[test]
     fn scipy_reads_the_archive() {
         let Some(python) = azulejo_testing::python() else {

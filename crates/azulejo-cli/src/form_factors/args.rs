@@ -1,4 +1,4 @@
-//! What can be typed behind `form-factors`.
+//! Arguments of `form-factors`.
 
 use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
@@ -12,29 +12,29 @@ use std::path::PathBuf;
 pub struct FormFactorArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Where to write: .npz (for scipy.sparse.load_npz), .csv, or View3D's .txt and .vf (text or
-    /// binary, as its input says); `-` writes CSV to standard output
+    /// Output file: .npz (for scipy.sparse.load_npz), .csv, or View3D's .txt and .vf (text or
+    /// binary as its input specifies); `-` writes CSV to standard output
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// How to write it, whatever the file is called
-    #[arg(long, value_name = "KIND", value_enum)]
+    /// Output format, regardless of the extension
+    #[arg(long, value_name = "FORMAT", value_enum)]
     pub format: Option<FormatName>,
     #[command(flatten)]
     pub division: DivisionArgs,
-    /// Rays from each patch; who says how many is given rays by --engine auto [default: 4096]
+    /// Rays per patch; makes --engine auto choose rays [default: 4096]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
-    /// Add the back side of every face as patches of their own
+    /// Add the back sides of all faces as further patches
     #[arg(long)]
     pub two_sided: bool,
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Memory that may be used; what needs more, by a forecast, is refused before it begins
-    /// [default: what the machine has]
+    /// Memory limit; work that is estimated to need more is refused before it begins
+    /// [default: the machine's memory]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     pub memory: Option<u64>,
-    /// Keep no journal beside the output: interrupted work then starts from the beginning
+    /// Keep no journal next to the output; interrupted work then starts from the beginning
     #[arg(long)]
     pub no_journal: bool,
     #[command(flatten)]
@@ -43,12 +43,12 @@ pub struct FormFactorArgs {
     pub engine: EngineArgs,
 }
 
-/// Kinds of files.
+/// Output formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FormatName {
     /// Sparse, for NumPy and SciPy
     Npz,
-    /// A line for each entry
+    /// One line per entry
     Csv,
     /// View3D's output as text
     View3d,
@@ -56,46 +56,46 @@ pub enum FormatName {
     View3dBinary,
 }
 
-/// What is made of the form factors between patches.
+/// Operations on the matrix between patches.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Matrix")]
 pub struct MatrixArgs {
-    /// One row for each face, object or material instead of each patch
-    #[arg(long, value_name = "WHAT", value_enum)]
+    /// One row per face, object or material instead of per patch
+    #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
-    /// Whose rows are changed, within their standard errors, so that no light is missing: `closed`
-    /// scenes without mirrors, `always` (open ones then sum to 1 with sky and ground), `never`
+    /// Enforce closure: adjust rows within their standard errors so that they sum to 1 (in open
+    /// scenes with sky and ground)
     #[arg(long, value_name = "WHEN", value_enum, num_args = 0..=1, require_equals = true,
           default_value = "closed", default_missing_value = "always")]
     pub closure: ClosureName,
-    /// Leave out pairs of which neither gives the other this share of its light, and move their
-    /// weight onto the rest: sums of rows and reciprocity stay
+    /// Drop pairs whose form factors are both below this share, and distribute their weight over
+    /// the others; row sums and reciprocity are preserved
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub truncate: Option<f64>,
-    /// Also write what comes straight, by one mirror, and by more mirrors or glass, each for itself
+    /// Also write the parts of each form factor: direct, by one mirror, and by more mirrors or glass
     #[arg(long)]
     pub separate: bool,
 }
 
-/// What becomes one row.
+/// Groups of patches that become one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum GroupBy {
-    /// Each face of each object
+    /// Faces of objects
     Face,
-    /// Each object
+    /// Objects
     Object,
-    /// All that has the same material
+    /// Materials
     Material,
 }
 
-/// Whose rows are made to add up.
+/// Scenes in which closure is enforced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ClosureName {
-    /// Nobody's
+    /// In no scene
     Never,
-    /// Those of closed scenes without mirrors and glass
+    /// In closed scenes without mirrors and glass
     Closed,
-    /// All
+    /// In all scenes
     Always,
 }
 
@@ -109,7 +109,7 @@ impl From<ClosureName> for Closure {
     }
 }
 
-/// How people use it.
+/// Examples and notes below the help.
 pub const EXAMPLES: &str = "\
 Examples:
   azulejo form-factors room.obj -o f.npz --patches 2000 --rays 4096
@@ -118,9 +118,10 @@ Examples:
   azulejo form-factors street.obj -o f.npz --by face --truncate 0.01% --memory 8G
   python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
 
-Row i, column j: the share of the light leaving i diffusely that arrives at j, with its standard
-error. A patch counts by its front and blocks light from both sides. What leaves the scene upwards
-and downwards is in lines to \"sky\" and \"ground\" of a CSV and in arrays of that name of an .npz.
+The entry in row i, column j is the share of the light leaving patch i diffusely that arrives at
+patch j, with its standard error. Patches emit and receive on their front side and block light from
+both. Light that leaves the scene upwards and downwards is in rows to \"sky\" and \"ground\" of a
+CSV, and in arrays of these names of an .npz.
 
-The same command goes on where it was interrupted: what is done is kept in FILE.journal until FILE
+After an interruption, the same command resumes: completed work is kept in FILE.journal until FILE
 is complete. docs/form-factors.md describes files, errors, closure and truncation.";

@@ -1,4 +1,4 @@
-//! Rows that belong together, and their names.
+//! Groups of rows, and their names.
 
 use super::args::GroupBy;
 use azulejo_factors::{FaceId, FormFactors};
@@ -11,8 +11,7 @@ pub struct Groups {
     pub names: Vec<String>,
 }
 
-/// The groups of all rows, numbered in the order in which they first appear. Backs are groups of
-/// their own.
+/// The groups of all rows, numbered by first appearance. Back sides are separate groups.
 pub fn groups(scene: &Scene, factors: &FormFactors, by: GroupBy) -> Groups {
     let rows = 0..factors.len();
     let object = |i: usize| factors.faces[i].object;
@@ -39,12 +38,12 @@ pub fn groups(scene: &Scene, factors: &FormFactors, by: GroupBy) -> Groups {
         .collect();
     Groups {
         of_rows,
-        names: different(names),
+        names: unique(names),
     }
 }
 
-/// Names of their own for those that share one: their number is added.
-pub fn different(names: Vec<String>) -> Vec<String> {
+/// Makes names unique by appending numbers to duplicates.
+pub fn unique(names: Vec<String>) -> Vec<String> {
     let mut uses: HashMap<&str, usize> = HashMap::new();
     for name in &names {
         *uses.entry(name).or_default() += 1;
@@ -105,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_different_and_backs_are_apart() {
+    fn names_are_unique_and_backs_are_separate() {
         check(GroupBy::Object, false, &["room #0", "room #1"]);
         check(GroupBy::Material, false, &["grey #0", "grey #1"]);
         let with_backs = ["room #0", "room (back) #1", "room #2", "room (back) #3"];

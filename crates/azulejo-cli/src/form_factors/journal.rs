@@ -1,9 +1,9 @@
-//! The journal beside the output: finished blocks of rows, so that the same command goes on where
-//! it was interrupted.
+//! The journal next to the output: finished blocks of rows, with which the same command resumes
+//! after an interruption.
 //!
-//! A header names the work (a hash of scene, options and version). Records follow, each with its
-//! length and checksums of head and content, and are only ever appended: whatever ends the process,
-//! what was finished before is whole, and a half record at the end is recognised and cut off.
+//! A header identifies the work by a hash of scene, options and version. Records follow, each with
+//! its length and checksums of header and content, and are only appended: however the process ends,
+//! earlier records are complete, and an incomplete record at the end is detected and truncated.
 
 use crate::failure::Failure;
 use azulejo_factors::form_factors::{Journal, JournalStage};
@@ -18,7 +18,7 @@ const MAGIC: [u8; 24] = *b"azulejo form factors 1\r\n";
 /// Magic, key and checksum.
 const HEADER: u64 = 24 + 8 + 4;
 
-/// Stage, block, length, checksum of the content, checksum of what stands before it.
+/// Stage, block, length, checksum of the content, checksum of the fields before.
 const HEAD: usize = 4 + 8 + 8 + 4 + 4;
 
 /// A journal in a file.
@@ -30,12 +30,12 @@ pub struct FileJournal {
 
 #[derive(Default)]
 struct JournalState {
-    /// Absent until there is something to keep.
+    /// Created with the first record.
     file: Option<File>,
     stored: HashMap<(JournalStage, usize), StoredBlock>,
-    /// Where the next record goes.
+    /// Position of the next record.
     end: u64,
-    /// Set after an error of writing: nothing is kept from then on.
+    /// Set after a write error: no more records are written.
     is_broken: bool,
     messages: Vec<String>,
 }
@@ -48,8 +48,8 @@ struct StoredBlock {
 }
 
 impl FileJournal {
-    /// Opens what is there under `path`, or prepares to begin it. A journal of other work, or a
-    /// damaged one, is begun anew, which [`take_messages`](FileJournal::take_messages) tells.
+    /// Opens the journal at `path`, or prepares to create it. A journal of other work, or a damaged
+    /// one, is restarted, with a message in [`take_messages`](FileJournal::take_messages).
     pub fn open(path: PathBuf, key: u64) -> Result<FileJournal, Failure> {
         let mut state = JournalState::default();
         match OpenOptions::new().read(true).write(true).open(&path) {
@@ -67,17 +67,17 @@ impl FileJournal {
         })
     }
 
-    /// Number of blocks that are kept.
+    /// Number of stored blocks.
     pub fn blocks(&self) -> usize {
         self.state().stored.len()
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What there is to say about it, once.
+    /// Messages about it since the last call.
     pub fn take_messages(&self) -> Vec<String> {
         std::mem::take(&mut self.state().messages)
     }
@@ -87,7 +87,7 @@ impl FileJournal {
         let state = self.state.into_inner();
         let state = state.unwrap_or_else(PoisonError::into_inner);
         if state.file.is_some() {
-            // One that stays is overwritten or used by the next run.
+            // A file that cannot be removed is restarted or used by the next run.
             let _ = std::fs::remove_file(&self.path);
         }
     }
@@ -118,14 +118,14 @@ impl Journal for FileJournal {
         if let Err(e) = state.append(&self.path, self.key, stage, block, bytes) {
             state.is_broken = true;
             let failure = Failure::file("write", &self.path, &e);
-            let words = format!("{failure}: an interruption would lose the rows from here on");
+            let words = format!("{failure}: rows from here on would be lost by an interruption");
             state.messages.push(words);
         }
     }
 }
 
 impl JournalState {
-    /// Reads the heads of an existing journal.
+    /// Reads the record headers of an existing journal.
     fn resume(&mut self, mut file: File, key: u64, path: &Path) -> Result<(), Failure> {
         let failed = |e| Failure::file("read", path, &e);
         let mut header = [0; HEADER as usize];
@@ -133,13 +133,13 @@ impl JournalState {
         let is_ours = header.starts_with(&MAGIC[..MAGIC.len().min(read)]);
         if !is_ours || (read == 0 && file.metadata().map_err(failed)?.len() > 0) {
             return Err(Failure::failed(format_args!(
-                "{} is there and is no journal: move it away, or say --no-journal",
+                "{} exists and is not a journal: move it away, or use --no-journal",
                 path.display()
             )));
         }
         if header != self::header(key) {
             let words = format!(
-                "{}: of another scene, other options or another version, or damaged; begun anew",
+                "{}: belongs to another scene, other options or another version, or is damaged; restarted",
                 path.display()
             );
             self.messages.push(words);
@@ -164,7 +164,7 @@ impl JournalState {
         Ok(())
     }
 
-    /// Finds all whole records.
+    /// Finds all complete records.
     fn scan(&mut self, file: &mut File) -> io::Result<()> {
         let length = file.metadata()?.len();
         self.end = HEADER;
@@ -192,7 +192,7 @@ impl JournalState {
     fn read(&mut self, place: StoredBlock) -> Option<Vec<u8>> {
         let file = self.file.as_mut()?;
         file.seek(SeekFrom::Start(place.start)).ok()?;
-        // The scan has seen that the file is as long as that.
+        // The scan has checked that the file is long enough.
         let mut bytes = vec![0; usize::try_from(place.length).ok()?];
         file.read_exact(&mut bytes).ok()?;
         (crc32fast::hash(&bytes) == place.checksum).then_some(bytes)
@@ -232,12 +232,12 @@ impl JournalState {
     }
 }
 
-/// One run at a time goes on with a journal.
+/// Only one process at a time can use a journal.
 fn lock(file: &File, path: &Path) -> Result<(), Failure> {
     match file.try_lock() {
         Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => Err(Failure::failed(format_args!(
-            "{} is in use: another azulejo is at the same output",
+            "{} is in use: another azulejo is writing the same output",
             path.display()
         ))),
         // Some file systems have no locks.
@@ -263,7 +263,7 @@ fn record_header(stage: JournalStage, block: usize, bytes: &[u8]) -> Vec<u8> {
     head
 }
 
-/// What a record's head says, if it is whole.
+/// Parses a record header, if it is intact.
 fn parse_record_header(head: &[u8; HEAD], start: u64) -> Option<((JournalStage, usize), StoredBlock)> {
     let (said, checksum) = head.split_last_chunk::<4>()?;
     if crc32fast::hash(said) != u32::from_le_bytes(*checksum) {

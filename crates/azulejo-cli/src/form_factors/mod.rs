@@ -32,16 +32,16 @@ use std::path::PathBuf;
 /// A matrix to be written.
 struct NamedMatrix<'a> {
     factors: &'a FormFactors,
-    /// What the rows are called, if they are groups.
+    /// Names of the rows, if they are groups.
     names: Option<&'a [String]>,
 }
 
-/// Kinds of files.
+/// Output formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum MatrixFormat {
     Archive,
     Table,
-    /// As View3D does, in the layout that its input asks for if none is given.
+    /// View3D's; without a layout, in the one its input specifies.
     View3d(Option<MatrixLayout>),
 }
 
@@ -102,13 +102,13 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     Ok(report)
 }
 
-/// Models whose rows are patches or groups of them.
+/// Reads models whose rows are patches or groups of them.
 fn read_models(args: &FormFactorArgs, session: &mut Session) -> Result<Scene, Failure> {
     let scene = input::read_all(&args.input, session)?;
     if session.formats().contains(&Format::View3d) {
         session.note(
-            "rows are patches: those that View3D gives, with its masks, combinations and enclosures, \
-             need its file alone, by name, neither placed nor divided",
+            "rows are patches: View3D's own rows, with its masks, combinations and enclosures, \
+             require a single View3D file, given by name, neither placed nor divided",
         );
     }
     Ok(scene)
@@ -130,13 +130,13 @@ fn matrix_format(args: &FormFactorArgs, output: &Output) -> Result<MatrixFormat,
         "vf" => Ok(MatrixFormat::View3d(None)),
         _ if output.is_stdout() => Ok(MatrixFormat::Table),
         _ => Err(Failure::misuse(format_args!(
-            "{}: unknown kind of matrix, expected .npz, .csv, .txt or .vf (View3D), or --format",
+            "{}: unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), or --format",
             args.output.display()
         ))),
     }
 }
 
-/// The rows of groups, and their names, if any are asked for.
+/// The rows of groups with their names, if groups are requested.
 fn grouped(
     scene: &Scene,
     factors: FormFactors,
@@ -172,7 +172,7 @@ fn options(args: &FormFactorArgs, prepared: &PreparedEngine) -> FormFactorOption
     }
 }
 
-/// Says what the matrix will take, before the work begins.
+/// Reports the expected size of the matrix before the work begins.
 fn forecast(
     plan: &PreparedPlan,
     session: &mut Session,
@@ -197,7 +197,7 @@ fn forecast(
     Ok(())
 }
 
-/// The journal beside a file; other outputs have none.
+/// The journal next to an output file; standard output and devices have none.
 fn open_journal(
     args: &FormFactorArgs,
     output: &Output,
@@ -213,7 +213,7 @@ fn open_journal(
     FileJournal::open(PathBuf::from(name), key(scene, tracer, options)).map(Some)
 }
 
-/// Tells work apart by all that its rows depend on.
+/// A hash of everything that the rows depend on.
 fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
     let FormFactorOptions {
         engine,
@@ -224,13 +224,13 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
         analytic,
         separate,
         accuracy,
-        // What is done with the rows afterwards.
+        // These affect what is done with the rows afterwards.
         closure: _,
         memory: _,
     } = options;
     let mut words = TextHasher(DefaultHasher::new());
     let (version, kernel) = (env!("CARGO_PKG_VERSION"), tracer.kernel_name());
-    // Hashing what is shown can't fail.
+    // Hashing does not fail.
     let _ = write!(words, "{version} {kernel} {} {size:?} ", described(engine));
     let _ = write!(
         words,
@@ -239,9 +239,9 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
     words.0.finish()
 }
 
-/// An engine in words that are the same in every run.
+/// An engine as text that is the same in every run.
 fn described(engine: &Engine) -> String {
-    let drawn = |kind: &str, hemicube: &Hemicube| {
+    let hemicubes = |kind: &str, hemicube: &Hemicube| {
         let device = match &hemicube.device {
             HemicubeBackend::Processor => "processor".to_owned(),
             HemicubeBackend::Device(device) => device.name(),
@@ -252,13 +252,13 @@ fn described(engine: &Engine) -> String {
         format!("{kind} {resolution} {points} {device}")
     };
     match engine {
-        Engine::Hemicube(hemicube) => drawn("hemicube", hemicube),
-        Engine::Hybrid(hemicube) => drawn("hybrid", hemicube),
+        Engine::Hemicube(hemicube) => hemicubes("hemicube", hemicube),
+        Engine::Hybrid(hemicube) => hemicubes("hybrid", hemicube),
         Engine::Auto | Engine::Rays | Engine::Analytic => format!("{engine:?}"),
     }
 }
 
-/// Hashes text as it is written.
+/// Hashes the text written to it.
 struct TextHasher(DefaultHasher);
 
 impl Write for TextHasher {
@@ -268,14 +268,14 @@ impl Write for TextHasher {
     }
 }
 
-/// Computes under a progress bar; says how to go on if that is interrupted.
+/// Computes under a progress bar, and reports how to resume if interrupted.
 fn compute(
     plan: &PreparedPlan,
     journal: Option<&FileJournal>,
     session: &mut Session,
 ) -> Result<FormFactors, Failure> {
     if let Some(journal) = journal.filter(|j| j.blocks() > 0) {
-        let words = format!("going on from {}", journal.path().display());
+        let words = format!("resuming from {}", journal.path().display());
         session.say(&words);
     }
     let kept: &dyn Journal = match journal {
@@ -285,14 +285,14 @@ fn compute(
     match session.with_progress(|p| plan.compute(kept, p)) {
         Ok(factors) => Ok(factors),
         Err(FactorsError::Cancelled) if journal.is_some_and(|j| j.blocks() > 0) => {
-            session.say("what is done is kept: the same command goes on from there");
+            session.say("completed work is kept: the same command resumes from there");
             Err(Failure::Cancelled)
         }
         Err(e) => Err(pass::failure(e)),
     }
 }
 
-/// The entry of a column in a row; zeros if there is none.
+/// The entry of a column in a row, or zeros.
 fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
     let found = row.binary_search_by_key(&column, |&(j, ..)| j);
     found.map_or((column, 0.0, 0.0), |k| row[k])

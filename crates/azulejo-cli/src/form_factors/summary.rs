@@ -1,4 +1,4 @@
-//! What a matrix is like, for people and for machines.
+//! The summary of a form factor matrix.
 
 use super::NamedMatrix;
 use crate::report::{Report, count, number, percent};
@@ -6,7 +6,7 @@ use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::{Adjustment, RowRemainder, Truncation};
 use serde_json::{Value, json};
 
-/// What is in the matrix and how good it is.
+/// Adds the size and the errors of a matrix.
 pub fn describe(matrix: &NamedMatrix, report: &mut Report) {
     let factors = matrix.factors;
     let (n, entries) = (factors.len(), factors.exchange.entries());
@@ -38,13 +38,13 @@ fn surroundings(factors: &FormFactors, report: &mut Report) {
         "closed".to_owned()
     } else {
         format!(
-            "open: {} of the light leaves it upwards (sky), {} downwards (ground)",
+            "open: {} of the light leaves upwards (sky), {} downwards (ground)",
             percent(sky),
             percent(ground)
         )
     };
     if hidden > 0.0 {
-        words += &format!("; {} ends on backs", percent(hidden));
+        words += &format!("; {} ends on back sides", percent(hidden));
     }
     report.fact("closed", factors.is_closed, "scene", words);
     report.value("sky_mean", number(sky));
@@ -54,7 +54,7 @@ fn surroundings(factors: &FormFactors, report: &mut Report) {
 }
 
 fn sums(factors: &FormFactors, report: &mut Report) {
-    // An empty row sums to −0, which is true but looks wrong.
+    // The sum of an empty row is −0, which would be printed.
     let sums: Vec<f64> = factors.row_sums().iter().map(|s| s + 0.0).collect();
     let low = sums.iter().copied().fold(f64::INFINITY, f64::min);
     let high = sums.iter().copied().fold(0.0, f64::max);
@@ -85,7 +85,7 @@ fn sums(factors: &FormFactors, report: &mut Report) {
 
 fn closure(factors: &FormFactors, report: &mut Report) {
     let words = match &factors.closed {
-        None => "none: rows are as they were estimated".to_owned(),
+        None => "none: rows are unchanged".to_owned(),
         Some(moved) => format!("moved {}", in_words(moved)),
     };
     report.line("closure", words);

@@ -1,17 +1,17 @@
-//! The matrix as spreadsheets read it.
+//! The matrix as CSV.
 
 use super::NamedMatrix;
 use azulejo_factors::FaceId;
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// Columns of the orders that were kept apart.
+/// Columns of the separate orders of reflection.
 const ORDERS: &str =
     ",direct,direct_error,one_mirror,one_mirror_error,more_mirrors,more_mirrors_error";
 
 /// Writes one line per entry: between patches i, j, F_ij, its standard error, and patch i's area,
 /// object, face and side; between groups their names, F, its standard error and the area of the
-/// first. What leaves the scene is on lines of its own with `sky` and `ground` in place of j.
+/// first. Light that leaves the scene is on lines with `sky` and `ground` in place of j.
 pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     let factors = matrix.factors;
     let orders = 0..factors.orders.len();
@@ -49,7 +49,7 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// The columns that every table has.
+/// The columns of every table.
 fn start(
     matrix: &NamedMatrix,
     i: usize,
@@ -60,7 +60,7 @@ fn start(
 ) -> io::Result<()> {
     let factors = matrix.factors;
     let (from, area) = (matrix.name(i), factors.areas[i]);
-    // An error of a share is kept in single precision, and said in no more digits.
+    // Errors are stored in single precision, and printed with no more digits.
     let error = error as f32;
     write!(out, "{from},{to},{share},{error},{area}")?;
     if matrix.names.is_none() {
@@ -72,7 +72,7 @@ fn start(
 }
 
 impl NamedMatrix<'_> {
-    /// What a row is called in a table.
+    /// The name of a row in a table.
     fn name(&self, i: usize) -> Cow<'_, str> {
         match self.names {
             None => i.to_string().into(),
@@ -81,7 +81,7 @@ impl NamedMatrix<'_> {
     }
 }
 
-/// A name as RFC 4180 wants it.
+/// A name quoted according to RFC 4180.
 fn quoted(name: &str) -> Cow<'_, str> {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\"")).into()

@@ -1,4 +1,4 @@
-//! `form-factors` of a View3D file: its rows, its enclosures, its layout.
+//! `form-factors` for View3D files: rows, enclosures, and layout.
 
 use super::args::FormFactorArgs;
 use super::groups;
@@ -18,7 +18,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// Surfaces that a View3D file describes.
+/// The surfaces of a View3D file.
 pub struct View3dInput {
     controls: View3dControls,
     model: View3dModel,
@@ -27,14 +27,14 @@ pub struct View3dInput {
 /// Most sweeps over an enclosure, and over grey factors, as in View3D.
 const SWEEPS: [usize; 2] = [100, 30];
 
-/// Up to so many polygons are computed exactly.
+/// Up to this number of polygons are computed to rounding errors.
 const FEW: usize = 32;
 
 /// Rays from each surface at View3D's own eps of 1e-4.
 const RAYS: f64 = 16_384.0;
 
-/// The surfaces of the one View3D file that is given. None if it is another model, or is placed,
-/// divided or joined by others: then its faces are what those of all models are.
+/// Reads the input if it is a single View3D file, neither placed nor divided; otherwise `None`, and
+/// its faces are treated as those of other models.
 pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3dInput>, Failure> {
     let reading = &args.input.reading;
     let is_placed = !reading.place.is_empty() || reading.up.is_some() || reading.unit.is_some();
@@ -50,7 +50,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
         ));
     }
     if args.matrix.by.is_some() {
-        let message = "--by: a View3D file says itself which surfaces are one row (cmb)";
+        let message = "--by: a View3D file specifies itself which surfaces are one row (cmb)";
         return Err(Failure::misuse(message));
     }
     session.progress().begin("reading", 0);
@@ -64,7 +64,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
     session.has_read(Format::View3d);
     if reading.strict && !warnings.is_empty() {
         return Err(Failure::Failed(format!(
-            "{name}: {} kinds of things were skipped or mended, and --strict forbids it",
+            "{name}: {} warnings, which --strict turns into a failure",
             warnings.len()
         )));
     }
@@ -73,16 +73,16 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
         model,
     };
     room.check()?;
-    room.tell_unused(session);
+    room.report_unused(session);
     Ok(Some(room))
 }
 
-/// Whether a file is one of View3D's, by its beginning or its name. A stream cannot be looked at twice.
+/// Whether a file is one of View3D's, by content or name. Streams are not: they cannot be read twice.
 fn is_view3d(path: &Path) -> bool {
-    const LOOKED_AT: u64 = 1 << 16;
+    const START: u64 = 1 << 16;
     let mut start = Vec::new();
     let is_file = path.metadata().is_ok_and(|m| m.is_file());
-    let mut read = || File::open(path)?.take(LOOKED_AT).read_to_end(&mut start);
+    let mut read = || File::open(path)?.take(START).read_to_end(&mut start);
     is_file && read().is_ok() && recognise(&start, &path.to_string_lossy()) == Ok(Format::View3d)
 }
 
@@ -92,13 +92,13 @@ impl View3dInput {
         &self.model.scene
     }
 
-    /// The names of its rows, each different.
+    /// Unique names of its rows.
     pub fn names(&self) -> Vec<String> {
         let named = |(k, name): (usize, &String)| match name.as_str() {
             "" => format!("row {}", k + 1),
             name => name.to_owned(),
         };
-        groups::different(self.model.names.iter().enumerate().map(named).collect())
+        groups::unique(self.model.names.iter().enumerate().map(named).collect())
     }
 
     fn rows(&self) -> usize {
@@ -109,34 +109,34 @@ impl View3dInput {
         self.model.rows.iter().map(Vec::len).sum()
     }
 
-    /// Refuses rows that are not there.
+    /// Refuses rows that do not exist.
     fn check(&self) -> Result<(), Failure> {
         let View3dControls { row, column, .. } = self.controls;
         let rows = self.rows();
         let missing = [("row", row), ("col", column)];
         match missing.into_iter().find(|(_, n)| *n as usize > rows) {
             Some((what, n)) => Err(Failure::Failed(format!(
-                "{what}={n} on a control line: expected a number up to {rows}, which is the number of \
-                 rows that are left after combination"
+                "{what}={n} on a control line: expected a number up to {rows}, the number of rows \
+                 after combination"
             ))),
             None => Ok(()),
         }
     }
 
-    /// Says which parameters of View3D's own method are without effect here.
-    fn tell_unused(&self, session: &mut Session) {
+    /// Reports the parameters of View3D's own method, which have no effect here.
+    fn report_unused(&self, session: &mut Session) {
         let list = |(name, value): &(&str, i16)| format!("{name}={value}");
         let unused: Vec<String> = self.controls.others.iter().map(list).collect();
         if !unused.is_empty() {
             session.note(&format!(
-                "without effect here, as they steer View3D's own integration: {}",
+                "without effect here, because they control View3D's own integration: {}",
                 unused.join(", ")
             ));
         }
     }
 
-    /// How to compute it: whole surfaces, by formulas unless another engine is asked for, and with so
-    /// many rays that their error falls with eps.
+    /// The options: undivided surfaces, in closed form unless another engine is requested, and a
+    /// number of rays for which the error is proportional to eps.
     pub fn options(&self, options: FormFactorOptions, rays: Option<u32>) -> FormFactorOptions {
         // The error of a row falls as rays^-0.6.
         let wanted = RAYS * (1e-4 / self.controls.eps).powf(1.0 / 0.6);
@@ -147,20 +147,20 @@ impl View3dInput {
                 chosen => chosen,
             },
             size: PatchSize::Edge(0.0),
-            // View3D adjusts nothing but what it is told is an enclosure.
+            // View3D adjusts enclosures only.
             closure: match options.closure {
                 Closure::Always => Closure::Always,
                 _ => Closure::Never,
             },
             rays: rays.unwrap_or(wanted),
-            // Formulas are as good as numbers can be where the few rows of a file cost nothing.
+            // Small files are computed to rounding errors, because that is fast enough.
             accuracy: (self.polygons() > FEW).then_some(self.controls.eps / 2.0),
             ..options
         }
     }
 
-    /// Makes View3D's rows of those of the polygons: parts combined, masks laid on, the enclosure
-    /// scaled, reflections counted in, as the control lines ask.
+    /// Makes View3D's rows from those of the polygons, according to the control lines: combines
+    /// parts, applies masks, scales the enclosure, and includes reflections.
     pub fn finish(
         &self,
         pieces: &FormFactors,
@@ -191,12 +191,12 @@ impl View3dInput {
                 describe(&scaled, "grey_enclosure", report);
             }
         }
-        self.tell_row(&factors, report);
+        self.report_row(&factors, report);
         Ok(factors)
     }
 
-    /// The one row, or entry, that the file asks for.
-    fn tell_row(&self, factors: &FormFactors, report: &mut Report) {
+    /// Adds the row or entry that the file requests.
+    fn report_row(&self, factors: &FormFactors, report: &mut Report) {
         let View3dControls { row, column, .. } = self.controls;
         let (Some(i), letter) = (
             (row as usize).checked_sub(1),
@@ -219,7 +219,7 @@ impl View3dInput {
         report.value("row", numbers);
     }
 
-    /// What stands before its matrix, in a layout or in that of the file.
+    /// The header of its matrix, in a layout or in that of the file.
     fn header(&self, layout: Option<MatrixLayout>) -> FactorHeader {
         FactorHeader {
             layout: layout.unwrap_or(self.controls.out),
@@ -247,8 +247,8 @@ fn describe(scaled: &Scaled, key: &str, report: &mut Report) {
     report.value(&format!("{key}_most"), number(moved.most));
 }
 
-/// Writes a matrix as View3D does: of a room, or of any scene, whose emissivities are what its
-/// materials absorb.
+/// Writes a matrix in View3D's format. The emissivities of other scenes than View3D's are the
+/// absorptances of their materials.
 pub fn write(
     room: Option<&View3dInput>,
     layout: Option<MatrixLayout>,
@@ -279,7 +279,7 @@ pub fn write(
     write_factors(header, &factors.areas, rows.map(whole), &emissivities, out)
 }
 
-/// What each row absorbs, the mean of its channels.
+/// The absorptance of each row, averaged over the channels.
 fn emissivities(factors: &FormFactors, materials: &[Material]) -> Vec<f64> {
     let absorbed = |&m: &u32| {
         let material = &materials[m as usize];

@@ -1,4 +1,4 @@
-//! What can be typed for `text`, `font` and `extrude`.
+//! Arguments of `text`, `font` and `extrude`.
 
 use super::values::{self, Characters};
 use crate::values::{finite, vector};
@@ -10,20 +10,20 @@ use std::path::PathBuf;
 /// `text`
 #[derive(Debug, Args)]
 pub struct TextArgs {
-    /// What to write; \n begins a new line, `-` is standard input
+    /// The text; \n starts a new line, `-` reads standard input
     #[arg(
         value_name = "TEXT",
         required_unless_present = "file",
         allow_hyphen_values = true
     )]
     pub text: Option<String>,
-    /// Write what stands in this file (UTF-8)
+    /// Read the text from this file (UTF-8)
     #[arg(long, value_name = "FILE", conflicts_with = "text", value_hint = ValueHint::FilePath)]
     pub file: Option<PathBuf>,
     #[command(flatten)]
     pub typeface: TypefaceArgs,
-    /// Where to write, by extension: .grf and .sff keep exact letters, .obj, .glb, .gltf and .ply
-    /// get polygons; `-` writes GRF to standard output
+    /// Output file: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply get polygons; `-`
+    /// writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     #[command(flatten)]
@@ -36,53 +36,53 @@ pub struct TextArgs {
     pub surface: SurfaceArgs,
 }
 
-/// Which letters.
+/// The font.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Typeface")]
+#[command(next_help_heading = "Font")]
 pub struct TypefaceArgs {
-    /// TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
     #[arg(long, visible_alias = "ppf", value_name = "FILE", required = true,
           value_hint = ValueHint::FilePath)]
     pub font: PathBuf,
-    /// Names of a .ppf's glyphs by character (.ppe) [default: by Adobe's glyph names]
+    /// Encoding of a .ppf font (.ppe) [default: Adobe's glyph names]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub encoding: Option<PathBuf>,
-    /// Which face of a collection (.ttc)
+    /// Index of the face in a collection (.ttc)
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub face: u32,
 }
 
-/// How letters stand next to each other.
+/// The layout of lines.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Lines")]
 pub struct LinesArgs {
-    /// More space between letters, in ems
+    /// Additional space between letters, in ems
     #[arg(long, value_name = "EMS", default_value_t = 0.0, value_parser = finite,
           allow_hyphen_values = true)]
     pub spacing: f64,
-    /// From one base line to the next, in ems
+    /// Distance between baselines, in ems
     #[arg(long, value_name = "EMS", default_value_t = 1.2, value_parser = finite,
           allow_hyphen_values = true)]
     pub line_spacing: f64,
-    /// Which part of each line is at the place where the text goes
+    /// Alignment of lines
     #[arg(long, value_name = "SIDE", value_enum, default_value_t = AlignName::Left)]
     pub align: AlignName,
 }
 
-/// On which side lines are flush.
+/// Alignment of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum AlignName {
-    /// Lines begin there
+    /// Lines start at the position of the text
     Left,
-    /// Their middles are there
+    /// Lines are centred on it
     #[value(alias = "centre")]
     Center,
-    /// Lines end there
+    /// Lines end at it
     Right,
 }
 
 impl AlignName {
-    /// What it means.
+    /// The alignment as the library takes it.
     pub fn align(self) -> Align {
         match self {
             AlignName::Left => Align::Left,
@@ -92,61 +92,61 @@ impl AlignName {
     }
 }
 
-/// How large letters are.
+/// The size of letters.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Size")]
 pub struct SolidArgs {
-    /// Length of an em: the letters' size
+    /// Font size: the length of an em
     #[arg(long, value_name = "LENGTH", default_value_t = 1.0, value_parser = values::positive,
           allow_hyphen_values = true)]
     pub size: f64,
-    /// How deep the letters are [default: a quarter of the size]
+    /// Depth of the letters [default: a quarter of the size]
     #[arg(long, value_name = "LENGTH", value_parser = values::positive,
           allow_hyphen_values = true)]
     pub depth: Option<f64>,
 }
 
-/// Where a front plane lies, and where extrusion goes.
+/// The position of the front plane, and the direction of extrusion.
 #[derive(Clone, Copy, Debug, Args)]
-#[command(next_help_heading = "Place")]
+#[command(next_help_heading = "Position")]
 pub struct FrameArgs {
-    /// Where the first line begins, on the front
+    /// Start of the first line, on the front plane
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", value_parser = vector,
           allow_hyphen_values = true)]
     pub at: DVec3,
-    /// Nine numbers as in SFF: the directions of the line, of up, and from the front to the back.
-    /// Their lengths do not count; they need not be perpendicular
+    /// Nine numbers as in SFF: the directions along the line, up, and from front to back. They are
+    /// normalized, and need not be perpendicular
     #[arg(long, value_name = "P,U,E", default_value = "1,0,0,0,1,0,0,0,-1",
           value_parser = values::orientation, allow_hyphen_values = true)]
     pub orientation: Directions,
-    /// Lean upright strokes toward the end of the line, as italics do
+    /// Slant letters towards the end of the line, as italics
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = values::slope,
           allow_hyphen_values = true)]
     pub slant: f64,
-    /// Turn the extrusion toward the end of the line, and second upward; fronts and depth stay
+    /// Shear the extrusion towards the end of the line, and upwards; front plane and depth remain
     #[arg(long, value_name = "DEGREES[,DEGREES]", default_value = "0",
           value_parser = values::slopes, allow_hyphen_values = true)]
     pub oblique: Slopes,
 }
 
-/// Of the line, of up, of extrusion; unit vectors.
+/// Unit vectors along the line, up, and along the extrusion.
 pub type Directions = [DVec3; 3];
 
-/// Degrees toward the end of the line, and upward.
+/// Angles in degrees towards the end of the line, and upwards.
 pub type Slopes = [f64; 2];
 
-/// What a solid is made of.
+/// The material of a solid.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceArgs {
-    /// Share of light that is reflected diffusely: linear, 0.8,0.4,0.1 or 0.5, or #e8a030 as on
-    /// screens [default: 0.7, or the colours of a drawing]
+    /// Diffuse reflectance: linear, as 0.8,0.4,0.1 or 0.5, or sRGB, as #e8a030 [default: 0.7, or the
+    /// colours of the drawing]
     #[arg(long, value_name = "COLOR", value_parser = values::reflectance)]
     pub color: Option<Rgb>,
-    /// Share of light that is mirrored
+    /// Specular reflectance
     #[arg(long, value_name = "COLOR", value_parser = values::reflectance)]
     pub mirror: Option<Rgb>,
-    /// Light that the surface emits, W/(sr·m²)
+    /// Emitted radiance, W/(sr·m²)
     #[arg(long, value_name = "COLOR", value_parser = values::radiance)]
     pub emission: Option<Rgb>,
     /// Name of the object and its material [default: the text, or the file]
@@ -157,10 +157,10 @@ pub struct SurfaceArgs {
 /// `font`
 #[derive(Debug, Subcommand)]
 pub enum FontCommand {
-    /// Write a typeface's outlines as RTRACE's PPF, and the names of its characters as PPE
+    /// Convert a font to RTRACE's PPF, and its encoding to PPE
     #[command(after_help = CONVERT_EXAMPLES)]
     Convert(FontConvertArgs),
-    /// Draw all glyphs with their names
+    /// Draw a specimen sheet of all glyphs with their names
     #[command(after_help = SHEET_EXAMPLES)]
     Sheet(FontSheetArgs),
 }
@@ -168,13 +168,13 @@ pub enum FontCommand {
 /// `font convert`
 #[derive(Debug, Args)]
 pub struct FontConvertArgs {
-    /// TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
     #[arg(value_name = "FONT", value_hint = ValueHint::FilePath)]
     pub font: PathBuf,
-    /// Where to write the outlines (.ppf); `-` is standard output
+    /// Output file for the outlines (.ppf); `-` is standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// Where to write the names by character (.ppe)
+    /// Output file for the encoding (.ppe)
     #[arg(long, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub encoding: Option<PathBuf>,
     #[command(flatten)]
@@ -184,13 +184,13 @@ pub struct FontConvertArgs {
 /// `font sheet`
 #[derive(Debug, Args)]
 pub struct FontSheetArgs {
-    /// TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
     #[arg(value_name = "FONT", value_hint = ValueHint::FilePath)]
     pub font: PathBuf,
-    /// Where to write the picture (.png); `-` is standard output
+    /// Output image (.png); `-` is standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// Pixels of an em
+    /// Font size in pixels per em
     #[arg(long, value_name = "PIXELS", default_value_t = 64,
           value_parser = clap::value_parser!(u32).range(8..=1024))]
     pub size: u32,
@@ -198,14 +198,14 @@ pub struct FontSheetArgs {
     pub part: FontPart,
 }
 
-/// Which part of a font file.
+/// The part of a font file to use.
 #[derive(Debug, Args)]
 pub struct FontPart {
-    /// Which characters: ascii, latin1, all, or hexadecimal codes as in 20-7e,20ac; a .ppf is
-    /// taken whole
+    /// Characters: ascii, latin1, all, or hexadecimal codes as in 20-7e,20ac; ignored for .ppf,
+    /// which is always used completely
     #[arg(long, value_name = "RANGES", default_value = "latin1", value_parser = values::characters)]
     pub characters: Characters,
-    /// Which face of a collection (.ttc)
+    /// Index of the face in a collection (.ttc)
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub face: u32,
 }
@@ -220,11 +220,11 @@ pub struct ExtrudeArgs {
     /// get polygons; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// How deep the solid is, in units of the scene
+    /// Depth of the solid, in scene units
     #[arg(long, value_name = "LENGTH", value_parser = values::positive,
           allow_hyphen_values = true)]
     pub depth: f64,
-    /// Length of a unit of the drawing
+    /// Length of one unit of the drawing, in scene units
     #[arg(long, value_name = "LENGTH", default_value_t = 1.0, value_parser = values::positive,
           allow_hyphen_values = true)]
     pub scale: f64,

@@ -1,4 +1,4 @@
-//! `extrude`: a flat drawing in, a solid out.
+//! `extrude`: a solid from a drawing.
 
 use super::args::ExtrudeArgs;
 use super::solid;

@@ -1,4 +1,4 @@
-//! `font convert`: typefaces as RTRACE's fonts.
+//! `font convert`: converts fonts to RTRACE's format.
 
 use super::args::{FontConvertArgs, FontPart};
 use super::typeface::FontFile;
@@ -46,7 +46,7 @@ fn report(args: &FontConvertArgs, converted: &Converted) -> Report {
     report
 }
 
-/// Part of a font file as PPF, and notes about what could not be kept.
+/// Part of a font file as PPF; reports what could not be kept.
 pub fn converted(
     path: &Path,
     part: &FontPart,
@@ -75,7 +75,7 @@ pub fn converted(
         format!("{}: {what}: {names}{behind}", path.display())
     };
     if !converted.overlapping.is_empty() {
-        let what = "contours overlap, and where they do PPF has holes";
+        let what = "overlapping contours, which become holes in PPF";
         session.note(&lost(converted.overlapping.clone(), what));
     }
     if !converted.missing.is_empty() {
@@ -92,7 +92,7 @@ pub fn converted(
     Ok(converted)
 }
 
-/// Names that a note lists.
+/// Number of names listed in a warning.
 const SHOWN: usize = 20;
 
 fn characters(wanted: &Characters, typeface: &Typeface) -> Vec<char> {

@@ -1,10 +1,10 @@
-//! Figures as grey pixels.
+//! Rasterization of figures to grey pixels.
 
 use azulejo_scene::Figure;
 use azulejo_scene::figure::{Segment, crossings};
 use glam::DVec2;
 
-/// A grey picture, white to begin with.
+/// A grey image, initially white.
 #[derive(Debug)]
 pub struct GreyCanvas {
     /// Width and height in pixels.
@@ -13,11 +13,11 @@ pub struct GreyCanvas {
     ink: Vec<f32>,
 }
 
-/// Scan lines in a row of pixels. Along them coverage is exact.
+/// Scan lines per row of pixels. Coverage along them is exact.
 const LINES: usize = 8;
 
 impl GreyCanvas {
-    /// A white sheet.
+    /// A white image.
     pub fn new(size: [usize; 2]) -> GreyCanvas {
         GreyCanvas {
             size,
@@ -25,8 +25,8 @@ impl GreyCanvas {
         }
     }
 
-    /// Inks what is inside of a figure whose origin goes to `at`, in pixels from the top left;
-    /// `scale` pixels are a unit of the figure, y up.
+    /// Fills a figure with its origin at `at`, in pixels from the top left; `scale` is in pixels per
+    /// unit of the figure, whose y axis points up.
     pub fn draw(&mut self, figure: &Figure, at: DVec2, scale: f64) {
         let bounds = figure.bounds();
         if bounds.min.x > bounds.max.x {
@@ -61,7 +61,7 @@ impl GreyCanvas {
     pub fn rgb(&self) -> Vec<u8> {
         let byte = |ink: &f32| {
             let light = 1.0 - f64::from(ink.clamp(0.0, 1.0));
-            // The eye compares with print, where half of the dots look half as bright.
+            // Coverage is linear in light, as in halftone print.
             let encoded = match light {
                 l if l <= 0.003_130_8 => 12.92 * l,
                 l => 1.055 * l.powf(1.0 / 2.4) - 0.055,
@@ -72,16 +72,16 @@ impl GreyCanvas {
     }
 }
 
-/// Where the horizontal line at `y` is inside of a figure, from left to right.
+/// The intervals of the horizontal line at `y` inside of a figure, from left to right.
 fn spans(figure: &Figure, y: f64) -> Vec<[f64; 2]> {
-    let mut met = Vec::new();
+    let mut hits = Vec::new();
     for segment in figure.segments() {
-        meet(&segment, y, &mut met);
+        intersect(&segment, y, &mut hits);
     }
-    met.sort_by(|a, b| a.0.total_cmp(&b.0));
+    hits.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut winding = 0;
     let mut spans = Vec::new();
-    for pair in met.windows(2) {
+    for pair in hits.windows(2) {
         winding += pair[0].1;
         if figure.rule.is_inside(winding) {
             spans.push([pair[0].0, pair[1].0]);
@@ -90,18 +90,18 @@ fn spans(figure: &Figure, y: f64) -> Vec<[f64; 2]> {
     spans
 }
 
-/// Adds where a curve crosses the line, with 1 for upward and −1 for downward.
-fn meet(segment: &Segment, y: f64, met: &mut Vec<(f64, i32)>) {
+/// Adds the crossings of a curve with the line, with 1 for upward and −1 for downward.
+fn intersect(segment: &Segment, y: f64, hits: &mut Vec<(f64, i32)>) {
     match *segment {
         Segment::Line([a, b]) => {
             let sense = i32::from(b.y >= y) - i32::from(a.y >= y);
             if sense != 0 {
-                met.push((a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)), sense));
+                hits.push((a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)), sense));
             }
         }
         Segment::Cubic(points) => {
             let found = crossings(points.map(|p| p.y - y)).into_iter().flatten();
-            met.extend(found.map(|(t, sense)| (segment.at(t).x, sense)));
+            hits.extend(found.map(|(t, sense)| (segment.at(t).x, sense)));
         }
     }
 }
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn half_covered_is_bright_to_the_eye() {
+    fn half_coverage_is_half_of_the_light() {
         let mut paper = GreyCanvas::new([2, 1]);
         paper.ink = vec![0.5, 1.0];
         assert_eq!(paper.rgb(), [188, 188, 188, 0, 0, 0]);

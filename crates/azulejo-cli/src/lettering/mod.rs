@@ -1,4 +1,4 @@
-//! Letters and drawings as solids: `text`, `font` and `extrude`.
+//! Solids from text and drawings: `text`, `font` and `extrude`.
 
 mod args;
 mod extrude;

@@ -1,4 +1,4 @@
-//! `font sheet`: a picture of all glyphs.
+//! `font sheet`: an image of all glyphs.
 
 use super::args::FontSheetArgs;
 use super::font;
@@ -12,14 +12,14 @@ use azulejo_scene::{Encoding, Font, Line};
 use glam::DVec2;
 use std::path::Path;
 
-/// Most pixels of a sheet.
+/// Largest number of pixels of a sheet.
 const LARGEST: usize = 1 << 28;
 
 /// Runs `font sheet`.
 pub fn run(args: &FontSheetArgs, session: &mut Session) -> Result<Report, Failure> {
     if args.output != Path::new("-") && args.output.extension().is_none_or(|e| e != "png") {
         let path = args.output.display();
-        let message = format!("{path}: unknown kind of picture, expected .png");
+        let message = format!("{path}: unknown image format, expected .png");
         return Err(Failure::misuse(message));
     }
     let output = Output::check(&args.output)?;
@@ -29,7 +29,7 @@ pub fn run(args: &FontSheetArgs, session: &mut Session) -> Result<Report, Failur
     let unnamed = sheet.names.iter().filter(|n| n.is_none()).count();
     if unnamed > 0 {
         let message =
-            format!("{unnamed} names are not drawn: the font has not all of their letters");
+            format!("{unnamed} names are not drawn: the font lacks some of their letters");
         session.note(&message);
     }
     let paper = sheet.draw(&converted.font);
@@ -50,17 +50,17 @@ pub fn run(args: &FontSheetArgs, session: &mut Session) -> Result<Report, Failur
     Ok(report)
 }
 
-/// Where everything goes: cells of one size, glyphs above their names.
+/// The layout: cells of equal size, glyphs above their names.
 struct SheetLayout {
-    /// Pixels of an em.
+    /// Pixels per em.
     em: f64,
     /// Cells across and down.
     cells: [usize; 2],
-    /// Pixels of a cell.
+    /// Size of a cell in pixels.
     cell: [usize; 2],
-    /// The base line, pixels below the top of a cell.
+    /// The baseline, in pixels below the top of a cell.
     base: f64,
-    /// Each glyph's name in the font's own letters, if it has them.
+    /// Each glyph's name set in the font, if it has the letters.
     names: Vec<Option<Line>>,
 }
 

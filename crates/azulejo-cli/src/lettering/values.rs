@@ -1,4 +1,4 @@
-//! Values of lettering as people type them: directions, slopes, colours, characters.
+//! Parsers of option values of lettering: directions, slopes, colours, characters.
 
 use crate::values::{finite, not_negative};
 use azulejo_scene::Rgb;
@@ -12,7 +12,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// An angle in degrees between −90 and 90, both left out.
+/// An angle in degrees between −90 and 90, exclusive.
 pub fn slope(text: &str) -> Result<f64, String> {
     match finite(text)? {
         x if x.abs() < 90.0 => Ok(x),
@@ -28,19 +28,17 @@ pub fn slopes(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// A share of light in 0..=1: a colour as on screens, `#e8a030`, or linear, `0.8,0.4,0.1` or `0.5`.
+/// A reflectance in 0..=1: sRGB, `#e8a030`, or linear, `0.8,0.4,0.1` or `0.5`.
 pub fn reflectance(text: &str) -> Result<Rgb, String> {
     let color = radiance(text)?;
     if color.max_channel() <= 1.0 {
         Ok(color)
     } else {
-        Err(format!(
-            "{text} reflects more than arrives, expected at most 1"
-        ))
+        Err(format!("{text} exceeds 1, expected a reflectance"))
     }
 }
 
-/// A colour, linear and without an end: as [`reflectance`], but also above 1.
+/// A radiance: as [`reflectance`], but without upper limit.
 pub fn radiance(text: &str) -> Result<Rgb, String> {
     if let Some(digits) = text.strip_prefix('#') {
         return screen_color(digits).ok_or_else(|| format!("\"{text}\", expected as in #e8a030"));
@@ -96,7 +94,6 @@ pub fn orientation(text: &str) -> Result<[DVec3; 3], String> {
 }
 
 /// Ranges of characters: `ascii`, `latin1`, `all`, or hexadecimal codes, `20-7e,3b1,400-4ff`.
-/// Nothing for `all`.
 pub fn characters(text: &str) -> Result<Characters, String> {
     let mut ranges = Vec::new();
     for part in text.split(',') {
@@ -120,8 +117,9 @@ fn code(text: &str) -> Result<u32, String> {
         .trim_start_matches("U+")
         .trim_start_matches("u+");
     let code = u32::from_str_radix(digits, 16).ok();
-    code.filter(|&c| c <= u32::from(char::MAX))
-        .ok_or_else(|| format!("\"{text}\" is no character's code, expected as in 20ac or 400-4ff"))
+    code.filter(|&c| c <= u32::from(char::MAX)).ok_or_else(|| {
+        format!("\"{text}\" is not a character code, expected as in 20ac or 400-4ff")
+    })
 }
 
 /// Which characters of a typeface.

@@ -1,7 +1,7 @@
 //! What `brdf` promises.
 
 use crate::support::{Folder, project};
-use azulejo::scene::brdf::{FRESNEL, Info, Kind, MODELS, ParameterInfo};
+use azulejo::scene::brdf::{FRESNEL, MODELS, ModelInfo, ParameterInfo, ParameterKind};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -238,7 +238,7 @@ fn between(text: &str, from: &str, to: &str) -> String {
     rest[..rest.find(to).unwrap_or(0)].to_owned()
 }
 
-fn parameters_of(info: &Info) -> String {
+fn parameters_of(info: &ModelInfo) -> String {
     let own: Vec<&ParameterInfo> = info.parameters.iter().collect();
     let mut text = if own.is_empty() {
         String::new()
@@ -269,9 +269,9 @@ fn table(parameters: &[&ParameterInfo]) -> String {
     for p in parameters {
         let range = format!("{} to {}", p.least, p.most);
         let value = match p.kind {
-            Kind::Number => range,
-            Kind::Color => format!("{range}, per channel"),
-            Kind::Word => "a word".to_owned(),
+            ParameterKind::Number => range,
+            ParameterKind::Color => format!("{range}, per channel"),
+            ParameterKind::Word => "a word".to_owned(),
         };
         let unit = if p.unit.is_empty() {
             String::new()

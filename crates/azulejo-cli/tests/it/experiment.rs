@@ -132,7 +132,7 @@ fn parts_of_a_suite() {
     folder.fails(
         "experiment t.toml -o a --only nothing",
         2,
-        "nothing to do has \"nothing\"",
+        "no task has \"nothing\"",
     );
 }
 
@@ -146,7 +146,7 @@ fn failures_are_reported() {
     let done = folder.json("experiment t.toml -o a");
     assert_eq!(done["tasks_failed"], 1);
     let page = String::from_utf8(folder.read("a/report.html")).unwrap();
-    assert!(page.contains("What came to nothing") && page.contains("took longer than"));
+    assert!(page.contains("Failed tasks") && page.contains("took longer than"));
     folder.write("t.toml", suite.replace("timeout = '1ms'\n", ""));
     let done = folder.json("experiment t.toml -o a");
     assert_eq!(
@@ -190,7 +190,7 @@ fn bad_suites() {
         ),
         (
             &format!("title = 't'\n{scene}mirrors = 4\n{rays}"),
-            "t.toml:3:8: \"a\" has no `mirrors` to choose",
+            "t.toml:3:8: \"a\" does not have a parameter `mirrors`",
         ),
         (
             &format!("title = 't'\n[[scene]]\nname = 'a'\ngenerator = 'cornel'\n{rays}"),

@@ -61,7 +61,7 @@ fn killed_work_goes_on_to_the_same_bytes() {
 
     interrupt(&folder, "killed.npz", Signal::SIGKILL);
     let run = folder.ok(&format!("{LONG} -o killed.npz"));
-    assert!(run.err.contains("going on from"), "{}", run.err);
+    assert!(run.err.contains("resuming from"), "{}", run.err);
     assert!(folder.read("killed.npz") == whole);
 
     interrupt(&folder, "stopped.npz", Signal::SIGINT);
@@ -87,10 +87,10 @@ fn a_journal_of_something_else() {
     interrupt(&folder, "f.npz", Signal::SIGKILL);
     let other = "form-factors room.obj -o f.npz --patches 50 --rays 64";
     let run = folder.ok(other);
-    assert!(run.err.contains("begun anew"), "{}", run.err);
+    assert!(run.err.contains("restarted"), "{}", run.err);
     assert!(!folder.path("f.npz.journal").exists());
     folder.write("f.npz.journal", "my diary");
-    folder.fails(other, 1, "is no journal");
+    folder.fails(other, 1, "is not a journal");
     folder.ok(&format!("{other} --no-journal"));
     assert_eq!(folder.read("f.npz.journal"), b"my diary");
 }

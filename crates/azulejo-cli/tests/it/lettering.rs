@@ -156,7 +156,7 @@ fn lettering_that_has_no_meaning_is_refused() {
             2,
             "more than arrives",
         ),
-        ("text A --font tiny.ttf -o a.txt", 2, "unknown kind"),
+        ("text A --font tiny.ttf -o a.txt", 2, "unknown model format"),
         (
             "text A --font tiny.ttf --encoding latin.ppe -o a.grf",
             2,

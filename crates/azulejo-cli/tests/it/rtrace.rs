@@ -52,7 +52,7 @@ fn the_command_draws_old_scenes() {
 fn looks_and_their_options_go_together() {
     let folder = Folder::with_room();
     folder.write("ball.sff", BALL);
-    let missing = "needs the surfaces and lights of an SFF or SCN scene";
+    let missing = "needs the surfaces and lights of a single SFF or SCN scene";
     folder.fails("render room.obj --look rtrace -o a.png", 1, missing);
     folder.fails(
         "render room.obj ball.sff --look rtrace -o a.png",
@@ -62,10 +62,10 @@ fn looks_and_their_options_go_together() {
     folder.fails(
         "render ball.sff --look-model 0 -o a.png",
         2,
-        "add --look rtrace",
+        "requires --look rtrace",
     );
     let line = "render ball.sff --look rtrace --exposure 1 -o a.png";
-    folder.fails(line, 2, "--exposure has no meaning");
+    folder.fails(line, 2, "--exposure does not apply");
     folder.fails(
         "render ball.sff --look rtrace --look-levels 4 -o a.png",
         2,

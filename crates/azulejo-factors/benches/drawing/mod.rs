@@ -1,4 +1,4 @@
-//! How many hemicubes a device draws in a second, of rooms of several sizes.
+//! Hemicubes per second of a device, in rooms of several sizes.
 
 use azulejo_factors::hemicube::world_of;
 use azulejo_factors::rays::RayEstimator;
@@ -13,17 +13,17 @@ use azulejo_trace::{Gatherer, Surfaces, Tracer};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Facets wanted of the rooms; the smallest has half as many again.
+/// Requested facets of the rooms; the smallest has half as many again.
 const FACETS: [usize; 3] = [1_000, 10_000, 100_000];
 /// Pixels along the side of the top face.
 const RESOLUTIONS: [u32; 4] = [64, 128, 256, 512];
-/// Mirrors of the box whose windows are drawn.
+/// Mirrors of the box whose windows are rendered.
 const MIRRORS: [usize; 4] = [0, 16, 64, 1_500];
-/// Seconds that a measurement takes, about.
+/// Approximate seconds per measurement.
 const SECONDS: f64 = 1.0;
 
-/// Prints a table of hemicubes per second, one column for each device, and one of rays: rows of as
-/// many rays as a hemicube has pixels. All threads of the current pool.
+/// Prints a table of hemicubes per second, with a column for each device, and one of rays: rows of
+/// as many rays as a hemicube has pixels. Uses all threads of the current pool.
 pub fn print_table(devices: &[&dyn Device]) {
     let names: String = devices
         .iter()
@@ -76,7 +76,7 @@ pub fn print_mirrors(devices: &[&dyn Device]) {
     }
 }
 
-/// The same world with a mirror for each patch of one.
+/// The same world with a separate mirror for each specular patch.
 fn apart(mut world: World) -> World {
     let together = std::mem::take(&mut world.mirrors);
     for mirror in world.mirror_of.iter_mut().filter(|m| **m != NO_MIRROR) {
@@ -106,7 +106,7 @@ impl Room {
         world_of(&self.scene, &self.patches)
     }
 
-    /// The patch that a measurement looks from next: all over the room.
+    /// The next viewpoint of a measurement: all over the room.
     fn patch(&self, k: usize) -> usize {
         (f64::from(uniform(&[k as u32])) * self.patches.len() as f64) as usize
     }

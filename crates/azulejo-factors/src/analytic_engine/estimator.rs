@@ -54,7 +54,7 @@ impl<'a> AnalyticEstimator<'a> {
     pub fn engine_used(&self) -> EngineUsed {
         let mut notes = Vec::new();
         if !self.exchanger.is_complete() {
-            notes.push("curved surfaces, glass and many mirrors are left to rays".to_owned());
+            notes.push("curved surfaces, glass and long chains of mirrors take rays".to_owned());
         }
         EngineUsed {
             name: "analytic".to_owned(),

@@ -179,13 +179,13 @@ impl<'a> Exchanger<'a> {
             let images = world.rows(facets());
             let found = found[world.order]
                 .get_or_insert_with(|| ExchangeBlock::new(rows.len(), self.facets.list.len()));
-            let mut walk = PairTraversal::new(world, &images, &self.facets, self.accuracy);
-            walk.run(upper, found);
-            for &(row, column) in &walk.hard {
+            let mut traversal = PairTraversal::new(world, &images, &self.facets, self.accuracy);
+            traversal.run(upper, found);
+            for &(row, column) in &traversal.unresolved {
                 let (value, error) = self.by_shadow_rays(rows[row] as usize, column);
                 found.add(row, column, value, error);
             }
-            tally.add(&walk.tally);
+            tally.add(&traversal.tally);
         }
         let row = |(k, position): (usize, &u32)| {
             let sorted = |found: &Option<ExchangeBlock>| {
@@ -243,7 +243,7 @@ struct RowGroup {
 }
 
 impl Record for RowGroup {
-    fn is_whole(&self) -> bool {
+    fn is_complete(&self) -> bool {
         !self.rows.is_empty()
     }
 

@@ -81,19 +81,19 @@ pub(crate) struct PairCounts {
     /// Fully occluded.
     pub hidden: u64,
     /// Left to shadow rays.
-    pub hard: u64,
+    pub unresolved: u64,
 }
 
 impl PairCounts {
     /// The inverse of [`counts`](PairCounts::counts).
-    pub fn of([bulk, single, close, partial, hidden, hard]: [u64; 6]) -> PairCounts {
+    pub fn of([bulk, single, close, partial, hidden, unresolved]: [u64; 6]) -> PairCounts {
         PairCounts {
             bulk,
             single,
             close,
             partial,
             hidden,
-            hard,
+            unresolved,
         }
     }
 
@@ -105,7 +105,7 @@ impl PairCounts {
             self.close,
             self.partial,
             self.hidden,
-            self.hard,
+            self.unresolved,
         ]
     }
 
@@ -115,7 +115,7 @@ impl PairCounts {
         self.close += other.close;
         self.partial += other.partial;
         self.hidden += other.hidden;
-        self.hard += other.hard;
+        self.unresolved += other.unresolved;
     }
 }
 
@@ -133,7 +133,7 @@ pub(super) struct PairTraversal<'a> {
     sums: Vec<f64>,
     pub tally: PairCounts,
     /// Pairs left to shadow rays.
-    pub hard: Vec<UnresolvedPair>,
+    pub unresolved: Vec<UnresolvedPair>,
 }
 
 impl<'a> PairTraversal<'a> {
@@ -144,7 +144,7 @@ impl<'a> PairTraversal<'a> {
         columns: &'a FacetTree,
         accuracy: PairAccuracy,
     ) -> PairTraversal<'a> {
-        let mut walk = PairTraversal {
+        let mut traversal = PairTraversal {
             world,
             accuracy,
             rows,
@@ -155,10 +155,10 @@ impl<'a> PairTraversal<'a> {
             partial: PartialVisibility::default(),
             sums: Vec::new(),
             tally: PairCounts::default(),
-            hard: Vec::new(),
+            unresolved: Vec::new(),
         };
-        walk.halve(0..rows.list.len());
-        walk
+        traversal.halve(0..rows.list.len());
+        traversal
     }
 
     fn halve(&mut self, range: Range<usize>) {
@@ -356,8 +356,8 @@ impl<'a> PairTraversal<'a> {
                 .iter()
                 .any(|&s| s as usize >= world.obstructions.len())
         {
-            self.hard.push((row, column));
-            self.tally.hard += 1;
+            self.unresolved.push((row, column));
+            self.tally.unresolved += 1;
         } else {
             self.tally.partial += 1;
             let windows = world.windows;

@@ -209,19 +209,19 @@ fn settled_remainder(
 fn notes(all: &AllPairs, is_complete: bool, rays: u32) -> Vec<String> {
     let t = &all.tally;
     let mut notes = vec![format!(
-        "{} pairs see each other whole, {} past others, {} not at all",
+        "{} pairs are unoccluded, {} partially occluded, {} hidden",
         t.bulk + t.single + t.close,
         t.partial,
         t.hidden
     )];
-    if t.hard > 0 {
+    if t.unresolved > 0 {
         notes.push(format!(
-            "{} pairs with too much between took shadow rays",
-            t.hard
+            "{} pairs with too many occluders took shadow rays",
+            t.unresolved
         ));
     }
     if !is_complete {
-        notes.push(format!("what has no formula here took {rays} rays a row"));
+        notes.push(format!("what has no formula took {rays} rays per row"));
     }
     notes
 }

@@ -14,7 +14,7 @@ const LOSS: f64 = 1e-6;
 impl FormFactors {
     /// Whether no row that sees anything loses light. Rows that see nothing are the outside of a
     /// closed room.
-    pub(super) fn keeps_its_light(&self) -> bool {
+    pub(super) fn loses_no_light(&self) -> bool {
         let lengths = self.exchange.row_lengths();
         let seeing: Vec<usize> = (0..self.len()).filter(|&i| lengths[i] > 0).collect();
         !seeing.is_empty() && seeing.iter().all(|&i| self.rest[i].escaped() <= LOSS)
@@ -60,12 +60,12 @@ impl FormFactors {
         }
         self.scale(false, ratio);
         self.rest = rest;
-        self.closed = Some(self.moved_in_all(&moved, &self.lacking()));
+        self.closed = Some(self.adjustment(&moved, &self.deficits()));
         Ok(())
     }
 
     /// The deficit of each row, 1 less its sum; 0 for rows that see nothing.
-    fn lacking(&self) -> Vec<f64> {
+    fn deficits(&self) -> Vec<f64> {
         let rows = self.ended().into_iter().zip(&self.rest);
         rows.map(|(ended, rest)| {
             if ended > 0.0 {
@@ -87,7 +87,7 @@ impl FormFactors {
     }
 
     /// Statistics of a change, from what moved in each row and the remaining deficits.
-    pub(super) fn moved_in_all(&self, moved: &[f64], lacking: &[f64]) -> Adjustment {
+    pub(super) fn adjustment(&self, moved: &[f64], deficits: &[f64]) -> Adjustment {
         let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let changed: f64 = moved.iter().zip(&self.areas).map(|(m, a)| m * a).sum();
         let whole: f64 = self.exchange.row_sums().iter().sum();
@@ -95,7 +95,7 @@ impl FormFactors {
             total: if whole > 0.0 { changed / whole } else { 0.0 },
             mean: moved.iter().sum::<f64>() / self.len().max(1) as f64,
             most: largest(moved),
-            deficit: largest(lacking),
+            deficit: largest(deficits),
         }
     }
 }

@@ -71,7 +71,7 @@ impl FormFactors {
         self.areas[base] = whole;
         self.areas[mask] += area;
         self.exchange.add(mask.min(base), mask.max(base), area);
-        self.find_row_errors();
+        self.update_row_errors();
     }
 
     /// Scales rows and columns until row i sums to `targets[i]`, as View3D does: sweeps over all
@@ -111,9 +111,9 @@ impl FormFactors {
         let moved = self.moved(ratio);
         self.scale(false, ratio);
         let sums = self.row_sums();
-        let lacking: Vec<f64> = sums.iter().zip(targets).map(|(s, t)| t - s).collect();
-        scaled.moved = self.moved_in_all(&moved, &lacking);
-        self.find_row_errors();
+        let deficits: Vec<f64> = sums.iter().zip(targets).map(|(s, t)| t - s).collect();
+        scaled.moved = self.adjustment(&moved, &deficits);
+        self.update_row_errors();
         Ok(scaled)
     }
 
@@ -192,7 +192,7 @@ impl FormFactors {
             engine_used: self.engine_used.clone(),
             ..FormFactors::default()
         };
-        grey.find_row_errors();
+        grey.update_row_errors();
         Ok(grey)
     }
 

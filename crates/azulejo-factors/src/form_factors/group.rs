@@ -42,7 +42,7 @@ impl FormFactors {
         if !grouped.orders.is_empty() {
             grouped.exchange = ExchangeAreas::sum_of(&grouped.orders);
         }
-        grouped.find_row_errors();
+        grouped.update_row_errors();
         grouped
     }
 }

@@ -57,7 +57,7 @@ pub(crate) trait Record: Sized {
     fn read(bytes: &mut RecordReader) -> Option<Self>;
 
     /// Whether it is complete; blocks with incomplete rows are not stored.
-    fn is_whole(&self) -> bool {
+    fn is_complete(&self) -> bool {
         true
     }
 }
@@ -84,7 +84,7 @@ pub(crate) fn resumed<R: Record>(
             continue;
         }
         let found = compute(range)?;
-        if journal.is_kept() && found.iter().all(R::is_whole) {
+        if journal.is_kept() && found.iter().all(R::is_complete) {
             let mut bytes = Vec::new();
             found.iter().for_each(|row| row.write(&mut bytes));
             journal.save(stage, block, &bytes);

@@ -245,7 +245,7 @@ impl FormFactors {
     }
 
     /// Computes `row_errors`, which depend on the entries' errors alone.
-    pub(super) fn find_row_errors(&mut self) {
+    pub(super) fn update_row_errors(&mut self) {
         let expected = |e: &Exchange| FRAC_2_PI.sqrt() * f64::from(e.error);
         self.row_errors = self.per_area(self.exchange.sums(|_, e| [expected(e); 2]));
     }

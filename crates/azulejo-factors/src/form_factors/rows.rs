@@ -116,7 +116,7 @@ impl RowTracing<'_> {
 
     pub fn noise(&self) -> NoiseModel {
         match self.estimator.rays() {
-            _ if self.estimator.is_drawn() => NoiseModel::Unknown,
+            _ if self.estimator.shares_viewpoints() => NoiseModel::Unknown,
             rays => NoiseModel::Hits {
                 one_ray: 1.0 / f64::from(rays.max(1)),
             },
@@ -162,7 +162,7 @@ impl RowTracing<'_> {
         let all = far.iter().chain([&near]);
         let error_groups = all.flat_map(|columns| design_effect::groups(columns, self.sides));
         // Rays start at independent points: their errors are not correlated.
-        let error_groups = error_groups.filter(|_| self.estimator.is_drawn());
+        let error_groups = error_groups.filter(|_| self.estimator.shares_viewpoints());
         RayRow {
             error_groups: error_groups.collect(),
             near: near.iter().map(entry).collect(),

@@ -44,23 +44,23 @@ impl FormFactors {
             let change = smoothing.solve(progress)?;
             let ratio =
                 |i: usize, e: &Exchange| (!drops(i, e)).then(|| change.ratio(variance(i, e), i, e));
-            let failing = self.failing(ratio);
-            if failing.iter().all(|fails| !fails) {
-                self.drop_by(ratio);
+            let unbalanced_rows = self.unbalanced_rows(ratio);
+            if unbalanced_rows.iter().all(|fails| !fails) {
+                self.apply_truncation(ratio);
                 return Ok(());
             }
             whole
                 .iter_mut()
-                .zip(failing)
+                .zip(unbalanced_rows)
                 .for_each(|(w, fails)| *w |= fails);
         }
-        self.drop_by(|_, _| Some(1.0));
+        self.apply_truncation(|_, _| Some(1.0));
         Ok(())
     }
 
     /// Rows whose sum a change would alter, or whose entries it would reduce to the least allowed
     /// value.
-    fn failing(&self, ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync) -> Vec<bool> {
+    fn unbalanced_rows(&self, ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync) -> Vec<bool> {
         let ratio_of = |i: usize, e: &Exchange| ratio(i, e).unwrap_or(0.0);
         let off = self.weighted(|i, e| e.value * (ratio_of(i, e) - 1.0));
         let is_least = |i: usize, e: &Exchange| ratio(i, e).is_some_and(|r| r <= LEAST);
@@ -82,7 +82,7 @@ impl FormFactors {
     }
 
     /// Applies the change and records it.
-    fn drop_by(&mut self, ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync) {
+    fn apply_truncation(&mut self, ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync) {
         let before = self.exchange.entries();
         let dropped = |i: usize, e: &Exchange| if ratio(i, e).is_none() { e.value } else { 0.0 };
         let dropped: f64 = self.exchange.sums(|i, e| [dropped(i, e); 2]).iter().sum();
@@ -90,13 +90,13 @@ impl FormFactors {
         let moved = self.moved(&ratio);
         let sums = self.ended();
         self.scale(true, ratio);
-        let lacking: Vec<f64> = sums.iter().zip(self.ended()).map(|(a, b)| a - b).collect();
+        let deficits: Vec<f64> = sums.iter().zip(self.ended()).map(|(a, b)| a - b).collect();
         self.truncated = Some(Truncation {
             before,
             after: self.exchange.entries(),
             dropped: if all > 0.0 { dropped / all } else { 0.0 },
-            moved: self.moved_in_all(&moved, &lacking),
+            moved: self.adjustment(&moved, &deficits),
         });
-        self.find_row_errors();
+        self.update_row_errors();
     }
 }

@@ -36,7 +36,7 @@ impl BackendBuffers {
                     world,
                 },
                 Err(error) => {
-                    notes.push(format!("the processor draws instead: {error}"));
+                    notes.push(format!("the processor renders instead: {error}"));
                     ActiveBackend::processor(&world, &settings)
                 }
             },

@@ -5,7 +5,7 @@ use super::contacts::Contacts;
 use super::divide::Division;
 use super::locate::{Locator, is_flat};
 use super::outline::{Outline, Region, Slot};
-use super::part::{Parted, part};
+use super::vertex_split::{SplitVertex, split_along_contacts};
 use super::{DisplayVertex, FaceId, FlatRegion, GivenVertex, Lists, Patches};
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Primitive, PrimitiveKind, Shape, SurfaceGrid};
@@ -103,7 +103,7 @@ struct Builder<'a> {
     /// Edges of the object's patches along contacts, as ascending pairs of vertices.
     contact_edges: HashSet<[u32; 2]>,
     /// The vertices on contacts after they were split.
-    parted: Vec<Parted>,
+    parted: Vec<SplitVertex>,
 }
 
 impl<'a> Builder<'a> {
@@ -178,10 +178,10 @@ impl<'a> Builder<'a> {
         if along.next().is_none() {
             return;
         }
-        let (slots, marks) = (self.outline.slots_of(region), &self.division.marks);
+        let (slots, edge_points) = (self.outline.slots_of(region), &self.division.edge_points);
         let mut sides: Vec<Vec<u32>> = slots
             .iter()
-            .map(|s| vec![UNSEEN; marks.pieces[s.edge as usize] as usize])
+            .map(|s| vec![UNSEEN; edge_points.pieces[s.edge as usize] as usize])
             .collect();
         let mut next = local.iter();
         cells.for_each_point(|place| {
@@ -203,8 +203,8 @@ impl<'a> Builder<'a> {
     /// Whether piece `step` of a side lies on a contact along it.
     fn is_on_contact(&self, r: u32, slot: &Slot, step: u32) -> bool {
         let edge = &self.outline.edges[slot.edge as usize];
-        let marks = &self.division.marks;
-        let ends = [step, step + 1].map(|k| edge.point(marks.share_on(slot, k)));
+        let edge_points = &self.division.edge_points;
+        let ends = [step, step + 1].map(|k| edge.point(edge_points.share_on(slot, k)));
         let middle = 0.5 * (ends[0] + ends[1]);
         let reach = NEAR * edge.length();
         let mut along = self.contacts.of(r as usize).iter().filter(|c| !c.inside);
@@ -222,7 +222,7 @@ impl<'a> Builder<'a> {
         }
         let first = self.object_patches[self.object_patches.len() - 1] as usize;
         let corners = &mut self.corners[first..];
-        let parted = part(&self.contact_edges, corners, &mut self.vertices);
+        let parted = split_along_contacts(&self.contact_edges, corners, &mut self.vertices);
         self.parted.extend(parted);
         self.contact_edges.clear();
     }
@@ -277,7 +277,7 @@ impl<'a> Builder<'a> {
     /// The vertex `step` pieces along a side, 0 < step < the side's pieces.
     fn seam_vertex(&mut self, region: &Region, first: usize, side: u32, step: u32) -> u32 {
         let slot = self.outline.slots[first + side as usize];
-        let count = self.division.marks.pieces[slot.edge as usize];
+        let count = self.division.edge_points.pieces[slot.edge as usize];
         let seam = slot.seam as usize;
         if self.seam_vertex[seam] == UNSEEN {
             self.seam_vertex[seam] = self.vertices.len() as u32;
@@ -288,7 +288,7 @@ impl<'a> Builder<'a> {
             }
             let edge = &self.outline.edges[slot.edge as usize];
             for i in 1..count {
-                let t = self.division.marks.share(slot.edge, i);
+                let t = self.division.edge_points.share(slot.edge, i);
                 let normal = unit_or(a + t * (b - a), region.normal);
                 self.push_vertex(region.object, edge.point(t), normal);
             }
@@ -399,7 +399,7 @@ fn shading_normals(outline: &Outline) -> Vec<DVec3> {
 fn given_vertices(
     outline: &Outline,
     corner_vertex: &[u32],
-    parted: &[Parted],
+    parted: &[SplitVertex],
 ) -> Vec<Lists<GivenVertex>> {
     let mut angles = vec![0.0; outline.slots.len()];
     for region in &outline.regions {

@@ -7,8 +7,8 @@
 //! 1992). Only contacts are detected, not the borders of shadows.
 
 use super::Lists;
+use super::box_pairs::{Bounds, for_each_pair};
 use super::outline::{Form, Outline, Region};
-use super::pairs::{Bounds, for_each_pair};
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Primitive, Shape};
 use glam::{DVec2, DVec3};

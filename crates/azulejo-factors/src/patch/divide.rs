@@ -3,9 +3,9 @@
 use super::PatchSize;
 use super::cells::Cells;
 use super::contacts::Contacts;
+use super::edge_points::EdgePoints;
 use super::irregular::{Irregular, expected_patches, flatten, flatten_contacts};
 use super::lines::{Lines, is_worth};
-use super::marks::Marks;
 use super::outline::{Form, Outline, Region};
 use azulejo_scene::{Primitive, Shape, SurfaceGrid};
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ const MOST_CUTS: usize = 3;
 /// A patch size and the division that it leads to.
 pub(super) struct Division {
     /// Pieces of each edge.
-    pub marks: Marks,
+    pub edge_points: EdgePoints,
     /// Cells of each region.
     pub cells: Vec<Cells>,
 }
@@ -83,15 +83,15 @@ impl Division {
             .into_par_iter()
             .map(|r| plan.lines(r, size))
             .collect();
-        let mut marks = Marks::even(edge_pieces(outline, size));
-        marks.cut_at_ends(outline, plan.contacts, &lines, size);
+        let mut edge_points = EdgePoints::even(edge_pieces(outline, size));
+        edge_points.cut_at_ends(outline, plan.contacts, &lines, size);
         let cells = outline
             .regions
             .par_iter()
             .zip(&lines)
-            .map(|(region, lines)| cells(outline, region, &marks, lines.as_deref(), size))
+            .map(|(region, lines)| cells(outline, region, &edge_points, lines.as_deref(), size))
             .collect();
-        Division { marks, cells }
+        Division { edge_points, cells }
     }
 
     fn patches(&self) -> usize {
@@ -267,16 +267,20 @@ fn pattern(outline: &Outline, region: &Region, pieces: &[u32], size: f64) -> Opt
 fn cells(
     outline: &Outline,
     region: &Region,
-    marks: &Marks,
+    edge_points: &EdgePoints,
     lines: Option<&Lines>,
     size: f64,
 ) -> Cells {
     let slots = outline.slots_of(region);
-    let is_even = lines.is_none() && !slots.iter().any(|s| marks.is_cut(s.edge));
-    let regular = is_even.then(|| pattern(outline, region, &marks.pieces, size));
+    let is_even = lines.is_none() && !slots.iter().any(|s| edge_points.is_cut(s.edge));
+    let regular = is_even.then(|| pattern(outline, region, &edge_points.pieces, size));
     regular.flatten().unwrap_or_else(|| {
         Cells::Irregular(Box::new(Irregular::new(
-            outline, region, marks, lines, size,
+            outline,
+            region,
+            edge_points,
+            lines,
+            size,
         )))
     })
 }

@@ -8,8 +8,8 @@
 
 use super::cells::NO_CORNER;
 use super::contacts::{Contact, is_inside};
+use super::edge_points::EdgePoints;
 use super::lines::{LinePoint, Lines};
-use super::marks::Marks;
 use super::outline::{Outline, Region, Slot};
 use super::ring::{Pieces, Ring, signed_area};
 use glam::{DVec2, DVec3};
@@ -42,7 +42,7 @@ pub(super) struct Irregular {
 }
 
 impl Irregular {
-    /// Divides a region whose sides are divided by `marks` into patches of about `size` (scene
+    /// Divides a region whose sides are divided by `edge_points` into patches of about `size` (scene
     /// units; infinity for as large as the border allows), none of them across one of `lines`.
     ///
     /// A region no longer than √2 `size`, with undivided sides and without lines, becomes its own
@@ -51,13 +51,13 @@ impl Irregular {
     pub fn new(
         outline: &Outline,
         region: &Region,
-        marks: &Marks,
+        edge_points: &EdgePoints,
         lines: Option<&Lines>,
         size: f64,
     ) -> Irregular {
         let (corners, scale) = flatten(outline, region);
         let (slots, own) = (outline.slots_of(region), outline.triangles_of(region));
-        let border = Border::new(&corners, slots, marks);
+        let border = Border::new(&corners, slots, edge_points);
         let ring = Ring {
             corners: &corners,
             border: &border.points,
@@ -66,7 +66,7 @@ impl Irregular {
         };
         let sides: Vec<u32> = slots
             .iter()
-            .map(|s| marks.pieces[s.edge as usize])
+            .map(|s| edge_points.pieces[s.edge as usize])
             .collect();
         let mesh = ring.divided(&sides, own);
         let mut irregular = Irregular {
@@ -81,7 +81,7 @@ impl Irregular {
             corners,
         };
         irregular.add_triangles(mesh.triangles);
-        irregular.weights = irregular.corner_weights(slots, marks, own);
+        irregular.weights = irregular.corner_weights(slots, edge_points, own);
         irregular
     }
 
@@ -110,14 +110,14 @@ impl Irregular {
     fn corner_weights(
         &self,
         slots: &[Slot],
-        marks: &Marks,
+        edge_points: &EdgePoints,
         own: &[[u32; 3]],
     ) -> Vec<[(u32, f64); 3]> {
         let n = self.corners.len() as u32;
         let mut weights = Vec::with_capacity(self.points.len());
         for (c, slot) in (0..).zip(slots) {
             weights.extend((0..self.sides[c as usize]).map(|i| {
-                let share = marks.share_on(slot, i);
+                let share = edge_points.share_on(slot, i);
                 let t = if slot.forward { share } else { 1.0 - share };
                 [(c, 1.0 - t), ((c + 1) % n, t), (c, 0.0)]
             }));
@@ -224,12 +224,12 @@ pub(super) fn bounds(points: &[DVec2]) -> (DVec2, DVec2) {
 
 /// Point `i` of the side from `a` to `b`, bit-identical for both sides of an edge: where a cut
 /// joins a hole to the outline they must coincide.
-fn side_point(a: DVec2, b: DVec2, slot: &Slot, marks: &Marks, i: u32) -> DVec2 {
+fn side_point(a: DVec2, b: DVec2, slot: &Slot, edge_points: &EdgePoints, i: u32) -> DVec2 {
     let (from, to) = if slot.forward { (a, b) } else { (b, a) };
     if i == 0 {
         a
     } else {
-        from + (to - from) * marks.share_on(slot, i)
+        from + (to - from) * edge_points.share_on(slot, i)
     }
 }
 
@@ -266,21 +266,22 @@ fn line_edges(lines: &Lines, border: &Border, size: f64) -> Pieces {
 struct Border<'a> {
     corners: &'a [DVec2],
     slots: &'a [Slot],
-    marks: &'a Marks,
+    edge_points: &'a EdgePoints,
     points: Vec<DVec2>,
 }
 
 impl<'a> Border<'a> {
-    fn new(corners: &'a [DVec2], slots: &'a [Slot], marks: &'a Marks) -> Border<'a> {
+    fn new(corners: &'a [DVec2], slots: &'a [Slot], edge_points: &'a EdgePoints) -> Border<'a> {
         let n = corners.len();
         let side = |c: usize| {
             let (a, b, slot) = (corners[c], corners[(c + 1) % n], &slots[c]);
-            (0..marks.pieces[slot.edge as usize]).map(move |i| side_point(a, b, slot, marks, i))
+            (0..edge_points.pieces[slot.edge as usize])
+                .map(move |i| side_point(a, b, slot, edge_points, i))
         };
         Border {
             corners,
             slots,
-            marks,
+            edge_points,
             points: (0..n).flat_map(side).collect(),
         }
     }
@@ -296,9 +297,9 @@ impl<'a> Border<'a> {
 
     /// The division point of a side that is nearest to `share` of it.
     fn nearest(&self, side: usize, share: f64) -> u32 {
-        let pieces = |slot: &Slot| self.marks.pieces[slot.edge as usize];
+        let pieces = |slot: &Slot| self.edge_points.pieces[slot.edge as usize];
         let before: u32 = self.slots[..side].iter().map(pieces).sum();
-        let step = self.marks.nearest(&self.slots[side], share);
+        let step = self.edge_points.nearest(&self.slots[side], share);
         (before + step) % self.points.len() as u32
     }
 }

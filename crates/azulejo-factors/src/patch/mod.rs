@@ -10,39 +10,39 @@
 //! | module | purpose |
 //! |---|---|
 //! | `outline` | flat regions, shared edges, smooth surfaces |
-//! | `contacts`, `pairs` | where faces touch or cross each other inside |
+//! | `contacts`, `box_pairs` | where faces touch or cross each other inside |
 //! | `lines` | contact lines at a patch size |
-//! | `divide`, `marks` | number and positions of the pieces of each edge |
-//! | `cells`, `irregular`, `lattice`, `ring`, `keep` | the division of a region |
-//! | `part` | display vertices on both sides of a contact |
+//! | `divide`, `edge_points` | number and positions of the pieces of each edge |
+//! | `cells`, `irregular`, `lattice`, `ring`, `constrained_delaunay` | the division of a region |
+//! | `vertex_split` | display vertices on both sides of a contact |
 //! | `build` | patches, their corners and the display vertices |
 //! | `locate` | from a hit to its patch |
 //! | `sample` | random points of a patch |
 //! | `facets` | flat triangles that approximate curved patches for item buffers |
 //! | `refined` | the divided mesh |
 
+mod box_pairs;
 mod build;
 mod cells;
+mod constrained_delaunay;
 #[cfg(test)]
 mod contact_tests;
 mod contacts;
 mod divide;
+mod edge_points;
 mod facets;
 mod irregular;
-mod keep;
 mod lattice;
 mod lines;
 mod locate;
-mod marks;
 mod outline;
-mod pairs;
-mod part;
 mod refined;
 mod reflectance;
 mod ring;
 mod sample;
 #[cfg(test)]
 mod tests;
+mod vertex_split;
 
 pub(crate) use facets::PatchFacets;
 pub use refined::RefinedShape;

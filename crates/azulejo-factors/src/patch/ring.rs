@@ -1,7 +1,7 @@
 //! Triangles between the border of a region, the lines through it and the squares inside.
 
+use super::constrained_delaunay;
 use super::irregular::bounds;
-use super::keep;
 use super::lattice::Lattice;
 use glam::DVec2;
 use spade::handles::{FixedFaceHandle, InnerTag};
@@ -88,7 +88,7 @@ impl Ring<'_> {
             refine(&mut mesh, self.size)
         } else {
             let walls = net.walls.iter().copied().collect();
-            keep::refine(&mut mesh, &walls, self.size)
+            constrained_delaunay::refine(&mut mesh, &walls, self.size)
         };
         let divided = net.divided(&mesh, &outside, lines);
         let at = |k: u32| divided.points[k as usize];
@@ -111,9 +111,9 @@ struct Net {
     /// the lattice's outline.
     known: Vec<u32>,
     /// Pieces of the border and of the lattice's outline, as ascending pairs of vertices.
-    walls: Vec<keep::Pair>,
+    walls: Vec<constrained_delaunay::Pair>,
     /// Pieces of lines.
-    lines: Vec<keep::Pair>,
+    lines: Vec<constrained_delaunay::Pair>,
 }
 
 impl Net {
@@ -157,7 +157,10 @@ impl Net {
         let edges = self.walls.iter().chain(lines).copied().collect();
         let mesh = Delaunay::try_bulk_load_cdt(vertices.collect(), edges, |_| {}).ok()?;
         let complete = mesh.num_vertices() == self.known.len()
-            && self.walls.iter().all(|&w| keep::joined(&mesh, w));
+            && self
+                .walls
+                .iter()
+                .all(|&w| constrained_delaunay::joined(&mesh, w));
         complete.then_some(mesh)
     }
 
@@ -177,7 +180,7 @@ impl Net {
             .collect();
         let pieces = lines.edges.iter().zip(&self.lines);
         let contacts = pieces
-            .filter(|p| keep::joined(mesh, *p.1))
+            .filter(|p| constrained_delaunay::joined(mesh, *p.1))
             .map(|p| *p.0)
             .collect();
         Divided {

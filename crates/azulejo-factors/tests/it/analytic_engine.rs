@@ -1,4 +1,4 @@
-//! The analytic engine: scenes in, matrices out.
+//! Matrices by the analytic engine.
 
 use crate::scenes;
 use azulejo_factors::form_factors::Closure;
@@ -24,7 +24,7 @@ fn compute(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
     form_factors(scene, &Tracer::new(scene), options, &Progress::new()).unwrap()
 }
 
-/// All that polygons and flat mirrors make: 1e-10 without mirrors, past others too, and 1e-8 with.
+/// Polygons and flat mirrors: 1e-10 without mirrors, also with occluders, and 1e-8 with mirrors.
 #[test]
 fn polygons_and_mirrors_are_exact() {
     for case in cases() {
@@ -113,7 +113,7 @@ fn threads_change_no_bit() {
     assert!(with(1) == with(3));
 }
 
-/// A few boxes and sheets at random.
+/// A few boxes and sheets at random positions.
 fn clutter(seed: u32, mirror: f64) -> Scene {
     let mut scene = cube_room();
     let number = |k: u32| f64::from(uniform(&[seed, k]));
@@ -152,7 +152,7 @@ fn check_against_rays(scene: &Scene) {
         for j in i..exact.len() {
             let ((a, e), (b, f)) = (exact.get(i, j as u32), rays.get(i, j as u32));
             if a.max(b) > 1e-9 {
-                // A pair that no ray found has no error of its own: one ray's then.
+                // A pair that no ray found has no error: that of a single ray counts then.
                 let one = 1.0 / 4_096.0;
                 let error = f64::from(e)
                     .hypot(f64::from(f))
@@ -182,7 +182,7 @@ proptest! {
     }
 }
 
-/// The matrix between faces, of that between the patches that they were cut into.
+/// The matrix between faces, from that between their patches.
 fn by_face(found: &FormFactors) -> FormFactors {
     let mut faces: Vec<(u32, u32)> = found.faces.iter().map(|f| (f.object, f.face)).collect();
     let own = faces.clone();
@@ -193,8 +193,8 @@ fn by_face(found: &FormFactors) -> FormFactors {
     found.grouped(&groups, faces.len())
 }
 
-/// Images in divided mirrors between divided faces, against those between whole ones, which are
-/// exact, and against rays.
+/// Images in divided mirrors between divided faces, compared with those between whole faces, which
+/// are exact, and with rays.
 fn check_divided(scene: &Scene, count: usize) -> FormFactors {
     let with = |options: FormFactorOptions| {
         let options = FormFactorOptions {
@@ -274,7 +274,7 @@ fn divided_mirrors_are_one_mirror_each() {
     check_divided(&cornell_box(CornellVariant::MirrorBlock), 150);
 }
 
-/// Light that meets both goes by either first.
+/// Light that hits both mirrors may hit either first.
 #[test]
 fn mirrors_at_right_angles_are_seen_in_either_order() {
     let scene = mirrored_room([true, false, true, false, false, false]);

@@ -1,11 +1,11 @@
-//! Pairs of polygons, past others and by mirrors, against known answers.
+//! Pairs of polygons, with occluders and mirrors, against known answers.
 
 use crate::polygons::polygon;
 use azulejo_factors::analytic::{mirrored_form_factor, visible_form_factor};
 use azulejo_factors::truth::{Case, CaseKind, cases};
 use glam::DVec3;
 
-/// What is asked for; it is reached by far.
+/// The requested accuracy; the result is far better.
 const ACCURACY: f64 = 1e-11;
 
 #[track_caller]
@@ -20,7 +20,7 @@ fn check(case: &Case, value: f64, error: f64, tolerance: f64) {
     );
 }
 
-/// The polygons of a case: sender, receiver, and what stands between.
+/// The polygons of a case: sender, receiver, and occluders.
 fn polygons(case: &Case) -> (Vec<DVec3>, Vec<DVec3>, Vec<Vec<DVec3>>) {
     let objects = 0..case.scene.objects.len() as u32;
     let mut all: Vec<_> = objects.map(|k| polygon(&case.scene, k)).collect();
@@ -56,7 +56,7 @@ fn mirrored_pairs() {
         let walls: Vec<&[DVec3]> = mirrors.iter().map(|m| &m[..]).collect();
         let rho_s = case.scene.materials[2].mirror.mean();
         let (mut value, mut error) = (0.0, 0.0);
-        // From each mirror on, the chains take turns.
+        // Starting from each mirror, the chains alternate.
         for first in 0..walls.len() {
             for length in 1..=100 {
                 let chain: Vec<&[DVec3]> = (0..length)
@@ -71,7 +71,7 @@ fn mirrored_pairs() {
             }
         }
         let direct = visible_form_factor(&p1, &p2, &walls, ACCURACY);
-        // What 100 images leave of an endless corridor falls as the inverse cube.
+        // What 100 images leave of an endless corridor falls with the inverse cube.
         let tail = if rho_s == 1.0 && walls.len() == 2 {
             3e-7
         } else {

@@ -1,4 +1,4 @@
-//! One body of tests for all engines: the truths, and what must hold whoever computed.
+//! One set of tests for all engines: the cases of `truth`, and properties of every engine.
 
 use azulejo_factors::form_factors::Closure;
 use azulejo_factors::truth::{Answer, Case, CaseKind, Question, cases};
@@ -31,7 +31,7 @@ fn truths_agree_with_the_reference_table() {
         let Some(case) = cases.iter().find(|c| c.id == id) else {
             panic!("no case {id}")
         };
-        // Elements are small squares here: that difference is the scene's, not the formula's.
+        // Elements are small squares here: that difference is due to the scene, not to the formula.
         let off = (case.truth.value - value).abs();
         if off > 1.01 * half + 1e-13 {
             let _ = writeln!(
@@ -63,13 +63,13 @@ fn cases_are_complete_and_named_once() {
     }
 }
 
-/// Rays of all rows of a case together, at least; a row has at most 65,536 of them.
+/// Least rays of all rows of a case together; a row has at most 65,536 of them.
 const RAYS: usize = 1 << 18;
 
 fn options(engine: Engine, case: &Case) -> FormFactorOptions {
     let patches = Patches::new(&case.scene, case.size).len();
     let closure = match (&engine, case.kind) {
-        // Where mirrors have no end of images, what is left to rays is made to add up.
+        // Where mirrors make endless chains, closure takes care of what is left to rays.
         (Engine::Analytic, CaseKind::Mirrors) => Closure::Always,
         _ => Closure::default(),
     };
@@ -82,7 +82,7 @@ fn options(engine: Engine, case: &Case) -> FormFactorOptions {
     }
 }
 
-/// A case with an engine's answer and the name of what really ran.
+/// A case with an engine's answer and the name of the engine that ran.
 struct Answered {
     case: Case,
     answer: Answer,
@@ -149,7 +149,7 @@ fn rays_with_formulas() {
     let mut answers = Vec::new();
     for case in pairs {
         let (rays, formulas) = (with(false, &case), with(true, &case));
-        // Four replicates know their spread to a third.
+        // Four replicates estimate their spread to within a third.
         let most = 1.5 * rays.answer.error;
         assert!(formulas.answer.error <= most, "{}", case.id);
         answers.push(formulas);
@@ -157,7 +157,7 @@ fn rays_with_formulas() {
     check_honesty(&answers);
 }
 
-/// Hemicubes of so many pixels along a side, from so many points, drawn by the processor.
+/// Hemicubes of so many pixels along a side, from so many points, on the processor.
 fn pixels(resolution: u32, points: u32) -> Hemicube {
     Hemicube {
         resolution,
@@ -166,10 +166,10 @@ fn pixels(resolution: u32, points: u32) -> Hemicube {
     }
 }
 
-/// Bodies drawn as facets are this much smaller or larger than the exact ones.
+/// Relative difference in size between bodies as facets and the exact ones.
 const FACETS: f64 = 0.015;
 
-/// Engines that draw: as honest as the others, but for the facets of curved bodies.
+/// Engines that render: as accurate as the others, except for the facets of curved bodies.
 fn check_drawn(engine: Engine, name: &str) {
     let mut found = answers(engine);
     assert!(
@@ -194,8 +194,8 @@ fn hybrid() {
     check_drawn(Engine::Hybrid(pixels(32, 16)), "hybrid");
 }
 
-/// Four times the pixels along a side and sixteen times the points halve the error at least: there
-/// is no floor under it, as there is for one point for each patch.
+/// Four times the pixels along a side and sixteen times the points at least halve the error: there
+/// is no error floor, as there is for one point per patch.
 #[test]
 fn hemicubes_get_better() {
     let off = |resolution, points| {
@@ -213,7 +213,7 @@ fn hemicubes_get_better() {
     assert!(fine < 0.5 * rough, "{rough} {fine}");
 }
 
-/// What is asked of formulas, relative to the truth.
+/// The tolerance of formulas, relative to the truth.
 fn asked_of_formulas(kind: CaseKind) -> Option<f64> {
     match kind {
         CaseKind::Polygons => Some(1e-10),

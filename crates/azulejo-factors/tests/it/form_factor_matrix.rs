@@ -1,4 +1,4 @@
-//! The matrix of form factors: entries that are known, promises that are kept, bad days.
+//! The matrix of form factors: known entries, invariants, degenerate input.
 
 use crate::polygons::{add, between, unit_square};
 use azulejo_factors::analytic::form_factor;
@@ -10,7 +10,7 @@ use azulejo_scene::{Material, Primitive, PrimitiveKind, Rgb, Scene, Shape};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3, dvec3};
 
-/// Faces as they are.
+/// Whole faces as patches.
 const WHOLE: PatchSize = PatchSize::Edge(0.0);
 
 fn factors(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
@@ -37,7 +37,7 @@ fn by_formula(size: PatchSize, rays: u32) -> FormFactorOptions {
     }
 }
 
-/// What holds for every matrix: order, range, finite numbers, reciprocity.
+/// Invariants of every matrix: order, range, finite numbers, reciprocity.
 fn check_promises(found: &FormFactors, scene: &Scene) {
     let is_specular = scene.materials.iter().any(Material::is_specular);
     assert_eq!(found.exchange.len(), found.len());
@@ -174,7 +174,7 @@ fn a_cube_of_six_faces() {
 }
 
 #[test]
-fn restored_rows_sum_to_one() {
+fn closed_rows_sum_to_one() {
     for options in [
         by_rays(PatchSize::Edge(0.2), 1 << 10),
         by_formula(PatchSize::Edge(0.2), 1 << 10),
@@ -191,7 +191,7 @@ fn restored_rows_sum_to_one() {
 }
 
 #[test]
-fn open_scenes_are_not_restored() {
+fn open_scenes_are_not_closed() {
     let found = factors(
         &cornell_box(CornellVariant::Diffuse),
         &by_formula(PatchSize::Count(300), 1 << 10),
@@ -203,7 +203,7 @@ fn open_scenes_are_not_restored() {
     }
 }
 
-/// The cube with mirrors: wall 0 a pure one of 0.9, wall 3 mirroring a part of the light.
+/// The cube with mirrors: wall 0 a pure one of 0.9, wall 3 reflecting partly specularly.
 fn mirror_room() -> (Scene, [f64; 6]) {
     let mut scene = cube_room();
     scene.materials[0].mirror = Rgb::grey(0.0);
@@ -259,7 +259,7 @@ fn mirrors_keep_the_sum_of_what_they_do_not_reflect() {
 
 #[test]
 fn shadow_rays_know_their_error() {
-    // A plate between floor and ceiling, few rays: the visible fraction decides.
+    // A plate between floor and ceiling, few rays: the visible fraction dominates the error.
     let mut scene = Scene::default();
     let (floor, ceiling) = (
         unit_square(0.0),
@@ -292,7 +292,7 @@ fn shadow_rays_know_their_error() {
 }
 
 #[test]
-fn lamps_have_exact_columns() {
+fn emitters_have_exact_columns() {
     let mut scene = cube_room();
     let lamp = scene.add_material(Material::emitter("lamp", Rgb::WHITE));
     let corners = [(0.4, 0.4), (0.4, 0.6), (0.6, 0.6), (0.6, 0.4)].map(|(x, y)| dvec3(x, y, 0.999));
@@ -311,11 +311,11 @@ fn lamps_have_exact_columns() {
         for j in lamp.clone() {
             let exact = form_factor(&patches.polygon(i).unwrap(), &patches.polygon(j).unwrap());
             let (x, _) = found.get(i, j as u32);
-            // Restoration leaves alone what is exact.
+            // Closure does not change exact entries.
             assert!((x / exact - 1.0).abs() < 1e-9, "{i} {j}: {x} {exact}");
         }
     }
-    // The back of the lamp's plate hides the piece of the ceiling above it from the rest.
+    // The back of the lamp's plate occludes the piece of the ceiling above it.
     assert!(found.is_closed && found.rest.iter().any(|r| r.hidden > 0.01));
     for (sum, rest) in found.row_sums().iter().zip(&found.rest) {
         assert!((sum + rest.hidden - 1.0).abs() < 1e-6);
@@ -353,7 +353,7 @@ fn two_sides_are_two_rows() {
         assert_eq!(found.exchange.entries(), 2);
         assert_eq!([1, 2].map(|i| found.rest[i].escaped()), [1.0; 2]);
     }
-    // One-sided, the same squares see nothing: the back of the ceiling only blocks.
+    // One-sided, the same squares see nothing: the back of the ceiling only occludes.
     let found = factors(&scene, &by_formula(WHOLE, 1 << 12));
     assert!(found.exchange.pairs() == 0 && !found.is_closed);
     assert!(
@@ -362,7 +362,7 @@ fn two_sides_are_two_rows() {
 }
 
 #[test]
-fn two_sides_of_a_closed_room_are_restored() {
+fn two_sides_of_a_closed_room_are_closed() {
     let options = FormFactorOptions {
         two_sided: true,
         ..by_rays(PatchSize::Edge(0.5), 1 << 10)
@@ -436,7 +436,7 @@ fn threads_do_not_matter() {
 }
 
 #[test]
-fn nothing_to_do_and_no_wish_to() {
+fn empty_scenes_and_cancellation() {
     let run = |scene: &Scene, progress: &Progress| {
         form_factors(scene, &Tracer::new(scene), &by_formula(WHOLE, 64), progress)
     };
@@ -463,7 +463,7 @@ fn scene_of(polygons: &[&[DVec3]]) -> Scene {
     scene
 }
 
-/// Object 0 to object 1 of polygons that nothing but the others hides, by rays and by formula.
+/// Object 0 to object 1 of polygons that occlude each other, by rays and by formula.
 fn check(polygons: &[&[DVec3]], expected: f64) {
     let scene = scene_of(polygons);
     for options in [by_rays(WHOLE, 1 << 14), by_formula(WHOLE, 1 << 14)] {
@@ -530,7 +530,7 @@ fn slivers() {
                 "{f} ± {error} is not {exact}"
             );
             // The tracer's single precision keeps few digits of a width of 1e-4 in a room of 1:
-            // rays then meet what they just left. They stay in range.
+            // rays then hit the surface that they start from. The results stay in range.
             let (f, error) = between(&factors(&scene, &by_rays(WHOLE, 1 << 12)));
             let known = if width > 1e-3 { 4.0 * error } else { 0.2 };
             assert!((f - exact).abs() <= known, "{f} ± {error} is not {exact}");
@@ -570,7 +570,7 @@ fn facets_back_to_back_in_one_place() {
     let (floor, seen) = (unit_square(0.0), form_factor(&unit_square(0.0), &down));
     check(&[&floor, &down, &up, &roof], seen);
     check(&[&floor, &up, &down, &roof], 0.0);
-    // Whichever of the two the tracer names, the one that faces the light receives it.
+    // Whichever of the two the tracer reports, the one that faces the light receives it.
     check(&[&roof, &down, &up, &floor], 0.0);
     check(&[&roof, &up, &down, &floor], seen);
 }

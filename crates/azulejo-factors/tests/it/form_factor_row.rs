@@ -1,4 +1,4 @@
-//! One row of form factors alone against the same row of the whole matrix.
+//! A single row of form factors against the same row of the matrix.
 
 use azulejo_factors::form_factors::Plan;
 use azulejo_factors::{
@@ -41,7 +41,7 @@ fn check(scene: &Scene, options: &FormFactorOptions) {
                 factor.value >= 0.0 && factor.error.is_finite(),
                 "{factor:?}"
             );
-            // What one ray makes is the least that can be told apart.
+            // The value of a single ray is the smallest difference that can be resolved.
             let one_ray = 1.0 / f64::from(options.rays);
             let allowed = 3.0 * factor.error.hypot(error) + one_ray;
             outside += usize::from((factor.value - value).abs() > allowed);
@@ -60,7 +60,7 @@ fn check(scene: &Scene, options: &FormFactorOptions) {
     );
 }
 
-/// A ball in a room: nothing of it is flat.
+/// A ball in a room without flat patches.
 fn ball_room() -> Scene {
     let mut scene = cube_room();
     let material = scene.add_material(Material::diffuse("ball", Rgb::grey(0.5)));
@@ -103,7 +103,7 @@ fn formulas_leave_no_noise_in_a_row() {
 }
 
 #[test]
-fn picking_finds_the_patch_that_is_drawn() {
+fn picking_finds_the_patch() {
     let scene = ball_room();
     let tracer = Tracer::new(&scene);
     let options = options(Engine::Rays, true);

@@ -28,7 +28,7 @@ fn rectangle(x: f64, y: f64) -> [DVec3; 4] {
     FLOOR.map(|p| p * dvec3(x, y, 1.0))
 }
 
-/// The polygon moved along z, its front turned down.
+/// The polygon moved along z and turned to face down.
 fn ceiling(polygon: &[DVec3], z: f64) -> Vec<DVec3> {
     polygon.iter().rev().map(|&p| p + z * DVec3::Z).collect()
 }
@@ -113,7 +113,7 @@ fn wedges_triangles_and_hexagons() {
 
 #[test]
 fn neighbours_that_cross_each_others_plane() {
-    // A wall through the floor counts once above it; standing through its middle, half of it sees.
+    // A wall through the floor counts only above it; standing through its middle, half of it sees.
     let wall = |x: f64, from: f64| {
         [(0., from), (1., from), (1., 1.), (0., 1.)].map(|(y, z)| dvec3(x, y, z))
     };
@@ -257,7 +257,7 @@ fn slivers_keep_most_digits() {
 
 #[test]
 fn almost_touching_is_almost_touching() {
-    // A gap, a turn or an overlap too small to matter must not be seen in the result.
+    // A gap, a turn or an overlap too small to matter must not change the result.
     let wall = |shift: f64, tilt: f64| {
         [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(y, z)| dvec3(shift + tilt * y, y, z))
     };
@@ -295,7 +295,7 @@ fn truths_of_polygons() {
 
 #[test]
 fn a_mirror_wall_by_its_image() {
-    // The mirror covers all lines of sight, so that the image needs no window.
+    // The mirror contains all lines of sight, so the image needs no window.
     let ceiling = ceiling(&FLOOR, 1.0);
     let image = mirror_polygon(&ceiling, DVec3::ZERO, DVec3::X);
     check(
@@ -313,7 +313,7 @@ fn triangle() -> impl Strategy<Value = [DVec3; 3]> {
     [corner(), corner(), corner()]
 }
 
-/// The six faces of a box, turned inwards.
+/// The six faces of a box, facing inward.
 fn box_faces(size: DVec3) -> Vec<Vec<DVec3>> {
     let face = |u: DVec3, v: DVec3, w: DVec3| {
         let near = [DVec3::ZERO, u, u + v, v];

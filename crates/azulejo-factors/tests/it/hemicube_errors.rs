@@ -1,4 +1,4 @@
-//! Errors of what is drawn: of single entries, and of their sums.
+//! Errors of form factors by hemicubes: of single entries, and of their sums.
 
 use crate::scenes::{cube, surface};
 use azulejo_factors::{
@@ -26,11 +26,11 @@ fn by_object(factors: &FormFactors, objects: usize) -> FormFactors {
     factors.grouped(&groups, objects)
 }
 
-/// Form factors below this may well lie between the pixels of all hemicubes.
+/// Form factors below this may fall between the pixels of all hemicubes.
 const SMALLEST: f64 = 1e-5;
 
-/// How far entries of two matrices are apart, in their common standard errors; of those that
-/// count by the second.
+/// Differences between two matrices in their common standard errors, for entries that are
+/// significant in the second.
 fn distances(a: &FormFactors, b: &FormFactors) -> Vec<f64> {
     let mut distances = Vec::new();
     for i in 0..a.len() {
@@ -50,8 +50,8 @@ fn share_within(distances: &[f64], most: f64) -> f64 {
     within as f64 / distances.len() as f64
 }
 
-/// Pieces that one hemicube sees err together, so that the sum over a wall errs more than
-/// independent pieces would.
+/// The errors of pieces seen by one hemicube are correlated, so that the sum over a wall errs more
+/// than independent pieces would.
 #[test]
 fn engines_agree_on_whole_objects() {
     let scene = cornell_box(CornellVariant::Diffuse);
@@ -77,7 +77,7 @@ fn engines_agree_on_whole_objects() {
     }
 }
 
-/// A cube of which one wall is a mirror, with a sheet in it that hides one half from the other.
+/// A cube with one mirror wall, and a sheet in it that hides one half from the other.
 fn mirror_room() -> Scene {
     let mirror = |k: usize| if k == 2 { 0.9 } else { 0.0 };
     let mut scene = cube(std::array::from_fn(|k| surface(0.05, mirror(k), 0.0)));
@@ -88,7 +88,7 @@ fn mirror_room() -> Scene {
 }
 
 #[test]
-fn errors_of_drawn_entries_are_what_they_are_said_to_be() {
+fn standard_errors_of_hemicubes_are_honest() {
     let box_of_cornell = cornell_box(CornellVariant::Diffuse);
     for (what, scene) in [("box", box_of_cornell), ("mirror", mirror_room())] {
         let known = compute(&scene, 200, &Engine::Analytic, true);

@@ -1,5 +1,5 @@
-//! Rows by item buffers, with windows and with rays at mirrors, against closed forms, rays, and
-//! the bookkeeping of light; and devices that fail.
+//! Rows by item buffers, with windows and with rays at mirrors, against closed forms, rays, and the
+//! energy balance; and devices that fail.
 
 use crate::scenes::*;
 use azulejo_factors::engine::Estimator;
@@ -33,7 +33,7 @@ fn both(resolution: u32, points: u32) -> [Engine; 2] {
     [Engine::Hemicube(options.clone()), Engine::Hybrid(options)]
 }
 
-/// Rows of some sides, and who made them.
+/// Rows of some sides, and the engine used.
 fn rows_of(
     scene: &Scene,
     size: PatchSize,
@@ -169,8 +169,8 @@ fn windows_that_show_a_part() {
     check_factor("mir_corner", &scene, 0, 1, 0.0293360871);
 }
 
-/// Σ_j X_ij (1 − ρ_s,j) + escaped + cut of each row, and what surfaces, the outside and the
-/// residue have of it.
+/// Σ_j X_ij (1 − ρ_s,j) + escaped + cut of each row, and the shares of surfaces, the outside and
+/// the residue.
 #[track_caller]
 fn check_closure(what: &str, scene: &Scene, patches: &Patches, rows: &[Row], within: f64) {
     let material = |s: Side| &scene.materials[patches.material((s / 2) as usize) as usize];
@@ -198,7 +198,7 @@ fn check_closure(what: &str, scene: &Scene, patches: &Patches, rows: &[Row], wit
     }
 }
 
-/// Scenes whose light goes all the ways there are.
+/// Scenes with light by every kind of path.
 fn closed_scenes() -> Vec<(&'static str, Scene)> {
     let ball = |material: Material| {
         let mut scene = cube_with(&[3], 0.7);
@@ -271,7 +271,7 @@ fn rays_and_hemicubes_agree() {
     }
 }
 
-/// Row error against the exact factors of a cube, over both orders of refinement.
+/// Row error against the exact factors of a cube, for refinement in both parameters.
 fn cube_error(resolution: u32, points: u32) -> f64 {
     let engine = Engine::Hemicube(options(resolution, points));
     let scene = cube_room();
@@ -312,8 +312,8 @@ fn error_falls_with_resolution() {
     );
 }
 
-/// Concentric spheres: everything that leaves the inner one arrives at the outer one; of what
-/// leaves the outer one a quarter arrives at the inner one.
+/// Concentric spheres: everything that leaves the inner one arrives at the outer one; a quarter of
+/// what leaves the outer one arrives at the inner one.
 #[test]
 fn curved_patches_see_as_their_facets() {
     let mut scene = Scene::default();
@@ -344,7 +344,7 @@ fn curved_patches_see_as_their_facets() {
     }
 }
 
-/// Light leaves an open scene upwards and downwards, and what surrounds it is stray.
+/// Light leaves an open scene upwards and downwards, and the surroundings count as stray.
 #[test]
 fn sky_and_ground() {
     let mut scene = sheets(&[((dvec3(0.0, 0.0, 0.0), DVec3::X, DVec3::Z), GREY())]);
@@ -384,7 +384,7 @@ fn threads_change_no_bit() {
     }
 }
 
-/// Rows do not depend on what else is asked for, nor on how many points fit in one call.
+/// Rows depend neither on the other rows requested nor on how many points fit in one call.
 #[test]
 fn rows_stand_alone() {
     let scene = cube_with(&[2], 0.5);
@@ -397,9 +397,9 @@ fn rows_stand_alone() {
     }
 }
 
-/// Faces that break others: coincident ones, crossing planes, slivers, crumbs below a pixel.
+/// Difficult faces: coincident ones, crossing planes, slivers, crumbs below a pixel.
 #[test]
-fn bad_faces_keep_the_account() {
+fn degenerate_faces_keep_the_energy_balance() {
     let mut scene = cube_with(&[2], 0.5);
     let material = scene.add_material(GREY());
     let mut mesh = Mesh {
@@ -444,7 +444,7 @@ fn bad_faces_keep_the_account() {
     }
 }
 
-/// A bowl of mirrors, each facing many others, and itself by way of them.
+/// A bowl of mirrors, each facing many others, and itself through them.
 #[test]
 fn a_mirror_that_faces_itself() {
     let mut scene = Scene::default();
@@ -455,12 +455,13 @@ fn a_mirror_that_faces_itself() {
     for engine in both(4, 4) {
         let (patches, rows, _) = rows_of(&scene, WHOLE, &engine, |_| vec![33]);
         check_closure("bowl", &scene, &patches, &rows, 1e-9);
-        // Perfect mirrors end nothing; after a thousand of them single precision lets some out.
+        // Perfect mirrors absorb nothing; after a thousand of them single precision lets some light
+        // out.
         assert!(rows.iter().all(|r| r.cut.r > 0.9), "{:?}", rows[0].cut);
     }
 }
 
-/// What a device may do wrong.
+/// Ways in which a device may fail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
@@ -468,7 +469,7 @@ enum Fault {
     TooSmall,
     /// Lost after so many draws.
     Lost(usize),
-    /// Answers too few.
+    /// Too few answers.
     Silent,
 }
 
@@ -514,7 +515,7 @@ impl ItemBuffers for FaultyBuffers {
     }
 }
 
-/// The rows are those of the processor, and the report says what happened.
+/// The rows are those of the processor, and the report mentions the failure.
 #[track_caller]
 fn check_fault(fault: Fault, device: &str, note: Option<&str>) {
     let scene = cube_with(&[2], 0.5);

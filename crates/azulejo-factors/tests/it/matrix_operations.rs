@@ -1,5 +1,5 @@
-//! What is done to matrices of form factors: closure, truncation, groups, orders apart, and work
-//! that goes on after an interruption.
+//! Operations on matrices of form factors: closure, truncation, groups, separate orders, and
+//! resumption after an interruption.
 
 use azulejo_factors::form_factors::{
     Exchange, ExchangeAreas, Journal, JournalStage, NoJournal, Plan, RowRemainder,
@@ -51,7 +51,7 @@ fn any_matrix() -> impl Strategy<Value = FormFactors> {
     let rows = prop::collection::vec((0.1..10.0f64, 0.01..0.5f64, 1e-3..0.05f64), 2..25);
     rows.prop_flat_map(|rows| {
         let n = rows.len();
-        // Sizes over four decades: some pairs are small beside others.
+        // Sizes over four decades: some pairs are small compared with others.
         let size = (-4.0..0.0f64).prop_map(|x| 10f64.powf(x));
         let pair = ((0..n, 0..n), (size, 1e-3..0.3f64));
         let pairs = prop::collection::vec(pair, 1..n * n);
@@ -68,7 +68,7 @@ fn close_to(a: &[f64], b: &[f64], tolerance: f64) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance)
 }
 
-/// Whether the two halves of the matrix are one, to the rounding of a division.
+/// Whether the two halves of the matrix agree, to the rounding of a division.
 fn is_reciprocal(m: &FormFactors) -> bool {
     let rows = m.rows(0..m.len());
     let mut entries = rows
@@ -94,7 +94,7 @@ proptest! {
         prop_assert_eq!((done.before, done.after), (before.exchange.entries(), m.exchange.entries()));
         prop_assert!(done.after <= done.before);
         prop_assert_eq!(done.dropped > 0.0, done.after < done.before);
-        // What is dropped is small, and nothing large is.
+        // What is dropped is small, and nothing large is dropped.
         for i in 0..m.len() {
             for e in before.exchange.upper(i) {
                 let j = e.column as usize;
@@ -106,15 +106,15 @@ proptest! {
     }
 
     #[test]
-    fn closure_makes_rows_whole(mut m in any_matrix()) {
-        // Rows that sum to about 1, so that little has to move.
+    fn closure_completes_rows(mut m in any_matrix()) {
+        // Rows that sum to about 1, so that little has to change.
         let sums = m.row_sums();
         for (i, sum) in sums.iter().enumerate() {
             m.rest[i].sky = (1.01 - sum).max(0.0);
         }
         let before = m.clone();
         m.close(&Progress::new()).unwrap();
-        // No entry is cut to less than a tenth of itself, even if its row lacks something then.
+        // No entry falls below a tenth of its value, even if its row stays incomplete.
         let is_cut = |(i, e): (usize, &Exchange)| {
             m.exchange.get(i, e.column as usize).value < 0.1001 * e.value
         };
@@ -159,7 +159,7 @@ proptest! {
                 prop_assert!((f64::from(found.error) - error).abs() <= 1e-5 * error);
             }
         }
-        // What arrives at rows of no group is hidden, and nothing is missing.
+        // What arrives at rows without a group is hidden, and nothing is missing.
         let rows = m.ended().into_iter().zip(&m.rest).map(|(e, r)| e + r.sum());
         let whole: Vec<f64> = rows.collect();
         for (a, ended) in g.ended().into_iter().enumerate() {
@@ -184,7 +184,7 @@ fn compute(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
     form_factors(scene, &Tracer::new(scene), options, &Progress::new()).unwrap()
 }
 
-/// The cube with a grey mirror on one wall, which also scatters light.
+/// The cube with a grey mirror on one wall, which also reflects diffusely.
 fn mirror_room(mirror: Rgb) -> Scene {
     let mut scene = cube_room();
     let wall = scene.add_material(Material {
@@ -222,10 +222,10 @@ fn orders_add_up_to_the_whole() {
             );
         }
     }
-    // Between the mirrors, light that came by one mirror is half as strong and comes from farther.
+    // Light by one mirror is half as strong between the mirrors, and comes from farther away.
     let total = |order: usize| apart.orders[order].row_sums().iter().sum::<f64>();
     assert!(total(0) > total(1) && total(1) > total(2) && total(2) > 0.0);
-    // The orders follow what closure and truncation do.
+    // The orders change with closure and truncation.
     let mut closed = apart.clone();
     closed.close(&Progress::new()).unwrap();
     closed.truncate(2e-3, &Progress::new()).unwrap();
@@ -330,7 +330,7 @@ fn the_sky_above_a_wall() {
     }
 }
 
-/// Keeps blocks in memory, and cancels the work when it has so many.
+/// Stores blocks in memory, and cancels the work after so many.
 struct Interrupting<'a> {
     blocks: Mutex<HashMap<(JournalStage, usize), Vec<u8>>>,
     progress: &'a Progress,
@@ -352,7 +352,7 @@ impl Journal for Interrupting<'_> {
 }
 
 #[test]
-fn interrupted_work_goes_on_to_the_same_bits() {
+fn interrupted_work_resumes_to_the_same_bits() {
     let mirrors = FormFactorOptions {
         separate: true,
         ..options(0.09, 64)
@@ -401,7 +401,7 @@ fn what_does_not_fit_is_refused_before_it_begins() {
         };
         form_factors(&scene, &tracer, &options, &Progress::new()).unwrap_err()
     };
-    // Not even the patches fit, and are not made.
+    // Not even the patches fit, and they are not created.
     let said = refused(PatchSize::Count(1_000_000_000), 1 << 30).to_string();
     assert!(
         said.contains("1000000000 patches") && said.contains("1.0 GiB"),

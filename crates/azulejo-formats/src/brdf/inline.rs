@@ -1,7 +1,7 @@
 //! A reflection model on one line, in GRF syntax: `name key = value ...`.
 
 use crate::reading::lexer::{BadNumber, Lexer};
-use azulejo_scene::brdf::{Description, Model, Parameter, Problem, Value, find};
+use azulejo_scene::brdf::{BrdfError, Description, Model, Parameter, Value, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;
 
@@ -195,7 +195,7 @@ pub(crate) fn check(parts: &[WeightedModel]) -> InlineResult<()> {
 }
 
 /// Locates the model and the parameter that a problem is about.
-fn blame(problem: &Problem, parts: &[WeightedModel]) -> InlineError {
+fn blame(problem: &BrdfError, parts: &[WeightedModel]) -> InlineError {
     match check(parts) {
         Err(trouble) => trouble,
         Ok(()) => {
@@ -206,7 +206,7 @@ fn blame(problem: &Problem, parts: &[WeightedModel]) -> InlineError {
     }
 }
 
-fn of_part(problem: &Problem, part: &WeightedModel) -> InlineError {
+fn of_part(problem: &BrdfError, part: &WeightedModel) -> InlineError {
     let (found, expected) = in_words(problem);
     let is_called = |parameter: &Parameter, name: &str| {
         let known = find(&part.model.name).ok();
@@ -215,9 +215,9 @@ fn of_part(problem: &Problem, part: &WeightedModel) -> InlineError {
     };
     let mut all = part.model.parameters.iter();
     let at = match problem {
-        Problem::Twice { name } => all.rposition(|p| is_called(p, name)),
-        Problem::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
-        Problem::Kind { name, .. } | Problem::Range { name, .. } => {
+        BrdfError::Twice { name } => all.rposition(|p| is_called(p, name)),
+        BrdfError::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
+        BrdfError::WrongKind { name, .. } | BrdfError::Range { name, .. } => {
             all.position(|p| is_called(p, name))
         }
         _ => None,
@@ -227,13 +227,13 @@ fn of_part(problem: &Problem, part: &WeightedModel) -> InlineError {
 }
 
 /// A problem as what was found and what was expected.
-pub(crate) fn in_words(problem: &Problem) -> (String, String) {
+pub(crate) fn in_words(problem: &BrdfError) -> (String, String) {
     match problem {
-        Problem::UnknownModel { name, nearest } => (
+        BrdfError::UnknownModel { name, nearest } => (
             format!("the reflection model `{name}`"),
             format!("a known one: the nearest name is `{nearest}`"),
         ),
-        Problem::UnknownParameter {
+        BrdfError::UnknownParameter {
             model,
             name,
             known,
@@ -245,15 +245,15 @@ pub(crate) fn in_words(problem: &Problem) -> (String, String) {
                 format!("{}{}", known.join(", "), nearest.unwrap_or_default()),
             )
         }
-        Problem::Missing { model, name } => {
+        BrdfError::Missing { model, name } => {
             (format!("`{model}` without `{name}`"), format!("`{name}`"))
         }
-        Problem::Twice { name } => (format!("`{name}` again"), "`{name}` again".into()),
-        Problem::Kind { name, expected } => (
+        BrdfError::Twice { name } => (format!("`{name}` again"), "each parameter once".into()),
+        BrdfError::WrongKind { name, expected } => (
             format!("another type of value for `{name}`"),
             expected.clone(),
         ),
-        Problem::Range {
+        BrdfError::Range {
             name,
             value,
             least,
@@ -262,7 +262,7 @@ pub(crate) fn in_words(problem: &Problem) -> (String, String) {
             format!("`{name}` of {value}"),
             format!("a number between {least} and {most}"),
         ),
-        Problem::Energy { what, sum } => (
+        BrdfError::Energy { what, sum } => (
             format!("{what} of {sum}"),
             "at most 1, for energy conservation".into(),
         ),

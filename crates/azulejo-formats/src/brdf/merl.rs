@@ -60,8 +60,13 @@ pub fn read_sized(
         let message = format!("{rest} bytes after the table: skipped");
         warnings.add(name, message, || Position::Byte(expected as u64));
     }
-    let merl = Merl::new(sizes, values)
-        .ok_or_else(|| ReadError::whole(name, "an invalid table", "an invalid table"))?;
+    let merl = Merl::new(sizes, values).ok_or_else(|| {
+        ReadError::whole(
+            name,
+            "an invalid table",
+            "at least two bins in each dimension",
+        )
+    })?;
     Ok((merl, warnings.finish(name)))
 }
 

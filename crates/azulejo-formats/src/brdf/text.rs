@@ -19,7 +19,7 @@ use crate::reading::files::beside;
 use crate::reading::lexer::{Lexer, Locator, line_around};
 use crate::reading::text::text;
 use crate::{Files, Position, ReadError, Warning};
-use azulejo_scene::brdf::{Content, Description, Info, Model, Parameter, Value, find};
+use azulejo_scene::brdf::{Content, Description, Model, ModelInfo, Parameter, Value, find};
 use std::io::{self, Write};
 use std::sync::Arc;
 
@@ -404,7 +404,7 @@ impl BrdfTextReader<'_> {
 }
 
 /// Whether a file may contain this for any model, although this one does not use it.
-fn is_beside(info: &'static Info, name: &str) -> bool {
+fn is_beside(info: &'static ModelInfo, name: &str) -> bool {
     let general = ["lambda", "eta", "k", "f0", "tint", "metal", "F"];
     general.contains(&name) && !info.all_parameters().any(|p| p.is_called(name))
 }

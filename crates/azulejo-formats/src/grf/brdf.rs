@@ -5,7 +5,7 @@ use super::parser::{GrfParser, ParseResult};
 use crate::FileError;
 use crate::brdf::inline::{self, InlineError, WeightedModel};
 use crate::surface::model::color;
-use azulejo_scene::brdf::{Description, Model, Problem, find};
+use azulejo_scene::brdf::{BrdfError, Description, Model, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;
 
@@ -142,7 +142,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             return Ok(());
         }
         let what = "a reflectance".to_owned();
-        let (found, expected) = inline::in_words(&Problem::Energy { what, sum });
+        let (found, expected) = inline::in_words(&BrdfError::Energy { what, sum });
         Err(self.fail(offset, found, expected))
     }
 

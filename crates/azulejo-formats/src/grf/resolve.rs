@@ -163,11 +163,7 @@ impl<'d> GrfResolver<'d> {
             BlockKind::Transform { steps, blocks } => {
                 let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
                 if !map.is_finite() {
-                    return Err(self.fail(
-                        place,
-                        "a transform that overflows",
-                        "a transform that overflows",
-                    ));
+                    return Err(self.fail(place, "a transform that overflows", "finite numbers"));
                 }
                 self.list(blocks, &[], Some(map))?;
             }

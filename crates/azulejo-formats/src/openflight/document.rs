@@ -182,10 +182,7 @@ fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<RecordFields<'b>, Rea
             if let Some(header) = bytes.get(..length.into()) {
                 return Ok(RecordFields(header));
             }
-            (
-                "{length} bytes, truncated",
-                format!("{length} bytes, truncated"),
-            )
+            ("a header of", format!("{length} bytes, truncated"))
         }
         (Some(opcode), Some(length)) => ("opcode", format!("{opcode} and length {length}")),
         _ => ("the end", "of the file".to_owned()),

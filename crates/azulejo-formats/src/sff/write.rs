@@ -114,7 +114,7 @@ fn is_lit(object: &Object) -> bool {
     match &object.shape {
         Shape::Mesh(mesh) => !mesh.irradiance.is_empty(),
         Shape::Primitive(p) => p.light.is_some(),
-        Shape::Exact(exact) => exact.skin.is_some(),
+        Shape::Exact(exact) => exact.proxy.is_some(),
     }
 }
 

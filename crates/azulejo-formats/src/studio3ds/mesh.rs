@@ -117,7 +117,7 @@ fn assign(
     }
     walker.warn_many(
         list.at,
-        "material of a face index out of range: skipped",
+        "material assigned to a face index out of range: skipped",
         lost,
     );
 }

@@ -47,10 +47,7 @@ impl View3dChecker {
         }
         let has_area = plane.area > 1e-12 * plane.radius * plane.radius;
         if !has_area {
-            return refuse(
-                "corners that are not collinear",
-                "corners that are not collinear",
-            );
+            return refuse("which has no area", "corners that are not collinear");
         }
         if plane.bend(&corners) > LARGEST_BEND {
             return refuse("which is not flat", "four coplanar corners, or triangles");

@@ -1,4 +1,4 @@
-//! OBJ scenes whose content is known; `tests/corpus` compares the rest with other programs.
+//! OBJ scenes with known content; `tests/corpus` compares the others with other programs.
 
 use azulejo_formats::{Folder, ReadError, RecognisedModel, camera_json};
 use azulejo_scene::{LightKind, Mesh, Object, Rgb, Shape};

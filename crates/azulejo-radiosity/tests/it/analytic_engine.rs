@@ -5,9 +5,9 @@ use azulejo_factors::Engine;
 use azulejo_radiosity::FirstPass;
 use glam::{DVec3, dvec3};
 
-/// The same light, whoever computes the rows.
+/// Solutions from rows by the analytic engine and by rays agree.
 #[test]
-fn solves_alike() {
+fn solutions_by_formulas_and_rays_agree() {
     let grey = |exitance| rooms::surface(0.5, 0.0, exitance);
     let mirror = rooms::surface(0.0, 0.9, 0.0);
     let mut scene = rooms::cube([

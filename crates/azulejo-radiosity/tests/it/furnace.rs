@@ -1,5 +1,4 @@
-//! Furnaces: closed rooms in which every point receives the same light, whatever the form
-//! factors are.
+//! Furnaces: closed rooms in which every point receives the same light, whatever the form factors.
 
 use crate::rooms::*;
 use azulejo_radiosity::{FirstPass, PatchSize, solve};
@@ -19,7 +18,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
 }
 
-/// B = M / (1 − ρ_d/(1 − ρ_s)) and so on: every patch has the same, from 16 rays on.
+/// B = M / (1 − ρ_d/(1 − ρ_s)): every patch has the same, from 16 rays on.
 #[track_caller]
 fn check_patches(scene: &Scene, rays_per_patch: u32, radiosity: f64, within: f64) {
     let pass = FirstPass {
@@ -51,8 +50,8 @@ fn mirroring_patches_glow_alike() {
     check_patches(&furnace(0.5, 0.3), 16, 3.5, 1e-4);
 }
 
-/// At points the formulas are exact, and so are rays that read equal radiosities; what is left
-/// is the light of corners too near for patches, which is gathered by chance.
+/// At points the formulas are exact, and so are rays that read equal radiosities; the rest is light
+/// of nearby corners, which final gathers sample.
 #[track_caller]
 fn check_points(scene: &Scene, size: PatchSize, truth: f64, rms: f64) {
     let points = points_on_cube(120);
@@ -138,8 +137,8 @@ fn in_white_surroundings(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Whatever stands in uniform surroundings and absorbs nothing is invisible: every point
-/// receives π times their radiance.
+/// Objects that absorb nothing are invisible in uniform surroundings: every point receives π times
+/// their radiance.
 #[track_caller]
 fn check_white(what: &str, scene: &Scene, points: &[azulejo_radiosity::PointNormal], within: f64) {
     let found = irradiance(
@@ -156,7 +155,7 @@ fn check_white(what: &str, scene: &Scene, points: &[azulejo_radiosity::PointNorm
 }
 
 #[test]
-fn white_things_vanish_in_white_surroundings() {
+fn white_objects_vanish_in_white_surroundings() {
     let sheet = |material: Material| {
         let mut scene = in_white_surroundings(Scene::default());
         add_sheet(

@@ -4,7 +4,7 @@ use crate::rooms::*;
 use azulejo_factors::{Engine, FaceId, Hemicube, PatchSize};
 use azulejo_radiosity::FirstPass;
 
-/// Both engines that draw item buffers.
+/// Both engines that render item buffers.
 fn both(resolution: u32, points: u32) -> [Engine; 2] {
     let hemicube = || Hemicube {
         resolution,
@@ -14,7 +14,7 @@ fn both(resolution: u32, points: u32) -> [Engine; 2] {
     [Engine::Hemicube(hemicube()), Engine::Hybrid(hemicube())]
 }
 
-/// The same irradiance whichever engine, with direct light by formula, by way of mirrors too.
+/// The same radiosity by both engines, with direct light by formula, also through mirrors.
 #[test]
 fn solutions_agree() {
     let rho = [0.5, 0.7, 0.0, 0.3, 0.6, 0.6];
@@ -22,7 +22,7 @@ fn solutions_agree() {
     let scene = cube(std::array::from_fn(|k| {
         surface(rho[k], mirror(k), f64::from(k == 0))
     }));
-    // One unknown a side: what the mean over many seeds comes to.
+    // One unknown per side: the limit of the mean over many seeds.
     let truth = [
         1.126177557827,
         0.330986588078,
@@ -54,7 +54,7 @@ fn solutions_agree() {
     }
 }
 
-/// A lamp too far down a chain of mirrors for formulas is met by pixels, once.
+/// A lamp too far down a chain of mirrors for formulas is found by pixels, once.
 #[test]
 fn light_of_lamps_is_counted_once() {
     for walls in [vec![], vec![2], vec![2, 3, 4]] {

@@ -1,4 +1,4 @@
-//! Whoever watches a solution sees it settle, and does not change it.
+//! Previews: a watched solution converges, and watching does not change it.
 
 use azulejo_radiosity::{
     Engine, FirstPass, LightSolution, PatchSize, Preview, PreviewStage, solve, solve_watched,
@@ -81,7 +81,7 @@ fn values(scene: &Scene) -> Vec<f64> {
     scene.objects.iter().flat_map(of_object).collect()
 }
 
-/// The first preview is within `most` of the light, mean over the vertices and relative to it.
+/// The first preview is within `most` of the final light, mean over the vertices, relative.
 fn check_previews(scene: &Scene, pass: &FirstPass, most: f64) {
     let mut previews = Vec::new();
     let light = watched(scene, pass, &mut |preview| previews.push(preview));
@@ -107,7 +107,7 @@ fn check_previews(scene: &Scene, pass: &FirstPass, most: f64) {
 #[test]
 fn previews_show_the_light_and_do_not_change_it() {
     let scene = cornell_box(CornellVariant::Diffuse);
-    // Steep light between few patches: it halves with four times as many.
+    // The light varies strongly between few patches: the difference halves with four times as many.
     check_previews(&scene, &pass(), 0.3);
     let finer = FirstPass {
         size: PatchSize::Count(1_600),
@@ -141,7 +141,7 @@ fn rounds_of_the_gather_are_shown_too() {
 }
 
 #[test]
-fn light_that_was_never_there_is_not_shown() {
+fn failed_solutions_have_no_previews() {
     let mut dark = cornell_box(CornellVariant::Diffuse);
     dark.materials
         .iter_mut()
@@ -156,14 +156,14 @@ fn light_that_was_never_there_is_not_shown() {
 }
 
 #[test]
-fn a_solution_that_was_paused_goes_on_to_the_same_light() {
+fn a_paused_solution_continues_to_the_same_light() {
     let scene = cornell_box(CornellVariant::Diffuse);
     let tracer = Tracer::new(&scene);
     let plain = solve(&scene, &tracer, &pass(), &Progress::new()).unwrap();
     let progress = Progress::new();
     progress.pause();
     let paused = thread::scope(|scope| {
-        // Threads of its own: those that all tests share must not sleep.
+        // A pool of its own: threads shared by all tests must not sleep.
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(2)
             .build()

@@ -11,7 +11,7 @@ use azulejo_trace::sampling::uniform;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
 use glam::{DVec3, dvec3};
 
-/// `rays` a patch and a point, whole faces as patches.
+/// `rays` per patch and point, whole faces as patches.
 pub fn rays(rays: u32) -> FirstPass {
     FirstPass {
         rays: Some(rays),
@@ -91,8 +91,7 @@ impl Matrix {
 }
 
 /// Radiosity of the fronts of `patches` over 256 seeds, each with its standard error: where whole
-/// faces are patches, the few positions at which one seed finds direct light make most of the
-/// noise.
+/// faces are patches, the few positions of direct light per seed dominate the noise.
 pub fn radiosities(scene: &Scene, patches: &[usize], rays_per_patch: u32) -> Vec<(f64, f64)> {
     let solve = |seed| {
         Matrix::solve(
@@ -137,7 +136,7 @@ pub fn at(x: f64, y: f64, z: f64, normal: DVec3) -> PointNormal {
     }
 }
 
-/// Points spread over the six sides of the unit cube, away from its edges.
+/// Points distributed over the six sides of the unit cube, away from its edges.
 pub fn points_on_cube(count: u32) -> Vec<PointNormal> {
     let point = |k: u32| {
         let [a, b] = [0, 1].map(|d| 0.01 + 0.98 * f64::from(uniform(&[k, d])));

@@ -56,9 +56,9 @@ fn lit(solids: Vec<Solid>, irradiance: impl Fn(DVec3) -> Rgb) -> Scene {
     let mut scene = Scene::default();
     scene.add_material(Material::diffuse("white", Rgb::grey(0.8)));
     let mut exact = Exact::new(solids);
-    let mut skin = exact.tessellate(0.02);
-    skin.irradiance = skin.positions.iter().map(|&p| irradiance(p)).collect();
-    exact.skin = Some(Box::new(skin));
+    let mut proxy = exact.tessellate(0.02);
+    proxy.irradiance = proxy.positions.iter().map(|&p| irradiance(p)).collect();
+    exact.proxy = Some(Box::new(proxy));
     scene
         .objects
         .push(Object::new("exact", Shape::Exact(exact)));
@@ -70,7 +70,7 @@ fn as_mesh(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     for object in &mut scene.objects {
         if let Shape::Exact(exact) = &object.shape {
-            object.shape = Shape::Mesh(Mesh::clone(exact.skin.as_ref().unwrap()));
+            object.shape = Shape::Mesh(Mesh::clone(exact.proxy.as_ref().unwrap()));
         }
     }
     scene
@@ -124,19 +124,19 @@ fn creases_keep_their_light_apart() {
         panic!("exact")
     };
     // A proxy mesh as the first pass makes it: no vertex belongs to both a cap and a side.
-    let skin = exact.skin.as_mut().unwrap();
-    let (faces, materials) = (skin.faces.clone(), skin.face_materials.clone());
+    let proxy = exact.proxy.as_mut().unwrap();
+    let (faces, materials) = (proxy.faces.clone(), proxy.face_materials.clone());
     let mut split = Mesh::default();
     for (face, ring) in faces.iter().enumerate() {
-        let normal = skin.face_area_vector(face).normalize();
+        let normal = proxy.face_area_vector(face).normalize();
         let first = split.positions.len() as u32;
-        split.positions.extend(skin.face_positions(face));
+        split.positions.extend(proxy.face_positions(face));
         let e = if normal.z > 0.9 { 1.0 } else { 0.0 };
         split.irradiance.extend(ring.iter().map(|_| Rgb::grey(e)));
         let corners: Vec<u32> = (first..split.positions.len() as u32).collect();
         split.push_face(&corners, materials[face]);
     }
-    **skin = split;
+    **proxy = split;
     let edge = |inside: f64| {
         let out = DVec2::from_angle(0.5);
         let rim = (0..200)
@@ -159,7 +159,7 @@ fn unsolved_shapes_are_dark() {
     let Shape::Exact(exact) = &mut scene.objects[0].shape else {
         panic!("exact")
     };
-    exact.skin = None;
+    exact.proxy = None;
     let ray = [(dvec3(0.0, 0.8, 9.0), dvec3(0.0, 0.8, 0.0))];
     assert_eq!(
         radiance_along(&scene, &ray, &SecondPass::default()),

@@ -11,10 +11,10 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub leaves: Vec<TreeLeaf>,
-    pub root: Node,
+    pub root: CsgNode,
 }
 
-/// A leaf, and whether what shows of it is turned inside out.
+/// A leaf, and whether its visible surface is turned inside out.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeLeaf {
     pub shape: ExactLeaf,
@@ -23,46 +23,46 @@ pub(crate) struct TreeLeaf {
 
 /// A part of the tree with a box around it, in the tracer's own coordinates.
 #[derive(Clone, Debug)]
-pub(crate) struct Node {
+pub(crate) struct CsgNode {
     pub bounds: Aabb,
-    pub kind: NodeKind,
+    pub kind: CsgNodeKind,
 }
 
 #[derive(Clone, Debug)]
-pub(crate) enum NodeKind {
+pub(crate) enum CsgNodeKind {
     /// A closed shape, by its index among the leaves.
     Leaf(u32),
     /// Pieces that close a volume together.
-    Shell(Vec<Node>),
+    Shell(Vec<CsgNode>),
     Csg {
         operation: Operation,
-        left: Box<Node>,
-        right: Box<Node>,
+        left: Box<CsgNode>,
+        right: Box<CsgNode>,
     },
 }
 
-impl Node {
+impl CsgNode {
     /// The union of several parts, halved again and again where they are far apart: a ray at a
     /// page of letters visits a few of them.
-    pub(crate) fn union(mut parts: Vec<Node>) -> Node {
+    pub(crate) fn union(mut parts: Vec<CsgNode>) -> CsgNode {
         let boxes = parts.iter().map(|n| n.bounds);
         let bounds = boxes.fold(Aabb::EMPTY, Aabb::union);
         if parts.len() < 2 {
-            let nothing = NodeKind::Shell(Vec::new());
+            let nothing = CsgNodeKind::Shell(Vec::new());
             let kind = parts.pop().map_or(nothing, |alone| alone.kind);
-            return Node { bounds, kind };
+            return CsgNode { bounds, kind };
         }
         let size = bounds.size();
         let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
-        let place = |n: &Node| n.bounds.centre()[axis];
+        let place = |n: &CsgNode| n.bounds.centre()[axis];
         parts.sort_by(|a, b| place(a).total_cmp(&place(b)));
         let right = parts.split_off(parts.len() / 2);
-        let kind = NodeKind::Csg {
+        let kind = CsgNodeKind::Csg {
             operation: Operation::Union,
-            left: Box::new(Node::union(parts)),
-            right: Box::new(Node::union(right)),
+            left: Box::new(CsgNode::union(parts)),
+            right: Box::new(CsgNode::union(right)),
         };
-        Node { bounds, kind }
+        CsgNode { bounds, kind }
     }
 }
 
@@ -70,14 +70,14 @@ impl Node {
 /// surfaces that should coincide. The scene is about 2 across.
 const SLIVER: f64 = 1e-9;
 
-/// Meetings of a shell with two of its pieces nearer together than this may be one, at a seam.
+/// Hits on two pieces of a shell nearer together than this may be one, at a seam.
 const SEAM: f64 = 1e-6;
 
 impl Tree {
     /// All boundaries of the solid on a line, in order, in and out by turns.
     pub(crate) fn boundaries(&self, line: &Line3) -> Vec<Boundary> {
         let mut out = Vec::new();
-        let pass = Pass {
+        let pass = LinePass {
             leaves: &self.leaves,
             line,
             inverse: line.direction.recip(),
@@ -90,22 +90,22 @@ impl Tree {
 
 /// One line on its way through the tree. Every function appends boundaries to a list, in order,
 /// in and out by turns, and leaves what was there.
-struct Pass<'a> {
+struct LinePass<'a> {
     leaves: &'a [TreeLeaf],
     line: &'a Line3,
     inverse: DVec3,
     sliver: f64,
 }
 
-impl Pass<'_> {
-    fn node(&self, node: &Node, out: &mut Vec<Boundary>) {
+impl LinePass<'_> {
+    fn node(&self, node: &CsgNode, out: &mut Vec<Boundary>) {
         if !may_be_crossed(&node.bounds, self.line.origin, self.inverse) {
             return;
         }
         match &node.kind {
-            NodeKind::Leaf(leaf) => self.leaf(*leaf, out),
-            NodeKind::Shell(pieces) => self.shell(pieces, out),
-            NodeKind::Csg {
+            CsgNodeKind::Leaf(leaf) => self.leaf(*leaf, out),
+            CsgNodeKind::Shell(pieces) => self.shell(pieces, out),
+            CsgNodeKind::Csg {
                 operation,
                 left,
                 right,
@@ -127,7 +127,7 @@ impl Pass<'_> {
     }
 
     /// Pairs the hits with all pieces.
-    fn shell(&self, pieces: &[Node], out: &mut Vec<Boundary>) {
+    fn shell(&self, pieces: &[CsgNode], out: &mut Vec<Boundary>) {
         let first = out.len();
         for piece in pieces {
             self.node(piece, out);
@@ -150,7 +150,7 @@ impl Pass<'_> {
         (gap(&nearest) * self.line.direction.length() < SEAM).then_some(nearest)
     }
 
-    /// Replaces the lists from `first` and from `between` by what the operation makes of them.
+    /// Replaces the lists from `first` and from `between` by the operation's result.
     fn combine(&self, operation: Operation, first: usize, between: usize, out: &mut Vec<Boundary>) {
         if operation == Operation::Union && (first == between || between == out.len()) {
             return;

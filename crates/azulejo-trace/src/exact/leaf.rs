@@ -1,4 +1,4 @@
-//! One exact shape that is not made of others, whatever its kind.
+//! A leaf of an exact shape: one that is not made of others.
 
 use super::line::Line3;
 use super::mesh::ExactMesh;
@@ -21,7 +21,7 @@ impl Span {
         last: f64::INFINITY,
     };
 
-    /// What is in both; `None` for nothing.
+    /// The intersection; `None` if it is empty.
     #[inline(always)]
     pub(crate) fn and(self, other: Span) -> Option<Span> {
         let both = Span {
@@ -142,7 +142,7 @@ impl ExactLeaf {
     }
 }
 
-/// A normal of the outside, taken along by a map.
+/// A normal of the outside, transformed by a map.
 pub(crate) fn outward(map: DMat3, normal: DVec3) -> DVec3 {
     (normal_matrix(map) * normal).normalize_or_zero()
 }

@@ -1,4 +1,4 @@
-//! Exact shapes: prisms, patches, meshes as solids, and what set operations make of them.
+//! Exact shapes: prisms, patches, meshes as solids, and the results of set operations on them.
 //!
 //! Everything here works in double precision in the tracer's own coordinates, in which the scene
 //! lies in −1..=1; [`resolve`](PlacedExact::resolve) does the same again along the ray as it was
@@ -24,7 +24,7 @@ use crate::kernel::{KernelHit, KernelRay, SolidPart};
 use azulejo_scene::figure::Rectangle;
 use azulejo_scene::math::{Aabb, Ray};
 use azulejo_scene::{BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
-use csg::{Node, NodeKind, Tree, TreeLeaf};
+use csg::{CsgNode, CsgNodeKind, Tree, TreeLeaf};
 use glam::DAffine3;
 use leaf::{Boundary, ExactLeaf, LeafHit, Span};
 use outline::Outline;
@@ -172,7 +172,7 @@ pub(crate) struct Prepared {
 }
 
 impl Preparation<'_> {
-    /// Appends what is made of `solid`, whose first leaf has the given numbers: one shape, or for
+    /// Appends the prepared form of `solid`, whose first leaf has the given numbers: one shape, or for
     /// open pieces outside of set operations one for each.
     pub(crate) fn add(
         &mut self,
@@ -251,7 +251,7 @@ impl Preparation<'_> {
         ExactLeaf::Mesh(mesh::ExactMesh::new(mesh, |p| self.frame.point(p)))
     }
 
-    fn node(&mut self, solid: &Solid, is_turned: bool, leaves: &mut Vec<TreeLeaf>) -> Node {
+    fn node(&mut self, solid: &Solid, is_turned: bool, leaves: &mut Vec<TreeLeaf>) -> CsgNode {
         let world = solid.bounds_by(&mut |figure| self.outlines.bounds(figure));
         let bounds = Aabb {
             min: self.frame.point(world.min),
@@ -259,25 +259,25 @@ impl Preparation<'_> {
         };
         if let Some(shape) = self.leaf(solid) {
             leaves.push(TreeLeaf { shape, is_turned });
-            let kind = NodeKind::Leaf(leaves.len() as u32 - 1);
-            return Node { bounds, kind };
+            let kind = CsgNodeKind::Leaf(leaves.len() as u32 - 1);
+            return CsgNode { bounds, kind };
         }
-        let mut nodes = |solids: &[Solid], is_turned: bool| -> Vec<Node> {
+        let mut nodes = |solids: &[Solid], is_turned: bool| -> Vec<CsgNode> {
             let node = |s: &Solid| self.node(s, is_turned, leaves);
             solids.iter().map(node).collect()
         };
         let kind = match solid {
-            Solid::Shell(pieces) => NodeKind::Shell(nodes(pieces, is_turned)),
-            Solid::Csg(csg) => NodeKind::Csg {
+            Solid::Shell(pieces) => CsgNodeKind::Shell(nodes(pieces, is_turned)),
+            Solid::Csg(csg) => CsgNodeKind::Csg {
                 operation: csg.operation,
-                left: Box::new(Node::union(nodes(&csg.left, is_turned))),
-                right: Box::new(Node::union(nodes(
+                left: Box::new(CsgNode::union(nodes(&csg.left, is_turned))),
+                right: Box::new(CsgNode::union(nodes(
                     &csg.right,
                     is_turned ^ (csg.operation == Operation::Difference),
                 ))),
             },
-            _ => NodeKind::Shell(Vec::new()),
+            _ => CsgNodeKind::Shell(Vec::new()),
         };
-        Node { bounds, kind }
+        CsgNode { bounds, kind }
     }
 }

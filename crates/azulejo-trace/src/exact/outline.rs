@@ -9,7 +9,7 @@ use glam::DVec2;
 /// Children of one node.
 const WIDTH: usize = 4;
 
-/// Nodes that can wait: the tree's depth is at most 16 levels over the contours and 16 within
+/// Room for nodes on the stack: the tree's depth is at most 16 levels over the contours and 16 within
 /// one, and each level leaves [`WIDTH`] − 1 siblings.
 const STACK: usize = 2 * 16 * WIDTH;
 
@@ -21,7 +21,7 @@ const SLIVER: f64 = 1e-10;
 ///
 /// A line has two sides, and points on it belong to one of them. Whatever lies between the ends
 /// of a run, the contour crosses the line as often (counted by direction) as the sides of the
-/// run's two ends say; so a run that is wholly ahead of what matters need not be visited.
+/// run's two ends tell; so a run that is wholly ahead of what matters need not be visited.
 /// Sides are taken at the joints of curves alone, by the one expression [`Line2::side`]: both
 /// neighbours agree on it, and all crossings of a closed contour add up to nothing whatever
 /// rounding does. A line that goes in comes out.
@@ -34,7 +34,7 @@ pub(crate) struct Outline {
     pub sliver: f64,
     /// Control points; those of a straight line divide it into thirds.
     curves: Vec<[DVec2; 4]>,
-    nodes: Vec<Node>,
+    nodes: Vec<RunNode>,
     /// What the figure is as a whole, if it has any curve.
     root: Option<u32>,
 }
@@ -42,7 +42,7 @@ pub(crate) struct Outline {
 /// Four runs side by side. Those that are not there hold NaN, which no line crosses.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct RunNode {
     /// Lowest and highest x, lowest and highest y.
     sides: [[f64; WIDTH]; 4],
     /// x and y of the runs' starts.
@@ -61,7 +61,7 @@ const INDEX: u32 = STRAIGHT - 1;
 
 /// One or more consecutive curves, or whole contours.
 #[derive(Clone, Copy)]
-struct Run {
+struct CurveRun {
     bounds: Rectangle,
     start: DVec2,
     end: DVec2,
@@ -122,7 +122,7 @@ impl Line2 {
     }
 }
 
-/// What a line does with the four runs of a node, one bit per run.
+/// Which of the four runs of a node a line crosses, one bit per run.
 struct RunsCrossed {
     /// Runs to visit.
     open: u32,
@@ -155,12 +155,12 @@ impl Outline {
         &self.curves[curve as usize]
     }
 
-    fn add_contour(&mut self, contour: &Contour) -> Option<Run> {
+    fn add_contour(&mut self, contour: &Contour) -> Option<CurveRun> {
         let runs = contour.segments().map(|s| self.add_curve(s)).collect();
         self.pack(runs)
     }
 
-    fn add_curve(&mut self, segment: Segment) -> Run {
+    fn add_curve(&mut self, segment: Segment) -> CurveRun {
         let index = self.curves.len() as u32;
         assert!(index < INDEX, "a figure has at most 2^30 curves");
         let (points, child) = match segment {
@@ -171,7 +171,7 @@ impl Outline {
             Segment::Cubic(points) => (points, CUBIC | index),
         };
         self.curves.push(points);
-        Run {
+        CurveRun {
             bounds: segment.bounds(),
             start: points[0],
             end: points[3],
@@ -180,7 +180,7 @@ impl Outline {
     }
 
     /// Puts consecutive runs under one; `None` if there are none.
-    fn pack(&mut self, mut runs: Vec<Run>) -> Option<Run> {
+    fn pack(&mut self, mut runs: Vec<CurveRun>) -> Option<CurveRun> {
         while runs.len() > 1 {
             let groups = runs.len().div_ceil(WIDTH);
             let cut = |k: usize| k * runs.len() / groups;
@@ -190,16 +190,16 @@ impl Outline {
         runs.pop()
     }
 
-    fn add_node(&mut self, runs: &[Run]) -> Run {
+    fn add_node(&mut self, runs: &[CurveRun]) -> CurveRun {
         if let [alone] = runs {
             return *alone;
         }
-        let mut node = Node::EMPTY;
+        let mut node = RunNode::EMPTY;
         for (k, run) in runs.iter().enumerate() {
             node.set(k, run);
         }
         self.nodes.push(node);
-        Run {
+        CurveRun {
             bounds: (runs.iter()).fold(Rectangle::EMPTY, |b, r| b.union(r.bounds)),
             start: runs[0].start,
             // Several whole contours have no ends: what goes around comes back.
@@ -213,10 +213,10 @@ impl Outline {
     }
 
     /// Visits the crossings between `s0` and `s1`, in any order. The visitor returns up to where
-    /// crossings still matter to it, or `None` to make an end.
+    /// crossings still matter to it, or `None` to stop.
     ///
     /// Returns how often the contours go around the point at `s0`, crossings at that very point
-    /// being ahead of it; a number without meaning if the visitor made an end.
+    /// being ahead of it; a number without meaning if the visitor stopped.
     pub(crate) fn cross(
         &self,
         line: &Line2,
@@ -332,15 +332,15 @@ impl<V: FnMut(Crossing) -> Option<f64>> Vectorised for CrossLine<'_, V> {
     }
 }
 
-impl Node {
-    const EMPTY: Node = Node {
+impl RunNode {
+    const EMPTY: RunNode = RunNode {
         sides: [[f64::NAN; WIDTH]; 4],
         starts: [[f64::NAN; WIDTH]; 2],
         ends: [[f64::NAN; WIDTH]; 2],
         children: [0; WIDTH],
     };
 
-    fn set(&mut self, slot: usize, run: &Run) {
+    fn set(&mut self, slot: usize, run: &CurveRun) {
         let (min, max) = (run.bounds.min, run.bounds.max);
         for axis in 0..2 {
             self.sides[2 * axis][slot] = min[axis];

@@ -15,11 +15,11 @@ pub(crate) struct ExactPatch {
 /// Halvings of one parameter after which a piece counts as a point.
 const FINEST: u32 = 12;
 
-/// Pieces looked at for one line: enough for any smooth patch; one that folds onto the line
+/// Pieces examined for one line: enough for any smooth patch; one that folds onto the line
 /// everywhere would have no end.
 const MOST_PIECES: usize = 2000;
 
-/// Meetings nearer together than this, in both parameters, are one.
+/// Hits nearer together than this, in both parameters, are one.
 const SAME: f64 = 1e-7;
 
 /// A Newton step shorter than this is the last.
@@ -28,7 +28,7 @@ const LAST_STEP: f64 = 1e-9;
 /// How far outside of 0..=1 a parameter may come out by rounding.
 const OVER: f64 = 1e-9;
 
-/// Control points as a line sees them: the line is the origin.
+/// Control points projected along a line: the line is the origin.
 type Net = [[DVec2; 4]; 4];
 
 /// A piece of the patch: its net, and where it lies among the parameters.

@@ -1,4 +1,4 @@
-//! Exact primitives: where a line is inside of one.
+//! Exact primitives: the intervals of a line inside them.
 
 use super::leaf::{LeafHit, LeafPoint, facing};
 use super::line::Line3;

@@ -13,14 +13,14 @@ const LEAF: usize = 2 * LANES;
 /// Facets thinner than this, as a part of their longest edge, are left out: no pixel shows them,
 /// and their planes are rounding.
 const THINNEST: f64 = 1e-9;
-/// Planes closer than this in normal and offset are one, so that what lies in one plane has one
+/// DistinctPlanes closer than this in normal and offset are one, so that what lies in one plane has one
 /// depth. Relative to half the world's size.
 const SAME_PLANE: f64 = 1.0 / (1u64 << 27) as f64;
 /// Boxes are taken this much larger than they are, for rounding on the way to the screen.
 const BOX_SLACK: f32 = 4e-6;
 
 /// Facets side by side.
-pub(super) struct Packet {
+pub(super) struct FacetPacket {
     /// Coordinates, `[3 * corner + axis][lane]`; NaN in lanes that are not in use.
     pub corners: [[f32; LANES]; 9],
     pub facets: [PlaneFacet; LANES],
@@ -37,7 +37,7 @@ pub(super) struct PlaneFacet {
 }
 
 /// A box, and the packets in it if it is a leaf. A node's first child stands right behind it.
-pub(super) struct Node {
+pub(super) struct FacetNode {
     pub centre: [f32; 3],
     pub half: [f32; 3],
     /// Distance to the second child; 0 for a leaf.
@@ -49,8 +49,8 @@ pub(super) struct Node {
 /// A world made ready. Immutable.
 pub(super) struct LocalWorld {
     pub local: UnitCube,
-    pub nodes: Vec<Node>,
-    pub packets: Vec<Packet>,
+    pub nodes: Vec<FacetNode>,
+    pub packets: Vec<FacetPacket>,
     pub planes: Vec<Plane>,
     pub mirrors: Vec<LocalMirror>,
     pub up: DVec3,
@@ -66,7 +66,7 @@ impl LocalWorld {
         let is_drawn = |t: &&Facet| t.patch < world.patches && is_sound(&t.corners);
         let drawn = || world.triangles.iter().filter(is_drawn);
         let local = UnitCube::around(drawn().flat_map(|t| t.corners));
-        let mut planes = Planes::default();
+        let mut planes = DistinctPlanes::default();
         let mut facets = Vec::new();
         for t in drawn() {
             let corners = t.corners.map(|c| local.point(c));
@@ -98,14 +98,14 @@ impl LocalWorld {
     }
 }
 
-/// Planes of facets, each once.
+/// DistinctPlanes of facets, each once.
 #[derive(Default)]
-struct Planes {
+struct DistinctPlanes {
     planes: Vec<Plane>,
     known: HashMap<[i64; 4], u32>,
 }
 
-impl Planes {
+impl DistinctPlanes {
     /// Number of the plane through three corners, and whether they turn counter-clockwise about
     /// its normal; `None` if they span none.
     fn of(&mut self, [a, b, c]: [DVec3; 3]) -> Option<(u32, bool)> {
@@ -138,7 +138,7 @@ impl Planes {
 
 type LocalFacet = ([[f32; 3]; 3], PlaneFacet);
 
-fn tree(facets: &[LocalFacet]) -> (Vec<Node>, Vec<Packet>) {
+fn tree(facets: &[LocalFacet]) -> (Vec<FacetNode>, Vec<FacetPacket>) {
     let reference = |(i, (corners, _)): (usize, &LocalFacet)| {
         let [a, b, c] = *corners;
         let low = [0, 1, 2].map(|k| a[k].min(b[k]).min(c[k]));
@@ -165,8 +165,8 @@ struct Grown<'a> {
     facets: &'a [LocalFacet],
     references: &'a [Reference],
     binary: &'a [BinaryNode],
-    nodes: Vec<Node>,
-    packets: Vec<Packet>,
+    nodes: Vec<FacetNode>,
+    packets: Vec<FacetPacket>,
 }
 
 impl Grown<'_> {
@@ -174,7 +174,7 @@ impl Grown<'_> {
         let source = &self.binary[index];
         let (low, high) = (source.bounds.min, source.bounds.max);
         let at = self.nodes.len();
-        self.nodes.push(Node {
+        self.nodes.push(FacetNode {
             centre: [0, 1, 2].map(|k| 0.5 * (low[k] + high[k])),
             half: [0, 1, 2].map(|k| 0.5 * (high[k] - low[k]) + BOX_SLACK),
             second: 0,
@@ -185,7 +185,7 @@ impl Grown<'_> {
             let first = self.packets.len() as u32;
             for chunk in self.references[range].chunks(LANES) {
                 let chunk = chunk.iter().map(|r| &self.facets[r.id() as usize]);
-                self.packets.push(Packet::new(chunk));
+                self.packets.push(FacetPacket::new(chunk));
             }
             self.nodes[at].packets = [first, self.packets.len() as u32];
         } else {
@@ -197,9 +197,9 @@ impl Grown<'_> {
     }
 }
 
-impl Packet {
-    fn new<'a>(facets: impl Iterator<Item = &'a LocalFacet>) -> Packet {
-        let mut packet = Packet {
+impl FacetPacket {
+    fn new<'a>(facets: impl Iterator<Item = &'a LocalFacet>) -> FacetPacket {
+        let mut packet = FacetPacket {
             corners: [[f32::NAN; LANES]; 9],
             facets: [PlaneFacet::default(); LANES],
         };

@@ -20,9 +20,9 @@ use std::sync::Mutex;
 /// length, with corners that are not finite, or of patches that there are not are left out. Of
 /// facets in one plane (to 1e-8 of the world's size) the lowest patch is seen. What lies in the
 /// viewpoint's own plane is not seen, and neither is, in a mirror, what is nearer to its plane than
-/// 2e-6 of half the world's size or, if that is more, of the mirrored viewpoint's distance. The memory of a thread is 8 bytes a pixel, up to 36 where no
-/// two neighbours show the same patch of a mirror, and 24 a patch, however many mirrors face each
-/// other.
+/// 2e-6 of half the world's size or, if that is more, of the mirrored viewpoint's distance. The
+/// memory of a thread is 8 bytes a pixel, up to 36 where no two neighbours show the same patch of a
+/// mirror, and 24 a patch, however many mirrors face each other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Processor;
 
@@ -75,12 +75,12 @@ struct Scratch {
 
 /// Pixels side by side in one row of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Run {
+struct PixelRun {
     first: u32,
     count: u32,
 }
 
-impl Run {
+impl PixelRun {
     fn end(self) -> u32 {
         self.first + self.count
     }
@@ -92,7 +92,7 @@ impl Run {
 }
 
 /// Pixels that show one reflected world.
-struct Window {
+struct MirrorWindow {
     view: HemicubeView,
     /// Its pixels, among the runs of the level, ascending.
     runs: Range<usize>,
@@ -100,9 +100,9 @@ struct Window {
 
 /// All windows behind the same number of mirrors.
 #[derive(Default)]
-struct Level {
-    windows: Vec<Window>,
-    runs: Vec<Run>,
+struct WindowLevel {
+    windows: Vec<MirrorWindow>,
+    runs: Vec<PixelRun>,
 }
 
 impl ProcessorBuffers {
@@ -153,18 +153,18 @@ impl ProcessorBuffers {
         let mut seen = Seen::default();
         let count = self.side() as u32;
         let rows = (0..self.cube.pixels()).step_by(self.side());
-        let rows: Vec<Run> = rows.map(|first| Run { first, count }).collect();
-        let whole = Window {
+        let rows: Vec<PixelRun> = rows.map(|first| PixelRun { first, count }).collect();
+        let whole = MirrorWindow {
             view: HemicubeView::new(view, &self.world.local),
             runs: 0..rows.len(),
         };
-        let mut level = Level {
+        let mut level = WindowLevel {
             windows: vec![whole],
             runs: rows,
         };
         let mut depth = 0;
         while !level.windows.is_empty() {
-            let mut next = Level::default();
+            let mut next = WindowLevel::default();
             for window in &level.windows {
                 let runs = &level.runs[window.runs.clone()];
                 self.draw_view(&window.view, depth, runs, scratch, &mut seen, &mut next);
@@ -181,10 +181,10 @@ impl ProcessorBuffers {
         &self,
         view: &HemicubeView,
         depth: u32,
-        runs: &[Run],
+        runs: &[PixelRun],
         scratch: &mut Scratch,
         seen: &mut Seen,
-        next: &mut Level,
+        next: &mut WindowLevel,
     ) {
         let mut mirrored = Vec::new();
         for runs in runs.chunk_by(|a, b| self.face_of(a.first) == self.face_of(b.first)) {
@@ -206,7 +206,7 @@ impl ProcessorBuffers {
     }
 
     /// Draws the world into some pixels of a face.
-    fn draw_face(&self, number: usize, face: &Face, runs: &[Run], scratch: &mut Scratch) {
+    fn draw_face(&self, number: usize, face: &Face, runs: &[PixelRun], scratch: &mut Scratch) {
         let mut region = Region::EMPTY;
         for run in runs {
             scratch.nearness[run.pixels()].fill(0.0);
@@ -229,9 +229,9 @@ impl ProcessorBuffers {
         &self,
         view: &HemicubeView,
         depth: u32,
-        group: &[(u32, Run)],
+        group: &[(u32, PixelRun)],
         seen: &mut Seen,
-        next: &mut Level,
+        next: &mut WindowLevel,
     ) {
         let number = group[0].0;
         let view = view.behind(number, &self.world.mirrors[number as usize]);
@@ -255,14 +255,14 @@ impl ProcessorBuffers {
                 _ => next.runs.push(run),
             }
         }
-        next.windows.push(Window {
+        next.windows.push(MirrorWindow {
             view,
             runs: first..next.runs.len(),
         });
     }
 
     /// What the pixels of a run carry before any mirror.
-    fn weight(&self, run: Run) -> f64 {
+    fn weight(&self, run: PixelRun) -> f64 {
         self.weights[run.pixels()].iter().sum()
     }
 
@@ -312,16 +312,16 @@ impl DrawnFace<'_> {
     /// the pixels for what is drawn next.
     fn read(
         &self,
-        runs: &[Run],
+        runs: &[PixelRun],
         scratch: &mut Scratch,
         seen: &mut Seen,
-        mirrored: &mut Vec<(u32, Run)>,
+        mirrored: &mut Vec<(u32, PixelRun)>,
     ) {
         for run in runs {
             let mut first = run.first;
             for alike in scratch.sides[run.pixels()].chunk_by(|a, b| a == b) {
                 let count = alike.len() as u32;
-                let run = Run { first, count };
+                let run = PixelRun { first, count };
                 first += count;
                 if alike[0] == NOTHING {
                     self.escape(run, seen);
@@ -347,7 +347,7 @@ impl DrawnFace<'_> {
     }
 
     /// Adds pixels that show nothing to what leaves the world upwards and downwards.
-    fn escape(&self, run: Run, seen: &mut Seen) {
+    fn escape(&self, run: PixelRun, seen: &mut Seen) {
         let up = self.face.components(self.buffers.world.up);
         for p in run.first..run.end() {
             let (x, y) = self.image_point(p);

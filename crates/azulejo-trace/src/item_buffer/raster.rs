@@ -13,7 +13,7 @@
 )]
 
 use super::face::{Begin, Depth, Face};
-use super::prepared_world::{LANES, LocalWorld, Node, Packet, PlaneFacet};
+use super::prepared_world::{FacetNode, FacetPacket, LANES, LocalWorld, PlaneFacet};
 use super::view::Plane;
 use std::ops::Range;
 
@@ -139,7 +139,7 @@ impl Cone {
 
     /// Whether a part of the box may lie in all of them.
     #[inline]
-    fn may_show(&self, node: &Node) -> bool {
+    fn may_show(&self, node: &FacetNode) -> bool {
         let mut is_outside = false;
         for k in 0..PLANES {
             let product = |n: &[[f32; PLANES]; 3], v: [f32; 3]| {
@@ -167,7 +167,7 @@ struct Painter<'a, 'b> {
 }
 
 /// Corners of a packet as the face sees them, `[3 * corner + axis][lane]`.
-type Seen = [[f32; LANES]; 9];
+type FaceCorners = [[f32; LANES]; 9];
 
 /// For the lanes of a packet the columns and rows between which pixels may lie, as whole numbers.
 struct Extents {
@@ -227,7 +227,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         c[0] * w[0] + c[1] * w[1] + c[2] * w[2]
     }
 
-    fn packet(&mut self, packet: &Packet) {
+    fn packet(&mut self, packet: &FacetPacket) {
         let seen = self.place(packet);
         let extents = self.extents(&seen);
         for lane in 0..LANES {
@@ -239,7 +239,7 @@ impl<'a, 'b> Painter<'a, 'b> {
 
     /// Corners relative to the eye, along the face's axes.
     #[inline]
-    fn place(&self, packet: &Packet) -> Seen {
+    fn place(&self, packet: &FacetPacket) -> FaceCorners {
         let Face {
             rows: m, high, low, ..
         } = self.face;
@@ -258,7 +258,7 @@ impl<'a, 'b> Painter<'a, 'b> {
     }
 
     #[inline]
-    fn extents(&self, seen: &Seen) -> Extents {
+    fn extents(&self, seen: &FaceCorners) -> Extents {
         let [left, right, low, high] = self.borders;
         let mut extents = Extents {
             columns: [[0.0; LANES]; 2],
@@ -304,7 +304,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         extents
     }
 
-    fn facet(&mut self, packet: &Packet, lane: usize, seen: &Seen, extents: &Extents) {
+    fn facet(&mut self, packet: &FacetPacket, lane: usize, seen: &FaceCorners, extents: &Extents) {
         let facet = &packet.facets[lane];
         let Some(depth) = self.face.depth(&self.world.planes[facet.plane as usize]) else {
             return;

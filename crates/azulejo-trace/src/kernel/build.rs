@@ -255,7 +255,7 @@ impl Builder {
             return self.divide_kinds(references);
         }
         if depth < HALVING_DEPTH
-            && let Some(plane) = Plane::cheapest(references, extent)
+            && let Some(plane) = SplitPlane::cheapest(references, extent)
         {
             let leaf_cost = extent.bounds.half_area() * packets(count as u32);
             let step_cost = extent.bounds.half_area() * STEP_COST;
@@ -278,7 +278,7 @@ impl Builder {
         depth: u32,
     ) -> (usize, Extent, Extent) {
         if depth < HALVING_DEPTH
-            && let Some(plane) = Plane::cheapest(references, extent)
+            && let Some(plane) = SplitPlane::cheapest(references, extent)
         {
             return plane.partition(references);
         }
@@ -359,7 +359,7 @@ fn lowest_bits(x: f32) -> usize {
 }
 
 /// A plane that divides references, and what the two sides cost.
-struct Plane {
+struct SplitPlane {
     binning: Binning,
     axis: usize,
     /// First bin of the right side.
@@ -368,8 +368,8 @@ struct Plane {
     cost: f32,
 }
 
-impl Plane {
-    fn cheapest(references: &[Reference], extent: &Extent) -> Option<Plane> {
+impl SplitPlane {
+    fn cheapest(references: &[Reference], extent: &Extent) -> Option<SplitPlane> {
         let binning = Binning::new(&extent.centres2);
         let mut bins = [[(Bounds::EMPTY, 0u32); BINS]; 3];
         for r in references {
@@ -379,14 +379,14 @@ impl Plane {
                 *count += 1;
             }
         }
-        let mut best: Option<Plane> = None;
+        let mut best: Option<SplitPlane> = None;
         for (axis, bins) in bins.iter().enumerate() {
             if binning.scale[axis] == 0.0 {
                 continue;
             }
             let (bin, cost) = cheapest_gap(bins);
             if cost < best.as_ref().map_or(f32::INFINITY, |b| b.cost) {
-                best = Some(Plane {
+                best = Some(SplitPlane {
                     binning,
                     axis,
                     bin,

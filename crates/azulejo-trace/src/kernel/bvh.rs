@@ -9,7 +9,7 @@ pub(crate) const WIDTH: usize = 8;
 /// Eight children: their boxes side by side, and their indices.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Node {
+pub(crate) struct BvhNode {
     /// `[2 * axis + side][child]`, side 0 is the lower one. A child that is not there has an
     /// empty box, which no ray hits.
     pub planes: [[f32; WIDTH]; 6],
@@ -17,8 +17,8 @@ pub(crate) struct Node {
     pub children: [u32; WIDTH],
 }
 
-impl Node {
-    const EMPTY: Node = Node {
+impl BvhNode {
+    const EMPTY: BvhNode = BvhNode {
         planes: [
             [f32::INFINITY; WIDTH],
             [f32::NEG_INFINITY; WIDTH],
@@ -74,7 +74,7 @@ impl Child {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bvh {
     /// The root is the first; none for an empty scene.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<BvhNode>,
     pub packets: Vec<Packet>,
     /// The shapes of leaves of other shapes, by the positions that the leaves name.
     pub others: Vec<u32>,
@@ -110,7 +110,7 @@ impl Bvh {
 
     fn add_node(&mut self, source: &Source, binary: usize) -> u32 {
         let index = self.nodes.len();
-        self.nodes.push(Node::EMPTY);
+        self.nodes.push(BvhNode::EMPTY);
         let mut opened = [0; WIDTH];
         let count = source.open(binary, &mut opened);
         for (slot, &b) in opened[..count].iter().enumerate() {

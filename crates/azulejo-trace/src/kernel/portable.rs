@@ -1,6 +1,6 @@
 //! The kernel's operations on plain arrays.
 
-use super::bvh::{Node, WIDTH};
+use super::bvh::{BvhNode, WIDTH};
 use super::prepared_ray::PreparedRay;
 use super::traversal::Instructions;
 use super::triangle::{PACKET, Packet, PacketHits, intersect_exactly, is_thin};
@@ -23,7 +23,7 @@ impl Instructions for Portable {
     }
 
     #[inline(always)]
-    fn boxes(self, ray: &PreparedRay, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32 {
+    fn boxes(self, ray: &PreparedRay, node: &BvhNode, t_max: f32, near: &mut [f32; WIDTH]) -> u32 {
         let mut enter = [ray.t_min; WIDTH];
         let mut leave = [t_max; WIDTH];
         for axis in 0..3 {

@@ -21,7 +21,7 @@ pub(crate) struct PreparedRay {
     pub near_offset: [f32; 3],
     /// `origin · inverse`, less the margin: for the planes where it leaves.
     pub far_offset: [f32; 3],
-    /// Row of [`Node::planes`](super::bvh::Node::planes) where the ray enters, per axis.
+    /// Row of [`BvhNode::planes`](super::bvh::BvhNode::planes) where the ray enters, per axis.
     pub near_row: [usize; 3],
     /// The axis of the longest component last.
     pub axes: [usize; 3],
@@ -91,7 +91,7 @@ impl PreparedRay {
         })
     }
 
-    /// Row of [`Node::planes`](super::bvh::Node::planes) where the ray leaves.
+    /// Row of [`BvhNode::planes`](super::bvh::BvhNode::planes) where the ray leaves.
     #[inline(always)]
     pub(crate) fn far_row(&self, axis: usize) -> usize {
         self.near_row[axis] ^ 1

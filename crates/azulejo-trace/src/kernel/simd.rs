@@ -7,7 +7,7 @@
     reason = "vector instructions double the speed of the kernel"
 )]
 
-use super::bvh::{Node, WIDTH};
+use super::bvh::{BvhNode, WIDTH};
 use super::portable::Portable;
 use super::prepared_ray::PreparedRay;
 use super::ray::{KernelHit, KernelRay};
@@ -153,7 +153,7 @@ pub(crate) use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use super::super::triangle::{PACKET, THIN, intersect_exactly};
-    use super::{Instructions, Node, Packet, PacketHits, PreparedRay, WIDTH};
+    use super::{BvhNode, Instructions, Packet, PacketHits, PreparedRay, WIDTH};
     use std::arch::x86_64::*;
 
     /// Proof that AVX2, FMA and the bit instructions are there: nothing else makes one.
@@ -176,7 +176,7 @@ mod avx2 {
     /// # Safety
     /// AVX2 and FMA must be there; in a function that enables them, so that it is inlined.
     #[inline(always)]
-    unsafe fn row(node: &Node, row: usize) -> __m256 {
+    unsafe fn row(node: &BvhNode, row: usize) -> __m256 {
         // SAFETY: a row is eight floats; aligned, because nodes are and rows are 32 bytes.
         unsafe { _mm256_load_ps(node.planes[row % 6].as_ptr()) }
     }
@@ -248,7 +248,13 @@ mod avx2 {
         }
 
         #[inline(always)]
-        fn boxes(self, ray: &PreparedRay, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32 {
+        fn boxes(
+            self,
+            ray: &PreparedRay,
+            node: &BvhNode,
+            t_max: f32,
+            near: &mut [f32; WIDTH],
+        ) -> u32 {
             // SAFETY: `self` proves the instructions; `stack` has room for eight of each.
             unsafe {
                 let wide = |x: f32| _mm256_set1_ps(x);

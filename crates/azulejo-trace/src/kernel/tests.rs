@@ -1,6 +1,6 @@
 //! The tree against brute force, on every instruction set of this machine.
 
-use super::bvh::{Bvh, Node, WIDTH};
+use super::bvh::{Bvh, BvhNode, WIDTH};
 use super::portable::Portable;
 use super::prepared_ray::PreparedRay;
 use super::simd::InstructionSet;
@@ -91,7 +91,7 @@ impl Random {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Soup {
+enum SoupShape {
     Even,
     Slivers,
     Coplanar,
@@ -99,18 +99,18 @@ enum Soup {
     Sizes,
 }
 
-fn triangles(soup: Soup, count: usize, random: &mut Random) -> Vec<[DVec3; 3]> {
+fn triangles(soup: SoupShape, count: usize, random: &mut Random) -> Vec<[DVec3; 3]> {
     let triangle = |k: usize| {
         let (a, b, c) = (random.point(), random.point(), random.point());
         match soup {
-            Soup::Even => [a, a + 0.2 * b, a + 0.2 * c],
-            Soup::Slivers => [a, a + b, a + b + 1e-5 * c],
-            Soup::Coplanar => [a, a + 0.3 * b, a + 0.3 * c].map(|p| p.with_z(0.0)),
-            Soup::Duplicates => {
+            SoupShape::Even => [a, a + 0.2 * b, a + 0.2 * c],
+            SoupShape::Slivers => [a, a + b, a + b + 1e-5 * c],
+            SoupShape::Coplanar => [a, a + 0.3 * b, a + 0.3 * c].map(|p| p.with_z(0.0)),
+            SoupShape::Duplicates => {
                 let cell = DVec3::new((k % 4) as f64, (k / 4 % 4) as f64, 0.0);
                 [cell, cell + DVec3::X, cell + DVec3::Y + 0.5 * DVec3::Z]
             }
-            Soup::Sizes => {
+            SoupShape::Sizes => {
                 let size = (-6.0 * random.next().abs()).exp2().powi(4);
                 [a, a + size * b, a + size * c]
             }
@@ -152,11 +152,11 @@ proptest! {
         seed in any::<u64>(),
         count in 1usize..600,
         kind in prop_oneof![
-            Just(Soup::Even),
-            Just(Soup::Slivers),
-            Just(Soup::Coplanar),
-            Just(Soup::Duplicates),
-            Just(Soup::Sizes),
+            Just(SoupShape::Even),
+            Just(SoupShape::Slivers),
+            Just(SoupShape::Coplanar),
+            Just(SoupShape::Duplicates),
+            Just(SoupShape::Sizes),
         ],
     ) {
         let mut random = Random(seed);
@@ -182,7 +182,7 @@ fn a_room_agrees_with_brute_force() {
 #[test]
 fn axis_parallel_rays_are_not_led_astray() {
     // Products of zero and infinity would let these rays into every box.
-    let mut node = Node {
+    let mut node = BvhNode {
         planes: [[0.25; WIDTH]; 6],
         children: [0; WIDTH],
     };
@@ -238,7 +238,7 @@ fn the_tree_does_not_depend_on_threads() {
         pool.unwrap().install(|| Tracer::new(&scene))
     };
     let (one, eight) = (build(1), build(8));
-    let same = |a: &Node, b: &Node| a.planes == b.planes && a.children == b.children;
+    let same = |a: &BvhNode, b: &BvhNode| a.planes == b.planes && a.children == b.children;
     assert_eq!(one.bvh.nodes.len(), eight.bvh.nodes.len());
     assert!(
         one.bvh
@@ -319,7 +319,11 @@ mod embree {
     #[test]
     fn it_hits_what_we_hit() {
         let Some(kernel) = loaded() else { return };
-        for (seed, kind) in [(1, Soup::Even), (2, Soup::Even), (3, Soup::Coplanar)] {
+        for (seed, kind) in [
+            (1, SoupShape::Even),
+            (2, SoupShape::Even),
+            (3, SoupShape::Coplanar),
+        ] {
             let mut random = Random(seed);
             let soup = triangles(kind, 2000, &mut random);
             let mut scene = mesh_scene(&soup);

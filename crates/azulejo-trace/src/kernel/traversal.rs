@@ -11,7 +11,7 @@
 //! and then lets the others work.
 
 use super::build::DEEPEST;
-use super::bvh::{Bvh, Child, Node, WIDTH};
+use super::bvh::{Bvh, BvhNode, Child, WIDTH};
 use super::prepared_ray::PreparedRay;
 use super::ray::{KernelHit, KernelRay};
 use super::triangle::{PACKET, Packet, PacketHits};
@@ -32,7 +32,7 @@ const FEW_RAYS: usize = 4 * LANES;
 /// An implementing type is the proof that its instructions are there.
 pub(crate) trait Instructions: Copy {
     /// The boxes that the ray hits before `t_max`, as a mask; `near` receives where it enters them.
-    fn boxes(self, ray: &PreparedRay, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32;
+    fn boxes(self, ray: &PreparedRay, node: &BvhNode, t_max: f32, near: &mut [f32; WIDTH]) -> u32;
 
     /// Pushes the children of a mask, one after the other; all eight entries may be
     /// overwritten.
@@ -281,7 +281,7 @@ impl TraversalState {
     fn visit<I: Instructions, const ANY: bool, const N: usize>(
         &mut self,
         isa: I,
-        node: &Node,
+        node: &BvhNode,
     ) -> Option<u32> {
         let mut near = [0.0; WIDTH];
         let mut mask = isa.boxes(&self.ray, node, self.hit.t, &mut near);

@@ -60,7 +60,7 @@ pub struct Tracer {
 /// A tracer placed in another tracer's world.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// What is placed.
+    /// The tracer that is placed.
     pub tracer: Arc<Tracer>,
     /// Where; invertible, or the instance is left out.
     pub world_from_instance: DAffine3,
@@ -272,7 +272,7 @@ impl Tracer {
         if self.others.is_empty() {
             return;
         }
-        // What is nearer than the triangles, in pieces that need no memory of their own.
+        // Shapes that are nearer than the triangles, in pieces that need no memory of their own.
         for (rays, hits) in rays.chunks(PIECE).zip(hits.chunks_mut(PIECE)) {
             let mut nearer = [NO_RAY; PIECE];
             for ((to, ray), hit) in nearer.iter_mut().zip(rays).zip(&*hits) {

@@ -1,4 +1,4 @@
-//! What a tracer holds besides triangles: exact shapes, and other tracers.
+//! The contents of a tracer besides triangles: exact shapes, and other tracers.
 
 use super::Tracer;
 use crate::exact::{ExactPrimitive, Line3, PlacedExact};

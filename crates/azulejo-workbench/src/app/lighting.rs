@@ -152,7 +152,7 @@ fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRang
         match solution.shape(item.id).map(|s| &**s) {
             Some(Shape::Mesh(mesh)) => push(&mesh.irradiance),
             Some(Shape::Primitive(p)) => p.light.iter().for_each(|l| push(&l.irradiance)),
-            Some(Shape::Exact(exact)) => exact.skin.iter().for_each(|m| push(&m.irradiance)),
+            Some(Shape::Exact(exact)) => exact.proxy.iter().for_each(|m| push(&m.irradiance)),
             None => {}
         }
     }

@@ -179,7 +179,7 @@ fn exact_bytes(exact: &Exact) -> usize {
         Leaf::Prism(_) => 0,
     };
     let leaves = exact.leaves();
-    let skin = exact.skin.as_deref().map_or(0, mesh_bytes);
+    let skin = exact.proxy.as_deref().map_or(0, mesh_bytes);
     let inner: usize = leaves.iter().map(inner).sum();
     leaves.len() * size_of::<Solid>() + inner + skin
 }

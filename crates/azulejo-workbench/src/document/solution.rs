@@ -80,7 +80,7 @@ fn is_lit(item: &SceneObject) -> bool {
     match &*item.shape {
         Shape::Mesh(mesh) => mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len(),
         Shape::Primitive(p) => p.light.is_some(),
-        Shape::Exact(exact) => exact.skin.is_some(),
+        Shape::Exact(exact) => exact.proxy.is_some(),
     }
 }
 
@@ -136,6 +136,6 @@ pub(super) fn strip(shape: &mut Shape) {
             mesh.irradiance_error = Vec::new();
         }
         Shape::Primitive(p) => p.light = None,
-        Shape::Exact(exact) => exact.skin = None,
+        Shape::Exact(exact) => exact.proxy = None,
     }
 }

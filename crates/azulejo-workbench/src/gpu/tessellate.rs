@@ -38,7 +38,7 @@ pub fn display_mesh(shape: &Shape, chord_error: f64, lit: bool) -> Cow<'_, Mesh>
     match shape {
         Shape::Mesh(mesh) => Cow::Borrowed(mesh),
         Shape::Primitive(primitive) => Cow::Owned(of_primitive(primitive, chord_error, lit)),
-        Shape::Exact(exact) => match &exact.skin {
+        Shape::Exact(exact) => match &exact.proxy {
             Some(skin) if lit => Cow::Borrowed(&**skin),
             _ => Cow::Owned(exact.tessellate(chord_error)),
         },

@@ -1,33 +1,32 @@
-//! What a fit is made to: values of a reflection model in many pairs of directions.
+//! The data of a fit: values of a reflection model for many pairs of directions.
 
 use azulejo_scene::{Brdf, Rgb};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Steps of the three angles: half vector to normal, light to half vector, and about it.
+/// Steps of Rusinkiewicz's angles θ_h, θ_d and φ_d.
 ///
-/// They are those of MERL's files, made coarser: the first closer together toward zero, where
-/// highlights are.
+/// As in MERL's files, but coarser: θ_h is denser near zero, where highlights are.
 const STEPS: [usize; 3] = [40, 12, 10];
 
-/// Directions of the half vector about the normal, for what is not the same all around.
+/// Steps of φ_h, for anisotropic models.
 const TURNS: usize = 8;
 
-/// Values of one pair of directions.
+/// The value for one pair of directions.
 #[derive(Clone, Copy, Debug)]
 pub struct FitSample {
     /// To the viewer.
     pub wo: DVec3,
     /// To the light.
     pub wi: DVec3,
-    /// What is there, 1/sr.
+    /// f_r, 1/sr.
     pub value: Rgb,
-    /// The solid angles that it stands for, in 8 dimensions less what is the same for all.
+    /// Its weight: the solid angles that it represents, without common factors.
     pub measure: f64,
 }
 
-/// The entries of a model, without those further from the normal than `most_angle` (radians) and
-/// those without data.
+/// Samples of a model, without those at larger polar angles than `most_angle` (radians) and those
+/// without data.
 pub fn entries(target: &Brdf, most_angle: f64) -> Vec<FitSample> {
     let lowest = most_angle.cos();
     let value = |wo: DVec3, wi: DVec3| {
@@ -58,7 +57,7 @@ pub fn entries(target: &Brdf, most_angle: f64) -> Vec<FitSample> {
     found
 }
 
-/// DirectionAngles of half and difference, at the middles of their bins, with the solid angles of these.
+/// The angles at the centres of their bins, with the solid angles of the bins.
 fn halves() -> impl Iterator<Item = ([f64; 3], f64)> {
     let [a, b, c] = STEPS;
     let all = (0..a).flat_map(move |i| (0..b).flat_map(move |j| (0..c).map(move |k| [i, j, k])));
@@ -75,7 +74,7 @@ fn halves() -> impl Iterator<Item = ([f64; 3], f64)> {
     })
 }
 
-/// Directions to the viewer and to the light from half and difference angles (Rusinkiewicz 1998).
+/// Directions to the viewer and the light, from half and difference angles (Rusinkiewicz 1998).
 fn pair(phi_h: f64, [theta_h, theta_d, phi_d]: [f64; 3]) -> (DVec3, DVec3) {
     let difference = DVec3::new(
         theta_d.sin() * phi_d.cos(),
@@ -93,7 +92,7 @@ fn pair(phi_h: f64, [theta_h, theta_d, phi_d]: [f64; 3]) -> (DVec3, DVec3) {
     (wo, wi)
 }
 
-/// Whether turning both directions about the normal changes nothing, at some angles.
+/// Whether the model is isotropic, tested at some angles.
 fn is_isotropic(target: &Brdf) -> bool {
     let angles = [
         [0.1, 0.3, 0.7],
@@ -114,22 +113,22 @@ fn is_isotropic(target: &Brdf) -> bool {
 }
 
 impl FitSample {
-    /// What is compared of a value: ln(1 + f cos θi), per channel.
+    /// The value in the metric of the fit: ln(1 + f cos θi), per channel.
     ///
-    /// The logarithm keeps highlights from being all that counts, the cosine what grazing light
-    /// does not bring (Löw, Kronander, Ynnerman, Unger 2012, section 4).
+    /// The logarithm reduces the weight of highlights, the cosine that of grazing angles (Löw,
+    /// Kronander, Ynnerman, Unger 2012, section 4).
     pub fn compressed(&self, value: Rgb) -> Rgb {
         value.map(|f| (f * self.wi.z).ln_1p())
     }
 }
 
-/// How far a model is from the entries.
+/// Deviations of a model from the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitErrors {
-    /// Root mean square of differences of ln(1 + f cos θi), which the fit makes least.
+    /// Root mean square difference of ln(1 + f cos θi), which the fit minimizes.
     pub compressed: f64,
-    /// Root mean square of f cos θi, weighted by solid angle, over that of the data (Ngan, Durand,
-    /// Matusik 2005).
+    /// Root mean square difference of f cos θi, weighted by solid angle, relative to that of the
+    /// data (Ngan, Durand, Matusik 2005).
     pub relative: f64,
 }
 

@@ -1,4 +1,4 @@
-//! `brdf fit`: the parameters with which a model is most like measured data, or another model.
+//! `brdf fit`: fits the parameters of a model to measured data, or to another model.
 
 mod measured;
 mod search;
@@ -26,10 +26,7 @@ pub fn run(args: &FitArgs, session: &mut Session) -> Result<Report, Failure> {
     let target = model::read(&args.target, session)?;
     let entries = measured::entries(&target, args.most_angle.to_radians());
     if entries.is_empty() {
-        let message = format!(
-            "{} reflects nothing that could be fitted",
-            args.target.model
-        );
+        let message = format!("{} reflects nothing within --most-angle", args.target.model);
         return Err(Failure::Failed(message));
     }
     let question = question(given, &entries)?;
@@ -54,7 +51,7 @@ pub fn run(args: &FitArgs, session: &mut Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// The model to fit, as it was typed.
+/// The model to fit, with its fixed parameters.
 fn given(text: &str) -> Result<Model, Failure> {
     match text.parse().map_err(Failure::misuse)? {
         Description::Model(model) => Ok(model),
@@ -129,7 +126,7 @@ fn describe(
         report.value(&format!("lambert_{key}"), number(of(lambert)));
         report.line(
             name,
-            format!("{} (of the best matt surface: {})", words[0], words[1]),
+            format!("{} (best diffuse surface: {})", words[0], words[1]),
         );
     }
     report.value("agreeing", answer.agreeing);
@@ -143,7 +140,7 @@ fn parameter(
 ) -> Value {
     let name = variable.name();
     let behind = if is_at_end {
-        ", at the end of its range"
+        ", at the limit of its range"
     } else {
         ""
     };

@@ -1,55 +1,55 @@
-//! The search for the least error: from several starts, by the method of Levenberg and Marquardt.
+//! Minimization of the error from several starting points, by Levenberg and Marquardt's method.
 
 use super::measured::FitSample;
 use super::variables::{self, FitVariable};
 use azulejo_scene::Brdf;
-use azulejo_scene::brdf::{Description, Model, Problem, Value};
+use azulejo_scene::brdf::{BrdfError, Description, Model, Value};
 use azulejo_trace::{Cancelled, Progress};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use rayon::prelude::*;
 
-/// Entries that are enough to tell good starts from bad ones.
+/// Number of samples for the first minimization from all starting points.
 const FEW: usize = 500;
 
-/// The ends of starts that are gone on with, with all entries.
+/// Number of results from which minimization continues with all samples.
 const KEPT: usize = 3;
 
-/// Step of the differences that derivatives are found from, of variables without unit.
+/// Step of the finite differences, in dimensionless variables.
 const STEP: f64 = 1e-5;
 
-/// Evaluations of all residuals from one start, per variable.
+/// Limit of evaluations of all residuals per starting point and variable.
 const PATIENCE: usize = 40;
 
-/// What is fitted: a model, of which some parameters may be given.
+/// A fit to be made.
 pub struct FitProblem<'a> {
-    /// Its name and what stays as it is.
+    /// The model with its fixed parameters.
     pub given: Model,
-    /// What is looked for.
+    /// The free parameters.
     pub variables: Vec<FitVariable>,
     /// The data.
     pub entries: &'a [FitSample],
-    /// Whether the data has different channels.
+    /// Whether the channels of the data differ.
     pub is_colored: bool,
 }
 
 /// A fit.
 pub struct FitResult {
-    /// The model with what was found.
+    /// The fitted model.
     pub brdf: Brdf,
-    /// Value and standard error of each variable, and whether it is at an end of its range.
+    /// Value and standard error of each variable, and whether it is at a limit of its range.
     pub found: Vec<(f64, f64, bool)>,
-    /// Of the starts, how many ended at the same error, within 1%.
+    /// Number of starting points that reached the same error within 1%.
     pub agreeing: usize,
 }
 
-/// Why there is no fit.
+/// Why a fit failed.
 #[derive(Debug)]
 pub enum FitError {
-    /// It was asked to stop.
+    /// It was cancelled.
     Cancelled,
-    /// The model cannot be made with any of the starts.
-    Problem(Problem),
+    /// The model is invalid at all starting points.
+    Problem(BrdfError),
 }
 
 impl From<Cancelled> for FitError {
@@ -58,10 +58,10 @@ impl From<Cancelled> for FitError {
     }
 }
 
-/// A place where a search ended, and the sum of squares there.
+/// The point where a minimization ended, and the sum of squares there.
 type End = (DVector<f64>, f64);
 
-/// Fits from `starts` places.
+/// Fits from `starts` starting points.
 pub fn search(
     question: &FitProblem,
     starts: usize,
@@ -88,7 +88,7 @@ pub fn search(
     answer(question, best, agreeing, progress)
 }
 
-/// Places to start from, evenly spread: Kronecker's sequence with the steps of Roberts.
+/// Evenly spread starting points: a Kronecker sequence with the steps of Roberts.
 fn starting_points(question: &FitProblem, count: usize) -> Vec<DVector<f64>> {
     let variables = &question.variables;
     let root = (0..30).fold(1.5f64, |x, _| {
@@ -106,7 +106,7 @@ fn starting_points(question: &FitProblem, count: usize) -> Vec<DVector<f64>> {
     (0..count).map(place).collect()
 }
 
-/// Where the searches end, the best first.
+/// Minimizes from each point; the results, best first.
 fn minimize_from(
     question: &FitProblem,
     entries: &[FitSample],
@@ -160,7 +160,7 @@ fn answer(
     })
 }
 
-/// The model with numbers that are as long as they are worth, if there is one.
+/// The model with its numbers rounded to seven digits, if that is valid.
 fn rounded(brdf: &Brdf) -> Option<Brdf> {
     let Description::Model(mut model) = brdf.description().clone() else {
         return None;
@@ -179,38 +179,38 @@ fn seven_digits(x: f64) -> f64 {
     format!("{x:.6e}").parse().unwrap_or(x)
 }
 
-/// What is wrong in the middle of all ranges, if anything is.
-fn refused(question: &FitProblem) -> Problem {
+/// The problem in the middle of all ranges.
+fn refused(question: &FitProblem) -> BrdfError {
     let middle = DVector::zeros(question.variables.len());
     match question.brdf(&middle) {
         Err(problem) => problem,
-        Ok(_) => Problem::Other("the search came to nothing from all starts".to_owned()),
+        Ok(_) => BrdfError::Other("the fit failed from all starting points".to_owned()),
     }
 }
 
 impl FitProblem<'_> {
-    /// The model at a place, and by how much it would reflect more than arrives there: its
-    /// colours are multiplied until it does not.
-    fn brdf(&self, place: &DVector<f64>) -> Result<(Brdf, f64), Problem> {
+    /// The model at a point, and the excess of its albedo over 1, for which its colours have been
+    /// scaled down.
+    fn brdf(&self, place: &DVector<f64>) -> Result<(Brdf, f64), BrdfError> {
         let (mut dimmed, mut excess) = (1.0, 0.0);
         for _ in 0..8 {
             let free = place.as_slice();
             let model = variables::model(&self.given, &self.variables, free, dimmed);
             match Brdf::new(Description::Model(model)) {
-                Err(Problem::Energy { sum, .. }) if sum > 1.0 => {
+                Err(BrdfError::Energy { sum, .. }) if sum > 1.0 => {
                     excess += sum - 1.0;
                     dimmed /= sum * (1.0 + 1e-12);
                 }
                 made => return made.map(|brdf| (brdf, excess)),
             }
         }
-        Err(Problem::Other(
-            "the parameters that are given reflect more than arrives".to_owned(),
+        Err(BrdfError::Other(
+            "the fixed parameters reflect more light than arrives".to_owned(),
         ))
     }
 }
 
-/// The differences between a model and the data, for the method.
+/// The differences between a model and the data.
 struct FitResiduals<'a> {
     question: &'a FitProblem<'a>,
     entries: &'a [FitSample],
@@ -219,8 +219,8 @@ struct FitResiduals<'a> {
 }
 
 impl FitResiduals<'_> {
-    /// Differences at a place, and what the model reflects too much as the last of them; `None`
-    /// where there is no model, or when the work was cancelled.
+    /// The differences at a point, followed by the excess of the albedo; `None` where the model is
+    /// invalid, or if the work was cancelled.
     fn at(&self, place: &DVector<f64>) -> Option<DVector<f64>> {
         self.progress.advance(0).ok()?;
         let (brdf, excess) = self.question.brdf(place).ok()?;
@@ -231,13 +231,13 @@ impl FitResiduals<'_> {
             let off = entry.compressed(value) - entry.compressed(entry.value);
             found.extend(&off.to_array()[..channels]);
         }
-        // As heavy as the data: what is dimmed away must not look like a choice.
+        // Weighted like the data, so that scaling colours down is penalized.
         found.push(excess * (self.entries.len() as f64).sqrt());
         Some(DVector::from_vec(found))
     }
 
-    /// Standard errors of the variables, from the scatter of the data around the fit, which need
-    /// not be the same everywhere (White, Econometrica 48, 1980).
+    /// Heteroscedasticity-consistent standard errors of the variables (White, Econometrica 48,
+    /// 1980).
     fn standard_errors(&self) -> Option<Vec<f64>> {
         let residuals = self.residuals()?;
         let jacobian = self.jacobian()?;
@@ -272,7 +272,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for FitResiduals<'_> {
         self.at(&self.place)
     }
 
-    /// By differences to both sides.
+    /// By central differences.
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let column = |k: usize| {
             let beside = |step: f64| {

@@ -1,7 +1,7 @@
 //! The parameters of a model as variables without bounds.
 
 use azulejo_scene::Rgb;
-use azulejo_scene::brdf::{Info, Kind, Model, Parameter, ParameterInfo, Value};
+use azulejo_scene::brdf::{Model, ModelInfo, Parameter, ParameterInfo, ParameterKind, Value};
 
 /// Sets of Fresnel parameters that a fit may choose among: only this one is fitted.
 const FITTED_FRESNEL: &str = "f0";
@@ -35,10 +35,10 @@ impl FitVariable {
     fn new(parameter: &'static ParameterInfo, channel: Option<usize>) -> FitVariable {
         let (least, most) = (parameter.least, parameter.most);
         let scale = match parameter.kind {
-            Kind::Number if least > 0.0 && most > WIDE * least => {
+            ParameterKind::Number if least > 0.0 && most > WIDE * least => {
                 VariableScale::Logarithmic { offset: 0.0 }
             }
-            Kind::Number if least <= 0.0 && most > WIDE => VariableScale::Logarithmic {
+            ParameterKind::Number if least <= 0.0 && most > WIDE => VariableScale::Logarithmic {
                 offset: 1.0 - least,
             },
             _ => VariableScale::Linear,
@@ -113,18 +113,18 @@ impl FitVariable {
 
 /// All numbers of a model that are not given: one per parameter, three per colour where the data
 /// is coloured.
-pub fn variables(info: &'static Info, given: &Model, is_colored: bool) -> Vec<FitVariable> {
+pub fn variables(info: &'static ModelInfo, given: &Model, is_colored: bool) -> Vec<FitVariable> {
     let is_given = |p: &&ParameterInfo| given.value(p.name).is_some();
     let has_fresnel = info.all_parameters().skip(info.parameters.len());
     let has_fresnel = has_fresnel.into_iter().any(|p| is_given(&p));
     let fitted = info.all_parameters().enumerate().filter(|(k, p)| {
         let is_fresnel = *k >= info.parameters.len();
         let is_fitted = p.name == FITTED_FRESNEL && !has_fresnel;
-        p.kind != Kind::Word && !is_given(p) && (!is_fresnel || is_fitted)
+        p.kind != ParameterKind::Word && !is_given(p) && (!is_fresnel || is_fitted)
     });
     let mut found = Vec::new();
     for (_, parameter) in fitted {
-        if is_colored && parameter.kind == Kind::Color {
+        if is_colored && parameter.kind == ParameterKind::Color {
             found.extend([0, 1, 2].map(|c| FitVariable::new(parameter, Some(c))));
         } else {
             found.push(FitVariable::new(parameter, None));
@@ -138,7 +138,7 @@ pub fn model(given: &Model, variables: &[FitVariable], free: &[f64], dimmed: f64
     let mut model = given.clone();
     for (variable, &free) in variables.iter().zip(free) {
         let mut value = variable.value(free);
-        if variable.parameter.kind == Kind::Color {
+        if variable.parameter.kind == ParameterKind::Color {
             value = (value * dimmed).max(variable.parameter.least);
         }
         let name = variable.parameter.name;

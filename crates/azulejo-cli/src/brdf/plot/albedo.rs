@@ -1,27 +1,27 @@
-//! What is reflected in all, against the angle, and what each part of a model adds.
+//! The albedo against the angle of incidence, with the parts of the model.
 
-use super::{Panel, PlotSubject, brightness, in_turn, label, round_below};
+use super::{Panel, PlotSubject, brightness, in_order, label, round_below};
 use crate::drawing::{Color, Drawing, FAINT, GRID, INK, TextAnchor};
 use crate::failure::Failure;
 use azulejo_scene::{Brdf, Rgb};
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_4;
 
-/// DirectionAngles at which it is found.
+/// Number of angles.
 const ANGLES: usize = 46;
 
 /// The largest of them, degrees.
 const LAST: f64 = 89.0;
 
-/// The parts, from the bottom, each with a pale colour to fill with.
+/// The parts from bottom to top, with their colours.
 const PARTS: [(&str, Color); 4] = [
-    ("in all directions alike", [190, 190, 190]),
-    ("matt", [240, 213, 150]),
+    ("diffuse", [190, 190, 190]),
+    ("rough", [240, 213, 150]),
     ("glossy", [158, 203, 226]),
-    ("mirrored, or nearly", [233, 196, 218]),
+    ("mirror, or nearly", [233, 196, 218]),
 ];
 
-/// Lines of red, green and blue, where they differ.
+/// Lines of the channels, where they differ.
 const CHANNELS: [(&str, Color); 3] = [
     ("R", [190, 60, 40]),
     ("G", [0, 120, 90]),
@@ -31,7 +31,7 @@ const CHANNELS: [(&str, Color); 3] = [
 /// Channels that differ by less are one line.
 const NEAR: f64 = 0.015;
 
-/// What is reflected at one angle.
+/// The albedo at one angle.
 struct AlbedoRow {
     /// Radians.
     degrees: f64,
@@ -54,11 +54,11 @@ struct AlbedoChart {
 pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<(), Failure> {
     panel.head(
         "Albedo against angle",
-        "share of the light from an angle that is reflected in all",
+        "directional albedo: share of the incident light that is reflected",
         sheet,
     );
     let rows = |brdf: &Brdf| {
-        in_turn(subject, "albedo", ANGLES, |k| {
+        in_order(subject, "albedo", ANGLES, |k| {
             reflected(brdf, k, subject.phi)
         })
     };
@@ -162,7 +162,7 @@ impl AlbedoChart {
         }
         sheet.line(vec![self.at(0.0, 0.0), self.at(90.0, 0.0)], INK, 1.2);
         let at = self.at(45.0, 0.0) + DVec2::new(0.0, 32.0);
-        sheet.text(at, TextAnchor::Middle, 11.0, FAINT, "angle to the normal");
+        sheet.text(at, TextAnchor::Middle, 11.0, FAINT, "angle of incidence");
     }
 
     /// One line, or three where the channels differ.

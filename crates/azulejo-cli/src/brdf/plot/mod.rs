@@ -1,4 +1,4 @@
-//! `brdf plot`: one sheet with four pictures of a model.
+//! `brdf plot`: a sheet with four plots of a model.
 
 mod albedo;
 mod polar;
@@ -25,7 +25,7 @@ const SHEET: DVec2 = DVec2::new(960.0, 758.0);
 /// Space around and between the panels.
 const MARGIN: f64 = 24.0;
 
-/// Where the panels begin, below the title.
+/// Top of the panels, below the title.
 const TOP: f64 = 92.0;
 
 /// Size of a panel.
@@ -34,18 +34,18 @@ const PANEL: DVec2 = DVec2::new(
     0.5 * (SHEET.y - TOP - 2.0 * MARGIN - 12.0),
 );
 
-/// The most letters of a description that fit in a line.
+/// Number of characters of a description that fit in a line.
 const LONGEST: usize = 138;
 
-/// What is drawn, and how.
+/// The models to plot, and options.
 struct PlotSubject<'a> {
     /// The model, and the one it is compared with.
     models: Vec<&'a Brdf>,
-    /// DirectionAngles of incidence, radians.
+    /// Angles of incidence, radians.
     angles: Vec<f64>,
-    /// Where the plane of incidence stands about the normal, radians.
+    /// Azimuth of the plane of incidence, radians.
     phi: f64,
-    /// RgbImage of a unit, for what is drawn in pixels.
+    /// Pixels per unit, for rasterized parts.
     scale: f64,
     progress: &'a Progress,
 }
@@ -100,7 +100,7 @@ fn format_of(path: &Path) -> Result<PlotFormat, Failure> {
         Some(e) if e.eq_ignore_ascii_case("svg") => Ok(PlotFormat::Svg),
         Some(e) if e.eq_ignore_ascii_case("png") => Ok(PlotFormat::Png),
         _ => Err(Failure::Misuse(format!(
-            "{}: unknown kind of picture, expected .svg or .png",
+            "{}: unknown image format, expected .svg or .png",
             path.display()
         ))),
     }
@@ -120,7 +120,7 @@ fn write(
         }
         PlotFormat::Png => {
             let pixels = raster::rasterize(sheet, width);
-            let pixels = pixels.ok_or_else(|| Failure::failed("the picture is too large"))?;
+            let pixels = pixels.ok_or_else(|| Failure::failed("the image is too large"))?;
             output.write(progress, |out| {
                 let palette::IndexedImage { palette, indices } = palette::reduce(&pixels);
                 let (width, height) = (pixels.width, pixels.height);
@@ -145,7 +145,7 @@ fn sheet(subject: &PlotSubject) -> Result<Drawing, Failure> {
     Ok(sheet)
 }
 
-/// Title, what was asked for, where it was published.
+/// Title, description and publication.
 fn head(subject: &PlotSubject, sheet: &mut Drawing) {
     let first = subject.models[0];
     let left = |y: f64| DVec2::new(MARGIN, y);
@@ -160,7 +160,7 @@ fn head(subject: &PlotSubject, sheet: &mut Drawing) {
             INK,
             &format!("dashed: {other}"),
         );
-        words = format!("drawn through: {words}");
+        words = format!("solid: {words}");
     }
     sheet.text(left(55.0), TextAnchor::Start, 12.0, INK, &words);
     let paper = paper(first);
@@ -195,14 +195,14 @@ fn shortened(words: &str) -> String {
 }
 
 impl Panel {
-    /// Writes what the panel shows, and more about it below.
+    /// Adds the title of the panel, and a description below.
     fn head(&self, title: &str, about: &str, sheet: &mut Drawing) {
         let at = |y: f64| self.at + DVec2::new(0.0, y);
         sheet.text(at(12.0), TextAnchor::Start, 14.0, INK, title);
         sheet.text(at(29.0), TextAnchor::Start, 11.0, FAINT, about);
     }
 
-    /// What is below the heading, in equal parts from left to right.
+    /// The area below the heading, in equal parts from left to right.
     fn parts(&self, count: usize) -> Vec<Panel> {
         let width = self.size.x / count as f64;
         let part = |k: usize| Panel {
@@ -213,8 +213,8 @@ impl Panel {
     }
 }
 
-/// The values of many things, found in parallel, in their order.
-fn in_turn<T: Send>(
+/// `count` values, computed in parallel, in order.
+fn in_order<T: Send>(
     subject: &PlotSubject,
     stage: &str,
     count: usize,
@@ -228,14 +228,13 @@ fn in_turn<T: Send>(
     (0..count).into_par_iter().map(one).collect()
 }
 
-/// What is drawn of a colour.
+/// The plotted value of a colour: its luminance.
 fn brightness(value: azulejo_scene::Rgb) -> f64 {
     value.luminance()
 }
 
-/// The power of f_r cos that is drawn: the cube root where its peaks would leave nothing else to
-/// see. With the cosine to the viewer it is what goes there; f_r alone has no bound at grazing
-/// angles for many models.
+/// The power of f_r cos that is plotted: the cube root if peaks would hide everything else. The
+/// cosine is included because f_r alone is unbounded at grazing angles for many models.
 fn power(mut values: Vec<f64>) -> f64 {
     values.retain(|v| *v > 0.0);
     values.sort_by(f64::total_cmp);
@@ -264,7 +263,7 @@ fn round_below(x: f64) -> f64 {
         .unwrap_or(decade)
 }
 
-/// A share that is worth a line: not one that is written as 0.0%.
+/// A share, or 0 if it would be printed as 0.0%.
 fn seen(share: f64) -> f64 {
     if share < 5e-4 { 0.0 } else { share }
 }

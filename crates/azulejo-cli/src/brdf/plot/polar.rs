@@ -8,16 +8,16 @@ use azulejo_scene::Brdf;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Lines of the model, and of what it is compared with.
+/// Dashes of the model, and of the one it is compared with.
 const DASHES: [&[f64]; 2] = [&[], &[5.0, 3.0]];
 
 /// One line.
 struct PolarLobe {
-    /// Angle to the normal in the plane, to the right; and f_r cos there.
+    /// Angles to the normal in the plane of incidence, and f_r cos there.
     points: Vec<(f64, f64)>,
     /// Angle of incidence.
     angle: f64,
-    /// What is mirrored exactly.
+    /// Reflectance of the perfect mirror.
     mirrored: f64,
     color: Color,
     dashes: &'static [f64],
@@ -46,7 +46,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) {
     };
     let has_mirror = lobes.iter().any(|l| l.mirrored > 0.0);
     let about = if has_mirror {
-        "straight lines: mirrored exactly"
+        "straight lines: perfect mirror reflection"
     } else {
         "light comes from the left"
     };
@@ -83,21 +83,21 @@ fn lobes(subject: &PlotSubject) -> Vec<PolarLobe> {
     models.flat_map(of).collect()
 }
 
-/// A direction in the plane of incidence; `angle` is to the normal, below 0 on the light's side.
+/// A direction in the plane of incidence; its angle to the normal is negative on the light's side.
 pub fn in_plane(angle: f64, phi: f64) -> DVec3 {
     let (sin, cos) = angle.sin_cos();
     DVec3::new(sin * phi.cos(), sin * phi.sin(), cos)
 }
 
-/// The line of a lobe: denser around the mirrored direction, where it may be narrow.
+/// The curve of a lobe, sampled more densely around the mirror direction, where it may be narrow.
 fn points(brdf: &Brdf, incidence: f64, phi: f64) -> Vec<(f64, f64)> {
     let wide = (-359..360).map(|k| f64::from(k) * FRAC_PI_2 / 360.0);
     let close = (-160..=160).map(|k: i32| {
         let t = f64::from(k) / 160.0;
         incidence + 0.25 * t * t.abs()
     });
-    // Not the mirrored direction itself: where the half vector is the normal, models that are
-    // brushed have a value that is none of its neighbours'.
+    // The mirror direction itself is left out: where the half vector is the normal, some anisotropic
+    // models are discontinuous.
     let is_drawn = |a: &f64| a.abs() < 0.9999 * FRAC_PI_2 && (a - incidence).abs() > 1e-9;
     let mut angles: Vec<f64> = wide.chain(close).filter(is_drawn).collect();
     angles.sort_by(f64::total_cmp);
@@ -131,7 +131,7 @@ impl PolarAxes {
         sheet.line(floor.to_vec(), INK, 1.2);
     }
 
-    /// DirectionAngles to the normal, where no other words are in their way.
+    /// Labels of the angles to the normal, where there is room.
     fn degrees(&self, sheet: &mut Drawing) {
         for k in 1..=2 {
             let angle = f64::from(k) * PI / 6.0;

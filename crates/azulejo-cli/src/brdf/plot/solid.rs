@@ -1,6 +1,6 @@
-//! A lobe as a solid body, seen from the side.
+//! A lobe as a solid, seen from the side.
 
-use super::{Panel, PlotSubject, brightness, in_turn, label, percent, power, power_words, seen};
+use super::{Panel, PlotSubject, brightness, in_order, label, percent, power, power_words, seen};
 use crate::drawing::{COLORS, Drawing, FAINT, INK, RgbImage, TextAnchor};
 use crate::failure::Failure;
 use azulejo_scene::Brdf;
@@ -8,14 +8,14 @@ use azulejo_scene::math::Frame;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Angle of incidence, degrees: what is common to all plots can be compared.
+/// Angle of incidence in degrees, the same in all plots so that they can be compared.
 const INCIDENCE: f64 = 45.0;
 
 /// Rings about the mirrored direction, and points of each.
 const RINGS: usize = 120;
 const SECTORS: usize = 180;
 
-/// RgbImage of the picture are means of this many by as many.
+/// Pixels of the image are means of this many by as many.
 const FINE: usize = 3;
 
 /// Half the length of an axis' name.
@@ -43,7 +43,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
             label(most)
         )
     } else {
-        "all is mirrored exactly".to_owned()
+        "perfect mirror".to_owned()
     };
     panel.head(&format!("Lobe for light from {INCIDENCE}°"), &about, sheet);
     let parts = panel.parts(bodies.len());
@@ -81,7 +81,7 @@ fn values(
 ) -> Result<Vec<Vec<(DVec3, f64)>>, Failure> {
     let axis = DVec3::new(-light.x, -light.y, light.z);
     let frame = Frame::from_normal(axis);
-    in_turn(subject, "lobe", RINGS + 1, |ring| {
+    in_order(subject, "lobe", RINGS + 1, |ring| {
         let share = ring as f64 / RINGS as f64;
         let sector = |k: usize| {
             let turn = TAU * k as f64 / SECTORS as f64;
@@ -149,7 +149,7 @@ impl LobeView {
             let ends = [DVec3::ZERO, away].map(place);
             sheet.dashed(ends.to_vec(), COLORS[1], 1.8, &[1.5, 2.5]);
             let behind = ends[1] + DVec2::new(0.0, -5.0);
-            let words = format!("mirrored: {}", percent(mirrored));
+            let words = format!("mirror: {}", percent(mirrored));
             sheet.text(behind, TextAnchor::Middle, 10.0, COLORS[1], &words);
         }
     }

@@ -1,6 +1,6 @@
-//! A sphere of the material under a square lamp.
+//! A sphere of the material under a square area light.
 
-use super::{Panel, PlotSubject, in_turn};
+use super::{Panel, PlotSubject, in_order};
 use crate::drawing::{Drawing, FAINT, RgbImage, TextAnchor};
 use crate::failure::Failure;
 use azulejo_render::{Tone, srgb_from_linear};
@@ -127,7 +127,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
         "on a dark floor under a dim sky; tangents are horizontal",
         sheet,
     );
-    let names = ["drawn through", "dashed"];
+    let names = ["solid", "dashed"];
     let parts = panel.parts(subject.models.len());
     for ((brdf, part), name) in subject.models.iter().zip(&parts).zip(names) {
         let side = part.size.x.min(part.size.y) - 8.0;
@@ -148,7 +148,7 @@ fn picture(subject: &PlotSubject, brdf: &Brdf, side: u32) -> Result<RgbImage, Fa
         lamp: SquareLamp::new(),
         points: SobolTable::new(ROUND * ROUNDS),
     };
-    let rows = in_turn(subject, "sphere", side as usize, |y| {
+    let rows = in_order(subject, "sphere", side as usize, |y| {
         let pixel = |x: u32| studio.pixel(x, y as u32, side);
         (0..side).flat_map(pixel).collect::<Vec<u8>>()
     })?;

@@ -1,17 +1,17 @@
-//! Which plots the runs of a suite are worth.
+//! The plots of a report, chosen by its results.
 
 use super::super::record::{RunRecord, TaskRecord};
 use super::tables::{RepeatedRun, repeated};
 
-/// A plot: lines of points, both axes logarithmic or counted.
+/// A line chart.
 pub struct ChartSpec {
-    /// Name of the file, without its extension.
+    /// File name without extension.
     pub name: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// Below.
+    /// Horizontal axis.
     pub x: ChartAxis,
-    /// At the side.
+    /// Vertical axis.
     pub y: ChartAxis,
     /// The lines.
     pub series: Vec<ChartSeries>,
@@ -22,7 +22,7 @@ pub struct ChartSpec {
 pub struct ChartAxis {
     /// PlotQuantity and unit.
     pub label: &'static str,
-    /// Whether equal steps are equal factors.
+    /// Whether the axis is logarithmic.
     pub is_logarithmic: bool,
 }
 
@@ -35,7 +35,7 @@ pub struct ChartSeries {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Something that runs have.
+/// A quantity of runs.
 struct PlotQuantity {
     /// For names of files.
     name: &'static str,
@@ -94,7 +94,7 @@ const MIRRORS: PlotQuantity = PlotQuantity {
     of: |r| r.mirrors.map(|m| m as f64),
 };
 
-/// The plots that the records are enough for: at least one line of two points.
+/// The plots with at least one line of two points.
 pub fn of(records: &[&TaskRecord]) -> Vec<ChartSpec> {
     let rows = repeated(records);
     let rows: Vec<&RepeatedRun> = rows.iter().filter(|r| !r.is_reference).collect();
@@ -121,7 +121,7 @@ pub fn of(records: &[&TaskRecord]) -> Vec<ChartSpec> {
             figures.push(figure(scene, &rows, x, y, by_engine));
         }
     }
-    // Scenes of one family, told apart by their mirrors or their facets.
+    // Scenes of one family differ in their number of mirrors or facets.
     let mut families: Vec<&str> = rows.iter().map(|r| family(r.run)).collect();
     families.dedup();
     for name in families {
@@ -200,7 +200,7 @@ fn file_name(text: &str) -> String {
     words.join("-").to_lowercase()
 }
 
-/// The power of x with which y grows, by least squares of the logarithms; `None` for one point.
+/// The exponent of the growth of y with x, by least squares of the logarithms; `None` for one point.
 pub fn growth(points: &[(f64, f64)]) -> Option<f64> {
     let n = points.len() as f64;
     let logs: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();

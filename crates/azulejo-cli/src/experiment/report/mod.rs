@@ -1,5 +1,4 @@
-//! The report: one page that needs nothing else, plots as files of their own, numbers as CSV and
-//! JSON.
+//! The report: a self-contained page, plots as separate files, and the numbers as CSV and JSON.
 
 mod chart;
 mod figures;
@@ -15,10 +14,10 @@ use azulejo_trace::Progress;
 use std::io::Write;
 use std::path::Path;
 
-/// Name of the page in the report's folder.
+/// File name of the page.
 pub const PAGE: &str = "report.html";
 
-/// Writes all of it; what was there before is replaced in one step.
+/// Writes the report, replacing an existing one atomically.
 pub fn write(
     suite: &Suite,
     machine: &MachineInfo,

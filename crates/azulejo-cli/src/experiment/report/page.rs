@@ -1,4 +1,4 @@
-//! The page: what was asked, on what machine, plots, tables, and how to read them.
+//! The page of the report: introduction, machine, plots, tables, and explanations.
 
 use super::super::machine::MachineInfo;
 use super::super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
@@ -9,22 +9,22 @@ use super::tables::{RepeatedRun, repeated, short, truths};
 use crate::drawing::{COLORS, Color, GRID, INK, escaped, hex};
 use std::fmt::Write;
 
-/// Everything the page shows.
+/// The content of the page.
 pub struct Page<'a> {
-    /// Title and words.
+    /// The suite, with title and introduction.
     pub suite: &'a Suite,
-    /// What it was measured on.
+    /// The machine.
     pub machine: &'a MachineInfo,
-    /// What was found.
+    /// The results.
     pub records: &'a [&'a TaskRecord],
     /// The plots.
     pub figures: &'a [ChartSpec],
 }
 
-/// The look, light or dark as the reader's system is. Lines of plots are paler in the dark.
+/// The style sheet, light or dark as the reader's system. Lines of plots are paler in the dark.
 const STYLE: &str = include_str!("style.css");
 
-/// Answers further off than this are marked.
+/// Errors above this, in standard errors, are marked.
 const FAR: f64 = 4.0;
 
 impl Page<'_> {
@@ -120,11 +120,11 @@ impl Page<'_> {
         if settings.is_empty() {
             return Ok(());
         }
-        out.push_str("<h2>Known answers</h2>\n");
+        out.push_str("<h2>Known solutions</h2>\n");
         summary_of_truths(out, &truths, &settings)?;
         out.push_str(
-            "<p>Off is the answer less the truth; σ says how many of the engine's own standard errors \
-             that is, once what the truth itself leaves open is taken off.</p>\n",
+            "<p>The error is the engine's solution minus the exact one; σ is the error in units of the \
+             engine's standard error, after subtracting the uncertainty of the exact solution.</p>\n",
         );
         let mut cases: Vec<&TruthRecord> = Vec::new();
         for truth in &truths {
@@ -132,7 +132,7 @@ impl Page<'_> {
                 cases.push(truth);
             }
         }
-        out.push_str("<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">case</th><th rowspan=\"2\" class=\"n\">truth</th>");
+        out.push_str("<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">case</th><th rowspan=\"2\" class=\"n\">exact</th>");
         for name in &settings {
             write!(
                 out,
@@ -142,7 +142,7 @@ impl Page<'_> {
         }
         out.push_str("</tr><tr>");
         for _ in &settings {
-            out.push_str("<th class=\"n group\">answer</th><th class=\"n\">off</th><th class=\"n\">±</th><th class=\"n\">σ</th>");
+            out.push_str("<th class=\"n group\">solution</th><th class=\"n\">error</th><th class=\"n\">±</th><th class=\"n\">σ</th>");
         }
         out.push_str("</tr></thead><tbody>\n");
         for case in cases {
@@ -173,7 +173,9 @@ impl Page<'_> {
                 continue;
             };
             if std::mem::take(&mut is_first) {
-                out.push_str("<h2>What came to nothing</h2>\n<p>It is tried again by the next call.</p>\n<ul>\n");
+                out.push_str(
+                    "<h2>Failed tasks</h2>\n<p>They are repeated by the next run.</p>\n<ul>\n",
+                );
             }
             writeln!(
                 out,
@@ -189,20 +191,20 @@ impl Page<'_> {
     }
 }
 
-/// Head, explanation and cell of a column of results.
+/// Heading, explanation and value of a column of results.
 type Column = (&'static str, &'static str, fn(&RepeatedRun) -> Option<f64>);
 
 const COLUMNS: [Column; 14] = [
     ("samples", "rays or pixels per row", |r| {
         r.mean(|r| (r.samples > 0.0).then_some(r.samples))
     }),
-    ("time, s", "form factors, by the clock on the wall", |r| {
+    ("time, s", "form factors, wall-clock time", |r| {
         r.mean(|r| Some(r.seconds))
     }),
-    ("CPU, s", "all processors together", |r| {
+    ("CPU, s", "form factors, CPU time of all threads", |r| {
         r.mean(|r| Some(r.cpu_seconds))
     }),
-    ("MiB", "most memory of the process", |r| {
+    ("MiB", "peak memory of the process", |r| {
         r.mean(|r| r.peak_bytes.map(|b| b as f64 / f64::from(1 << 20)))
     }),
     ("row error", "mean of Σ|X − R|/ΣR over rows", |r| {
@@ -213,19 +215,21 @@ const COLUMNS: [Column; 14] = [
     }),
     (
         "stated",
-        "mean row error that the engine itself expects",
+        "mean row error, as estimated by the engine",
         |r| r.mean(|r| Some(r.row_error_stated)),
     ),
     ("B error", "mean of |B/B_ref − 1| over facets", |r| {
         r.mean(|r| r.b_error_mean)
     }),
     ("largest", "largest of them", |r| r.mean(|r| r.b_error_max)),
-    ("closure", "root mean square of what rows lack of 1", |r| {
-        r.mean(|r| Some(r.closure_rms))
-    }),
+    (
+        "closure",
+        "root mean square deviation of row sums from 1",
+        |r| r.mean(|r| Some(r.closure_rms)),
+    ),
     (
         "moved",
-        "share of the matrix moved to make rows add up",
+        "share of the matrix moved to enforce closure",
         |r| r.mean(|r| Some(r.moved)),
     ),
     (
@@ -233,7 +237,7 @@ const COLUMNS: [Column; 14] = [
         "largest |A_i X_ij − A_j X_ji|, relative to the mean entry of the row",
         |r| r.mean(|r| Some(r.reciprocity)),
     ),
-    ("energy", "power not accounted for, relative", |r| {
+    ("energy", "unaccounted power, relative", |r| {
         r.mean(|r| r.energy)
     }),
     ("solve, s", "solution of B = M + ρXB", |r| {
@@ -276,15 +280,15 @@ fn write_row(out: &mut String, row: &RepeatedRun) -> std::fmt::Result {
     )
 }
 
-/// One line for each engine: how many answers are good, and how good.
+/// One line for each engine: the number of solutions within 4 σ, and their errors.
 fn summary_of_truths(
     out: &mut String,
     truths: &[&TruthRecord],
     settings: &[&str],
 ) -> std::fmt::Result {
     out.push_str(
-        "<table><thead><tr><th>engine</th><th class=\"n\">answers</th><th class=\"n\">within 4 σ</th>\
-         <th class=\"n\">median |off|</th><th class=\"n\">largest |off|</th><th class=\"n\">time, s</th>\
+        "<table><thead><tr><th>engine</th><th class=\"n\">cases</th><th class=\"n\">within 4 σ</th>\
+         <th class=\"n\">median |error|</th><th class=\"n\">largest |error|</th><th class=\"n\">time, s</th>\
          <th>ran</th></tr></thead><tbody>\n",
     );
     for name in settings {
@@ -332,7 +336,7 @@ fn write_answer(out: &mut String, answer: Option<&TruthRecord>) -> std::fmt::Res
     )
 }
 
-/// How time and memory grow, where that is what the plot shows.
+/// The growth of time and memory, for plots against the number of facets.
 fn slopes(figure: &ChartSpec) -> String {
     if figure.x.label != "facets" {
         return String::new();
@@ -357,7 +361,7 @@ fn plot_style() -> String {
     lines + &rule(INK, "currentColor") + &rule(GRID, "var(--grid)")
 }
 
-/// How to read the numbers.
+/// Explanations of the numbers.
 const READING: &str = include_str!("reading.html");
 
 #[cfg(test)]

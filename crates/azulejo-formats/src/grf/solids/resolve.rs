@@ -124,7 +124,7 @@ impl<'d> GrfResolver<'d> {
         if let Some(skin) = &block.skin {
             let materials = self.skin_materials(skin, &exact, place)?;
             let mesh = self.built_mesh(&skin.mesh, materials, place, outer)?;
-            exact.skin = Some(Box::new(mesh));
+            exact.proxy = Some(Box::new(mesh));
         }
         let shape = Shape::Exact(exact);
         self.scene

@@ -85,7 +85,7 @@ fn counts<T: Display>(out: &mut GrfOutput<'_>, key: &str, counts: &[T]) -> io::R
 
 /// The block of a solved shape's proxy mesh, in the coordinates inside the transforms `outer`.
 pub(in crate::grf) fn skin_block(exact: &Exact, outer: OuterTransform) -> Option<Box<SkinBlock>> {
-    let mut skin = Mesh::clone(exact.skin.as_ref()?);
+    let mut skin = Mesh::clone(exact.proxy.as_ref()?);
     if let Some(map) = outer {
         skin.transform(&map.inverse());
     }

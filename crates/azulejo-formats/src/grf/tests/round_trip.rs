@@ -1,4 +1,4 @@
-//! What is written is read back, to the bit.
+//! Written scenes and documents read back bit by bit.
 
 use super::exact_shapes::{exact, shared_figures};
 use super::*;
@@ -13,7 +13,7 @@ use proptest::option;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Writing a document and reading it changes neither its text nor its scene.
+/// Checks that writing and reading a document preserves its text and its scene.
 fn check_document(text: &str) {
     let once = document_text(&document(text));
     assert_eq!(document_text(&document(&once)), once);
@@ -97,7 +97,7 @@ fn corners_that_disagree_split_their_vertex() {
     assert_eq!(mesh.irradiance[5], Rgb::grey(0.0));
 }
 
-/// Models that people made: as GRF they keep their faces, and from then on every bit.
+/// Third-party models: converted to GRF they keep their faces, and from then on every bit.
 #[test]
 fn models_from_elsewhere() {
     let Some(data) = azulejo_testing::data() else {
@@ -168,7 +168,7 @@ fn share() -> impl Strategy<Value = Rgb> {
     ]
 }
 
-/// Names that people give, and names that only a fuzzer gives.
+/// Typical names, and arbitrary ones.
 fn name() -> impl Strategy<Value = String> {
     prop_oneof![
         Just(String::new()),

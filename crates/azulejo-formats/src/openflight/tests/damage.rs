@@ -1,4 +1,4 @@
-//! Files that are damaged, or made to do harm.
+//! Damaged and hostile files.
 
 use super::super::opcode::*;
 use super::super::read;
@@ -32,7 +32,7 @@ fn it_must_begin_with_a_header() {
     check(b"\0\x01\0", "the end of the file");
     check(&group("g").0, "opcode 2 and length 44");
     check(&FltRecord::new(HEADER, 12).0, "opcode 1 and length 12");
-    check(&header(1600).0[..100], "a header of 324 bytes, cut short");
+    check(&header(1600).0[..100], "a header of 324 bytes, truncated");
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn levels_are_mended() {
     check_warned(
         open,
         &[("o", &[ORIGIN])],
-        &[("the file ends within 2 levels: closed", 1)],
+        &[("the file ends inside 2 nested levels: closed", 1)],
     );
     let closed = Flt::new()
         .add(pop())
@@ -122,7 +122,10 @@ fn corners_that_are_no_vertices_are_left_out() {
         flt,
         &[("", &[ORIGIN])],
         &[
-            ("corner that is no vertex of the palette: left out", 3),
+            (
+                "corner that does not refer to a vertex of the palette: skipped",
+                3,
+            ),
             ("face with fewer than three corners: skipped", 1),
         ],
     );
@@ -136,7 +139,7 @@ fn palettes_are_checked() {
         .add(FltRecord::new(VERTEX_PALETTE, 8))
         .add(vertex([0.0; 3], 0))
         .face(face());
-    let outside = "vertex outside of the vertex palette: skipped";
+    let outside = "vertex outside the vertex palette: skipped";
     check_warned(
         flt,
         &[("", &[ORIGIN])],
@@ -154,12 +157,9 @@ fn a_matrix_of_no_numbers_is_left_out() {
     check_warned(
         Flt::new().node(object("o"), &[matrix]),
         &[("o", &[ORIGIN])],
-        &[(
-            "matrix that is too short, or of what is no number: left out",
-            1,
-        )],
+        &[("matrix that is too short or not finite: ignored", 1)],
     );
-    // What a matrix moves out of the world is no vertex any more.
+    // A vertex whose transformed position overflows is dropped.
     let far = translation(f32::MAX, 0.0, 0.0);
     let row = f32::MAX;
     let huge = matrix_of(row);
@@ -199,7 +199,7 @@ fn old_revisions_are_said() {
     assert_eq!(
         said,
         [
-            "revision 12: before 14, colours and vertices had other forms, which are not read",
+            "revision 12: colours and vertices before revision 14 have other formats, which are not supported",
             "absolute vertex (before revision 13) (opcode 7): skipped",
             "face without corners: skipped",
             "no faces: the scene is empty",
@@ -236,7 +236,7 @@ fn instances_are_limited() {
     check_budget(&flt.0);
 }
 
-/// A name of a hundred thousand bytes above as many objects as a small file has room for.
+/// A name of a hundred thousand bytes above as many objects as a small file can hold.
 #[test]
 fn names_are_limited() {
     let name = FltRecord::new(LONG_ID, 60_000).bytes(4, &[b'n'; 59_996]);
@@ -246,7 +246,7 @@ fn names_are_limited() {
     check_budget(&flt.0);
 }
 
-/// Replicated groups inside each other.
+/// Nested replicated groups.
 #[test]
 fn replication_is_limited() {
     let flt = (0..10).fold(Flt::new(), |f, _| {
@@ -268,8 +268,8 @@ fn check_budget(bytes: &[u8]) {
     assert!(said.contains("unfold to more than 100000"), "{said}");
 }
 
-/// Cuts a file at every byte and changes every byte: it must be read or refused, and what comes
-/// out must be valid.
+/// Truncates a file at every byte and changes every byte: it must be read or rejected, and any
+/// result must be valid.
 #[test]
 fn any_damage_is_survived() {
     let part = Flt::new().node(object("p"), &[]).0;
@@ -298,7 +298,7 @@ fn any_damage_is_survived() {
     }
 }
 
-/// A file with a node of most kinds.
+/// A file with most types of nodes.
 fn everything() -> Flt {
     let reference = FltRecord::new(EXTERNAL_REFERENCE, 216).text(4, "b.flt");
     let replicate = FltRecord::new(REPLICATE, 8).u16(4, 2);

@@ -1,4 +1,4 @@
-//! External references: where files are found, and what they bring.
+//! External references: file lookup and content.
 
 use super::super::opcode::*;
 use super::writer::*;
@@ -57,9 +57,9 @@ fn what_is_missing_is_said() {
         &load(referring(&["gone.flt", "notes.flt", "gone.flt"]), &files),
         &[],
         &[
-            ("\"gone.flt\" is left out: there is no such file", 2),
+            ("file \"gone.flt\" skipped: there is no such file", 2),
             (
-                "\"notes.flt\" is left out: notes.flt: byte 0 (0x0): found opcode 28271 and \
+                "file \"notes.flt\" skipped: notes.flt: byte 0 (0x0): found opcode 28271 and \
                  length 8301, expected a header record: opcode 1 and a length of at least 16",
                 1,
             ),
@@ -79,8 +79,8 @@ fn cycles_are_refused() {
     assert_eq!(
         said,
         [
-            "\"A.FLT\" is left out: it refers to itself",
-            "\"./self.flt\" is left out: it refers to itself",
+            "file \"A.FLT\" skipped: it refers to itself",
+            "file \"./self.flt\" skipped: it refers to itself",
             "no faces: the scene is empty"
         ]
     );
@@ -94,10 +94,7 @@ fn chains_end() {
     });
     let loaded = load(referring(&["0.flt"]), &files);
     let said = &loaded.warnings[0].message;
-    assert!(
-        said.contains("more than 16 files inside each other"),
-        "{said}"
-    );
+    assert!(said.contains("files nested more than 16 deep"), "{said}");
 }
 
 #[test]
@@ -127,7 +124,7 @@ fn one_node_can_be_asked_for() {
             ("g/door", &[[1.0, 0.0, 0.0]]),
             ("g/wall/door", &[[1.0, 0.0, 0.0]]),
         ],
-        &[("no node of the name \"cat\": left out", 1)],
+        &[("no node named \"cat\": skipped", 1)],
     );
 }
 
@@ -158,10 +155,7 @@ fn units_become_those_of_the_root() {
             ("km", &[[5.0, 0.0, 2000.0]]),
             ("?", &[[1.0, 0.0, 0.0]]),
         ],
-        &[(
-            "unit of length that is none of the known: taken as unknown",
-            1,
-        )],
+        &[("unknown unit of length: not used", 1)],
     );
 }
 

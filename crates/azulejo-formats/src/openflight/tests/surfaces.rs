@@ -70,7 +70,7 @@ fn vertices_are_shared_within_an_object() {
 fn morphs_stand_at_their_start() {
     let pairs = vertex_list(&[8, 128, 48, 128, 88, 128]).u16(0, MORPH_VERTEX_LIST);
     let flt = Flt::new().add(face()).with(|f| f.add(pairs));
-    let warning = ("morph vertex list: its state at 0 % is taken", 1);
+    let warning = ("morph vertex list: its state at 0 % is used", 1);
     check_warned(flt.clone(), &[("", &[ORIGIN])], &[warning]);
     assert_eq!(
         super::mesh(&load(flt), 0).positions[2],
@@ -97,7 +97,7 @@ fn faces_that_are_no_surfaces_are_left_out() {
             ("face drawn as a wireframe: skipped", 2),
             ("face drawn as light points: skipped", 1),
             ("hidden face: skipped", 1),
-            ("wholly transparent face: skipped", 1),
+            ("fully transparent face: skipped", 1),
             ("face without corners: skipped", 1),
             ("face with fewer than three corners: skipped", 1),
         ],
@@ -122,10 +122,7 @@ fn sub_faces_are_kept() {
         .add(FltRecord::new(PUSH, 4))
         .add(face())
         .with(|f| f.add(vertex_list(&CORNERS)).face(face()));
-    let warning = (
-        "sub-face, in the plane of the face below it: both are kept",
-        1,
-    );
+    let warning = ("sub-face, coplanar with its parent face: both are kept", 1);
     for flt in [behind, inside] {
         let flt = flt.face(face()).add(FltRecord::new(POP, 4));
         check_warned(flt, &[("o", &[ORIGIN, ORIGIN, ORIGIN])], &[warning]);
@@ -213,7 +210,7 @@ fn colors_of_faces() {
         &[colors()],
         plain.clone().u32(68, 9 << 7),
         matt(1.0, 1.0, 1.0),
-        &[("face whose colour is beyond the palette: white", 1)],
+        &[("face with a colour index beyond the palette: white", 1)],
     );
     // Packed, by the face's flag or the header's.
     let packed = plain.clone().u32(56, 0x0000_00ff);
@@ -226,7 +223,7 @@ fn colors_of_faces() {
     );
     check_material_of(header(1600).u32(64, 1 << 30), &[], packed, red.clone(), &[]);
     check_material(&[colors()], face().u32(68, 127), matt(1.0, 1.0, 1.0), &[]);
-    // Revision 15.0: index and brightness in the field that names colours later.
+    // Revision 15.0: index and intensity in the field that later holds the colour name index.
     let old = plain.u16(20, 1 << 7 | 127).u32(68, 127);
     check_material_of(header(1500), &[colors()], old, green, &[]);
 }
@@ -257,17 +254,14 @@ fn materials_multiply_the_colours_of_lit_faces() {
         &[],
         lit(),
         matt(1.0, 1.0, 1.0),
-        &[("material that the palette lacks: white", 1)],
+        &[("material index that is not in the palette: white", 1)],
     );
     let wrong = material().singles(36, &[2.0, f32::NAN, -1.0]);
     check_material(
         &[wrong],
         lit(),
         brick(1.0, 0.0, 0.0),
-        &[(
-            "material that reflects more than it gets, or less than nothing: clamped",
-            1,
-        )],
+        &[("material with a reflectance outside 0..1: clamped", 1)],
     );
 }
 
@@ -280,7 +274,7 @@ fn materials_glow_and_shine() {
         emits_back: true,
         ..matt(0.5, 0.25, 1.0)
     };
-    let warning = "material that emits less than nothing: clamped to 0";
+    let warning = "material with negative emission: clamped to 0";
     check_material(&[glowing], lit().u8(18, 1), expected, &[(warning, 1)]);
     let glossy = material()
         .singles(48, &[1.0, 0.5, 0.25])
@@ -319,7 +313,7 @@ fn the_old_material_palette_has_all_in_one() {
 
 #[test]
 fn transparency_is_opaque() {
-    let warning = &[("see-through face: opaque", 1)];
+    let warning = &[("face with transparency: opaque", 1)];
     let half = 1 << 15;
     let white = || matt(1.0, 1.0, 1.0);
     check_material(&[], face().u16(40, half), white(), warning);
@@ -331,7 +325,7 @@ fn transparency_is_opaque() {
     check_material(&[clear], lit(), brick, warning);
     let glass = object("o").u16(18, half);
     check_warned(Flt::new().node(glass, &[]), &[("o", &[ORIGIN])], warning);
-    let billboard = &[("face that turns to the viewer: kept as it stands", 1)];
+    let billboard = &[("billboard face: kept in its original orientation", 1)];
     check_material(&[], face().u8(25, 2), white(), billboard);
 }
 
@@ -363,8 +357,8 @@ fn pictures_are_named() {
         messages,
         [
             "picture \"C:/art/brick.rgb\" is not shown: there is no such file",
-            "face with a picture, but without texture coordinates",
-            "texture that the palette lacks: not shown",
+            "face with a texture, but without texture coordinates",
+            "texture index that is not in the palette: ignored",
         ]
     );
 }
@@ -445,7 +439,7 @@ fn check_mesh(primitives: &[FltRecord], expected: &[&[u32]]) {
             .with(|f| primitives.iter().cloned().fold(f, Flt::add))
     });
     let mesh = only_mesh(flt);
-    // A vertex's place says its number.
+    // The position of a vertex encodes its number.
     let numbers = |face: &[u32]| -> Vec<u32> {
         let number = |&v: &u32| mesh.positions[v as usize].x as u32;
         face.iter().map(number).collect()
@@ -522,11 +516,14 @@ fn damaged_meshes_are_said() {
         flt,
         &[("", &[ORIGIN, ORIGIN])],
         &[
-            ("mesh of 9 vertices with only 3 of them", 1),
-            ("polygon of a mesh with a vertex that it lacks: skipped", 1),
-            ("mesh primitive with fewer indices than it promises", 2),
-            ("mesh primitive of unknown kind: skipped", 1),
-            ("mesh without positions of vertices: skipped", 2),
+            ("mesh that declares 9 vertices, but has 3", 1),
+            (
+                "polygon of a mesh with a vertex index out of range: skipped",
+                1,
+            ),
+            ("mesh primitive with fewer indices than declared", 2),
+            ("mesh primitive of unknown type: skipped", 1),
+            ("mesh without vertex positions: skipped", 2),
         ],
     );
 }

@@ -45,7 +45,7 @@ impl FltRecord {
         self.bytes(at, &bytes)
     }
 
-    /// Adds bytes behind the record, which its length counts.
+    /// Appends bytes to the record and updates its length.
     pub fn more(mut self, bytes: &[u8]) -> FltRecord {
         self.0.extend(bytes);
         let length = self.0.len() as u16;
@@ -71,7 +71,7 @@ pub fn object(name: &str) -> FltRecord {
     FltRecord::new(OBJECT, 28).named(name)
 }
 
-/// A face without material and picture, white.
+/// A white face without material and texture.
 pub fn face() -> FltRecord {
     FltRecord::new(FACE, 80)
         .u16(28, u16::MAX)
@@ -87,7 +87,7 @@ pub fn mesh() -> FltRecord {
         .u32(48, 1 << 30)
 }
 
-/// A vertex with a colour of its own, packed.
+/// A vertex with a packed colour of its own.
 pub fn vertex(position: [f64; 3], abgr: u32) -> FltRecord {
     FltRecord::new(VERTEX_C, 40)
         .u16(6, 0x1000)
@@ -101,7 +101,7 @@ pub fn vertex_list(offsets: &[u32]) -> FltRecord {
     FltRecord::new(VERTEX_LIST, 4).more(&bytes)
 }
 
-/// A matrix that moves.
+/// A translation matrix.
 pub fn translation(x: f32, y: f32, z: f32) -> FltRecord {
     matrix([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, y, z]])
 }
@@ -150,7 +150,7 @@ impl Flt {
         self
     }
 
-    /// The node that was added last, and its children.
+    /// Adds children to the node that was added last.
     pub fn with(self, children: impl FnOnce(Flt) -> Flt) -> Flt {
         let pushed = self.add(FltRecord::new(PUSH, 4));
         children(pushed).add(FltRecord::new(POP, 4))
@@ -161,7 +161,7 @@ impl Flt {
         self.add(face).with(|f| f.add(vertex_list(&CORNERS)))
     }
 
-    /// A face under a matrix.
+    /// Adds a node with its ancillary records, and a face below it.
     pub fn node(self, node: FltRecord, ancillary: &[FltRecord]) -> Flt {
         let flt = self.add(node);
         let flt = ancillary.iter().cloned().fold(flt, Flt::add);

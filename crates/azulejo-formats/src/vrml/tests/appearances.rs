@@ -1,4 +1,4 @@
-//! Materials, colours and pictures.
+//! Materials, colours and textures.
 
 use super::*;
 use crate::surface::phong::{Angle, Highlight};
@@ -69,7 +69,7 @@ fn what_materials_lose_is_said() {
         "",
     );
     let expected = [
-        ":2:42: see-through material (transparency): opaque",
+        ":2:42: material with transparency: opaque",
         ":2:42: glow of Material: skipped",
         ":2:30: shaders of Appearance: skipped",
     ];
@@ -135,11 +135,11 @@ fn pictures_of_numbers() {
     let picture = "texture DEF p PixelTexture { image 2 2 3 0xFF0000 0x00FF00 0x0000FF 0xFFFFFF } material Material { diffuseColor 0.5 0.5 0.5 }";
     let (scene, _) = look(picture, "");
     let image = scene.textures[0].image.as_ref().unwrap();
-    // Rows stand from below in the file, from above here.
+    // Rows are stored bottom up in the file, top down here.
     assert_eq!(image.pixels[..2], [[0.0, 0.0, 1.0], [1.0; 3]]);
     assert_eq!(image.pixels[2..], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     assert_eq!(scene.materials[0].diffuse, Rgb::WHITE);
-    // Without coordinates the picture lies over the box: the longest side is u.
+    // Without coordinates the texture is projected onto the bounding box: u is the longest side.
     assert_eq!(uvs(&scene)[2], DVec2::new(1.0, 0.5));
     let (scene, _) = look(
         "texture PixelTexture { image 1 1 1 0xFF } material Material { }",

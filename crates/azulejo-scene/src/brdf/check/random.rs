@@ -1,4 +1,4 @@
-//! Numbers for checks, the same every time.
+//! Random numbers for checks, the same every time.
 
 use crate::brdf::quadrature::cosine_hemisphere;
 use crate::random::split_mix64;

@@ -2,7 +2,8 @@
 
 use crate::words::Language;
 use azulejo::scene::brdf::{
-    Description, FRESNEL, Info, MODELS, Model, Parameter, ParameterInfo, Value, WAVELENGTHS, find,
+    Description, FRESNEL, MODELS, Model, ModelInfo, Parameter, ParameterInfo, Value, WAVELENGTHS,
+    find,
 };
 use azulejo::scene::{Brdf, Rgb};
 
@@ -52,7 +53,7 @@ pub(super) const GROUPS: [ModelGroup; 6] = [
 
 impl ModelGroup {
     /// Its models.
-    pub fn models(&self) -> impl Iterator<Item = &'static Info> {
+    pub fn models(&self) -> impl Iterator<Item = &'static ModelInfo> {
         let is_last = self.names.is_empty();
         let named = |name: &str| GROUPS.iter().any(|g| g.names.contains(&name));
         let rest = MODELS
@@ -67,7 +68,7 @@ impl ModelGroup {
 }
 
 /// An example of a model; the first one always exists.
-pub(super) fn example(info: &Info, k: usize) -> Option<Model> {
+pub(super) fn example(info: &ModelInfo, k: usize) -> Option<Model> {
     match info.examples.get(k)?.parse() {
         Ok(Description::Model(model)) => Some(model),
         _ => None,
@@ -76,7 +77,7 @@ pub(super) fn example(info: &Info, k: usize) -> Option<Model> {
 
 /// Another model with the parameters that both have, where valid; the others come from its first
 /// example.
-pub(super) fn switched(old: &Model, info: &'static Info) -> Model {
+pub(super) fn switched(old: &Model, info: &'static ModelInfo) -> Model {
     let example = example(info, 0).unwrap_or_default();
     let old_info = find(&old.name).ok();
     let mut model = example.clone();

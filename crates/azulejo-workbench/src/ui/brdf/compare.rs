@@ -5,7 +5,7 @@ use super::file::with_description;
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::Material;
-use azulejo::scene::brdf::{Description, Info, find};
+use azulejo::scene::brdf::{Description, ModelInfo, find};
 use egui::{ComboBox, RichText, Ui};
 use std::sync::Arc;
 
@@ -78,7 +78,7 @@ fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<
     chosen
 }
 
-fn exemplary(language: Language, info: &'static Info) -> Option<ComparedMaterial> {
+fn exemplary(language: Language, info: &'static ModelInfo) -> Option<ComparedMaterial> {
     let description = Description::Model(example(info, 0)?);
     let material = with_description(&Material::default(), description).ok()?;
     Some(ComparedMaterial {

@@ -4,7 +4,7 @@ use super::background::{BackgroundWorker, LatestResult};
 use super::reflection::{MaterialReflection, is_same_description, is_same_model};
 use super::theme::{notice, problem};
 use crate::words::Language;
-use azulejo::scene::brdf::{Description, Problem};
+use azulejo::scene::brdf::{BrdfError, Description};
 use azulejo::scene::{Brdf, Material};
 use azulejo::trace::{Cancelled, Progress};
 use egui::{Context, Ui};
@@ -20,7 +20,7 @@ pub(super) struct ModelDraft {
     pub description: Description,
     /// The model in the document.
     taken: Arc<Brdf>,
-    making: LatestResult<DraftKey, Result<BuiltModel, Problem>>,
+    making: LatestResult<DraftKey, Result<BuiltModel, BrdfError>>,
     worker: BackgroundWorker,
 }
 
@@ -44,7 +44,7 @@ impl PartialEq for DraftKey {
 fn make(
     key: &DraftKey,
     _: &Progress,
-    show: &mut dyn FnMut(Result<BuiltModel, Problem>),
+    show: &mut dyn FnMut(Result<BuiltModel, BrdfError>),
 ) -> Result<(), Cancelled> {
     show(Brdf::new(key.0.clone()).map(|brdf| BuiltModel {
         reflected: brdf.mean_reflectance().max_channel(),
@@ -118,9 +118,9 @@ impl ModelDraft {
 }
 
 /// The error in the language of the window, as far as it is translated.
-fn problem_words(language: Language, problem: &Problem) -> String {
+fn problem_words(language: Language, problem: &BrdfError) -> String {
     match problem {
-        Problem::Range {
+        BrdfError::Range {
             name,
             value,
             least,
@@ -130,8 +130,8 @@ fn problem_words(language: Language, problem: &Problem) -> String {
             let and = language.tr("and");
             format!("{name} {is} {value}; {between} {least} {and} {most}.")
         }
-        Problem::Missing { name, .. } => format!("{} {name}.", language.tr("Missing:")),
-        Problem::Energy { what, sum } => {
+        BrdfError::Missing { name, .. } => format!("{} {name}.", language.tr("Missing:")),
+        BrdfError::Energy { what, sum } => {
             let more = language.tr("more than 1 would reflect more than it receives.");
             format!("{what} = {}: {more}", (1e6 * sum).round() / 1e6)
         }

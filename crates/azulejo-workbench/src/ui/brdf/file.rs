@@ -2,7 +2,7 @@
 
 use azulejo::formats::brdf::{self, text};
 use azulejo::formats::{Files, Folder};
-use azulejo::scene::brdf::{Content, Description, Problem};
+use azulejo::scene::brdf::{BrdfError, Content, Description};
 use azulejo::scene::{Brdf, Material};
 use std::path::Path;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ pub fn apply_file(bytes: &[u8], path: &Path) -> Result<ModelFile, String> {
 pub fn with_description(
     material: &Material,
     description: Description,
-) -> Result<Material, Problem> {
+) -> Result<Material, BrdfError> {
     let brdf = Brdf::new(description)?;
     Ok(with_brdf(material, Arc::new(brdf)))
 }

@@ -4,7 +4,9 @@ use super::catalog::{self, FresnelChoice, as_color, fallback, set};
 use super::fields::{NumberRange, color, number};
 use super::theme::row;
 use crate::words::Language;
-use azulejo::scene::brdf::{Info, Kind, METALS, Model, ParameterInfo, Value, find, find_metal};
+use azulejo::scene::brdf::{
+    METALS, Model, ModelInfo, ParameterInfo, ParameterKind, Value, find, find_metal,
+};
 use egui::{ComboBox, Ui};
 
 /// Draws all parameters of a known model.
@@ -25,7 +27,7 @@ fn about(language: Language, info: &ParameterInfo) -> String {
     let words = language.tr(info.about);
     let (from, to, unit) = (info.least, info.most, language.tr(info.unit));
     match info.kind {
-        Kind::Word => words.to_owned(),
+        ParameterKind::Word => words.to_owned(),
         _ => format!("{words}\n{from} … {to} {unit}"),
     }
 }
@@ -63,12 +65,12 @@ fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, valu
         is_strict: false,
     };
     match (info.kind, &mut *value) {
-        (Kind::Word, Value::Word(word)) => metal(ui, name, word),
-        (Kind::Number, Value::Number(x)) => number(ui, name, span, x),
-        (Kind::Color, _) => shade(ui, language, name, span, value),
+        (ParameterKind::Word, Value::Word(word)) => metal(ui, name, word),
+        (ParameterKind::Number, Value::Number(x)) => number(ui, name, span, x),
+        (ParameterKind::Color, _) => shade(ui, language, name, span, value),
         // The value has the wrong type for the model: replace it with a valid one.
-        (Kind::Word, _) => *value = Value::Word("gold".to_owned()),
-        (Kind::Number, _) => *value = Value::Number(as_color(value).r),
+        (ParameterKind::Word, _) => *value = Value::Word("gold".to_owned()),
+        (ParameterKind::Number, _) => *value = Value::Number(as_color(value).r),
     }
 }
 
@@ -115,7 +117,7 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
 }
 
 /// The Fresnel term.
-fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
+fn fresnel(ui: &mut Ui, language: Language, info: &ModelInfo, model: &mut Model) {
     let term = FresnelChoice::of(model);
     let about = language.tr("Reflectance of a smooth facet as a function of the angle.");
     let mut chosen = term;

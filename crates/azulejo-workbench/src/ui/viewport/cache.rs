@@ -43,7 +43,7 @@ impl CachedMesh {
         match (&self.made, &*self.shape) {
             (Some(mesh), _) => mesh,
             (None, Shape::Mesh(mesh)) => mesh,
-            (None, Shape::Exact(exact)) => exact.skin.as_deref().unwrap_or(&EMPTY),
+            (None, Shape::Exact(exact)) => exact.proxy.as_deref().unwrap_or(&EMPTY),
             (None, Shape::Primitive(_)) => &EMPTY,
         }
     }
