@@ -12,7 +12,7 @@ use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
-use azulejo_trace::{Gatherer, Glints, KernelHit, REPLICATES, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, KernelHit, NextEvent, REPLICATES, Surfaces, Tracer};
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -139,7 +139,7 @@ pub(crate) struct RowWorkspace {
     /// Rays to be traced next.
     pub paths: Vec<Path>,
     scratch: Scratch,
-    glints: Glints,
+    next_event: NextEvent,
     /// Sums of what they hit.
     pub sums: RowAccumulator,
 }
@@ -210,7 +210,7 @@ impl<'a> RayEstimator<'a> {
         spare.unwrap_or_else(|| RowWorkspace {
             paths: Vec::new(),
             scratch: Scratch::default(),
-            glints: Glints::default(),
+            next_event: NextEvent::default(),
             sums: RowAccumulator::new(2 * self.patches.len()),
         })
     }
@@ -238,7 +238,7 @@ impl<'a> RayEstimator<'a> {
         let RowWorkspace {
             paths,
             scratch,
-            glints,
+            next_event,
             sums,
         } = work;
         follow(surfaces, paths, scratch, chances, |path, event| {
@@ -260,7 +260,7 @@ impl<'a> RayEstimator<'a> {
                     }
                     row.stray[replicate] +=
                         weight * self.gatherer.stray_exitance(path, &hit, front);
-                    glints.add(self.gatherer, path, &hit, 0, chances);
+                    next_event.add(self.gatherer, path, &hit, 0, chances);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.hit_patches.at(&hit);
                         sums.add(side(patch, front), order(path.via), weight);
@@ -268,7 +268,7 @@ impl<'a> RayEstimator<'a> {
                 }
             }
         });
-        glints.settle(self.gatherer, |_, found| {
+        next_event.resolve(self.gatherer, |_, found| {
             row.stray[replicate] += found * scale
         });
     }

@@ -4,7 +4,9 @@ use azulejo_factors::Patches;
 use azulejo_factors::patch::Sampler;
 use azulejo_factors::row::Side;
 use azulejo_trace::sampling::{hash, seeds, sobol};
-use azulejo_trace::{DirectLight, GatherPoint, Gatherer, Places, RAYS_PER_FORMULA, REPLICATES};
+use azulejo_trace::{
+    DirectLight, GatherPoint, Gatherer, RAYS_PER_FORMULA, REPLICATES, SurfaceSamples,
+};
 use std::ops::Range;
 
 /// Positions per replicate of the first estimate of a patch's direct light.
@@ -28,15 +30,15 @@ pub(crate) fn direct_at(
         seed,
         side,
     };
-    if gatherer.lights_crowd() {
+    if gatherer.many_lights() {
         let rays = RAYS_PER_FORMULA as u32;
         let many = stretch.start * rays..stretch.end * rays;
-        let places = Places {
+        let samples = SurfaceSamples {
             formulas: &positions.of(stretch, 0xd1),
             rays: &positions.of(many.clone(), 0xd2),
             before: many.start,
         };
-        return gatherer.direct_over(&places, hash(&[seed, side]));
+        return gatherer.direct_over(&samples, hash(&[seed, side]));
     }
     let count = stretch.len();
     let found = gatherer.direct(&positions.of(stretch, 0xd1), 1, seed);

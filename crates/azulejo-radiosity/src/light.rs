@@ -3,7 +3,7 @@
 use azulejo_factors::Patches;
 use azulejo_factors::row::side;
 use azulejo_scene::Rgb;
-use azulejo_trace::{Arrival, DiffuseLight, Glow, REPLICATES, Surfaces};
+use azulejo_trace::{DiffuseHit, DiffuseLight, OutgoingRadiosity, REPLICATES, Surfaces};
 
 /// Distance, as a share of its diameter, below which a patch is too coarse to be read. Half of it
 /// leaves no visible bias beside 1% of noise (measured on Cornell boxes), and saves most of the
@@ -17,7 +17,7 @@ pub struct PatchLight<'a> {
     reflectance: &'a [Rgb],
     reflected: Vec<[[f32; 3]; REPLICATES]>,
     /// Distance from which each diffuse patch may be read, zero for the others.
-    grain: Vec<f32>,
+    footprint: Vec<f32>,
 }
 
 impl<'a> PatchLight<'a> {
@@ -30,43 +30,43 @@ impl<'a> PatchLight<'a> {
     ) -> PatchLight<'a> {
         let of_side =
             |s: usize| std::array::from_fn(|r| solutions[r % solutions.len()][s].to_f32());
-        let grain = |p: usize| {
+        let footprint = |p: usize| {
             if reflectance[p].is_black() {
                 0.0
             } else {
                 (COARSE * patches.diameter(p)) as f32
             }
         };
-        let grain = (0..patches.len()).map(grain).collect();
+        let footprint = (0..patches.len()).map(footprint).collect();
         PatchLight {
             surfaces,
             patches,
             reflectance,
-            grain,
+            footprint,
             reflected: (0..2 * patches.len()).map(of_side).collect(),
         }
     }
 
     /// The same, read from any distance: final gathers from near hits would add bounces, which is
     /// wrong where their number is limited.
-    pub fn without_grain(self) -> PatchLight<'a> {
+    pub fn without_footprint(self) -> PatchLight<'a> {
         PatchLight {
-            grain: vec![0.0; self.grain.len()],
+            footprint: vec![0.0; self.footprint.len()],
             ..self
         }
     }
 }
 
 impl DiffuseLight for PatchLight<'_> {
-    fn glow(&self, at: &Arrival, replicate: usize) -> Glow {
+    fn outgoing(&self, at: &DiffuseHit, replicate: usize) -> OutgoingRadiosity {
         let patch = self.patches.locate_hit(self.surfaces, &at.hit);
-        Glow {
+        OutgoingRadiosity {
             radiosity: self.reflected[side(patch, at.front) as usize][replicate],
-            grain: self.grain[patch as usize],
+            footprint: self.footprint[patch as usize],
         }
     }
 
-    fn reflectance(&self, at: &Arrival) -> Rgb {
+    fn reflectance(&self, at: &DiffuseHit) -> Rgb {
         self.reflectance[self.patches.locate_hit(self.surfaces, &at.hit) as usize]
     }
 }

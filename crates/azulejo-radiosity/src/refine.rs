@@ -22,7 +22,7 @@ use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Gathered, Gatherer, Glints, Measure, Progress, REPLICATES};
+use azulejo_trace::{Cancelled, Gathered, Gatherer, Measure, NextEvent, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -242,7 +242,7 @@ impl Refiner<'_> {
         let RayScratch {
             paths,
             scratch,
-            glints,
+            next_event,
         } = work;
         let surfaces = self.gatherer.surfaces();
         let ambient = self.gatherer.ambient() * PI;
@@ -261,14 +261,14 @@ impl Refiner<'_> {
                         Event::Surface { hit, front } => {
                             let patch = self.hit_patches.at(&hit);
                             let reflected = rgb(&self.reference[side(patch, front) as usize]);
-                            glints.add(self.gatherer, path, &hit, 0, chances);
+                            next_event.add(self.gatherer, path, &hit, 0, chances);
                             reflected + self.gatherer.stray_exitance(path, &hit, front)
                         }
                         Event::Cut | Event::Absorbed => return,
                     };
                     *sum += path.weight * light;
                 });
-                glints.settle(self.gatherer, |_, found| *sum += found);
+                next_event.resolve(self.gatherer, |_, found| *sum += found);
             }
         }
         sums
@@ -287,7 +287,7 @@ impl Refiner<'_> {
 struct RayScratch {
     paths: Vec<Path>,
     scratch: Scratch,
-    glints: Glints,
+    next_event: NextEvent,
 }
 
 /// The contribution of every row and part to the squared relative error, times count^rate.

@@ -154,7 +154,7 @@ impl<'a> SolvedPatches<'a> {
             &self.solution.solutions,
         );
         if pass.bounces.is_some() {
-            light.without_grain()
+            light.without_footprint()
         } else {
             light
         }

@@ -12,7 +12,7 @@ use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{cosine_about, hash, seeds, sobol, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Glints, Progress, REPLICATES};
+use azulejo_trace::{Cancelled, GatherPoint, Gatherer, NextEvent, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -207,11 +207,11 @@ impl Shooter<'_> {
     fn ambient(&self, s: Side, scratch: &mut Scratch) -> [Rgb; REPLICATES] {
         let mut sums = [Rgb::BLACK; REPLICATES];
         let radiance = self.gatherer.ambient();
-        let has_beams = self.gatherer.shows_beams();
-        if radiance.is_black() && !has_beams {
+        let has_delta_lights = self.gatherer.shows_delta_lights();
+        if radiance.is_black() && !has_delta_lights {
             return sums;
         }
-        let mut glints = Glints::default();
+        let mut next_event = NextEvent::default();
         let seed = hash(&[self.seed, s]);
         let share = 1.0 / f64::from(AMBIENT_RAYS);
         let rays = (0..REPLICATES as u32).flat_map(|r| (0..AMBIENT_RAYS).map(move |k| (r, k)));
@@ -225,13 +225,13 @@ impl Shooter<'_> {
             seed,
             |path, event| match event {
                 Event::Escape => sums[path.id as usize] += radiance * PI * path.weight,
-                Event::Surface { hit, .. } if has_beams => {
-                    glints.add_beams(self.gatherer, path, &hit, path.id, seed);
+                Event::Surface { hit, .. } if has_delta_lights => {
+                    next_event.add_delta_lights(self.gatherer, path, &hit, path.id, seed);
                 }
                 _ => {}
             },
         );
-        glints.settle(self.gatherer, |id, found| sums[id as usize] += found);
+        next_event.resolve(self.gatherer, |id, found| sums[id as usize] += found);
         sums
     }
 

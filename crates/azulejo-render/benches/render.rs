@@ -1,7 +1,7 @@
 //! Time of the second pass alone: a Cornell-like room of 10,000 patches, 256 × 256 pixels, 16
 //! samples each.
 //!
-//! Prints seconds of one thread, the best of five runs: CPU seconds where Linux tells them, wall
+//! Prints seconds of one thread, the best of five runs: CPU seconds on Linux, wall-clock
 //! seconds elsewhere. An argument selects the cases whose name contains it.
 
 #[path = "../tests/it/gallery.rs"]
@@ -25,7 +25,7 @@ fn main() {
     });
 }
 
-#[allow(clippy::print_stdout)] // A bench speaks to people.
+#[allow(clippy::print_stdout)] // The output of the benchmark.
 fn report(name: &str, scene: &Scene, eye: &Camera, gather: Option<u32>) {
     let wanted = std::env::args().skip(1).find(|a| !a.starts_with("--"));
     if wanted.is_some_and(|w| !name.contains(&w)) {
@@ -51,7 +51,7 @@ fn report(name: &str, scene: &Scene, eye: &Camera, gather: Option<u32>) {
     );
 }
 
-/// Seconds that this thread has run; where the system doesn't tell, seconds of the clock.
+/// CPU seconds of this thread; wall-clock seconds where the system does not report them.
 fn now() -> f64 {
     let ran = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = ran.and_then(|line| line.split(' ').next()?.parse::<f64>().ok());

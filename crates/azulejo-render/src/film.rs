@@ -1,4 +1,4 @@
-//! The picture plane: tiles, sample positions, pixel filter.
+//! The image plane: tiles, sample positions, pixel filter.
 
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Image};
@@ -9,9 +9,9 @@ use glam::DVec3;
 /// coherent, large enough that taking one costs nothing.
 const TILE: u32 = 16;
 
-/// A picture plane of `width × height` pixels, and which samples each of them takes.
+/// An image plane of `width × height` pixels, and the sample positions of each.
 ///
-/// The pixel filter is a tent of one pixel's radius, by drawing sample positions in proportion
+/// The pixel filter is a tent of one pixel's radius, realised by sampling positions in proportion
 /// to it (Ernst, Stamminger and Greiner, *Filter Importance Sampling*, IEEE RT 2006). It is
 /// smoother than a box along edges, and unlike a filter with negative lobes it makes no dark
 /// rings around lamps, which are a hundred times brighter than what is beside them. As each
@@ -31,7 +31,7 @@ pub(crate) struct Film {
 pub(crate) struct Pixel {
     /// Column and row.
     corner: (f64, f64),
-    /// Size of a pixel where the picture is 1 × 1.
+    /// Size of a pixel where the image is 1 × 1.
     size: (f64, f64),
     seeds: [u32; 2],
 }
@@ -61,7 +61,7 @@ impl Film {
         (0..columns * rows).map(tile).collect()
     }
 
-    /// Where the samples of a pixel lie.
+    /// The sample positions of a pixel.
     pub fn pixel(&self, pixel: u32) -> Pixel {
         let key = |dimension| hash(&[self.seed, pixel, dimension]);
         Pixel {
@@ -71,7 +71,7 @@ impl Film {
         }
     }
 
-    /// Puts the pixels of tiles together; `parts` pairs with [`Film::tiles`].
+    /// Assembles the image from the pixels of tiles; `parts` pairs with [`Film::tiles`].
     pub fn assemble(&self, parts: &[Vec<[f32; 3]>]) -> Image {
         let mut image = Image::new(self.width, self.height);
         for (tile, pixels) in self.tiles().iter().zip(parts) {
@@ -84,7 +84,7 @@ impl Film {
 }
 
 impl Tile {
-    /// Indices of its pixels in a picture of `width` columns.
+    /// Indices of its pixels in an image of `width` columns.
     pub fn pixels(self, width: u32) -> impl Iterator<Item = u32> {
         (self.y..self.y + self.height)
             .flat_map(move |y| (self.x..self.x + self.width).map(move |x| y * width + x))
@@ -92,8 +92,8 @@ impl Tile {
 }
 
 impl Pixel {
-    /// Where sample `sample` lies: 0..=1 from the upper left corner of the picture, a little
-    /// outside at its borders.
+    /// Position of sample `sample`: 0..=1 from the upper left corner of the image, slightly outside
+    /// at its borders.
     pub fn position(&self, sample: u32) -> (f64, f64) {
         let offset = |dimension: usize| {
             let u = sobol(sample, dimension, self.seeds[dimension]);
@@ -115,7 +115,7 @@ fn tent(u: f64) -> f64 {
     }
 }
 
-/// A camera with everything worked out that its rays share.
+/// A camera with what its rays share computed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lens {
     eye: DVec3,
@@ -125,7 +125,7 @@ pub(crate) struct Lens {
 }
 
 impl Lens {
-    /// The lens of `camera` for a picture of the given width over height.
+    /// The lens of `camera` for an image of the given width over height.
     pub fn new(camera: &Camera, aspect: f64) -> Lens {
         let (right, up, forward) = camera.axes();
         let h = (0.5 * camera.vertical_fov).tan();

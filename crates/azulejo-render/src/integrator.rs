@@ -1,9 +1,9 @@
-//! Radiance along rays: what the first pass left on the surfaces, seen through mirrors and glass and
-//! by way of glossy lobes.
+//! Radiance along rays: the irradiance of the first pass, seen through mirrors and glass and by way
+//! of glossy lobes.
 
 use crate::SecondPass;
-use crate::draws::Draws;
-use crate::scenery::{Scenery, Shadows};
+use crate::path_sampler::PathSampler;
+use crate::render_scene::{RenderScene, ShadowBatch};
 use crate::shading::{Colors, Parts, Shading, mirrored};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Material, Rgb, Scene};
@@ -11,58 +11,58 @@ use azulejo_trace::interaction::{
     Branching, Continuation, Roulette, SPLIT_DEPTH, SurfaceInteraction,
 };
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Arrival, DiffuseLight, GatherOptions, GatherPoint, Glow};
+use azulejo_trace::{DiffuseHit, DiffuseLight, GatherOptions, GatherPoint, OutgoingRadiosity};
 use azulejo_trace::{KernelHit, KernelRay, Surfaces, Tracer};
 use std::f64::consts::FRAC_1_PI;
 
 /// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
 const ROULETTE: Roulette = Roulette::below(Roulette::SHARE);
 
-/// Gather rays per hit on the back of a surface, of whose light the first pass says nothing.
+/// Gather rays per hit on the back of a surface: the first pass computes irradiance for fronts.
 const BACK_RAYS: u32 = 32;
 
-/// Rays of one call of the gatherer, about: bounds its memory.
+/// About how many rays one call of the gatherer traces: bounds its memory.
 const GATHER_BATCH: u32 = 16_384;
 
 /// Finds radiance in one scene under one set of options. Immutable, shared by all threads.
 pub(crate) struct Integrator<'a> {
-    scenery: Scenery<'a>,
-    /// Gather rays per diffuse hit; `None` to show what the first pass left.
+    scene: RenderScene<'a>,
+    /// Gather rays per diffuse hit; `None` to show the irradiance of the first pass.
     gather: Option<u32>,
-    /// Whether the first pass left anything.
+    /// Whether the scene carries irradiance.
     is_solved: bool,
     seed: u32,
     max_depth: u32,
 }
 
-/// What was found along one ray.
+/// An estimate of the radiance along one ray.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Found {
+pub(crate) struct RayRadiance {
     /// Radiance, W/(sr·m²).
     pub radiance: Rgb,
-    /// Whether chance played a part, so that another try may find something else.
+    /// Whether it depends on random numbers, so that another sample may differ.
     pub is_random: bool,
 }
 
-/// One straight piece of a path from the eye, still to be traced.
+/// A segment of a camera path, still to be traced.
 #[derive(Clone, Copy, Debug)]
-struct Leg {
+struct Segment {
     ray: KernelRay,
-    /// Share of the radiance found that reaches the eye.
+    /// Share of the radiance found that reaches the camera.
     weight: Rgb,
     /// Interfaces passed so far.
     depth: u32,
-    /// Whether mirrors and glass alone lie between the eye and the leg.
+    /// Whether only mirrors and glass lie between the camera and the segment.
     is_sharp: bool,
-    /// Density of its direction, 1/sr, if that was drawn where the lamps were also looked for; 0
+    /// Density of its direction, 1/sr, if that was sampled where the lamps were sampled too; 0
     /// otherwise.
     density: f64,
 }
 
-/// Irradiance that is still to be gathered.
+/// A final gather at a hit, put off so that the gathers of a batch run together.
 #[derive(Clone, Copy, Debug)]
-struct Wish {
-    /// The ray that asks, by its number in the batch.
+struct DeferredGather {
+    /// Number of the camera ray in the batch.
     ray: usize,
     /// What one unit of irradiance adds to the ray's radiance.
     weight: Rgb,
@@ -74,16 +74,16 @@ struct Wish {
 pub(crate) struct Scratch {
     hits: Vec<KernelHit>,
     next: Vec<KernelHit>,
-    pending: Vec<Leg>,
-    wishes: Vec<Wish>,
+    pending: Vec<Segment>,
+    deferred: Vec<DeferredGather>,
     points: Vec<GatherPoint>,
-    shadows: Shadows,
+    shadows: ShadowBatch,
 }
 
 impl<'a> Integrator<'a> {
     pub fn new(scene: &'a Scene, tracer: &'a Tracer, options: &SecondPass) -> Integrator<'a> {
         Integrator {
-            scenery: Scenery::new(scene, tracer),
+            scene: RenderScene::new(scene, tracer),
             gather: options.gather,
             is_solved: scene.is_solved(),
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
@@ -96,27 +96,27 @@ impl<'a> Integrator<'a> {
         self.seed
     }
 
-    /// The ray as the kernel wants it.
+    /// A ray in the coordinates of the kernel.
     pub fn kernel_ray(&self, ray: &Ray) -> KernelRay {
         self.tracer().kernel_ray(ray)
     }
 
     fn tracer(&self) -> &'a Tracer {
-        self.scenery.tracer()
+        self.scene.tracer()
     }
 
     fn surfaces(&self) -> &Surfaces<'a> {
-        self.scenery.surfaces()
+        self.scene.surfaces()
     }
 
-    /// Finds the radiance that arrives along each ray, in their order, into `found`. `draws` are
-    /// the random numbers of the ray of that number.
+    /// Estimates the radiance along each ray, in their order, into `found`. `sampler` gives the
+    /// random numbers of the ray of that number.
     pub fn radiance(
         &self,
         rays: &[KernelRay],
-        draws: impl Fn(usize) -> Draws,
+        sampler: impl Fn(usize) -> PathSampler,
         scratch: &mut Scratch,
-        found: &mut Vec<Found>,
+        found: &mut Vec<RayRadiance>,
     ) {
         let mut hits = std::mem::take(&mut scratch.hits);
         self.tracer().closest(rays, &mut hits);
@@ -126,141 +126,140 @@ impl<'a> Integrator<'a> {
                 .zip(&hits)
                 .enumerate()
                 .map(|(number, (&ray, hit))| {
-                    let mut path = Path {
+                    let mut path = CameraPath {
                         integrator: self,
                         number,
-                        draws: draws(number),
+                        sampler: sampler(number),
                         scratch: &mut *scratch,
                     };
-                    path.radiance(Leg::first(ray), hit)
+                    path.radiance(Segment::first(ray), hit)
                 }),
         );
         scratch.hits = hits;
-        self.grant(scratch, found);
+        self.resolve(scratch, found);
     }
 
-    /// Irradiance that the first pass left on the front, W/m².
-    fn irradiance(&self, at: &Arrival) -> Rgb {
-        self.scenery
+    /// Irradiance of the front from the first pass, W/m².
+    fn irradiance(&self, at: &DiffuseHit) -> Rgb {
+        self.scene
             .interpolator
-            .spot(&at.ray, &at.hit)
+            .lookup(&at.ray, &at.hit)
             .irradiance()
     }
 
-    /// Gathers what paths wished for.
-    fn grant(&self, scratch: &mut Scratch, found: &mut [Found]) {
+    /// Runs the deferred gathers and adds what they find to their rays.
+    fn resolve(&self, scratch: &mut Scratch, found: &mut [RayRadiance]) {
         let options = GatherOptions {
             rays: self.gather.unwrap_or(BACK_RAYS),
             seed: self.seed,
             spent: 0,
         };
         let together = (GATHER_BATCH / options.rays.max(1)).max(1) as usize;
-        for wishes in scratch.wishes.chunks(together) {
+        for batch in scratch.deferred.chunks(together) {
             scratch.points.clear();
-            scratch.points.extend(wishes.iter().map(|wish| wish.point));
-            let gathered = self
-                .scenery
-                .gatherer
-                .gather(&scratch.points, &options, self);
-            for (wish, gathered) in wishes.iter().zip(gathered) {
-                let found = &mut found[wish.ray];
-                found.radiance += wish.weight * gathered.mean();
+            scratch.points.extend(batch.iter().map(|d| d.point));
+            let gathered = self.scene.gatherer.gather(&scratch.points, &options, self);
+            for (deferred, gathered) in batch.iter().zip(gathered) {
+                let found = &mut found[deferred.ray];
+                found.radiance += deferred.weight * gathered.mean();
                 found.is_random = true;
             }
         }
-        scratch.wishes.clear();
+        scratch.deferred.clear();
     }
 }
 
-/// One path from the eye, while it is followed.
-struct Path<'p, 'a> {
+/// A camera path while it is followed.
+struct CameraPath<'p, 'a> {
     integrator: &'p Integrator<'a>,
     /// The ray's number in its batch.
     number: usize,
-    draws: Draws,
+    sampler: PathSampler,
     scratch: &'p mut Scratch,
 }
 
-impl<'a> Path<'_, 'a> {
-    /// Radiance along the first leg, which ends at `hit`, and along all that come of it; less
-    /// what is still to be gathered.
-    fn radiance(&mut self, first: Leg, hit: &KernelHit) -> Found {
+impl<'a> CameraPath<'_, 'a> {
+    /// Radiance along the first segment, which ends at `hit`, and along all that follow from it,
+    /// without the deferred gathers.
+    fn radiance(&mut self, first: Segment, hit: &KernelHit) -> RayRadiance {
         let (first, fog) = self.through_fog(first, hit);
-        let mut radiance = fog + self.arrive(&first, hit);
-        while let Some(leg) = self.scratch.pending.pop() {
-            let ray = std::slice::from_ref(&leg.ray);
+        let mut radiance = fog + self.shade(&first, hit);
+        while let Some(segment) = self.scratch.pending.pop() {
+            let ray = std::slice::from_ref(&segment.ray);
             self.integrator
                 .tracer()
                 .closest(ray, &mut self.scratch.next);
             let hit = self.scratch.next[0];
-            radiance += self.arrive(&leg, &hit);
+            radiance += self.shade(&segment, &hit);
         }
-        Found {
+        RayRadiance {
             radiance,
-            is_random: self.draws.is_used(),
+            is_random: self.sampler.is_used(),
         }
     }
 
-    /// The first leg with what the fog leaves of its light, and what the fog adds.
-    fn through_fog(&self, first: Leg, hit: &KernelHit) -> (Leg, Rgb) {
-        let Some((clear, added)) = self.integrator.scenery.fog(&first.ray, hit) else {
+    /// The first segment with the share of its light that the fog lets through, and the radiance
+    /// that the fog adds.
+    fn through_fog(&self, first: Segment, hit: &KernelHit) -> (Segment, Rgb) {
+        let Some((clear, added)) = self.integrator.scene.fog(&first.ray, hit) else {
             return (first, Rgb::BLACK);
         };
         let weight = first.weight * clear;
-        (Leg { weight, ..first }, first.weight * added)
+        (Segment { weight, ..first }, first.weight * added)
     }
 
-    /// What a leg adds where it ends; what goes on from there becomes pending.
-    fn arrive(&mut self, leg: &Leg, hit: &KernelHit) -> Rgb {
-        let scenery = &self.integrator.scenery;
+    /// The radiance that a segment contributes; its continuations become pending.
+    fn shade(&mut self, segment: &Segment, hit: &KernelHit) -> Rgb {
+        let scene = &self.integrator.scene;
         if !hit.is_hit() {
-            let beyond = match leg.is_sharp {
-                true => scenery.sky,
-                // Light on surfaces is that of the surroundings; the background is for the eye.
-                false => scenery.gatherer.ambient(),
+            // Surfaces receive the light of the surroundings; only the camera sees the background.
+            let beyond = if segment.is_sharp {
+                scene.sky
+            } else {
+                scene.gatherer.ambient()
             };
-            return leg.weight * beyond;
+            return segment.weight * beyond;
         }
-        let surfaces = scenery.surfaces();
+        let surfaces = scene.surfaces();
         let material = surfaces.material(hit.item);
-        let mut own = scenery.emitted(&leg.ray, hit, leg.density);
+        let mut own = scene.emitted(&segment.ray, hit, segment.density);
         if !material.diffuse.is_black() {
-            let front = surfaces.is_front(&leg.ray, hit);
-            let (ray, hit) = (leg.ray, *hit);
-            own += self.reflected(leg, &Arrival { ray, hit, front }, material);
+            let front = surfaces.is_front(&segment.ray, hit);
+            let (ray, hit) = (segment.ray, *hit);
+            own += self.reflected(segment, &DiffuseHit { ray, hit, front }, material);
         }
         if material.is_specular() || material.brdf.is_some() {
-            own += self.scatter(leg, hit, material);
+            own += self.scatter(segment, hit, material);
         }
-        leg.weight * own
+        segment.weight * own
     }
 
-    /// Diffusely reflected radiance ρE/π; black if its irradiance is still to be gathered. Matt
-    /// lobes that are seen sharply are left to [`scatter`](Path::scatter).
-    fn reflected(&mut self, leg: &Leg, at: &Arrival, material: &Material) -> Rgb {
+    /// Diffusely reflected radiance ρE/π; black if its gather is deferred. Matt lobes that are seen
+    /// sharply are left to [`scatter`](CameraPath::scatter).
+    fn reflected(&mut self, segment: &Segment, at: &DiffuseHit, material: &Material) -> Rgb {
         let mut reflectance = self.integrator.reflectance(at);
-        if leg.is_sharp {
+        if segment.is_sharp {
             reflectance = Colors::new(reflectance, material.brdf.as_deref()).lambert;
         }
         let shows_patches =
-            self.integrator.gather.is_none() || (self.integrator.is_solved && !leg.is_sharp);
+            self.integrator.gather.is_none() || (self.integrator.is_solved && !segment.is_sharp);
         if shows_patches && at.front {
             return self.integrator.irradiance(at) * reflectance * FRAC_1_PI;
         }
         let tracer = self.integrator.tracer();
-        let place = tracer.resolve(&tracer.world_ray(&leg.ray), &at.hit);
-        let serial = self.scratch.wishes.len() as u32;
-        self.scratch.wishes.push(Wish {
+        let point = tracer.resolve(&tracer.world_ray(&segment.ray), &at.hit);
+        let serial = self.scratch.deferred.len() as u32;
+        self.scratch.deferred.push(DeferredGather {
             ray: self.number,
-            weight: leg.weight * reflectance * FRAC_1_PI,
+            weight: segment.weight * reflectance * FRAC_1_PI,
             point: GatherPoint {
-                position: place.position,
+                position: point.position,
                 normal: if at.front {
-                    place.normal
+                    point.normal
                 } else {
-                    -place.normal
+                    -point.normal
                 },
-                key: hash(&[self.draws.stream, self.draws.sample, serial]),
+                key: hash(&[self.sampler.stream, self.sampler.sample, serial]),
             },
         });
         Rgb::BLACK
@@ -268,15 +267,15 @@ impl<'a> Path<'_, 'a> {
 
     /// Continues the path in mirrored, refracted and sampled directions; returns the radiance of
     /// lamps and lights that glossy lobes reflect.
-    fn scatter(&mut self, leg: &Leg, hit: &KernelHit, material: &'a Material) -> Rgb {
-        let at = self.integrator.scenery.interaction(&leg.ray, hit);
+    fn scatter(&mut self, segment: &Segment, hit: &KernelHit, material: &'a Material) -> Rgb {
+        let at = self.integrator.scene.interaction(&segment.ray, hit);
         let Some(glass) = material.dielectric else {
-            return self.reflect(leg, hit, &at, material);
+            return self.reflect(segment, hit, &at, material);
         };
         let interface = at.dielectric(&glass, material.mirror);
-        let next = interface.continuations(leg.depth, SPLIT_DEPTH, || self.chance());
+        let next = interface.continuations(segment.depth, SPLIT_DEPTH, || self.chance());
         for next in next.into_iter().flatten() {
-            self.send(leg, &at, next);
+            self.send(segment, &at, next);
         }
         Rgb::BLACK
     }
@@ -286,101 +285,101 @@ impl<'a> Path<'_, 'a> {
     /// the lobes reflect. Rays to lamps and rays from the lobes count a lamp once.
     fn reflect(
         &mut self,
-        leg: &Leg,
+        segment: &Segment,
         hit: &KernelHit,
         at: &SurfaceInteraction,
         material: &'a Material,
     ) -> Rgb {
-        let parts = if leg.is_sharp {
+        let parts = if segment.is_sharp {
             Parts::MattAndLobes
         } else {
             Parts::Lobes
         };
-        let scenery = &self.integrator.scenery;
-        let shading = scenery.shading(hit, at, material, parts);
+        let scene = &self.integrator.scene;
+        let shading = scene.shading(hit, at, material, parts);
         let share = mirrored(material, -at.direction.dot(at.shading_normal));
         let mirror = at.mirrored(share);
         if shading.is_black() {
             if !share.is_black() {
-                self.send(leg, at, mirror);
+                self.send(segment, at, mirror);
             }
             return Rgb::BLACK;
         }
-        let splits = leg.depth < SPLIT_DEPTH;
+        let splits = segment.depth < SPLIT_DEPTH;
         let branching = Branching::new(splits, share.mean(), || shading.likely());
         let (of_mirror, of_lobes) = branching.choose(|| self.chance());
         if let Some(probability) = of_mirror {
-            self.send(leg, at, mirror.over(probability));
+            self.send(segment, at, mirror.over(probability));
         }
         if let Some(probability) = of_lobes {
             let u = [(); 4].map(|()| self.chance());
             if let Some(sample) = shading.sample(u) {
-                self.send(leg, at, sample.chosen(probability));
+                self.send(segment, at, sample.chosen(probability));
             }
         }
         self.lit(&shading, branching.lobe_probability())
     }
 
-    /// What lobes show of lamps and lights; `by_chance` as for [`Scenery::lit`].
-    fn lit(&mut self, shading: &Shading, by_chance: f64) -> Rgb {
+    /// What lobes show of lamps and lights; `lobe_probability` as for [`RenderScene::lit`].
+    fn lit(&mut self, shading: &Shading, lobe_probability: f64) -> Rgb {
         let u = [(); 4].map(|()| self.chance());
-        let scenery = &self.integrator.scenery;
-        scenery.lit(shading, u, by_chance, &mut self.scratch.shadows)
+        let scene = &self.integrator.scene;
+        scene.lit(shading, u, lobe_probability, &mut self.scratch.shadows)
     }
 
-    /// Makes the leg in that direction pending, unless roulette or the safety cap ends it.
-    fn send(&mut self, leg: &Leg, at: &SurfaceInteraction, next: Continuation) {
-        if leg.depth >= self.integrator.max_depth {
+    /// Makes the segment in that direction pending, unless roulette or the safety cap ends it.
+    fn send(&mut self, segment: &Segment, at: &SurfaceInteraction, next: Continuation) {
+        if segment.depth >= self.integrator.max_depth {
             return;
         }
-        let weight = leg.weight * next.weight;
+        let weight = segment.weight * next.weight;
         let survival = ROULETTE.survival(weight.max_channel(), || self.chance());
         let Some(survival) = survival else { return };
-        self.scratch.pending.push(Leg {
+        self.scratch.pending.push(Segment {
             ray: at.spawn_ray(self.integrator.tracer(), next.direction),
             weight: weight / survival,
-            depth: leg.depth + 1,
-            is_sharp: leg.is_sharp && next.density == 0.0,
+            depth: segment.depth + 1,
+            is_sharp: segment.is_sharp && next.density == 0.0,
             density: next.density,
         });
     }
 
     /// A random number in 0..1.
     fn chance(&mut self) -> f64 {
-        self.draws.next(self.integrator.seed)
+        self.sampler.next(self.integrator.seed)
     }
 }
 
-/// The light that the first pass left on the surfaces.
+/// The irradiance of the first pass.
 impl DiffuseLight for Integrator<'_> {
-    /// Coarse below the size of the patch, and at any distance on backs, whose light the first
-    /// pass does not say.
-    fn glow(&self, at: &Arrival, _replicate: usize) -> Glow {
+    /// Too coarse from nearer than the size of the patch, and from any distance on backs, of which
+    /// the first pass computes none.
+    fn outgoing(&self, at: &DiffuseHit, _replicate: usize) -> OutgoingRadiosity {
         let material = self.surfaces().material(at.hit.item);
         if material.diffuse.is_black() {
-            return Glow::default();
+            return OutgoingRadiosity::default();
         }
-        let spot = self.scenery.interpolator.spot(&at.ray, &at.hit);
+        let lookup = self.scene.interpolator.lookup(&at.ray, &at.hit);
         let reflectance = self.reflectance(at);
-        Glow {
-            radiosity: (spot.irradiance() * reflectance).to_f32(),
-            grain: if at.front {
-                spot.grain()
+        OutgoingRadiosity {
+            radiosity: (lookup.irradiance() * reflectance).to_f32(),
+            footprint: if at.front {
+                lookup.footprint()
             } else {
                 f32::INFINITY
             },
         }
     }
 
-    fn reflectance(&self, at: &Arrival) -> Rgb {
+    fn reflectance(&self, at: &DiffuseHit) -> Rgb {
         let material = self.surfaces().material(at.hit.item);
-        self.scenery.interpolator.reflectance(&at.hit, material)
+        self.scene.interpolator.reflectance(&at.hit, material)
     }
 }
 
-impl Leg {
-    fn first(ray: KernelRay) -> Leg {
-        Leg {
+impl Segment {
+    fn first(ray: KernelRay) -> Segment {
+        Segment {
             ray,
             weight: Rgb::WHITE,
             depth: 0,

@@ -1,56 +1,56 @@
-//! Values between vertices: irradiance, colours and texture coordinates at a hit.
+//! Values interpolated between vertices: irradiance, normals, colours and textures at a hit.
 
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Material, Mesh, Primitive, Rgb, Scene, Shape, TriangleTree};
 use azulejo_trace::{Item, KernelHit, KernelRay, Tracer};
 use glam::{DVec2, DVec3};
 
-/// Looks up, for every item of a tracer, what its hits are interpolated from.
+/// Interpolates the values of vertices at the hits of a tracer.
 pub(crate) struct Interpolator<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer,
     items: Vec<ItemFace>,
-    /// For each object its polygons, if it is an exact shape that has some.
-    skins: Vec<Option<Skin<'a>>>,
+    /// For each object its proxy mesh, if it is an exact shape with irradiance.
+    proxies: Vec<Option<IrradianceProxy<'a>>>,
 }
 
-/// The polygons on which an exact shape carries its light.
-struct Skin<'a> {
+/// The mesh on which an exact shape carries its irradiance.
+struct IrradianceProxy<'a> {
     mesh: &'a Mesh,
     tree: TriangleTree,
     /// One per triangle of the tree.
     items: Vec<ItemFace>,
 }
 
-/// One item's place in the scene.
+/// The face that an item belongs to.
 #[derive(Clone, Copy, Debug)]
 struct ItemFace {
     object: u32,
-    /// Where the face's corners start in the mesh; for a primitive, the part.
+    /// Position of the face's first corner in the mesh; for a primitive, the part.
     start: u32,
     /// Corners of the triangle, counted within the face.
     corners: [u32; 3],
     /// The remaining corner of a quadrilateral that is convex along its normal, in the affine
     /// coordinates in which the triangle is (0, 0), (1, 0), (0, 1); NaN for all other faces.
     fourth: [f32; 2],
-    /// Size of the face or of the primitive's cell; infinite without irradiance.
-    grain: f32,
+    /// Size of the face or of the primitive's cell, scene units; infinite without irradiance.
+    footprint: f32,
 }
 
-/// Where on an object a ray arrived, and the size of the patch there.
+/// Where the irradiance at a hit is read, and the size of the patch there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spot<'a> {
-    place: Place<'a>,
-    grain: f32,
+pub(crate) struct IrradianceLookup<'a> {
+    source: IrradianceSource<'a>,
+    footprint: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Place<'a> {
+enum IrradianceSource<'a> {
     /// Between the corners of a face.
     Mesh(&'a Mesh, Weights),
     /// At `(u, v)` of a part of a primitive.
     Primitive(&'a Primitive, usize, f64, f64),
-    /// On an exact shape, beside a face of its skin if it has one.
+    /// On an exact shape: on the nearest face of its proxy mesh, if it has one.
     Exact(Option<(&'a Mesh, Weights)>),
 }
 
@@ -64,7 +64,7 @@ pub(crate) struct Weights {
 }
 
 impl<'a> Interpolator<'a> {
-    /// Looks up every item of `tracer`, which must have been made from `scene`.
+    /// Prepares every item of `tracer`, which must have been made from `scene`.
     pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> Interpolator<'a> {
         // Items of one face follow each other, so each face is divided once.
         let mut last = (u32::MAX, u32::MAX);
@@ -83,42 +83,50 @@ impl<'a> Interpolator<'a> {
         });
         Interpolator {
             items: items.collect(),
-            skins: scene.objects.iter().map(|o| Skin::of(&o.shape)).collect(),
+            proxies: scene
+                .objects
+                .iter()
+                .map(|o| IrradianceProxy::of(&o.shape))
+                .collect(),
             scene,
             tracer,
         }
     }
 
-    /// The spot at which a ray arrived.
-    pub fn spot(&self, ray: &KernelRay, hit: &KernelHit) -> Spot<'a> {
+    /// Where the irradiance at the hit of a ray is read.
+    pub fn lookup(&self, ray: &KernelRay, hit: &KernelHit) -> IrradianceLookup<'a> {
         let item = &self.items[hit.item as usize];
         let [u, v] = hit.uv().map(f64::from);
-        let place = match &self.scene.objects[item.object as usize].shape {
-            Shape::Mesh(mesh) => Place::Mesh(mesh, Weights::on_face(item, u, v)),
-            Shape::Primitive(p) => Place::Primitive(p, item.start as usize, u, v),
-            Shape::Exact(_) => return self.on_skin(item.object, ray, hit),
+        let source = match &self.scene.objects[item.object as usize].shape {
+            Shape::Mesh(mesh) => IrradianceSource::Mesh(mesh, Weights::on_face(item, u, v)),
+            Shape::Primitive(p) => IrradianceSource::Primitive(p, item.start as usize, u, v),
+            Shape::Exact(_) => return self.on_proxy(item.object, ray, hit),
         };
-        Spot {
-            place,
-            grain: item.grain,
+        IrradianceLookup {
+            source,
+            footprint: item.footprint,
         }
     }
 
-    fn on_skin(&self, object: u32, ray: &KernelRay, hit: &KernelHit) -> Spot<'a> {
-        let near = self.skins[object as usize].as_ref().and_then(|skin| {
+    fn on_proxy(&self, object: u32, ray: &KernelRay, hit: &KernelHit) -> IrradianceLookup<'a> {
+        let near = self.proxies[object as usize].as_ref().and_then(|proxy| {
             let at = self.tracer.resolve(&self.tracer.world_ray(ray), hit);
-            let on = skin.tree.nearest(at.position, at.normal)?;
-            let item = &skin.items[on.index as usize];
-            Some((skin.mesh, Weights::on_face(item, on.u, on.v), item.grain))
+            let on = proxy.tree.nearest(at.position, at.normal)?;
+            let item = &proxy.items[on.index as usize];
+            Some((
+                proxy.mesh,
+                Weights::on_face(item, on.u, on.v),
+                item.footprint,
+            ))
         });
-        Spot {
-            place: Place::Exact(near.map(|(mesh, weights, _)| (mesh, weights))),
-            grain: near.map_or(f32::INFINITY, |near| near.2),
+        IrradianceLookup {
+            source: IrradianceSource::Exact(near.map(|(mesh, weights, _)| (mesh, weights))),
+            footprint: near.map_or(f32::INFINITY, |near| near.2),
         }
     }
 
-    /// Unit shading normal at a hit, interpolated; `None` where the object has none of its own:
-    /// exact shapes are smooth by themselves.
+    /// Unit shading normal at a hit, interpolated; `None` where the object has no vertex normals:
+    /// exact shapes are smooth without.
     pub fn shading_normal(&self, hit: &KernelHit) -> Option<DVec3> {
         let item = &self.items[hit.item as usize];
         let Shape::Mesh(mesh) = &self.scene.objects[item.object as usize].shape else {
@@ -146,9 +154,10 @@ impl<'a> Interpolator<'a> {
         };
         let [u, v] = hit.uv().map(f64::from);
         let weights = Weights::on_face(item, u, v);
-        let color = match mesh.colors.is_empty() {
-            true => Rgb::WHITE,
-            false => weights.of_vertices(mesh, &mesh.colors),
+        let color = if mesh.colors.is_empty() {
+            Rgb::WHITE
+        } else {
+            weights.of_vertices(mesh, &mesh.colors)
         };
         let uv = (!material.textures.is_empty()).then(|| weights.uv(mesh));
         let image = |id| self.scene.textures[id as usize].image.as_ref();
@@ -156,9 +165,9 @@ impl<'a> Interpolator<'a> {
     }
 }
 
-impl<'a> Skin<'a> {
-    /// `None` for what has no skin with light on it.
-    fn of(shape: &'a Shape) -> Option<Skin<'a>> {
+impl<'a> IrradianceProxy<'a> {
+    /// `None` for shapes without a proxy mesh that carries irradiance.
+    fn of(shape: &'a Shape) -> Option<IrradianceProxy<'a>> {
         let Shape::Exact(exact) = shape else {
             return None;
         };
@@ -171,7 +180,7 @@ impl<'a> Skin<'a> {
             let triangle = tree.triangle(k);
             ItemFace::of_mesh(mesh, triangle.face as usize, triangle.corners)
         };
-        Some(Skin {
+        Some(IrradianceProxy {
             mesh,
             items: (0..tree.len() as u32).map(item).collect(),
             tree,
@@ -194,7 +203,7 @@ impl ItemFace {
                     start: item.face,
                     corners,
                     fourth: [f32::NAN; 2],
-                    grain: p.light.as_ref().map_or(f32::INFINITY, |_| size() as f32),
+                    footprint: p.light.as_ref().map_or(f32::INFINITY, |_| size() as f32),
                 }
             }
             Shape::Exact(_) => ItemFace {
@@ -202,7 +211,7 @@ impl ItemFace {
                 start: item.face,
                 corners,
                 fourth: [f32::NAN; 2],
-                grain: f32::INFINITY,
+                footprint: f32::INFINITY,
             },
         }
     }
@@ -211,16 +220,17 @@ impl ItemFace {
     fn of_mesh(mesh: &Mesh, face: usize, corners: [u32; 3]) -> ItemFace {
         let positions = mesh.face_positions(face);
         let fourth = fourth_corner(&positions, corners);
-        let size = match mesh.irradiance.is_empty() {
-            true => f32::INFINITY,
-            false => area_vector(&positions).length().sqrt() as f32,
+        let size = if mesh.irradiance.is_empty() {
+            f32::INFINITY
+        } else {
+            area_vector(&positions).length().sqrt() as f32
         };
         ItemFace {
             object: 0,
             start: mesh.faces.starts[face],
             corners,
             fourth: fourth.map_or([f32::NAN; 2], |c| c.as_vec2().to_array()),
-            grain: size,
+            footprint: size,
         }
     }
 }
@@ -252,26 +262,27 @@ fn cell_area(p: &Primitive, part: usize) -> f64 {
     p.point(part, 0.5, 0.5).area_density / cells as f64
 }
 
-impl Spot<'_> {
-    /// Irradiance that the first pass left here, W/m²; black where it left none.
+impl IrradianceLookup<'_> {
+    /// Irradiance of the first pass, W/m²; black where there is none.
     pub fn irradiance(&self) -> Rgb {
-        match &self.place {
-            Place::Mesh(mesh, _) if mesh.irradiance.is_empty() => Rgb::BLACK,
-            Place::Mesh(mesh, weights) | Place::Exact(Some((mesh, weights))) => {
+        match &self.source {
+            IrradianceSource::Mesh(mesh, _) if mesh.irradiance.is_empty() => Rgb::BLACK,
+            IrradianceSource::Mesh(mesh, weights)
+            | IrradianceSource::Exact(Some((mesh, weights))) => {
                 weights.of_vertices(mesh, &mesh.irradiance)
             }
-            Place::Exact(None) => Rgb::BLACK,
-            Place::Primitive(p, part, u, v) => match &p.light {
+            IrradianceSource::Exact(None) => Rgb::BLACK,
+            IrradianceSource::Primitive(p, part, u, v) => match &p.light {
                 Some(light) => light.at(*part, *u, *v),
                 None => Rgb::BLACK,
             },
         }
     }
 
-    /// Size of the patch here, scene units: nearer than this its interpolated irradiance is too
+    /// Size of the patch, scene units: from nearer than this its interpolated irradiance is too
     /// coarse. Infinite where there is no irradiance.
-    pub fn grain(&self) -> f32 {
-        self.grain
+    pub fn footprint(&self) -> f32 {
+        self.footprint
     }
 }
 
@@ -279,8 +290,8 @@ impl Weights {
     /// Weights where the barycentric coordinates in the item's triangle are `u`, `v`.
     ///
     /// Triangles are barycentric. Convex quadrilaterals are bilinear, so that no diagonal shows;
-    /// bent ones are looked at along their normal. Other faces go by their triangles. All agree
-    /// along shared edges, where each is linear between the edge's two ends.
+    /// bent ones are projected along their normal. Other faces are interpolated in their
+    /// triangles. All agree along shared edges, where each is linear between the edge's two ends.
     fn on_face(item: &ItemFace, u: f64, v: f64) -> Weights {
         let start = item.start as usize;
         if item.fourth[0].is_nan() {
@@ -288,8 +299,8 @@ impl Weights {
         }
         // The triangle's corners are 0, 1, 2 and 3 but one: the missing one makes the sum 6.
         let mut quad = [item.fourth.map(f64::from).into(); 4];
-        for (&corner, place) in item.corners.iter().zip([DVec2::ZERO, DVec2::X, DVec2::Y]) {
-            quad[corner as usize] = place;
+        for (&corner, point) in item.corners.iter().zip([DVec2::ZERO, DVec2::X, DVec2::Y]) {
+            quad[corner as usize] = point;
         }
         let (s, t) = bilinear(quad, DVec2::new(u, v));
         Weights::in_quadrilateral(start, s, t)
@@ -376,7 +387,7 @@ mod tests {
             start: 10,
             corners: triangle,
             fourth: fourth.as_vec2().to_array(),
-            grain: 0.0,
+            footprint: 0.0,
         };
         let [p, q, r] = triangle.map(|k| corners[k as usize]);
         let normal = (q - p).cross(r - p);

@@ -1,23 +1,22 @@
-//! Second pass: a scene that carries irradiance becomes a picture.
+//! Second pass: a scene that carries irradiance becomes an image.
 //!
-//! The first pass leaves irradiance on the vertices; [`render`] looks at it from a camera,
-//! through mirrors, glass and by way of glossy surfaces, and [`radiance`] along single rays.
-//! [`reference()`] draws the same without a first pass, by brute force: what both are judged by.
-//! [`tone_map`] makes the
-//! linear picture fit for a display. The two passes know nothing of each other: they meet in the
-//! data of [`azulejo_scene::Scene`].
+//! The first pass stores irradiance on the vertices. [`render`] shows it from a camera, through
+//! mirrors, glass and glossy surfaces; [`radiance`] evaluates single rays. [`reference()`] renders
+//! the same scene without a first pass, by brute force: both passes are tested against it.
+//! [`tone_map`] maps the linear image to a display. The two passes share nothing but the data of
+//! [`azulejo_scene::Scene`].
 //!
 //! Every result depends on scene, options and seed alone: the same bits for any number of
 //! threads.
 
-mod draws;
 mod film;
 mod integrator;
 mod interpolate;
 mod pass;
+mod path_sampler;
 mod reference;
+mod render_scene;
 pub mod rtrace;
-mod scenery;
 mod shading;
 mod tone;
 

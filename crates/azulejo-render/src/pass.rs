@@ -1,8 +1,8 @@
 //! The second pass: options, and the loops over pixels and probe rays.
 
-use crate::draws::Draws;
 use crate::film::{Film, Lens, Tile};
-use crate::integrator::{Found, Integrator, Scratch};
+use crate::integrator::{Integrator, RayRadiance, Scratch};
+use crate::path_sampler::PathSampler;
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Image, Rgb, Scene};
 use azulejo_trace::{Cancelled, KernelRay, Progress, Tracer};
@@ -11,14 +11,14 @@ use rayon::prelude::*;
 /// How the second pass works.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SecondPass {
-    /// Picture size in pixels, width then height. A picture without pixels is allowed and empty.
+    /// Image size in pixels, width then height. An image without pixels is allowed and empty.
     pub size: (u32, u32),
-    /// Paths from the eye per pixel; 0 counts as 1.
+    /// Camera paths per pixel; 0 counts as 1.
     pub samples_per_pixel: u32,
     /// Final gather: rays over the hemisphere at each path's first diffuse hits, with the direct
-    /// light of all lamps and lights, instead of showing the irradiance between vertices. It
-    /// hides the patches and sharpens contact shadows. A scene that carries no irradiance may be
-    /// drawn so too: its light is then followed over the first bounces only, slowly.
+    /// light of all lamps and lights, instead of the interpolated irradiance of the vertices. It
+    /// hides the patches and sharpens contact shadows. It also renders a scene without irradiance,
+    /// slowly: light is then followed over its first bounces only.
     pub gather: Option<u32>,
     /// Keys all random numbers. The same seed gives the same bits, whatever the threads.
     pub seed: u64,
@@ -52,16 +52,16 @@ impl SecondPass {
     }
 }
 
-/// Draws what `camera` sees: linear radiance, W/(sr·m²), averaged over each pixel by a tent
+/// Renders what `camera` sees: linear radiance, W/(sr·m²), averaged over each pixel by a tent
 /// filter of one pixel's radius.
 ///
-/// `tracer` must have been made from `scene`. Radiance at a surface is its emission plus ρ/π times the irradiance that the first pass left on the vertices; perfect mirrors
-/// and dielectrics are followed; what leaves the scene finds the background, or without one the ambient light; fog
-/// hides what is far from the viewer. Surfaces without
-/// irradiance reflect nothing diffusely: without a first pass and without
-/// [`gather`](SecondPass::gather) only lamps, their mirror images and the ambient light show.
-/// Vertices carry the irradiance of the front; where a path meets the back of a diffuse surface,
-/// irradiance is gathered on the spot.
+/// `tracer` must have been made from `scene`. Radiance at a surface is its emission plus ρ/π times
+/// the irradiance of the vertices; mirrors, dielectrics and glossy lobes are followed; rays that
+/// leave the scene find the background, or without one the ambient light; fog hides what is far
+/// from the viewer. Surfaces without irradiance reflect nothing diffusely: without a first pass and
+/// without [`gather`](SecondPass::gather) only lamps, their mirror images and the ambient light
+/// show. Vertices carry the irradiance of the front; where a path hits the back of a diffuse
+/// surface, irradiance is gathered there.
 ///
 /// Counts pixels on `progress`.
 ///
@@ -69,7 +69,7 @@ impl SecondPass {
 /// [`Cancelled`] when `progress` was, within about one batch of rays per thread.
 ///
 /// # Panics
-/// If the picture has 2³² pixels or more.
+/// If the image has 2³² pixels or more.
 pub fn render(
     scene: &Scene,
     tracer: &Tracer,
@@ -80,7 +80,7 @@ pub fn render(
     let (width, height) = options.size;
     assert!(
         width.checked_mul(height).is_some(),
-        "a picture of {width} × {height} pixels is too large"
+        "an image of {width} × {height} pixels is too large"
     );
     let integrator = Integrator::new(scene, tracer, options);
     let film = Film {
@@ -88,7 +88,7 @@ pub fn render(
         height,
         seed: integrator.seed(),
     };
-    let pass = PicturePass {
+    let pass = ImagePass {
         integrator,
         lens: Lens::new(camera, f64::from(width) / f64::from(height)),
         film,
@@ -107,7 +107,7 @@ pub fn render(
 
 /// Radiance that arrives at the origin of each ray from its direction, W/(sr·m²), in their order.
 ///
-/// Follows `samples_per_pixel` paths along a ray where chance plays a part (dielectrics, deep
+/// Follows `samples_per_pixel` paths along a ray where random numbers are used (dielectrics, deep
 /// mirrors, final gathers) and one where it does not. `t_min` and `t_max` of the rays hold for
 /// the first surface; a ray that ends before one finds the background or the ambient light.
 ///
@@ -153,7 +153,7 @@ fn probe(
     for sample in 0..options.samples_per_pixel.max(1) {
         let stream = |k: usize| first + open[k] as u32;
         let kernel = open.iter().map(|&i| integrator.kernel_ray(&rays[i]));
-        batch.trace(integrator, kernel, |k| Draws::new(stream(k), sample));
+        batch.trace(integrator, kernel, |k| PathSampler::new(stream(k), sample));
         for (&i, found) in open.iter().zip(&batch.found) {
             sums[i] += found.radiance;
             counts[i] += 1;
@@ -165,8 +165,8 @@ fn probe(
     sums.iter().zip(counts).map(mean).collect()
 }
 
-/// Everything that the tiles of one picture share.
-struct PicturePass<'a> {
+/// Everything that the tiles of one image share.
+struct ImagePass<'a> {
     integrator: Integrator<'a>,
     lens: Lens,
     film: Film,
@@ -179,25 +179,25 @@ struct PicturePass<'a> {
 #[derive(Default)]
 struct Batch {
     rays: Vec<KernelRay>,
-    found: Vec<Found>,
+    found: Vec<RayRadiance>,
     scratch: Scratch,
 }
 
 impl Batch {
-    /// Finds the radiance along `rays`.
+    /// Estimates the radiance along `rays`.
     fn trace(
         &mut self,
         integrator: &Integrator,
         rays: impl Iterator<Item = KernelRay>,
-        draws: impl Fn(usize) -> Draws,
+        sampler: impl Fn(usize) -> PathSampler,
     ) {
         self.rays.clear();
         self.rays.extend(rays);
-        integrator.radiance(&self.rays, draws, &mut self.scratch, &mut self.found);
+        integrator.radiance(&self.rays, sampler, &mut self.scratch, &mut self.found);
     }
 }
 
-impl PicturePass<'_> {
+impl ImagePass<'_> {
     /// The pixels of one tile.
     fn tile(&self, tile: Tile, batch: &mut Batch) -> Result<Vec<[f32; 3]>, Cancelled> {
         let pixels: Vec<u32> = tile.pixels(self.film.width).collect();
@@ -221,8 +221,9 @@ impl PicturePass<'_> {
                 let ray = move |sample| self.lens.ray(pixel.position(sample));
                 (0..count as u32).map(move |k| self.integrator.kernel_ray(&ray(start + k)))
             });
-            let draws = |k: usize| Draws::new(pixels[k / count], start + (k % count) as u32);
-            batch.trace(&self.integrator, rays, draws);
+            let sampler =
+                |k: usize| PathSampler::new(pixels[k / count], start + (k % count) as u32);
+            batch.trace(&self.integrator, rays, sampler);
             for (sum, found) in sums.iter_mut().zip(batch.found.chunks(count)) {
                 *sum += found.iter().map(|found| found.radiance).sum();
             }

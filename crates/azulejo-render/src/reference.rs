@@ -1,13 +1,13 @@
-//! The truth by brute force: paths from the eye that go on until chance ends them.
+//! Reference images by path tracing, which both passes are tested against.
 //!
 //! No first pass, no patches, no irradiance: every surface reflects by its model at every bounce
-//! (Kajiya, *The Rendering Equation*, SIGGRAPH 1986). Lamps are looked for at each surface and met
-//! by chance, weighted so that each counts once (Veach and Guibas 1995). Slow, without bias, and
-//! with an error for every pixel: the judge of both passes.
+//! (Kajiya, *The Rendering Equation*, SIGGRAPH 1986) until Russian roulette ends the path. Lamps
+//! are sampled at each surface and hit by chance, weighted so that each counts once (Veach and
+//! Guibas 1995). Slow, unbiased, and with a standard error for every pixel.
 
-use crate::draws::Draws;
 use crate::film::{Film, Lens, Tile};
-use crate::scenery::{Scenery, Shadows};
+use crate::path_sampler::PathSampler;
+use crate::render_scene::{RenderScene, ShadowBatch};
 use crate::shading::{Parts, mirrored};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Image, Rgb, Scene};
@@ -16,27 +16,27 @@ use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, KernelHit, KernelRay, Progress, Tracer};
 use rayon::prelude::*;
 
-/// After so many interfaces chance may end a path.
+/// Number of surfaces after which roulette may end a path.
 const ROULETTE_DEPTH: u32 = 4;
 
-/// Weighs a path against the whole light, not against 1% of it as the two passes do: the
-/// reference follows many long paths, and spends least per unit of variance so. Paths survive
-/// with less than certainty, so that those in white rooms end too.
+/// Starts at the full weight of a path, not at 1% of it as in the two passes: paths scatter at
+/// every surface here, and would be several times longer. No path survives with certainty, so that
+/// those in white rooms end too.
 const ROULETTE: Roulette = Roulette {
     below: 1.0,
     most: 0.98,
 };
 
-/// How the truth is looked for.
+/// Options of a reference image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferencePass {
-    /// Picture size in pixels, width then height.
+    /// Image size in pixels, width then height.
     pub size: (u32, u32),
-    /// Paths per pixel; fewer than 2 count as 2, or nothing would be known of their error.
+    /// Paths per pixel; fewer than 2 count as 2, as one path has no standard error.
     pub samples_per_pixel: u32,
     /// Keys all random numbers.
     pub seed: u64,
-    /// A safety cap on surfaces along one path. What a path still carries then is lost; chance
+    /// A safety cap on surfaces along one path. What a path still carries there is lost; roulette
     /// ends it long before, which loses nothing on average.
     pub max_depth: u32,
 }
@@ -53,19 +53,18 @@ impl Default for ReferencePass {
     }
 }
 
-/// A picture and how sure it is.
+/// An image with its standard error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// Radiance, W/(sr·m²).
     pub image: Image,
-    /// Standard error of each pixel and channel. Samples are better spread than independent ones,
-    /// from whose law it is computed: it is a little too large.
+    /// Standard error of each pixel and channel, as if the samples were independent. They are
+    /// stratified, so it is a little too large.
     pub error: Image,
 }
 
 impl Reference {
-    /// The relative RMSE that the picture is expected to have, as [`relative_rmse`] defines it,
-    /// from the standard errors.
+    /// Expected [`relative_rmse`] of the image against the truth, from its standard errors.
     pub fn relative_error(&self) -> f64 {
         let errors = self.error.pixels.iter().flatten();
         let light = self.image.pixels.iter().flatten();
@@ -75,9 +74,11 @@ impl Reference {
     }
 }
 
-/// Root of the mean square of the relative error of a picture, over all pixels and channels; a
-/// tenth of the truth's mean radiance is added to what it is relative to, so that neither what is
-/// dark nor the edges of lamps alone decide. Of pictures of the same size; 0 for black ones.
+/// Root mean square of the relative error of an image, over all pixels and channels.
+///
+/// The error is relative to the truth plus a tenth of the truth's mean radiance, so that neither
+/// dark pixels nor the edges of lamps dominate. The images must have the same size; 0 for black
+/// ones.
 pub fn relative_rmse(found: &Image, truth: &Image) -> f64 {
     let (a, b) = (found.pixels.iter().flatten(), truth.pixels.iter().flatten());
     let dim = dim(truth);
@@ -135,19 +136,17 @@ impl Sums {
     }
 }
 
-/// Draws what `camera` sees by paths that know nothing of a first pass; irradiance that the scene
-/// may carry is not looked at.
+/// Renders what `camera` sees by path tracing; irradiance that the scene may carry is ignored.
 ///
 /// `tracer` must have been made from `scene`. The pixel filter, fog, and what is seen beyond the
-/// scene are those of [`render`](crate::render()). Point and spot lights seen in glass and exact
-/// mirrors by way of a matt surface (caustics of lights without area) cannot be met by any path
-/// and are missing. Counts pixels on `progress`.
+/// scene are those of [`render`](crate::render()). Caustics of point and spot lights, which no path
+/// can find, are missing. Counts pixels on `progress`.
 ///
 /// # Errors
 /// [`Cancelled`] when `progress` was.
 ///
 /// # Panics
-/// If the picture has 2³² pixels or more.
+/// If the image has 2³² pixels or more.
 pub fn reference(
     scene: &Scene,
     tracer: &Tracer,
@@ -158,13 +157,13 @@ pub fn reference(
     let (width, height) = options.size;
     assert!(
         width.checked_mul(height).is_some(),
-        "a picture of {width} × {height} pixels is too large"
+        "an image of {width} × {height} pixels is too large"
     );
-    let walker = Walker::new(scene, tracer, options);
+    let path_tracer = PathTracer::new(scene, tracer, options);
     let film = Film {
         width,
         height,
-        seed: walker.seed,
+        seed: path_tracer.seed,
     };
     let lens = Lens::new(camera, f64::from(width) / f64::from(height));
     progress.begin("reference", u64::from(width) * u64::from(height));
@@ -172,8 +171,8 @@ pub fn reference(
         let pixel = |index: u32| {
             progress.advance(1)?;
             let pixel = film.pixel(index);
-            let ray = |sample| walker.kernel_ray(&lens.ray(pixel.position(sample)));
-            walker.average(index, ray, scratch, progress)
+            let ray = |sample| path_tracer.kernel_ray(&lens.ray(pixel.position(sample)));
+            path_tracer.average(index, ray, scratch, progress)
         };
         tile.pixels(width).map(pixel).collect()
     };
@@ -192,7 +191,7 @@ pub fn reference(
 }
 
 /// Radiance that arrives at the origin of each ray from its direction, and its standard error, by
-/// the paths of [`reference()`]; `samples_per_pixel` of them per ray.
+/// the path tracing of [`reference()`] with `samples_per_pixel` paths per ray.
 ///
 /// # Errors
 /// [`Cancelled`] when `progress` was.
@@ -203,21 +202,21 @@ pub fn reference_radiance(
     options: &ReferencePass,
     progress: &Progress,
 ) -> Result<Vec<(Rgb, Rgb)>, Cancelled> {
-    let walker = Walker::new(scene, tracer, options);
+    let path_tracer = PathTracer::new(scene, tracer, options);
     progress.begin("reference", rays.len() as u64);
     let one = |scratch: &mut Scratch, (index, ray): (usize, &Ray)| {
         progress.advance(1)?;
-        let ray = walker.kernel_ray(ray);
-        let sums = walker.average(index as u32, |_| ray, scratch, progress)?;
+        let ray = path_tracer.kernel_ray(ray);
+        let sums = path_tracer.average(index as u32, |_| ray, scratch, progress)?;
         Ok((sums.mean(), sums.standard_error()))
     };
     let rays = rays.par_iter().enumerate();
     rays.map_init(Scratch::default, one).collect()
 }
 
-/// Follows paths in one scene. Immutable, shared by all threads.
-struct Walker<'a> {
-    scenery: Scenery<'a>,
+/// Traces paths in one scene. Immutable, shared by all threads.
+struct PathTracer<'a> {
+    scene: RenderScene<'a>,
     seed: u32,
     samples: u32,
     max_depth: u32,
@@ -227,25 +226,26 @@ struct Walker<'a> {
 #[derive(Default)]
 struct Scratch {
     hits: Vec<KernelHit>,
-    shadows: Shadows,
+    shadows: ShadowBatch,
 }
 
-/// A path on its way.
-struct Walk {
+/// A path while it is traced.
+struct PathState {
     ray: KernelRay,
     weight: Rgb,
-    found: Rgb,
-    /// Whether mirrors and glass alone were met.
+    /// Radiance found so far.
+    radiance: Rgb,
+    /// Whether only mirrors and glass were hit.
     is_sharp: bool,
-    /// Density of the direction, 1/sr, if it was drawn where the lamps were also looked for; 0
+    /// Density of the direction, 1/sr, if it was sampled where the lamps were sampled too; 0
     /// otherwise.
     density: f64,
 }
 
-impl<'a> Walker<'a> {
-    fn new(scene: &'a Scene, tracer: &'a Tracer, options: &ReferencePass) -> Walker<'a> {
-        Walker {
-            scenery: Scenery::new(scene, tracer),
+impl<'a> PathTracer<'a> {
+    fn new(scene: &'a Scene, tracer: &'a Tracer, options: &ReferencePass) -> PathTracer<'a> {
+        PathTracer {
+            scene: RenderScene::new(scene, tracer),
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32, 0x7ef]),
             samples: options.samples_per_pixel.max(2),
             max_depth: options.max_depth,
@@ -253,7 +253,7 @@ impl<'a> Walker<'a> {
     }
 
     fn kernel_ray(&self, ray: &Ray) -> KernelRay {
-        self.scenery.tracer().kernel_ray(ray)
+        self.scene.tracer().kernel_ray(ray)
     }
 
     /// All samples of a stream.
@@ -269,74 +269,74 @@ impl<'a> Walker<'a> {
             if sample % 64 == 0 {
                 progress.advance(0)?;
             }
-            sums.add(self.walk(ray(sample), Draws::new(stream, sample), scratch));
+            sums.add(self.trace(ray(sample), PathSampler::new(stream, sample), scratch));
         }
         Ok(sums)
     }
 
     /// Radiance along one path.
-    fn walk(&self, ray: KernelRay, mut draws: Draws, scratch: &mut Scratch) -> Rgb {
-        let mut walk = Walk {
+    fn trace(&self, ray: KernelRay, mut sampler: PathSampler, scratch: &mut Scratch) -> Rgb {
+        let mut path = PathState {
             ray,
             weight: Rgb::WHITE,
-            found: Rgb::BLACK,
+            radiance: Rgb::BLACK,
             is_sharp: true,
             density: 0.0,
         };
         for depth in 0..self.max_depth {
-            let ray = std::slice::from_ref(&walk.ray);
-            self.scenery.tracer().closest(ray, &mut scratch.hits);
+            let ray = std::slice::from_ref(&path.ray);
+            self.scene.tracer().closest(ray, &mut scratch.hits);
             let hit = scratch.hits[0];
             if depth == 0 {
-                self.through_fog(&mut walk, &hit);
+                self.through_fog(&mut path, &hit);
             }
             if !hit.is_hit() {
-                walk.found += walk.weight * self.beyond(&walk);
+                path.radiance += path.weight * self.beyond(&path);
                 break;
             }
-            walk.found += walk.weight * self.scenery.emitted(&walk.ray, &hit, walk.density);
-            let at = self.scenery.interaction(&walk.ray, &hit);
-            let next = self.scatter(&mut walk, &hit, &at, &mut draws, scratch);
-            let Some(next) = next.and_then(|n| self.roulette(n, depth, &walk, &mut draws)) else {
+            path.radiance += path.weight * self.scene.emitted(&path.ray, &hit, path.density);
+            let at = self.scene.interaction(&path.ray, &hit);
+            let next = self.scatter(&mut path, &hit, &at, &mut sampler, scratch);
+            let Some(next) = next.and_then(|n| self.roulette(n, depth, &path, &mut sampler)) else {
                 break;
             };
-            self.turn(&mut walk, &at, &next);
+            self.turn(&mut path, &at, &next);
         }
-        walk.found
+        path.radiance
     }
 
-    /// What is seen where nothing is hit: for the eye the background, for surfaces the
-    /// surroundings.
-    fn beyond(&self, walk: &Walk) -> Rgb {
-        if walk.is_sharp {
-            self.scenery.sky
+    /// Radiance of rays that leave the scene: for the camera that of the background, for surfaces
+    /// that of the surroundings.
+    fn beyond(&self, path: &PathState) -> Rgb {
+        if path.is_sharp {
+            self.scene.sky
         } else {
-            self.scenery.gatherer.ambient()
+            self.scene.gatherer.ambient()
         }
     }
 
-    fn through_fog(&self, walk: &mut Walk, hit: &KernelHit) {
-        if let Some((clear, added)) = self.scenery.fog(&walk.ray, hit) {
-            walk.found += added;
-            walk.weight *= clear;
+    fn through_fog(&self, path: &mut PathState, hit: &KernelHit) {
+        if let Some((clear, added)) = self.scene.fog(&path.ray, hit) {
+            path.radiance += added;
+            path.weight *= clear;
         }
     }
 
     /// Adds the light of lamps at a surface, and chooses where the path continues.
     fn scatter(
         &self,
-        walk: &mut Walk,
+        path: &mut PathState,
         hit: &KernelHit,
         at: &SurfaceInteraction,
-        draws: &mut Draws,
+        sampler: &mut PathSampler,
         scratch: &mut Scratch,
     ) -> Option<Continuation> {
-        let material = self.scenery.surfaces().material(hit.item);
+        let material = self.scene.surfaces().material(hit.item);
         if let Some(glass) = &material.dielectric {
             let interface = at.dielectric(glass, material.mirror);
-            return Some(interface.chosen(draws.next(self.seed)));
+            return Some(interface.chosen(sampler.next(self.seed)));
         }
-        let shading = self.scenery.shading(hit, at, material, Parts::All);
+        let shading = self.scene.shading(hit, at, material, Parts::All);
         let mirror = mirrored(material, -at.direction.dot(at.shading_normal));
         let scattered = if shading.is_black() {
             0.0
@@ -344,15 +344,15 @@ impl<'a> Walker<'a> {
             shading.likely()
         };
         let branching = Branching::new(false, mirror.mean(), || scattered);
-        let mut four = || [(); 4].map(|()| draws.next(self.seed));
+        let mut four = || [(); 4].map(|()| sampler.next(self.seed));
         if scattered > 0.0 {
             let (u, shadows) = (four(), &mut scratch.shadows);
             let probability = branching.lobe_probability();
-            walk.found += walk.weight * self.scenery.lit(&shading, u, probability, shadows);
+            path.radiance += path.weight * self.scene.lit(&shading, u, probability, shadows);
         }
         let u = four();
         // Each surface takes as many random numbers, whatever it chooses from.
-        let chance = draws.next(self.seed);
+        let chance = sampler.next(self.seed);
         match branching.choose(|| chance) {
             (Some(probability), _) => Some(at.mirrored(mirror).over(probability)),
             (None, probability) => Some(shading.sample(u)?.chosen(probability?)),
@@ -364,22 +364,22 @@ impl<'a> Walker<'a> {
         &self,
         next: Continuation,
         depth: u32,
-        walk: &Walk,
-        draws: &mut Draws,
+        path: &PathState,
+        sampler: &mut PathSampler,
     ) -> Option<Continuation> {
-        let weight = (walk.weight * next.weight).max_channel();
+        let weight = (path.weight * next.weight).max_channel();
         if depth < ROULETTE_DEPTH {
             return (weight > 0.0).then_some(next);
         }
-        let survival = ROULETTE.survival(weight, || draws.next(self.seed));
+        let survival = ROULETTE.survival(weight, || sampler.next(self.seed));
         survival.map(|odds| next.over(odds))
     }
 
     /// The path leaves the surface in that direction.
-    fn turn(&self, walk: &mut Walk, at: &SurfaceInteraction, next: &Continuation) {
-        walk.ray = at.spawn_ray(self.scenery.tracer(), next.direction);
-        walk.weight *= next.weight;
-        walk.is_sharp &= next.density == 0.0;
-        walk.density = next.density;
+    fn turn(&self, path: &mut PathState, at: &SurfaceInteraction, next: &Continuation) {
+        path.ray = at.spawn_ray(self.scene.tracer(), next.direction);
+        path.weight *= next.weight;
+        path.is_sharp &= next.density == 0.0;
+        path.density = next.density;
     }
 }

@@ -1,5 +1,5 @@
-//! What a surface does with light at one place: its reflection model, in the place's frame, with
-//! the colour that textures give it there.
+//! The reflection of a surface at one point: its model in the point's frame, with the colour of its
+//! textures there.
 
 use azulejo_scene::brdf::{Brdf, Lobes};
 use azulejo_scene::math::Frame;
@@ -9,46 +9,46 @@ use azulejo_trace::sampling::cosine_hemisphere;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// Which parts of a model are asked for; what is left out is found in another way.
+/// Which parts of a model are evaluated; the rest is accounted for elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Parts {
-    /// Glossy and nearly mirrored light; the rest stands in the irradiance.
+    /// Glossy lobes and narrow ones; the irradiance accounts for the rest.
     Lobes,
-    /// And matt lobes, whose look depends on where they are seen from.
+    /// Matt lobes too, whose reflection depends on the viewing direction.
     MattAndLobes,
-    /// All but what is mirrored exactly.
+    /// Everything but exact mirror reflection.
     All,
 }
 
-/// A surface at one place, seen from one direction.
+/// A surface at one point, seen from one direction.
 pub(crate) struct Shading<'a> {
-    /// The place's frame; its normal is the smooth one, on the side that is seen.
+    /// The frame of the point; its `z` is the shading normal, on the side that is seen.
     pub frame: Frame,
     /// Unit geometric normal of the side that is seen.
     pub facing: DVec3,
-    /// Where rays start that leave it on that side.
+    /// Where rays start that leave the surface on that side.
     pub origin: DVec3,
-    /// Toward where it is seen from, in the frame.
+    /// Unit, toward the viewer, in the frame.
     pub wo: DVec3,
     /// Diffuse reflectance.
     lambert: Rgb,
-    /// By what textures and colours scale the matt lobes.
+    /// Factor of textures and colours on the matt lobes.
     pattern: Rgb,
-    /// Matt, glossy and narrow lobes, as far as they are asked for.
+    /// Matt, glossy and narrow lobes, as far as they are evaluated.
     lobes: [Option<&'a Lobes>; 3],
 }
 
 /// The parts of a surface's reflectance that do not depend on direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Colors {
-    /// Of the part that is alike in all directions.
+    /// Reflectance of the ideally diffuse part.
     pub lambert: Rgb,
-    /// By what textures, colours and the file scale matt lobes.
+    /// Factor of textures, colours and the file on the matt lobes.
     pub pattern: Rgb,
 }
 
 impl Colors {
-    /// Divides the `reflectance` that was found at a place, of which the model's own is the mean.
+    /// Divides the `reflectance` at a point between the two; the model's own is its mean.
     pub fn new(reflectance: Rgb, brdf: Option<&Brdf>) -> Colors {
         let Some(brdf) = brdf else {
             return Colors {
@@ -71,8 +71,8 @@ impl Colors {
     }
 }
 
-/// Share of the light at that cosine that a material mirrors exactly: its model's, scaled as the
-/// file scales its mean.
+/// Exact mirror reflectance of a material at that cosine: its model's, scaled as the file scales
+/// the mean.
 pub(crate) fn mirrored(material: &Material, cos: f64) -> Rgb {
     let Some(brdf) = material.brdf.as_deref() else {
         return material.mirror;
@@ -102,7 +102,8 @@ impl Scattered {
 }
 
 impl<'a> Shading<'a> {
-    /// `at` is the frame, the geometric normal and where rays start; `direction` runs against it.
+    /// From the frame, the geometric normal and the origin of rays; `direction` is that of the ray
+    /// that hit the surface.
     pub fn new(
         (frame, facing, origin): (Frame, DVec3, DVec3),
         direction: DVec3,
@@ -133,12 +134,12 @@ impl<'a> Shading<'a> {
         self.lambert.is_black() && self.lobes.iter().all(Option::is_none)
     }
 
-    /// About how much is reflected, mean over the channels, in all.
+    /// Estimated total reflectance, mean over the channels.
     pub fn likely(&self) -> f64 {
         self.shares().iter().sum()
     }
 
-    /// About how much the diffuse part and each kind of lobes reflect.
+    /// Estimated reflectance of the diffuse part and of each kind of lobes.
     fn shares(&self) -> [f64; 4] {
         let of = |k: usize| self.lobes[k].map_or(0.0, |l| l.likely(self.wo));
         let matt = of(0) * self.pattern.mean();

@@ -1,4 +1,4 @@
-//! From radiance to what a display shows: exposure, tone curve, sRGB.
+//! Tone mapping from radiance to display values: exposure, tone curve, sRGB.
 
 use azulejo_scene::{Image, Rgb};
 
@@ -7,10 +7,10 @@ use azulejo_scene::{Image, Rgb};
 /// Every curve maps 0 to 0 and never falls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
-    /// What is above 1 is cut off, channel by channel. Right for measuring by eye.
+    /// Clips each channel at 1. Right for comparing values by eye.
     Linear,
     /// Compresses luminance and keeps chromaticity, so that lamps and bright walls keep their
-    /// drawing: Reinhard et al., *Photographic Tone Reproduction for Digital Images*, SIGGRAPH
+    /// detail: Reinhard et al., *Photographic Tone Reproduction for Digital Images*, SIGGRAPH
     /// 2002, eq. (4), with [`REINHARD_WHITE`] as the luminance that becomes white.
     #[default]
     Reinhard,
@@ -59,7 +59,7 @@ pub fn srgb_from_linear(x: f64) -> f64 {
     }
 }
 
-/// The picture as 8-bit sRGB, three bytes per pixel, rows from the top.
+/// The image as 8-bit sRGB, three bytes per pixel, rows from the top.
 ///
 /// `exposure` multiplies radiance before the curve; n stops are a factor 2ⁿ. Negative and NaN
 /// exposures give black.
@@ -73,13 +73,13 @@ pub fn tone_map(image: &Image, exposure: f64, tone: Tone) -> Vec<u8> {
     image.pixels.iter().flat_map(display).collect()
 }
 
-/// An exposure for [`tone_map`] under which a first picture is neither black nor burnt out.
+/// An exposure for [`tone_map`] under which an unknown image is neither black nor overexposed.
 ///
 /// The logarithmic mean of luminance becomes a middle grey (Reinhard et al. 2002, eqs. (1) and
 /// (2)), made robust in two ways: pixels without light (the empty background) are left out, and
 /// each pixel's luminance is clamped between 1/64 and 8 times the upper quartile, so that
-/// neither deep shadow nor a lamp in view decides. Scales inversely with the image; 1 for a
-/// picture that is black.
+/// neither deep shadow nor a lamp in view dominates. Scales inversely with the image; 1 for a
+/// black image.
 pub fn auto_exposure(image: &Image) -> f64 {
     let mut lit: Vec<f64> = image
         .pixels

@@ -267,7 +267,8 @@ impl SpecularHit<'_> {
         })
     }
 
-    /// Russian roulette relative to the heaviest path, as weights have a unit.
+    /// Russian roulette relative to the heaviest path, as weights have a unit. Glossy surfaces
+    /// alone play it: what mirrors and glass lose is reported as residue.
     fn survivor(&self, next: Continuation, dimension: u32) -> Option<Continuation> {
         let roulette = Roulette::below(Roulette::SHARE * self.heaviest);
         let weight = (self.path.weight * next.weight).max_channel();

@@ -13,6 +13,18 @@ use glam::DVec3;
 /// later interfaces choose one branch, or the number of paths would double each time.
 pub const SPLIT_DEPTH: u32 = 2;
 
+/// Shadow rays end this share of their length before the light, so that they do not hit it.
+const SHADOW_END: f64 = 1.0 - 1e-4;
+
+/// The ray that tests whether anything stands between two points.
+pub fn shadow_ray(tracer: &Tracer, from: DVec3, to: DVec3) -> KernelRay {
+    let ray = Ray {
+        t_max: SHADOW_END,
+        ..Ray::between(from, to)
+    };
+    tracer.kernel_ray(&ray)
+}
+
 /// The point where a ray hits a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction {
@@ -81,7 +93,9 @@ impl SurfaceInteraction {
             (fresnel::split(direction, normal, eta), eta * eta)
         };
         DielectricInterface {
-            split,
+            reflectance: split.reflectance,
+            reflected: split.reflected,
+            refracted: split.refracted,
             mirror,
             transmittance: glass.transmittance,
             compression,
@@ -120,11 +134,18 @@ impl Continuation {
     }
 }
 
-/// The surface of a transparent body, or a thin pane, as one ray meets it.
+/// The surface of a transparent body, or a thin pane, as one ray hits it.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricInterface {
-    split: fresnel::FresnelSplit,
+    /// Fresnel reflectance.
+    reflectance: f64,
+    /// Mirrored direction.
+    reflected: DVec3,
+    /// Direction of what passes; `None` at total reflection.
+    refracted: Option<DVec3>,
+    /// Scales what is mirrored.
     mirror: Rgb,
+    /// Scales what passes.
     transmittance: Rgb,
     /// The square of the ratio of indices: refraction conserves L/n², so radiance that arrives
     /// from the far side is divided by it. 1 for a pane, which has the same medium on both sides.
@@ -134,16 +155,14 @@ pub struct DielectricInterface {
 impl DielectricInterface {
     /// What is mirrored.
     pub fn reflected(&self) -> Continuation {
-        let share = self.mirror * self.split.reflectance;
-        Continuation::specular(self.split.reflected, share)
+        Continuation::specular(self.reflected, self.mirror * self.reflectance)
     }
 
     /// What passes; `None` at total reflection.
     pub fn refracted(&self) -> Option<Continuation> {
-        let passed = (1.0 - self.split.reflectance) / self.compression;
+        let passed = (1.0 - self.reflectance) / self.compression;
         let share = self.transmittance * passed;
-        let refracted = self.split.refracted?;
-        Some(Continuation::specular(refracted, share))
+        Some(Continuation::specular(self.refracted?, share))
     }
 
     /// Where a path continues that has passed `depth` interfaces: both ways if that is less than
@@ -163,16 +182,15 @@ impl DielectricInterface {
 
     /// One of the two directions, by a number in 0..1.
     pub fn chosen(&self, chance: f64) -> Continuation {
-        let reflectance = self.split.reflectance;
         match self.refracted() {
-            Some(refracted) if chance >= reflectance => refracted.over(1.0 - reflectance),
-            _ => Continuation::specular(self.split.reflected, self.mirror),
+            Some(refracted) if chance >= self.reflectance => refracted.over(1.0 - self.reflectance),
+            _ => Continuation::specular(self.reflected, self.mirror),
         }
     }
 
     /// The share that the interface neither mirrors nor passes.
     pub fn absorbed(&self) -> Rgb {
-        let passed = self.transmittance * (1.0 - self.split.reflectance);
+        let passed = self.transmittance * (1.0 - self.reflectance);
         Rgb::WHITE - self.reflected().weight - passed
     }
 }
@@ -245,7 +263,7 @@ impl Roulette {
     }
 
     /// The probability with which a path of that weight survived, by which the survivor's weight
-    /// is divided; `None` if it ended. `chance` in 0..1 is drawn only where it matters.
+    /// is divided; `None` if it ended. `chance` in 0..1 is called only where it matters.
     pub fn survival(&self, weight: f64, chance: impl FnOnce() -> f64) -> Option<f64> {
         let odds = (weight / self.below).min(self.most);
         if odds >= 1.0 {

@@ -40,13 +40,13 @@ mod surfaces;
 mod tracer;
 
 pub use gather::{
-    Arrival, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
-    Gatherer, Glints, Glow, Places, RAYS_PER_FORMULA, REPLICATES,
+    DiffuseHit, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
+    Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SurfaceSamples,
 };
 pub use hit::{Hit, Item};
 #[cfg(feature = "embree")]
 pub use kernel::embree;
 pub use kernel::{Kernel, KernelHit, KernelRay};
 pub use progress::{Cancelled, Measure, Measured, Progress};
-pub use surfaces::Surfaces;
+pub use surfaces::{MeshTriangles, Surfaces};
 pub use tracer::{Instance, Tracer};

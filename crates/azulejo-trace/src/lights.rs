@@ -1,167 +1,191 @@
-//! Light as a target: where a point should look to find lamps, and how dense such looks are.
+//! The light sources of a scene, and how a surface samples them.
 //!
-//! A glossy or matt surface that gathers light by chance misses small lamps. Rays drawn toward the
-//! lamps and rays drawn from the surface's lobes are two ways to the same light; weighted by
-//! their densities (multiple importance sampling, Veach and Guibas, SIGGRAPH 1995) they count it
-//! once.
+//! A glossy or matt surface that samples directions misses small lamps. Rays sampled toward the
+//! lamps and rays sampled from the surface's lobes are two estimators of the same light; weighted
+//! by their densities (multiple importance sampling, Veach and Guibas, SIGGRAPH 1995) they count
+//! it once.
 
-use crate::gather::unoccluded;
+mod delta;
+mod emitters;
+mod flat_faces;
+
 use crate::{KernelHit, KernelRay, Surfaces};
-use azulejo_scene::{LightKind, Primitive, Rgb, Shape};
+use azulejo_scene::{LightKind, Rgb};
+pub(crate) use delta::{unoccluded, unoccluded_image};
+pub(crate) use emitters::{CurvedEmitter, FlatEmitter, sample_polygon, side_toward};
+use emitters::{Emission, EmitterPoint, curved_emitters, flat_emitters};
+pub(crate) use flat_faces::{FaceKey, FlatFace, flat_faces};
 use glam::DVec3;
 
-/// More lights without area than this are tried by turns.
-const MOST_POINTS: usize = 8;
+/// If there are more lights without area than this, each sample takes this many of them.
+const MOST_DELTA_LIGHTS: usize = 8;
 
-/// Lamps and lights of a scene, ready to be drawn from.
+/// All light sources of a scene but the emission of exact shapes, which paths find by chance
+/// alone. Immutable; shared by all threads.
 pub struct Lights<'a> {
-    lamps: Vec<Lamp<'a>>,
-    /// Sum of the power of the lamps up to each, as shares of all.
+    /// Flat emitters in the order of their keys.
+    pub(crate) flat: Vec<FlatEmitter>,
+    /// Curved emitters in the order of their keys.
+    pub(crate) curved: Vec<CurvedEmitter<'a>>,
+    /// Point, spot and directional lights.
+    pub(crate) delta: Vec<LightKind>,
+    /// Radiance of the surroundings, from all ambient lights, W/(sr·m²).
+    pub(crate) ambient: Rgb,
+    /// Sum of the shares of the emitters up to each, the flat ones first.
     ends: Vec<f64>,
-    points: Vec<LightKind>,
 }
 
-/// One item that shines.
-struct Lamp<'a> {
-    item: u32,
-    piece: Piece<'a>,
-    /// Radiance of the front, W/(sr·m²).
-    radiance: Rgb,
-    emits_back: bool,
-    /// Probability that it is chosen.
-    share: f64,
-}
-
-enum Piece<'a> {
-    /// Corner, two edges.
-    Triangle([DVec3; 3]),
-    /// A part of a primitive.
-    Part(&'a Primitive, usize),
-}
-
-/// A place on a lamp, as a point sees it.
+/// A point of an emitter, sampled from another point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
-    /// Unit, toward the lamp.
+pub struct LightSample {
+    /// Unit, toward the emitter.
     pub direction: DVec3,
-    /// The place, a little before the lamp.
+    /// Where a shadow ray ends: a little before the emitter.
     pub target: DVec3,
     /// What arrives if nothing stands between, W/(sr·m²).
     pub radiance: Rgb,
-    /// Density of [`Lights::look`] over solid angle, 1/sr.
+    /// Density of [`Lights::sample`] over solid angle, 1/sr.
     pub pdf: f64,
 }
 
 /// A light without area, as a point of a surface sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beam {
-    /// Where it stands.
+pub struct DeltaLightSample {
+    /// Where a shadow ray ends.
     pub target: DVec3,
-    /// Unit, toward it.
+    /// Unit, toward the light.
     pub direction: DVec3,
     /// Irradiance of the surface if nothing stands between, W/m².
     pub irradiance: Rgb,
 }
 
-/// Where a piece is met, its normal there and its area per unit of the square.
-struct Place {
-    position: DVec3,
-    normal: DVec3,
-    area: f64,
-}
-
 impl<'a> Lights<'a> {
-    /// Collects all items that shine, but for those of exact shapes, which are found by chance
-    /// alone, and all lights without area.
+    /// Collects the light sources of a scene.
     pub fn new(surfaces: &Surfaces<'a>) -> Lights<'a> {
-        let items = (0..surfaces.tracer.item_count()).filter(|&item| surfaces.is_emitter(item));
-        let mut lamps: Vec<Lamp> = items.filter_map(|item| Lamp::new(surfaces, item)).collect();
-        let power: f64 = lamps.iter().map(|lamp| lamp.share).sum();
-        let mut sum = 0.0;
-        let mut ends = Vec::with_capacity(lamps.len());
-        for lamp in &mut lamps {
-            lamp.share /= power;
-            sum += lamp.share;
-            ends.push(sum);
+        let mut flat = flat_emitters(surfaces.scene);
+        let mut curved = curved_emitters(surfaces.scene);
+        let ends = normalised(&mut flat, &mut curved);
+        let (mut delta, mut ambient) = (Vec::new(), Rgb::BLACK);
+        for light in &surfaces.scene.lights {
+            match light.kind {
+                LightKind::Ambient { radiance } => ambient += radiance,
+                kind => delta.push(kind),
+            }
         }
-        let is_point = |kind: &LightKind| !matches!(kind, LightKind::Ambient { .. });
-        let kinds = surfaces.scene.lights.iter().map(|light| light.kind);
         Lights {
-            lamps,
+            flat,
+            curved,
+            delta,
+            ambient,
             ends,
-            points: kinds.filter(is_point).collect(),
         }
     }
 
-    /// Whether nothing can be looked at.
+    /// Whether there is nothing to sample: no emitter and no light without area.
     pub fn is_empty(&self) -> bool {
-        self.lamps.is_empty() && self.points.is_empty()
+        self.ends.is_empty() && self.delta.is_empty()
     }
 
     /// Whether there are lights without area.
-    pub fn has_beams(&self) -> bool {
-        !self.points.is_empty()
+    pub fn has_delta_lights(&self) -> bool {
+        !self.delta.is_empty()
     }
 
-    /// A look at a lamp from `p`, for three numbers in 0..1; `None` if there is none or it shows
-    /// its dark side.
-    pub fn look(&self, surfaces: &Surfaces, p: DVec3, [u0, u1, u2]: [f64; 3]) -> Option<Look> {
-        let last = self.lamps.len().checked_sub(1)?;
-        let lamp = &self.lamps[self.ends.partition_point(|&end| end <= u0).min(last)];
-        let place = lamp.piece.place(u1, u2);
-        let way = place.position - p;
-        let direction = way.try_normalize()?;
-        let side = -direction.dot(place.normal);
-        let radiance = lamp.radiance_to(side);
-        let facing = place.normal * 1f64.copysign(side);
-        let pdf = lamp.share * way.length_squared() / (side.abs() * place.area);
-        (!radiance.is_black() && pdf.is_finite() && pdf > 0.0).then(|| Look {
+    /// A point of an emitter as seen from `p`, for three numbers in 0..1: emitters are chosen by
+    /// their power. `None` if there is none or it shows its dark side.
+    pub fn sample(&self, surfaces: &Surfaces, p: DVec3, u: [f64; 3]) -> Option<LightSample> {
+        let last = self.ends.len().checked_sub(1)?;
+        let chosen = self.ends.partition_point(|&end| end <= u[0]).min(last);
+        let (emission, point) = self.point(chosen, (u[1], u[2]));
+        let toward = point.position - p;
+        let direction = toward.try_normalize()?;
+        let cos = -direction.dot(point.normal);
+        let radiance = emission.radiance_to(cos);
+        let facing = point.normal * 1f64.copysign(cos);
+        let pdf = emission.share * toward.length_squared() / (cos.abs() * point.area);
+        (!radiance.is_black() && pdf.is_finite() && pdf > 0.0).then(|| LightSample {
             direction,
-            target: surfaces.tracer.leaving(place.position, facing),
+            target: surfaces.tracer.leaving(point.position, facing),
             radiance,
             pdf,
         })
     }
 
-    /// Density, 1/sr, with which [`look`](Lights::look) from the origin of `ray` finds the place
-    /// that it hit; zero for what is not looked at.
+    /// A point of the emitter of that number, the flat ones first.
+    fn point(&self, number: usize, u: (f64, f64)) -> (&Emission, EmitterPoint) {
+        match number.checked_sub(self.flat.len()) {
+            None => {
+                let light = &self.flat[number];
+                (&light.emission, light.point(u))
+            }
+            Some(number) => {
+                let light = &self.curved[number];
+                (&light.emission, light.point(u))
+            }
+        }
+    }
+
+    /// Density, 1/sr, with which [`sample`](Lights::sample) from the origin of `ray` finds the
+    /// point that it hit; zero for what is never sampled.
     pub fn pdf(&self, surfaces: &Surfaces, ray: &KernelRay, hit: &KernelHit) -> f64 {
-        let found = self.lamps.binary_search_by_key(&hit.item, |lamp| lamp.item);
-        let Ok(lamp) = found.map(|at| &self.lamps[at]) else {
-            return 0.0;
+        let item = surfaces.item(hit.item);
+        let key = FaceKey {
+            object: item.object,
+            face: item.face,
+            triangle: item.triangle,
         };
         let ray = surfaces.tracer.world_ray(ray);
         let at = surfaces.tracer.resolve(&ray, hit);
-        let way = at.position - ray.origin;
-        let cos = way.normalize_or_zero().dot(at.normal).abs();
-        let pdf = lamp.share * way.length_squared() / (cos * lamp.piece.area(at.u, at.v));
+        let found = self.find(key, (at.u, at.v));
+        let Some((share, area)) = found.filter(|_| item.instance.is_none()) else {
+            return 0.0;
+        };
+        let toward = at.position - ray.origin;
+        let cos = toward.normalize_or_zero().dot(at.normal).abs();
+        let pdf = share * toward.length_squared() / (cos * area);
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
-    /// The lights without area above the horizon of a surface: all where they are few, some by
-    /// turns where they are many, which `u` in 0..1 chooses; then they count for the others.
-    pub fn beams(
+    /// Share of an emitter and its area per unit of the square at `(u, v)`.
+    fn find(&self, key: FaceKey, (u, v): (f64, f64)) -> Option<(f64, f64)> {
+        // A whole face stands under its triangle 0, for all of its triangles.
+        let of_face = |k: FaceKey| (k.object, k.face) == (key.object, key.face);
+        let after = self.flat.partition_point(|l| l.emission.key <= key);
+        let flat = after.checked_sub(1).map(|k| &self.flat[k]);
+        if let Some(light) = flat.filter(|l| of_face(l.emission.key)) {
+            return Some((light.emission.share, light.area));
+        }
+        let curved = self.curved.binary_search_by_key(&key, |l| l.emission.key);
+        let light = &self.curved[curved.ok()?];
+        Some((light.emission.share, light.point((u, v)).area))
+    }
+
+    /// The lights without area above the horizon of a surface. Where they are few it is all of
+    /// them; where they are many, equally spaced ones from a start that `u` in 0..1 chooses, each
+    /// counting for the others too.
+    pub fn sample_delta(
         &self,
         surfaces: &Surfaces,
         p: DVec3,
         normal: DVec3,
         u: f64,
-    ) -> impl Iterator<Item = Beam> {
-        let count = self.points.len();
-        let tried = count.min(MOST_POINTS);
+    ) -> impl Iterator<Item = DeltaLightSample> {
+        let count = self.delta.len();
+        let tried = count.min(MOST_DELTA_LIGHTS);
         let first = ((u * count as f64) as usize).min(count.saturating_sub(1));
         let (step, scale) = (
-            count.div_ceil(MOST_POINTS).max(1),
+            count.div_ceil(MOST_DELTA_LIGHTS).max(1),
             count as f64 / tried.max(1) as f64,
         );
         (0..tried).filter_map(move |k| {
             // Equally spaced from a random start: each light is as likely as any other.
-            let light = match count == tried {
-                true => &self.points[k],
-                false => &self.points[(first + k * step) % count],
+            let light = if count == tried {
+                &self.delta[k]
+            } else {
+                &self.delta[(first + k * step) % count]
             };
             let (target, irradiance) = unoccluded(light, p, normal, surfaces)?;
-            Some(Beam {
+            Some(DeltaLightSample {
                 target,
                 direction: (target - p).try_normalize()?,
                 irradiance: irradiance * scale,
@@ -170,89 +194,19 @@ impl<'a> Lights<'a> {
     }
 }
 
-impl<'a> Lamp<'a> {
-    /// With its power for a share; `None` for what has no area, or no points to draw.
-    fn new(surfaces: &Surfaces<'a>, number: u32) -> Option<Lamp<'a>> {
-        let item = surfaces.item(number);
-        let piece = match &surfaces.scene.objects[item.object as usize].shape {
-            Shape::Mesh(mesh) => {
-                let face = item.face as usize;
-                let corners = mesh.triangulate(face);
-                let corners = corners.get(item.triangle as usize)?;
-                let vertices = mesh.faces.get(face);
-                let [a, b, c] = corners.map(|k| mesh.positions[vertices[k as usize] as usize]);
-                Piece::Triangle([a, b - a, c - a])
-            }
-            Shape::Primitive(p) => Piece::Part(p, item.face as usize),
-            Shape::Exact(_) => return None,
-        };
-        let material = surfaces.material(number);
-        let sides = if material.emits_back { 2.0 } else { 1.0 };
-        let share = material.emission.mean() * sides * piece.whole_area();
-        (item.instance.is_none() && share > 0.0 && share.is_finite()).then_some(Lamp {
-            item: number,
-            piece,
-            radiance: material.emission,
-            emits_back: material.emits_back,
-            share,
-        })
-    }
-
-    /// Radiance toward a place of which `side` is the cosine to the normal.
-    fn radiance_to(&self, side: f64) -> Rgb {
-        if side > 0.0 || self.emits_back {
-            self.radiance
-        } else {
-            Rgb::BLACK
-        }
-    }
-}
-
-impl Piece<'_> {
-    fn place(&self, u1: f64, u2: f64) -> Place {
-        match self {
-            Piece::Triangle([a, e1, e2]) => {
-                // Osada et al. 2002, eq. (1): uniform over the triangle.
-                let root = u1.sqrt();
-                let across = e1.cross(*e2);
-                Place {
-                    position: *a + root * (1.0 - u2) * *e1 + root * u2 * *e2,
-                    normal: across.normalize_or_zero(),
-                    area: 0.5 * across.length(),
-                }
-            }
-            Piece::Part(primitive, part) => {
-                let at = primitive.point(*part, u1, u2);
-                Place {
-                    position: at.position,
-                    normal: at.normal,
-                    area: at.area_density,
-                }
-            }
-        }
-    }
-
-    /// Area per unit of the square at a hit's parameters.
-    fn area(&self, u: f64, v: f64) -> f64 {
-        match self {
-            Piece::Triangle(_) => self.whole_area(),
-            Piece::Part(primitive, part) => primitive.point(*part, u, v).area_density,
-        }
-    }
-
-    /// Area; of a part of a primitive to some percent, which is enough to choose by.
-    fn whole_area(&self) -> f64 {
-        match self {
-            Piece::Triangle([_, e1, e2]) => 0.5 * e1.cross(*e2).length(),
-            Piece::Part(primitive, part) => {
-                const STEPS: usize = 8;
-                let middle = |k: usize| (k as f64 + 0.5) / STEPS as f64;
-                let at = |k: usize| primitive.point(*part, middle(k % STEPS), middle(k / STEPS));
-                let all = (0..STEPS * STEPS).map(|k| at(k).area_density);
-                all.sum::<f64>() / (STEPS * STEPS) as f64
-            }
-        }
-    }
+/// Divides the power of all emitters by its sum; returns the sums up to each.
+fn normalised(flat: &mut [FlatEmitter], curved: &mut [CurvedEmitter]) -> Vec<f64> {
+    let flat = flat.iter_mut().map(|l| &mut l.emission.share);
+    let curved = curved.iter_mut().map(|l| &mut l.emission.share);
+    let mut shares: Vec<&mut f64> = flat.chain(curved).collect();
+    let power: f64 = shares.iter().map(|share| **share).sum();
+    let mut sum = 0.0;
+    let up_to = |share: &mut &mut f64| {
+        **share = if power > 0.0 { **share / power } else { 0.0 };
+        sum += **share;
+        sum
+    };
+    shares.iter_mut().map(up_to).collect()
 }
 
 /// The weight of a sample of density `own` where the same light could have come of one of density
@@ -263,4 +217,94 @@ pub fn mis_weight(own: f64, other: f64) -> f64 {
     }
     let (own, other) = (own * own, other * other);
     own / (own + other).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Tracer, interaction::shadow_ray};
+    use azulejo_scene::math::Ray;
+    use azulejo_scene::{Material, Mesh, Object, Primitive, Scene, Shape};
+
+    /// A polygon in a plane of constant z, by its corners.
+    fn polygon(scene: &mut Scene, z: f64, corners: &[[f64; 2]], material: u32) {
+        let mut mesh = Mesh {
+            positions: corners.iter().map(|c| DVec3::new(c[0], c[1], z)).collect(),
+            ..Mesh::default()
+        };
+        let face: Vec<u32> = (0..corners.len() as u32).collect();
+        mesh.push_face(&face, material);
+        scene.objects.push(Object::new("lamp", Shape::Mesh(mesh)));
+    }
+
+    /// Emitters of every shape around the origin: whole faces, a concave face in triangles, one
+    /// that emits from both sides, a parallelogram and a sphere.
+    fn lamps() -> Scene {
+        let mut scene = Scene::default();
+        let front = scene.add_material(Material::emitter("front", Rgb::new(1.0, 2.0, 3.0)));
+        let mut both = Material::emitter("both", Rgb::grey(2.0));
+        both.emits_back = true;
+        let both = scene.add_material(both);
+        let up = [[-1.0, -1.0], [1.0, -1.0], [1.5, 0.3], [0.0, 1.0]];
+        let down: Vec<[f64; 2]> = up.iter().rev().copied().collect();
+        polygon(&mut scene, 2.0, &down, front);
+        polygon(&mut scene, -3.0, &down, both);
+        let dart = [[4.0, 0.0], [6.0, -2.0], [5.0, 0.0], [6.0, 2.0]];
+        polygon(&mut scene, -1.0, &dart, front);
+        let corner = DVec3::new(-3.0, -1.0, -1.0);
+        let sheet = Primitive::parallelogram(corner, DVec3::Y, DVec3::Z, front);
+        let ball = Primitive::sphere(DVec3::new(0.0, 4.0, 0.0), 0.5, front);
+        for primitive in [sheet, ball] {
+            let shape = Shape::Primitive(primitive);
+            scene.objects.push(Object::new("lamp", shape));
+        }
+        scene
+    }
+
+    #[test]
+    fn rays_find_samples_with_the_density_of_the_samples() {
+        let scene = lamps();
+        let tracer = Tracer::new(&scene);
+        let surfaces = Surfaces::new(&scene, &tracer);
+        let lights = Lights::new(&surfaces);
+        let mut found = [0; 5];
+        for k in 0..4000 {
+            let u = [1, 2, 3].map(|d| f64::from(crate::sampling::uniform(&[k, d])));
+            let Some(sample) = lights.sample(&surfaces, DVec3::ZERO, u) else {
+                continue;
+            };
+            let mut blocked = Vec::new();
+            let shadow = shadow_ray(&tracer, DVec3::ZERO, sample.target);
+            tracer.any(&[shadow], &mut blocked);
+            if blocked[0] {
+                continue;
+            }
+            let ray = tracer.kernel_ray(&Ray::new(DVec3::ZERO, sample.direction));
+            let mut hits = Vec::new();
+            tracer.closest(&[ray], &mut hits);
+            let pdf = lights.pdf(&surfaces, &ray, &hits[0]);
+            let object = surfaces.item(hits[0].item).object as usize;
+            assert!(
+                (pdf - sample.pdf).abs() < 1e-3 * pdf,
+                "object {object}: {pdf} and {}",
+                sample.pdf
+            );
+            found[object] += 1;
+        }
+        assert!(found.iter().all(|&n| n > 50), "{found:?}");
+    }
+
+    #[test]
+    fn shares_are_those_of_power() {
+        let scene = lamps();
+        let tracer = Tracer::new(&scene);
+        let lights = Lights::new(&Surfaces::new(&scene, &tracer));
+        let shares = lights.flat.iter().map(|l| l.emission.share);
+        let shares = shares.chain(lights.curved.iter().map(|l| l.emission.share));
+        assert!((shares.sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((lights.ends.last().unwrap() - 1.0).abs() < 1e-12);
+        // Of equal polygons the one that emits from both sides has twice the power.
+        let [one, both] = [0, 1].map(|k: usize| lights.flat[k].emission.share);
+        assert!((both - 2.0 * one).abs() < 1e-12, "{one} {both}");
+    }
 }

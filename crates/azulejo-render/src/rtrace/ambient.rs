@@ -1,17 +1,17 @@
-//! Ambient light: even, or gathered with rays.
+//! Ambient light: constant, or gathered with rays.
 
-use super::shade::{Draws, NOTHING, Path, Shaded, Shader};
+use super::shade::{NOTHING, RaySampler, RayState, Shader, ShadingPoint};
 use super::world::is_above;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// How often a direction is drawn that must not point into the surface.
+/// Tries to sample a direction that does not point into the surface.
 const MOST_TRIES: u32 = 256;
 
 impl Shader<'_> {
     /// Ambient light on a surface.
-    pub fn ambient(&self, at: &Shaded, draws: &mut Draws) -> Rgb {
+    pub fn ambient(&self, at: &ShadingPoint, sampler: &mut RaySampler) -> Rgb {
         if at.path.depth >= self.options.ambient_depth || self.options.ambient_samples == 0 {
             return self.world.rtrace().ambient * at.diffuse();
         }
@@ -26,38 +26,38 @@ impl Shader<'_> {
             at,
             at.surface.diffuse,
             (samples * diffuse).round() as u32,
-            |draws| Some(around_normal(at.smooth_normal, draws)),
-            draws,
+            |sampler| Some(around_normal(at.smooth_normal, sampler)),
+            sampler,
         );
         let about = self.gathered(
             at,
             at.specular,
             mirrored_rays(samples, specular, phong),
-            |draws| about_mirrored(at, phong, draws),
-            draws,
+            |sampler| about_mirrored(at, phong, sampler),
+            sampler,
         );
         // Both models mirror ambient light as Phong's does.
         diffuse * around * at.diffuse() + specular * about * at.phong_mirror()
     }
 
-    /// Mean of what `rays` rays see, from a surface that keeps `share` of it.
+    /// Mean radiance over `rays` rays from a surface that reflects `share` of it.
     fn gathered(
         &self,
-        at: &Shaded,
+        at: &ShadingPoint,
         share: Rgb,
         rays: u32,
-        direction: impl Fn(&mut Draws) -> Option<DVec3>,
-        draws: &mut Draws,
+        direction: impl Fn(&mut RaySampler) -> Option<DVec3>,
+        sampler: &mut RaySampler,
     ) -> Rgb {
         let level = at.path.level * share;
         if rays == 0 || !is_above(share, NOTHING) || !is_above(level, NOTHING) {
             return Rgb::BLACK;
         }
-        let path: Path = at.path.next(level, at.path.is_inside);
+        let path: RayState = at.path.next(level, at.path.is_inside);
         let mut sum = Rgb::BLACK;
         for _ in 0..rays {
-            if let Some(direction) = direction(draws) {
-                sum += self.radiance(at, direction, path, draws);
+            if let Some(direction) = direction(sampler) {
+                sum += self.radiance(at, direction, path, sampler);
             }
         }
         sum / f64::from(rays)
@@ -86,17 +86,17 @@ fn about(axis: DVec3, cosine: f64, turn: f64) -> DVec3 {
     (sine * (turn.cos() * u + turn.sin() * v) + cosine * axis).normalize()
 }
 
-fn around_normal(normal: DVec3, draws: &mut Draws) -> DVec3 {
-    let cosine = draws.uniform().sqrt();
-    about(normal, cosine, TAU * draws.uniform())
+fn around_normal(normal: DVec3, sampler: &mut RaySampler) -> DVec3 {
+    let cosine = sampler.uniform().sqrt();
+    about(normal, cosine, TAU * sampler.uniform())
 }
 
-/// RTRACE means Phong's lobe, whose cosine is u^(1/(n+1)), but takes u^((n+1)/2): the sharper
-/// the highlight, the farther from it these rays go. Its pictures are drawn so.
-fn about_mirrored(at: &Shaded, phong: f64, draws: &mut Draws) -> Option<DVec3> {
+/// RTRACE intends Phong's lobe, whose cosine is u^(1/(n+1)), but computes u^((n+1)/2): the sharper
+/// the highlight, the farther from it these rays go. Kept, as its images depend on it.
+fn about_mirrored(at: &ShadingPoint, phong: f64, sampler: &mut RaySampler) -> Option<DVec3> {
     (0..MOST_TRIES).find_map(|_| {
-        let cosine = draws.uniform().sqrt().powf(phong + 1.0);
-        let direction = about(at.mirrored, cosine, TAU * draws.uniform());
+        let cosine = sampler.uniform().sqrt().powf(phong + 1.0);
+        let direction = about(at.mirrored, cosine, TAU * sampler.uniform());
         (direction.dot(at.smooth_normal) >= NOTHING).then_some(direction)
     })
 }
@@ -107,11 +107,11 @@ mod tests {
 
     #[test]
     fn rays_around_a_normal_follow_its_cosine() {
-        let mut draws = Draws::new(3, 4);
+        let mut sampler = RaySampler::new(3, 4);
         let normal = DVec3::new(1.0, 2.0, -2.0) / 3.0;
         let n = 4000;
         let mean: f64 = (0..n)
-            .map(|_| around_normal(normal, &mut draws).dot(normal))
+            .map(|_| around_normal(normal, &mut sampler).dot(normal))
             .sum::<f64>()
             / f64::from(n);
         assert!((mean - 2.0 / 3.0).abs() < 0.01, "{mean}");

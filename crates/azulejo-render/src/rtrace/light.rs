@@ -1,15 +1,15 @@
-//! Lights: how bright, from where, behind what.
+//! Light sources: brightness, shadows and sampling.
 
 use super::Shadows;
-use super::shade::{Draws, NOTHING, Shaded, Shader, lobe};
+use super::shade::{NOTHING, RaySampler, Shader, ShadingPoint, lobe};
 use super::world::{Owner, is_above};
 use azulejo_scene::Rgb;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind};
 use glam::DVec3;
 
-/// How a light stands to a surface.
+/// How a light falls on a surface, without shadows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lit {
+pub(super) struct LightIncidence {
     /// Cosine times the intensity of a spot.
     pub diffuse: f64,
     /// The highlight's lobe times the intensity of a spot.
@@ -19,8 +19,8 @@ pub(super) struct Lit {
 }
 
 impl Shader<'_> {
-    /// How a light's centre stands to a surface.
-    pub fn light(&self, at: &Shaded, light: &RtraceLight) -> Lit {
+    /// How light from a light's centre falls on a surface.
+    pub fn light(&self, at: &ShadingPoint, light: &RtraceLight) -> LightIncidence {
         let to_light = light.position - at.position;
         let distance = to_light.length();
         let to_light = to_light.normalize_or_zero();
@@ -43,7 +43,7 @@ impl Shader<'_> {
         } else {
             0.0
         };
-        Lit {
+        LightIncidence {
             diffuse,
             specular,
             to_light,
@@ -54,10 +54,10 @@ impl Shader<'_> {
     /// What a light brings to a surface: faded, shadowed, averaged over its samples.
     pub fn brightness(
         &self,
-        at: &Shaded,
+        at: &ShadingPoint,
         light: &RtraceLight,
-        lit: &Lit,
-        draws: &mut Draws,
+        lit: &LightIncidence,
+        sampler: &mut RaySampler,
     ) -> Rgb {
         let fade = self.lens.fade(lit.distance);
         let faded = |k: usize| light.brightness[k] * if light.fades[k] { fade } else { 1.0 };
@@ -65,7 +65,7 @@ impl Shader<'_> {
         if at.surface.is_unshadowed {
             return full;
         }
-        let points = self.sample_points(light, lit, draws);
+        let points = self.sample_points(light, lit, sampler);
         if points.is_empty() {
             return self.unblocked(at, full, lit.to_light, lit.distance);
         }
@@ -77,10 +77,15 @@ impl Shader<'_> {
         share * seen.sum::<Rgb>()
     }
 
-    /// Where to look for a light with a size, from its centre; none for a point, and for what is
-    /// as small as a pixel.
-    fn sample_points(&self, light: &RtraceLight, lit: &Lit, draws: &mut Draws) -> Vec<DVec3> {
-        // So many are worth it for a light of that size.
+    /// Sample points of a light with an area, relative to its centre; none for point lights and for
+    /// lights as small as a pixel.
+    fn sample_points(
+        &self,
+        light: &RtraceLight,
+        lit: &LightIncidence,
+        sampler: &mut RaySampler,
+    ) -> Vec<DVec3> {
+        // The number of samples that a light of that size is worth.
         let worth = |size: f64| (self.lens.fade(size) * size / self.lens.pixel) as u32;
         match light.kind {
             RtraceLightKind::Point | RtraceLightKind::Spot { .. } => Vec::new(),
@@ -91,7 +96,7 @@ impl Shader<'_> {
                     return Vec::new();
                 }
                 let edges = square(lit.to_light).map(|edge| 2.0 * radius * edge);
-                grid(edges, [steps, steps], true, draws)
+                grid(edges, [steps, steps], true, sampler)
             }
             RtraceLightKind::Planar { edges, samples } => {
                 let count = worth(edges[0].length().max(edges[1].length()));
@@ -99,17 +104,17 @@ impl Shader<'_> {
                 if count <= 1 || steps[0] == 0 {
                     return Vec::new();
                 }
-                grid(edges, steps, false, draws)
+                grid(edges, steps, false, sampler)
             }
         }
     }
 
-    /// What of `full` comes from `direction` and no farther than `distance`.
-    fn unblocked(&self, at: &Shaded, full: Rgb, direction: DVec3, distance: f64) -> Rgb {
+    /// The part of `full` that arrives from `direction` and at most `distance` away.
+    fn unblocked(&self, at: &ShadingPoint, full: Rgb, direction: DVec3, distance: f64) -> Rgb {
         let mut ray = self.world.leaving(at.found, at.position, direction);
         ray.t_max = distance;
         let own = at.found.owner;
-        // Shadows are looked for as from outside: glass balls shadow themselves.
+        // Shadow rays start as if outside: glass balls shadow themselves.
         let skip = at.found.is_passed_by(false);
         let counts = |owner: Owner| !(skip && owner == own);
         if self.options.shadows == Shadows::Opaque {
@@ -119,20 +124,23 @@ impl Shader<'_> {
             };
         }
         let mut left = full;
-        let mut met: Vec<Owner> = Vec::new();
-        while let Some(found) = self.world.first(&ray, |o| counts(o) && !met.contains(&o)) {
+        let mut passed: Vec<Owner> = Vec::new();
+        while let Some(found) = self
+            .world
+            .first(&ray, |o| counts(o) && !passed.contains(&o))
+        {
             left *= found.surface.transparency;
             if !is_above(left, self.options.cut) {
                 return Rgb::BLACK;
             }
             ray.t_min = self.world.beyond(&ray, found.distance);
-            met.push(found.owner);
+            passed.push(found.owner);
         }
         left
     }
 }
 
-/// How bright a light is toward where `to_light` points back from.
+/// Relative intensity of a light toward a point, from which `to_light` is the unit direction to it.
 fn intensity(light: &RtraceLight, to_light: DVec3) -> f64 {
     let RtraceLightKind::Spot {
         direction,
@@ -164,11 +172,16 @@ fn square(direction: DVec3) -> [DVec3; 2] {
 
 /// Jittered points on a parallelogram around the origin, one more than `steps` along each edge;
 /// without its corners where `is_round`.
-fn grid(edges: [DVec3; 2], steps: [u32; 2], is_round: bool, draws: &mut Draws) -> Vec<DVec3> {
+fn grid(
+    edges: [DVec3; 2],
+    steps: [u32; 2],
+    is_round: bool,
+    sampler: &mut RaySampler,
+) -> Vec<DVec3> {
     let mut points = Vec::new();
     let mut along = |i: u32, steps: u32| match steps {
         0 => 0.0,
-        n => (f64::from(i) + draws.jitter()) / f64::from(n) - 0.5,
+        n => (f64::from(i) + sampler.jitter()) / f64::from(n) - 0.5,
     };
     let is_end = |i: u32, n: u32| i == 0 || i == n;
     for i in 0..=steps[0] {
@@ -220,10 +233,10 @@ mod tests {
     #[test]
     fn a_round_light_leaves_out_its_corners() {
         let edges = [2.0 * DVec3::X, 2.0 * DVec3::Z];
-        let mut draws = Draws::new(1, 2);
-        let points = grid(edges, [3, 3], true, &mut draws);
+        let mut sampler = RaySampler::new(1, 2);
+        let points = grid(edges, [3, 3], true, &mut sampler);
         assert_eq!(points.len(), 12);
         assert!(points.iter().all(|p| p.x.abs() < 1.4 && p.z.abs() < 1.4));
-        assert_eq!(grid(edges, [4, 0], false, &mut draws).len(), 5);
+        assert_eq!(grid(edges, [4, 0], false, &mut sampler).len(), 5);
     }
 }

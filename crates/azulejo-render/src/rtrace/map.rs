@@ -1,12 +1,12 @@
-//! Looking up colours: maps of 256, and pictures.
+//! Colour lookup: maps of 256 entries, and images.
 
 use azulejo_scene::rtrace::ColorMap;
 use azulejo_scene::{Image, Rgb};
 
 /// The colour at `t`: the first and last outside of 0..1.
 ///
-/// Between two entries RTRACE blends the wrong way around, from the next to this one. Its
-/// pictures are drawn so.
+/// Between two entries RTRACE blends the wrong way round, from the next to this one. Kept, as its
+/// images depend on it.
 pub(super) fn color_at(map: &ColorMap, t: f64) -> Rgb {
     if t >= 1.0 {
         return map[255];
@@ -14,25 +14,25 @@ pub(super) fn color_at(map: &ColorMap, t: f64) -> Rgb {
     if t < 0.0 || t.is_nan() {
         return map[0];
     }
-    let place = 256.0 * t;
-    let (entry, share) = (place as usize, place.fract());
+    let position = 256.0 * t;
+    let (entry, share) = (position as usize, position.fract());
     share * map[entry] + (1.0 - share) * map[(entry + 1) % 256]
 }
 
-/// The picture between its pixels; `u` and `v` run from the lower right corner to the left and
+/// The image, interpolated bilinearly; `u` and `v` run from the lower right corner to the left and
 /// up, and repeat.
-pub(super) fn picture_at(image: &Image, u: f64, v: f64) -> Rgb {
+pub(super) fn image_at(image: &Image, u: f64, v: f64) -> Rgb {
     let along = |x: f64, pixels: u32| {
-        let place = (1.0 - (x - x.floor())) * f64::from(pixels - 1);
-        let first = (place as u32).min(pixels - 1);
-        (first, (first + 1).min(pixels - 1), place.fract())
+        let position = (1.0 - (x - x.floor())) * f64::from(pixels - 1);
+        let first = (position as u32).min(pixels - 1);
+        (first, (first + 1).min(pixels - 1), position.fract())
     };
     let (x, next_x, fx) = along(u, image.width);
     let (y, next_y, fy) = along(v, image.height);
     let pixel = |x, y| Rgb::from(image.pixel(x, y).map(f64::from));
     let upper = (1.0 - fx) * pixel(x, y) + fx * pixel(next_x, y);
     let lower = (1.0 - fx) * pixel(x, next_y) + fx * pixel(next_x, next_y);
-    // A byte of 255 is not quite white.
+    // RTRACE divides bytes by 256, so 255 is not quite white.
     255.0 / 256.0 * ((1.0 - fy) * upper + fy * lower)
 }
 
@@ -55,12 +55,12 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_runs_to_the_left_and_up() {
+    fn an_image_runs_to_the_left_and_up() {
         let mut image = Image::new(2, 2);
         image.pixels[0] = [1.0; 3];
         image.pixels[3] = [0.5; 3];
         let check = |u, v, expected: f64| {
-            let found = picture_at(&image, u, v).g * 256.0 / 255.0;
+            let found = image_at(&image, u, v).g * 256.0 / 255.0;
             assert!((found - expected).abs() < 1e-6, "{u} {v}: {found}");
         };
         check(0.0, 0.0, 0.5);

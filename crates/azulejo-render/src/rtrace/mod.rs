@@ -1,10 +1,10 @@
-//! Old scenes as they were: RTRACE's own picture of an SFF or SCN scene.
+//! Renders an SFF or SCN scene as RTRACE does.
 //!
 //! RTRACE (António Costa, INESC-Norte, 1988 to 1994) is a ray tracer after Whitted with its own
-//! ideas of light: lamps that fade with distance but not with its square, surfaces whose mirror
-//! and highlight are one number, everything fading to black with the length of its ray. [`render`]
-//! computes what that program computes, from the numbers that a reader keeps in
-//! [`Rtrace`]; docs/look-rtrace.md says what is the same and what is not.
+//! ideas of light: lamps that fade with distance but not with its square, one number
+//! for a surface's mirror and highlight, and colours that fade to black with the length of the ray.
+//! [`render`] computes what that program computes, from the numbers that readers keep in [`Rtrace`];
+//! docs/look-rtrace.md lists the differences.
 
 mod ambient;
 mod light;
@@ -31,30 +31,30 @@ use rayon::prelude::*;
 use shade::Shader;
 use view::Lens;
 
-/// RTRACE's options that shape the picture. The letters are its own.
+/// RTRACE's options that change the image. The letters are those of its command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// `m`: how surfaces shine.
+    /// `m`: the reflection model.
     pub model: Model,
-    /// `t`: which textures count.
+    /// `t`: which textures are applied.
     pub textures: Textures,
-    /// `l`: what stands before a light.
+    /// `l`: what casts shadows.
     pub shadows: Shadows,
-    /// `s`: surfaces along a path, mirrored and refracted, at least 1.
+    /// `s`: the most surfaces along a path, mirrored and refracted, at least 1.
     pub depth: u32,
-    /// `S`: a path ends where the product of its mirrors and glasses is not above this.
+    /// `S`: a path ends where the product of its reflectances and transmittances is not above this.
     pub cut: f64,
-    /// How pixels are divided.
+    /// How pixels are subdivided.
     pub antialiasing: Antialiasing,
-    /// `d`: so many surfaces along a path gather their ambient light with rays.
+    /// `d`: number of surfaces along a path whose ambient light is gathered with rays.
     pub ambient_depth: u32,
     /// `D`: rays that gather it, shared between diffuse and mirrored light.
     pub ambient_samples: u32,
 }
 
 impl Default for Options {
-    /// RTRACE's own: Strauss's model, no textures, opaque shadows, 8 surfaces, cut at 1%, the
-    /// corners of pixels alone, even ambient light.
+    /// RTRACE's defaults: Strauss's model, no textures, opaque shadows, 8 surfaces, cut at 1%,
+    /// one ray per pixel corner, constant ambient light.
     fn default() -> Options {
         Options {
             model: Model::Strauss,
@@ -69,16 +69,17 @@ impl Default for Options {
     }
 }
 
-/// How surfaces shine.
+/// The reflection model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Model {
     /// 0: Phong's.
     Phong,
-    /// 1: Strauss's (*A realistic lighting model for computer animators*, 1990), changed.
+    /// 1: Strauss's (*A realistic lighting model for computer animators*, 1990), as RTRACE modifies
+    /// it.
     Strauss,
 }
 
-/// Which textures count.
+/// Which textures are applied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Textures {
     /// 0: none.
@@ -89,29 +90,29 @@ pub enum Textures {
     Section,
 }
 
-/// What stands before a light.
+/// What casts shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shadows {
     /// 0: everything is opaque, glass too.
     Opaque,
-    /// 1: each object lets through its share, once.
+    /// 1: each object transmits its share, once.
     Filtered,
     /// 2: and lights behind a glass surface light it.
     Transmitted,
 }
 
-/// How pixels are divided.
+/// How pixels are subdivided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Antialiasing {
     /// `a`: which pixels.
     pub mode: AntialiasingMode,
-    /// `p`: how often a pixel is halved, 0..=3. 0: it is the mean of its corners.
+    /// `p`: how often a pixel is halved, 0..=3. At 0 a pixel is the mean of its corners.
     pub levels: u32,
-    /// `A`: corners that differ by more (root mean square of the channels) divide a pixel; if
-    /// negative, its magnitude is compared with the contrast instead.
+    /// `A`: a pixel is subdivided if its corners differ by more than this (root mean square of the
+    /// channels); if negative, its magnitude is compared with the contrast instead.
     pub threshold: f64,
-    /// `i`: whether the rays inside a pixel may meet objects that none of its corners saw. Not
-    /// as RTRACE has it by itself: fine lines break.
+    /// `i`: whether rays inside a pixel may hit objects that none of its corners hit. RTRACE's
+    /// default is false, which breaks fine lines.
     pub all_objects: bool,
 }
 
@@ -126,7 +127,7 @@ impl Default for Antialiasing {
     }
 }
 
-/// Which pixels are divided, and how.
+/// Which pixels are subdivided, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AntialiasingMode {
     /// 0: quarters whose corners differ, again and again.
@@ -137,7 +138,7 @@ pub enum AntialiasingMode {
     Fixed,
 }
 
-/// Draws what RTRACE sees: its own linear values, 1 for white, not clamped.
+/// Renders what RTRACE computes: linear values, 1 for white, not clamped.
 ///
 /// `rtrace` must be the numbers of `scene`. Counts corners and pixels on `progress`. The same bits
 /// for any number of threads.
@@ -146,7 +147,7 @@ pub enum AntialiasingMode {
 /// [`Cancelled`] when `progress` was.
 ///
 /// # Panics
-/// If the picture has 2³² corners or more.
+/// If the image has 2³² pixel corners or more.
 pub fn render(
     scene: &Scene,
     rtrace: &Rtrace,
@@ -162,7 +163,7 @@ pub fn render(
     let corners = (u64::from(width) + 1) * (u64::from(height) + 1);
     assert!(
         u32::try_from(corners).is_ok(),
-        "a picture of {width} × {height} pixels is too large"
+        "an image of {width} × {height} pixels is too large"
     );
     progress.begin("render", corners + u64::from(width) * u64::from(height));
     let lens = Lens::new(view);

@@ -1,13 +1,13 @@
-//! Noise in space, and what is summed from it.
+//! Solid noise, and sums of its octaves.
 //!
-//! RTRACE hashes the bytes of its numbers, so its noise differs between machines. This one has
-//! the same shape and distribution, from a hash of its own: at every point of the integer lattice
-//! a value and a gradient, four numbers uniform in −1..1, blended by cubics.
+//! RTRACE hashes the bytes of its numbers, so its noise differs between machines. This noise has
+//! the same shape and distribution with another hash: at every point of the integer lattice a
+//! value and a gradient, four numbers uniform in −1..1, blended by cubics.
 
 use azulejo_trace::sampling::{hash, uniform};
 use glam::DVec3;
 
-/// Octaves beyond these are finer than any number can tell.
+/// Octaves beyond these are below the resolution of a number.
 const MOST_OCTAVES: u32 = 64;
 
 /// Noise of mean ½ in 0..=1.
@@ -21,7 +21,7 @@ pub(super) fn vector_noise(p: DVec3) -> DVec3 {
     DVec3::from_array(lattice(p))
 }
 
-/// Noise again and again, each time `lambda` times finer and `gain` times weaker.
+/// A sum of noises, each `lambda` times finer and `gain` times weaker than the one before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Octaves {
     pub gain: f64,
@@ -39,7 +39,7 @@ impl Octaves {
         }
     }
 
-    /// Fractional Brownian motion: `omega` 0.5 is that of nature.
+    /// Fractional Brownian motion; natural textures have an `omega` of 0.5.
     pub fn brownian(omega: f64, lambda: f64, count: f64) -> Octaves {
         Octaves {
             gain: lambda.powf(-0.5 - omega),
@@ -58,7 +58,7 @@ impl Octaves {
         octaves.sum()
     }
 
-    /// Frequency and weight of each octave; the first counts always, the rest while finite.
+    /// Frequency and weight of each octave: always the first, and the rest while finite.
     fn weights(self) -> impl Iterator<Item = (f64, f64)> {
         let count = (self.count.round() as u32).clamp(1, MOST_OCTAVES);
         let next = move |&(f, w): &(f64, f64)| {

@@ -1,6 +1,6 @@
-//! From rays to pixels: corners, and what is between them.
+//! Antialiasing: rays through the corners of pixels and between them.
 
-use super::shade::{Draws, Shader};
+use super::shade::{RaySampler, Shader};
 use super::view::Lens;
 use super::world::Owner;
 use super::{Antialiasing, AntialiasingMode};
@@ -8,10 +8,10 @@ use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Steps of a pixel that can be divided most.
+/// Steps along an edge of a pixel at the finest subdivision.
 const STEPS: u32 = 8;
 
-/// What a ray from the eye saw.
+/// The result of one camera ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     pub color: Rgb,
@@ -19,17 +19,17 @@ pub(super) struct Sample {
     pub owner: Option<Owner>,
 }
 
-/// The four corners of a pixel or of a part of it: upper ones first, left ones first.
+/// The four corners of a pixel or of a part of it: the upper ones first, each pair from the left.
 type Corners = [Sample; 4];
 
-/// The picture plane.
+/// The image plane.
 pub(super) struct Pixels<'a> {
     pub shader: &'a Shader<'a>,
     pub lens: &'a Lens,
     pub options: Antialiasing,
 }
 
-/// Rays that met something inside a pixel, so that its quarters share them.
+/// Samples inside a pixel, so that its quarters share them.
 type Inner = [[Option<Sample>; STEPS as usize + 1]; STEPS as usize + 1];
 
 /// A square part of a pixel, in steps from its upper left corner.
@@ -40,7 +40,7 @@ struct Part {
     size: u32,
 }
 
-/// One pixel while it is divided.
+/// One pixel while it is subdivided.
 struct Pixel<'p, 'a> {
     pixels: &'p Pixels<'a>,
     x: u32,
@@ -49,7 +49,7 @@ struct Pixel<'p, 'a> {
 }
 
 impl Pixels<'_> {
-    /// What is seen at the corners of all pixels, one more per row and column than there are.
+    /// Samples at the corners of all pixels: one more per row and column than there are pixels.
     pub fn corners(&self, progress: &Progress) -> Result<Vec<Sample>, Cancelled> {
         let (width, height) = self.lens.size;
         let row = |y: u32| -> Result<Vec<Sample>, Cancelled> {
@@ -63,7 +63,7 @@ impl Pixels<'_> {
         Ok(rows?.concat())
     }
 
-    /// A row of the picture.
+    /// A row of the image.
     pub fn row(
         &self,
         y: u32,
@@ -121,7 +121,7 @@ impl Pixels<'_> {
         sum / f64::from(cells * cells + 4)
     }
 
-    /// A ray inside a pixel, which looks for all objects only if it was asked to.
+    /// A ray inside a pixel, which is tested against all objects only if the option is set.
     fn sample_of(&self, x: u32, y: u32, counts: impl Fn(Owner) -> bool) -> Sample {
         let sample = self.sample(x, y, counts);
         if sample.owner.is_none() && self.options.all_objects {
@@ -130,12 +130,12 @@ impl Pixels<'_> {
         sample
     }
 
-    /// A ray through a point in half steps from the picture's upper left corner.
+    /// A ray through a point in half steps from the image's upper left corner.
     fn sample(&self, x: u32, y: u32, counts: impl Fn(Owner) -> bool) -> Sample {
-        let place = |x: u32| f64::from(x) / f64::from(2 * STEPS);
-        let mut draws = Draws::new(x, y);
-        let ray = self.lens.ray(place(x), place(y), &mut draws);
-        match self.shader.seen(&ray, counts, &mut draws) {
+        let pixels = |x: u32| f64::from(x) / f64::from(2 * STEPS);
+        let mut sampler = RaySampler::new(x, y);
+        let ray = self.lens.ray(pixels(x), pixels(y), &mut sampler);
+        match self.shader.seen(&ray, counts, &mut sampler) {
             Some((color, owner)) => Sample {
                 color,
                 owner: Some(owner),
@@ -168,7 +168,7 @@ impl Pixels<'_> {
 }
 
 impl Pixel<'_, '_> {
-    /// The mean of a part, quartered as long as its corners differ and `levels` are left.
+    /// The mean of a part, quartered while its corners differ and `levels` are left.
     fn divided(&mut self, part: Part, corners: Corners, levels: u32) -> Rgb {
         if levels == 0 || !self.pixels.differ(&corners) {
             return mean(&corners);
@@ -181,7 +181,7 @@ impl Pixel<'_, '_> {
             y: y + dy * half,
             size: half,
         };
-        // The order matters: rays inside the pixel see what the first to ask for them saw.
+        // The order matters: shared samples depend on which quarter takes them first.
         let upper = self.between(x + half, y, &corners);
         let left = self.between(x, y + half, &corners);
         let middle = self.between(x + half, y + half, &corners);
@@ -202,7 +202,7 @@ impl Pixel<'_, '_> {
         0.25 * (a + b + c + d)
     }
 
-    /// What is seen at a point of the pixel, of the objects that `corners` saw.
+    /// The sample at a point of the pixel, of the objects that `corners` hit.
     fn between(&mut self, x: u32, y: u32, corners: &Corners) -> Sample {
         let is_inner = |x: u32| x > 0 && x < STEPS;
         let known = self.inner[y as usize][x as usize].filter(|_| is_inner(x) && is_inner(y));

@@ -1,16 +1,16 @@
-//! Textures that bend the normal.
+//! Bump maps: textures that perturb the normal.
 
 use super::noise::{Octaves, noise, vector_noise, wave};
-use super::texture::Painted;
+use super::texture::TexturedSurface;
 use azulejo_scene::rtrace::RtraceTextureKind;
 use azulejo_trace::sampling::uniform;
 use glam::DVec3;
 
-/// Where ripples and waves come from.
+/// Number of sources of ripples and waves.
 const SOURCES: u32 = 10;
 
-/// Applies a texture that bends the normal; others do nothing here.
-pub(super) fn apply(painted: &mut Painted, kind: &RtraceTextureKind, point: &mut DVec3) {
+/// Applies a texture that perturbs the normal; ignores other kinds.
+pub(super) fn apply(textured: &mut TexturedSurface, kind: &RtraceTextureKind, point: &mut DVec3) {
     use RtraceTextureKind::*;
     let p = *point;
     let bent = match *kind {
@@ -25,7 +25,7 @@ pub(super) fn apply(painted: &mut Painted, kind: &RtraceTextureKind, point: &mut
             let sum = Octaves::brownian(omega, lambda, octaves).vector_sum(p);
             k * (sum + DVec3::splat(offset))
         }
-        Round { k } => round(painted.normal, k, point),
+        Round { k } => round(textured.normal, k, point),
         Ripples {
             frequency,
             phase,
@@ -38,10 +38,10 @@ pub(super) fn apply(painted: &mut Painted, kind: &RtraceTextureKind, point: &mut
         } => ripples(p, frequency, phase, k, source_frequency),
         Dents { k } => k * noise(p) * vector_noise(p),
         Wrinkles { k } => k * wrinkles(p),
-        Bump3 { k, size } => return displace(painted, k, size, point),
+        Bump3 { k, size } => return displace(textured, k, size, point),
         _ => return,
     };
-    painted.normal = (painted.normal + bent).normalize_or(painted.normal);
+    textured.normal = (textured.normal + bent).normalize_or(textured.normal);
 }
 
 /// Two directions across a normal.
@@ -68,7 +68,7 @@ fn round(normal: DVec3, k: f64, point: &mut DVec3) -> DVec3 {
     strength * (first * u + second * v)
 }
 
-/// Round waves from all sources, each as fast as `factor` says.
+/// Circular waves from all sources, each with its frequency multiplied by `factor`.
 fn ripples(p: DVec3, frequency: f64, phase: f64, k: f64, factor: impl Fn(u32) -> f64) -> DVec3 {
     let waves = (0..SOURCES).map(|i| {
         let away = p - source(i);
@@ -98,17 +98,17 @@ fn wrinkles(p: DVec3) -> DVec3 {
     vector_noise(p) + folds.sum::<DVec3>()
 }
 
-/// Moves the surface itself, and takes the normal of what it became, from four points around.
-fn displace(painted: &mut Painted, k: f64, size: f64, point: &mut DVec3) {
+/// Displaces the surface, and computes its normal from four displaced points around.
+fn displace(textured: &mut TexturedSurface, k: f64, size: f64, point: &mut DVec3) {
     if k < 1e-12 {
         return;
     }
     let p = *point;
     let moved = |p: DVec3| p + k * vector_noise(p);
     *point = moved(p);
-    painted.position += *point - p;
-    let [u, v] = across(painted.normal).map(|d| size * d);
+    textured.position += *point - p;
+    let [u, v] = across(textured.normal).map(|d| size * d);
     let around = [v, u, -v, -u].map(|d| moved(p + d) - *point);
     let normal: DVec3 = (0..4).map(|i| around[i].cross(around[(i + 1) % 4])).sum();
-    painted.normal = normal.try_normalize().unwrap_or(painted.normal);
+    textured.normal = normal.try_normalize().unwrap_or(textured.normal);
 }

@@ -1,10 +1,10 @@
-//! What a ray sees: RTRACE's two shading models.
+//! Shading: RTRACE's two reflection models.
 
-use super::light::Lit;
-use super::strauss::{self, Glance};
-use super::texture::Painted;
+use super::light::LightIncidence;
+use super::strauss::{self, StraussFactors};
+use super::texture::TexturedSurface;
 use super::view::Lens;
-use super::world::{Found, Owner, World, is_above};
+use super::world::{Intersection, Owner, World, is_above};
 use super::{Model, Options, Shadows, Textures};
 use azulejo_scene::math::Ray;
 use azulejo_scene::rtrace::{Rtrace, RtraceSurface};
@@ -12,7 +12,7 @@ use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use glam::DVec3;
 
-/// What is not more than this is nothing.
+/// Values of at most this count as zero.
 pub(super) const NOTHING: f64 = 1e-12;
 
 /// A scene, ready to be shaded.
@@ -22,28 +22,28 @@ pub(super) struct Shader<'a> {
     pub options: &'a Options,
 }
 
-/// A ray on its way.
+/// What a ray carries along a path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Path {
-    /// Product of the mirrors and glasses before it.
+pub(super) struct RayState {
+    /// Product of the reflectances and transmittances before it.
     pub level: Rgb,
-    /// Whether it runs in glass: one flag, whatever is nested.
+    /// Whether it runs inside glass: one flag, however objects are nested.
     pub is_inside: bool,
     /// Surfaces before it.
     pub depth: u32,
 }
 
-impl Path {
+impl RayState {
     /// From the eye.
-    pub const START: Path = Path {
+    pub const START: RayState = RayState {
         level: Rgb::WHITE,
         is_inside: false,
         depth: 0,
     };
 
     /// After one more surface.
-    pub fn next(self, level: Rgb, is_inside: bool) -> Path {
-        Path {
+    pub fn next(self, level: Rgb, is_inside: bool) -> RayState {
+        RayState {
             level,
             is_inside,
             depth: self.depth + 1,
@@ -51,17 +51,17 @@ impl Path {
     }
 }
 
-/// The random numbers of one ray from the eye, in the order they are asked for.
+/// The random numbers of one camera ray, in the order in which they are used.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Draws {
+pub(super) struct RaySampler {
     key: u32,
     count: u32,
 }
 
-impl Draws {
-    /// Keyed by a place in the picture.
-    pub fn new(x: u32, y: u32) -> Draws {
-        Draws {
+impl RaySampler {
+    /// Keyed by a position in the image.
+    pub fn new(x: u32, y: u32) -> RaySampler {
+        RaySampler {
             key: hash(&[x, y]),
             count: 0,
         }
@@ -79,11 +79,11 @@ impl Draws {
     }
 }
 
-/// A surface under a ray, with what is known before any light is followed.
-pub(super) struct Shaded<'f, 'a> {
-    pub found: &'f Found<'a>,
-    pub path: Path,
-    /// Where it is, and how its textures left it.
+/// A surface point with its textures applied, before any light is computed.
+pub(super) struct ShadingPoint<'f, 'a> {
+    pub found: &'f Intersection<'a>,
+    pub path: RayState,
+    /// Position and surface after the textures.
     pub position: DVec3,
     pub surface: RtraceSurface,
     /// Turned toward the ray, with and without the textures' bumps.
@@ -114,59 +114,83 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What a ray from the eye sees, and of which object; `counts` says which may be met.
+    /// The colour along a camera ray, and the object it is from; `counts` selects the objects that
+    /// may be hit.
     pub fn seen(
         &self,
         ray: &Ray,
         counts: impl Fn(Owner) -> bool,
-        draws: &mut Draws,
+        sampler: &mut RaySampler,
     ) -> Option<(Rgb, Owner)> {
         let found = self.world.first(ray, counts)?;
-        let color = self.shade(&found, ray.direction, Path::START, draws);
+        let color = self.shade(&found, ray.direction, RayState::START, sampler);
         Some((color, found.owner))
     }
 
-    /// What RTRACE shows where nothing is met.
+    /// The colour of rays that hit nothing.
     pub fn background(&self) -> Rgb {
         self.world.rtrace().background
     }
 
-    /// What is seen from a surface along `direction`.
-    pub fn radiance(&self, at: &Shaded, direction: DVec3, path: Path, draws: &mut Draws) -> Rgb {
+    /// The colour seen from a surface along `direction`.
+    pub fn radiance(
+        &self,
+        at: &ShadingPoint,
+        direction: DVec3,
+        path: RayState,
+        sampler: &mut RaySampler,
+    ) -> Rgb {
         let ray = self.world.leaving(at.found, at.position, direction);
         let skip = at.found.is_passed_by(path.is_inside);
         let own = at.found.owner;
         match self.world.first(&ray, |owner| !(skip && owner == own)) {
-            Some(found) => self.shade(&found, direction, path, draws),
+            Some(found) => self.shade(&found, direction, path, sampler),
             None => self.background(),
         }
     }
 
-    /// The colour of a surface, faded by the length of the ray that found it.
-    fn shade(&self, found: &Found, direction: DVec3, path: Path, draws: &mut Draws) -> Rgb {
-        let color = self.surface_color(found, direction, path, draws);
+    /// The colour of a surface, faded by the length of the ray that hit it.
+    fn shade(
+        &self,
+        found: &Intersection,
+        direction: DVec3,
+        path: RayState,
+        sampler: &mut RaySampler,
+    ) -> Rgb {
+        let color = self.surface_color(found, direction, path, sampler);
         self.lens.fade(found.distance) * color
     }
 
-    fn surface_color(&self, found: &Found, direction: DVec3, path: Path, draws: &mut Draws) -> Rgb {
+    fn surface_color(
+        &self,
+        found: &Intersection,
+        direction: DVec3,
+        path: RayState,
+        sampler: &mut RaySampler,
+    ) -> Rgb {
         let mut at = self.prepare(found, direction, path);
         if at.surface.is_emitter {
             return -direction.dot(at.normal) * at.surface.color;
         }
-        let transmitted = self.transmitted(&mut at, draws);
-        let reflected = self.reflected(&at, draws);
-        let ambient = self.ambient(&at, draws);
-        transmitted + reflected + ambient + self.lit(&at, draws)
+        let transmitted = self.transmitted(&mut at, sampler);
+        let reflected = self.reflected(&at, sampler);
+        let ambient = self.ambient(&at, sampler);
+        transmitted + reflected + ambient + self.lit(&at, sampler)
     }
 
-    fn prepare<'f>(&self, found: &'f Found<'a>, direction: DVec3, path: Path) -> Shaded<'f, 'a> {
+    fn prepare<'f>(
+        &self,
+        found: &'f Intersection<'a>,
+        direction: DVec3,
+        path: RayState,
+    ) -> ShadingPoint<'f, 'a> {
         let cosine = -direction.dot(found.normal);
         let smooth_normal = if cosine < 0.0 {
             -found.normal
         } else {
             found.normal
         };
-        let mut painted = Painted {
+        let mut textured = TexturedSurface {
             surface: found.surface,
             position: found.position,
             normal: smooth_normal,
@@ -176,34 +200,35 @@ impl<'a> Shader<'a> {
             Textures::Inline => &found.material.inline_textures,
             Textures::Section => &found.material.section_textures,
         };
-        painted.apply(textures, &self.world.rtrace().surfaces);
-        Shaded {
+        textured.apply(textures, &self.world.rtrace().surfaces);
+        ShadingPoint {
             found,
             path,
-            position: painted.position,
-            surface: painted.surface,
-            normal: painted.normal,
+            position: textured.position,
+            surface: textured.surface,
+            normal: textured.normal,
             smooth_normal,
             direction,
             mirrored: (direction + 2.0 * cosine * found.normal).normalize_or(smooth_normal),
             refracted: None,
-            // A back side counts as grazed: the cosine is that of the normal as the object has it.
+            // A back side counts as grazing: the cosine is that of the object's own normal.
             incidence: strauss::incidence(cosine),
-            specular: painted.surface.specular,
+            specular: textured.surface.specular,
         }
     }
 
-    /// The path behind a surface that keeps `share` of the light, if it is worth following.
-    fn onward(&self, path: Path, share: Rgb, is_inside: bool) -> Option<Path> {
+    /// The continuation behind a surface that passes on `share` of the light, if it is worth
+    /// following.
+    fn onward(&self, path: RayState, share: Rgb, is_inside: bool) -> Option<RayState> {
         let level = path.level * share;
-        let goes_on = is_above(share, NOTHING)
+        let continues = is_above(share, NOTHING)
             && path.depth + 1 < self.options.depth
             && is_above(level, self.options.cut);
-        goes_on.then(|| path.next(level, is_inside))
+        continues.then(|| path.next(level, is_inside))
     }
 
-    /// Light from behind glass. Where all of it is reflected, the mirror takes it over.
-    fn transmitted(&self, at: &mut Shaded, draws: &mut Draws) -> Rgb {
+    /// Light from behind glass. At total reflection its share is added to the mirror's.
+    fn transmitted(&self, at: &mut ShadingPoint, sampler: &mut RaySampler) -> Rgb {
         let kt = at.surface.transparency;
         let is_inside = at.path.is_inside;
         let Some(path) = self.onward(at.path, kt, !is_inside) else {
@@ -220,10 +245,10 @@ impl<'a> Shader<'a> {
             Model::Phong => kt * at.surface.color,
             Model::Strauss => at.transmittance(refracted),
         };
-        share * self.radiance(at, refracted, path, draws)
+        share * self.radiance(at, refracted, path, sampler)
     }
 
-    fn reflected(&self, at: &Shaded, draws: &mut Draws) -> Rgb {
+    fn reflected(&self, at: &ShadingPoint, sampler: &mut RaySampler) -> Rgb {
         let Some(path) = self.onward(at.path, at.specular, at.path.is_inside) else {
             return Rgb::BLACK;
         };
@@ -231,11 +256,11 @@ impl<'a> Shader<'a> {
             Model::Phong => at.phong_mirror(),
             Model::Strauss => at.strauss_mirror(at.normal.dot(at.mirrored)),
         };
-        share * self.radiance(at, at.mirrored, path, draws)
+        share * self.radiance(at, at.mirrored, path, sampler)
     }
 
     /// All lights.
-    fn lit(&self, at: &Shaded, draws: &mut Draws) -> Rgb {
+    fn lit(&self, at: &ShadingPoint, sampler: &mut RaySampler) -> Rgb {
         let lights = &self.world.rtrace().lights;
         let lit = lights.iter().map(|light| {
             let lit = self.light(at, light);
@@ -243,18 +268,18 @@ impl<'a> Shader<'a> {
                 return Rgb::BLACK;
             }
             let share = at.response(&lit, self.options.model);
-            share * self.brightness(at, light, &lit, draws)
+            share * self.brightness(at, light, &lit, sampler)
         });
         lit.sum()
     }
 
-    /// Whether lights behind glass light it.
-    pub fn transmits_light(&self, at: &Shaded) -> bool {
+    /// Whether lights behind the glass illuminate it.
+    pub fn transmits_light(&self, at: &ShadingPoint) -> bool {
         at.refracted.is_some() && self.options.shadows == Shadows::Transmitted
     }
 }
 
-impl Shaded<'_, '_> {
+impl ShadingPoint<'_, '_> {
     /// D: what is reflected diffusely.
     pub fn diffuse(&self) -> Rgb {
         self.surface.diffuse * self.surface.color
@@ -268,28 +293,28 @@ impl Shaded<'_, '_> {
 
     /// S of Strauss's model for light that leaves at an angle.
     pub fn strauss_mirror(&self, cosine: f64) -> Rgb {
-        let glance = Glance::new(cosine, self.incidence);
-        glance.mirror(self.specular) * glance.tint(&self.surface)
+        let factors = StraussFactors::new(cosine, self.incidence);
+        factors.mirror(self.specular) * factors.tint(&self.surface)
     }
 
-    /// T of Strauss's model: no colour but metal's, less around the straight line.
+    /// T of Strauss's model: only metal colours it, and it is less around the straight direction.
     fn transmittance(&self, refracted: DVec3) -> Rgb {
-        let glance = Glance::new(-self.normal.dot(refracted), self.incidence);
+        let factors = StraussFactors::new(-self.normal.dot(refracted), self.incidence);
         let straight = lobe(self.direction.dot(refracted), self.surface.phong);
-        let mirror = glance.mirror(self.specular);
+        let mirror = factors.mirror(self.specular);
         let share = |k: usize| {
             let left = (1.0 - straight * mirror[k]) / (1.0 + NOTHING - self.specular[k]);
             (self.surface.transparency[k] * left).min(1.0)
         };
-        Rgb::new(share(0), share(1), share(2)) * glance.tint(&self.surface)
+        Rgb::new(share(0), share(1), share(2)) * factors.tint(&self.surface)
     }
 
-    /// What becomes of a light's brightness.
-    fn response(&self, lit: &Lit, model: Model) -> Rgb {
+    /// The factor on a light's brightness.
+    fn response(&self, lit: &LightIncidence, model: Model) -> Rgb {
         let df = self.surface.diffuse_factor;
         let diffuse = lit.diffuse * self.diffuse() * df;
         match model {
-            // The factor enters twice, there.
+            // RTRACE applies the factor twice here.
             Model::Phong => diffuse * df + lit.specular * self.phong_mirror(),
             Model::Strauss => diffuse + lit.specular * self.strauss_mirror(lit.diffuse),
         }

@@ -1,4 +1,4 @@
-//! The curves of Strauss's model, as RTRACE has them.
+//! The curves of Strauss's model in RTRACE's variant.
 //!
 //! Strauss, *A Realistic Lighting Model for Computer Animators*, IEEE CG&A 10(6), 1990.
 
@@ -7,23 +7,23 @@ use azulejo_scene::Rgb;
 use azulejo_scene::rtrace::RtraceSurface;
 use std::f64::consts::FRAC_2_PI;
 
-/// How much a mirror gains at most where light grazes it.
+/// The most that reflection gains at grazing angles.
 const PEAK: f64 = 0.1;
 
-/// Light between two directions, seen by its angles with the normal.
+/// The angular factors of Strauss's model for a pair of directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Glance {
+pub(super) struct StraussFactors {
     /// Fresnel's term for the outgoing angle, 0..=1.
     pub fresnel: f64,
-    /// What the mirror gains, in units of itself and the peak.
+    /// Gain of the reflection, in units of itself plus the peak.
     pub gain: f64,
 }
 
-impl Glance {
+impl StraussFactors {
     /// `incidence` is the shadowing of the incoming ray; `cosine` is between the normal and the
     /// outgoing direction.
-    pub fn new(cosine: f64, incidence: f64) -> Glance {
-        let flat = |fresnel| Glance { fresnel, gain: 0.0 };
+    pub fn new(cosine: f64, incidence: f64) -> StraussFactors {
+        let flat = |fresnel| StraussFactors { fresnel, gain: 0.0 };
         if cosine < NOTHING {
             return flat(1.0);
         }
@@ -32,25 +32,25 @@ impl Glance {
         }
         let angle = cosine.acos() * FRAC_2_PI;
         let fresnel = fresnel(angle);
-        Glance {
+        StraussFactors {
             fresnel,
             gain: fresnel * incidence * shadowing(angle),
         }
     }
 
-    /// The mirror's share: `specular`, more where light grazes.
+    /// Specular reflectance: more at grazing angles.
     pub fn mirror(self, specular: Rgb) -> Rgb {
         specular.map(|s| (s + (s + PEAK) * self.gain).min(1.0))
     }
 
-    /// The colour that metal gives to what it mirrors; white where light grazes.
+    /// The colour that metal gives to its reflection; white at grazing angles.
     pub fn tint(self, surface: &RtraceSurface) -> Rgb {
         let towards = surface.metal * (surface.color - Rgb::WHITE);
         Rgb::WHITE + (1.0 - self.fresnel) * towards
     }
 }
 
-/// The shadowing of a ray that arrives with a cosine; 0 from behind.
+/// Shadowing of an incoming ray of that cosine to the normal; 0 from behind.
 pub(super) fn incidence(cosine: f64) -> f64 {
     if cosine > 1.0 - NOTHING {
         1.0
@@ -66,14 +66,14 @@ fn pole(x: f64, pole: f64) -> f64 {
     (x - pole).powi(2).recip()
 }
 
-/// 0 for light along the normal, 1 for light that grazes; angles in right angles.
+/// Fresnel term: 0 along the normal, 1 at grazing angles. `angle` is in right angles.
 fn fresnel(angle: f64) -> f64 {
     const K: f64 = 1.12;
     let share = (pole(angle, K) - pole(0.0, K)) / (pole(1.0, K) - pole(0.0, K));
     share.max(0.0)
 }
 
-/// 1 for light along the normal, 0 for light that grazes.
+/// Shadowing term: 1 along the normal, 0 at grazing angles. `angle` is in right angles.
 fn shadowing(angle: f64) -> f64 {
     const K: f64 = 1.01;
     let share = (pole(1.0, K) - pole(angle, K)) / (pole(1.0, K) - pole(0.0, K));
@@ -102,12 +102,15 @@ mod tests {
     #[test]
     fn light_along_the_normal_and_from_behind_gains_nothing() {
         let check = |cosine, fresnel| {
-            assert_eq!(Glance::new(cosine, 1.0), Glance { fresnel, gain: 0.0 });
+            assert_eq!(
+                StraussFactors::new(cosine, 1.0),
+                StraussFactors { fresnel, gain: 0.0 }
+            );
         };
         check(1.0, 0.0);
         check(0.0, 1.0);
         check(-0.5, 1.0);
-        assert!(Glance::new(0.1, 1.0).gain > 0.0);
+        assert!(StraussFactors::new(0.1, 1.0).gain > 0.0);
         assert_eq!((incidence(1.0), incidence(-0.3)), (1.0, 0.0));
     }
 }

@@ -1,4 +1,4 @@
-//! Small scenes whose pictures can be worked out by hand.
+//! Small scenes whose images can be computed by hand.
 
 use super::*;
 use azulejo_scene::rtrace::*;
@@ -19,8 +19,8 @@ fn matte(color: Rgb) -> RtraceSurface {
     }
 }
 
-/// Seen from (0, 0, 8) toward the origin, so that what is 8 away fades to 0.8; the picture shows
-/// next to nothing but the middle.
+/// Seen from (0, 0, 8) toward the origin, so that colours at distance 8 fade to 0.8; the field of
+/// view is very narrow.
 fn scene(surfaces: Vec<RtraceSurface>, objects: Vec<Shape>) -> Scene {
     let mut scene = Scene::default();
     for _ in &surfaces {
@@ -69,16 +69,16 @@ fn lamp(position: DVec3, brightness: f64) -> RtraceLight {
     }
 }
 
-fn drawn(scene: &Scene, options: &Options, size: (u32, u32)) -> Image {
+fn rendered(scene: &Scene, options: &Options, size: (u32, u32)) -> Image {
     scene.validate().unwrap();
     let rtrace = scene.rtrace.as_ref().unwrap();
     let view = View::of(rtrace, size);
     render(scene, rtrace, &view, options, &Progress::new()).unwrap()
 }
 
-/// The colour in the middle of the picture.
+/// Checks the colour in the middle of the image.
 fn check(scene: &Scene, options: &Options, expected: [f64; 3]) {
-    let image = drawn(scene, options, (2, 2));
+    let image = rendered(scene, options, (2, 2));
     let corner = |k: usize| f64::from(image.pixels[0][k]);
     for (k, expected) in expected.into_iter().enumerate() {
         assert!(
@@ -135,22 +135,22 @@ fn mirrors_of_plastic_are_coloured_and_of_metal_white() {
         model: Model::Phong,
         ..Options::default()
     };
-    let looks = |surface| scene(vec![surface], vec![wall(0.0, 0)]);
-    check(&looks(surface), &phong, [0.08, 0.08, 0.12]);
+    let scene_of = |surface| scene(vec![surface], vec![wall(0.0, 0)]);
+    check(&scene_of(surface), &phong, [0.08, 0.08, 0.12]);
     surface.metal = Rgb::WHITE;
-    check(&looks(surface), &phong, [0.08, 0.16, 0.24]);
+    check(&scene_of(surface), &phong, [0.08, 0.16, 0.24]);
     // Strauss's model has it the other way around.
-    check(&looks(surface), &Options::default(), [0.08, 0.08, 0.12]);
+    check(&scene_of(surface), &Options::default(), [0.08, 0.08, 0.12]);
     let cut = Options {
         cut: 0.6,
         ..Options::default()
     };
-    check(&looks(surface), &cut, [0.0; 3]);
+    check(&scene_of(surface), &cut, [0.0; 3]);
     let shallow = Options {
         depth: 1,
         ..Options::default()
     };
-    check(&looks(surface), &shallow, [0.0; 3]);
+    check(&scene_of(surface), &shallow, [0.0; 3]);
 }
 
 #[test]
@@ -165,21 +165,21 @@ fn glass_casts_full_shadow_or_filters_once() {
         vec![wall(0.0, 0), Shape::Primitive(ball)],
     );
     numbers(&mut scene).lights = vec![lamp(DVec3::new(8.0, 0.0, 8.0), 1.0)];
-    let looks = |shadows| Options {
+    let with = |shadows| Options {
         shadows,
         ..Options::default()
     };
-    check(&scene, &looks(Shadows::Opaque), [0.0; 3]);
+    check(&scene, &with(Shadows::Opaque), [0.0; 3]);
     let far = 128f64.sqrt();
     let lit = 0.8 * 0.5f64.sqrt() * 8.0 / (8.0 + 0.25 * far);
     check(
         &scene,
-        &looks(Shadows::Filtered),
+        &with(Shadows::Filtered),
         [0.5 * lit, 0.25 * lit, 0.0],
     );
     numbers(&mut scene).surfaces[0].is_unshadowed = true;
     let blue = 0.8 * 0.5f64.sqrt();
-    check(&scene, &looks(Shadows::Opaque), [lit, lit, blue]);
+    check(&scene, &with(Shadows::Opaque), [lit, lit, blue]);
 }
 
 #[test]
@@ -191,12 +191,12 @@ fn lights_shine_through_glass_in_the_last_mode() {
     let mut scene = scene(vec![glass], vec![wall(0.0, 0)]);
     numbers(&mut scene).background = Rgb::BLACK;
     numbers(&mut scene).lights = vec![lamp(DVec3::new(0.0, 0.0, -8.0), 1.0)];
-    let looks = |shadows| Options {
+    let with = |shadows| Options {
         shadows,
         ..Options::default()
     };
-    check(&scene, &looks(Shadows::Filtered), [0.0; 3]);
-    check(&scene, &looks(Shadows::Transmitted), [0.64, 0.64, 0.8]);
+    check(&scene, &with(Shadows::Filtered), [0.0; 3]);
+    check(&scene, &with(Shadows::Transmitted), [0.64, 0.64, 0.8]);
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn a_large_light_has_half_shadows_and_a_small_one_has_not() {
     );
     // A wall hides just over half of the lamp.
     let mut light = lamp(DVec3::new(0.0, 0.0, 32.0), 1.0);
-    let red = |scene: &Scene| drawn(scene, &Options::default(), (2, 2)).pixels[0][0];
+    let red = |scene: &Scene| rendered(scene, &Options::default(), (2, 2)).pixels[0][0];
     light.kind = RtraceLightKind::Extended {
         radius: 1.0,
         samples: 32,
@@ -249,7 +249,7 @@ fn a_box_keeps_the_floor_that_it_shares_with_a_polygon() {
         let shapes = vec![wall(z, 0), block];
         let mut shared = scene(vec![red, blue], shapes);
         numbers(&mut shared).half_angles = [0.01; 2];
-        let image = drawn(&shared, &Options::default(), (16, 16));
+        let image = rendered(&shared, &Options::default(), (16, 16));
         assert!(image.pixels.iter().all(|p| p[0] == 0.0 && p[2] > 0.7));
     }
 }
@@ -287,7 +287,7 @@ fn normals_and_surfaces_run_between_corners() {
         .corner_surfaces
         .insert(0, vec![[0, 1, 2]]);
     numbers(&mut scene).ambient = Rgb::WHITE;
-    // The middle of the picture is the triangle's.
+    // The middle of the image is on the triangle.
     check(&scene, &Options::default(), [0.24; 3]);
     numbers(&mut scene).ambient = Rgb::BLACK;
     numbers(&mut scene).lights = vec![lamp(DVec3::new(6e4, 0.0, 8e4), 1.0)];
@@ -320,17 +320,17 @@ fn what_is_cut_away_leaves_its_surface_and_its_normals() {
         };
         Shape::Exact(Exact::new(vec![Solid::Csg(Box::new(csg))]))
     };
-    let looks = |hole, expected: f64| {
+    let check_hole = |hole, expected: f64| {
         let shape = cut(hole);
         let scene = scene(vec![matte(Rgb::WHITE), paint], vec![shape]);
         check(&scene, &Options::default(), [expected, 0.5 * expected, 0.0]);
     };
     let lens = Solid::Primitive(Primitive::sphere(DVec3::Z, 1.0, 1));
-    looks(lens, 8.0 / (8.0 + 0.25 * 8.0));
+    check_hole(lens, 8.0 / (8.0 + 0.25 * 8.0));
     // The floor of a square hole, where normals are tilted as if it were smooth.
     let mut soft = soft_box(0.75 * DVec3::X);
     soft.transform(&DAffine3::from_translation(DVec3::new(0.1, 0.2, 0.6)));
-    looks(Solid::Mesh(soft), 0.8 * 8.0 / (8.0 + 0.25 * 7.9));
+    check_hole(Solid::Mesh(soft), 0.8 * 8.0 / (8.0 + 0.25 * 7.9));
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn lines_between_corners_break_unless_all_objects_count() {
     let mut scene = scene(vec![surface, red], vec![half, ball]);
     numbers(&mut scene).background = Rgb::BLACK;
     numbers(&mut scene).half_angles = [0.01; 2];
-    let looks = |mode, all_objects| Options {
+    let with = |mode, all_objects| Options {
         antialiasing: Antialiasing {
             mode,
             levels: 3,
@@ -358,14 +358,14 @@ fn lines_between_corners_break_unless_all_objects_count() {
         ..Options::default()
     };
     let red_over_blue = |options| {
-        let pixel = drawn(&scene, &options, (1, 1)).pixels[0];
+        let pixel = rendered(&scene, &options, (1, 1)).pixels[0];
         pixel[0] - pixel[2]
     };
     use AntialiasingMode::*;
-    assert_eq!(red_over_blue(looks(Adaptive, false)), 0.0);
-    assert_eq!(red_over_blue(looks(SemiAdaptive, false)), 0.0);
-    assert!(red_over_blue(looks(Adaptive, true)) > 0.0);
-    assert!(red_over_blue(looks(Fixed, false)) > 0.0);
+    assert_eq!(red_over_blue(with(Adaptive, false)), 0.0);
+    assert_eq!(red_over_blue(with(SemiAdaptive, false)), 0.0);
+    assert!(red_over_blue(with(Adaptive, true)) > 0.0);
+    assert!(red_over_blue(with(Fixed, false)) > 0.0);
 }
 
 #[test]
@@ -375,7 +375,7 @@ fn edges_are_divided_and_the_rest_is_not() {
     let mut scene = scene(vec![surface], vec![wall(0.0, 0)]);
     numbers(&mut scene).background = Rgb::BLACK;
     numbers(&mut scene).half_angles = [0.2; 2];
-    let looks = |levels, threshold| Options {
+    let with = |levels, threshold| Options {
         antialiasing: Antialiasing {
             levels,
             threshold,
@@ -384,20 +384,20 @@ fn edges_are_divided_and_the_rest_is_not() {
         ..Options::default()
     };
     let mean = |options| {
-        let image = drawn(&scene, &options, (9, 9));
+        let image = rendered(&scene, &options, (9, 9));
         image.pixels.iter().map(|p| f64::from(p[0])).sum::<f64>() / 81.0
     };
-    // The wall's share of the picture, emitted with nearly its full cosine.
+    // The wall's share of the image, emitted with nearly its full cosine.
     let truth = (0.8 * (1.0 / (8.0 * 0.2f64.tan())).powi(2)) * 0.988;
-    let error = |levels| (mean(looks(levels, 0.02)) - truth).abs();
+    let error = |levels| (mean(with(levels, 0.02)) - truth).abs();
     assert!(
         error(3) < 0.01 && error(3) < error(0),
         "{} {}",
         error(3),
         error(0)
     );
-    assert_eq!(mean(looks(3, 0.99)), mean(looks(0, 0.02)));
-    assert!(mean(looks(3, -0.5)) != mean(looks(0, 0.02)));
+    assert_eq!(mean(with(3, 0.99)), mean(with(0, 0.02)));
+    assert!(mean(with(3, -0.5)) != mean(with(0, 0.02)));
 }
 
 /// Two balls over a wall, with all that is random.
@@ -438,7 +438,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.build().unwrap();
-        pool.install(|| drawn(&scene, &options, (24, 20)))
+        pool.install(|| rendered(&scene, &options, (24, 20)))
     };
     assert_eq!(with(1), with(8));
 }

@@ -1,18 +1,18 @@
-//! Textures that change colours and shares.
+//! Textures that change colours and reflectances.
 
-use super::map::{color_at, picture_at};
+use super::map::{color_at, image_at};
 use super::noise::{Octaves, bands, noise, wave};
 use super::relief;
 use azulejo_scene::Rgb;
 use azulejo_scene::rtrace::{ColorMap, RtraceSurface, RtraceTexture, RtraceTextureKind};
 use glam::{DMat4, DVec3};
 
-/// Bends that take a point out of its place before it is looked up.
+/// Turbulence that moves a point before it is looked up.
 const TURBULENCE: Octaves = Octaves::halves(4);
 
-/// A surface that textures change.
+/// A surface point to which textures are applied.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Painted {
+pub(super) struct TexturedSurface {
     pub surface: RtraceSurface,
     /// In the world.
     pub position: DVec3,
@@ -20,8 +20,8 @@ pub(super) struct Painted {
     pub normal: DVec3,
 }
 
-impl Painted {
-    /// Applies textures one after the other; the point goes from each to the next.
+impl TexturedSurface {
+    /// Applies textures one after the other; each passes its transformed point to the next.
     pub fn apply(&mut self, textures: &[RtraceTexture], surfaces: &[RtraceSurface]) {
         let mut point = self.position;
         for texture in textures {
@@ -87,7 +87,7 @@ impl Painted {
                 let [u, v] = axes.map(|a| point[usize::from(a)]);
                 let is_on = |x: f64| *tiles || (0.0..=1.0).contains(&x);
                 if is_on(u) && is_on(v) {
-                    self.surface.color = picture_at(image, u, v);
+                    self.surface.color = image_at(image, u, v);
                 }
             }
             Gloss { k } => self.gloss(k * noise(*point)),
@@ -102,7 +102,7 @@ impl Painted {
         }
     }
 
-    /// ½ leaves a channel as it is.
+    /// Multiplies the colour by 2 `by`: ½ leaves a channel unchanged.
     fn scale(&mut self, by: Rgb) {
         let color = self.surface.color * by;
         self.surface.color = color.map(|c| (2.0 * c).clamp(0.0, 1.0));
@@ -241,17 +241,17 @@ mod tests {
         }
     }
 
-    fn painted(textures: &[RtraceTexture], position: DVec3) -> Painted {
-        let mut painted = Painted {
+    fn textured(textures: &[RtraceTexture], position: DVec3) -> TexturedSurface {
+        let mut textured = TexturedSurface {
             surface: surface(GREY),
             position,
             normal: DVec3::Y,
         };
-        painted.apply(textures, &[surface(Rgb::WHITE)]);
-        painted
+        textured.apply(textures, &[surface(Rgb::WHITE)]);
+        textured
     }
 
-    /// One of each, with usual numbers.
+    /// One of each, with typical parameters.
     fn all() -> Vec<RtraceTextureKind> {
         let map: ColorMap = Arc::new([Rgb::grey(0.5); 256]);
         vec![
@@ -329,8 +329,8 @@ mod tests {
         for kind in all() {
             let textures = [texture(kind)];
             for p in points() {
-                let a = painted(&textures, p);
-                let b = painted(&textures, p);
+                let a = textured(&textures, p);
+                let b = textured(&textures, p);
                 assert!(
                     a.surface == b.surface && a.normal == b.normal,
                     "{textures:?}"
@@ -350,7 +350,8 @@ mod tests {
     fn colours_or_normals_change_as_the_kind_says() {
         for (number, kind) in all().into_iter().enumerate() {
             let textures = [texture(kind)];
-            let any = |f: &dyn Fn(&Painted) -> bool| points().any(|p| f(&painted(&textures, p)));
+            let any =
+                |f: &dyn Fn(&TexturedSurface) -> bool| points().any(|p| f(&textured(&textures, p)));
             let bends = matches!(number, 3 | 6 | 8 | 10 | 11 | 13 | 15 | 20);
             // A map of middle grey leaves spots as they are.
             let colors = matches!(number, 1 | 2 | 4 | 5 | 7 | 9 | 14 | 16 | 17 | 18);
@@ -368,7 +369,7 @@ mod tests {
             let mean: f64 = (0..n)
                 .map(|i| {
                     let p = f64::from(i) * DVec3::new(0.7313, -0.9171, 1.327);
-                    painted(&textures, p).surface.color.r
+                    textured(&textures, p).surface.color.r
                 })
                 .sum::<f64>()
                 / f64::from(n);
@@ -407,7 +408,8 @@ mod tests {
         let mut moved = texture(Null);
         moved.texture_from_point = DMat4::from_translation(DVec3::X);
         let checker = || texture(Checker { surface: 0 });
-        let color = |textures: &[RtraceTexture]| painted(textures, DVec3::splat(0.5)).surface.color;
+        let color =
+            |textures: &[RtraceTexture]| textured(textures, DVec3::splat(0.5)).surface.color;
         assert_eq!(color(&[checker()]), GREY);
         assert_eq!(color(&[moved.clone(), checker()]), Rgb::WHITE);
         assert_eq!(color(&[moved.clone(), moved, checker()]), GREY);
@@ -423,7 +425,7 @@ mod tests {
 
     #[test]
     fn gloss_moves_light_from_diffuse_to_mirror() {
-        let found = painted(&[texture(Gloss { k: 0.1 })], DVec3::new(0.3, 0.7, 0.1)).surface;
+        let found = textured(&[texture(Gloss { k: 0.1 })], DVec3::new(0.3, 0.7, 0.1)).surface;
         let before = surface(GREY);
         assert!(found.specular.r > before.specular.r && found.phong > 1.0);
         let sum = |s: RtraceSurface| s.diffuse.r + s.specular.r;
@@ -431,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_does_not_tile_stays_in_its_square() {
+    fn an_image_that_does_not_tile_stays_in_its_square() {
         let image = |tiles| {
             texture(ImageMap {
                 turbulence: 0.0,
@@ -441,7 +443,7 @@ mod tests {
             })
         };
         let color = |tiles, x| {
-            painted(&[image(tiles)], DVec3::new(x, 0.5, 0.5))
+            textured(&[image(tiles)], DVec3::new(x, 0.5, 0.5))
                 .surface
                 .color
         };
@@ -480,7 +482,7 @@ mod tests {
         for kind in wild {
             let textures = [texture(kind), texture(Checker { surface: 0 })];
             for p in points() {
-                let found = painted(&textures, 1e300 * p);
+                let found = textured(&textures, 1e300 * p);
                 assert!(found.surface.color.is_finite() && found.normal.is_finite());
             }
         }

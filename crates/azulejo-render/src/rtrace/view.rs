@@ -1,34 +1,34 @@
-//! From where RTRACE looks.
+//! RTRACE's camera.
 
-use super::shade::Draws;
+use super::shade::RaySampler;
 use azulejo_scene::math::Ray;
 use azulejo_scene::rtrace::Rtrace;
 use glam::DVec3;
 
-/// A viewpoint and a picture's size.
+/// A viewpoint and an image size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Where the viewer stands.
+    /// The viewpoint.
     pub eye: DVec3,
-    /// What is looked at; not the eye. The farther it is, the less everything fades, if `focus`
-    /// does not say another distance.
+    /// The point looked at; not the eye. The farther it is, the less colours fade, unless `focus`
+    /// sets another distance.
     pub look: DVec3,
-    /// Points up in the picture; not along the gaze.
+    /// Points up in the image; not along the viewing direction.
     pub up: DVec3,
-    /// Half the horizontal and half the vertical aperture, radians, whatever the picture's size:
-    /// its pixels need not be square.
+    /// Half the horizontal and half the vertical field of view, radians. It does not depend on the
+    /// image size: pixels need not be square.
     pub half_angles: [f64; 2],
-    /// Picture size in pixels, width then height.
+    /// Image size in pixels, width then height.
     pub size: (u32, u32),
-    /// `P`: radius of the lens, in widths and heights of what the picture shows where it is
-    /// sharp; 0 for a pinhole.
+    /// `P`: radius of the lens, in widths and heights of the field of view at the focal distance; 0
+    /// for a pinhole.
     pub aperture: f64,
-    /// `F`: distance at which the picture is sharp, > 0; it then counts for the fading, too.
-    /// `None`: that of the point looked at.
+    /// `F`: focal distance, > 0, which also sets the fading. `None`: the distance of the point
+    /// looked at.
     pub focus: Option<f64>,
 }
 
-/// One of a viewer's two eyes.
+/// An eye of a stereo pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// `v1`.
@@ -38,7 +38,7 @@ pub enum Side {
 }
 
 impl View {
-    /// The view that a scene brings.
+    /// The view stored in a scene.
     pub fn of(rtrace: &Rtrace, size: (u32, u32)) -> View {
         View {
             eye: rtrace.eye,
@@ -51,7 +51,7 @@ impl View {
         }
     }
 
-    /// The view of one of two eyes that are `separation` apart and look at the same point.
+    /// The view of one eye of a pair, `separation` apart, that are directed at the same point.
     pub fn of_eye(self, side: Side, separation: f64) -> View {
         let right = (self.look - self.eye).cross(self.up).normalize_or_zero();
         let half = match side {
@@ -65,14 +65,14 @@ impl View {
     }
 }
 
-/// A view with everything worked out that its rays share.
+/// A view with what its rays share computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lens {
     /// Columns and rows of pixels.
     pub size: (u32, u32),
     /// Length of a pixel's diagonal at the point that is looked at.
     pub pixel: f64,
-    /// Distance at which everything is sharp, and 0.8 of it is left.
+    /// Focal distance, at which colours have faded to 0.8.
     focus: f64,
     eye: DVec3,
     corner: DVec3,
@@ -84,12 +84,12 @@ pub(super) struct Lens {
 
 impl Lens {
     pub fn new(view: &View) -> Lens {
-        let gaze = view.look - view.eye;
-        let forward = gaze.normalize();
+        let toward = view.look - view.eye;
+        let forward = toward.normalize();
         let right = forward.cross(view.up).normalize();
         let down = forward.cross(right);
         let [h, v] = view.half_angles.map(f64::tan);
-        let focus = view.focus.unwrap_or(gaze.length());
+        let focus = view.focus.unwrap_or(toward.length());
         let (width, height) = (2.0 * h * right, 2.0 * v * down);
         let across = width / f64::from(view.size.0);
         let down = height / f64::from(view.size.1);
@@ -105,16 +105,16 @@ impl Lens {
         }
     }
 
-    /// The ray through a point of the picture, in pixels from the upper left corner, and through
+    /// The ray through a point of the image, in pixels from the upper left corner, and through
     /// any point of the lens.
-    pub fn ray(&self, x: f64, y: f64, draws: &mut Draws) -> Ray {
+    pub fn ray(&self, x: f64, y: f64, sampler: &mut RaySampler) -> Ray {
         let direction = (self.corner + x * self.across + y * self.down).normalize();
         if self.aperture == [DVec3::ZERO; 2] {
             return Ray::new(self.eye, direction);
         }
-        // In the disk, and as in RTRACE denser toward its sides.
-        let u = 2.0 * draws.uniform() - 1.0;
-        let v = (1.0 - u * u).sqrt() * (2.0 * draws.uniform() - 1.0);
+        // In the disk, denser toward its sides as in RTRACE.
+        let u = 2.0 * sampler.uniform() - 1.0;
+        let v = (1.0 - u * u).sqrt() * (2.0 * sampler.uniform() - 1.0);
         let moved = u * self.aperture[0] + v * self.aperture[1];
         Ray::new(
             self.eye + moved,
@@ -122,7 +122,7 @@ impl Lens {
         )
     }
 
-    /// How much of anything is left after a distance: 0.8 where the picture is sharp.
+    /// The share of a colour that is left after a distance: 0.8 at the focal distance.
     pub fn fade(&self, distance: f64) -> f64 {
         self.focus / (self.focus + 0.25 * distance)
     }
@@ -145,10 +145,10 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_spans_both_apertures() {
+    fn the_image_spans_both_apertures() {
         let lens = Lens::new(&view());
-        let mut draws = Draws::new(0, 0);
-        let corner = lens.ray(0.0, 10.0, &mut draws).direction;
+        let mut sampler = RaySampler::new(0, 0);
+        let corner = lens.ray(0.0, 10.0, &mut sampler).direction;
         assert!(
             (corner / -corner.z - DVec3::new(-1.0, -30f64.to_radians().tan(), -1.0)).length()
                 < 1e-12
@@ -164,10 +164,10 @@ mod tests {
             focus: Some(4.0),
             ..view()
         });
-        let mut draws = Draws::new(5, 6);
+        let mut sampler = RaySampler::new(5, 6);
         let sharp = DVec3::new(0.0, 0.0, 4.0);
         for _ in 0..50 {
-            let ray = lens.ray(10.0, 5.0, &mut draws);
+            let ray = lens.ray(10.0, 5.0, &mut sampler);
             let moved = ray.origin - view().eye;
             assert!(moved.x.abs() <= 0.8 && moved.y.abs() <= 0.5 && moved != DVec3::ZERO);
             let missed = (sharp - ray.origin).cross(ray.direction).length();

@@ -1,15 +1,15 @@
-//! What a ray meets, as RTRACE tells objects apart.
+//! Intersections of rays with a scene, in terms of what RTRACE counts as objects.
 
 use azulejo_scene::math::Ray;
 use azulejo_scene::rtrace::{Rtrace, RtraceMaterial, RtraceSurface};
 use azulejo_scene::{Exact, Leaf, MaterialId, Mesh, PrimitiveKind, Rgb, Scene, Shape, Solid};
-use azulejo_trace::{Hit, Tracer};
+use azulejo_trace::{Hit, MeshTriangles, Tracer};
 use glam::DVec3;
 
-/// Hits whose distances differ by less, relatively, are in one place.
+/// Hits whose distances differ by less, relatively, are at the same point.
 const SAME: f64 = 1e-9;
 
-/// What counts as one object: a primitive, a polygon of a mesh, a glyph, a set operation.
+/// What RTRACE counts as one object: a primitive, a polygon of a mesh, a glyph, a set operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Owner {
     object: u32,
@@ -28,7 +28,7 @@ pub(super) enum Class {
     Any,
 }
 
-/// A scene, looked up by what rays meet.
+/// A scene, ready for intersection.
 pub(super) struct World<'a> {
     scene: &'a Scene,
     rtrace: &'a Rtrace,
@@ -38,6 +38,8 @@ pub(super) struct World<'a> {
     complex: Part,
     /// For each object that is [`Shape::Exact`]: its leaves.
     leaves: Vec<Vec<LeafOf<'a>>>,
+    /// For each object that is a mesh with normals: its triangles.
+    triangles: Vec<Option<MeshTriangles>>,
 }
 
 /// Some of a scene's objects, made ready for rays.
@@ -52,16 +54,18 @@ struct LeafOf<'a> {
     leaf: Leaf<'a>,
     part: u32,
     class: Class,
+    /// The triangles of a mesh with normals.
+    triangles: Option<MeshTriangles>,
 }
 
-/// The surface that a ray meets.
+/// The intersection of a ray with a surface.
 #[derive(Clone, Debug)]
-pub(super) struct Found<'a> {
+pub(super) struct Intersection<'a> {
     /// Distance along the ray, whose direction is a unit vector.
     pub distance: f64,
     pub position: DVec3,
-    /// Unit normal as the object has it, interpolated where it comes with normals: not turned
-    /// toward the ray.
+    /// Unit normal of the object, interpolated where it has vertex normals; not turned toward the
+    /// ray.
     pub normal: DVec3,
     /// Unit normal of the geometry.
     pub face_normal: DVec3,
@@ -72,7 +76,7 @@ pub(super) struct Found<'a> {
     pub surface: RtraceSurface,
 }
 
-impl Found<'_> {
+impl Intersection<'_> {
     /// Whether a ray that leaves this surface passes by its object.
     pub fn is_passed_by(&self, is_inside: bool) -> bool {
         let is_opaque = !is_above(self.surface.transparency, super::shade::NOTHING);
@@ -121,6 +125,10 @@ impl<'a> World<'a> {
             Shape::Exact(exact) => leaves_of(exact),
             _ => Vec::new(),
         });
+        let triangles = scene.objects.iter().map(|o| match &o.shape {
+            Shape::Mesh(mesh) => smooth_triangles(mesh),
+            _ => None,
+        });
         let known = |shape: &Shape| is_known(shape, rtrace.materials.len());
         World {
             scene,
@@ -128,6 +136,7 @@ impl<'a> World<'a> {
             simple: Part::new(scene, |s| known(s) && is_simple(s)),
             complex: Part::new(scene, |s| known(s) && !is_simple(s)),
             leaves: leaves.collect(),
+            triangles: triangles.collect(),
         }
     }
 
@@ -137,7 +146,7 @@ impl<'a> World<'a> {
     }
 
     /// The first surface along a ray of unit direction whose owner counts.
-    pub fn first(&self, ray: &Ray, counts: impl Fn(Owner) -> bool) -> Option<Found<'a>> {
+    pub fn first(&self, ray: &Ray, counts: impl Fn(Owner) -> bool) -> Option<Intersection<'a>> {
         let mut ray = *ray;
         loop {
             let found = self.found(&self.hit(&ray)?);
@@ -149,8 +158,8 @@ impl<'a> World<'a> {
         }
     }
 
-    /// What is met first. Of a simple and a complex object in one place it is the simple one: a
-    /// box that stands on a polygon keeps its floor.
+    /// The first hit. Of a simple and a complex object at the same distance it is the simple one:
+    /// a box that stands on a polygon keeps its floor.
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         match (self.simple.hit(ray), self.complex.hit(ray)) {
             (Some(simple), Some(complex)) => {
@@ -161,7 +170,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Just behind a surface that a ray of unit direction meets at `distance`.
+    /// Just behind a surface that a ray of unit direction hits at `distance`.
     pub fn beyond(&self, ray: &Ray, distance: f64) -> f64 {
         let position = ray.at(distance);
         let step = self.moved(position, ray.direction).distance(position);
@@ -169,12 +178,12 @@ impl<'a> World<'a> {
     }
 
     /// A ray that leaves a surface from `position`, which textures may have moved.
-    pub fn leaving(&self, found: &Found, position: DVec3, direction: DVec3) -> Ray {
+    pub fn leaving(&self, found: &Intersection, position: DVec3, direction: DVec3) -> Ray {
         let side = found.face_normal * found.face_normal.dot(direction).signum();
         Ray::new(self.moved(position, side), direction)
     }
 
-    /// A position so far to a side that no surface through it is met.
+    /// A position moved so far to a side that no surface through it is hit.
     fn moved(&self, position: DVec3, side: DVec3) -> DVec3 {
         let [a, b] = [&self.simple, &self.complex].map(|p| p.tracer.leaving(position, side));
         if a.distance_squared(position) > b.distance_squared(position) {
@@ -184,13 +193,15 @@ impl<'a> World<'a> {
         }
     }
 
-    /// A hit as RTRACE sees it.
-    fn found(&self, hit: &Hit) -> Found<'a> {
+    /// A hit with RTRACE's material.
+    fn found(&self, hit: &Hit) -> Intersection<'a> {
         let scene: &'a Scene = self.scene;
         let (part, class, material, normal) = match &scene.objects[hit.object as usize].shape {
             Shape::Mesh(mesh) => {
                 let material = mesh.face_materials[hit.face as usize];
-                let normal = interpolated(mesh, hit.face as usize, hit.triangle, hit);
+                let triangles = self.triangles[hit.object as usize].as_ref();
+                let corners = triangles.map(|t| t.corners_of(mesh, hit.face, hit.triangle));
+                let normal = corners.and_then(|corners| interpolated(mesh, corners, hit));
                 (hit.face, Class::Flat, material, normal)
             }
             Shape::Primitive(p) => (0, class_of(p.kind), p.material, None),
@@ -204,7 +215,7 @@ impl<'a> World<'a> {
             Some(faces) => self.blended(faces[hit.face as usize], hit),
             None => self.rtrace.surfaces[material.surface as usize],
         };
-        Found {
+        Intersection {
             distance: hit.t,
             position: hit.position,
             normal: normal.unwrap_or(hit.normal),
@@ -239,8 +250,7 @@ impl<'a> World<'a> {
     }
 }
 
-/// Whether RTRACE shows an object: the bodies of lamps, whose materials are beyond its own, it
-/// does not.
+/// Whether RTRACE shows an object: not the bodies of lamps, whose materials come after its own.
 fn is_known(shape: &Shape, materials: usize) -> bool {
     let is_known = |m: MaterialId| (m as usize) < materials;
     match shape {
@@ -276,7 +286,15 @@ fn leaves_of(exact: &Exact) -> Vec<LeafOf<'_>> {
         std::iter::repeat_n((part as u32, class), count)
     };
     let parts = exact.solids.iter().enumerate().flat_map(of);
-    let leaf = |(leaf, (part, class))| LeafOf { leaf, part, class };
+    let leaf = |(leaf, (part, class))| LeafOf {
+        triangles: match leaf {
+            Leaf::Mesh(mesh) => smooth_triangles(mesh),
+            _ => None,
+        },
+        leaf,
+        part,
+        class,
+    };
     exact.leaves().into_iter().zip(parts).map(leaf).collect()
 }
 
@@ -295,31 +313,31 @@ impl LeafOf<'_> {
         let Leaf::Mesh(mesh) = self.leaf else {
             return None;
         };
-        // The triangles of all faces are counted as one: each face of n corners has n − 2.
-        let before = |face: usize| mesh.faces.starts[face] - 2 * face as u32;
+        let corners = self.triangles.as_ref()?.corners(hit.triangle as usize);
+        let normal = interpolated(mesh, corners, hit)?;
+        // The last face whose triangles begin at this one or before.
         let (mut face, mut end) = (0, mesh.faces.len());
         while face + 1 < end {
             let middle = (face + end) / 2;
-            if before(middle) <= hit.triangle {
+            if MeshTriangles::first_of(mesh, middle) <= hit.triangle as usize {
                 face = middle;
             } else {
                 end = middle;
             }
         }
-        let normal = interpolated(mesh, face, hit.triangle - before(face), hit)?;
         let is_turned = mesh.face_area_vector(face).dot(hit.normal) < 0.0;
         Some(if is_turned { -normal } else { normal })
     }
 }
 
+/// The triangles of a mesh that has normals to interpolate.
+fn smooth_triangles(mesh: &Mesh) -> Option<MeshTriangles> {
+    mesh.normals.as_ref().map(|_| MeshTriangles::new(mesh))
+}
+
 /// The normal between those of a triangle's corners, if the mesh has normals.
-fn interpolated(mesh: &Mesh, face: usize, triangle: u32, hit: &Hit) -> Option<DVec3> {
+fn interpolated(mesh: &Mesh, corners: [u32; 3], hit: &Hit) -> Option<DVec3> {
     let normals = mesh.normals.as_ref()?;
-    let corners = mesh.triangulate(face).get(triangle as usize).copied()?;
-    let first = mesh.faces.corner_range(face).start;
-    let [a, b, c] = corners.map(|k| {
-        let corner = first + k as usize;
-        normals.at(corner, mesh.faces.corners[corner])
-    });
+    let [a, b, c] = corners.map(|k| normals.at(k as usize, mesh.faces.corners[k as usize]));
     ((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).try_normalize()
 }

@@ -1,14 +1,14 @@
-//! What holds for every picture: orientation, repeatability, cancelling.
+//! Properties of every image: orientation, repeatability, cancelling.
 
 use crate::gallery::gallery;
-use crate::{assert_close, camera, look, primitive};
+use crate::{assert_close, camera, primitive, radiance_along};
 use azulejo_render::{SecondPass, render};
 use azulejo_scene::{Fog, Image, Material, Primitive, Rgb, Scene};
 use azulejo_trace::{Cancelled, Progress, Tracer};
 use glam::DVec3;
 
 #[test]
-fn pictures_are_neither_mirrored_nor_upside_down() {
+fn images_are_neither_mirrored_nor_upside_down() {
     let mut scene = Scene::default();
     let colours = [
         (-1.0, 1.0, Rgb::new(1.0, 0.0, 0.0)),
@@ -59,7 +59,7 @@ fn background_and_fog_are_seen() {
     });
     let eye = DVec3::Z;
     let rays = [(eye, DVec3::ZERO), (eye, 2.0 * DVec3::Z)];
-    let found = look(&scene, &rays, &SecondPass::default());
+    let found = radiance_along(&scene, &rays, &SecondPass::default());
     assert_close(found[0], 0.75 * Rgb::grey(2.0) + 0.25 * mist, 1e-6);
     assert_close(found[1], Rgb::new(0.0, 0.5, 1.0), 0.0);
     let exponential = scene.fog.as_mut().expect("fog");
@@ -67,7 +67,7 @@ fn background_and_fog_are_seen() {
     let clear = f64::exp(-1.0 / 3.0);
     let expected = clear * Rgb::grey(2.0) + (1.0 - clear) * mist;
     assert_close(
-        look(&scene, &rays, &SecondPass::default())[0],
+        radiance_along(&scene, &rays, &SecondPass::default())[0],
         expected,
         1e-6,
     );
@@ -86,7 +86,7 @@ fn some_emitters_are_seen_from_both_sides() {
     );
     let middle = DVec3::new(0.5, 0.5, 0.0);
     let rays = [(middle + DVec3::Z, middle), (middle - DVec3::Z, middle)];
-    for radiance in look(&scene, &rays, &SecondPass::default()) {
+    for radiance in radiance_along(&scene, &rays, &SecondPass::default()) {
         assert_close(radiance, Rgb::grey(2.0), 0.0);
     }
 }
@@ -134,7 +134,7 @@ fn odd_sizes_and_no_samples_are_drawn() {
 }
 
 #[test]
-fn a_cancelled_picture_stops() {
+fn a_cancelled_image_stops() {
     let (scene, eye) = gallery(6);
     let tracer = Tracer::new(&scene);
     let options = SecondPass {

@@ -1,6 +1,6 @@
-//! Exact shapes in pictures: irradiance read from their skins, light that they give.
+//! Rendering of exact shapes: irradiance read from their proxy meshes, and their emission.
 
-use crate::{assert_close, camera, look, polygon};
+use crate::{assert_close, camera, polygon, radiance_along};
 use azulejo_render::{SecondPass, render};
 use azulejo_scene::{
     Contour, Csg, Curve, Exact, Figure, FillRule, Material, Mesh, Object, Operation, Primitive,
@@ -51,21 +51,21 @@ fn bitten() -> Solid {
     }))
 }
 
-/// A scene of solids whose skin carries `irradiance` of position and normal.
+/// A scene of solids whose proxy mesh carries `irradiance` of position and normal.
 fn lit(solids: Vec<Solid>, irradiance: impl Fn(DVec3) -> Rgb) -> Scene {
     let mut scene = Scene::default();
     scene.add_material(Material::diffuse("white", Rgb::grey(0.8)));
     let mut exact = Exact::new(solids);
-    let mut skin = exact.tessellate(0.02);
-    skin.irradiance = skin.positions.iter().map(|&p| irradiance(p)).collect();
-    exact.proxy = Some(Box::new(skin));
+    let mut proxy = exact.tessellate(0.02);
+    proxy.irradiance = proxy.positions.iter().map(|&p| irradiance(p)).collect();
+    exact.proxy = Some(Box::new(proxy));
     scene
         .objects
         .push(Object::new("exact", Shape::Exact(exact)));
     scene
 }
 
-/// The same scene with the skin as the shape.
+/// The same scene with the proxy mesh as the shape.
 fn as_mesh(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     for object in &mut scene.objects {
@@ -76,7 +76,7 @@ fn as_mesh(scene: &Scene) -> Scene {
     scene
 }
 
-fn picture(scene: &Scene) -> Vec<Rgb> {
+fn pixels(scene: &Scene) -> Vec<Rgb> {
     scene.validate().expect("the test's scene is valid");
     let eye = camera(dvec3(2.0, 2.5, 5.0), DVec3::ZERO, 40.0);
     let options = SecondPass {
@@ -90,9 +90,9 @@ fn picture(scene: &Scene) -> Vec<Rgb> {
     pixels.map(|p| Rgb::from(p.map(f64::from))).collect()
 }
 
-/// Share of pixels that differ by more than `within` between a shape and its skin.
+/// Share of pixels that differ by more than `within` between a shape and its proxy mesh.
 fn differ(scene: &Scene, within: f64) -> f64 {
-    let (exact, polygons) = (picture(scene), picture(&as_mesh(scene)));
+    let (exact, polygons) = (pixels(scene), pixels(&as_mesh(scene)));
     assert!(exact.iter().filter(|p| !p.is_black()).count() > exact.len() / 12);
     let off = exact.iter().zip(&polygons).filter(|(a, b)| {
         let d = **a - **b;
@@ -102,7 +102,7 @@ fn differ(scene: &Scene, within: f64) -> f64 {
 }
 
 #[test]
-fn pictures_of_prisms_are_those_of_their_polygons() {
+fn images_of_prisms_are_those_of_their_polygons() {
     let light = |p: DVec3| Rgb::new(2.0 + p.x, 2.0 + p.y, 2.0 + p.z);
     let square = Figure::polygon([(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(DVec2::from));
     let oblique = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Y, dvec3(0.3, 0.2, 1.0)));
@@ -116,27 +116,27 @@ fn pictures_of_prisms_are_those_of_their_polygons() {
     );
 }
 
-/// Light does not cross a crease: a cap in the light beside a side in the dark.
+/// Irradiance is not interpolated across a crease: an illuminated cap beside a dark side.
 #[test]
 fn creases_keep_their_light_apart() {
     let mut scene = lit(vec![prism(ring(), DAffine3::IDENTITY)], |_| Rgb::BLACK);
     let Shape::Exact(exact) = &mut scene.objects[0].shape else {
         panic!("exact")
     };
-    // A skin as the first pass leaves it: no vertex belongs to both a cap and a side.
-    let skin = exact.proxy.as_mut().unwrap();
-    let (faces, materials) = (skin.faces.clone(), skin.face_materials.clone());
+    // A proxy mesh as the first pass makes it: no vertex belongs to both a cap and a side.
+    let proxy = exact.proxy.as_mut().unwrap();
+    let (faces, materials) = (proxy.faces.clone(), proxy.face_materials.clone());
     let mut split = Mesh::default();
     for (face, ring) in faces.iter().enumerate() {
-        let normal = skin.face_area_vector(face).normalize();
+        let normal = proxy.face_area_vector(face).normalize();
         let first = split.positions.len() as u32;
-        split.positions.extend(skin.face_positions(face));
+        split.positions.extend(proxy.face_positions(face));
         let e = if normal.z > 0.9 { 1.0 } else { 0.0 };
         split.irradiance.extend(ring.iter().map(|_| Rgb::grey(e)));
         let corners: Vec<u32> = (first..split.positions.len() as u32).collect();
         split.push_face(&corners, materials[face]);
     }
-    **skin = split;
+    **proxy = split;
     let edge = |inside: f64| {
         let out = DVec2::from_angle(0.5);
         let rim = (0..200)
@@ -147,12 +147,12 @@ fn creases_keep_their_light_apart() {
     let from_above = (dvec3(0.0, 0.0, 9.0), edge(0.004));
     let side = edge(0.0) - dvec3(0.0, 0.0, 0.01);
     let from_beside = (side + dvec3(4.0, 2.2, 0.0), side);
-    let seen = look(&scene, &[from_above, from_beside], &SecondPass::default());
+    let seen = radiance_along(&scene, &[from_above, from_beside], &SecondPass::default());
     assert_close(seen[0], Rgb::grey(0.8 / PI), 1e-6);
     assert_close(seen[1], Rgb::BLACK, 1e-6);
 }
 
-/// A shape without light on it is black, and shines by itself all the same.
+/// A shape without irradiance reflects nothing, but still emits.
 #[test]
 fn unsolved_shapes_are_dark() {
     let mut scene = lit(vec![prism(ring(), DAffine3::IDENTITY)], |_| Rgb::WHITE);
@@ -161,12 +161,18 @@ fn unsolved_shapes_are_dark() {
     };
     exact.proxy = None;
     let ray = [(dvec3(0.0, 0.8, 9.0), dvec3(0.0, 0.8, 0.0))];
-    assert_eq!(look(&scene, &ray, &SecondPass::default()), [Rgb::BLACK]);
+    assert_eq!(
+        radiance_along(&scene, &ray, &SecondPass::default()),
+        [Rgb::BLACK]
+    );
     scene.materials[0].emission = Rgb::grey(2.0);
-    assert_eq!(look(&scene, &ray, &SecondPass::default()), [Rgb::grey(2.0)]);
+    assert_eq!(
+        radiance_along(&scene, &ray, &SecondPass::default()),
+        [Rgb::grey(2.0)]
+    );
 }
 
-/// Final gathers find the light of an exact lamp once, whatever lamps there are besides.
+/// Final gathers count the light of an exact lamp once, whatever other lamps there are.
 #[test]
 fn gathers_see_exact_lamps_once() {
     let irradiance = |shape: fn(DAffine3) -> Shape, others: &[Shape]| {
@@ -192,7 +198,7 @@ fn gathers_see_exact_lamps_once() {
             ..SecondPass::default()
         };
         let ray = (dvec3(3.0, 0.0, 0.5), dvec3(0.5, 0.2, 0.0));
-        look(&scene, &[ray], &options)[0].g * PI
+        radiance_along(&scene, &[ray], &options)[0].g * PI
     };
     let exact = |map| {
         let square = Figure::polygon([(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(DVec2::from));

@@ -1,6 +1,6 @@
 //! Closed rooms in which radiance is 1 everywhere and in every direction.
 
-use crate::{assert_close, camera, look, primitive};
+use crate::{assert_close, camera, primitive, radiance_along};
 use azulejo_render::{SecondPass, render};
 use azulejo_scene::{
     Light, LightKind, Material, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape, SurfaceLight,
@@ -53,7 +53,7 @@ fn grey_primitive(scene: &mut Scene, kind: PrimitiveKind, map: DAffine3) {
     primitive(scene, shape);
 }
 
-/// The mean and the worst pixel of a picture of the room from one corner.
+/// The mean and the worst pixel of an image of the room from one corner.
 fn check(scene: &Scene, worst: f64, mean: f64) {
     scene.validate().expect("the test's scene is valid");
     let eye = camera(DVec3::new(-2.5, 2.0, -2.4), DVec3::ZERO, 80.0);
@@ -135,8 +135,8 @@ fn clear_glass_changes_nothing() {
         &mut scene,
         Primitive::sphere(DVec3::new(0.1, 0.0, 0.2), 0.6, bubble),
     );
-    // Where reflection chooses, radiance stays 1 path by path; roulette at grazing angles is
-    // the only noise.
+    // Choosing between reflection and refraction keeps the radiance of each path at 1; roulette at
+    // grazing angles is the only noise.
     check(&scene, 0.05, 1e-3);
 }
 
@@ -151,7 +151,7 @@ fn ambient_light_is_what_rays_find_outside() {
     }
     let glass = scene.add_material(Material::dielectric("glass", 1.5));
     primitive(&mut scene, Primitive::sphere(DVec3::ZERO, 1.0, glass));
-    let found = look(
+    let found = radiance_along(
         &scene,
         &[
             (DVec3::new(5.0, 3.0, 0.0), DVec3::new(5.0, 9.0, 2.0)),
@@ -170,7 +170,7 @@ fn emission_leaves_the_front_only() {
     let square = Primitive::parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y, lamp);
     primitive(&mut scene, square);
     let middle = DVec3::new(0.5, 0.4, 0.0);
-    let found = look(
+    let found = radiance_along(
         &scene,
         &[(middle + DVec3::Z, middle), (middle - DVec3::Z, middle)],
         &SecondPass::default(),

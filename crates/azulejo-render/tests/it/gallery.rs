@@ -1,4 +1,4 @@
-//! A room with everything that the second pass draws: coloured walls, a lamp, a matt cylinder, a
+//! A room with everything that the second pass renders: coloured walls, a lamp, a matt cylinder, a
 //! mirror and a glass ball. Its irradiance comes from a formula, so it needs no first pass.
 
 use azulejo_scene::{
@@ -90,7 +90,7 @@ fn sheet(scene: &mut Scene, n: u32, corner: DVec3, across: DVec3, along: DVec3, 
     scene.objects.push(Object::new("sheet", Shape::Mesh(mesh)));
 }
 
-/// A solved cylinder.
+/// A cylinder with irradiance.
 fn drum(map: DAffine3, material: u32) -> Primitive {
     let mut drum = Primitive::new(PrimitiveKind::Cylinder, map, material);
     let grids = drum.grids(1e-3, 0.1);

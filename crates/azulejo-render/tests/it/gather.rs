@@ -1,7 +1,7 @@
-//! Final gathers: irradiance at the hit instead of between vertices.
+//! Final gathers: irradiance at the hit instead of interpolated between vertices.
 
 use crate::furnace::room;
-use crate::{assert_close, look, mesh_of, polygon, primitive};
+use crate::{assert_close, mesh_of, polygon, primitive, radiance_along};
 use azulejo_render::SecondPass;
 use azulejo_scene::{Light, LightKind, Material, Primitive, Rgb, Scene};
 use glam::DVec3;
@@ -24,7 +24,7 @@ fn floor(scene: &mut Scene) -> usize {
 
 fn look_at_floor(scene: &Scene, from: f64, options: &SecondPass) -> Rgb {
     let at = DVec3::new(0.1, 0.2, 0.0);
-    look(scene, &[(at + DVec3::new(0.5, 0.0, from), at)], options)[0]
+    radiance_along(scene, &[(at + DVec3::new(0.5, 0.0, from), at)], options)[0]
 }
 
 /// Form factor of a rectangle `a` × `b` that is parallel to a point's plane, one unit above, with
@@ -93,7 +93,7 @@ fn check_furnace(scene: &Scene, tolerance: f64) {
     let eye = DVec3::new(0.3, 0.2, 0.1);
     let around = [DVec3::X, -DVec3::Z, DVec3::new(2.7, 1.5, 0.4)];
     let rays = around.map(|d| (eye, eye + d));
-    for radiance in look(scene, &rays, &gathering(64)) {
+    for radiance in radiance_along(scene, &rays, &gathering(64)) {
         assert_close(radiance, Rgb::WHITE, tolerance);
     }
 }

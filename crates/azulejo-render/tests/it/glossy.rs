@@ -1,4 +1,5 @@
-//! Reflection models in both kinds of pictures: furnaces, sums over lamps, and each other.
+//! Reflection models in the second pass and the reference, against furnaces, sums over lamps, and
+//! each other.
 
 use crate::{camera, primitive};
 use azulejo_render::{
@@ -116,7 +117,7 @@ fn lights_without_area_in_a_glossy_floor() {
     let model = "lewis n = 12 ks = 0.7";
     let mut scene = Scene::default();
     floor(&mut scene, model);
-    // More than are tried at once: each must count once on average.
+    // More than one sample takes: each must count once on average.
     let position = |k: i32| DVec3::new(0.4 + 0.05 * f64::from(k), 0.3, 1.0 + 0.1 * f64::from(k));
     let intensity = Rgb::grey(0.5);
     for k in 0..19 {
@@ -143,7 +144,7 @@ fn lights_without_area_in_a_glossy_floor() {
     assert_within(seen, expected, error * 4.0 + expected * 1e-3, "second pass");
 }
 
-/// Under an even sky a surface shows its albedo.
+/// Under a constant sky a surface shows its albedo.
 #[test]
 fn an_even_sky_shows_the_albedo() {
     for model in [
@@ -160,7 +161,7 @@ fn an_even_sky_shows_the_albedo() {
                 radiance: Rgb::WHITE,
             },
         });
-        // The irradiance that a first pass would leave.
+        // The irradiance that a first pass would compute.
         if let azulejo_scene::Shape::Primitive(p) = &mut scene.objects[0].shape {
             let grids = p.grids(1.0, f64::INFINITY);
             let count: usize = grids.iter().map(|g| g.vertices()).sum();
@@ -180,13 +181,13 @@ fn an_even_sky_shows_the_albedo() {
 }
 
 #[test]
-fn pictures_carry_their_errors() {
+fn images_carry_their_errors() {
     let mut scene = Scene::default();
     floor(&mut scene, "lewis n = 20 kd = 0.3 ks = 0.5");
     lamp(&mut scene);
     let tracer = Tracer::new(&scene);
     let eye = camera(DVec3::new(-2.0, -2.0, 1.5), DVec3::ZERO, 60.0);
-    let picture = |samples, seed| -> Reference {
+    let estimate = |samples, seed| -> Reference {
         let options = ReferencePass {
             size: (24, 16),
             samples_per_pixel: samples,
@@ -195,7 +196,7 @@ fn pictures_carry_their_errors() {
         };
         reference(&scene, &tracer, &eye, &options, &Progress::new()).unwrap()
     };
-    let (rough, fine) = (picture(64, 1), picture(4096, 2));
+    let (rough, fine) = (estimate(64, 1), estimate(4096, 2));
     let pairs = rough.image.pixels.iter().zip(&fine.image.pixels);
     let squares = pairs.zip(&rough.error.pixels).flat_map(|((a, b), e)| {
         let known = (0..3).filter(|&k| e[k] > 0.0);
@@ -203,11 +204,10 @@ fn pictures_carry_their_errors() {
     });
     let squares: Vec<f32> = squares.collect();
     let mean = squares.iter().sum::<f32>() / squares.len() as f32;
-    // Samples are better spread than the law of their error supposes.
+    // Stratified samples have a smaller error than the independent ones that the estimate assumes.
     assert!((0.05..1.3).contains(&mean), "{mean}");
     assert!(fine.relative_error() < 0.25 * rough.relative_error());
-    // The second pass agrees where it has all it needs: no diffuse light is missing from a floor
-    // that shows none.
+    // The second pass agrees without irradiance, as the floor reflects nothing diffusely.
     let options = SecondPass {
         size: (24, 16),
         samples_per_pixel: 256,
@@ -224,8 +224,8 @@ fn pictures_carry_their_errors() {
     assert!(worst < 0.1, "{worst}");
 }
 
-/// The white furnace of every model: under an even sky of radiance 1 a convex body shows its
-/// albedo from all sides, by brute force, and never more than 1 if the model says so.
+/// The white furnace of every model: under a constant sky of radiance 1 a convex body shows its
+/// albedo from all sides in the reference, and never more than 1 if the model conserves energy.
 #[test]
 fn every_model_in_the_furnace() {
     for info in MODELS {

@@ -1,4 +1,4 @@
-//! Tests of the second pass through its public door.
+//! Tests of the second pass through its public interface.
 
 mod behaviour;
 mod exact;
@@ -16,7 +16,7 @@ use azulejo_scene::{Camera, Mesh, Object, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::{Progress, Tracer};
 use glam::DVec3;
 
-/// Adds a mesh of one polygon; returns it for more attributes.
+/// Adds a mesh of one polygon; returns the index of its object.
 fn polygon(scene: &mut Scene, corners: &[DVec3], material: u32) -> usize {
     let mut mesh = Mesh {
         positions: corners.to_vec(),
@@ -45,7 +45,7 @@ fn mesh_of(scene: &mut Scene, object: usize) -> &mut Mesh {
 }
 
 /// Radiance along rays, each from the first point toward the second.
-fn look(scene: &Scene, rays: &[(DVec3, DVec3)], options: &SecondPass) -> Vec<Rgb> {
+fn radiance_along(scene: &Scene, rays: &[(DVec3, DVec3)], options: &SecondPass) -> Vec<Rgb> {
     scene.validate().expect("the test's scene is valid");
     let rays: Vec<Ray> = rays
         .iter()

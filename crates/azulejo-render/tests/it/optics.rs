@@ -1,6 +1,6 @@
-//! Mirrors and glass against what optics says.
+//! Mirrors and glass against geometrical optics.
 
-use crate::{assert_close, look, polygon, primitive};
+use crate::{assert_close, polygon, primitive, radiance_along};
 use azulejo_render::SecondPass;
 use azulejo_scene::{
     Attribute, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape,
@@ -25,7 +25,7 @@ fn a_mirror_shows_the_mirrored_wall() {
     let from = [DVec3::new(-1.0, 0.5, 2.0), DVec3::new(2.0, -1.0, 3.0)];
     let to = [DVec3::new(0.3, 0.2, 0.0), DVec3::new(-1.0, 0.4, 0.0)];
     let flip = |p: DVec3| DVec3::new(p.x, p.y, -p.z);
-    let direct = look(
+    let direct = radiance_along(
         &scene,
         &[(flip(from[0]), to[0]), (flip(from[1]), to[1])],
         &SecondPass::default(),
@@ -38,7 +38,7 @@ fn a_mirror_shows_the_mirrored_wall() {
         &corners.map(|(x, y)| DVec3::new(x, y, 0.0)),
         mirror,
     );
-    let mirrored = look(
+    let mirrored = radiance_along(
         &scene,
         &[(from[0], to[0]), (from[1], to[1])],
         &SecondPass::default(),
@@ -61,12 +61,12 @@ fn a_smooth_mirror_bends_by_its_vertex_normals() {
         mirror,
     );
     let from = DVec3::new(0.0, 0.0, 2.0);
-    let straight = look(&scene, &[(from, DVec3::ZERO)], &SecondPass::default());
+    let straight = radiance_along(&scene, &[(from, DVec3::ZERO)], &SecondPass::default());
     // Tilted by half of the angle whose tangent is 3/4, the mirror shows x = 3 at z = 4.
     let tilted = DVec3::new(1.0, 0.0, 3.0).normalize();
     let mesh = crate::mesh_of(&mut scene, object);
     mesh.normals = Some(Attribute::per_vertex(vec![tilted; 4]));
-    let bent = look(&scene, &[(from, DVec3::ZERO)], &SecondPass::default());
+    let bent = radiance_along(&scene, &[(from, DVec3::ZERO)], &SecondPass::default());
     assert_close(straight[0], Rgb::new(10.0, 10.0, 20.0), 1e-3);
     assert_close(bent[0], Rgb::new(13.0, 10.0, 23.0), 1e-3);
 }
@@ -91,7 +91,7 @@ fn two_facing_mirrors_end_and_keep_their_mean() {
         samples_per_pixel: 256,
         ..SecondPass::default()
     };
-    let found = look(
+    let found = radiance_along(
         &scene,
         &[(DVec3::new(0.1, 0.1, 0.5), DVec3::new(0.1, 0.1, 1.0))],
         &options,
@@ -109,7 +109,7 @@ fn a_hall_of_perfect_mirrors_ends() {
         &mut scene,
         Primitive::new(PrimitiveKind::Cuboid, map, mirror),
     );
-    let found = look(
+    let found = radiance_along(
         &scene,
         &[(DVec3::ONE, DVec3::new(1.3, 1.2, 2.0))],
         &SecondPass::default(),
@@ -150,7 +150,7 @@ fn check_pane(degrees: f64) {
         samples_per_pixel: 4096,
         ..SecondPass::default()
     };
-    let found = look(
+    let found = radiance_along(
         &scene,
         &[(target - DVec3::new(sin, 0.0, cos), target)],
         &options,
@@ -189,8 +189,8 @@ fn a_right_angle_prism_throws_everything_back() {
         samples_per_pixel: 64,
         ..SecondPass::default()
     };
-    let found = look(&scene, &[(at - DVec3::Z, at)], &options);
-    // What is left after the second boundary lives by roulette.
+    let found = radiance_along(&scene, &[(at - DVec3::Z, at)], &options);
+    // Roulette decides on what is left after the second boundary.
     assert_close(found[0], Rgb::new(1.0, 2.0, 0.0), 1e-2);
 }
 

@@ -1,6 +1,6 @@
 //! Interpolation, colours and textures, seen along rays.
 
-use crate::{assert_close, look, mesh_of, polygon, primitive};
+use crate::{assert_close, mesh_of, polygon, primitive, radiance_along};
 use azulejo_render::SecondPass;
 use azulejo_scene::{
     Attribute, Image, Material, Primitive, PrimitiveKind, Rgb, Scene, SurfaceGrid, SurfaceLight,
@@ -25,7 +25,7 @@ fn check(outline: &[(f64, f64)], seen: &[(f64, f64)]) {
     mesh_of(&mut scene, object).irradiance = irradiance;
     let down = |&(x, y): &(f64, f64)| (lift(x, y) + 3.0 * DVec3::Z, lift(x, y));
     let rays: Vec<(DVec3, DVec3)> = seen.iter().map(down).collect();
-    let found = look(&scene, &rays, &SecondPass::default());
+    let found = radiance_along(&scene, &rays, &SecondPass::default());
     for (&(x, y), radiance) in seen.iter().zip(found) {
         let expected = Rgb::new(1.0, 0.5, 0.25) * field(x, y);
         assert_close(radiance, expected, 1e-5);
@@ -61,7 +61,7 @@ fn no_diagonal_shows_in_a_quadrilateral() {
     mesh_of(&mut scene, object).irradiance = irradiance;
     let at = |x: f64, y: f64| (DVec3::new(x, y, 1.0), DVec3::new(x, y, 0.0));
     let rays = [at(0.5, 0.5), at(0.25, 0.75), at(0.75, 0.25)];
-    let found = look(&scene, &rays, &SecondPass::default());
+    let found = radiance_along(&scene, &rays, &SecondPass::default());
     assert_close(found[0], Rgb::grey(0.25), 1e-5);
     assert_close(found[1], Rgb::grey(0.1875), 1e-5);
     assert_close(found[2], Rgb::grey(0.1875), 1e-5);
@@ -93,7 +93,7 @@ fn vertex_colours_and_textures_multiply_the_reflectance() {
     let uvs = corners.map(|c| DVec2::new(c.x, c.y)).to_vec();
     mesh.uvs = Some(Attribute::per_vertex(uvs));
     let at = |x: f64| (DVec3::new(x, 0.3, 1.0), DVec3::new(x, 0.3, 0.0));
-    let found = look(&scene, &[at(0.25), at(0.75)], &SecondPass::default());
+    let found = radiance_along(&scene, &[at(0.25), at(0.75)], &SecondPass::default());
     assert_close(found[0], Rgb::new(0.25, 0.25, 0.0), 1e-5);
     assert_close(found[1], Rgb::new(0.5, 0.0625, 0.0), 1e-5);
 }
@@ -122,7 +122,7 @@ fn primitives_show_the_light_of_the_part_that_is_seen() {
         DVec3::Z,
     ];
     let rays = axes.map(|axis| (middle + 2.0 * axis, middle));
-    let found = look(&scene, &rays, &SecondPass::default());
+    let found = radiance_along(&scene, &rays, &SecondPass::default());
     for (k, radiance) in found.into_iter().enumerate() {
         assert_close(radiance, Rgb::grey(k as f64 + 0.25), 1e-5);
     }
@@ -137,7 +137,7 @@ fn a_scene_without_a_first_pass_shows_its_lamps_only() {
         &mut scene,
         Primitive::sphere(DVec3::new(5.0, 0.0, 0.0), 1.0, white),
     );
-    let found = look(
+    let found = radiance_along(
         &scene,
         &[
             (DVec3::new(0.2, 0.2, 1.0), DVec3::new(0.2, 0.2, 0.0)),

@@ -1,50 +1,57 @@
-//! Irradiance at points: direct light by formula and shadow rays, the rest by rays over the
-//! hemisphere that read the light of whatever diffuse surface they find, by way of mirrors and
-//! glass too.
+//! Irradiance at points: direct light by formulas and shadow rays, the rest by rays over the
+//! hemisphere that read the radiosity of the diffuse surfaces they reach, through mirrors and glass
+//! too.
 //!
-//! Both passes end here: the first gathers at the vertices it writes, the second at the pixels
-//! of a final gather; they differ in where the light of diffuse surfaces comes from
-//! ([`DiffuseLight`]).
+//! Both passes gather here: the first at the vertices, the second at the hits of a final gather.
+//! They differ in where the radiosity of diffuse surfaces comes from ([`DiffuseLight`]).
 
-mod crowd;
+mod collector;
 mod direct;
-mod emitters;
-mod glints;
+mod directions;
+mod estimate;
+mod many_lights;
+mod next_event;
+mod polygon;
+mod shadow;
+mod sources;
+mod terms;
 mod tiles;
 
-use crate::follow::{Event, Path, Scratch, Via, follow};
+use crate::follow::{Path, Scratch, Via};
 use crate::lights::{Lights, mis_weight};
-use crate::sampling::{cosine_hemisphere, hash, seeds, sobol, uniform};
+use crate::sampling::{hash, seeds, uniform};
 use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_scene::{Rgb, Shape};
-pub use crowd::Places;
-pub(crate) use direct::unoccluded;
+use collector::Collector;
 use direct::{Direct, MOST_TERMS};
-use emitters::Emitters;
+pub use directions::DirectionTables;
+pub use estimate::{DirectLight, Gathered};
 use glam::DVec3;
-pub use glints::Glints;
+pub use many_lights::SurfaceSamples;
+pub use next_event::NextEvent;
+use sources::DirectSources;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// Estimates of every quantity, from equal shares of its samples: their spread is its standard
-/// error. Those of rows of form factors are independent; those of a gather are consecutive
-/// stretches of one sequence (shadow rays: of one for each half of them), each well spread and
-/// all together better still.
+/// Number of estimates of every quantity, from equal shares of its samples: their spread gives its
+/// standard error. Those of rows of form factors are independent; those of a gather are
+/// consecutive stretches of one sequence (shadow rays: of one for each half of them), each well
+/// stratified and all together better still.
 pub const REPLICATES: usize = 4;
 
-/// A hit nearer than the patch it falls on is replaced by a gather of its own, at most this many
-/// times in a row.
+/// A hit nearer than the footprint of its patch is replaced by a gather at the hit, at most this
+/// many times in a row.
 const MOST_CONTACTS: u32 = 6;
 
-/// One shadow ray per source for so many rays over the hemisphere.
+/// Rays over the hemisphere for each shadow ray per source.
 const SHADOW_SHARE: u32 = 4;
 
-/// Shadow rays for each place at which [`Gatherer::direct_over`] evaluates formulas: a good number,
-/// not a rule.
+/// Shadow rays for each point at which [`Gatherer::direct_over`] evaluates formulas: a good default,
+/// which callers may exceed.
 pub const RAYS_PER_FORMULA: usize = 16;
 
-/// Where irradiance is asked for.
+/// A point at which irradiance is gathered.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint {
     /// World position, on or off a surface.
@@ -55,114 +62,66 @@ pub struct GatherPoint {
     pub key: u32,
 }
 
-/// A diffuse surface at the end of a ray.
+/// A hit of a diffuse surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
+pub struct DiffuseHit {
     /// The ray.
     pub ray: KernelRay,
-    /// Where.
+    /// Where it ends.
     pub hit: KernelHit,
-    /// Which side.
+    /// Whether it arrives at the front.
     pub front: bool,
 }
 
-/// The light that leaves a diffuse surface, as far as it is known.
+/// The radiosity that leaves a diffuse surface, and how coarse it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Glow {
+pub struct OutgoingRadiosity {
     /// Radiosity by diffuse reflection, without emission, W/m².
     pub radiosity: [f32; 3],
-    /// Distance below which `radiosity` is too coarse to be seen from, such as the size of the
-    /// patch; zero if it is exact.
-    pub grain: f32,
+    /// Distance, scene units, from nearer than which `radiosity` is too coarse to be used, such as
+    /// the size of the patch; zero if it is exact.
+    pub footprint: f32,
 }
 
-/// What is known of the light that leaves diffuse surfaces.
+/// A source of the radiosity of diffuse surfaces.
 pub trait DiffuseLight: Sync {
-    /// The light at a hit. A solver that has independent estimates gives the one of
-    /// `replicate`; others give the same to all.
-    fn glow(&self, at: &Arrival, replicate: usize) -> Glow;
+    /// The radiosity at a hit. A solver with independent estimates returns that of `replicate`;
+    /// others return the same for all.
+    fn outgoing(&self, at: &DiffuseHit, replicate: usize) -> OutgoingRadiosity;
 
     /// Diffuse reflectance at the hit.
-    fn reflectance(&self, at: &Arrival) -> Rgb;
+    fn reflectance(&self, at: &DiffuseHit) -> Rgb;
 }
 
-/// Irradiance of one point as independent estimates, W/m².
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Gathered {
-    /// One estimate per replicate; the mean is the answer.
-    pub replicates: [Rgb; REPLICATES],
-}
-
-impl Gathered {
-    /// The estimate.
-    pub fn mean(&self) -> Rgb {
-        self.replicates.iter().copied().sum::<Rgb>() / REPLICATES as f64
-    }
-
-    /// Standard error of [`mean`](Gathered::mean), if the replicates are independent: two to either
-    /// side hold the truth with the normal law's probability of 95.4%. The spread of four
-    /// replicates is itself uncertain, and Student's t with three degrees of freedom says by how
-    /// much (2 σ become 3.307 s).
-    pub fn standard_error(&self) -> Rgb {
-        self.variance().map(f64::sqrt) * (3.307 / 2.0)
-    }
-
-    /// The mean of two independent estimates, `share` of the other's.
-    pub fn blend(&self, other: &Gathered, share: f64) -> Gathered {
-        let of = |r: usize| self.replicates[r] * (1.0 - share) + other.replicates[r] * share;
-        Gathered {
-            replicates: std::array::from_fn(of),
-        }
-    }
-
-    /// Variance of [`mean`](Gathered::mean), per channel, from the spread of the replicates as
-    /// if they were independent; stretches of one sequence have a mean that is better than this.
-    pub fn variance(&self) -> Rgb {
-        let mean = self.mean();
-        let square = |c: Rgb| c * c;
-        let spread: Rgb = self.replicates.iter().map(|&r| square(r - mean)).sum();
-        spread / (REPLICATES * (REPLICATES - 1)) as f64
-    }
-}
-
-/// Direct irradiance of one point, W/m².
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DirectLight {
-    /// From lamps, one estimate per replicate.
-    pub lamps: Gathered,
-    /// From lights without area, exact.
-    pub lights: Rgb,
-}
-
-/// How much work a gather spends.
+/// The number and the seed of a gather's samples.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherOptions {
     /// Rays over the hemisphere per point, rounded up to a multiple of [`REPLICATES`]. Sobol
     /// points are best in powers of two.
     pub rays: u32,
-    /// Rays per point that earlier gathers with the same seed have spent: this one goes on where
-    /// they ended, and both together are one well spread set.
+    /// Rays per point that earlier gathers with the same seed have used: this one continues their
+    /// sequence, so that all together are one well stratified set.
     pub spent: u32,
-    /// Keys all random numbers, with each point's own key.
+    /// Keys all random numbers, together with the key of each point.
     pub seed: u32,
 }
 
 /// Gathers irradiance in a scene. Immutable; shared by all threads.
 pub struct Gatherer<'a> {
     surfaces: Surfaces<'a>,
-    emitters: Emitters<'a>,
     lights: Lights<'a>,
+    sources: DirectSources,
 }
 
 impl<'a> Gatherer<'a> {
-    /// Collects the scene's lamps, mirrors and lights.
+    /// Collects the lights and mirrors of a scene.
     pub fn new(surfaces: Surfaces<'a>) -> Gatherer<'a> {
-        let emitters = Emitters::new(&surfaces);
         let lights = Lights::new(&surfaces);
+        let sources = DirectSources::new(&surfaces, &lights);
         Gatherer {
             surfaces,
-            emitters,
             lights,
+            sources,
         }
     }
 
@@ -173,30 +132,30 @@ impl<'a> Gatherer<'a> {
 
     /// Radiance of the surroundings, W/(sr·m²).
     pub fn ambient(&self) -> Rgb {
-        self.emitters.ambient
+        self.lights.ambient
     }
 
-    /// Whether the light of an emitter is in the [`direct`](Gatherer::direct) light of what it
-    /// reaches `via` this way: straight, or from flat emitters by way of one flat mirror.
+    /// Whether [`direct`](Gatherer::direct) counts the light that an emitter sends `via` this way:
+    /// straight, or from flat emitters by one flat mirror. `is_flat` describes the emitter.
     pub fn counts_direct(&self, is_flat: bool, via: Via) -> bool {
-        self.emitters.counts_direct(is_flat, via)
+        self.sources.counts_direct(is_flat, via)
     }
 
-    /// Lamps and lights as targets of rays.
+    /// The light sources.
     pub fn lights(&self) -> &Lights<'a> {
         &self.lights
     }
 
-    /// Whether glossy surfaces may show lights without area.
-    pub fn shows_beams(&self) -> bool {
+    /// Whether the scene has both lights without area and glossy surfaces that may show them.
+    pub fn shows_delta_lights(&self) -> bool {
         let materials = &self.surfaces.scene.materials;
-        self.lights.has_beams() && materials.iter().any(|m| m.glossy().is_some())
+        self.lights.has_delta_lights() && materials.iter().any(|m| m.glossy().is_some())
     }
 
-    /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts
-    /// already: zero for most. Exact shapes are no lamps of the direct light: all that they emit
-    /// is found here. What a glossy surface sent the path to is also found by [`Glints`], and
-    /// counts in part.
+    /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts: zero for
+    /// most hits. The direct light leaves out exact shapes, so all that they emit is found here.
+    /// Light in a direction that was sampled from a glossy surface is also found by [`NextEvent`]
+    /// and weighted against it.
     pub fn stray_exitance(&self, path: &Path, hit: &KernelHit, front: bool) -> Rgb {
         if !self.surfaces.is_emitter(hit.item) {
             return Rgb::BLACK;
@@ -211,31 +170,32 @@ impl<'a> Gatherer<'a> {
         if path.density == 0.0 {
             return exitance;
         }
-        let looked_for = self.lights.pdf(&self.surfaces, &path.ray, hit);
-        exitance * mis_weight(path.density.into(), looked_for)
+        let sampled = self.lights.pdf(&self.surfaces, &path.ray, hit);
+        exitance * mis_weight(path.density.into(), sampled)
     }
 
-    /// What the direct light of one point costs, in rays: a fourth for every lamp, light and image
-    /// of one that a formula must be evaluated for, and those that test what is visible.
+    /// Cost of the direct light of one point, in rays: a quarter for each formula (of a lamp, a light
+    /// or an image of one), and the shadow rays.
     pub fn direct_cost(&self) -> f64 {
-        let sources = self.emitters.sources() as f64;
-        let tests = match self.lights_crowd() {
-            true => RAYS_PER_FORMULA as f64,
-            false => 4.0 * sources,
+        let sources = self.sources.count() as f64;
+        let tests = if self.many_lights() {
+            RAYS_PER_FORMULA as f64
+        } else {
+            4.0 * sources
         };
         0.25 * sources + tests
     }
 
-    /// Whether there are so many lamps that the direct light of a surface is better found by
-    /// [`direct_over`](Gatherer::direct_over) than point by point.
-    pub fn lights_crowd(&self) -> bool {
-        let emitters = &self.emitters;
-        emitters.sources() > MOST_TERMS && emitters.lights.is_empty() && emitters.globes.is_empty()
+    /// Whether there are so many lamps that [`direct_over`](Gatherer::direct_over) finds the direct
+    /// light of a surface better than point by point.
+    pub fn many_lights(&self) -> bool {
+        let curved = self.sources.curved(&self.lights);
+        self.sources.count() > MOST_TERMS && self.lights.delta.is_empty() && curved.is_empty()
     }
 
-    /// Mean direct irradiance over a surface of flat lamps, straight and by one flat mirror.
-    pub fn direct_over(&self, places: &Places, seed: u32) -> DirectLight {
-        Direct::new(&self.surfaces, &self.emitters).over(places, seed)
+    /// Mean direct irradiance over a surface from flat lamps, straight and by one flat mirror.
+    pub fn direct_over(&self, samples: &SurfaceSamples, seed: u32) -> DirectLight {
+        self.direct_light().over(samples, seed)
     }
 
     /// Direct irradiance at points: lamps, lights, and both by way of one flat mirror, from
@@ -250,13 +210,17 @@ impl<'a> Gatherer<'a> {
         rays: Range<u32>,
         seed: u32,
     ) -> Vec<DirectLight> {
-        Direct::new(&self.surfaces, &self.emitters).irradiance(points, rays, seed)
+        self.direct_light().irradiance(points, rays, seed)
+    }
+
+    fn direct_light(&self) -> Direct<'_> {
+        Direct::new(&self.surfaces, &self.lights, &self.sources)
     }
 
     /// Irradiance at points, direct and indirect.
     ///
-    /// Runs on the calling thread; give it some tens of points at a time. The result depends on
-    /// the points' keys, the options and the batch, never on threads.
+    /// Runs on the calling thread; works best with some tens of points at a time. The result
+    /// depends on the points' keys, the options and the batch, never on threads.
     pub fn gather(
         &self,
         points: &[GatherPoint],
@@ -266,8 +230,8 @@ impl<'a> Gatherer<'a> {
         self.gather_with(points, options, &DirectionTables::new(options), light)
     }
 
-    /// [`gather`](Gatherer::gather) with directions made beforehand from the same options, for
-    /// callers with many batches.
+    /// [`gather`](Gatherer::gather) with directions that the caller makes once from the same
+    /// options, for many batches.
     pub fn gather_with(
         &self,
         points: &[GatherPoint],
@@ -279,13 +243,7 @@ impl<'a> Gatherer<'a> {
         let first = (options.spent / REPLICATES as u32).div_ceil(SHADOW_SHARE);
         let shadow_rays = first..first + per_replicate.div_ceil(SHADOW_SHARE);
         let direct = self.direct_range(points, shadow_rays, options.seed);
-        let mut collector = Collector {
-            gatherer: self,
-            light,
-            sums: vec![[[0.0; 3]; REPLICATES]; points.len()],
-            near: Vec::new(),
-            glints: Glints::default(),
-        };
+        let mut collector = Collector::new(self, light, points.len());
         let mut paths = self.hemispheres(points, directions, options.seed);
         let mut scratch = Scratch::default();
         for round in 0..=MOST_CONTACTS {
@@ -295,7 +253,7 @@ impl<'a> Gatherer<'a> {
                 hash(&[options.seed, options.spent, round]),
                 round < MOST_CONTACTS,
             );
-            if collector.near.is_empty() {
+            if !collector.has_contacts() {
                 break;
             }
             collector.contacts(
@@ -312,7 +270,7 @@ impl<'a> Gatherer<'a> {
                 replicates: std::array::from_fn(of),
             }
         };
-        direct.iter().zip(&collector.sums).map(total).collect()
+        direct.iter().zip(collector.sums()).map(total).collect()
     }
 
     /// Cosine-distributed rays of all points and replicates.
@@ -350,150 +308,5 @@ impl<'a> Gatherer<'a> {
             }
         }
         paths
-    }
-}
-
-/// Cosine-distributed directions about +z, in several scramblings of one stretch of the Sobol
-/// sequence. A point takes one of them, turned about its normal by an angle of its own: as well
-/// spread as a scrambling of its own, and several times cheaper.
-pub struct DirectionTables {
-    /// Directions per replicate.
-    count: usize,
-    directions: Vec<[f32; 3]>,
-}
-
-/// Scramblings to choose from.
-const TABLES: u32 = 32;
-
-impl DirectionTables {
-    /// The directions that a gather with these options takes.
-    pub fn new(options: &GatherOptions) -> DirectionTables {
-        let count = options.rays.div_ceil(REPLICATES as u32).max(1);
-        let indices = options.spent..options.spent + count * REPLICATES as u32;
-        let mut directions = Vec::with_capacity(TABLES as usize * indices.len());
-        for table in 0..TABLES {
-            let [s1, s2, ..] = seeds(&[options.seed, table, 0x9a7]);
-            for k in indices.clone() {
-                let d = cosine_hemisphere(sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
-                directions.push(d.as_vec3().to_array());
-            }
-        }
-        DirectionTables {
-            count: count as usize,
-            directions,
-        }
-    }
-
-    /// One table: a stretch of directions for each replicate, one after the other.
-    fn table(&self, choice: u32) -> &[[f32; 3]] {
-        let all = self.count * REPLICATES;
-        let start = (choice % TABLES) as usize * all;
-        &self.directions[start..start + all]
-    }
-}
-
-/// A hit too near to be read from its patch.
-struct Contact {
-    id: u32,
-    weight: Rgb,
-    at: Arrival,
-}
-
-/// Sums what paths find.
-struct Collector<'g, 'a, L> {
-    gatherer: &'g Gatherer<'a>,
-    light: &'g L,
-    sums: Vec<[[f64; 3]; REPLICATES]>,
-    near: Vec<Contact>,
-    glints: Glints,
-}
-
-impl<L: DiffuseLight> Collector<'_, '_, L> {
-    /// Follows `paths` and reads the light where they end; hits that are too near are kept for
-    /// [`contacts`](Collector::contacts) if those are `allowed`.
-    fn follow(&mut self, paths: &mut Vec<Path>, scratch: &mut Scratch, seed: u32, allowed: bool) {
-        let (gatherer, light) = (self.gatherer, self.light);
-        let ambient = gatherer.ambient() * PI;
-        let (sums, near, glints) = (&mut self.sums, &mut self.near, &mut self.glints);
-        follow(&gatherer.surfaces, paths, scratch, seed, |path, event| {
-            let (point, replicate) = (path.id as usize / REPLICATES, path.id as usize % REPLICATES);
-            let found = match event {
-                Event::Escape => ambient,
-                Event::Cut | Event::Absorbed => return,
-                Event::Surface { hit, front } => {
-                    glints.add(gatherer, path, &hit, path.id, seed);
-                    let ray = path.ray;
-                    let at = Arrival { ray, hit, front };
-                    let glow = light.glow(&at, replicate);
-                    let stray = gatherer.stray_exitance(path, &hit, front);
-                    if allowed && path.depth == 0 && hit.t < glow.grain {
-                        near.push(Contact {
-                            id: path.id,
-                            weight: path.weight,
-                            at,
-                        });
-                        stray
-                    } else {
-                        stray + Rgb::from(glow.radiosity.map(f64::from))
-                    }
-                }
-            };
-            let sum = &mut sums[point][replicate];
-            (0..3).for_each(|k| sum[k] += path.weight[k] * found[k]);
-        });
-        glints.settle(gatherer, |id, found| {
-            let sum = &mut sums[id as usize / REPLICATES][id as usize % REPLICATES];
-            (0..3).for_each(|k| sum[k] += found[k]);
-        });
-    }
-
-    /// Replaces the light of near hits by a gather of their own: a glimpse of the direct light,
-    /// and one ray that goes on. Fills `paths`.
-    fn contacts(&mut self, places: &[GatherPoint], paths: &mut Vec<Path>, seed: u32) {
-        let gatherer = self.gatherer;
-        let tracer = gatherer.surfaces.tracer;
-        let contacts = std::mem::take(&mut self.near);
-        let mut points = Vec::with_capacity(contacts.len());
-        paths.clear();
-        for (index, contact) in contacts.iter().enumerate() {
-            let found = tracer.resolve(&tracer.world_ray(&contact.at.ray), &contact.at.hit);
-            let normal = if contact.at.front {
-                found.normal
-            } else {
-                -found.normal
-            };
-            let weight = contact.weight * self.light.reflectance(&contact.at);
-            let key = hash(&[places[contact.id as usize / REPLICATES].key, index as u32]);
-            points.push((
-                GatherPoint {
-                    position: found.position,
-                    normal,
-                    key,
-                },
-                weight,
-            ));
-            let [u1, u2] = [0, 1].map(|d| f64::from(uniform(&[seed, key, contact.id, d])));
-            let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(u1, u2));
-            let ray =
-                tracer.kernel_ray(&Ray::new(tracer.leaving(found.position, normal), direction));
-            if weight.max_channel() > 0.0 {
-                paths.push(Path {
-                    ray,
-                    id: contact.id,
-                    weight,
-                    via: Via::Direct,
-                    depth: 0,
-                    density: 0.0,
-                });
-            }
-        }
-        let places: Vec<GatherPoint> = points.iter().map(|(p, _)| *p).collect();
-        let glimpses =
-            Direct::new(&gatherer.surfaces, &gatherer.emitters).glimpse(&places, seed ^ 0x51);
-        for ((contact, (_, weight)), e) in contacts.iter().zip(&points).zip(glimpses) {
-            let sum =
-                &mut self.sums[contact.id as usize / REPLICATES][contact.id as usize % REPLICATES];
-            (0..3).for_each(|k| sum[k] += weight[k] * e[k]);
-        }
     }
 }

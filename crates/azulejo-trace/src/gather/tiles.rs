@@ -1,15 +1,15 @@
-//! Tiles of one plane that make a convex polygon together: a mirror of many fields is one window.
+//! Merges coplanar tiles that fill a convex polygon: a mirror of many panes becomes one window.
 
 use crate::lambert::{ArrayPolygon, convex_hull};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
 
-/// How far tiles of one plane may lie apart, as a share of their size, and how much of a hull's
-/// area they may leave open.
+/// Tolerance of coplanarity, as a share of the size of a tile, and of the area of a hull that its
+/// tiles may leave open.
 const TOLERANCE: f64 = 1e-6;
 
-/// A flat polygon with what must be the same of all tiles.
+/// A flat polygon, with the properties that tiles must share to be merged.
 #[derive(Clone)]
 pub struct Tile {
     /// Counter-clockwise about `normal`.
@@ -20,7 +20,8 @@ pub struct Tile {
     pub reflectance: Rgb,
 }
 
-/// The same surface in fewer polygons: tiles of one plane that fill their convex hull become it.
+/// The same surface in fewer polygons: tiles of one plane that fill their convex hull are replaced
+/// by it.
 pub fn merged(tiles: &[Tile]) -> Vec<Tile> {
     let mut groups: Vec<Vec<&Tile>> = Vec::new();
     for tile in tiles {
@@ -36,7 +37,7 @@ pub fn merged(tiles: &[Tile]) -> Vec<Tile> {
     groups.into_iter().flat_map(whole).collect()
 }
 
-/// Whether two tiles lie in one plane and look alike.
+/// Whether two tiles lie in one plane and have one reflectance.
 fn is_of_one(a: &Tile, b: &Tile) -> bool {
     let size = area_vector(&a.polygon).length().sqrt();
     let offset = |p: &DVec3| (*p - a.polygon[0]).dot(a.normal).abs();

@@ -3,7 +3,8 @@
 use azulejo_scene::brdf::{Brdf, Description};
 use azulejo_scene::{Light, LightKind, Material, Object, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::{
-    Arrival, DiffuseLight, GatherOptions, GatherPoint, Gatherer, Glow, Surfaces, Tracer,
+    DiffuseHit, DiffuseLight, GatherOptions, GatherPoint, Gatherer, OutgoingRadiosity, Surfaces,
+    Tracer,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -46,11 +47,11 @@ fn sheet([corner, a, b]: [DVec3; 3], material: u32) -> Object {
 struct Dark;
 
 impl DiffuseLight for Dark {
-    fn glow(&self, _at: &Arrival, _replicate: usize) -> Glow {
-        Glow::default()
+    fn outgoing(&self, _at: &DiffuseHit, _replicate: usize) -> OutgoingRadiosity {
+        OutgoingRadiosity::default()
     }
 
-    fn reflectance(&self, _at: &Arrival) -> Rgb {
+    fn reflectance(&self, _at: &DiffuseHit) -> Rgb {
         Rgb::BLACK
     }
 }

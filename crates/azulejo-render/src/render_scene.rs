@@ -1,38 +1,35 @@
-//! A scene as paths from the eye meet it: what stands where, what shines, and what is seen beyond.
+//! What camera paths need of a scene: interactions, shading, emission, direct light and fog.
 
 use crate::interpolate::Interpolator;
 use crate::shading::{Colors, Parts, Shading};
-use azulejo_scene::math::{Ray, reflect};
+use azulejo_scene::math::reflect;
 use azulejo_scene::{Material, Rgb, Scene};
-use azulejo_trace::interaction::SurfaceInteraction;
+use azulejo_trace::interaction::{SurfaceInteraction, shadow_ray};
 use azulejo_trace::lights::mis_weight;
 use azulejo_trace::{Gatherer, KernelHit, KernelRay, Surfaces, Tracer};
 use glam::DVec3;
 
-/// Shadow rays end this share of their length before the lamp.
-const SHORT: f64 = 1.0 - 1e-4;
-
-/// A scene with all that its pictures look up. Immutable, shared by all threads.
-pub(crate) struct Scenery<'a> {
+/// A scene with its tables for rendering. Immutable, shared by all threads.
+pub(crate) struct RenderScene<'a> {
     pub gatherer: Gatherer<'a>,
     pub interpolator: Interpolator<'a>,
-    /// What the eye sees beyond the scene, straight and in mirrors: the background, else the
-    /// surroundings.
+    /// Radiance that the camera sees beyond the scene, straight and in mirrors: that of the
+    /// background, else that of the surroundings.
     pub sky: Rgb,
 }
 
-/// What is still to be tested for shadow.
+/// Contributions of lights that are still to be tested for shadow.
 #[derive(Default)]
-pub(crate) struct Shadows {
+pub(crate) struct ShadowBatch {
     rays: Vec<KernelRay>,
     light: Vec<Rgb>,
     blocked: Vec<bool>,
 }
 
-impl<'a> Scenery<'a> {
-    pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> Scenery<'a> {
+impl<'a> RenderScene<'a> {
+    pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> RenderScene<'a> {
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
-        Scenery {
+        RenderScene {
             sky: scene.background.unwrap_or(gatherer.ambient()),
             gatherer,
             interpolator: Interpolator::new(scene, tracer),
@@ -90,36 +87,37 @@ impl<'a> Scenery<'a> {
         )
     }
 
-    /// Radiance that a surface reflects of one look at the lamps and of the lights without area,
-    /// for four numbers in 0..1. The look counts as far as it is likelier than to be found by
-    /// chance in the surface's own directions, of which a share `by_chance` of paths draws one.
+    /// Radiance that a surface reflects of one sample of the lamps and of the lights without area,
+    /// for four numbers in 0..1. The sample is weighted against the surface's own, which paths
+    /// take with `lobe_probability`.
     pub fn lit(
         &self,
         shading: &Shading,
         u: [f64; 4],
-        by_chance: f64,
-        shadows: &mut Shadows,
+        lobe_probability: f64,
+        shadows: &mut ShadowBatch,
     ) -> Rgb {
         let (surfaces, lights) = (self.surfaces(), self.gatherer.lights());
-        shadows.forget();
-        if let Some(look) = lights.look(surfaces, shading.origin, [u[0], u[1], u[2]]) {
-            let chance = by_chance * shading.pdf(look.direction);
-            let share = mis_weight(look.pdf, chance) / look.pdf;
-            let light = shading.eval(look.direction) * look.radiance * share;
-            shadows.plan(self.tracer(), shading.origin, look.target, light);
+        shadows.clear();
+        if let Some(sample) = lights.sample(surfaces, shading.origin, [u[0], u[1], u[2]]) {
+            let density = lobe_probability * shading.pdf(sample.direction);
+            let share = mis_weight(sample.pdf, density) / sample.pdf;
+            let light = shading.eval(sample.direction) * sample.radiance * share;
+            shadows.push(self.tracer(), shading.origin, sample.target, light);
         }
         let normal = shading.frame.z;
-        for beam in lights.beams(surfaces, shading.origin, normal, u[3]) {
-            let cos = beam.direction.dot(normal);
-            let light = shading.eval(beam.direction) * beam.irradiance / cos;
-            shadows.plan(self.tracer(), shading.origin, beam.target, light);
+        for sample in lights.sample_delta(surfaces, shading.origin, normal, u[3]) {
+            let cos = sample.direction.dot(normal);
+            let light = shading.eval(sample.direction) * sample.irradiance / cos;
+            shadows.push(self.tracer(), shading.origin, sample.target, light);
         }
-        shadows.light(self.tracer())
+        shadows.visible(self.tracer())
     }
 
-    /// Radiance that an emitter sends along a ray that arrived at it, less what was looked for
-    /// where the ray set out: its direction was drawn there with this `density`, zero if it was
-    /// not drawn.
+    /// Radiance that an emitter sends back along a ray that hit it.
+    ///
+    /// `density` is that of the ray's direction if it was sampled where the lamps were sampled
+    /// too, against which the emission is then weighted; 0 otherwise.
     pub fn emitted(&self, ray: &KernelRay, hit: &KernelHit, density: f64) -> Rgb {
         let surfaces = self.surfaces();
         if !surfaces.is_emitter(hit.item) {
@@ -130,12 +128,13 @@ impl<'a> Scenery<'a> {
         if density == 0.0 || emitted.is_black() {
             return emitted;
         }
-        let looked_for = self.gatherer.lights().pdf(surfaces, ray, hit);
-        emitted * mis_weight(density, looked_for)
+        let sampled = self.gatherer.lights().pdf(surfaces, ray, hit);
+        emitted * mis_weight(density, sampled)
     }
 
-    /// What fog leaves of the light along a camera's ray, and what it adds. Fog is a matter of
-    /// the viewer: it hides no background, and mirrors show what they show.
+    /// The transmittance of fog along a camera ray, and the radiance that it adds. Fog depends on
+    /// the distance from the viewer alone: it does not hide the background, nor what is behind
+    /// mirrors.
     pub fn fog(&self, ray: &KernelRay, hit: &KernelHit) -> Option<(f64, Rgb)> {
         let fog = self.surfaces().scene.fog.filter(|_| hit.is_hit())?;
         let ray = self.tracer().world_ray(ray);
@@ -149,25 +148,21 @@ impl<'a> Scenery<'a> {
     }
 }
 
-impl Shadows {
-    fn forget(&mut self) {
+impl ShadowBatch {
+    fn clear(&mut self) {
         self.rays.clear();
         self.light.clear();
     }
 
-    fn plan(&mut self, tracer: &Tracer, from: DVec3, to: DVec3, light: Rgb) {
+    fn push(&mut self, tracer: &Tracer, from: DVec3, to: DVec3, light: Rgb) {
         if light.max_channel() > 0.0 && light.is_finite() {
-            let ray = Ray {
-                t_max: SHORT,
-                ..Ray::between(from, to)
-            };
-            self.rays.push(tracer.kernel_ray(&ray));
+            self.rays.push(shadow_ray(tracer, from, to));
             self.light.push(light);
         }
     }
 
-    /// The sum of what nothing stands before.
-    fn light(&mut self, tracer: &Tracer) -> Rgb {
+    /// The sum of the contributions that are not blocked.
+    fn visible(&mut self, tracer: &Tracer) -> Rgb {
         if self.rays.is_empty() {
             return Rgb::BLACK;
         }

@@ -4,23 +4,23 @@ use azulejo_trace::sampling::{DIMENSIONS, hash, sobol, uniform};
 
 /// The random numbers of one path: stratified over the samples of its stream.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Draws {
+pub(crate) struct PathSampler {
     pub stream: u32,
     pub sample: u32,
     used: u32,
 }
 
-impl Draws {
+impl PathSampler {
     /// The numbers of sample `sample` of pixel or probe ray `stream`.
-    pub fn new(stream: u32, sample: u32) -> Draws {
-        Draws {
+    pub fn new(stream: u32, sample: u32) -> PathSampler {
+        PathSampler {
             stream,
             sample,
             used: 0,
         }
     }
 
-    /// Whether any number was drawn, so that another sample may find something else.
+    /// Whether any number was used, so that another sample may differ.
     pub fn is_used(&self) -> bool {
         self.used > 0
     }

@@ -1,0 +1,52 @@
+//! Estimates of irradiance with their replicates.
+
+use super::REPLICATES;
+use azulejo_scene::Rgb;
+
+/// Irradiance of one point as independent estimates, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gathered {
+    /// One estimate per replicate; their mean is the result.
+    pub replicates: [Rgb; REPLICATES],
+}
+
+impl Gathered {
+    /// The estimate.
+    pub fn mean(&self) -> Rgb {
+        self.replicates.iter().copied().sum::<Rgb>() / REPLICATES as f64
+    }
+
+    /// Standard error of [`mean`](Gathered::mean), if the replicates are independent, scaled so that
+    /// two of it to either side cover the true value with the normal distribution's probability of
+    /// 95.4%: by Student's t with three degrees of freedom, 2 σ become 3.307 s.
+    pub fn standard_error(&self) -> Rgb {
+        self.variance().map(f64::sqrt) * (3.307 / 2.0)
+    }
+
+    /// The weighted mean of two independent estimates; `share`, in 0..=1, is the weight of
+    /// `other`.
+    pub fn blend(&self, other: &Gathered, share: f64) -> Gathered {
+        let of = |r: usize| self.replicates[r] * (1.0 - share) + other.replicates[r] * share;
+        Gathered {
+            replicates: std::array::from_fn(of),
+        }
+    }
+
+    /// Variance of [`mean`](Gathered::mean), per channel, from the spread of the replicates as
+    /// if they were independent; it is smaller for replicates that are stretches of one sequence.
+    pub fn variance(&self) -> Rgb {
+        let mean = self.mean();
+        let square = |c: Rgb| c * c;
+        let spread: Rgb = self.replicates.iter().map(|&r| square(r - mean)).sum();
+        spread / (REPLICATES * (REPLICATES - 1)) as f64
+    }
+}
+
+/// Direct irradiance of one point, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DirectLight {
+    /// From lamps, one estimate per replicate.
+    pub lamps: Gathered,
+    /// From lights without area, exact.
+    pub lights: Rgb,
+}

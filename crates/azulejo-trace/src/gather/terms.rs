@@ -1,0 +1,241 @@
+//! The terms of the direct light of a point: each source with what it would give if nothing stood
+//! between.
+
+use super::direct::Direct;
+use super::polygon::{is_hidden, is_through};
+use super::{GatherPoint, REPLICATES};
+use crate::lambert::{ArrayPolygon, clip, clip_to_window, point_to_polygon};
+use crate::lights::{side_toward, unoccluded, unoccluded_image};
+use azulejo_scene::Rgb;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// A source of direct light at one point, and what samples found of it.
+pub(super) struct Term {
+    /// Index of the point.
+    pub point: u32,
+    /// Irradiance if nothing stood between; an estimate for curved emitters.
+    pub full: Rgb,
+    /// Radiance of the lamp as it arrives; black for lights without area.
+    pub radiance: Rgb,
+    pub target: Target,
+    /// Sums of weights and of visible weights per replicate.
+    pub weights: [f64; REPLICATES],
+    pub visible: [f64; REPLICATES],
+    /// Samples per replicate, those without weight included.
+    pub samples: u32,
+}
+
+/// What of a source a point sees if nothing stands between.
+pub(super) enum Target {
+    /// A flat emitter, by its number, or what of it is above the horizon.
+    Flat(u32),
+    /// The part of a flat emitter's image that a window shows.
+    Image {
+        window: u32,
+        seen: Box<ArrayPolygon>,
+    },
+    /// A curved emitter, by its number: no formula exists for what it gives.
+    Curved(u32),
+    /// A light without area, at which a shadow ray ends here.
+    Delta(DVec3),
+    /// A light without area in a window, whose image is here.
+    DeltaImage { window: u32, image: DVec3 },
+}
+
+/// A flat emitter, or its image in a window, by their numbers.
+#[derive(Clone, Copy)]
+pub(super) struct FlatSource {
+    pub lamp: usize,
+    pub window: Option<usize>,
+}
+
+impl Term {
+    fn new(point: u32, full: Rgb, radiance: Rgb, target: Target) -> Term {
+        Term {
+            point,
+            full,
+            radiance,
+            target,
+            weights: [0.0; REPLICATES],
+            visible: [0.0; REPLICATES],
+            samples: 0,
+        }
+    }
+
+    /// Whether `full` is an estimate.
+    pub fn is_rough(&self) -> bool {
+        matches!(self.target, Target::Curved(_))
+    }
+
+    /// Whether it is a light without area, which one ray decides.
+    pub fn is_delta(&self) -> bool {
+        matches!(self.target, Target::Delta(_) | Target::DeltaImage { .. })
+    }
+
+    /// Irradiance from one sample of the given weight.
+    pub fn unbiased(&self, weight: f64) -> Rgb {
+        if self.is_delta() {
+            self.full
+        } else {
+            self.radiance * weight
+        }
+    }
+
+    /// The visible share as replicate `r` sees it.
+    ///
+    /// Formulas know the sum of all weights, so what the other half of the replicates found to
+    /// be the visible share serves as a control variate: unbiased, because it is independent of
+    /// this half, and exact where all or nothing is visible.
+    pub fn visible_share(&self, r: usize) -> f64 {
+        if self.is_delta() {
+            return if self.visible[0] > 0.0 { 1.0 } else { 0.0 };
+        }
+        let share = ratio_of_others(&self.visible, &self.weights, r);
+        let sum = f64::from(self.samples) * self.full.max_channel() / self.radiance.max_channel();
+        share + (self.visible[r] - share * self.weights[r]) / sum
+    }
+}
+
+/// Σ parts / Σ wholes over the half of the replicates that `r` is not in; 1 without wholes.
+pub(super) fn ratio_of_others(
+    parts: &[f64; REPLICATES],
+    wholes: &[f64; REPLICATES],
+    r: usize,
+) -> f64 {
+    let others = (0..REPLICATES).filter(|s| s / 2 != r / 2);
+    let [part, whole] = [parts, wholes].map(|sums| others.clone().map(|s| sums[s]).sum::<f64>());
+    if whole > 0.0 { part / whole } else { 1.0 }
+}
+
+impl Direct<'_> {
+    /// Appends the terms of all sources that could light `point`.
+    pub(super) fn terms_of(&self, index: u32, point: &GatherPoint, terms: &mut Vec<Term>) {
+        let mut push = |full: Rgb, radiance: Rgb, target: Target| {
+            if full.max_channel() > 0.0 {
+                terms.push(Term::new(index, full, radiance, target));
+            }
+        };
+        let (p, n) = (point.position, point.normal);
+        for (lamp, light) in self.sources.flat(self.lights).iter().enumerate() {
+            let f = point_to_polygon(p, n, &light.toward(p));
+            let radiance = light.emission.radiance;
+            push(radiance * (PI * f), radiance, Target::Flat(lamp as u32));
+        }
+        for (k, light) in self.sources.curved(self.lights).iter().enumerate() {
+            let d = light.centre - p;
+            let reach = d.dot(n) + light.radius2.sqrt() * 3f64.sqrt();
+            if reach > 0.0 {
+                // Only a guide to where rays are worth spending.
+                let rough = PI * (light.radius2 / d.length_squared()).min(1.0);
+                let radiance = light.emission.radiance;
+                push(radiance * rough, radiance, Target::Curved(k as u32));
+            }
+        }
+        for light in &self.lights.delta {
+            if let Some((target, full)) = unoccluded(light, p, n, self.surfaces) {
+                push(full, Rgb::BLACK, Target::Delta(target));
+            }
+        }
+        for window in 0..self.sources.windows.len() {
+            self.images_in(window, point, &mut push);
+        }
+    }
+
+    /// The images of lamps and lights that a window shows.
+    fn images_in(
+        &self,
+        window: usize,
+        point: &GatherPoint,
+        push: &mut impl FnMut(Rgb, Rgb, Target),
+    ) {
+        let (p, n) = (point.position, point.normal);
+        let number = window as u32;
+        for lamp in 0..self.sources.flat(self.lights).len() {
+            let Some(seen) = self.visible_image(lamp, window, point) else {
+                continue;
+            };
+            let f = point_to_polygon(p, n, &seen);
+            if f > 0.0 {
+                let window = Some(window);
+                let radiance = self.radiance(FlatSource { lamp, window });
+                let seen = Box::new(seen);
+                let target = Target::Image {
+                    window: number,
+                    seen,
+                };
+                push(radiance * (PI * f), radiance, target);
+            }
+        }
+        let window = &self.sources.windows[window];
+        for light in &self.lights.delta {
+            let plane = (window.polygon[0], window.normal);
+            let lit = unoccluded_image(light, (p, n), plane, self.surfaces);
+            let lit = lit.filter(|(image, _)| is_through(p, *image, &window.polygon));
+            if let Some((image, full)) = lit {
+                let target = Target::DeltaImage {
+                    window: number,
+                    image,
+                };
+                push(full * window.reflectance, Rgb::BLACK, target);
+            }
+        }
+    }
+
+    /// Radiance of a flat emitter as it arrives.
+    pub(super) fn radiance(&self, source: FlatSource) -> Rgb {
+        let radiance = self.lights.flat[source.lamp].emission.radiance;
+        match source.window {
+            None => radiance,
+            Some(w) => radiance * self.sources.windows[w].reflectance,
+        }
+    }
+
+    /// Form factor from a point to a source, if nothing stood between.
+    pub(super) fn form_factor(&self, source: FlatSource, point: &GatherPoint) -> f64 {
+        let (p, n) = (point.position, point.normal);
+        let FlatSource { lamp, window } = source;
+        match window {
+            None => point_to_polygon(p, n, &self.lights.flat[lamp].toward(p)),
+            Some(w) => {
+                let seen = self.visible_image(lamp, w, point);
+                seen.map_or(0.0, |seen| point_to_polygon(p, n, &seen))
+            }
+        }
+    }
+
+    /// What a point sees of a source; `None` if it is nothing.
+    pub(super) fn target(&self, source: FlatSource, point: &GatherPoint) -> Option<Target> {
+        let FlatSource { lamp, window } = source;
+        let Some(w) = window else {
+            return Some(Target::Flat(lamp as u32));
+        };
+        Some(Target::Image {
+            window: w as u32,
+            seen: Box::new(self.visible_image(lamp, w, point)?),
+        })
+    }
+
+    /// What of a lamp's image the window shows to a point; `None` if it is nothing.
+    fn visible_image(
+        &self,
+        lamp: usize,
+        window: usize,
+        point: &GatherPoint,
+    ) -> Option<ArrayPolygon> {
+        let emits_back = self.lights.flat[lamp].emission.emits_back;
+        let window = &self.sources.windows[window];
+        let p = point.position;
+        let image = side_toward(&window.images[lamp], emits_back, p);
+        if is_hidden(point, &image, &window.polygon) {
+            return None;
+        }
+        let side = (p - window.polygon[0]).dot(window.normal);
+        // Only what of the lamp is on the point's side of the mirror has an image there, and
+        // that image lies on the other side.
+        let away = -side.signum() * window.normal;
+        let beyond = clip(&image, window.polygon[0], away);
+        let seen = clip_to_window(&beyond, p, &window.polygon);
+        (seen.len() >= 3).then_some(seen)
+    }
+}

@@ -1,0 +1,211 @@
+//! Surfaces that emit: flat polygons and curved parts of primitives.
+
+use super::flat_faces::{FaceKey, FlatFace, flat_faces, is_flat};
+use crate::lambert::is_in_front;
+use azulejo_scene::math::area_vector;
+use azulejo_scene::{Material, Primitive, Rgb, Scene, Shape};
+use glam::DVec3;
+use std::borrow::Cow;
+
+/// What a surface emits, and how often it is chosen as a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Emission {
+    /// Radiance of the front, W/(sr·m²).
+    pub radiance: Rgb,
+    /// Whether the back emits too.
+    pub emits_back: bool,
+    /// Which surface it is.
+    pub key: FaceKey,
+    /// Its power, mean over the channels, as a share of that of all lights: the probability with
+    /// which it is sampled.
+    pub share: f64,
+}
+
+impl Emission {
+    /// With the power for a share, of a surface of that area.
+    fn new(key: FaceKey, material: &Material, area: f64) -> Emission {
+        let sides = if material.emits_back { 2.0 } else { 1.0 };
+        let power = material.emission.mean() * sides * area;
+        Emission {
+            radiance: material.emission,
+            emits_back: material.emits_back,
+            key,
+            share: if power.is_finite() { power } else { 0.0 },
+        }
+    }
+
+    /// Radiance in a direction of which `cos` is the cosine to the normal.
+    pub fn radiance_to(&self, cos: f64) -> Rgb {
+        if cos > 0.0 || self.emits_back {
+            self.radiance
+        } else {
+            Rgb::BLACK
+        }
+    }
+}
+
+/// A point of an emitter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EmitterPoint {
+    pub position: DVec3,
+    /// Unit normal of the front.
+    pub normal: DVec3,
+    /// Area per unit of the square of random numbers: one over the density by area.
+    pub area: f64,
+}
+
+/// A flat convex polygon that emits.
+#[derive(Clone, Debug)]
+pub(crate) struct FlatEmitter {
+    /// Corners, counter-clockwise from the front. On the heap, as there may be very many.
+    pub polygon: Box<[DVec3]>,
+    /// Unit normal of the front.
+    normal: DVec3,
+    pub area: f64,
+    pub emission: Emission,
+}
+
+impl FlatEmitter {
+    fn new(face: &FlatFace) -> FlatEmitter {
+        let across = area_vector(&face.polygon);
+        let area = across.length();
+        FlatEmitter {
+            polygon: face.polygon.iter().copied().collect(),
+            normal: across.normalize_or_zero(),
+            area,
+            emission: Emission::new(face.key, face.material, area),
+        }
+    }
+
+    /// How many sides emit.
+    pub fn sides(&self) -> usize {
+        1 + usize::from(self.emission.emits_back)
+    }
+
+    /// The polygon as `p` sees it: counter-clockwise if it can light that point.
+    pub fn toward(&self, p: DVec3) -> Cow<'_, [DVec3]> {
+        side_toward(&self.polygon, self.emission.emits_back, p)
+    }
+
+    /// The point of two numbers in 0..1.
+    pub fn point(&self, u: (f64, f64)) -> EmitterPoint {
+        EmitterPoint {
+            position: sample_polygon(&self.polygon, u),
+            normal: self.normal,
+            area: self.area,
+        }
+    }
+}
+
+/// A polygon, turned round if it emits from its back and `p` is behind it.
+pub(crate) fn side_toward(polygon: &[DVec3], emits_back: bool, p: DVec3) -> Cow<'_, [DVec3]> {
+    if emits_back && !is_in_front(p, polygon) {
+        return polygon.iter().rev().copied().collect();
+    }
+    Cow::Borrowed(polygon)
+}
+
+/// A curved part of a primitive that emits from its outside, and from its inside if `emits_back`.
+#[derive(Clone, Debug)]
+pub(crate) struct CurvedEmitter<'a> {
+    pub primitive: &'a Primitive,
+    /// Which of its parts.
+    pub part: usize,
+    /// The middle of the primitive and the square of a radius around it, for rough estimates.
+    pub centre: DVec3,
+    /// See `centre`.
+    pub radius2: f64,
+    pub emission: Emission,
+}
+
+impl<'a> CurvedEmitter<'a> {
+    fn new(
+        object: u32,
+        primitive: &'a Primitive,
+        part: usize,
+        material: &Material,
+    ) -> CurvedEmitter<'a> {
+        let bounds = primitive.bounds();
+        let key = FaceKey {
+            object,
+            face: part as u32,
+            triangle: 0,
+        };
+        CurvedEmitter {
+            primitive,
+            part,
+            centre: bounds.centre(),
+            radius2: (0.5 * bounds.diagonal()).powi(2) / 3.0,
+            emission: Emission::new(key, material, whole_area(primitive, part)),
+        }
+    }
+
+    /// The point of two numbers in 0..1.
+    pub fn point(&self, u: (f64, f64)) -> EmitterPoint {
+        let at = self.primitive.point(self.part, u.0, u.1);
+        EmitterPoint {
+            position: at.position,
+            normal: at.normal,
+            area: at.area_density,
+        }
+    }
+}
+
+/// Area of a part of a primitive, to some percent, which is enough to choose by.
+fn whole_area(primitive: &Primitive, part: usize) -> f64 {
+    const STEPS: usize = 8;
+    let middle = |k: usize| (k as f64 + 0.5) / STEPS as f64;
+    let at = |k: usize| primitive.point(part, middle(k % STEPS), middle(k / STEPS));
+    let all = (0..STEPS * STEPS).map(|k| at(k).area_density);
+    all.sum::<f64>() / (STEPS * STEPS) as f64
+}
+
+/// The flat emitters of a scene in the order of their keys.
+pub(crate) fn flat_emitters(scene: &Scene) -> Vec<FlatEmitter> {
+    let mut emitters = Vec::new();
+    flat_faces(scene, Material::is_emitter, |face| {
+        emitters.push(FlatEmitter::new(&face));
+    });
+    emitters
+}
+
+/// The curved emitters of a scene in the order of their keys.
+pub(crate) fn curved_emitters(scene: &Scene) -> Vec<CurvedEmitter<'_>> {
+    let mut emitters = Vec::new();
+    for (object, o) in (0..).zip(&scene.objects) {
+        let Shape::Primitive(primitive) = &o.shape else {
+            continue;
+        };
+        let material = &scene.materials[primitive.material as usize];
+        if material.is_emitter() && !is_flat(primitive.kind) {
+            let parts = 0..primitive.kind.parts();
+            emitters
+                .extend(parts.map(|part| CurvedEmitter::new(object, primitive, part, material)));
+        }
+    }
+    emitters
+}
+
+/// A point of a convex polygon, uniform by area, continuous in `u` but for fan borders.
+pub(crate) fn sample_polygon(polygon: &[DVec3], u: (f64, f64)) -> DVec3 {
+    let o = polygon[0];
+    let is_parallelogram = polygon.len() == 4
+        && (polygon[1] + polygon[3] - polygon[0] - polygon[2]).length_squared()
+            < 1e-18 * (polygon[2] - o).length_squared();
+    if is_parallelogram {
+        return o + u.0 * (polygon[1] - o) + u.1 * (polygon[3] - o);
+    }
+    let area = |k: usize| (polygon[k] - o).cross(polygon[k + 1] - o).length();
+    let total: f64 = (1..polygon.len() - 1).map(area).sum();
+    let mut rest = u.0 * total;
+    let mut k = 1;
+    while k + 2 < polygon.len() && rest >= area(k) {
+        rest -= area(k);
+        k += 1;
+    }
+    // Osada et al. 2002, eq. (1): uniform over the triangle.
+    let a = (rest / area(k).max(f64::MIN_POSITIVE))
+        .clamp(0.0, 1.0)
+        .sqrt();
+    o + a * (1.0 - u.1) * (polygon[k] - o) + a * u.1 * (polygon[k + 1] - o)
+}
