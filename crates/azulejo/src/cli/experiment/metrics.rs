@@ -1,8 +1,7 @@
 //! What is measured of a matrix of form factors: how far it is from another, and how well it keeps
 //! the laws of light.
 
-use azulejo_factors::reflectances;
-use azulejo_factors::{FormFactors, Patches};
+use azulejo_factors::{FormFactors, Patches, reflectances};
 use azulejo_scene::{Rgb, Scene};
 
 /// A row: columns ascending, with their form factors.
