@@ -362,7 +362,7 @@ impl Hemicube {
     /// Pixels of all hemicubes of a row.
     pub(crate) fn pixels_per_row(&self) -> u32 {
         let side = Pixels::new(self.resolution).resolution();
-        let points = points_per_replicate(self) * REPLICATES as u32;
+        let points = points_per_replicate(self).saturating_mul(REPLICATES as u32);
         (3 * side * side).saturating_mul(points)
     }
 }

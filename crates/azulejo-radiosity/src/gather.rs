@@ -157,7 +157,7 @@ pub(crate) fn gather_watched(
             break;
         }
         let variances = relative_variances(&all.gathered);
-        let totals = allot(&variances, &all.spent, goal / all.gain().sqrt(), most);
+        let totals = allocate(&variances, &all.spent, goal / all.gain().sqrt(), most);
         if totals == all.spent {
             break;
         }
@@ -246,7 +246,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
 ///
 /// A point's variance falls with its rays n as n^−[`RATE`]; the sum of rays is then least for n in
 /// proportion to variance^(1/(1 + RATE)), by Lagrange.
-fn allot(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
+fn allocate(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
     let mean = variances.iter().sum::<f64>() / variances.len() as f64;
     // Four replicates estimate a point's variance badly; half of it is taken from all points.
     let per_ray = |(v, &n): (&f64, &u32)| 0.5 * (v + mean) * f64::from(n).powf(RATE);

@@ -3,8 +3,7 @@
 use crate::gather::Gathering;
 use crate::system::RadiositySolution;
 use crate::vertices::{Targets, targets};
-use azulejo_factors::Patches;
-use azulejo_factors::ProxyScene;
+use azulejo_factors::{Patches, ProxyScene};
 use azulejo_scene::Irradiance;
 use std::time::{Duration, Instant};
 

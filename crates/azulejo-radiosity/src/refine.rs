@@ -104,7 +104,7 @@ pub fn refine(
         if progress.out_of_time() || reached <= goal.error * goal.error {
             break;
         }
-        let totals = allot(&rows, &strengths, costs, goal.error, most);
+        let totals = allocate(&rows, &strengths, costs, goal.error, most);
         let work = tasks(&rows, &totals);
         if work.is_empty() {
             break;
@@ -348,7 +348,7 @@ fn reached(rows: &[RefinedRow], strengths: &[[f64; 2]]) -> f64 {
 
 /// Counts that reach the goal at least cost, as far as one round should go: the present counts
 /// times powers of two.
-fn allot(
+fn allocate(
     rows: &[RefinedRow],
     strengths: &[[f64; 2]],
     costs: [f64; 2],

@@ -1,8 +1,7 @@
 //! Measures of a form factor matrix: its deviation from another, and its closure, reciprocity and
 //! energy balance.
 
-use azulejo_factors::reflectances;
-use azulejo_factors::{FormFactors, Patches};
+use azulejo_factors::{FormFactors, Patches, reflectances};
 use azulejo_scene::{Rgb, Scene};
 
 /// The entries of a row: columns, ascending, with their form factors.

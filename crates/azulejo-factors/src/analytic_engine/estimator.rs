@@ -30,14 +30,14 @@ impl<'a> AnalyticEstimator<'a> {
         seed: u32,
         columns: Columns,
     ) -> AnalyticEstimator<'a> {
-        let wanted = ExchangerOptions {
+        let options = ExchangerOptions {
             accuracy: None,
             is_per_channel: true,
             seed: hash(&[seed, 2]),
         };
         let sides = (0..2 * patches.len() as u32).collect();
         AnalyticEstimator {
-            exchanger: Exchanger::new(patches, gatherer.surfaces(), sides, wanted),
+            exchanger: Exchanger::new(patches, gatherer.surfaces(), sides, options),
             rays: RayEstimator::new(gatherer, patches, rays, seed, columns),
             gatherer,
             patches,

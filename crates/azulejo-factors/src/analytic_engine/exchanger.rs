@@ -45,7 +45,7 @@ pub(crate) struct Exchanger<'a> {
     facets: FacetTree,
     /// Position of each side's facet, or [`NOWHERE`].
     positions: Vec<u32>,
-    worlds: Vec<MirrorImage>,
+    images: Vec<MirrorImage>,
     truncated: f64,
     accuracy: PairAccuracy,
     /// Orders that are known completely by formulas.
@@ -65,35 +65,41 @@ impl<'a> Exchanger<'a> {
         patches: &'a Patches,
         surfaces: &'a Surfaces<'a>,
         sides: Vec<Side>,
-        wanted: ExchangerOptions,
+        options: ExchangerOptions,
     ) -> Exchanger<'a> {
         let facet = |(row, &side): (usize, &Side)| facet(patches, side, row as u32);
         let list: Vec<Facet> = sides.iter().enumerate().filter_map(facet).collect();
-        let solids = SceneOccluders::new(patches, surfaces, &sides);
-        let (worlds, known) = worlds(patches, surfaces, &solids, &list, wanted.is_per_channel);
-        let facets = FacetTree::new(&list, solids.size);
+        let scene_occluders = SceneOccluders::new(patches, surfaces, &sides);
+        let (images, known) = images(
+            patches,
+            surfaces,
+            &scene_occluders,
+            &list,
+            options.is_per_channel,
+        );
+        let facets = FacetTree::new(&list, scene_occluders.size);
         let mut positions = vec![NOWHERE; sides.len()];
         for (position, facet) in facets.list.iter().enumerate() {
             positions[facet.id as usize] = position as u32;
         }
         Exchanger {
-            accuracy: accuracy(wanted.accuracy, sides.len()),
+            accuracy: accuracy(options.accuracy, sides.len()),
             patches,
             surfaces,
             sides,
             facets,
             positions,
-            worlds: worlds.list,
-            truncated: worlds.truncated,
+            images: images.list,
+            truncated: images.truncated,
             known,
-            seed: wanted.seed,
+            seed: options.seed,
         }
     }
 
     /// The largest share of any row's light that takes chains of mirrors without images; `None` if
     /// there are no images at all.
     pub fn truncated(&self) -> Option<f64> {
-        (self.worlds.len() > 1).then_some(self.truncated)
+        (self.images.len() > 1).then_some(self.truncated)
     }
 
     /// Whether formulas know everything.
@@ -120,8 +126,8 @@ impl<'a> Exchanger<'a> {
             if progress.out_of_time() {
                 return Ok(RowGroup::default());
             }
-            let (rows, tally) = self.group(rows, true);
-            Ok(RowGroup { rows, tally })
+            let (rows, counts) = self.group(rows, true);
+            Ok(RowGroup { rows, counts })
         };
         let size = (groups.len(), BLOCK);
         let done = resumed(journal, JournalStage::Pairs, size, progress, |block| {
@@ -131,9 +137,9 @@ impl<'a> Exchanger<'a> {
         let mut orders = [(); ORDERS].map(|()| vec![Box::<[Exchange]>::default(); n]);
         // Rows without a facet count as done.
         let mut is_done: Vec<bool> = self.positions.iter().map(|&p| p == NOWHERE).collect();
-        let mut tally = PairCounts::default();
+        let mut counts = PairCounts::default();
         for group in done {
-            tally.add(&group.tally);
+            counts.add(&group.counts);
             for (id, row) in group.rows {
                 is_done[id as usize] = true;
                 for (order, row) in orders.iter_mut().zip(row) {
@@ -144,7 +150,7 @@ impl<'a> Exchanger<'a> {
         Ok(AllPairs {
             orders: orders.map(ExchangeAreas::from_rows),
             is_done,
-            tally,
+            counts,
         })
     }
 
@@ -174,18 +180,18 @@ impl<'a> Exchanger<'a> {
     fn group(&self, rows: &[u32], upper: bool) -> (Vec<(u32, Orders)>, PairCounts) {
         let facets = || rows.iter().map(|&r| &self.facets.list[r as usize]);
         let mut found: [Option<ExchangeBlock>; ORDERS] = Default::default();
-        let mut tally = PairCounts::default();
-        for world in &self.worlds {
-            let images = world.rows(facets());
-            let found = found[world.order]
+        let mut counts = PairCounts::default();
+        for image in &self.images {
+            let images = image.rows(facets());
+            let found = found[image.order]
                 .get_or_insert_with(|| ExchangeBlock::new(rows.len(), self.facets.list.len()));
-            let mut traversal = PairTraversal::new(world, &images, &self.facets, self.accuracy);
+            let mut traversal = PairTraversal::new(image, &images, &self.facets, self.accuracy);
             traversal.run(upper, found);
             for &(row, column) in &traversal.unresolved {
                 let (value, error) = self.by_shadow_rays(rows[row] as usize, column);
                 found.add(row, column, value, error);
             }
-            tally.add(&traversal.tally);
+            counts.add(&traversal.counts);
         }
         let row = |(k, position): (usize, &u32)| {
             let sorted = |found: &Option<ExchangeBlock>| {
@@ -196,7 +202,7 @@ impl<'a> Exchanger<'a> {
             let id = self.facets.list[*position as usize].id;
             (id, found.each_ref().map(sorted))
         };
-        (rows.iter().enumerate().map(row).collect(), tally)
+        (rows.iter().enumerate().map(row).collect(), counts)
     }
 
     fn entries(&self, found: &ExchangeBlock, row: usize) -> Vec<Exchange> {
@@ -232,14 +238,14 @@ impl<'a> Exchanger<'a> {
 pub(crate) struct AllPairs {
     pub orders: [ExchangeAreas; ORDERS],
     pub is_done: Vec<bool>,
-    pub tally: PairCounts,
+    pub counts: PairCounts,
 }
 
 /// Upper rows that were computed together; empty if time ran out.
 #[derive(Default)]
 struct RowGroup {
     rows: Vec<(u32, Orders)>,
-    tally: PairCounts,
+    counts: PairCounts,
 }
 
 impl Record for RowGroup {
@@ -252,7 +258,7 @@ impl Record for RowGroup {
             bytes.extend(id.to_le_bytes());
             orders.iter().for_each(|row| row.write(bytes));
         });
-        let counts = self.tally.counts();
+        let counts = self.counts.counts();
         bytes.extend(counts.into_iter().flat_map(u64::to_le_bytes));
     }
 
@@ -267,8 +273,8 @@ impl Record for RowGroup {
         for count in &mut counts {
             *count = bytes.u64()?;
         }
-        let tally = PairCounts::of(counts);
-        Some(RowGroup { rows, tally })
+        let counts = PairCounts::of(counts);
+        Some(RowGroup { rows, counts })
     }
 }
 
@@ -306,10 +312,10 @@ fn accuracy(wanted: Option<f64>, rows: usize) -> PairAccuracy {
 const EXACT: f64 = 1e-6;
 
 /// The chains of mirrors whose images pay off, and the orders that they cover completely.
-fn worlds(
+fn images(
     patches: &Patches,
     surfaces: &Surfaces,
-    solids: &SceneOccluders,
+    scene_occluders: &SceneOccluders,
     facets: &[Facet],
     is_per_channel: bool,
 ) -> (MirrorImages, [bool; ORDERS]) {
@@ -324,15 +330,15 @@ fn worlds(
         let is_mirror = is_sharp && patches.polygon(i).is_some();
         is_mirror && (material.mirror.is_grey() || !is_per_channel)
     };
-    let mirrors = if solids.curved.is_empty() && all.iter().all(is_flat_mirror) {
-        solids.mirrors(patches, surfaces, &all)
+    let mirrors = if scene_occluders.curved.is_empty() && all.iter().all(is_flat_mirror) {
+        scene_occluders.mirrors(patches, surfaces, &all)
     } else {
         Vec::new()
     };
     let is_few = facets.len() <= FEW;
     let pays = is_few || cost_of_images(&mirrors, facets) <= MOST_COST;
     let mirrors: &[FlatMirror] = if pays { &mirrors } else { &[] };
-    let depth = ImageLimits {
+    let limits = ImageLimits {
         least: 1e-10,
         // Each costs up to as much as the scene itself: between divided surfaces rays are faster.
         chains: if is_few { 8_192 } else { 0 },
@@ -348,10 +354,10 @@ fn worlds(
         };
         facets.iter().map(share).fold(0.0, f64::max)
     };
-    let worlds = MirrorImages::new(solids, mirrors, depth, &corners, reach);
+    let images = MirrorImages::new(scene_occluders, mirrors, limits, &corners, reach);
     let by_images = all.is_empty() || !mirrors.is_empty();
-    let known = [true, by_images, by_images && worlds.is_complete];
-    (worlds, known)
+    let known = [true, by_images, by_images && images.is_complete];
+    (images, known)
 }
 
 /// Images of mirrors that cost up to this, relative to the direct pairs, are better than rays.

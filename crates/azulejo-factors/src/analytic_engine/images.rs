@@ -62,7 +62,7 @@ pub(super) struct MirrorImages {
 impl MirrorImage {
     fn new(
         chain: Chain,
-        solids: &SceneOccluders,
+        scene_occluders: &SceneOccluders,
         occluders: &[&[DVec3]],
         reflectance: Rgb,
     ) -> MirrorImage {
@@ -76,16 +76,16 @@ impl MirrorImage {
             .into_iter()
             .filter_map(|(polygon, of)| {
                 let mut blocker = Blocker::new(polygon)?;
-                blocker.is_one_sided = solids.flat[of].is_one_sided;
+                blocker.is_one_sided = scene_occluders.flat[of].is_one_sided;
                 Some(blocker)
             });
         MirrorImage {
             obstructions: windows.into_iter().chain(blockers).collect(),
             windows: count,
-            curved: solids.curved.clone(),
+            curved: scene_occluders.curved.clone(),
             weight: reflectance.mean(),
             order: chain.length.min(2),
-            graze: GRAZE * solids.size,
+            graze: GRAZE * scene_occluders.size,
             chain,
         }
     }
@@ -121,15 +121,20 @@ impl MirrorImages {
     /// Directly, by each mirror, and by chains of them, the shortest first. `reach` bounds the
     /// share of any side's light that passes a window; all light starts among `corners`.
     pub fn new(
-        solids: &SceneOccluders,
+        scene_occluders: &SceneOccluders,
         mirrors: &[FlatMirror],
-        depth: ImageLimits,
+        limits: ImageLimits,
         corners: &[DVec3],
         reach: impl Fn(&[DVec3]) -> f64 + Sync,
     ) -> MirrorImages {
-        let occluders: Vec<&[DVec3]> = solids.flat.iter().map(|b| &b.polygon[..]).collect();
-        let image_of =
-            |g: &GrowingChain| MirrorImage::new(g.chain.clone(), solids, &occluders, g.reflectance);
+        let occluders: Vec<&[DVec3]> = scene_occluders
+            .flat
+            .iter()
+            .map(|b| &b.polygon[..])
+            .collect();
+        let image_of = |g: &GrowingChain| {
+            MirrorImage::new(g.chain.clone(), scene_occluders, &occluders, g.reflectance)
+        };
         let mut ends = vec![GrowingChain {
             chain: Chain::default(),
             reflectance: Rgb::WHITE,
@@ -138,14 +143,14 @@ impl MirrorImages {
         ends = longer(&ends, mirrors, &occluders);
         list.extend(ends.iter().map(image_of));
         let singles = list.len();
-        if depth.chains == 0 {
+        if limits.chains == 0 {
             return MirrorImages {
                 list,
                 is_complete: mirrors.len() < 2,
                 truncated: 0.0,
             };
         }
-        let graze = GRAZE * solids.size;
+        let graze = GRAZE * scene_occluders.size;
         let lean = |chain: &Chain, others: &[&Chain]| chain.without_passed(corners, graze, others);
         let bound = |mut g: GrowingChain| {
             g.chain = lean(&g.chain, &[&Chain::default()]);
@@ -156,18 +161,15 @@ impl MirrorImages {
         let mut truncated = 0.0;
         while !ends.is_empty() {
             let mut next = longer(&ends, mirrors, &occluders);
-            if next.len() <= depth.chains {
+            if next.len() <= limits.chains {
                 next = joined(next, lean);
             }
             let next: Vec<(GrowingChain, f64)> = next.into_par_iter().map(bound).collect();
             let (next, weak): (Vec<_>, Vec<_>) =
-                next.into_iter().partition(|(_, most)| *most > depth.least);
+                next.into_iter().partition(|(_, most)| *most > limits.least);
             truncated += weak.iter().map(|(_, most)| most).sum::<f64>();
-            let obstructions: usize = list
-                .iter()
-                .map(|image_of| image_of.obstructions.len())
-                .sum();
-            if list.len() + next.len() > singles + depth.chains || obstructions > MOST_OBSTRUCTIONS
+            let obstructions: usize = list.iter().map(|image| image.obstructions.len()).sum();
+            if list.len() + next.len() > singles + limits.chains || obstructions > MOST_OBSTRUCTIONS
             {
                 truncated += next.iter().map(|(_, most)| most).sum::<f64>();
                 break;
@@ -175,7 +177,7 @@ impl MirrorImages {
             ends = next.into_iter().map(|(g, _)| g).collect();
             list.extend(ends.iter().map(image_of));
         }
-        let is_complete = truncated <= depth.most_truncated;
+        let is_complete = truncated <= limits.most_truncated;
         if !is_complete {
             list.truncate(singles);
         }

@@ -121,7 +121,7 @@ impl PairCounts {
 
 /// State of the traversal.
 pub(super) struct PairTraversal<'a> {
-    world: &'a MirrorImage,
+    image: &'a MirrorImage,
     accuracy: PairAccuracy,
     rows: &'a FacetTree,
     columns: &'a FacetTree,
@@ -131,21 +131,21 @@ pub(super) struct PairTraversal<'a> {
     edges: Vec<u64>,
     partial: PartialVisibility,
     sums: Vec<f64>,
-    pub tally: PairCounts,
+    pub counts: PairCounts,
     /// Pairs left to shadow rays.
     pub unresolved: Vec<UnresolvedPair>,
 }
 
 impl<'a> PairTraversal<'a> {
-    /// A traversal of all pairs of `rows`, the images of facets in `image`, and `columns`.
+    /// A traversal of all pairs of `rows`, as seen in `image`, and `columns`.
     pub fn new(
-        world: &'a MirrorImage,
+        image: &'a MirrorImage,
         rows: &'a FacetTree,
         columns: &'a FacetTree,
         accuracy: PairAccuracy,
     ) -> PairTraversal<'a> {
         let mut traversal = PairTraversal {
-            world,
+            image,
             accuracy,
             rows,
             columns,
@@ -154,7 +154,7 @@ impl<'a> PairTraversal<'a> {
             edges: Vec::new(),
             partial: PartialVisibility::default(),
             sums: Vec::new(),
-            tally: PairCounts::default(),
+            counts: PairCounts::default(),
             unresolved: Vec::new(),
         };
         traversal.halve(0..rows.list.len());
@@ -179,7 +179,7 @@ impl<'a> PairTraversal<'a> {
 
     /// All pairs of the rows with columns; with `upper` only those from the diagonal on.
     pub fn run(&mut self, upper: bool, found: &mut ExchangeBlock) {
-        let count = self.world.obstructions.len() + self.world.curved.len();
+        let count = self.image.obstructions.len() + self.image.curved.len();
         self.obstructions.extend(0..count as u32);
         if !self.columns.tree.nodes.is_empty() {
             self.visit(0, 0, 0..count, upper, found);
@@ -195,7 +195,7 @@ impl<'a> PairTraversal<'a> {
         upper: bool,
         found: &mut ExchangeBlock,
     ) {
-        let world = self.world;
+        let image = self.image;
         let (row, column) = (&self.nodes[r], &self.columns.clusters[c]);
         let (row_range, second_row) = (row.range.clone(), row.second);
         let node = &self.columns.tree.nodes[c];
@@ -206,8 +206,8 @@ impl<'a> PairTraversal<'a> {
             return;
         }
         let facing = match (
-            row.cluster.facing(&column.bounds, world.graze),
-            column.facing(&row.cluster.bounds, world.graze),
+            row.cluster.facing(&column.bounds, image.graze),
+            column.facing(&row.cluster.bounds, image.graze),
         ) {
             (Facing::Away, _) | (_, Facing::Away) => return,
             (Facing::Towards, Facing::Towards) => Facing::Towards,
@@ -215,10 +215,10 @@ impl<'a> PairTraversal<'a> {
         };
         let top = self.obstructions.len();
         if !obstructions.is_empty() {
-            let shaft = ClusterShaft::new(&row.cluster.bounds, &column.bounds, world.graze);
+            let shaft = ClusterShaft::new(&row.cluster.bounds, &column.bounds, image.graze);
             if !self.cull(&shaft, obstructions) {
                 self.obstructions.truncate(top);
-                self.tally.hidden += (row_range.len() * node.range.len()) as u64;
+                self.counts.hidden += (row_range.len() * node.range.len()) as u64;
                 return;
             }
         }
@@ -253,15 +253,15 @@ impl<'a> PairTraversal<'a> {
     fn cull(&mut self, shaft: &ClusterShaft, obstructions: Range<usize>) -> bool {
         for k in obstructions {
             let index = self.obstructions[k] as usize;
-            let is_window = index < self.world.windows;
-            match self.world.obstructions.get(index) {
+            let is_window = index < self.image.windows;
+            match self.image.obstructions.get(index) {
                 Some(obstruction) => match (shaft.effect(obstruction), is_window) {
                     (Effect::None, true) | (Effect::Hides, false) => return false,
                     (Effect::None, false) | (Effect::Hides, true) => {}
                     (Effect::Partial(_), _) => self.obstructions.push(index as u32),
                 },
                 None => {
-                    if shaft.meets(&self.world.curved[index - self.world.obstructions.len()]) {
+                    if shaft.meets(&self.image.curved[index - self.image.obstructions.len()]) {
                         self.obstructions.push(index as u32);
                     }
                 }
@@ -279,7 +279,7 @@ impl<'a> PairTraversal<'a> {
         upper: bool,
         found: &mut ExchangeBlock,
     ) -> bool {
-        let world = self.world;
+        let image = self.image;
         let (row, column) = (&self.nodes[r].cluster, &self.columns.clusters[c]);
         if !(row.is_plain && column.is_plain) {
             return false;
@@ -318,12 +318,12 @@ impl<'a> PairTraversal<'a> {
             for (k, &value) in columns.clone().zip(&self.sums) {
                 let facet = &self.columns.list[k];
                 if (!upper || facet.id >= own.id) && !facet.is_empty() {
-                    let value = world.weight * value.max(0.0);
+                    let value = image.weight * value.max(0.0);
                     found.add(row, k, value, error * value);
                 }
             }
         }
-        self.tally.bulk += (rows.len() * columns.len()) as u64;
+        self.counts.bulk += (rows.len() * columns.len()) as u64;
         true
     }
 
@@ -335,36 +335,36 @@ impl<'a> PairTraversal<'a> {
         upper: bool,
         found: &mut ExchangeBlock,
     ) {
-        let world = self.world;
+        let image = self.image;
         let (a, b) = (&self.rows.list[row], &self.columns.list[column]);
         if a.is_empty() || b.is_empty() || upper && b.id < a.id {
             return;
         }
-        let Some(is_whole) = facing(a, b, world.graze) else {
+        let Some(is_whole) = facing(a, b, image.graze) else {
             return;
         };
         let top = self.obstructions.len();
         let is_seen = self.cull_for_pair(a, b, obstructions);
         let kept = top..self.obstructions.len();
         if !is_seen {
-            self.tally.hidden += 1;
+            self.counts.hidden += 1;
         } else if kept.is_empty() {
             let (value, error) = self.whole(row, column, is_whole);
-            found.add(row, column, world.weight * value, world.weight * error);
-        } else if kept.len() > MOST_OBSTRUCTIONS && world.order == 0
+            found.add(row, column, image.weight * value, image.weight * error);
+        } else if kept.len() > MOST_OBSTRUCTIONS && image.order == 0
             || self.obstructions[kept.clone()]
                 .iter()
-                .any(|&s| s as usize >= world.obstructions.len())
+                .any(|&s| s as usize >= image.obstructions.len())
         {
             self.unresolved.push((row, column));
-            self.tally.unresolved += 1;
+            self.counts.unresolved += 1;
         } else {
-            self.tally.partial += 1;
-            let windows = world.windows;
+            self.counts.partial += 1;
+            let windows = image.windows;
             let obstructions = self.obstructions[kept].iter().zip(&self.edges);
             let obstructions = obstructions.map(|(&s, &edges)| {
                 (
-                    &world.obstructions[s as usize],
+                    &image.obstructions[s as usize],
                     edges,
                     (s as usize) < windows,
                 )
@@ -372,10 +372,10 @@ impl<'a> PairTraversal<'a> {
             let goal = PairGoal {
                 error: self.accuracy.partial * a.area.min(b.area),
                 whole: self.accuracy.whole,
-                graze: world.graze,
+                graze: image.graze,
             };
             let seen = if self.accuracy.is_exact {
-                match world.lit_parts(a, b) {
+                match image.lit_parts(a, b) {
                     Some([a, b]) => {
                         let obstructions = obstructions
                             .map(|(obstruction, _, is_window)| (obstruction, is_window));
@@ -386,7 +386,7 @@ impl<'a> PairTraversal<'a> {
             } else {
                 self.partial.exchange([a, b], is_whole, obstructions, goal)
             };
-            let (value, error) = (world.weight * seen.value, world.weight * seen.error);
+            let (value, error) = (image.weight * seen.value, image.weight * seen.error);
             found.add(row, column, value, error);
         }
         self.obstructions.truncate(top);
@@ -397,13 +397,13 @@ impl<'a> PairTraversal<'a> {
         self.edges.clear();
         for k in obstructions {
             let index = self.obstructions[k] as usize;
-            let Some(obstruction) = self.world.obstructions.get(index) else {
+            let Some(obstruction) = self.image.obstructions.get(index) else {
                 self.obstructions.push(index as u32);
                 self.edges.push(0);
                 continue;
             };
-            let effect = obstruction.effect(a.polygon(), b.polygon(), self.world.graze);
-            match (effect, index < self.world.windows) {
+            let effect = obstruction.effect(a.polygon(), b.polygon(), self.image.graze);
+            match (effect, index < self.image.windows) {
                 (Effect::None, true) | (Effect::Hides, false) => return false,
                 (Effect::None, false) | (Effect::Hides, true) => {}
                 (Effect::Partial(edges), _) => {
@@ -424,19 +424,19 @@ impl<'a> PairTraversal<'a> {
         let is_plain = is_whole && a.count <= 4 && b.count <= 4;
         let mut value = [0.0];
         if is_plain && four < self.accuracy.whole {
-            self.tally.single += 1;
+            self.counts.single += 1;
             columns
                 .four
                 .exchange(&rows.four.own(row), column..column + 1, &mut value);
             (value[0], four * value[0])
         } else if is_plain && nine < self.accuracy.whole {
-            self.tally.single += 1;
+            self.counts.single += 1;
             columns
                 .nine
                 .exchange(&rows.nine.own(row), column..column + 1, &mut value);
             (value[0], nine * value[0])
         } else {
-            self.tally.close += 1;
+            self.counts.close += 1;
             let value = if self.accuracy.is_exact {
                 exchange_area(a.polygon(), b.polygon())
             } else {

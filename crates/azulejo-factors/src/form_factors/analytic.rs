@@ -207,7 +207,7 @@ fn settled_remainder(
 
 /// How the pairs were resolved.
 fn notes(all: &AllPairs, is_complete: bool, rays: u32) -> Vec<String> {
-    let t = &all.tally;
+    let t = &all.counts;
     let mut notes = vec![format!(
         "{} pairs are unoccluded, {} partially occluded, {} hidden",
         t.bulk + t.single + t.close,

@@ -44,8 +44,8 @@ pub enum Closure {
     Closed,
     /// All: in open scenes rows, sky and ground together sum to 1; with mirrors, what they reflect
     /// is counted once. Scenes with coloured mirrors are left alone, because the mean of three
-    /// channels preserves no sum, and so are those with glass or gloss, in which light does not end
-    /// at one column.
+    /// channels preserves no sum, and so are those with glass, in which light does not end, or
+    /// with glossy surfaces.
     Always,
 }
 

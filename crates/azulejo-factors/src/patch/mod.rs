@@ -59,18 +59,18 @@ use locate::Locator;
 use outline::Outline;
 use std::ops::Range;
 
-/// How small patches have to be.
+/// The size of patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PatchSize {
-    /// About this many in the whole scene: within 10% where the faces allow it. There is at
-    /// least one patch per face.
+    /// About this many patches in the whole scene: within 10% where the faces allow it, and at
+    /// least one per face.
     Count(usize),
-    /// The edge that this many squares would have that share the area of all surfaces evenly. What
-    /// is modelled finer stays as it is, and a fine figure takes nothing from the room around it.
+    /// The edge of squares of which this many have the total area of all surfaces. Finer faces stay
+    /// whole, so a detailed figure does not make the patches of the room around it coarser.
     Squares(usize),
-    /// The longest edge, in scene units. It holds exactly for what lies on edges of faces and
-    /// in regular patterns; inner edges of irregular triangles may be up to 1.5 times as long.
-    /// Not a positive number: faces stay whole.
+    /// The longest edge, in scene units. Exact for edges of faces and for regular patterns; inner
+    /// edges of irregular triangles may be up to 1.5 times as long. If not positive, faces stay
+    /// whole.
     Edge(f64),
 }
 
@@ -85,25 +85,25 @@ pub struct FaceId {
 
 /// A point at which irradiance is computed and shown.
 ///
-/// Corners of patches of one object are one display vertex where they are the same vertex, edge
-/// point or inner point, and the surface is smooth there: irradiance never bleeds over a crease,
-/// nor over a line along which another face touches or crosses this one.
+/// Corners of patches of one object share a display vertex if they coincide and the surface is
+/// smooth there: irradiance never bleeds over a crease, nor over a line along which another face
+/// touches or crosses this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisplayVertex {
     /// Index among the scene's objects.
     pub object: u32,
-    /// Where it is shown.
+    /// World position.
     pub position: DVec3,
     /// Unit shading normal of the front: the file's, interpolated, or else the mean of the
     /// smooth surface's faces, weighted by angle.
     pub normal: DVec3,
-    /// Where irradiance is gathered: `position` moved a thousandth of the way to the centre of
-    /// the adjoining patches, so that it does not lie in the wall that meets this one there.
-    /// Within a flat surface that hardly moves it; on a bent one it moves into one patch only.
+    /// Where irradiance is gathered: `position` moved a thousandth of the way to the centre of the
+    /// adjoining patches, so that it does not lie in an adjoining wall. On a flat surface that
+    /// makes hardly any difference; on a bent one it lies in a single patch.
     pub gather: DVec3,
 }
 
-/// A display vertex that shows a vertex of the given mesh, one of several at a crease.
+/// A display vertex of a vertex of the given mesh, one of several at a crease.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GivenVertex {
     /// Index of the display vertex, which has the normal and the gather position.
@@ -129,7 +129,7 @@ pub struct Patches {
     cells: Vec<Cells>,
     /// First patch of each region, and the total.
     region_patches: Vec<u32>,
-    /// The primitive of each object that is one.
+    /// For each object its primitive, if it is one.
     primitives: Vec<Option<Primitive>>,
     /// First patch of each object, and the total.
     object_patches: Vec<u32>,
@@ -138,7 +138,7 @@ pub struct Patches {
     vertices: Vec<DisplayVertex>,
     /// Patches around each vertex.
     around: Lists<u32>,
-    /// For each object's vertices as given, what shows them.
+    /// For each object's given vertices their display vertices.
     given: Vec<Lists<GivenVertex>>,
     /// First face of each object, and the total.
     face_base: Vec<u32>,
@@ -147,7 +147,7 @@ pub struct Patches {
     locator: Locator,
 }
 
-/// What patches need to know of their region.
+/// What patches share with their region.
 struct FlatRegion {
     face: FaceId,
     material: MaterialId,
@@ -157,7 +157,7 @@ struct FlatRegion {
     corners: Range<u32>,
 }
 
-/// Lists of different lengths, one after the other.
+/// Lists of different lengths, stored consecutively.
 #[derive(Default)]
 struct Lists<T> {
     starts: Vec<u32>,
@@ -165,7 +165,7 @@ struct Lists<T> {
 }
 
 impl<T: Copy + Default> Lists<T> {
-    /// Sorts `(list, item)` pairs into `count` lists; items keep their order.
+    /// Distributes `(list, item)` pairs over `count` lists; items keep their order.
     fn new(count: usize, pairs: impl Iterator<Item = (u32, T)> + Clone) -> Lists<T> {
         let mut starts = vec![0u32; count + 1];
         pairs.clone().for_each(|p| starts[p.0 as usize + 1] += 1);
@@ -204,8 +204,8 @@ impl std::ops::Deref for Polygon {
 }
 
 impl Patches {
-    /// Divides the faces of a scene. Never panics on a scene that validates; at most about 2^24
-    /// patches, or one per face if there are more faces.
+    /// Divides the faces of a scene into at most about 2^24 patches, or one per face if there are
+    /// more faces. Never panics on a valid scene.
     pub fn new(scene: &Scene, size: PatchSize) -> Patches {
         let outline = Outline::new(scene);
         let contacts = Contacts::new(&outline);
@@ -238,7 +238,7 @@ impl Patches {
         self.region(i).face
     }
 
-    /// Centroid of a flat patch; for a curved one the middle of its parameters.
+    /// Centroid of a flat patch; the point at the middle of its parameters for a curved one.
     pub fn centre(&self, i: usize) -> DVec3 {
         match self.polygon(i).as_deref() {
             Some(&[a, b, c]) => (a + b + c) / 3.0,
@@ -279,7 +279,7 @@ impl Patches {
             if !locate::is_flat(primitive.kind) {
                 return None;
             }
-            // Some parts' parameters turn the other way round.
+            // The parameters of some parts are clockwise.
             let normal = self.curved_point(i, 0.5, 0.5).normal;
             if area_vector(&polygon).dot(normal) < 0.0 {
                 polygon.points.swap(1, 3);
@@ -288,8 +288,8 @@ impl Patches {
         Some(polygon)
     }
 
-    /// Indices of the display vertices at the corners of a patch, 3 or 4. They turn as
-    /// [`polygon`](Patches::polygon) does; on an exact primitive they go as its `u`, `v` do.
+    /// Indices of the display vertices at the 3 or 4 corners of a patch, in the order of
+    /// [`polygon`](Patches::polygon); on an exact primitive, in the direction of its `u`, `v`.
     pub fn corner_vertices(&self, i: usize) -> &[u32] {
         let corners = &self.corners[i];
         let count = if corners[3] == NO_CORNER { 3 } else { 4 };
@@ -312,8 +312,8 @@ impl Patches {
         self.region_patches[regions.start] as usize..self.region_patches[regions.end] as usize
     }
 
-    /// All display vertices, object by object; an object's are the vertices of its refined mesh
-    /// in their order, or the grid vertices of its parts.
+    /// All display vertices, object by object; within an object the vertices of its refined mesh in
+    /// order, or the grid vertices of its parts.
     pub fn vertices(&self) -> &[DisplayVertex] {
         &self.vertices
     }
@@ -328,8 +328,8 @@ impl Patches {
         self.around.get(vertex)
     }
 
-    /// What shows vertex `vertex` of an object's mesh as it was given: one display vertex, more
-    /// at a crease, none if no face with area uses it.
+    /// The display vertices of vertex `vertex` of an object's given mesh: one, more at a crease,
+    /// none if no face with area uses it.
     pub fn given_vertices(&self, object: u32, vertex: u32) -> &[GivenVertex] {
         self.given
             .get(object as usize)

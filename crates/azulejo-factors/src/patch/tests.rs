@@ -52,7 +52,7 @@ pub(super) fn cuboid(size: DVec3) -> Mesh {
     mesh(&p, &faces)
 }
 
-/// A globe of quadrilaterals with triangles at the poles.
+/// A sphere of quadrilaterals with triangles at the poles.
 fn globe(around: u32, up: u32) -> Mesh {
     let mut points = vec![-DVec3::Z];
     for j in 1..up {
@@ -115,7 +115,7 @@ fn ngon(n: u32) -> Mesh {
     polygon(&(0..n).map(corner).collect::<Vec<_>>())
 }
 
-/// Every shape that has its own way through the division.
+/// Every shape with a division method of its own.
 fn specimens() -> Vec<(&'static str, Mesh)> {
     vec![
         ("square", polygon(&[(0., 0.), (1., 0.), (1., 1.), (0., 1.)])),
@@ -303,7 +303,7 @@ fn faces_of_different_objects_share_points() {
     }
 }
 
-/// The tracer's view of a point of a face: triangle and weights.
+/// The tracer's representation of a point of a face: triangle and weights.
 pub(super) fn hit(mesh: &Mesh, face: usize, p: DVec3) -> (u32, f32, f32) {
     let mut best = (0, 0.0, 0.0, f64::NEG_INFINITY);
     for (k, t) in (0..).zip(mesh.triangulate(face)) {
@@ -516,7 +516,7 @@ fn fine_figures_leave_patches_for_the_room() {
     };
     assert!(of_floor(PatchSize::Count(300)) < 10);
     let even = of_floor(PatchSize::Squares(300));
-    // The figure stands through the floor, which cuts some more.
+    // The figure crosses the floor, which divides it further.
     assert!((300..700).contains(&even), "{even}");
 }
 
@@ -621,7 +621,7 @@ fn refined_meshes_are_valid_and_carry_everything() {
     for_each_specimen(|name, scene, given, patches, size| {
         let mut scene = scene.clone();
         let mut dressed = given.clone();
-        // A linear function of position, so that every interpolation gives it back.
+        // A linear function of position, which every interpolation reproduces.
         let value = |p: DVec3| DVec2::new(p.x + 2.0 * p.y, p.z - p.x);
         dressed.uvs = Some(Attribute {
             values: given
